@@ -1,6 +1,7 @@
-//! Numbers as people read them.
+//! Numbers in messages.
 
-/// A number rounded to `digits` significant digits: plain if it is of everyday size, else with a power of ten.
+/// A number rounded to `digits` significant digits: plain if it is neither very large nor very small, else with a power
+/// of ten.
 ///
 /// ```
 /// use canopy_fem::format_number::figures;
@@ -13,7 +14,7 @@ pub fn figures(x: f64, digits: usize) -> String {
     if x == 0.0 || (1e-3..1e6).contains(&x.abs()) { format!("{x}") } else { format!("{x:e}") }
 }
 
-/// A positive number rounded down to two digits: a step to type.
+/// A positive number rounded down to two digits, for a recommended step.
 ///
 /// ```
 /// use canopy_fem::format_number::two_digits;
@@ -22,11 +23,11 @@ pub fn figures(x: f64, digits: usize) -> String {
 pub fn two_digits(step: f64) -> f64 {
     let unit = 10_f64.powf(step.log10().floor() - 1.0);
     let rounded = (step / unit * (1.0 + 1e-12)).floor() * unit;
-    // Through text, so that it is the number that is printed.
+    // By way of text, so that it is exactly the number that is printed.
     format!("{rounded:.1e}").parse().unwrap_or(step)
 }
 
-/// Some items for a message: the first few and how many there are.
+/// Items for a message: the first few, and their number.
 pub fn first_few(items: &[u32]) -> String {
     let shown: Vec<String> = items.iter().take(5).map(u32::to_string).collect();
     let rest = if items.len() > 5 { format!(", … ({} in all)", items.len()) } else { String::new() };

@@ -1,14 +1,14 @@
-//! Opening of input files. A named pipe is refused: opening one waits for a writer, which may never come.
+//! Opening of input files. A named pipe is refused: opening it would wait for a writer, perhaps for ever.
 
 use std::fs::{self, File, FileType};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-/// Opens a regular file, or what a link to one leads to.
+/// Opens a regular file, also through a link.
 ///
 /// # Errors
 /// [`ErrorKind::InvalidInput`] for anything but a regular file and [`ErrorKind::IsADirectory`] for a folder, both
-/// without opening it; else the system's.
+/// without opening it; else the error of the system.
 pub fn open(path: &Path) -> io::Result<File> {
     let kind = fs::metadata(path)?.file_type();
     if kind.is_file() { File::open(path) } else { Err(refusal(kind)) }

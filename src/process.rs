@@ -1,19 +1,26 @@
-//! What this process has used so far.
+//! Resources used by this process.
 
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-/// What the integration cost, output included, set-up not.
+/// Cost of the integration, with output, without set-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cost {
-    /// [s] processor time, all threads; `None` where the system does not say
+    /// [s] processor time, all threads; `None` if the system does not report it
     pub cpu: Option<f64>,
     /// time on the clock
     pub wall: Duration,
 }
 
-/// Measures the cost of a run, on top of what earlier parts of it have cost.
+impl Cost {
+    /// [s] Processor time, or the wall clock where the system does not say.
+    pub fn seconds(self) -> f64 {
+        self.cpu.unwrap_or(self.wall.as_secs_f64())
+    }
+}
+
+/// Measures the cost of a run, added to the cost of its earlier parts.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopwatch {
     before: Cost,
@@ -21,7 +28,18 @@ pub struct Stopwatch {
     wall: Instant,
 }
 
+impl Default for Stopwatch {
+    fn default() -> Self {
+        Stopwatch::start(Cost::default())
+    }
+}
+
 impl Stopwatch {
+    /// [s] Processor time until now, or the wall clock where the system does not say.
+    pub fn seconds(&self) -> f64 {
+        self.read().seconds()
+    }
+
     /// Starts now.
     pub fn start(before: Cost) -> Self {
         Self { before, cpu: cpu_seconds(), wall: Instant::now() }
@@ -30,7 +48,7 @@ impl Stopwatch {
     /// The cost until now.
     pub fn read(&self) -> Cost {
         let now = || Some(cpu_seconds()? - self.cpu?);
-        // A run without earlier parts begins at zero, known or not.
+        // A run without earlier parts begins at zero, even if the system reports nothing.
         let before = if self.before == Cost::default() { Some(0.0) } else { self.before.cpu };
         Cost {
             cpu: before.and_then(|before| Some(before + now()?)),
@@ -39,7 +57,7 @@ impl Stopwatch {
     }
 }
 
-/// [s] processor time of all threads of this process; `None` where the system does not say.
+/// [s] Processor time of all threads of this process; `None` if the system does not report it.
 pub fn cpu_seconds() -> Option<f64> {
     #[cfg(unix)]
     {
@@ -50,12 +68,12 @@ pub fn cpu_seconds() -> Option<f64> {
     None
 }
 
-/// [byte] largest resident memory so far (`VmHWM` of proc(5)); `None` where the system does not say.
+/// [byte] largest resident memory so far (`VmHWM` of proc(5)); `None` if the system does not report it.
 pub fn peak_memory_bytes() -> Option<u64> {
     status_bytes("VmHWM:")
 }
 
-/// [byte] resident memory now (`VmRSS` of proc(5)); `None` where the system does not say.
+/// [byte] resident memory now (`VmRSS` of proc(5)); `None` if the system does not report it.
 pub fn resident_bytes() -> Option<u64> {
     status_bytes("VmRSS:")
 }
@@ -71,7 +89,7 @@ fn status_bytes(key: &str) -> Option<u64> {
 mod tests {
     use super::*;
 
-    /// Work raises the processor time, and touched memory the peak.
+    /// Work increases the processor time, and used memory the peak.
     #[test]
     fn use_is_seen() {
         let before = cpu_seconds().expect("Linux tells");

@@ -2,8 +2,7 @@
 //!
 //! A scene comes from a case file ([`Simulation::from_case`]) or from code ([`NetworkBuilder`]); [`RunSettings`] says
 //! by which method and in which steps it moves. Every slice of nodes has shape `[n_nodes][3]`, in the numbering of the
-//! mesh; units are SI. A program can add a force ([`NodalForce`]), a law of bars ([`BarLaw`]), a scheme
-//! ([`crate::integrate`]) and an observer ([`Observer`]) of its own; `examples/` has one of each.
+//! mesh; units are SI.
 //!
 //! ```
 //! use canopy_fem::simulation::{NetworkBuilder, RunSettings, Simulation, SpringLaw};
@@ -19,22 +18,51 @@
 //! assert!(sim.energies().numerical.abs() < 1e-9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # What a program can do
+//! | to | call |
+//! |---|---|
+//! | make a scene in code | [`NetworkBuilder`], [`Simulation::new`] |
+//! | take that of a case file | [`Simulation::from_case`], or [`follow`] to run it to its end |
+//! | choose method, steps, threads | [`RunSettings::fixed`], [`RunSettings::adaptive`], [`RunSettings::of`] |
+//! | make steps | [`Simulation::step`], [`Simulation::advance`], [`Simulation::run_until`] |
+//! | look at a step first | [`Simulation::attempt`]; [`Simulation::accept`] or [`Simulation::drop_attempt`] |
+//! | read nodes | [`Simulation::positions`], [`Simulation::velocities`], [`Simulation::reactions`] |
+//! | read springs and energies | [`Simulation::tensions`], [`Simulation::energies`] |
+//! | read what it cost | [`Simulation::counters`] |
+//! | set positions and velocities | [`Simulation::set_state`] |
+//! | set the wind | [`Simulation::set_wind`] |
+//! | scale gravity, pressures, forces | [`Simulation::set_load_factor`], [`Simulation::load_factors`] |
+//! | reef lines or let them out | [`Simulation::set_rest_length_factor`]: `examples/reefing.rs` |
+//! | push nodes | [`Simulation::set_nodal_force`], [`Simulation::remove_nodal_force`] |
+//! | add a force of its own | [`NodalForce`], [`Simulation::set_nodal_law`]: `examples/own_force.rs` |
+//! | check its derivatives | [`derivative_error`] |
+//! | add a law of bars | [`BarLaw`], [`Simulation::with_bars`]: `examples/own_bar_law.rs` |
+//! | add a scheme | [`crate::integrate`], [`RunSettings::of`]: `examples/own_scheme.rs` |
+//! | watch every step | [`Observer`], [`Simulation::run_until_with`]: `examples/own_observer.rs` |
+//! | save and restore | [`Simulation::snapshot`], [`Simulation::restore`] |
+//!
+//! What is set acts from the present state on, until it is set again. There the scheme and adaptive steps begin anew,
+//! as at the corner of a load table. Where a change gives or takes energy at once, as other rest lengths do, the
+//! account has it as external work, so `numerical` remains what the scheme itself makes.
 
 mod builder;
+mod derivative;
 mod error;
 mod follow;
 mod state;
 
 pub use crate::force::law::bar_law::{BarForce, BarLaw, Bars};
-pub use crate::scene::NodalForce;
+pub use crate::scene::{ForceDerivative, Load, NodalForce};
 pub use builder::{NetworkBuilder, RunSettings, SpringLaw};
+pub use derivative::{DerivativeError, derivative_error};
 pub use error::{SetupError, SimulationError};
 pub use follow::{FollowSpec, FollowedState, follow};
 pub use state::NodeMotion;
 
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, UpcomingStep, Wants};
-use crate::drive::{Outcome, Run, RunError, RunSpec, RunState, Snapshot};
+use crate::drive::{Changed, Outcome, Run, RunError, RunSpec, RunState, Snapshot};
 use crate::force::schedule::threads::Threads;
 use crate::integrate::StepReport;
 use crate::integrate::stepper::{Scheme, Stepper};
@@ -99,8 +127,10 @@ pub struct Simulation {
     pending: Option<Pending>,
     /// [m/s] wind that was set
     wind: Option<[f64; 3]>,
-    /// whether forces at the present state are to be found again
-    changed: bool,
+    /// [-] factors of rest lengths that were set, `[n_edges]`; empty if none was
+    rest_length_factors: Vec<f64>,
+    /// what was changed since the last step
+    changed: Changed,
     /// whether it goes on from a snapshot
     resumed: bool,
 }
@@ -170,8 +200,9 @@ impl Simulation {
     }
 
     fn at(scene: Arc<dyn Scene>, settings: RunSettings, scheme: Scheme, state: RunState) -> Self {
-        let (scheme, pending, wind, changed, resumed) = (Some(scheme), None, None, false, false);
-        Simulation { scene, scheme, settings, state, pending, wind, changed, resumed }
+        let (scheme, pending, wind, resumed) = (Some(scheme), None, None, false);
+        let (rest_length_factors, changed) = (Vec::new(), Changed::Nothing);
+        Simulation { scene, scheme, settings, state, pending, wind, rest_length_factors, changed, resumed }
     }
 
     /// Makes one step: of the fixed size, or of the size that the tolerance allows. An adaptive step whose error was
@@ -338,15 +369,21 @@ impl Simulation {
         stop: Stop<'_>,
         act: impl FnOnce(&mut Run<'_>, &mut Stepper<'_>) -> R,
     ) -> Result<R, SimulationError> {
-        let scheme = self.scheme.take().ok_or(SimulationError::Broken)?;
+        let mut scheme = self.scheme.take().ok_or(SimulationError::Broken)?;
+        if self.changed == Changed::Pattern {
+            scheme = self.settings.scheme();
+        }
         let scene = &*self.scene;
         let mut stepper = self.settings.bind(scheme, scene)?;
         let mut run = Run { scene, spec: self.settings.spec(), stop, state: &mut self.state };
-        if std::mem::take(&mut self.changed) {
-            run.state.refresh(scene, &mut stepper);
-        }
-        let done = act(&mut run, &mut stepper);
+        let ready = match self.changed {
+            Changed::Nothing => Ok(()),
+            changed => run.state.refresh(scene, &mut stepper, changed),
+        };
+        let done = ready.map(|()| act(&mut run, &mut stepper));
         self.scheme = Some(stepper.unbind());
+        let done = done.map_err(RunError::from)?;
+        self.changed = Changed::Nothing;
         Ok(done)
     }
 }

@@ -1,8 +1,8 @@
-//! Account of the time before the first step, by phases.
+//! The time before the first step, by phases.
 //!
-//! Phases belong to many layers, and most of their code should not know of clocks. So each phase is timed where it is
-//! called, into an account of the thread that prepares a run. Without an account nothing is measured. The times are
-//! reported and decide nothing.
+//! Phases belong to many folders, whose code should not depend on clocks. So each phase is timed where it is called,
+//! and recorded for the thread that prepares a run. Without a [`StartupTimer`] nothing is measured. The times are only
+//! reported.
 
 use std::cell::RefCell;
 use std::fmt::Write as _;
@@ -174,7 +174,7 @@ thread_local! {
     static BOOK: RefCell<Option<PhaseTimes>> = const { RefCell::new(None) };
 }
 
-/// Runs `work` and adds its time to the account of this thread, if it has one. Of factorisations only the first counts;
+/// Runs `work` and adds its time to the timer of this thread, if there is one. Of factorisations only the first counts;
 /// matrices of the search for the largest stable step belong to that phase.
 pub fn timed<T>(phase: Phase, work: impl FnOnce() -> T) -> T {
     let outside = BOOK.with_borrow_mut(|book| {
@@ -197,12 +197,12 @@ pub fn timed<T>(phase: Phase, work: impl FnOnce() -> T) -> T {
     done
 }
 
-/// The account of this thread while it makes a run ready; closed when dropped.
+/// The timer of this thread while it prepares a run; removed when dropped.
 #[derive(Debug)]
 pub struct StartupTimer(());
 
 impl StartupTimer {
-    /// Opens an account and discards an open one.
+    /// Starts a timer and discards an earlier one.
     pub fn open() -> Self {
         let book = PhaseTimes { began: Timestamps::now(), found: Startup::default(), inside: 0.0, whole: false };
         BOOK.set(Some(book));
@@ -221,7 +221,7 @@ impl Drop for StartupTimer {
     }
 }
 
-/// Ends the account when a run is ready: sets the sums and returns it, if this thread has one.
+/// Ends the timer when a run is ready: returns the times with their sums, if this thread has a timer.
 pub fn ready() -> Option<Startup> {
     BOOK.with_borrow_mut(|book| {
         let book = book.as_mut()?;
@@ -234,7 +234,7 @@ pub fn ready() -> Option<Startup> {
 mod tests {
     use super::*;
 
-    /// A phase inside another counts once, the first factorisation only, and nothing without an account.
+    /// A phase inside another counts once, the first factorisation only, and nothing without a timer.
     #[test]
     fn phases_are_counted_once() {
         // Other tests of this process only add to its time.

@@ -1,11 +1,11 @@
-//! Warnings: what runs, but is seldom meant. Each has a code, by which a case acknowledges it.
+//! Warnings about input that can run but is seldom intended. Each has a code, by which a case acknowledges it.
 
 use std::fmt;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Kinds of warnings, by the words a case acknowledges them with.
+/// Kinds of warnings, by their codes in a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WarningCode {
@@ -69,12 +69,12 @@ pub enum WarningCode {
 
 impl fmt::Display for WarningCode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // A unit variant is written as its word.
+        // A unit variant is serialised as its name.
         self.serialize(f)
     }
 }
 
-/// A warning: what is doubtful, where, and a cure.
+/// A warning: the problem, its location, and a remedy.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Warning {
     /// its kind
@@ -100,7 +100,7 @@ impl fmt::Display for Warning {
 mod tests {
     use super::*;
 
-    /// The word that is printed is the one a case may acknowledge.
+    /// The printed code is the one a case may acknowledge.
     #[test]
     fn codes_are_printed_as_a_case_writes_them() {
         let warning = Warning::new(WarningCode::ArealDensity, "heavy cloth");

@@ -14,9 +14,9 @@ use canopy_fem::drive::Status;
 use canopy_fem::model::spec::{DashpotKind, NetworkSpec, Slack};
 use canopy_fem::process::cpu_seconds;
 use canopy_fem::solve::newton::Strategy;
-use canopy_fem::study::bench::{Bench, choice};
-use canopy_fem::study::experiment::{Experiment, Flow, Start};
+use canopy_fem::study::experiment::{Experiment, Start};
 use canopy_fem::study::frames::{Frames, Sampler};
+use canopy_fem::study::prepared_case::{PreparedCase, choice};
 use canopy_fem::study::row::StepSetting;
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -42,7 +42,7 @@ fn main() -> Result<(), Any> {
             print!("{}", scene(network, problem.time.end, every)?);
             Ok(())
         }
-        "serve" => serve(&Bench::of(case.problem().clone(), 1)?),
+        "serve" => serve(&PreparedCase::of(case.problem().clone(), 1)?),
         other => Err(format!("export or serve, not {other}").into()),
     }
 }
@@ -87,17 +87,17 @@ fn scene(net: &NetworkSpec, end: f64, every: f64) -> Result<String, Any> {
 }
 
 /// Answers every line with `done|diverged|refused SECONDS NOTE`.
-fn serve(bench: &Bench) -> Result<(), Any> {
+fn serve(prepared: &PreparedCase) -> Result<(), Any> {
     println!("ready canopy-fem {}", env!("CARGO_PKG_VERSION"));
     for line in stdin().lock().lines() {
-        let answer = run(bench, &line?).unwrap_or_else(|why| format!("refused 0 {why}"));
+        let answer = run(prepared, &line?).unwrap_or_else(|why| format!("refused 0 {why}"));
         println!("{}", answer.replace('\n', " "));
         stdout().flush()?;
     }
     Ok(())
 }
 
-fn run(bench: &Bench, line: &str) -> Result<String, Any> {
+fn run(prepared: &PreparedCase, line: &str) -> Result<String, Any> {
     let [name, kind, value, file] = line.split_whitespace().collect::<Vec<_>>()[..] else {
         return Err("a line is METHOD step|tol VALUE FILE".into());
     };
@@ -106,13 +106,13 @@ fn run(bench: &Bench, line: &str) -> Result<String, Any> {
     let method = choice(&Method { name: name.to_owned(), parameters: BTreeMap::new() })?;
     let value: f64 = value.parse()?;
     let setting = if kind == "step" { StepSetting::Step(value) } else { StepSetting::Tolerance(value) };
-    let mut experiment = Experiment { single_steps: 0, ..bench.experiment(&method, setting.step()) };
+    let mut experiment = Experiment { single_steps: 0, ..prepared.experiment(&method, setting.step()) };
     if full {
         experiment.solver.newton.strategy = Strategy::Full;
     }
-    let mut sampler = Sampler::keeping(&*bench.scene, bench.every);
+    let mut sampler = Sampler::keeping(&*prepared.scene, prepared.every);
     let before = cpu_seconds().ok_or("this system does not tell processor time")?;
-    let outcome = experiment.run(Start::Initial, Some(&mut sampler), &mut |_, _| Flow::Continue)?;
+    let outcome = experiment.run(Start::Initial, Some(&mut sampler), &mut |_, _| false)?;
     let seconds = cpu_seconds().ok_or("this system does not tell processor time")? - before;
     keep(&sampler.into_frames(), Path::new(file))?;
     let done = if outcome.status == Status::Completed { "done" } else { "diverged" };

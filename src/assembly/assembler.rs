@@ -25,7 +25,7 @@ pub struct Assembler {
     diagonal: Vec<u32>,
 }
 
-/// Where the nodes are and which of their degrees of freedom are free.
+/// Positions of the nodes, and which of their degrees of freedom are fixed.
 #[derive(Clone, Copy, Debug)]
 pub struct Nodes<'a> {
     /// [m] positions
@@ -129,8 +129,10 @@ impl MatrixSink<'_> {
 }
 
 impl TangentSink for MatrixSink<'_> {
-    fn node(&mut self, _i: u32, block: Matrix3<f64>) {
-        self.add(&block);
+    fn pair(&mut self, [i, j]: [u32; 2], block: Matrix3<f64>) {
+        if !self.symmetric || i == j {
+            self.add(&block);
+        }
     }
 
     #[inline]

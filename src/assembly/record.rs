@@ -6,8 +6,8 @@ use nalgebra::Matrix3;
 /// One emitted element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Emission {
-    /// a diagonal block
-    Node(u32),
+    /// one block, by its row node and its column node
+    Pair([u32; 2]),
     /// a two-node element
     Edge([u32; 2]),
     /// a three-node element
@@ -22,8 +22,8 @@ pub struct Recorder {
 }
 
 impl TangentSink for Recorder {
-    fn node(&mut self, i: u32, _block: Matrix3<f64>) {
-        self.emissions.push(Emission::Node(i));
+    fn pair(&mut self, nodes: [u32; 2], _block: Matrix3<f64>) {
+        self.emissions.push(Emission::Pair(nodes));
     }
 
     fn edge(&mut self, nodes: [u32; 2], _block: Matrix3<f64>) {
@@ -39,19 +39,21 @@ impl Emission {
     /// Calls `visit(row node, column node)` for every block of the element, in the order the sink fills them.
     /// Of a symmetric matrix the blocks with row node >= column node only.
     pub(super) fn blocks(self, symmetric: bool, mut visit: impl FnMut(u32, u32)) {
-        let mut pairs = |nodes: &[u32]| {
-            for &p in nodes {
-                for &q in nodes {
-                    if !symmetric || p >= q {
-                        visit(p, q);
-                    }
-                }
-            }
-        };
         match self {
-            Emission::Node(i) => pairs(&[i]),
-            Emission::Edge(nodes) => pairs(&nodes),
-            Emission::Triangle(nodes) => pairs(&nodes),
+            Emission::Pair([i, j]) if !symmetric || i == j => visit(i, j),
+            Emission::Pair(_) => {}
+            Emission::Edge(nodes) => all_pairs(&nodes, symmetric, visit),
+            Emission::Triangle(nodes) => all_pairs(&nodes, symmetric, visit),
+        }
+    }
+}
+
+fn all_pairs(nodes: &[u32], symmetric: bool, mut visit: impl FnMut(u32, u32)) {
+    for &p in nodes {
+        for &q in nodes {
+            if !symmetric || p >= q {
+                visit(p, q);
+            }
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::model::forces::Forces;
 use crate::model::state::StateRef;
 use crate::model::system::{SpringGraph, System, Weights};
 
-/// What an implicit scheme needs besides: the tangent of the forces.
+/// The interface that implicit schemes need besides forces: the tangents.
 pub trait TangentSystem: System {
     /// Whether K and C are symmetric at every state; decides between Cholesky and LU.
     fn symmetric(&self) -> bool;

@@ -8,11 +8,12 @@
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Display};
-use std::io::{self, BufWriter, Write};
+use std::io::BufWriter;
 
 use serde::{Deserialize, Serialize};
 
 use super::spec::{OutputSpec, Problem, RowEvery, SystemSpec};
+use crate::checksum::{FilePrefix, RunningChecksum};
 use crate::drive::clock::Step;
 use crate::model::spec::NetworkSpec;
 
@@ -98,7 +99,7 @@ impl Fingerprint {
     /// A checksum over all parts, such as `"5f3a…-1234"`: two cases have the same one with a probability of 2^-32.
     /// Parts that follow from the length of the run are left out.
     pub fn digest(&self) -> String {
-        let mut sum = Digest::default();
+        let mut sum = RunningChecksum::default();
         let mut add = |bytes: &[u8]| {
             // With its length, so that the parts are separated.
             sum.add(&(bytes.len() as u64).to_le_bytes());
@@ -112,8 +113,8 @@ impl Fingerprint {
                 Value::Digest { crc, bytes } => add(format!("{crc:08x}-{bytes}").as_bytes()),
             }
         }
-        let Digest { crc, bytes } = sum;
-        format!("{:08x}-{bytes}", crc.finalize())
+        let FilePrefix { crc, bytes } = sum.mark();
+        format!("{crc:08x}-{bytes}")
     }
 
     /// Adds the end of the runs, for a study: its runs cannot be continued to a later end.
@@ -165,12 +166,13 @@ impl Fingerprint {
 
     fn sum(&mut self, key: &'static str, value: &impl Serialize) -> Result<(), FingerprintError> {
         let sum = || {
-            let sum = BufWriter::with_capacity(1 << 16, Digest::default());
+            let sum = BufWriter::with_capacity(1 << 16, RunningChecksum::default());
             let sum = postcard::to_io(value, sum)?;
             sum.into_inner().map_err(|_| postcard::Error::SerializeBufferFull)
         };
-        let Digest { crc, bytes } = sum().map_err(|e| FingerprintError { key, reason: e.to_string() })?;
-        self.parts.push(FingerprintPart { key: key.to_owned(), value: Value::Digest { crc: crc.finalize(), bytes } });
+        let sum = sum().map_err(|e| FingerprintError { key, reason: e.to_string() })?;
+        let FilePrefix { crc, bytes } = sum.mark();
+        self.parts.push(FingerprintPart { key: key.to_owned(), value: Value::Digest { crc, bytes } });
         Ok(())
     }
 
@@ -215,30 +217,5 @@ fn describe(key: &str, before: &[&Value], after: &[&Value]) -> String {
 impl Display for Differences {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0.join("; "))
-    }
-}
-
-/// Counts the bytes written to it and computes their checksum.
-#[derive(Default)]
-struct Digest {
-    crc: crc32fast::Hasher,
-    bytes: u64,
-}
-
-impl Digest {
-    fn add(&mut self, data: &[u8]) {
-        self.crc.update(data);
-        self.bytes += data.len() as u64;
-    }
-}
-
-impl Write for Digest {
-    fn write(&mut self, data: &[u8]) -> io::Result<usize> {
-        self.add(data);
-        Ok(data.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
     }
 }

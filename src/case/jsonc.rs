@@ -124,7 +124,7 @@ fn broken(text: &str, error: &serde_json::Error) -> Fault {
 
 /// Parts of `serde_json`'s messages and what is allowed instead.
 const HINTS: &[(&str, &str)] = &[
-    ("EOF while", "more text: a bracket, brace or quote is still open, or the file was cut off"),
+    ("EOF while", "more text: the file ends too early, with an open bracket, brace or quote, or it was cut off"),
     ("number out of range", "a number that fits a double: its size is at most 1.797e308"),
     ("recursion limit", "fewer levels: a case is nested less than 128 levels deep"),
     ("trailing characters", "one JSON object; nothing may follow it"),

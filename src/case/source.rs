@@ -13,7 +13,7 @@ use super::lower::{LoweredCase, build};
 use super::pointer::Pointer;
 use super::schema::CaseFile;
 use super::schema_check::walk;
-use super::span::{Location, Written};
+use super::span::{CaseText, Location};
 use super::{Case, CaseError, overrides};
 
 /// The source of a case.
@@ -155,10 +155,10 @@ impl Source {
     }
 
     /// The error with these faults and their locations.
-    fn refused(self, told: FaultReport) -> CaseError {
-        let FaultReport { mut faults, more } = told;
+    fn refused(self, report: FaultReport) -> CaseError {
+        let FaultReport { mut faults, more } = report;
         let tree = Tree::parse(&self.text).ok();
-        Written { text: &self.text, tree, overrides: &self.overrides }.locate(&mut faults);
+        CaseText { text: &self.text, tree, overrides: &self.overrides }.locate(&mut faults);
         CaseError::Faults { path: self.path, text: self.text, faults, more }
     }
 }

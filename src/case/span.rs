@@ -60,7 +60,7 @@ fn floor(text: &str, offset: usize) -> usize {
 
 /// The text and the assignments of a case.
 #[derive(Clone, Debug)]
-pub(crate) struct Written<'a> {
+pub(crate) struct CaseText<'a> {
     /// the file
     pub text: &'a str,
     /// the tree of the text with its comments blanked, as far as it can be read
@@ -69,7 +69,7 @@ pub(crate) struct Written<'a> {
     pub overrides: &'a [(String, String)],
 }
 
-impl Written<'_> {
+impl CaseText<'_> {
     /// Gives every fault its location and sorts them in the order of the text; assignments come last.
     pub fn locate(&self, faults: &mut [Fault]) {
         for fault in faults.iter_mut().filter(|fault| fault.place.is_none() && fault.part != FaultTarget::Text) {

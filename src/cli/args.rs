@@ -158,3 +158,29 @@ pub(super) fn key_value(text: &str) -> Result<(String, String), String> {
         _ => Err("expected KEY=VALUE, e.g. time.step=1e-3".to_owned()),
     }
 }
+
+/// [s] A time with its unit; without one, seconds.
+pub(super) fn duration(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let units = [("min", 60.0), ("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
+    let (number, unit) =
+        units.iter().find_map(|(unit, size)| Some((text.strip_suffix(unit)?, *size))).unwrap_or((text, 1.0));
+    let seconds = number.trim().parse().ok().map(|number: f64| number * unit).filter(|s| *s > 0.0 && s.is_finite());
+    seconds.ok_or_else(|| "expected a time above 0 such as 60s, 5min or 2h".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_as_typed() {
+        let times = [("60s", 60.0), ("1.5", 1.5), ("5min", 300.0), ("5m", 300.0), ("2 h", 7200.0), ("100ms", 0.1)];
+        for (text, seconds) in times {
+            assert_eq!(duration(text), Ok(seconds), "{text}");
+        }
+        for text in ["", "0s", "-1s", "soon", "inf", "nan", "1day", "none"] {
+            assert!(duration(text).is_err(), "{text}");
+        }
+    }
+}

@@ -15,7 +15,6 @@ pub mod schema;
 mod solve;
 pub mod stability;
 pub mod tradeoff;
-mod tradeoff_text;
 mod warnings;
 
 pub use args::{Args, CaseArgs, CheckArgs, Command, SolveArgs};

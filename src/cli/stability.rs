@@ -1,12 +1,14 @@
 //! `canopy-fem stability CASE`: predicted and measured largest stable step of every method.
 
+use super::args::duration;
 use super::{CaseArgs, CliError, CommandOutput, complain};
 use crate::case::Case;
 use crate::integrate::registry::MethodChoice;
 use crate::output::sanitize::file_stem;
 use crate::scene::Scene;
 use crate::simulation::build_scene;
-use crate::study::stability::{Beginning, Folder, Stability, StabilitySpec, Status, study, table};
+use crate::study::options::method_list;
+use crate::study::stability::{Folder, RunStart, Stability, StabilitySpec, Status, study, table};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -21,11 +23,11 @@ pub struct StabilityArgs {
     pub case: CaseArgs,
     /// Methods to study, as names or as in the case file, e.g. newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: those
     /// of the study section, else all; the method of the case keeps its parameters]
-    #[arg(long, value_name = "LIST", value_parser = method_list)]
+    #[arg(long, value_name = "LIST", value_parser = methods)]
     pub methods: Option<MethodList>,
     /// Wall-clock time for the study, e.g. 60s, 5min, 1h; methods that are not finished by then are left out [default:
     /// no limit]
-    #[arg(long, value_name = "TIME", value_parser = budget)]
+    #[arg(long, value_name = "TIME", value_parser = duration)]
     pub budget: Option<f64>,
     /// Folder for stability.csv, stability.json and stability.svg [default: out/NAME]
     #[arg(long, value_name = "DIR")]
@@ -41,6 +43,11 @@ pub struct StabilityArgs {
 /// Methods as a JSON list, as a case has it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MethodList(pub String);
+
+fn methods(text: &str) -> Result<MethodList, String> {
+    let list = method_list(text)?;
+    serde_json::to_string(&list).map(MethodList).map_err(|e| e.to_string())
+}
 
 pub(super) fn run(args: &StabilityArgs) -> Result<CommandOutput, CliError> {
     let case = Case::from_file(&args.case.case, &overrides(args))?;
@@ -65,8 +72,8 @@ pub(super) fn run(args: &StabilityArgs) -> Result<CommandOutput, CliError> {
     };
     let stop = super::interrupt::stop_on_interrupt();
     let bar = progress(chosen.len(), args.quiet);
-    let mut begins = |beginning: Beginning<'_>| show(&bar, beginning);
-    let rows = study(&spec, &mut begins, &stop);
+    let mut begins = |beginning: RunStart<'_>| show(&bar, beginning);
+    let rows = study(&spec, &mut begins, &stop)?;
     bar.finish_and_clear();
     let code = if rows.iter().any(|row| row.status == Status::Interrupted) { 130 } else { 0 };
     let done = Stability {
@@ -113,67 +120,8 @@ fn progress(methods: usize, quiet: bool) -> ProgressBar {
     bar
 }
 
-fn show(bar: &ProgressBar, Beginning { index, method, run, step, steps }: Beginning<'_>) {
+fn show(bar: &ProgressBar, RunStart { index, method, run, step, steps }: RunStart<'_>) {
     bar.set_position(index as u64);
     bar.set_message(format!("{method}  run {run}  h {step:.3e} s  {steps} steps"));
     bar.tick();
-}
-
-/// Names and JSON objects, separated by commas outside of braces, as a JSON list.
-fn method_list(text: &str) -> Result<MethodList, String> {
-    let wrong = |part: &str| {
-        format!("\"{part}\" is no method: expected a name, or JSON such as {{\"hht\": {{\"alpha\": -0.2}}}}")
-    };
-    let (mut depth, mut parts) = (0_i32, vec![String::new()]);
-    for c in text.chars() {
-        depth += i32::from(c == '{') - i32::from(c == '}');
-        match parts.last_mut() {
-            Some(part) if c != ',' || depth > 0 => part.push(c),
-            _ => parts.push(String::new()),
-        }
-    }
-    let json = |part: &String| match part.trim() {
-        "" => Err(wrong(part)),
-        object if object.starts_with('{') => serde_json::from_str(object).map_err(|_| wrong(object)),
-        name => Ok(serde_json::Value::from(name)),
-    };
-    let list = parts.iter().map(json).collect::<Result<Vec<_>, _>>()?;
-    Ok(MethodList(serde_json::Value::from(list).to_string()))
-}
-
-/// [s] A time with its unit; without a unit, in seconds.
-fn budget(text: &str) -> Result<f64, String> {
-    let text = text.trim();
-    let units = [("min", 60.0), ("h", 3600.0), ("s", 1.0)];
-    let (number, unit) =
-        units.iter().find_map(|(name, unit)| Some((text.strip_suffix(name)?, *unit))).unwrap_or((text, 1.0));
-    let seconds = number.trim().parse().ok().map(|n: f64| n * unit);
-    seconds
-        .filter(|s| *s > 0.0 && s.is_finite())
-        .ok_or_else(|| "expected a time above 0 such as 60s, 5min or 1h".to_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Commas separate methods, not their parameters.
-    #[test]
-    fn lists_of_methods() {
-        let list = |text| method_list(text).map(|list| list.0);
-        assert_eq!(list("rk4, newmark").as_deref(), Ok(r#"["rk4","newmark"]"#));
-        let both = r#"{"newmark": {"beta": 0.3, "gamma": 0.6}},rk4"#;
-        assert_eq!(list(both).as_deref(), Ok(r#"[{"newmark":{"beta":0.3,"gamma":0.6}},"rk4"]"#));
-        assert!(list("rk4,,newmark").is_err() && list("{rk4").is_err() && list("").is_err());
-    }
-
-    /// Times with and without their unit.
-    #[test]
-    fn budgets() {
-        assert_eq!(
-            [budget("60s"), budget("2min"), budget("0.5"), budget("1 h")],
-            [Ok(60.0), Ok(120.0), Ok(0.5), Ok(3600.0)]
-        );
-        assert!(["", "s", "-1s", "0", "inf", "nan", "1day"].into_iter().all(|text| budget(text).is_err()));
-    }
 }

@@ -1,18 +1,18 @@
 //! `canopy-fem tradeoff`: what accuracy costs, on the user's own scene.
 
-use super::args::key_value;
+use super::args::{duration, key_value};
 use super::interrupt::stop_on_interrupt;
-use super::tradeoff_text::{planned, shard_done, summary, written};
 use super::{CliError, CommandOutput, complain};
 use crate::case::Case;
 use crate::output::sanitize::file_stem;
-use crate::study::bench::fingerprint_of;
 use crate::study::difference::differences;
 use crate::study::options::{StudyOptions, TypedOptions};
 use crate::study::plan::{Plan, Planner};
+use crate::study::prepared_case::fingerprint_of;
 use crate::study::recommendations::Recommendations;
 use crate::study::reference::ALLOWANCE;
 use crate::study::report::{self, Rerun};
+use crate::study::row::{Row, RowStatus};
 use crate::study::store::Store;
 use crate::study::{Runner, Shard, Study, StudyError, rows_of};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -33,27 +33,13 @@ pub struct TradeoffArgs {
     /// Case file (JSON; // comments and trailing commas are allowed); not needed where --out holds a plan
     #[arg(required_unless_present_any = ["shard", "merge"])]
     pub case: Option<PathBuf>,
-    /// Methods, separated by commas: newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: all]
-    #[arg(long, value_name = "LIST", conflicts_with_all = ["shard", "merge"])]
-    pub methods: Option<String>,
-    /// Fixed steps [s]: 1e-3,5e-4 or 1e-5..1e-1 (1, 2, 5 times powers of ten) or none [default: chosen around the
-    /// scene's periods]
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
-    pub steps: Option<String>,
-    /// Relative tolerances of adaptive steps, in the same way (powers of ten) [default: 1e-2..1e-6, if no steps are
-    /// given]
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
-    pub tolerances: Option<String>,
-    /// Number of times each run is made; its cost is their median [default: 3]
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000), conflicts_with_all = ["shard", "merge"])]
-    pub repeat: Option<u32>,
+    /// what to try
+    #[command(flatten)]
+    pub options: TypedOptions,
     /// Time limit of the study: 60s, 5min, 2h or none. Runs that are left out are marked; the same command makes them
     /// when it is given again [default: 2min; none for --plan and --shard]
     #[arg(long, value_name = "TIME", value_parser = budget)]
     pub budget: Option<Budget>,
-    /// Repeat the study with the stiffness of all springs times these factors: 1,10,100 or 1..1e4
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
-    pub stiffness_sweep: Option<String>,
     /// Make the references and the list of runs only
     #[arg(long, conflicts_with_all = ["shard", "merge"])]
     pub plan: bool,
@@ -93,15 +79,10 @@ pub enum Budget {
 }
 
 fn budget(text: &str) -> Result<Budget, String> {
-    let text = text.trim();
-    if text == "none" {
-        return Ok(Budget::Unlimited);
+    match text.trim() {
+        "none" => Ok(Budget::Unlimited),
+        time => duration(time).map(Budget::Seconds).map_err(|expected| expected + ", or none"),
     }
-    let units = [("min", 60.0), ("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0), ("", 1.0)];
-    let (number, unit) =
-        units.iter().find_map(|(unit, size)| Some((text.strip_suffix(unit)?, *size))).unwrap_or((text, 1.0));
-    let seconds = number.trim().parse::<f64>().ok().map(|number| number * unit).filter(|s| *s > 0.0 && s.is_finite());
-    seconds.map(Budget::Seconds).ok_or_else(|| "expected a time such as 60s, 5min or 2h, or none".to_owned())
 }
 
 pub(super) fn run(args: &TradeoffArgs) -> Result<CommandOutput, CliError> {
@@ -152,7 +133,7 @@ impl Command<'_> {
             (None, _) => return Err(StudyError::NoPlan(self.out.clone()).into()),
         };
         if self.args.plan {
-            return Ok(done(if self.args.quiet { String::new() } else { planned(&plan, &store) }));
+            return Ok(done(if self.args.quiet { String::new() } else { report::planned(&plan, &store)? }));
         }
         let mut left = BTreeMap::new();
         match &self.args.merge {
@@ -166,17 +147,23 @@ impl Command<'_> {
         line.bar.finish_and_clear();
         let rows = rows_of(&plan, &store, &left)?;
         if let Some(shard) = self.args.shard {
-            return Ok(done(if self.args.quiet { String::new() } else { shard_done(shard, &rows, &self.out) }));
+            return Ok(done(if self.args.quiet { String::new() } else { self.shard_done(shard, &rows) }));
         }
-        let answers = Recommendations::of(&plan, &rows);
+        let answers = Recommendations::of(&plan, &rows)?;
         let study = Study { plan, rows };
         let here = Rerun::here(typed());
         // To repeat a study one needs the command that planned it, not the one that merged its parts.
         let command = if study.plan.command.is_empty() { here.command } else { study.plan.command.clone() };
         let how = Rerun { command, ..here };
         let files = report::write(&self.out, &study, &answers, &how)?;
-        let text = if self.args.quiet { String::new() } else { summary(&study, &answers) + &written(&files) };
+        let text = if self.args.quiet { String::new() } else { report::summary(&study, &answers, &files)? };
         Ok(done(text))
+    }
+
+    fn shard_done(&self, Shard { part, of }: Shard, rows: &[Row]) -> String {
+        let finished = rows.iter().filter(|r| r.measured.status != RowStatus::NotRun).count();
+        let (all, out) = (rows.len(), self.out.display());
+        format!("shard {part}/{of} done; {finished} of {all} runs of the study are finished in {out}\n")
     }
 
     /// Refuses to overwrite results of a study without its plan.
@@ -192,15 +179,7 @@ impl Command<'_> {
     }
 
     fn options(&self, case: &Case) -> Result<StudyOptions, StudyError> {
-        let a = self.args;
-        let typed = TypedOptions {
-            methods: a.methods.as_deref(),
-            steps: a.steps.as_deref(),
-            tolerances: a.tolerances.as_deref(),
-            repeat: a.repeat,
-            stiffness_sweep: a.stiffness_sweep.as_deref(),
-        };
-        StudyOptions::of(typed, case.file().study.as_ref())
+        StudyOptions::of(&self.args.options, case.file().study.as_ref())
     }
 
     /// [s] time limit of the study
@@ -313,22 +292,4 @@ impl ProgressLine {
 /// The arguments as typed; bytes that are not UTF-8 are replaced.
 fn typed() -> impl Iterator<Item = String> {
     std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn budgets_as_typed() {
-        for (text, seconds) in
-            [("60s", 60.0), ("1.5", 1.5), ("5min", 300.0), ("5m", 300.0), ("2h", 7200.0), ("100ms", 0.1)]
-        {
-            assert_eq!(budget(text), Ok(Budget::Seconds(seconds)), "{text}");
-        }
-        assert_eq!(budget("none"), Ok(Budget::Unlimited));
-        for text in ["", "0s", "-1s", "soon", "inf"] {
-            assert!(budget(text).is_err(), "{text}");
-        }
-    }
 }

@@ -67,7 +67,7 @@ pub struct CriticalStepMonitor<'a> {
     kinetic: f64,
     /// [J] a kinetic energy since then that requires another estimate; else 0
     livelier: f64,
-    room: BoundBuffer,
+    buffer: BoundBuffer,
     /// critical step over measure, when both were last computed
     ratio: Option<f64>,
     /// [s] measure below which the spectrum is computed next
@@ -89,8 +89,8 @@ impl<'a> CriticalStepMonitor<'a> {
         let [still, moving] = method.info.evaluations;
         let evaluations = if damped { moving } else { still }.max(1);
         let every = u64::from((SHARE * PASSES * (1 + u32::from(damped))).div_ceil(evaluations));
-        let mut room = BoundBuffer::default();
-        let at_start = step_by_bounds(scene, scene.initial_state().as_ref(), &mut room);
+        let mut buffer = BoundBuffer::default();
+        let at_start = step_by_bounds(scene, scene.initial_state().as_ref(), &mut buffer);
         let known = start.step.is_finite() && at_start > 0.0 && at_start.is_finite();
         let ratio = known.then(|| start.step / at_start);
         // The user is warned about the start itself before the run.
@@ -101,7 +101,7 @@ impl<'a> CriticalStepMonitor<'a> {
             next: 1,
             kinetic: 0.0,
             livelier: 0.0,
-            room,
+            buffer,
             ratio,
             ask_below: f64::INFINITY,
             asked: 0,
@@ -132,7 +132,7 @@ impl<'a> CriticalStepMonitor<'a> {
     }
 
     fn estimate(&mut self, at: StateRef<'_>, h: f64) {
-        let now = step_by_bounds(self.monitored.scene, at, &mut self.room);
+        let now = step_by_bounds(self.monitored.scene, at, &mut self.buffer);
         let estimate = self.ratio.unwrap_or(1.0) * now;
         if estimate < NEAR * h && !self.warned && now < self.ask_below && self.asked < MOST_ASKED {
             self.asked += 1;

@@ -4,7 +4,8 @@
 //! kinetic + elastic + gravity - external_work + dissipated + numerical = its value at t = 0
 //! ```
 //! Work of a force over a step is 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n), unless the scheme integrates it itself (the
-//! Runge-Kutta and PEC schemes) and resolves its dashpots. `numerical` is the remainder: the energy that the scheme
+//! Runge-Kutta and PEC schemes) and resolves its dashpots. Where a program changes rest lengths or gravity, the energy
+//! that springs and weight gain at once is external work too. `numerical` is the remainder: the energy that the scheme
 //! itself lost (above 0) or made (below 0).
 
 use super::observer::LedgerRow;
@@ -89,6 +90,14 @@ impl Ledger {
         self.close(system, end.nodes.kinetic, &end.tallies)
     }
 
+    /// Accounts for forces that a program has changed between two steps: energy that they gained or lost while nothing
+    /// moved is work done from outside. `at` has the forces as they are now, `before` is the account until then.
+    pub fn changed(&mut self, system: &dyn System, at: &Point, before: &LedgerRow) -> LedgerRow {
+        let now = self.row(system, before.kinetic, &at.forces.tallies);
+        self.work.external += (now.elastic - before.elastic) + (now.gravity - before.gravity);
+        self.close(system, before.kinetic, &at.forces.tallies)
+    }
+
     fn close(&mut self, system: &dyn System, kinetic: f64, tallies: &[Tally]) -> LedgerRow {
         let row = self.row(system, kinetic, tallies);
         let first = self.first;
@@ -145,8 +154,8 @@ impl Ledger {
 mod tests {
     use super::*;
 
-    /// Where only rounding was exchanged, as by a pendulum that turns without gravity or a taut string that moves by
-    /// 1e-8 of its length, the unexplained part is compared with the energies that were rounded.
+    /// Where only rounding was exchanged, the unexplained part is compared with the energies that were rounded.
+    /// Examples are a pendulum that turns without gravity, and a taut string that moves by 1e-8 of its length.
     #[test]
     fn rounding_is_no_energy_error() {
         let turning = LedgerRow { kinetic: 4.5, ..LedgerRow::default() };

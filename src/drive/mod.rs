@@ -21,6 +21,6 @@ pub mod watch;
 pub use error::RunError;
 pub use failure::Failure;
 pub use outcome::{Explain, Outcome, RunSpec, Status};
-pub(crate) use run::{Run, RunState};
+pub(crate) use run::{Changed, Run, RunState};
 pub use run::{resume, run, run_from};
 pub use snapshot::Snapshot;

@@ -15,8 +15,8 @@ use super::outcome::{Outcome, RunSpec, Status};
 use super::snapshot::Snapshot;
 use super::step_policy::StepPolicy;
 use super::watch::Watch;
-use crate::integrate::Counters;
 use crate::integrate::stepper::Stepper;
+use crate::integrate::{Counters, StepError};
 use crate::model::point::Point;
 use crate::model::state::State;
 use crate::model::stop::Stop;
@@ -145,6 +145,20 @@ pub(crate) struct Run<'a> {
     pub state: &'a mut RunState,
 }
 
+/// What a program has changed since the last step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Changed {
+    /// nothing
+    #[default]
+    Nothing,
+    /// forces that do not depend on the state: tangents stay the same
+    Values,
+    /// how forces depend on the state
+    Laws,
+    /// also the nodes that forces depend on: the matrix has another pattern
+    Pattern,
+}
+
 /// The state of a run. After a step, `from` is the accepted point and `to` the one before it. The struct borrows
 /// nothing, so it can be stored beside its scene and scheme.
 pub(crate) struct RunState {
@@ -263,11 +277,24 @@ impl RunState {
         self.resumable(Occasion::Step, stepper).snapshot()
     }
 
-    /// Evaluates the forces at the present state again, after a force was changed from outside, and restarts the
-    /// scheme.
-    pub fn refresh(&mut self, scene: &dyn Scene, stepper: &mut Stepper<'_>) {
+    /// Evaluates the forces at the present state again, after a program has changed some, and restarts the scheme and
+    /// adaptive steps there.
+    pub fn refresh(&mut self, scene: &dyn Scene, stepper: &mut Stepper<'_>, changed: Changed) -> Result<(), StepError> {
         self.counters.evaluate(scene, self.from.state.as_ref(), &mut self.from.forces);
-        stepper.restart(&self.from);
+        self.row = self.ledger.changed(scene, &self.from, &self.row);
+        if let StepPolicy::Adaptive(policy) = &mut self.policy {
+            policy.forget_history();
+        }
+        match changed {
+            Changed::Nothing => {}
+            Changed::Values => stepper.restart(&self.from),
+            Changed::Laws => {
+                self.watch.loads_changed(scene);
+                stepper.forces_changed(&self.from)?;
+            }
+            Changed::Pattern => stepper.start(&self.from)?,
+        }
+        Ok(())
     }
 
     /// The outcome of a run that ends here.

@@ -194,6 +194,13 @@ impl Watch {
         Watch { account, load_energy, stiffness, mass, reach, overshoots, dissipates }
     }
 
+    /// After a program has changed loads: one step of those before may have made as much as it could.
+    pub fn loads_changed(&mut self, scene: &dyn Scene) {
+        let a = &mut self.account;
+        a.late_load_energy = a.late_load_energy.max(self.load_energy * a.longest.powi(2));
+        self.load_energy = load_energy(scene, scene.initial_state().as_ref(), 1.0);
+    }
+
     /// What a snapshot keeps.
     pub fn account(&self) -> &EnergyAccount {
         &self.account
@@ -326,7 +333,7 @@ impl Watch {
         given + (external - 2.0 * step.h * most).max(0.0)
     }
 
-    /// [J] Work of the air by its power at the ends of a step that is not in the account: stages that overshoot in a
+    /// [J] Work of the air by its power at the ends of a step, above that in the account. Stages that overshoot in a
     /// stiff force count energy as taken that the air supplies. It is bounded, because the power is negative where
     /// everything moves faster than the air.
     fn air_work_missing(&self, step: WatchedStep<'_>) -> f64 {
@@ -369,7 +376,7 @@ pub(crate) fn load_energy(scene: &dyn Scene, at: StateRef<'_>, h: f64) -> f64 {
     if load_energy.is_finite() { load_energy } else { 0.0 }
 }
 
-/// [m] largest coordinate
+/// [m] Largest coordinate in `x` `[n_dof]`.
 fn farthest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |m, x| m.max(x.abs()))
 }

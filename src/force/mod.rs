@@ -20,28 +20,33 @@
 //!
 //! # How to add a force
 //! 1. Write `force/law/<name>.rs` with a struct of plain arrays, and `impl ForceTerm` for it. Its elements are
-//!    * two nodes with an elastic law: a [`law::slack::TensionLaw`], or for any other law a [`kernel::batch::Kernel`],
-//!      as [`law::bar_law`];
+//!    * two nodes whose tension is k times a function of the elongation: no file, but a [`law::slack::TensionLaw`] with
+//!      a kind in [`crate::model::spec::Slack`] and its arm in `law::slack::with_law`, the one place that knows which
+//!      law a kind has. Dashpots, tangents and pictures follow;
+//!    * two nodes with another elastic law: a [`kernel::batch::Kernel`], as [`law::bar_law`];
 //!    * a triangle, pushed along its normal: a [`kernel::faces::FaceKernel`] with a `PressureLaw`, as
 //!      [`law::follower_pressure`];
 //!    * any other element: a [`kernel::batch::Kernel`], element by element, as the stiffness part of
 //!      [`law::rayleigh`];
 //!    * nodes: a `NodeLaw`, as [`law::nodal`].
 //! 2. Describe it in the [`TermInfo`] of its [parts](ForceTerm::parts): schemes, the ledger and diagnoses use that, and
-//!    no names. A step may be too long for forces with `velocity_dependent` or `follower` (`drive/cause`); with
-//!    `on_triangles` a failure report names a triangle. A term with elastic energy also adds its stiffness at rest in
-//!    [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a convex [`TangentForm`].
+//!    no names; a law of springs has theirs. A step may be too long for forces with `velocity_dependent` or `follower`
+//!    (`drive/cause`); with `on_triangles` a failure report names a triangle. A term with elastic energy also adds its
+//!    stiffness at rest in [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a convex
+//!    [`TangentForm`].
 //! 3. Add it to [`crate::model::spec`], refuse invalid values (`scene/check.rs`), and construct it where the scene is
-//!    built (`scene/build.rs`, which also collects the times at which a table has a corner).
-//! 4. If it is new to the case file, its section goes to `case/schema` and `case/lower`, and to `case/fingerprint`,
-//!    which says what must be equal for a run to be resumed; the compiler requires the last.
-//! 5. Add it to the list in `tests/api/tangent/scenes.rs`: both tangents are compared with finite differences at random
-//!    states, its [`TermInfo`] with its forces, several blocks with one block, and blocks of steps with single steps.
+//!    built (`scene/build.rs`, which also collects the times at which a table has a corner, and gives a load the
+//!    factor that a program can set).
+//! 4. If it is new to the case file, its section goes to `case/schema`, `case/lower` and `case/fingerprint`. The last
+//!    says what must be equal for a run to be resumed; the compiler requires it.
+//! 5. Add it to the list in `tests/api/tangent/scenes.rs`. The tests compare both tangents with finite differences at
+//!    random states, its [`TermInfo`] with its forces, several blocks with one block, and blocks of steps with single
+//!    steps.
 //!
 //! A program that only uses the library adds a force by [`crate::simulation::NodalForce`], and an elastic law of bars
 //! by [`crate::simulation::BarLaw`] (`examples/own_force.rs`, `examples/own_bar_law.rs`).
 //!
-//! A term must emit the same elements in the same order at every state (a slack spring emits a zero block): the
+//! A term must emit the same elements in the same order at every state (a slack spring emits a zero block). The
 //! assembler needs this to know the slot of every block in advance.
 
 pub mod kernel;
@@ -50,6 +55,7 @@ pub mod schedule;
 
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 
 /// A state by nodes, as a force term reads it.
 #[derive(Clone, Copy, Debug)]
@@ -64,8 +70,13 @@ pub struct NodeState<'a> {
 
 /// Takes the blocks of cm M + cc C + ck K that a term emits (the weights are already applied by the term).
 pub trait TangentSink {
+    /// The block of row node `i` and column node `j` alone. A symmetric matrix takes those on its diagonal only.
+    fn pair(&mut self, nodes: [u32; 2], block: Matrix3<f64>);
+
     /// A block on the diagonal of node `i`.
-    fn node(&mut self, i: u32, block: Matrix3<f64>);
+    fn node(&mut self, i: u32, block: Matrix3<f64>) {
+        self.pair([i; 2], block);
+    }
 
     /// The two-node element `[[B, -B], [-B, B]]`; `B` need not be symmetric.
     fn edge(&mut self, nodes: [u32; 2], block: Matrix3<f64>);
@@ -101,8 +112,13 @@ pub trait ForceTerm: kernel::batch::BlockForces {
     /// `w.m` is the caller's.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink);
 
-    /// Adds the stiffness [N/m] of this term's springs to each of their nodes, at rest: for the rounding floor of a
-    /// residual, and for diagnoses. Terms without elastic energy have none.
+    /// Replaces the rest lengths [m] of its springs, `[n_springs]` in their order. Terms without springs do nothing.
+    fn set_rest_lengths(&mut self, rest_length: &Arc<[f64]>) {
+        let _ = rest_length;
+    }
+
+    /// Adds the stiffness [N/m] of this term's springs, at rest, to each of their nodes in `nodes` `[n_nodes]`: for the
+    /// rounding floor of a residual, and for diagnoses. Terms without elastic energy have none.
     fn add_stiffness(&self, nodes: &mut [f64]) {
         let _ = nodes;
     }

@@ -78,7 +78,7 @@ fn unbalanced_some(map: StageMap, n: Start<'_>, forces: Forces<'_>, (a, z_to_r):
 pub(super) struct Sizes<'a> {
     /// [N/m] by degree of freedom
     pub stiffness: &'a [f64],
-    /// [m] largest coordinate
+    /// [m] Largest coordinate in `x` `[n_dof]`.
     pub largest: f64,
     /// [m/s^2] accelerations at the end
     pub a: &'a [f64],

@@ -3,9 +3,9 @@
 //! point, which is the first of the next.
 //!
 //! The estimate joins solutions of order 5 and 3, e = |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2): as e5 falls as h^6 and e3 as
-//! h^4, it falls as h^8, and does not vanish where either does by chance. Norms are taken over all positions and over
-//! all velocities, each for itself, since the two have different units; the estimate of a degree of freedom is its part
-//! of e5 times |e5| / sqrt(|e5|^2 + 0.01 |e3|^2).
+//! h^4, it falls as h^8, and does not vanish where either does by chance. Norms are taken separately over all positions
+//! and over all velocities, since the two have different units; the estimate of a degree of freedom is its part of e5
+//! times |e5| / sqrt(|e5|^2 + 0.01 |e3|^2).
 //!
 //! Coefficients are those of that code, rounded to doubles. On linear problems a step is R(z) = sum over k <= 8 of
 //! z^k/k! + 0.9768 z^9/9! + 0.8496 z^10/10! + 0.5967 z^11/11! + 0.1731 z^12/12!, which damps undamped oscillations a
@@ -21,8 +21,8 @@ pub fn scheme() -> Scheme {
 }
 
 /// [-] R - e^z over e and over z: 6.404e-8 z^9; e5 = 1.350e-5 z^6 and e3 = 4.202e-3 z^4, so e = 4.334e-7 z^8. Steps get
-/// ten times as much, as measured (`tests/claims/tolerance.rs`): a controller of order 8 settles at a quarter of what
-/// one of order 4 does, and where forces are not linear e5 sees more than the error has.
+/// ten times as much, by measurement (`tests/claims/tolerance.rs`): a controller of order 8 settles at a quarter of the
+/// error of one of order 4. For nonlinear forces e5 overestimates the error.
 pub(super) const LINEAR: f64 = 6.404e-8 / 4.334e-7;
 
 pub(super) static TABLEAU: Tableau = Tableau {

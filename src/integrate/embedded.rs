@@ -8,8 +8,8 @@
 //! e       = h sum_i e_i k_i                  e_i = b_i - b^_i, the weights minus those of the less accurate solution
 //! ```
 //! The last slope of `e` may be that of the new point itself, whose forces the next step needs in any case ("first same
-//! as last"): a step costs as many force passes as the method has stages, and the estimate none. Sums are formed before
-//! they are added to y_n, so that they lose no digits to a far origin.
+//! as last"). So a step costs as many force passes as the method has stages, and the estimate none. Sums are formed
+//! before they are added to y_n, so that they lose no digits to a far origin.
 
 use super::updates::{acceleration, accumulate, power};
 use super::{Counters, ErrorEstimate, Integrator, PairInfo, StageWork, StepError, StepInput, StepReport};
@@ -135,15 +135,15 @@ impl Integrator<dyn System> for Embedded {
             last.x.copy_from_slice(&to.state.v);
             acceleration(system, &mut last.v, &to.forces.total);
         }
-        let (slopes, room) = (&self.slopes, &mut self.x);
+        let (slopes, buffer) = (&self.slopes, &mut self.x);
         match self.tableau.estimate {
             Estimate::One(e) => {
                 weighted(out.x, h, e, slopes, |k| &k.x);
                 weighted(out.v, h, e, slopes, |k| &k.v);
             }
             Estimate::Two { fine, coarse } => {
-                combined(out.x, room, (h, [fine, coarse]), slopes, |k| &k.x);
-                combined(out.v, room, (h, [fine, coarse]), slopes, |k| &k.v);
+                combined(out.x, buffer, (h, [fine, coarse]), slopes, |k| &k.x);
+                combined(out.v, buffer, (h, [fine, coarse]), slopes, |k| &k.v);
             }
         }
     }
@@ -172,13 +172,13 @@ fn weighted(out: &mut [f64], h: f64, weights: &[f64], slopes: &[Slope], part: Pa
     }
 }
 
-/// out = e |e| / sqrt(|e|^2 + 0.01 |e'|^2), whose norm is that of [`Estimate::Two`]; `room` holds e'.
-fn combined(out: &mut [f64], room: &mut [f64], (h, two): (f64, [&[f64]; 2]), slopes: &[Slope], part: Part) {
+/// out = e |e| / sqrt(|e|^2 + 0.01 |e'|^2), whose norm is that of [`Estimate::Two`]; `buffer` holds e'.
+fn combined(out: &mut [f64], buffer: &mut [f64], (h, two): (f64, [&[f64]; 2]), slopes: &[Slope], part: Part) {
     let square = |e: &[f64]| e.iter().map(|e| e * e).sum::<f64>();
     let [fine, coarse] = two;
     weighted(out, h, fine, slopes, part);
-    weighted(room, h, coarse, slopes, part);
-    let (fine, coarse) = (square(out), square(room));
+    weighted(buffer, h, coarse, slopes, part);
+    let (fine, coarse) = (square(out), square(buffer));
     let share = (fine / (fine + 0.01 * coarse)).sqrt();
     if fine > 0.0 {
         out.iter_mut().for_each(|e| *e *= share);

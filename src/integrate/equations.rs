@@ -41,7 +41,7 @@ pub(super) struct StepStart<'a> {
     pub expected: &'a [f64],
     /// [s] size of the step
     pub h: f64,
-    /// [m] largest coordinate, which sets the rounding of positions
+    /// [m] Largest coordinate in `x` `[n_dof]`., which sets the rounding of positions
     pub largest: f64,
     /// [N] size of the forces at the step's start
     pub force_scale: f64,
@@ -288,7 +288,7 @@ impl NonlinearProblem for Equations<'_> {
     }
 }
 
-/// Scales of residuals and increments, from the step's start.
+/// Scales of residuals and increments, from the step's start. Slices are `[n_dof]`.
 pub(super) fn scales(
     system: &dyn TangentSystem,
     from: &Point,
@@ -306,7 +306,7 @@ pub(super) fn scales(
     Scales { residual, increment, increment_floor: 4.0 * f64::EPSILON * norm(&from.state.x) }
 }
 
-/// [N] The force that would stop the motion within the step.
+/// [N] The force that would stop the motion within the step; `product` `[n_dof]` is overwritten.
 fn stopping_force(system: &dyn TangentSystem, from: &Point, map: StageMap, product: &mut [f64]) -> f64 {
     system.mass_times(&from.state.v, product);
     norm(product) * (map.ca / map.cv).abs()

@@ -124,6 +124,11 @@ impl FactorCache {
         }
     }
 
+    /// Forgets the factor: it is of forces that act no more.
+    pub fn forget(&mut self) {
+        (self.accepted, self.state) = (CachedFactor::default(), CacheState::Valid);
+    }
+
     /// Weights of the factor of this attempt.
     pub fn weights(&self) -> Weights {
         weights(self.attempted)

@@ -174,6 +174,13 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         (self.made_with, self.anew) = (0.0, true);
     }
 
+    /// The pattern stays; the factor is made again at its next use.
+    fn forces_changed(&mut self, system: &(dyn TangentSystem + 'static), at: &Point) -> Result<(), StepError> {
+        self.restart(system, at);
+        self.solver.iter_mut().for_each(|s| s.linear.cache.forget());
+        Ok(())
+    }
+
     fn save(&self) -> CarriedState {
         let mut vectors = vec![self.a.clone()];
         let factor = self.solver.as_ref().and_then(|s| s.linear.cache.save(&mut vectors));
@@ -254,9 +261,9 @@ struct LaggedAcceleration<'a> {
 
 impl LaggedAcceleration<'_> {
     /// Writes the acceleration for a step of this size into `out` [m/s^2]. HHT and generalised alpha carry an
-    /// acceleration of another time than the state, by a share of the step: a - M^-1 f is proportional to the step that
-    /// produced it, and is scaled to the next step's size. Otherwise every change of the step would make an error of
-    /// order h in a.
+    /// acceleration that lags behind the state by a share of the step. The difference a - M^-1 f is proportional to the
+    /// step that produced it, and is scaled to the next step's size. Otherwise every change of the step would make an
+    /// error of order h in a.
     fn carry_over(&self, map: StageMap, from: &Point, inverse_mass: &[f64], out: &mut [f64]) {
         let &LaggedAcceleration { h, made_with, a } = self;
         if made_with == 0.0 || made_with == h || map.am == 0.0 && map.af == 0.0 {

@@ -14,11 +14,12 @@
 //! with a slack law is in the filter only if it is taut at x or at x + h v. One that is slack at x but not at x + h v
 //! pulls with k (l - l0) as if it were taut at x ([`StepFilter`]). So free flight keeps its speed, and a rope catches a
 //! mass as with backward Euler, without energy gain at any kappa. A mass thrown back keeps 1/(1 + kappa) of its speed
-//! in the step in which the rope goes slack. Rows or nets of springs with slack ones among them are about as stable as
-//! with all in the filter, but not for every step: the two sweeps see no further than a neighbour's neighbour. Hanging
-//! nets that swing down slack, with rest lengths of 1.2 and 1.05 times the mesh's, ran through up to kappa = 11 (a rope
-//! of 20 springs; with all in the filter up to 22) and 11 (a square of 12 by 12 cells; with all in the filter up to 7).
-//! A slack spring with a relative `"step"` dashpot stays in the filter, as its viscosity was asked for.
+//! in the step in which the rope goes slack. Rows or nets with some slack springs are about as stable as with all in
+//! the filter, but not for every step: the two sweeps reach no further than the neighbours of neighbours. Two hanging
+//! nets that swing down slack were tried. A rope of 20 springs with rest lengths of 1.2 times the mesh's was stable up
+//! to kappa = 11 (with all in the filter up to 22). A square of 12 by 12 cells with 1.05 times was stable up to 11
+//! (with all in the filter up to 7). A slack spring with a relative `"step"` dashpot stays in the filter, as its
+//! viscosity was asked for.
 //!
 //! Artefacts of the filter, with kappa = h^2 k/m: a spinning dumbbell keeps (1 + kappa^2)/(1 + kappa)^2 of its speed a
 //! step, and momentum drifts if nodes have unequal numbers of springs. Forces outside the filter meet filtered springs

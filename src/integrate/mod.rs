@@ -5,14 +5,15 @@
 //! acceleration, a derivative) changes in [`Integrator::accept`] only. Every run starts from a_0 = M^-1 f(0, x0, v0).
 //!
 //! # How to add a scheme
-//! 1. Write `integrate/<name>.rs`. An explicit scheme implements [`Integrator`] for `dyn System` and reads like its
-//!    equations; one of the Newmark family only fills a [`stage::StageMap`] ([`implicit::ImplicitScheme`]).
+//! 1. Write `integrate/<name>.rs` and declare it below. An explicit scheme implements [`Integrator`] for
+//!    `dyn System` and reads like its equations; one of the Newmark family only fills a [`stage::StageMap`]
+//!    ([`implicit::ImplicitScheme`]).
 //! 2. Register it in [`registry`]: name, order, parameters with ranges, stability, source, and the properties of its
 //!    step on linear scenes ([`linear_step`], which limits and diagnoses use instead of names). The case format, the
 //!    JSON Schema, `canopy-fem methods` and every test that loops over methods read that entry; those of
 //!    `analysis/limit` check on oscillators what it says of the step.
 //! 3. `tests/claims/recurrence` needs its amplification recurrence on an oscillator, `tests/claims/oscillator.rs` its
-//!    leading error term and `tests/api/counters.rs` its work; an explicit one has a line of known limits in
+//!    leading error term and `tests/api/counters.rs` its work. An explicit scheme also needs a line of known limits in
 //!    `analysis/limit` and, if it is a Runge-Kutta method, a polynomial in `tests/common/polynomials.rs`.
 //!    `tests/claims/order.rs` and `tolerance.rs` measure its order and its errors with tolerances. Each of them fails
 //!    with a message if the entry is missing; `tests/api/case/faults.rs` and the README's table name all methods.
@@ -20,8 +21,19 @@
 //! A scheme that solves several times per step owns one [`implicit::Implicit`] engine per stage: an engine carries one
 //! kept factor and one first guess from step to step. `check` counts one solve per step where it makes no trial runs.
 //!
+//! # A scheme of a program's own
 //! A program that only uses the library takes methods from the [`registry`], or writes a [`registry::MethodInfo`] of
-//! its own ([`registry::MethodChoice::of`], `examples/own_scheme.rs`).
+//! its own ([`registry::MethodChoice::of`], `examples/own_scheme.rs`):
+//! * A stage between the ends of a step is a [`State`](crate::model::state::State) and
+//!   [`Forces`](crate::model::forces::Forces) that [`Integrator::start`] makes, a clone of `at.state` and
+//!   `system.new_forces()`. All vectors are `[n_dof]`; `inverse_mass` is 0 at held degrees of freedom, which so stay.
+//! * `linear` is [`PLAIN`](linear_step::LinearStep::PLAIN) for Runge and Kutta's schemes and
+//!   [`PARTITIONED`](linear_step::LinearStep::PARTITIONED) where positions and velocities have different formulas.
+//!   The search for the largest stable step goes by it.
+//! * `evaluations` counts calls of [`Counters::evaluate`] a step; `order` is what adaptive steps rely on.
+//! * What goes over from step to step changes in [`Integrator::accept`] only, is reset in [`Integrator::restart`], and
+//!   is in [`Integrator::save`] and [`Integrator::restore`]; a scheme without such a thing needs none of the four.
+//! * Blocks of steps and estimates of its own error ([`Integrator::pair`]) are optional.
 //!
 //! Nothing here depends on a force: schemes use the traits of [`crate::model::system`].
 
@@ -124,8 +136,8 @@ pub struct Trend {
 /// How the estimate of an embedded pair compares with the error that the scheme itself makes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairInfo {
-    /// [-] error of a step over its estimate and over w h, about, for oscillations of w [rad/s] in small steps of h
-    /// [s]: the run continues with the more accurate solution, whose error is one order smaller than the estimate
+    /// [-] approximate error of a step over its estimate and over w h, for oscillations of w [rad/s] in small steps of
+    /// h [s]. The run continues with the more accurate solution, whose error is one order smaller than the estimate
     pub leading: f64,
 }
 
@@ -205,6 +217,15 @@ pub trait Integrator<S: ?Sized>: Send {
     /// smooth across its time. Allocates nothing.
     fn restart(&mut self, _system: &S, _at: &Point) {}
 
+    /// The same where a program has changed a force: also what was found from the system at the start, as factors of
+    /// its matrix or its weight, is found again.
+    ///
+    /// # Errors
+    /// As [`Integrator::start`], which it is unless a scheme can do it more cheaply.
+    fn forces_changed(&mut self, system: &S, at: &Point) -> Result<(), StepError> {
+        self.start(system, at)
+    }
+
     /// The carried state, for a checkpoint.
     fn save(&self) -> CarriedState {
         CarriedState::default()
@@ -218,10 +239,10 @@ pub trait Integrator<S: ?Sized>: Send {
         carried.take_into(&mut [])
     }
 
-    /// Damps an estimate of the local error of the step attempted last as the scheme damps the motion itself: e <- W^-1
-    /// cm M e with that step's W = cm M + cc C + ck K. Without it, motion that an implicit step rightly does not
-    /// resolve would count (w h)^2 times too much (Shampine & Baca 1984; Hairer & Wanner 1996, Eq. IV.8.19). Explicit
-    /// schemes leave e.
+    /// Damps an estimate `e` [m/s] `[n_dof]` of the local error of the step attempted last as the scheme damps the
+    /// motion itself: e <- W^-1 cm M e with that step's W = cm M + cc C + ck K. Without it, motion that an implicit
+    /// step rightly does not resolve would count (w h)^2 times too much (Shampine & Baca 1984; Hairer & Wanner 1996,
+    /// Eq. IV.8.19). Explicit schemes leave e.
     ///
     /// # Errors
     /// When the factorised W cannot be solved with.

@@ -120,6 +120,14 @@ impl<'a> Stepper<'a> {
         each!(&mut self.0, scheme, system => scheme.restart(*system, at));
     }
 
+    /// See [`Integrator::forces_changed`].
+    ///
+    /// # Errors
+    /// When matrices or solvers cannot be set up.
+    pub fn forces_changed(&mut self, at: &Point) -> Result<(), StepError> {
+        each!(&mut self.0, scheme, system => scheme.forces_changed(*system, at))
+    }
+
     /// See [`Integrator::save`].
     pub fn save(&self) -> CarriedState {
         each!(&self.0, scheme, _system => scheme.save())

@@ -204,7 +204,7 @@ impl Tangents {
         made.map(Some)
     }
 
-    /// Replaces b by W^-1 b.
+    /// Replaces b `[n]` by W^-1 b.
     ///
     /// # Errors
     /// A solution that is not finite, or no factor.

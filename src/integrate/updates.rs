@@ -1,4 +1,4 @@
-//! The vector updates of explicit schemes.
+//! The vector updates of explicit schemes. Slices are `[n_dof]`.
 
 use super::StageWork;
 use crate::model::forces::{Forces, Role};

@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 /// No triangle beyond this side.
 const NONE: u32 = u32::MAX;
-/// [-] by how much the two angles opposite an edge must exceed 180 degrees (as the sine of the excess) before it is
-/// flipped; without it rounding could flip the edges of a square for ever
+/// [-] sine of the least excess over 180 degrees of the two angles opposite an edge that is flipped; without it,
+/// rounding could flip the edges of a square for ever
 const EXCESS: f64 = 1e-9;
 
 /// Triangles with their neighbours.

@@ -45,7 +45,7 @@ pub(super) fn on_unit_circle(angle: f64) -> Vector2<f64> {
 }
 
 /// `p` turned around the origin until it is at least `depth` [m] from each of `seams` evenly spread rays, the first
-/// along +x; to the middle between two rays where they are closer together than that.
+/// along +x. Where the rays are too close for that, it is turned to the middle between two of them.
 pub(super) fn turned_off_seams(p: Vector2<f64>, seams: usize, depth: f64) -> Vector2<f64> {
     if seams == 0 {
         return p;
@@ -60,7 +60,7 @@ pub(super) fn turned_off_seams(p: Vector2<f64>, seams: usize, depth: f64) -> Vec
     if wanted == within { p } else { radius * on_unit_circle(first + wanted) }
 }
 
-/// Wanted edge length by radius: between its values at the loops it is linear, times a tent that is 1 at the loops
+/// Wanted edge length by radius: linear between its values at the loops, times a tent function that is 1 at the loops
 /// and `grading` in the middle (for a disc: at the centre).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SizeFunction {

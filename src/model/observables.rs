@@ -24,11 +24,11 @@ pub trait Observables: System {
     /// Support reaction [N] on every node, zero at free degrees of freedom.
     fn node_reactions(&self, forces: &Forces, out: &mut [[f64; 3]]);
 
-    /// Tension [N] (elastic part) and strain [-] of every edge; NaN on an edge without spring.
+    /// Tension [N] (elastic part) and strain [-] of every edge, both `[n_edges]`; NaN on an edge without spring.
     fn edge_tension(&self, at: StateRef<'_>, tension: &mut [f64], strain: &mut [f64]);
 
-    /// Adds to the elastic tension [N] of every edge the force of the dashpot along it, if it has one. Forces between
-    /// its ends that also have other directions are not included.
+    /// Adds to the elastic tension [N] of every edge `[n_edges]` the force of the dashpot along it, if it has one.
+    /// Forces between its ends that also have other directions are not included.
     fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]) {
         let _ = (at, tension);
     }

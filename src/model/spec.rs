@@ -1,10 +1,13 @@
 //! A network as plain resolved data: without files, selections or defaults. The case reader makes it, and
 //! [`crate::scene`] builds the scene from it. All numbers are the user's.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::mesh::Mesh;
 
 /// The force law of a spring in tension and compression. `e` is the elongation l - l0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub enum Slack {
     /// T = k e: tension and compression.
     #[default]
@@ -24,7 +27,7 @@ pub enum Slack {
 }
 
 /// The direction in which a dashpot acts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum DashpotKind {
     /// c ldot along the spring; clamped together with a slack spring.
     Axial,
@@ -33,7 +36,7 @@ pub enum DashpotKind {
 }
 
 /// Dashpots of a spring group.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DashpotSpec {
     /// axial or relative
     pub kind: DashpotKind,
@@ -44,7 +47,7 @@ pub struct DashpotSpec {
 }
 
 /// Springs that share a rule of the case.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpringGroup {
     /// edges of the mesh, ascending
     pub edges: Vec<u32>,
@@ -59,7 +62,7 @@ pub struct SpringGroup {
 }
 
 /// A factor or vector over time, linear between its rows, held constant outside them.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Series<T> {
     /// [s] strictly increasing times; at least one
     pub t: Vec<f64>,
@@ -68,7 +71,7 @@ pub struct Series<T> {
 }
 
 /// The air: pressure jump dp = linear v_n + quadratic v_n |v_n| over the cloth, acting along the relative wind.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AirSpec {
     /// [Pa s/m] viscous coefficient (thickness times A_e, or times a)
     pub linear: f64,
@@ -79,7 +82,7 @@ pub struct AirSpec {
 }
 
 /// How a pressure load follows the surface.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum PressureKind {
     /// p A N on the current area and normal.
     Follower,
@@ -88,7 +91,7 @@ pub enum PressureKind {
 }
 
 /// A pressure on some triangles.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PressureLoad {
     /// triangles, ascending
     pub triangles: Vec<u32>,
@@ -101,7 +104,7 @@ pub struct PressureLoad {
 }
 
 /// A force on some nodes.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NodalLoad {
     /// nodes, ascending
     pub nodes: Vec<u32>,
@@ -111,17 +114,24 @@ pub struct NodalLoad {
     pub factor: Option<Series<f64>>,
 }
 
-/// Rayleigh damping f -= (mass M + stiffness K0) v.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+/// Rayleigh damping f -= (alpha M + beta K0) v, with K0 = sum of k n n^T on the mesh as given: no slack, no geometric
+/// part.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Rayleigh")]
 pub struct RayleighSpec {
-    /// [1/s] factor of M
+    /// [1/s] Factor alpha of the mass; 0 if not given.
+    #[serde(default)]
+    #[schemars(range(min = 0))]
     pub mass: f64,
-    /// [s] factor of K0
+    /// [s] Factor beta of the initial stiffness; 0 if not given.
+    #[serde(default)]
+    #[schemars(range(min = 0))]
     pub stiffness: f64,
 }
 
 /// All data of a network scene.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct NetworkSpec {
     /// positions as given, before `displacement`
     pub mesh: Mesh,
@@ -147,19 +157,27 @@ pub struct NetworkSpec {
     pub velocity: Vec<[f64; 3]>,
 }
 
-/// A simple pendulum: m L^2 theta'' = -m g L sin(theta) - c theta'.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+/// A simple pendulum: m L^2 theta'' = -m g L sin(theta) - c theta'. Its bob is node 0 at (L sin, 0, -L cos).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Pendulum")]
 pub struct PendulumSpec {
-    /// [m] length L
+    /// [m] Length L of the line.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub length: f64,
-    /// [kg] mass m
+    /// [kg] Mass m of the bob.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub mass: f64,
-    /// [N m s] damping c
+    /// [N m s] Damping c of the rotation; 0 if not given.
+    #[serde(default)]
+    #[schemars(range(min = 0))]
     pub damping: f64,
-    /// [m/s^2] gravity g
+    /// [m/s^2] Gravity g, downwards along -z.
+    #[schemars(range(min = 0))]
     pub gravity: f64,
-    /// [rad] initial angle from the lowest position
+    /// [rad] Initial angle from the lowest position.
     pub angle: f64,
-    /// [rad/s] initial angular velocity
+    /// [rad/s] Initial angular velocity; 0 if not given.
+    #[serde(default)]
     pub rate: f64,
 }

@@ -161,7 +161,7 @@ pub trait StepFilter: std::fmt::Debug + Send + Sync {
     /// Returns whether they differ from those of the last step.
     fn select(&mut self, from: StateRef<'_>, h: f64) -> bool;
 
-    /// [N/m] `out_i = sum_j k_ij`, of every node.
+    /// [N/m] `out_i = sum_j k_ij`, for every node `[n_nodes]`.
     fn stiffness_sums(&self, out: &mut [f64]);
 
     /// `out_i = sum_j k_ij u_j`, as [`SpringGraph::neighbour_sums`].
@@ -177,7 +177,8 @@ pub trait StepFilter: std::fmt::Debug + Send + Sync {
 
 /// The interface that Kang's scheme needs besides forces: the spring graph.
 pub trait SpringGraph: System {
-    /// [N/m] Sum of the stiffnesses at every node, slack or not. Called once, before any other sum.
+    /// [N/m] Sum of the stiffnesses at every node, slack or not `[n_nodes]`. Called once,
+    /// before any other sum.
     fn stiffness_sums(&self) -> Vec<f64>;
 
     /// [N] weight at every degree of freedom.
@@ -187,7 +188,8 @@ pub trait SpringGraph: System {
     fn viscosity(&self) -> Viscosity;
 
     /// [N] `out =` the forces of the dashpots that the filter already contains, if they are some of the dissipative
-    /// forces ([`Viscosity::Some`]; else 0), for some degrees of freedom: a range that [`System::workers`] gives.
+    /// forces ([`Viscosity::Some`]; else 0), for some degrees of freedom: a range that [`System::workers`] gives. `v`
+    /// is `[n_dof]`, `out` has the length of `dofs`.
     fn step_dashpots(&self, v: &[f64], dofs: Range<usize>, out: &mut [f64]);
 
     /// `out_i = sum_j k_ij u_j`, likewise, in N/m times the unit of `u`, which has all degrees of freedom.

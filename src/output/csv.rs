@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::folder::{Lock, lock};
 use super::resume::ResumeError;
-use super::resume::{FilePrefix, PrefixCounter};
+use super::resume::{FilePrefix, RunningChecksum};
 use crate::drive::observer::ObserveError;
 
 /// Lines are written at the latest after this many bytes …
@@ -23,7 +23,7 @@ pub struct CsvFile {
     buffer: Vec<u8>,
     last_write: Instant,
     /// the part passed to the system
-    written: PrefixCounter,
+    written: RunningChecksum,
 }
 
 impl CsvFile {
@@ -39,7 +39,7 @@ impl CsvFile {
             return Err(fault(io::Error::new(io::ErrorKind::ResourceBusy, "another run is writing it")));
         }
         file.set_len(0).map_err(fault)?;
-        let mut made = Self::around(path, file, PrefixCounter::default());
+        let mut made = Self::around(path, file, RunningChecksum::default());
         made.line(|out| write!(out, "{header}"))?;
         made.flush()?;
         Ok(made)
@@ -57,10 +57,10 @@ impl CsvFile {
         }
         file.set_len(mark.bytes).map_err(fault)?;
         file.seek(SeekFrom::Start(mark.bytes)).map_err(fault)?;
-        Ok(Self::around(path, file, PrefixCounter::after(mark)))
+        Ok(Self::around(path, file, RunningChecksum::after(mark)))
     }
 
-    fn around(path: &Path, file: File, written: PrefixCounter) -> Self {
+    fn around(path: &Path, file: File, written: RunningChecksum) -> Self {
         let buffer = Vec::with_capacity(BLOCK);
         Self { path: path.to_owned(), file, buffer, last_write: Instant::now(), written }
     }

@@ -66,7 +66,7 @@ pub struct ResultFolder {
 }
 
 impl ResultFolder {
-    /// Makes `dir` ready for the case `name`: creates it if needed and locks it; refuses earlier results unless `force`
+    /// Makes `dir` ready for the case `name`: creates it if needed and locks it. Refuses earlier results unless `force`
     /// is given, which removes these files only: `summary.json`, `history.csv`, `probes.csv`, `checkpoint.bin`,
     /// `NAME.pvd`, `frames/NAME_<number>.vtu`, the last two also for the case of `summary.json`, and `frames` if it is
     /// then empty. Other files are kept. A link is removed, never followed; a linked `frames` is refused.

@@ -8,9 +8,8 @@
 //! v(s) = (1 - s) v0 + s v1 + 6 s (1 - s) [d/h - (v0 + v1)/2]
 //! ```
 //! The bracket is -h^2 v''/12 in a smooth motion and of order h^2 in every scheme of order 2. The Euler schemes move
-//! nodes with the velocity at one end alone, d = h v0 or d = h v1; there it is h a/2 or -h a/2, which has nothing to do
-//! with the motion and would change v in each step by 3/4 of the increment of the step. It is left out then: the error
-//! of the linear v is h^2 v''/8 only.
+//! nodes with the velocity at one end only, d = h v0 or d = h v1. There it is h a/2 or -h a/2, which would change v in
+//! each step by 3/4 of the increment of the step. It is left out then: the error of the linear v is h^2 v''/8 only.
 
 use crate::model::state::{State, StateRef};
 

@@ -1,9 +1,9 @@
 //! Results: a ParaView time series, `history.csv`, `probes.csv` and `summary.json` in one folder.
 //!
-//! The integrating thread only copies numbers into reused buffers ([`recorder`]); one background thread (`writer`)
-//! formats and writes them (`files`), so that a slow disk costs memory for a few frames and then time, but never a lost
-//! or incomplete row. An error of that thread is returned as an [`ObserveError`](crate::drive::observer::ObserveError)
-//! at the next send and at the end.
+//! The integrating thread only copies numbers into reused buffers ([`recorder`]). One background thread (`writer`)
+//! formats and writes them (`files`). So a slow disk costs memory for a few frames and then time, but no row is lost or
+//! incomplete. An error of that thread is returned as an [`ObserveError`](crate::drive::observer::ObserveError) at the
+//! next send and at the end.
 //!
 //! Whenever the program is killed, the files in the folder can be read (a csv file may end within a line). The newest
 //! [`checkpoint`] counts only results that are on the disk: `--resume` cuts off the rest and continues.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::atomic::{Durability, replace};
 use super::csv::write_fault;
 use super::resume::ResumeError;
-use super::resume::{FilePrefix, PrefixCounter, open_plain};
+use super::resume::{FilePrefix, RunningChecksum, open_plain};
 use crate::drive::observer::ObserveError;
 use crate::vtk::xml_attribute;
 
@@ -40,7 +40,7 @@ pub struct Collection {
     path: PathBuf,
     /// the whole file except its last lines
     text: String,
-    tally: PrefixCounter,
+    tally: RunningChecksum,
     frames: u64,
     shown: u64,
     last_write: Instant,
@@ -49,7 +49,7 @@ pub struct Collection {
 impl Collection {
     /// An empty collection; nothing is written yet.
     pub fn new(path: &Path) -> Self {
-        let mut tally = PrefixCounter::default();
+        let mut tally = RunningChecksum::default();
         tally.add(HEAD.as_bytes());
         let (path, text) = (path.to_owned(), HEAD.to_owned());
         Self { path, text, tally, frames: 0, shown: 0, last_write: Instant::now() }
@@ -65,7 +65,7 @@ impl Collection {
             let mut bytes = Vec::new();
             let file = open_plain(path)?;
             file.take(mark.text.bytes).read_to_end(&mut bytes).map_err(|e| ResumeError::system(path, e))?;
-            found.tally = PrefixCounter::default();
+            found.tally = RunningChecksum::default();
             found.tally.add(&bytes);
             mark.text.agrees(found.tally.mark(), path)?;
             let not_text = |_| ResumeError::Changed { path: path.display().to_string(), bytes: mark.text.bytes };
@@ -105,13 +105,13 @@ impl Collection {
             self.frames -= 1;
         }
         self.shown = self.shown.min(self.frames);
-        self.tally = PrefixCounter::default();
+        self.tally = RunningChecksum::default();
         self.tally.add(self.text.as_bytes());
         self.frames
     }
 
-    /// Replaces the file on disk if it is due (see [`Collection::write`]): with the first frame, then ten times a
-    /// second where frames come that quickly, and beyond 1000 of them after one per cent more, or a second.
+    /// Replaces the file on disk if it is due (see [`Collection::write`]): with the first frame, and then at most ten
+    /// times per second. Beyond 1000 frames it is due after one per cent more, or a second.
     pub fn write_if_due(&mut self) -> Result<(), ObserveError> {
         let waiting = self.frames - self.shown;
         if waiting == 0 {

@@ -4,10 +4,9 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
-
 use super::checkpoint::CheckpointFault;
 use crate::case::fingerprint::Differences;
+pub use crate::checksum::{FilePrefix, RunningChecksum};
 use crate::drive::observer::ObserveError;
 
 /// Why a run cannot be resumed. No results are lost: nothing is changed before everything has been checked, and a
@@ -102,62 +101,14 @@ impl ResumeError {
     }
 }
 
-/// The first `bytes` of a file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct FilePrefix {
-    /// their number
-    pub bytes: u64,
-    /// their CRC-32 (IEEE 802.3)
-    pub crc: u32,
-}
-
-/// A [`FilePrefix`] that follows a file as it grows.
-#[derive(Clone, Debug, Default)]
-pub struct PrefixCounter {
-    bytes: u64,
-    crc: crc32fast::Hasher,
-}
-
-impl PrefixCounter {
-    /// Continues from a mark.
-    pub fn after(mark: FilePrefix) -> Self {
-        Self { bytes: mark.bytes, crc: crc32fast::Hasher::new_with_initial_len(mark.crc, mark.bytes) }
-    }
-
-    /// Adds bytes that were appended.
-    pub fn add(&mut self, data: &[u8]) {
-        self.bytes += data.len() as u64;
-        self.crc.update(data);
-    }
-
-    /// The present prefix.
-    pub fn mark(&self) -> FilePrefix {
-        FilePrefix { bytes: self.bytes, crc: self.crc.clone().finalize() }
-    }
-
-    /// Number of bytes so far.
-    pub fn bytes(&self) -> u64 {
-        self.bytes
-    }
-}
-
 impl FilePrefix {
     /// Reads the marked part of a file and compares it; the rest is ignored.
     ///
     /// # Errors
     /// A file that is missing, not a plain file, too short, or has changed.
     pub fn check(&self, path: &Path) -> Result<(), ResumeError> {
-        let file = open_plain(path)?;
-        let mut rest = file.take(self.bytes);
-        let (mut seen, mut block) = (PrefixCounter::default(), vec![0; 1 << 16]);
-        loop {
-            match rest.read(&mut block) {
-                Ok(0) => break,
-                Ok(n) => seen.add(block.get(..n).unwrap_or_default()),
-                Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
-                Err(e) => return Err(ResumeError::system(path, e)),
-            }
-        }
+        let mut seen = RunningChecksum::default();
+        io::copy(&mut open_plain(path)?.take(self.bytes), &mut seen).map_err(|e| ResumeError::system(path, e))?;
         self.agrees(seen.mark(), path)
     }
 

@@ -197,8 +197,8 @@ mod tests {
                 indefinite: 0,
                 prediction,
             };
-            let told = reason(&stats, LinearChoice::Auto);
-            assert!(told.contains(expected) && !told.contains(" 0 "), "{told}");
+            let text = reason(&stats, LinearChoice::Auto);
+            assert!(text.contains(expected) && !text.contains(" 0 "), "{text}");
         }
     }
 }

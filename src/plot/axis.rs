@@ -1,13 +1,13 @@
-//! The scale of an axis: where a number lies between the axis' ends, and which numbers are written there.
+//! The scale of an axis: the position of a number on it, and the numbers at its ticks.
 
 use super::chart::Scale;
 
-/// Share of the points' range left free at either end of an axis that fits itself to them.
+/// Share of the points' range left free at both ends of an axis that is fitted to them.
 const MARGIN: f64 = 0.04;
-/// [-] A range narrower than this share of its numbers is rounding, not motion; it is drawn as one value.
+/// [-] A range narrower than this share of its numbers is rounding, not motion; it is drawn as a constant.
 const ROUNDING: f64 = 1e-12;
-/// Larger numbers count as not finite: a blow-up passes them within a step or two, and differences of smaller ones are
-/// finite.
+/// Larger numbers count as not finite: a diverging run exceeds them within a step or two, and differences of smaller
+/// numbers are finite.
 const FARTHEST: f64 = 1e150;
 
 /// An axis from 0 at its lower end to 1 at its upper end.
@@ -20,16 +20,16 @@ pub(super) struct AxisScale {
     high: f64,
 }
 
-/// A number on an axis.
+/// A tick of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tick {
     /// between 0 and 1
     pub at: f64,
-    /// empty for a line of the fine grid
+    /// label; empty for a line of the fine grid
     pub label: String,
 }
 
-/// A number as a length along an axis, or nothing if it has no place there.
+/// A number as a length along an axis, or `None` if it cannot be shown there.
 fn length(scale: Scale, value: f64) -> Option<f64> {
     let inside = value.abs() < FARTHEST;
     match scale {
@@ -39,13 +39,13 @@ fn length(scale: Scale, value: f64) -> Option<f64> {
 }
 
 impl AxisScale {
-    /// From one number to another; nothing if that is no range.
+    /// An axis between two numbers; `None` if they are not a range.
     pub(super) fn between(scale: Scale, (low, high): (f64, f64)) -> Option<Self> {
         let (low, high) = (length(scale, low)?, length(scale, high)?);
         (high - low > ROUNDING * low.abs().max(high.abs())).then_some(Self { scale, low, high })
     }
 
-    /// As wide as some numbers need, with a margin; nothing if none of them has a place.
+    /// An axis for some numbers, with a margin; `None` if none of them can be shown.
     pub(super) fn around(scale: Scale, values: impl Iterator<Item = f64>) -> Option<Self> {
         let ends = |ends: Option<(f64, f64)>, v: f64| Some(ends.map_or((v, v), |(l, h)| (l.min(v), h.max(v))));
         let (low, high) = values.filter_map(|v| length(scale, v)).fold(None, ends)?;
@@ -63,22 +63,22 @@ impl AxisScale {
         self.high - self.low
     }
 
-    /// The same middle, another length.
+    /// An axis with the same middle and another length.
     pub(super) fn widened(&self, span: f64) -> Self {
         let middle = f64::midpoint(self.low, self.high);
         Self { low: middle - 0.5 * span, high: middle + 0.5 * span, ..*self }
     }
 
-    /// Where a number lies: below 0 and above 1 it is off the axis. Nothing for a number without a place.
+    /// The position of a number: below 0 and above 1 it is off the axis. `None` for a number that cannot be shown.
     pub(super) fn place(&self, value: f64) -> Option<f64> {
         Some((length(self.scale, value)? - self.low) / self.span()).filter(|p| p.is_finite())
     }
 
-    /// At most about `most` numbers to write, and the lines of the fine grid between them.
+    /// At most about `most` labelled ticks, and the lines of the fine grid between them.
     pub(super) fn ticks(&self, most: usize) -> Vec<Tick> {
         match self.scale {
             Scale::Linear => self.even_ticks(self.low, self.high, most),
-            // Less than a decade holds too few powers of ten to read a number from.
+            // Less than a decade has too few powers of ten for readable labels.
             Scale::Log if self.span() < 1.0 => self.even_ticks(10f64.powf(self.low), 10f64.powf(self.high), most),
             Scale::Log => self.decade_ticks(most),
         }
@@ -123,16 +123,16 @@ impl AxisScale {
     }
 }
 
-/// What decides how many digits a number on an axis gets.
+/// The data for the number of digits of a tick label.
 #[derive(Clone, Copy, Debug)]
 struct Digits {
-    /// distance of two numbers
+    /// distance of two ticks
     step: f64,
     /// size of the largest number
     size: f64,
 }
 
-/// A number with the digits its neighbours need; everyday numbers plainly, others with a power of ten.
+/// A number with as many digits as needed to distinguish neighbours; very large and small ones with a power of ten.
 fn number(value: f64, Digits { step, size }: Digits) -> String {
     let power = |v: f64| (v.log10() + 1e-9).floor() as i32;
     if (1e-3..1e5).contains(&size) {
@@ -180,7 +180,7 @@ mod tests {
         assert_eq!(labels(log(2.0, 4.0), 4), ["2.0", "2.5", "3.0", "3.5", "4.0"]);
     }
 
-    /// What has no place on an axis, and ranges that are none, are told apart from the rest.
+    /// Numbers that cannot be shown on an axis, and invalid ranges, give `None`.
     #[test]
     fn places_and_ranges() {
         let log = AxisScale::between(Scale::Log, (1.0, 100.0)).expect("a range");

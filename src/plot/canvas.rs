@@ -1,17 +1,17 @@
-//! What everything in a picture is drawn with: units, colours, letters, lines, marks. A picture is SVG text.
+//! The drawing of a picture: units, colours, letters, lines, marks. A picture is SVG text.
 //!
-//! Coordinates are whole numbers of a tenth of a pixel, which are short, and as fine as any screen shows.
+//! Coordinates are whole numbers of tenths of a pixel: short, and finer than any screen.
 
 use super::chart::{Marker, Size, Stroke};
 use crate::vtk::xml_attribute;
 use std::fmt::Write as _;
 
-/// Drawing units a pixel.
+/// Drawing units per pixel.
 const FINE: f64 = 10.0;
-/// [px] letters of titles, axis labels and everything else
+/// [px] letter size of titles, axis labels and other text
 pub(super) const LETTERS: [f64; 3] = [16.0, 14.0, 13.0];
 
-/// A colour as SVG writes it.
+/// A colour in SVG.
 pub(super) type Ink = &'static str;
 /// Axes and their numbers.
 pub(super) const INK: Ink = "#333333";
@@ -20,18 +20,18 @@ pub(super) const GRID: Ink = "#E2E2E2";
 /// The fine grid of logarithmic axes.
 pub(super) const FINE_GRID: Ink = "#F1F1F1";
 
-/// Colours that colour-blind people tell apart (Okabe & Ito 2008), without the yellow, which is too pale for lines on
-/// white.
+/// Colours that colour-blind people can distinguish (Okabe & Ito 2008), without the yellow, which is too pale for lines
+/// on white.
 const PALETTE: [Ink; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"];
 
 /// [px] Size of marks; corners are given in it.
 const MARK: f64 = 9.0;
-/// As large to the eye as the disc, like all marks with corners.
+/// Looks as large as the disc, like all marks with corners.
 const SQUARE: [(f64, f64); 4] = [(-0.36, -0.36), (0.36, -0.36), (0.36, 0.36), (-0.36, 0.36)];
 /// Pointing up.
 const TRIANGLE: [(f64, f64); 3] = [(0.0, -0.55), (0.48, 0.34), (-0.48, 0.34)];
 const DIAMOND: [(f64, f64); 4] = [(0.0, -0.54), (0.46, 0.0), (0.0, 0.54), (-0.46, 0.0)];
-/// Five points at every 72 degrees, and the corners between them.
+/// A star: five points at multiples of 72 degrees, and the corners between them.
 const STAR: [(f64, f64); 10] = [
     (0.0, -0.65),
     (0.16, -0.22),
@@ -45,14 +45,14 @@ const STAR: [(f64, f64); 10] = [
     (-0.16, -0.22),
 ];
 
-/// How a line looks.
+/// The style of a line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineStyle {
-    /// number in the palette; where that ends, it begins again with dashes
+    /// number in the palette; after its end, the colours repeat with dashes
     pub color: usize,
     /// how points are joined
     pub stroke: Stroke,
-    /// what stands at each point
+    /// the mark at each point
     pub marker: Marker,
     /// [px] width of the usual line
     pub width: f64,
@@ -68,7 +68,7 @@ impl LineStyle {
     }
 }
 
-/// A place in the picture [px], from its upper left corner.
+/// A point of the picture [px], from its upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PixelPoint {
     /// to the right
@@ -77,22 +77,22 @@ pub(super) struct PixelPoint {
     pub y: f64,
 }
 
-/// Where the letters stand from their spot.
+/// Position of a text relative to its point.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Anchor {
-    /// begin there, on a line through their middle
+    /// starts there, vertically centred
     Start,
-    /// end there, on a line through their middle
+    /// ends there, vertically centred
     End,
     /// centred above it
     Above,
     /// centred below it
     Below,
-    /// centred on it, read from below
+    /// centred on it, rotated to be read upwards
     Upwards,
 }
 
-/// The picture that is drawn on.
+/// A picture that is being drawn.
 pub(super) struct Canvas {
     svg: String,
 }
@@ -134,7 +134,7 @@ impl Canvas {
         self.polyline(&[from, to], ink, 1.0, "");
     }
 
-    /// A rectangle without filling.
+    /// The outline of a rectangle.
     pub(super) fn frame(&mut self, from: PixelPoint, to: PixelPoint) {
         let corners = [(from.x, from.y), (to.x, from.y), (to.x, to.y), (from.x, to.y), (from.x, from.y)];
         self.polyline(&corners.map(|(x, y)| PixelPoint { x, y }), INK, 1.0, "");
@@ -154,7 +154,7 @@ impl Canvas {
         self.polyline(points, look.ink(), width, &format!("{pale}{dashes}"));
     }
 
-    /// A pale area within a line that closes it.
+    /// A pale area inside a closed line.
     pub(super) fn area(&mut self, corners: &[PixelPoint], look: LineStyle) {
         self.polygon(corners, look.ink(), " opacity=\"0.16\"");
     }
@@ -202,7 +202,7 @@ impl Canvas {
         }
     }
 
-    /// Words of a size [px].
+    /// A text of a size [px].
     pub(super) fn write(&mut self, text: &str, size: f64, spot: PixelPoint, anchor: Anchor) {
         let (anchored, down) = match anchor {
             Anchor::Start => ("start", "0.5ex"),
@@ -233,7 +233,7 @@ fn listed(points: &[PixelPoint]) -> String {
     points.iter().map(|p| format!("{},{} ", fine(p.x), fine(p.y))).collect()
 }
 
-/// [px] about how wide words are; SVG letters are the reader's, so nobody knows.
+/// [px] Approximate width of a text; the font is that of the viewer.
 pub(super) fn width_of(text: &str, size: f64) -> f64 {
     0.54 * size * text.chars().count() as f64
 }

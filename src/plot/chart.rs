@@ -14,6 +14,7 @@
 //! ```
 
 use super::PlotError;
+pub use super::layout::svg_grid;
 
 /// A chart: two axes and lines on them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,28 +27,28 @@ pub struct Chart {
     pub y: Axis,
     /// drawn in this order, later ones on top
     pub lines: Vec<Line>,
-    /// a unit is as long on one axis as on the other; for pictures of places
+    /// whether a unit has the same length on both axes, for plots of positions
     pub equal_units: bool,
-    /// of the picture, legend included
+    /// size of the picture, legend included
     pub size: Size,
-    /// words in the picture
+    /// texts in the picture
     pub notes: Vec<Note>,
-    /// marks that have no place on one of the axes, beside the picture
+    /// panel beside the picture for marks without a value on one of the axes
     pub margin_panel: Option<MarginPanel>,
 }
 
-/// Words at a place of a chart.
+/// A text in a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Note {
-    /// where, in the units of the axes
+    /// its point, in the units of the axes
     pub at: (f64, f64),
-    /// the words
+    /// the text
     pub text: String,
-    /// on which side of the place they stand
+    /// position of the text relative to the point
     pub align: Align,
 }
 
-/// Where words stand from their place.
+/// Position of a text relative to its point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Align {
     /// to its right, a little above
@@ -61,19 +62,19 @@ pub enum Align {
     Above,
 }
 
-/// A strip beside the picture for marks that have no place on one axis: runs without a result have a cost, but no
-/// error. Marks that would cover each other are moved apart.
+/// A panel beside the picture for marks without a value on one axis: runs without a result have a cost, but no error.
+/// Marks that would cover each other are moved apart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MarginPanel {
-    /// where it stands
+    /// its side
     pub side: PanelSide,
-    /// what its marks have in common
+    /// label of all its marks
     pub label: String,
     /// the marks
     pub marks: Vec<PanelMark>,
 }
 
-/// Where a strip stands.
+/// The side of a margin panel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PanelSide {
     /// to the right, along the vertical axis
@@ -83,11 +84,11 @@ pub enum PanelSide {
     Top,
 }
 
-/// A mark in a strip.
+/// A mark in a margin panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PanelMark {
-    /// its place along the axis that it has; beyond the axis' ends it stands at the end. `None`: in a part of its own
-    /// at the lower end
+    /// its value along the axis of the panel; beyond the ends of the axis it is drawn at the end. `None`: drawn in a
+    /// separate part at the lower end
     pub at: Option<f64>,
     /// the mark
     pub marker: Marker,
@@ -111,55 +112,55 @@ pub struct Axis {
     pub label: String,
     /// linear or logarithmic
     pub scale: Scale,
-    /// lower and upper end; lines are cut there. `None`: what the points need
+    /// lower and upper end, at which lines are cut. `None`: fitted to the points
     pub range: Option<(f64, f64)>,
 }
 
-/// How numbers lie on an axis.
+/// The scale of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scale {
-    /// equal steps are equally long
+    /// equal differences have equal lengths
     #[default]
     Linear,
-    /// equal factors are equally long; numbers that are not above 0 are left out
+    /// equal factors have equal lengths; numbers that are not above 0 are left out
     Log,
 }
 
 /// A line, or marks, or both; one that has a label but neither stroke nor marks is a heading in the legend.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Line {
-    /// its entry in the legend; empty = none
+    /// label in the legend; empty = none
     pub label: String,
     /// a point that is not finite interrupts the line
     pub points: Vec<(f64, f64)>,
     /// how points are joined
     pub stroke: Stroke,
-    /// what stands at each point
+    /// the mark at each point
     pub marker: Marker,
-    /// number in the palette. `None`: the next free one for a line with a label; a line without one goes with the line
-    /// before it
+    /// number in the palette. `None`: the next free one for a line with a label; a line without a label has the colour
+    /// of the line before it
     pub color: Option<usize>,
 }
 
 /// How points are joined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stroke {
-    /// not at all: marks only
+    /// no line: marks only
     None,
-    /// hair lines, for bundles of many
+    /// hair lines, for many lines together
     Thin,
-    /// a full line that is thinner than the usual one: fronts and guides
+    /// a solid line, thinner than usual: for fronts and guides
     Fine,
     /// the usual line
     #[default]
     Normal,
     /// the usual line, dashed: references and bounds
     Dashed,
-    /// the usual line around a pale area that it closes; the area is not cut at the axes, so it must lie within them
+    /// the usual line around a pale area; the area is not cut at the axes, so it must be within them
     Filled,
 }
 
-/// What stands at each point.
+/// The mark at each point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Marker {
     /// nothing
@@ -224,18 +225,10 @@ impl Line {
     }
 }
 
-/// The chart as an SVG picture. Lines of many points are thinned; no extreme is lost.
+/// The chart as an SVG picture. Lines with many points are decimated; all extremes are kept.
 ///
 /// # Errors
-/// Nothing to draw, or a range that is none.
+/// Nothing to draw, or an invalid range.
 pub fn svg(chart: &Chart) -> Result<String, PlotError> {
     svg_grid(std::slice::from_ref(chart), 1)
-}
-
-/// Several charts in one picture, filled row by row; the legend is that of the first one.
-///
-/// # Errors
-/// Those of [`svg`].
-pub fn svg_grid(charts: &[Chart], columns: usize) -> Result<String, PlotError> {
-    super::layout::grid(charts, columns)
 }

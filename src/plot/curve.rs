@@ -4,9 +4,10 @@ use super::chart::{Line, Marker, Stroke};
 use super::results::RunEnd;
 use crate::drive::Status;
 
-/// A failed run that went farther than so many times its typical distance from its start ended as a wreck.
+/// A failed run counts as diverged in a chart if it went farther than this many times its typical distance from its
+/// start.
 const WRECK: f64 = 100.0;
-/// Of a wreck so many typical distances are shown; the rest of its way is cut off at the frame.
+/// Number of typical distances to show of a diverged run; the rest is cut off at the frame.
 const SHOWN: f64 = 10.0;
 
 /// A curve of a run; every point with its time.
@@ -18,16 +19,16 @@ pub(super) struct Curve {
     pub points: Vec<TimedPoint>,
 }
 
-/// A point and when it was.
+/// A point with its time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TimedPoint {
     /// [s]
     pub t: f64,
-    /// across and up
+    /// horizontal and vertical value
     pub at: (f64, f64),
 }
 
-/// Lower and upper end of both axes, where they are not left to the chart.
+/// Lower and upper end of both axes; `None` if the chart fits them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AxisLimits {
     /// of the horizontal axis
@@ -41,15 +42,15 @@ impl Curve {
         matches!(self.ending.status, Status::Diverged | Status::NotConverged)
     }
 
-    /// The points before trouble was found: later ones are a wreck's.
+    /// The points before divergence was found.
     fn trusted(&self) -> impl Iterator<Item = (f64, f64)> {
         let end = if self.failed() { self.ending.time } else { f64::INFINITY };
         self.points.iter().filter(move |p| p.t <= end && p.at.0.is_finite() && p.at.1.is_finite()).map(|p| p.at)
     }
 
-    /// Lower and upper end of a coordinate. The last steps before trouble is found are wreck already, and beside their
-    /// 1e31 J all that led to them would be a flat line: the median distance of the points that left the start is the
-    /// measure of a wreck's.
+    /// Lower and upper end of a coordinate. The last steps before divergence is found may be meaningless, and beside
+    /// their 1e31 J all others would be a flat line. So the range is limited to a multiple of the median distance from
+    /// the start.
     fn range(&self, coordinate: fn((f64, f64)) -> f64) -> Option<(f64, f64)> {
         let values: Vec<f64> = self.trusted().map(coordinate).collect();
         let start = *values.first()?;
@@ -69,8 +70,8 @@ impl Curve {
         Line { label: label.to_owned(), points, stroke, color: Some(color), ..Line::default() }
     }
 
-    /// A cross where a run that did not reach its end stopped. Over time it stays at the frame's edge where the line
-    /// has left the frame: `held` is the vertical range it is held in.
+    /// A cross at the last point of a run that did not reach its end. In a chart over time it stays at the frame's edge
+    /// if the line has left the frame: `held` is the vertical range for it.
     pub(super) fn end_mark(&self, color: usize, held: Option<(f64, f64)>) -> Option<Line> {
         let (x, y) = self.trusted().last().filter(|_| self.ending.status != Status::Completed)?;
         let points = vec![(x, held.map_or(y, |(low, high)| y.max(low).min(high)))];
@@ -78,9 +79,9 @@ impl Curve {
     }
 }
 
-/// What a chart should show of one coordinate. Runs that failed may not squeeze the others flat: they count as far as
-/// the others' range, once more to either side; where there are no others, as far as they went before they were a
-/// wreck. Nothing where no run failed: the chart then fits itself to its points.
+/// The range of one coordinate to show. Failed runs must not make the others flat: the range is that of the other runs,
+/// extended by its length on both sides. Without other runs, it is the range of the failed runs before they diverged.
+/// `None` if no run failed: the chart then fits its points.
 pub(super) fn limits(curves: &[Curve], coordinate: fn((f64, f64)) -> f64) -> Option<(f64, f64)> {
     let range = |failed: bool| {
         let ranges = curves.iter().filter(|c| c.failed() == failed).filter_map(|c| c.range(coordinate));
@@ -98,7 +99,7 @@ pub(super) fn limits(curves: &[Curve], coordinate: fn((f64, f64)) -> f64) -> Opt
     (margin > 0.0).then_some((low - margin, high + margin))
 }
 
-/// First and last time of all curves, for an axis of time that begins and ends with them.
+/// First and last time of all curves, for an axis of time.
 pub(super) fn times(curves: &[Curve]) -> Option<(f64, f64)> {
     let times = curves.iter().flat_map(|c| c.points.iter().map(|p| p.t));
     let (first, last) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| (l.min(t), h.max(t)));
@@ -114,7 +115,7 @@ mod tests {
         Curve { ending: RunEnd { status, time: 3.0 }, points }
     }
 
-    /// A blow-up leaves room for the others, and what came after it was found does not count.
+    /// A diverged run leaves room for the others, and points after the divergence do not count.
     #[test]
     fn failed_runs_do_not_squeeze_others() {
         let good = curve(Status::Completed, &[0.0, 1.0, -1.0, 1.0, 0.0, 1.0]);
@@ -135,7 +136,8 @@ mod tests {
         assert_eq!(good.end_mark(0, None), None);
     }
 
-    /// A blow-up alone leaves room for what led to it, also after a long rest; a run that only grew is shown whole.
+    /// A single diverged run leaves room for the motion before, also after a long rest; a run that only grew is shown
+    /// whole.
     #[test]
     fn wrecks_do_not_squeeze_themselves() {
         let y = |at: (f64, f64)| at.1;

@@ -1,11 +1,11 @@
-//! Lines made fit for a picture: cut at its frame and thinned to what can be seen.
+//! Lines for a picture: cut at its frame and decimated to what can be seen.
 //!
 //! Coordinates are shares of the frame, which is the unit square.
 
-/// A place in the frame, across and up.
+/// A point in the frame, horizontal and vertical.
 pub(super) type UnitPoint = (f64, f64);
 
-/// The parts of a line inside the frame. A missing place interrupts the line.
+/// The parts of a line inside the frame. A missing point interrupts the line.
 pub(super) fn cut(places: impl IntoIterator<Item = Option<UnitPoint>>) -> Vec<Vec<UnitPoint>> {
     let mut pieces: Vec<Vec<UnitPoint>> = Vec::new();
     let mut open = false;
@@ -30,13 +30,12 @@ pub(super) fn cut(places: impl IntoIterator<Item = Option<UnitPoint>>) -> Vec<Ve
     pieces
 }
 
-/// Whether a place is inside the frame.
+/// Whether a point is inside the frame.
 pub(super) fn inside(place: UnitPoint) -> bool {
     (0.0..=1.0).contains(&place.0) && (0.0..=1.0).contains(&place.1)
 }
 
-/// The part of a straight line inside the frame (Liang & Barsky 1984). Ends that are inside stay as they are, bit by
-/// bit.
+/// The part of a straight line inside the frame (Liang & Barsky 1984). Ends inside the frame keep their bits.
 fn segment(from: UnitPoint, to: UnitPoint) -> Option<(UnitPoint, UnitPoint)> {
     let along = (to.0 - from.0, to.1 - from.1);
     let (mut enters, mut leaves) = (0.0_f64, 1.0_f64);
@@ -57,8 +56,8 @@ fn segment(from: UnitPoint, to: UnitPoint) -> Option<(UnitPoint, UnitPoint)> {
     (enters <= leaves).then_some((start, end))
 }
 
-/// At most about `most` points that look the same: of every stretch of the line its extremes in both directions, and
-/// both ends. For a curve over time these are first, last, smallest and largest (M4: Jugel, Jerzak, Hackenbroich &
+/// At most about `most` points that look the same: the extremes of every section of the line in both directions, and
+/// both ends. For a curve over time these are the first, last, smallest and largest (M4: Jugel, Jerzak, Hackenbroich &
 /// Markl 2014).
 pub(super) fn thin(points: &[UnitPoint], most: usize) -> Vec<UnitPoint> {
     if points.len() <= most {
@@ -88,7 +87,7 @@ pub(super) fn thin(points: &[UnitPoint], most: usize) -> Vec<UnitPoint> {
 mod tests {
     use super::*;
 
-    /// Thinning keeps both ends and every extreme: a lone spike of one point in a hundred thousand stays.
+    /// Decimation keeps both ends and every extreme: a single outlier among a hundred thousand points is kept.
     #[test]
     fn thinning_keeps_extremes() {
         let mut points: Vec<UnitPoint> =
@@ -102,14 +101,15 @@ mod tests {
         assert!(thin.windows(2).all(|w| w[0].0 < w[1].0), "the order of time is kept");
     }
 
-    /// Thinning leaves short lines alone.
+    /// Decimation does not change short lines.
     #[test]
     fn short_lines_stay() {
         let points = [(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)];
         assert_eq!(thin(&points, 3), points);
     }
 
-    /// A line that leaves the frame and comes back is two pieces that end on the frame; a missing place parts it too.
+    /// A line that leaves the frame and returns becomes two parts that end at the frame; a missing point divides it
+    /// too.
     #[test]
     fn lines_are_cut_at_the_frame() {
         let line = [(0.0, 0.5), (0.25, 0.5), (0.5, 1.5), (0.75, 0.5), (1.0, 0.5)].map(Some);

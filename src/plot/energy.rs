@@ -8,9 +8,9 @@ use super::series::{joined, labels, title};
 use super::view::View;
 use crate::drive::observer::LedgerRow;
 
-/// An entry smaller than this share of the largest one is rounding and not drawn.
+/// An entry below this share of the largest one is rounding, and is not drawn.
 const ROUNDING: f64 = 1e-12;
-/// A panel where there are several [px].
+/// Size of a panel if there are several [px].
 const PANEL: Size = Size { width: 640, height: 360 };
 
 /// An entry of the account, or a sum of some.
@@ -20,7 +20,7 @@ struct Entry {
     of: fn(&LedgerRow) -> f64,
 }
 
-/// In the order of the picture.
+/// In the order of drawing.
 const ENTRIES: [Entry; 7] = [
     Entry { name: "kinetic + elastic + gravity", of: |r| r.kinetic + r.elastic + r.gravity },
     Entry { name: "kinetic", of: |r| r.kinetic },
@@ -31,7 +31,7 @@ const ENTRIES: [Entry; 7] = [
     Entry { name: "numerical", of: |r| r.numerical },
 ];
 
-/// All entries of a single run in one chart; a chart an entry for several runs. Entries that are zero throughout are
+/// For a single run, all entries in one chart; for several runs, one chart per entry. Entries that are always zero are
 /// left out.
 pub(super) fn charts(runs: &[Run], view: &View) -> Result<Vec<Chart>, PlotError> {
     let shown = shown(runs, view);
@@ -68,18 +68,18 @@ fn chart(title: String, curves: Vec<Curve>, names: Vec<(usize, String)>) -> Char
     Chart { title, x, y, lines, ..Chart::default() }
 }
 
-/// The entries that are not zero in some run, with their numbers; the sum only where it sums something.
+/// The entries that are not zero in some run, with their numbers; the sum only if it has several summands.
 fn shown(runs: &[Run], view: &View) -> Vec<(usize, Entry)> {
-    // A run at a time: beside the numbers of a blow-up, all of another run would pass for rounding.
+    // Run by run: compared with the numbers of a diverged run, all of another run would count as rounding.
     let sizes: Vec<[f64; ENTRIES.len()]> = runs.iter().map(|run| sizes(run, view)).collect();
     let largest = |sizes: &[f64]| sizes.iter().copied().fold(0.0, f64::max);
     let counts = |i: usize| sizes.iter().any(|of_run| of_run[i] > ROUNDING * largest(of_run));
     let parts = (1..4).filter(|i| counts(*i)).count();
     let kept = |i: &usize| if *i == 0 { parts > 1 } else { counts(*i) };
-    // The sum is black, the last colour of the palette; the others keep theirs whatever is left out.
+    // The sum is black, the last colour of the palette; the others keep theirs if some are left out.
     let entry = |i: usize| ((i + ENTRIES.len() - 1) % ENTRIES.len(), ENTRIES[i]);
     let shown: Vec<_> = (0..ENTRIES.len()).filter(kept).map(entry).collect();
-    // A run at rest from end to end has an account of zeros; that is what its picture shows.
+    // A run that is always at rest has an account of zeros, and its chart shows that.
     if shown.is_empty() { vec![entry(0)] } else { shown }
 }
 

@@ -1,8 +1,8 @@
-//! Why a picture cannot be made.
+//! Why a chart cannot be made.
 
 use std::path::PathBuf;
 
-/// Any failure of this folder.
+/// Any error of this folder.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
     /// No line has a point that can be drawn: finite, and above 0 on a logarithmic axis.
@@ -23,20 +23,20 @@ pub enum PlotError {
         /// its upper end
         high: f64,
     },
-    /// A folder is not there.
+    /// A folder does not exist.
     #[error("{0} is no folder; give a folder with results, as canopy-fem solve writes it")]
     NoFolder(PathBuf),
-    /// A file of the results is not there.
+    /// A file of the results does not exist.
     #[error("{folder} holds no results that can be plotted: {file} is not there{why}")]
     NoFile {
         /// the folder
         folder: PathBuf,
         /// path of the file from there
         file: String,
-        /// what it is needed for, or nothing
+        /// its purpose, or empty
         why: &'static str,
     },
-    /// A file of the results is not what it should be.
+    /// A file of the results is not valid.
     #[error("{path}{}: {what}", at_line(*.line))]
     BadFile {
         /// the file
@@ -46,7 +46,7 @@ pub enum PlotError {
         /// the fault
         what: String,
     },
-    /// What was asked for is not in the results.
+    /// The requested data are not in the results.
     #[error("{0}")]
     NotThere(String),
     /// The system's answer.
@@ -64,7 +64,7 @@ fn at_line(line: Option<usize>) -> String {
 }
 
 impl PlotError {
-    /// Exit status: 1 for the system, 2 for what a person can set right.
+    /// Exit status: 1 for errors of the system, 2 for those that a user can correct.
     pub fn exit_status(&self) -> u8 {
         match self {
             PlotError::System { .. } => 1,

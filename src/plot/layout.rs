@@ -1,4 +1,4 @@
-//! From charts to SVG text: where everything stands in a picture.
+//! From charts to SVG text: the layout of a picture.
 
 use super::PlotError;
 use super::axis::AxisScale;
@@ -8,12 +8,12 @@ use super::decimate::{UnitPoint, cut, inside, thin};
 use super::legend::{Entry, Legend};
 use super::margin_panel::PanelLayout;
 
-/// Most points of a line, and of all lines of a chart together: more cannot be told apart in a picture, and browsers
-/// grow slow.
+/// Largest number of points of a line, and of all lines of a chart together: more cannot be distinguished in a picture,
+/// and make browsers slow.
 const MOST_POINTS: usize = 2000;
 const MOST_POINTS_OF_ALL: usize = 40_000;
-/// [px] widest and narrowest usual line. Earlier lines are wider, so that they show beneath later ones that coincide
-/// with them.
+/// [px] widest and narrowest usual line. Earlier lines are wider, so that they are visible below later ones that
+/// coincide with them.
 const WIDTHS: [f64; 2] = [2.8, 1.4];
 /// Largest picture [px].
 const LARGEST: u32 = 20_000;
@@ -34,8 +34,11 @@ struct AxisScales {
     y: AxisScale,
 }
 
-/// Charts side by side and one under the other, with the legend of the first to their right.
-pub(super) fn grid(charts: &[Chart], columns: usize) -> Result<String, PlotError> {
+/// Several charts in one picture, filled row by row; the legend, to their right, is that of the first one.
+///
+/// # Errors
+/// Nothing to draw, or a range that is none.
+pub fn svg_grid(charts: &[Chart], columns: usize) -> Result<String, PlotError> {
     let Some(first) = charts.first() else { return Err(PlotError::NothingToDraw { title: String::new() }) };
     let columns = columns.clamp(1, charts.len());
     let rows = charts.len().div_ceil(columns);
@@ -96,7 +99,7 @@ fn scales(chart: &Chart, field: Field) -> Result<AxisScales, PlotError> {
     let nothing = || PlotError::NothingToDraw { title: chart.title.clone() };
     let points = || chart.lines.iter().flat_map(|line| line.points.iter().copied());
     let placed = |scale: Scale, v: f64| v.is_finite() && (scale == Scale::Linear || v > 0.0);
-    // A point without a place on one axis says nothing of the range of the other.
+    // A point that cannot be shown on one axis does not count for the range of the other.
     let drawable = || points().filter(|p| placed(chart.x.scale, p.0) && placed(chart.y.scale, p.1));
     let scale = |axis: &Axis, values: &mut dyn Iterator<Item = f64>| match axis.range {
         Some((low, high)) => AxisScale::between(axis.scale, (low, high)).ok_or_else(|| PlotError::BadRange {
@@ -107,9 +110,9 @@ fn scales(chart: &Chart, field: Field) -> Result<AxisScales, PlotError> {
         }),
         None => AxisScale::around(axis.scale, values).ok_or_else(nothing),
     };
-    // A note or a margin panel is worth a picture, too.
-    let told = !chart.notes.is_empty() || chart.margin_panel.is_some();
-    if !told {
+    // A chart with only a note or a margin panel is drawn, too.
+    let has_texts = !chart.notes.is_empty() || chart.margin_panel.is_some();
+    if !has_texts {
         drawable().next().ok_or_else(nothing)?;
     }
     let x = scale(&chart.x, &mut drawable().map(|p| p.0))?;
@@ -145,7 +148,7 @@ fn draw_axes(canvas: &mut Canvas, chart: &Chart, scales: AxisScales, field: Fiel
     canvas.write(&chart.y.label, LETTERS[1], beside, Anchor::Upwards);
 }
 
-/// What a line is drawn on.
+/// The area and axes for a line.
 struct PlotArea {
     scales: AxisScales,
     field: Field,
@@ -187,7 +190,7 @@ fn draw_line(canvas: &mut Canvas, line: &Line, look: LineStyle, area: &PlotArea)
     }
 }
 
-/// Colours and widths of all lines, in their order.
+/// Styles of all lines, in their order.
 fn looks(lines: &[Line]) -> Vec<LineStyle> {
     let usual = lines.iter().filter(|l| l.stroke == Stroke::Normal).count();
     let (mut next, mut last, mut drawn) = (0, 0, 0);

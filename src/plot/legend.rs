@@ -7,24 +7,24 @@ use super::chart::{Marker, Size, Stroke};
 const ROW: f64 = 22.0;
 /// [px] of the sample line
 const SAMPLE: f64 = 26.0;
-/// Widest legend as a share of the picture.
+/// Largest width of the legend as a share of the picture.
 const WIDEST: f64 = 0.45;
 
-/// A line's name and look.
+/// Name and style of a line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry<'a> {
     /// its name
     pub label: &'a str,
-    /// how it is drawn
+    /// its style
     pub look: LineStyle,
 }
 
-/// All entries, as many as there is room for.
+/// The entries that fit.
 pub(super) struct Legend<'a> {
     entries: Vec<Entry<'a>>,
     /// [px]
     width: f64,
-    /// entries there is room for
+    /// number of entries that fit
     rows: usize,
 }
 
@@ -74,7 +74,7 @@ impl<'a> Legend<'a> {
         }
     }
 
-    /// A label shortened to the room there is.
+    /// A label shortened to the available width.
     fn fitted(&self, label: &str) -> String {
         let room = self.width - SAMPLE - 20.0;
         if width_of(label, LETTERS[2]) <= room {

@@ -1,4 +1,4 @@
-//! The margin panel of a chart: marks along one axis that have no place on the other, such as runs without an error.
+//! The margin panel of a chart: marks along one axis that have no value on the other, such as runs without an error.
 
 use super::axis::AxisScale;
 use super::canvas::{Anchor, Canvas, GRID, LETTERS, LineStyle, PixelPoint};
@@ -14,7 +14,7 @@ const LANES: [usize; 2] = [6, 16];
 /// [-] largest share of the panel's length for marks without a place
 const WITHOUT: f64 = 0.6;
 
-/// Where a strip and its marks stand.
+/// Layout of a margin panel.
 pub(super) struct PanelLayout<'a> {
     margin_panel: &'a MarginPanel,
     field: Field,
@@ -23,14 +23,14 @@ pub(super) struct PanelLayout<'a> {
 }
 
 impl<'a> PanelLayout<'a> {
-    /// The strip takes its part of the room there is.
+    /// Takes the space of the panel from the picture.
     pub(super) fn of(margin_panel: &'a MarginPanel, whole: Field) -> Self {
         let length = match margin_panel.side {
             PanelSide::Right => whole.to.y - whole.from.y,
             PanelSide::Top => whole.to.x - whole.from.x,
         };
         let (mut field, mut rest) = (whole, whole);
-        // Half empty, so that most marks stand where they belong.
+        // Half empty, so that most marks are at their own value.
         let lanes = (2.0 * margin_panel.marks.len() as f64 * PITCH / length.max(PITCH)).ceil() as usize;
         let lanes = match margin_panel.side {
             PanelSide::Right => lanes.clamp(LANES[0], LANES[1]),
@@ -50,12 +50,12 @@ impl<'a> PanelLayout<'a> {
         PanelLayout { margin_panel, field, rest, lanes }
     }
 
-    /// What is left for the chart.
+    /// The rest of the picture, for the chart.
     pub(super) fn rest(&self) -> Field {
         self.rest
     }
 
-    /// Draws the strip; of the scales of both axes it takes the one it stands along.
+    /// Draws the panel; uses the scale of the axis along which it is.
     pub(super) fn draw(&self, canvas: &mut Canvas, [x, y]: [AxisScale; 2]) {
         let Field { from, to } = self.field;
         let right = self.margin_panel.side == PanelSide::Right;
@@ -63,7 +63,7 @@ impl<'a> PanelLayout<'a> {
         let places: Vec<_> = self.margin_panel.marks.iter().map(|m| (m, m.at.and_then(|at| scale.place(at)))).collect();
         let without = places.iter().filter(|(_, place)| place.is_none()).count();
         let band = (without.div_ceil(self.lanes) as f64 * PITCH).min(WITHOUT * length);
-        // From the strip's lower end on, as the axis counts.
+        // From the panel's lower end on, in the direction of the axis.
         let spot = |along: f64, lane: usize| {
             let across = (lane as f64 + 0.5) * PITCH;
             if right {
@@ -100,11 +100,11 @@ impl<'a> PanelLayout<'a> {
     }
 }
 
-/// Lanes side by side, filled with marks that do not cover each other as long as there is room.
+/// Lanes side by side, with marks that do not cover each other as long as there is space.
 struct Lanes {
-    /// [px] places taken, lane by lane
+    /// [px] occupied positions, lane by lane
     taken: Vec<Vec<f64>>,
-    /// [px] first and last place
+    /// [px] first and last position
     ends: [f64; 2],
 }
 
@@ -114,14 +114,14 @@ impl Lanes {
         Lanes { taken: vec![Vec::new(); count.max(1)], ends: [low, high.max(low)] }
     }
 
-    /// The free place nearest to the wanted one, and its lane.
+    /// The free position nearest to the wanted one, and its lane.
     fn free_place(&mut self, wanted: f64) -> (f64, usize) {
         let [low, high] = self.ends;
         let wanted = wanted.clamp(low, high);
         let shifts = (0..=((high - low) / PITCH).ceil() as i32 + 1).flat_map(|k| [f64::from(k), -f64::from(k)]);
         for along in shifts.map(|k| wanted + k * PITCH).filter(|a| (low - 1e-6..=high + 1e-6).contains(a)) {
             let free = |taken: &Vec<f64>| taken.iter().all(|t| (t - along).abs() >= PITCH - 1e-6);
-            // From the middle outwards: few marks stand clear of the frame.
+            // From the middle outwards, so that few marks are away from the frame.
             let middle = self.taken.len().saturating_sub(1) as i64;
             let lanes = self.taken.iter_mut().enumerate().filter(|(_, taken)| free(taken));
             if let Some((lane, taken)) = lanes.min_by_key(|(lane, _)| (2 * *lane as i64 - middle).abs()) {
@@ -129,7 +129,7 @@ impl Lanes {
                 return (along, lane);
             }
         }
-        // Full: what is not missing may cover another.
+        // Full: further marks may cover others.
         (wanted, 0)
     }
 }
@@ -138,7 +138,8 @@ impl Lanes {
 mod tests {
     use super::*;
 
-    /// Marks at one place fill the lanes first, then the places next to it; none covers another, none leaves the strip.
+    /// Marks at one position fill the lanes first, then the positions next to it; none covers another, and none leaves
+    /// the panel.
     #[test]
     fn marks_are_moved_apart() {
         let mut lanes = Lanes::new(3, [0.0, 120.0]);

@@ -1,10 +1,10 @@
-//! Pictures: charts from plain series of numbers, and displacement, phase and energy of finished runs.
+//! Charts from plain series of numbers, and displacement, phase and energy of finished runs.
 //!
-//! [`chart`] draws and knows nothing of runs; `results` reads a result folder back; `view` makes charts of it.
+//! [`chart`] draws, without knowledge of runs; `results` reads a result folder; `view` makes charts of it.
 //!
-//! The charts are not those of a crate: plotters' own draw points beyond an axis on its end, so that lines follow the
-//! frame, write "0.0" at every tick of small numbers, and lay the legend over the curves. What is left for a crate are
-//! lines and words, which SVG has itself (`canvas`).
+//! The charts do not come from a crate. Those of plotters draw points beyond an axis at its end, so that lines follow
+//! the frame. They also label all ticks of small numbers "0.0", and draw the legend over the curves. A crate would only
+//! draw lines and texts, which SVG has itself (`canvas`).
 
 mod axis;
 mod canvas;

@@ -6,7 +6,7 @@ use crate::drive::Status;
 use crate::drive::observer::LedgerRow;
 use crate::output::files::{FRAMES, HISTORY, PROBES};
 use crate::output::folder::SUMMARY;
-use crate::output::rows::{HISTORY_HEADER, PROBES_HEADER};
+use crate::output::rows::{HISTORY_HEADER, HistoryRow, PROBES_HEADER};
 use crate::output::sanitize::file_stem;
 use crate::vtk::read::{named_array, piece_content, read as read_vtk};
 use serde_json::Value;
@@ -14,10 +14,10 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use vtkio::model::DataSet;
 
-/// What pictures need of a run.
+/// The data of a run for charts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// where it was found
+    /// its folder
     pub folder: PathBuf,
     /// name of its case
     pub name: String,
@@ -31,7 +31,7 @@ pub struct Run {
     pub ending: RunEnd,
     /// whether it is a simple pendulum, whose bob is node 0 around the origin
     pub pendulum: bool,
-    /// time [s] and energies [J], a row a step or every n
+    /// time [s] and energies [J], one row per step or per n steps
     pub energies: Vec<(f64, LedgerRow)>,
     /// one for every node of every probe, in the order of the file
     pub tracks: Vec<ProbePath>,
@@ -40,20 +40,20 @@ pub struct Run {
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunEnd {
-    /// in a word
+    /// its status
     pub status: Status,
-    /// [s] when trouble was found, or else the time of the last state
+    /// [s] when divergence was found, or else the time of the last state
     pub time: f64,
 }
 
-/// The way of a node.
+/// The path of a node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProbePath {
     /// name of its probe
     pub probe: String,
     /// in the user's numbering
     pub node: u32,
-    /// [m] where it lies before any displacement; a bob hangs at the lowest point then
+    /// [m] position before the initial displacement; for a bob, the lowest point
     pub reference: [f64; 3],
     /// at each frame time
     pub moments: Vec<ProbeSample>,
@@ -71,10 +71,10 @@ pub struct ProbeSample {
 }
 
 impl Run {
-    /// Reads the folder of a run that has ended, well or not.
+    /// Reads the folder of a run that has ended in any way.
     ///
     /// # Errors
-    /// No folder, no results in it, or a file that is not what `canopy-fem solve` writes.
+    /// No folder, no results in it, or a file that `canopy-fem solve` did not write.
     pub fn read(folder: &Path) -> Result<Self, PlotError> {
         if !folder.is_dir() {
             return Err(PlotError::NoFolder(folder.to_owned()));
@@ -112,7 +112,7 @@ fn bad(path: &Path, what: String) -> PlotError {
     PlotError::BadFile { path: path.to_owned(), line: None, what }
 }
 
-/// Reads only the keys pictures need, so that results of other versions of the program can be drawn too.
+/// Reads only the keys that charts need, so that results of other versions of the program can be drawn too.
 fn read_summary(folder: &Path) -> Result<Run, PlotError> {
     let path = folder.join(SUMMARY);
     let text = text(folder, SUMMARY, "; a run writes it when it ends")?;
@@ -125,7 +125,7 @@ fn read_summary(folder: &Path) -> Result<Run, PlotError> {
     let word = |key: &str| json.pointer(key).and_then(Value::as_str).map(str::to_owned).ok_or_else(|| missing(key));
     let number = |key: &str| json.pointer(key).and_then(Value::as_f64);
     let status = json.get("status").cloned().and_then(|s| serde_json::from_value(s).ok());
-    // A run that was let go on is drawn to where it blew up.
+    // A run that continued after a divergence is drawn up to the divergence.
     let ended = number("/failure/blow_up_time").or_else(|| number("/failure/time")).or_else(|| number("/t_end"));
     Ok(Run {
         folder: folder.to_owned(),
@@ -144,26 +144,23 @@ fn read_summary(folder: &Path) -> Result<Run, PlotError> {
 }
 
 fn read_history(path: &Path, text: &str) -> Result<Vec<(f64, LedgerRow)>, PlotError> {
-    let ledger = |row: &super::table::CsvRow<'_>| {
-        let [kinetic, elastic, gravity, external_work, dissipated, numerical] = row.numbers(2)?;
-        Ok((row.number(0)?, LedgerRow { kinetic, elastic, gravity, external_work, dissipated, numerical }))
-    };
-    rows(path, text, HISTORY_HEADER)?.iter().map(ledger).collect()
+    let rows: Vec<HistoryRow> = rows(path, text, HISTORY_HEADER)?;
+    Ok(rows.into_iter().map(|row| (row.t, row.ledger)).collect())
 }
+
+/// A row of `probes.csv`: time [s], probe, node, position [m] and velocity [m/s].
+type ProbeRow = (f64, String, u32, [f64; 3], [f64; 3]);
 
 fn read_probes(path: &Path, text: &str) -> Result<Vec<ProbePath>, PlotError> {
     let mut tracks: Vec<ProbePath> = Vec::new();
     let mut known: HashMap<(String, u32), usize> = HashMap::new();
-    for row in rows(path, text, PROBES_HEADER)? {
-        let (probe, node) = (row.text(1).to_owned(), row.number(2)?);
-        let [x, y, z, vx, vy, vz] = row.numbers(3)?;
-        let moment = ProbeSample { t: row.number(0)?, x: [x, y, z], v: [vx, vy, vz] };
+    for (t, probe, node, x, v) in rows::<ProbeRow>(path, text, PROBES_HEADER)? {
         let at = *known.entry((probe.clone(), node)).or_insert_with(|| {
             tracks.push(ProbePath { probe, node, reference: [0.0; 3], moments: Vec::new() });
             tracks.len() - 1
         });
         if let Some(track) = tracks.get_mut(at) {
-            track.moments.push(moment);
+            track.moments.push(ProbeSample { t, x, v });
         }
     }
     Ok(tracks)
@@ -172,7 +169,7 @@ fn read_probes(path: &Path, text: &str) -> Result<Vec<ProbePath>, PlotError> {
 /// Gives every track the reference position of its node.
 fn place(run: &mut Run) -> Result<(), PlotError> {
     if run.pendulum {
-        // The frames count a bob's displacement from where the run began, which is no place of rest.
+        // The displacements of a bob in the frames are from the start of the run, which is not a rest position.
         for track in &mut run.tracks {
             let length = track.moments.first().map_or(0.0, |m| m.x[0].hypot(m.x[2]));
             track.reference = [0.0, 0.0, -length];
@@ -190,10 +187,11 @@ fn place(run: &mut Run) -> Result<(), PlotError> {
     Ok(())
 }
 
-/// [m] `[n_nodes]` Where nodes lie before any displacement, from a frame: its points less its displacements.
+/// [m] `[n_nodes]` Positions of nodes before the initial displacement, from a frame: its points minus its
+/// displacements.
 ///
-/// `probes.csv` gives positions, and a run may begin displaced, so the first row is not enough. The case is, but
-/// making its mesh again takes long and needs the mesh's file where it was.
+/// `probes.csv` has positions, and a run may begin displaced, so its first row is not enough. The case would be enough,
+/// but making its mesh again takes long and needs the mesh file at its place.
 fn reference_positions(frame: &[u8]) -> Result<Vec<[f64; 3]>, String> {
     let DataSet::UnstructuredGrid { pieces, .. } = read_vtk(frame)? else { return Err("is no frame".to_owned()) };
     let piece = pieces.into_iter().next().ok_or("has no points")?;

@@ -1,4 +1,4 @@
-//! Which tracks of which runs are drawn, in which colours, along which direction, and under which names.
+//! The node paths to draw, with their colours, direction and names.
 
 use super::PlotError;
 use super::results::{ProbePath, Run, RunEnd};
@@ -6,12 +6,12 @@ use super::view::{Direction, View};
 use crate::drive::Status;
 use std::collections::BTreeSet;
 
-/// Up to so many nodes of a single probe get a colour each.
+/// Up to this many nodes of a single probe get a colour each.
 const COLORS: usize = 7;
 
-/// Tracks that share a colour and an entry of the legend.
+/// Node paths that share a colour and an entry of the legend.
 pub(super) struct Group<'a> {
-    /// whose they are
+    /// their run
     pub run: &'a Run,
     /// entry of the legend
     pub label: String,
@@ -19,10 +19,10 @@ pub(super) struct Group<'a> {
     pub tracks: Vec<&'a ProbePath>,
 }
 
-/// The tracks a view asks for: a group a run; of a single run, a group a probe, or a node where these are few.
+/// The node paths of a view: one group per run; for a single run, one group per probe, or per node if these are few.
 ///
 /// # Errors
-/// Probes or nodes that are not there.
+/// Probes or nodes that do not exist.
 pub(super) fn groups<'a>(runs: &'a [Run], view: &View) -> Result<Vec<Group<'a>>, PlotError> {
     let labels = labels(runs);
     let mut groups = Vec::new();
@@ -53,13 +53,13 @@ pub(super) fn groups<'a>(runs: &'a [Run], view: &View) -> Result<Vec<Group<'a>>,
     Ok(groups)
 }
 
-/// What the tracks are, for a title: "node 1", or "inner", or nothing where they differ. A range of nodes is that of
+/// Text for the node paths in a title: "node 1", or "inner", or nothing if they differ. A range of nodes is that of
 /// every run.
 pub(super) fn subject(groups: &[Group<'_>]) -> String {
     let all = || groups.iter().flat_map(|g| g.tracks.iter());
     let nodes: BTreeSet<u32> = all().map(|t| t.node).collect();
     let probes: BTreeSet<&str> = all().map(|t| t.probe.as_str()).collect();
-    // A group a run, where there are several.
+    // One group per run, if there are several.
     let several = groups.first().is_some_and(|f| groups.iter().any(|g| !std::ptr::eq(g.run, f.run)));
     if several && groups.iter().any(|g| g.tracks.iter().map(|t| t.node).collect::<BTreeSet<_>>() != nodes) {
         return probes
@@ -97,7 +97,7 @@ fn tracks<'a>(run: &'a Run, view: &View) -> Result<Vec<&'a ProbePath>, PlotError
     }
 }
 
-/// The direction the tracks move farthest along while their runs are sound.
+/// The direction of the largest motion, before any divergence.
 pub(super) fn main_direction(groups: &[Group<'_>], view: &View) -> Direction {
     let directions = [Direction::X, Direction::Y, Direction::Z];
     let travel = |direction: Direction| {
@@ -120,8 +120,8 @@ pub(super) fn main_direction(groups: &[Group<'_>], view: &View) -> Direction {
     best.0
 }
 
-/// One label a run: case, method and step where the runs differ in these, their folders where that does not tell them
-/// apart; and how a run ended, if not well. A single run has no name beside the title's.
+/// One label per run: case, method and step if the runs differ in these, or their folders if they do not; and how a run
+/// ended, if it failed. A single run has no label, because the title names it.
 pub(super) fn labels(runs: &[Run]) -> Vec<String> {
     let differ = |of: &dyn Fn(&Run) -> String| runs.iter().map(of).collect::<BTreeSet<_>>().len() > 1;
     let step = |run: &Run| match (run.step, run.tolerance) {
@@ -131,11 +131,11 @@ pub(super) fn labels(runs: &[Run]) -> Vec<String> {
     };
     let names = differ(&|r| r.name.clone());
     let (methods, steps) = (differ(&|r| r.method.clone()), differ(&step));
-    let told = |run: &Run| {
+    let labelled = |run: &Run| {
         let words = [names.then(|| run.name.clone()), methods.then(|| run.method.clone()), steps.then(|| step(run))];
         words.into_iter().flatten().collect::<Vec<_>>().join(", ")
     };
-    let distinct = runs.iter().map(told).collect::<BTreeSet<_>>().len() == runs.len();
+    let distinct = runs.iter().map(labelled).collect::<BTreeSet<_>>().len() == runs.len();
     let folder = |run: &Run| {
         let last = run.folder.file_name().map(|n| n.to_string_lossy().into_owned());
         last.unwrap_or_else(|| run.folder.display().to_string())
@@ -143,25 +143,25 @@ pub(super) fn labels(runs: &[Run]) -> Vec<String> {
     let folders_differ = differ(&folder);
     let name = |run: &Run| match (runs.len(), distinct, folders_differ) {
         (0 | 1, _, _) => String::new(),
-        (_, true, _) => told(run),
+        (_, true, _) => labelled(run),
         (_, false, true) => folder(run),
         (_, false, false) => run.folder.display().to_string(),
     };
     runs.iter().map(|run| joined(&name(run), &ending(run.ending))).collect()
 }
 
-/// Words in a row, without empty ones.
+/// Joins words, without empty ones.
 pub(super) fn joined(first: &str, second: &str) -> String {
     [first, second].into_iter().filter(|s| !s.is_empty()).collect::<Vec<_>>().join(", ")
 }
 
-/// A title: what the runs have in common, and what is shown.
+/// A title: what the runs have in common, and the quantity shown.
 pub(super) fn title(runs: &[Run], what: &str) -> String {
     let name = runs.first().map_or("", |run| run.name.as_str());
     if runs.iter().all(|run| run.name == name) { format!("{name}: {what}") } else { what.to_owned() }
 }
 
-/// How a run ended; nothing if it reached its end.
+/// How a run ended; empty if it reached its end.
 fn ending(RunEnd { status, time }: RunEnd) -> String {
     let word = match status {
         Status::Completed => return String::new(),
@@ -172,7 +172,7 @@ fn ending(RunEnd { status, time }: RunEnd) -> String {
     format!("{word} at {} s", short(time))
 }
 
-/// A number with at most four digits that count.
+/// A number with at most four significant digits.
 fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     let everyday = rounded == 0.0 || (1e-3..1e5).contains(&rounded.abs());

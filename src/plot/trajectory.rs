@@ -1,8 +1,8 @@
 //! Displacement over time and phase diagrams.
 //!
-//! Displacements count from where a node lies before any displacement, so an oscillator that begins displaced swings
-//! about 0; those of a pendulum's bob count from its lowest position. Alone it shows its angle from there, theta =
-//! atan2(x, -z), and theta' = (x vz - z vx)/(x^2 + z^2).
+//! Displacements are from the position before the initial displacement, so an oscillator that begins displaced swings
+//! about 0. Those of a pendulum's bob are from its lowest position. A pendulum alone shows its angle from there, theta
+//! = atan2(x, -z), and theta' = (x vz - z vx)/(x^2 + z^2).
 
 use super::PlotError;
 use super::chart::{Axis, Chart, Stroke};
@@ -13,10 +13,10 @@ use super::series::{Group, groups, main_direction, subject};
 use super::view::{Direction, View};
 use std::f64::consts::TAU;
 
-/// Up to so many tracks of a group are drawn as usual lines; more are a bundle of hair lines.
+/// Up to this many node paths of a group are drawn as usual lines; more are drawn as hair lines.
 const FEW: usize = 4;
 
-/// What moves, over time.
+/// The motion of a quantity over time.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
     /// [s]
@@ -27,7 +27,7 @@ struct Sample {
     rate: f64,
 }
 
-/// What is taken of a moment.
+/// The quantity taken from a sample.
 #[derive(Clone, Copy, Debug)]
 enum Quantity {
     Along(Direction),
@@ -57,7 +57,7 @@ pub(super) fn phase(runs: &[Run], view: &View) -> Result<Chart, PlotError> {
     let limits = AxisLimits { x: limits(&drawn.curves, |p| p.0), y: limits(&drawn.curves, |p| p.1) };
     let title = title(runs, &format!("phase{}", quantity.subject(&groups)));
     let axes = [Axis::linear(quantity.label()), Axis::linear(quantity.rate_label())];
-    // A mark at the edge of a phase diagram would stand where the run never was.
+    // A mark at the edge of a phase diagram would be at a state that the run never had.
     drawn.chart(title, axes, limits, None)
 }
 
@@ -77,7 +77,7 @@ impl Quantity {
         }
     }
 
-    /// Whose it is; a pendulum has one bob only.
+    /// The name of the node; a pendulum has one bob only.
     fn subject(self, groups: &[Group<'_>]) -> String {
         match self {
             Quantity::Along(_) => subject(groups),
@@ -99,7 +99,7 @@ impl Quantity {
         }
     }
 
-    /// The track as this quantity, at the times that are looked at.
+    /// This quantity along a node path, at the times of the view.
     fn samples(self, track: &ProbePath, view: &View) -> impl Iterator<Item = Sample> {
         let mut turns = 0.0;
         let mut before: Option<f64> = None;
@@ -111,7 +111,8 @@ impl Quantity {
             Quantity::Angle => {
                 let ([x, _, z], [vx, _, vz]) = (m.x, m.v);
                 let angle = x.atan2(-z);
-                // The arc from one frame to the next is taken for the shorter one, so a bob that goes round counts on.
+                // The arc between two frames is taken as the shorter one, so the angle of a rotating bob keeps
+                // increasing.
                 turns -= before.map_or(0.0, |b| ((angle - b) / TAU).round());
                 before = Some(angle);
                 Sample { t: m.t, value: angle + turns * TAU, rate: (x * vz - z * vx) / (x * x + z * z) }
@@ -136,7 +137,7 @@ impl<'a> GroupedCurves<'a> {
         GroupedCurves { groups, curves: groups.iter().flat_map(of_group).collect() }
     }
 
-    /// `held` is where marks of ends are held, see [`Curve::end_mark`].
+    /// `held` is the range for marks of ends, see [`Curve::end_mark`].
     fn chart(
         self,
         title: String,
@@ -166,7 +167,7 @@ impl<'a> GroupedCurves<'a> {
 mod tests {
     use super::*;
 
-    /// A bob that goes round at 2 rad/s keeps counting, and its rate is that of the circle.
+    /// The angle of a bob that rotates at 2 rad/s keeps increasing, and its rate is that of the circle.
     #[test]
     fn angles_count_on() {
         let at = |i: u8| {

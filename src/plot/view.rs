@@ -1,10 +1,10 @@
-//! What is looked at in finished runs, and the charts of it.
+//! The selected part of finished runs, and its charts.
 
 use super::chart::{Chart, svg_grid};
 use super::results::Run;
 use super::{PlotError, energy, trajectory};
 
-/// What a picture shows.
+/// The kind of a chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Kind {
     /// displacement, or a pendulum's angle, over time
@@ -26,18 +26,18 @@ pub enum Direction {
     Z,
 }
 
-/// The part of the results that is looked at.
+/// The selected part of the results.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct View {
     /// direction of motion; `None`: an angle for pendulums, else where the motion is largest
     pub axis: Option<Direction>,
     /// probes by name; empty = all
     pub probes: Vec<String>,
-    /// nodes; empty = all that are probed
+    /// nodes; empty = all probed nodes
     pub nodes: Vec<u32>,
-    /// [s] not before
+    /// [s] first time to show
     pub from: Option<f64>,
-    /// [s] not after
+    /// [s] last time to show
     pub to: Option<f64>,
 }
 
@@ -45,7 +45,7 @@ impl Kind {
     /// All kinds.
     pub const ALL: [Kind; 3] = [Kind::Displacement, Kind::Phase, Kind::Energy];
 
-    /// The file it is written to.
+    /// The name of its file.
     pub fn file(self) -> &'static str {
         match self {
             Kind::Displacement => "displacement.svg",
@@ -70,16 +70,17 @@ impl Direction {
 }
 
 impl View {
-    /// Whether a time [s] is looked at.
+    /// Whether a time [s] is selected.
     pub(super) fn sees(&self, t: f64) -> bool {
         self.from.is_none_or(|from| t >= from) && self.to.is_none_or(|to| t <= to)
     }
 }
 
-/// The charts of some runs: one for motion and for the energy of one run, one an entry of the account for several runs.
+/// The charts of some runs: one for motion or for the energy of one run; for the energy of several runs, one per entry
+/// of the account.
 ///
 /// # Errors
-/// Probes or nodes that are not there, or no time left to look at.
+/// Probes or nodes that do not exist, or no selected time.
 pub fn charts(runs: &[Run], view: &View, kind: Kind) -> Result<Vec<Chart>, PlotError> {
     match kind {
         Kind::Displacement => Ok(vec![trajectory::displacement(runs, view)?]),
@@ -88,7 +89,7 @@ pub fn charts(runs: &[Run], view: &View, kind: Kind) -> Result<Vec<Chart>, PlotE
     }
 }
 
-/// The same as an SVG picture.
+/// The charts as an SVG picture.
 ///
 /// # Errors
 /// Those of [`charts`].

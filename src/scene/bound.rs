@@ -4,7 +4,7 @@
 //! elements lies below the largest eigenvalue of any node's 3 x 3 block (in the spirit of Irons & Treharne 1971, by
 //! nodes). Fixed ends do not count in b. On a regular triangular net the bound is exact.
 
-use super::network::{Network, by_node, node_state};
+use super::network::{Network, by_node};
 use crate::force::{TangentForm, TangentSink};
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
@@ -30,9 +30,7 @@ impl Network {
         blocks.resize(self.fixed.len(), Block::default());
         let mut sink = Diagonal { blocks, fixed: &self.fixed };
         let form = TangentForm { convex: true, symmetric: false };
-        for term in &self.terms {
-            term.tangent(node_state(at), w, form, &mut sink);
-        }
+        self.emit_tangents(at, w, form, &mut sink);
         let (mut most, mut dof) = (0.0, 0);
         for (i, (block, inverse)) in blocks.iter().zip(by_node(&self.inverse_mass)).enumerate() {
             let block = scaled(block, *inverse);
@@ -110,8 +108,15 @@ fn symmetric(times: f64, a: &Matrix3<f64>) -> Block {
 }
 
 impl TangentSink for Diagonal<'_> {
-    fn node(&mut self, i: u32, block: Matrix3<f64>) {
-        self.add(i, &symmetric(1.0, &block));
+    /// A block B beside the diagonal, with its transpose, lies below |B| at both nodes; half of it comes from each.
+    fn pair(&mut self, [i, j]: [u32; 2], block: Matrix3<f64>) {
+        if i == j {
+            return self.add(i, &symmetric(1.0, &block));
+        }
+        let half = 0.5 * block.norm();
+        for node in [i, j] {
+            self.add(node, &[half, half, half, 0.0, 0.0, 0.0]);
+        }
     }
 
     fn edge(&mut self, nodes: [u32; 2], block: Matrix3<f64>) {

@@ -1,5 +1,6 @@
 //! From a plain specification to force terms in internal numbering.
 
+use super::Load;
 use super::check::{BuildError, check, check_bars};
 use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
@@ -11,7 +12,7 @@ use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::law::gravity::Gravity;
 use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
 use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
-use crate::force::law::series::{SampledTable, Table, scalar};
+use crate::force::law::series::{LoadFactor, SampledTable, Scale, Table, scalar};
 use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::schedule::threads::Threads;
 use crate::model::spec::{DashpotKind, NetworkSpec, PressureKind, Series, SpringGroup};
@@ -51,6 +52,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         numbering: &numbering,
         terms: Vec::new(),
         springs: Vec::new(),
+        loads: Vec::new(),
         tables: Vec::new(),
         wind: None,
     };
@@ -60,14 +62,14 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     builder.air();
     builder.loads(&start);
     builder.rayleigh(&mass, &reference);
-    let Builder { terms, springs, tables, wind: wind_table, .. } = builder;
+    let Builder { terms, springs, loads, tables, wind: wind_table, .. } = builder;
     // What is held stands still: its velocity is 0, and here it loses a sign that steps of different kinds would treat
     // differently.
     let velocity_of = |node: usize| -> [f64; 3] {
         std::array::from_fn(|i| if spec.fixed[node][i] { 0.0 } else { spec.velocity[node][i] })
     };
     let velocity = if spec.velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity_of(at(i))).collect() };
-    let gravity = spec.gravity.map(Vector3::from);
+    let gravity = spec.gravity.map_or(Vector3::zeros(), Vector3::from);
     let wind = spec.air.iter().flat_map(|air| &air.wind.t);
     let factors = spec.pressures.iter().map(|p| &p.factor).chain(spec.forces.iter().map(|f| &f.factor));
     let mut corners: Vec<f64> = wind.chain(factors.flatten().flat_map(|s| &s.t)).copied().collect();
@@ -80,6 +82,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         start,
         velocity,
         gravity,
+        loads,
         corners,
         tables,
         wind: wind_table,
@@ -95,6 +98,7 @@ struct Builder<'a> {
     numbering: &'a Numbering,
     terms: Vec<Box<dyn ForceTerm>>,
     springs: Vec<SpringBatch>,
+    loads: Vec<(Load, Arc<Scale>)>,
     tables: Vec<Arc<dyn SampledTable>>,
     wind: Option<Arc<Table<3>>>,
 }
@@ -151,13 +155,15 @@ impl Builder<'_> {
             }
         };
         let axial = group.dashpot.as_ref().is_some_and(|d| d.kind == DashpotKind::Axial);
-        SpringBatch { data, edges: order.iter().map(|&i| group.edges[i]).collect(), dashpot, axial, in_filter }
+        let given = data.rest_length.clone();
+        SpringBatch { data, given, edges: order.iter().map(|&i| group.edges[i]).collect(), dashpot, axial, in_filter }
     }
 
     fn gravity(&mut self, fixed: &[[bool; 3]], mass: &[f64], start: &Arc<[Vector3<f64>]>) {
         let Some(g) = self.spec.gravity else { return };
         let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
-        self.terms.push(Box::new(Gravity::new(Vector3::from(g), mass, start.clone())));
+        let scale = self.scale(Load::Gravity);
+        self.terms.push(Box::new(Gravity::new((Vector3::from(g), scale), mass, start.clone())));
     }
 
     fn air(&mut self) {
@@ -170,16 +176,22 @@ impl Builder<'_> {
         self.terms.push(Box::new(Air::new(data)));
     }
 
-    fn factor(&mut self, series: Option<&Series<f64>>) -> Option<Arc<Table<1>>> {
-        let table = scalar(series?);
-        self.tables.push(table.clone());
-        Some(table)
+    fn scale(&mut self, load: Load) -> Arc<Scale> {
+        let scale = Arc::new(Scale::default());
+        self.loads.push((load, scale.clone()));
+        scale
+    }
+
+    fn factor(&mut self, load: Load, series: Option<&Series<f64>>) -> LoadFactor {
+        let table = series.map(scalar);
+        self.tables.extend(table.iter().map(|table| table.clone() as Arc<dyn SampledTable>));
+        LoadFactor { table, scale: self.scale(load) }
     }
 
     fn loads(&mut self, start: &[Vector3<f64>]) {
-        for load in &self.spec.pressures {
+        for (number, load) in self.spec.pressures.iter().enumerate() {
             let triangles = self.triangles(load.triangles.iter().copied());
-            let (pressure, factor) = (load.pressure, self.factor(load.factor.as_ref()));
+            let (pressure, factor) = (load.pressure, self.factor(Load::Pressure(number), load.factor.as_ref()));
             self.terms.push(match load.kind {
                 PressureKind::Follower => Box::new(FollowerPressure::new(FollowerData { triangles, pressure, factor })),
                 PressureKind::Dead(direction) => {
@@ -188,11 +200,11 @@ impl Builder<'_> {
                 }
             });
         }
-        for load in &self.spec.forces {
+        for (number, load) in self.spec.forces.iter().enumerate() {
             let mut nodes: Vec<u32> = load.nodes.iter().map(|&i| self.node(i)).collect();
             nodes.sort_unstable();
             let force = vec![Vector3::from(load.force); nodes.len()];
-            let factor = self.factor(load.factor.as_ref());
+            let factor = self.factor(Load::Forces(number), load.factor.as_ref());
             self.terms.push(Box::new(NodalForces { info: FORCES, nodes, force, factor }));
         }
     }

@@ -7,7 +7,6 @@ use crate::force::law::one_sided::OneSided;
 use crate::model::forces::Role;
 use crate::model::state::StateRef;
 use crate::model::system::{SpringGraph, StepFilter, Viscosity};
-use nalgebra::Vector3;
 use std::ops::Range;
 
 /// Every node's neighbours along springs.
@@ -52,7 +51,7 @@ impl SpringGraph for Network {
     }
 
     fn weight(&self) -> Vec<f64> {
-        let g = self.gravity.unwrap_or(Vector3::zeros());
+        let g = self.gravity();
         self.mass.iter().flat_map(|&m| <[f64; 3]>::from(m * g)).collect()
     }
 

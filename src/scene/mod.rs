@@ -19,14 +19,16 @@ mod tangent;
 pub use bound::BoundBuffer;
 pub use build::{build_network, build_network_with};
 pub use check::BuildError;
-pub use external::{ExternalForces, NodalForce};
+pub use external::{ExternalForces, ExternalKind, ForceDerivative, NodalForce};
 pub use network::Network;
 pub use pendulum::Pendulum;
 
 use crate::assembly::{SceneInterfaces, TangentSystem};
+use crate::force::law::series::Scale;
 use crate::model::observables::Observables;
 use crate::model::state::{State, StateRef};
 use crate::model::system::TermInfo;
+use std::sync::Arc;
 
 /// What a failure report points at, in the user's numbering.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,16 +41,43 @@ pub struct Suspect {
     pub term: Option<TermInfo>,
 }
 
+/// A load of a scene that a program can scale while a simulation runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+pub enum Load {
+    /// the weight of all nodes
+    Gravity,
+    /// a pressure, by its place in [`NetworkSpec::pressures`](crate::model::spec::NetworkSpec::pressures): the order of
+    /// the case file
+    Pressure(usize),
+    /// forces on nodes, by their place in [`NetworkSpec::forces`](crate::model::spec::NetworkSpec::forces)
+    Forces(usize),
+}
+
 /// What a run needs of a scene besides forces, tangents and output.
 pub trait Scene: TangentSystem + Observables {
     /// The interfaces that schemes use.
     fn interfaces(&self) -> SceneInterfaces<'_>;
 
-    /// Gives the scene a place for forces from outside, which say whether they depend on velocity. Forces that were
-    /// sized before do not fit it any more. `false` if the scene cannot have any.
-    fn enable_external(&mut self, velocity_dependent: bool) -> bool {
-        let _ = velocity_dependent;
+    /// Gives the scene a place for forces from outside. Forces that were sized before do not fit it any more. `false`
+    /// if the scene cannot have any.
+    fn enable_external(&mut self, kind: ExternalKind) -> bool {
+        let _ = kind;
         false
+    }
+
+    /// The loads that a program can scale, with their factors.
+    fn loads(&self) -> &[(Load, Arc<Scale>)] {
+        &[]
+    }
+
+    /// The edges (user's numbers) that have a spring, ascending.
+    fn spring_edges(&self) -> Vec<u32> {
+        Vec::new()
+    }
+
+    /// Multiplies the rest lengths of springs as given by factors, `[n_edges]` in the user's numbering.
+    fn set_rest_length_factors(&mut self, factors: &[f64]) {
+        let _ = factors;
     }
 
     /// The forces from outside, once they are enabled.
@@ -56,9 +85,8 @@ pub trait Scene: TangentSystem + Observables {
         None
     }
 
-    /// Holds the wind at a velocity [m/s] until [`System::sample_tables`](crate::model::system::System::sample_tables)
-    /// is called. `false` if the scene has no air.
-    fn hold_wind(&self, wind: [f64; 3]) -> bool {
+    /// Holds the wind at a velocity [m/s], or goes back to its table. `false` if the scene has no air.
+    fn hold_wind(&self, wind: Option<[f64; 3]>) -> bool {
         let _ = wind;
         false
     }

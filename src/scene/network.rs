@@ -1,10 +1,11 @@
 //! A spring network: mass, force terms and fixed degrees of freedom.
 
+use super::Load;
 use super::external::ExternalForces;
 use super::graph::Graph;
 use super::numbering::Numbering;
 use crate::force::kernel::batch::{BlockForces, PARTS};
-use crate::force::law::series::{SampledTable, Table};
+use crate::force::law::series::{SampledTable, Scale, Table};
 use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::schedule::step_block::NodeStateMut;
 use crate::force::schedule::step_boundary::StepBoundary;
@@ -31,7 +32,9 @@ pub struct Network {
     pub(super) inverse_mass: Vec<f64>,
     pub(super) start: Arc<[Vector3<f64>]>,
     velocity: Vec<[f64; 3]>,
-    pub(super) gravity: Option<Vector3<f64>>,
+    gravity: Vector3<f64>,
+    /// what a program can scale
+    pub(super) loads: Vec<(Load, Arc<Scale>)>,
     corners: Vec<f64>,
     tables: Vec<Arc<dyn SampledTable>>,
     pub(super) terms: Vec<Box<dyn ForceTerm>>,
@@ -59,6 +62,8 @@ pub struct Network {
 pub struct SpringBatch {
     /// arrays shared with the terms
     pub data: SpringData,
+    /// [m] rest lengths as given; those in `data` are a program's factors times these
+    pub given: Arc<[f64]>,
     /// user's edge of every spring
     pub edges: Vec<u32>,
     /// [N s/m] dashpot coefficients, 0 without
@@ -76,7 +81,9 @@ pub(super) struct Parts {
     pub mass: Arc<[f64]>,
     pub start: Arc<[Vector3<f64>]>,
     pub velocity: Vec<[f64; 3]>,
-    pub gravity: Option<Vector3<f64>>,
+    /// [m/s^2]
+    pub gravity: Vector3<f64>,
+    pub loads: Vec<(Load, Arc<Scale>)>,
     /// [s] rows of load and wind tables
     pub corners: Vec<f64>,
     /// load and wind tables, shared with the terms
@@ -97,33 +104,22 @@ pub(super) fn node_state(at: StateRef<'_>) -> NodeState<'_> {
 }
 
 impl Network {
-    pub(super) fn assemble_parts(mut p: Parts) -> Self {
-        let mut forces: Vec<&mut dyn BlockForces> =
-            p.terms.iter_mut().map(|t| &mut **t as &mut dyn BlockForces).collect();
-        let sweep = Sweep::new(p.mass.len(), &mut forces);
+    pub(super) fn assemble_parts(p: Parts) -> Self {
         let fixed_dofs: Vec<u32> = (0..).zip(p.fixed.as_flattened()).filter(|&(_, &f)| f).map(|(i, _)| i).collect();
         let inverse_mass =
             p.fixed.iter().zip(p.mass.iter()).flat_map(|(f, &m)| f.map(|f| if f { 0.0 } else { 1.0 / m }));
-        let infos: Vec<TermInfo> = p.terms.iter().flat_map(|term| term.parts()).copied().collect();
-        let mut tallies = 0..;
-        let mut part = |info: &TermInfo| Some(PartTarget { sum: sum_of_role(info.role), tally: tallies.next()? });
-        let parts = p.terms.iter().map(|term| {
-            let mut parts = [None; PARTS];
-            parts.iter_mut().zip(term.parts()).for_each(|(to, info)| *to = part(info));
-            parts
-        });
-        let parts = parts.collect();
-        Network {
+        let mut network = Network {
             inverse_mass: inverse_mass.collect(),
             fixed_dofs,
-            infos,
-            parts,
+            infos: Vec::new(),
+            parts: Vec::new(),
             numbering: p.numbering,
             fixed: p.fixed,
             mass: p.mass,
             start: p.start,
             velocity: p.velocity,
             gravity: p.gravity,
+            loads: p.loads,
             corners: p.corners,
             tables: p.tables,
             terms: p.terms,
@@ -131,10 +127,44 @@ impl Network {
             springs: p.springs,
             external: None,
             wind: p.wind,
-            sweep,
+            sweep: Sweep::new(0, &mut []),
             threads: p.threads,
             mesh: p.mesh,
             graph: OnceLock::new(),
+        };
+        network.arrange();
+        network
+    }
+
+    /// Cuts the scene into blocks and gives every part of every term its sum and its place in the account.
+    pub(super) fn arrange(&mut self) {
+        let mut forces: Vec<&mut dyn BlockForces> =
+            self.terms.iter_mut().map(|t| &mut **t as &mut dyn BlockForces).collect();
+        self.sweep = Sweep::new(self.mass.len(), &mut forces);
+        self.infos = self.terms.iter().flat_map(|term| term.parts()).copied().chain(self.law_info()).collect();
+        let mut tallies = 0..;
+        let mut part = |info: &TermInfo| Some(PartTarget { sum: sum_of_role(info.role), tally: tallies.next()? });
+        let parts = self.terms.iter().map(|term| {
+            let mut parts = [None; PARTS];
+            parts.iter_mut().zip(term.parts()).for_each(|(to, info)| *to = part(info));
+            parts
+        });
+        self.parts = parts.collect();
+    }
+
+    /// [m/s^2] Acceleration of free fall, with the program's factor; 0 without gravity.
+    pub(super) fn gravity(&self) -> Vector3<f64> {
+        let scale = self.loads.iter().find(|(load, _)| *load == Load::Gravity);
+        self.gravity * scale.map_or(1.0, |(_, scale)| scale.get())
+    }
+
+    /// Multiplies rest lengths by factors, `[n_edges]`. What was made from them before does not fit any more.
+    pub(super) fn scale_rest_lengths(&mut self, factors: &[f64]) {
+        // Springs are the first terms, one a batch.
+        for (batch, term) in self.springs.iter_mut().zip(&mut self.terms) {
+            let scaled = batch.given.iter().zip(&batch.edges).map(|(l0, &edge)| l0 * factors[edge as usize]);
+            batch.data.rest_length = scaled.collect();
+            term.set_rest_lengths(&batch.data.rest_length);
         }
     }
 
@@ -276,19 +306,19 @@ impl System for Network {
             let (own, outside) = tallies.split_at_mut(self.tallies());
             let sums = [&mut *total, &mut *external, dissipative];
             self.sweep.pass((self, node_state(at)), &self.threads, sums, own);
-            outside.fill(self.add_external(at, [total, external]));
+            outside.fill(self.add_laws(at, [total, external]));
         });
     }
 
     fn longest_block(&self) -> usize {
-        if self.external.is_some() {
+        if self.law_info().is_some() {
             return 0;
         }
         self.sweep.longest_block(if self.velocity_dependent() { 2 } else { 1 })
     }
 
     fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, summaries: &mut [StepSummary]) {
-        if self.external.is_some() {
+        if self.law_info().is_some() {
             return single_step(self, at, out, block);
         }
         let moving = NodeStateMut { t: at.t, first: 0, x: &mut at.x, v: &mut at.v };

@@ -1,15 +1,17 @@
 //! What a failure report says about a node of a network, and the size of a network.
 
-use super::external::{EXTERNAL, ExternalForces};
+use super::external::{ExternalForces, ExternalKind};
 use super::network::{Network, by_node, node_state};
-use super::{BoundBuffer, Scene, Suspect};
+use super::{BoundBuffer, Load, Scene, Suspect};
 use crate::assembly::SceneInterfaces;
+use crate::force::law::series::Scale;
 use crate::force::{ForceTerm, TangentForm, TangentSink};
 use crate::model::bounds::extent;
 use crate::model::forces::Role;
 use crate::model::state::{State, StateRef};
 use crate::model::system::Weights;
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -18,22 +20,31 @@ impl Scene for Network {
         SceneInterfaces { system: self, tangent: self, graph: Some(self) }
     }
 
-    fn enable_external(&mut self, velocity_dependent: bool) -> bool {
-        if self.external.is_none() {
-            self.external = Some(ExternalForces::default());
-            self.infos.push(EXTERNAL);
-        }
-        if let Some(info) = self.infos.last_mut() {
-            info.velocity_dependent |= velocity_dependent;
-        }
+    fn enable_external(&mut self, kind: ExternalKind) -> bool {
+        self.enable(kind);
         true
+    }
+
+    fn loads(&self) -> &[(Load, Arc<Scale>)] {
+        &self.loads
+    }
+
+    fn spring_edges(&self) -> Vec<u32> {
+        let mut edges: Vec<u32> = self.springs.iter().flat_map(|batch| batch.edges.iter().copied()).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+    }
+
+    fn set_rest_length_factors(&mut self, factors: &[f64]) {
+        self.scale_rest_lengths(factors);
     }
 
     fn external(&self) -> Option<&ExternalForces> {
         self.external.as_ref()
     }
 
-    fn hold_wind(&self, wind: [f64; 3]) -> bool {
+    fn hold_wind(&self, wind: Option<[f64; 3]>) -> bool {
         self.wind.as_ref().map(|table| table.hold(wind)).is_some()
     }
 
@@ -118,7 +129,7 @@ impl Scene for Network {
             self.infos.iter().enumerate().filter(|(_, info)| matches!(info.role, Role::Gravity | Role::External));
         let parts: Vec<(&dyn ForceTerm, usize)> = loads.filter_map(|(part, _)| self.term_of(part)).collect();
         self.sum_of(&parts, node_state(at), bytemuck::cast_slice_mut(f), &mut []);
-        self.add_external(at, [bytemuck::cast_slice_mut(f), &mut []]);
+        self.add_laws(at, [bytemuck::cast_slice_mut(f), &mut []]);
         for (f, &fixed) in f.iter_mut().zip(self.fixed.as_flattened()) {
             if fixed {
                 *f = 0.0;
@@ -133,9 +144,7 @@ impl Scene for Network {
     fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         let mut product = Product { p: by_node(p), y: bytemuck::cast_slice_mut(y) };
-        for term in &self.terms {
-            term.tangent(node_state(at), w, TangentForm::EXACT, &mut product);
-        }
+        self.emit_tangents(at, w, TangentForm::EXACT, &mut product);
         for (y, &fixed) in y.iter_mut().zip(self.fixed.as_flattened()) {
             if fixed {
                 *y = 0.0;
@@ -167,8 +176,8 @@ struct Product<'a> {
 }
 
 impl TangentSink for Product<'_> {
-    fn node(&mut self, i: u32, block: Matrix3<f64>) {
-        self.y[i as usize] += block * self.p[i as usize];
+    fn pair(&mut self, [i, j]: [u32; 2], block: Matrix3<f64>) {
+        self.y[i as usize] += block * self.p[j as usize];
     }
 
     fn edge(&mut self, [a, b]: [u32; 2], block: Matrix3<f64>) {

@@ -2,12 +2,11 @@
 
 use super::network::{Network, by_node, node_state};
 use crate::assembly::{Assembler, Nodes, PatternError, Recorder, TangentSystem};
-use crate::force::TangentForm;
+use crate::force::{TangentForm, TangentSink};
 use crate::model::forces::Forces;
 use crate::model::state::StateRef;
 use crate::model::system::{System, Weights};
 use crate::startup::{Phase, timed};
-use nalgebra::Vector3;
 
 impl Network {
     fn pattern_of(&self, symmetric: bool) -> Result<Assembler, PatternError> {
@@ -17,29 +16,28 @@ impl Network {
     fn record(&self, symmetric: bool) -> Result<Assembler, PatternError> {
         let state = self.initial_state();
         let mut recorder = Recorder::default();
-        for term in &self.terms {
-            term.tangent(
-                node_state(state.as_ref()),
-                Weights { m: 0.0, c: 0.0, k: 0.0 },
-                TangentForm::EXACT,
-                &mut recorder,
-            );
-        }
+        let nothing = Weights { m: 0.0, c: 0.0, k: 0.0 };
+        self.emit_tangents(state.as_ref(), nothing, TangentForm::EXACT, &mut recorder);
         let nodes = Nodes { position: bytemuck::cast_slice(&self.start), fixed: &self.fixed };
         Assembler::new(nodes, &recorder, symmetric)
     }
 
     fn assemble_form(&self, at: StateRef<'_>, w: Weights, form: TangentForm, assembler: &mut Assembler) {
         let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
-        for term in &self.terms {
-            term.tangent(node_state(at), w, form, &mut sink);
-        }
+        self.emit_tangents(at, w, form, &mut sink);
+    }
+
+    /// Those of all terms and of the program's laws, element by element, always in the same order.
+    pub(super) fn emit_tangents(&self, at: StateRef<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
+        self.terms.iter().for_each(|term| term.tangent(node_state(at), w, form, sink));
+        self.emit_law_tangents(at, w, form, sink);
     }
 }
 
 impl TangentSystem for Network {
     fn symmetric(&self) -> bool {
         self.terms.iter().all(|t| t.symmetric())
+            && !self.external.as_ref().is_some_and(|external| external.has_derivatives(None))
     }
 
     fn assembler(&self) -> Result<Assembler, PatternError> {
@@ -73,10 +71,10 @@ impl TangentSystem for Network {
     }
 
     fn force_scale(&self, forces: &Forces) -> f64 {
-        let (mut internal, mut external) = (0.0, 0.0);
+        let (mut internal, mut external, gravity) = (0.0, 0.0, self.gravity());
         for (i, (total, inverse)) in by_node(&forces.total).iter().zip(by_node(&self.inverse_mass)).enumerate() {
             let free = inverse.map(|inverse| f64::from(inverse > 0.0));
-            let weight = self.gravity.map_or(Vector3::zeros(), |g| self.mass[i] * g);
+            let weight = self.mass[i] * gravity;
             let load = by_node(&forces.external).get(i).map_or(weight, |e| *e + weight).component_mul(&free);
             external += load.norm_squared();
             internal += (*total - load).norm_squared();

@@ -88,9 +88,14 @@ impl RunSettings {
         bind_scheme(scheme, self.method.info.name, scene)
     }
 
+    /// A new scheme.
+    pub(super) fn scheme(&self) -> Scheme {
+        self.method.scheme(self.solver)
+    }
+
     /// A new scheme bound to a scene.
     pub(super) fn stepper<'a>(&self, scene: &'a dyn Scene) -> Result<Stepper<'a>, SetupError> {
-        self.bind(self.method.scheme(self.solver), scene)
+        self.bind(self.scheme(), scene)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::drive::{Failure, RunError};
 use crate::integrate::stepper::NeedsNetwork;
-use crate::scene::BuildError;
+use crate::scene::{BuildError, Load};
 
 /// Why a good case cannot be made ready.
 #[derive(Debug, thiserror::Error)]
@@ -65,11 +65,39 @@ pub enum SimulationError {
         /// row of the slice
         row: usize,
     },
+    /// A factor of a rest length is 0 or less.
+    #[error("a rest length cannot be multiplied by {factor}: the factor must be above 0")]
+    NotPositive {
+        /// [-] the factor
+        factor: f64,
+    },
+    /// An edge that does not exist, or has no spring.
+    #[error("edge {edge} has no spring")]
+    NoSpring {
+        /// number of the edge
+        edge: u32,
+    },
+    /// A node that does not exist.
+    #[error("{what} {place} has node {node}, the scene has {nodes}")]
+    NoNode {
+        /// e.g. "pair"
+        what: &'static str,
+        /// its place in the slice
+        place: usize,
+        /// the node
+        node: u32,
+        /// nodes of the scene
+        nodes: usize,
+    },
+    /// A load that the scene does not have.
+    #[error("the scene has no load {0:?}")]
+    NoLoad(Load),
     /// The scene has no such thing: a pendulum has no forces from outside, a network without air no wind.
     #[error("this scene has no {0}")]
     Unsupported(&'static str),
-    /// The first external force changes the scene, which the program still holds from [`Simulation::scene`].
-    #[error("the scene is in use; add the first external force before taking it")]
+    /// The first external force and other rest lengths change the scene, which the program still holds from
+    /// [`Simulation::scene`].
+    #[error("the scene is in use: drop what `Simulation::scene` has returned before this change")]
     SceneInUse,
     /// The bytes are no snapshot of this version of the library.
     #[error("the snapshot cannot be read: {0}")]

@@ -1,11 +1,12 @@
 //! What a program reads from a simulation and changes in it.
 
-use super::{Arc, NodalForce, RunState, Simulation, SimulationError};
+use super::{Arc, Changed, NodalForce, RunState, Simulation, SimulationError};
 use crate::checksum::{self, ChecksumError};
 use crate::drive::Snapshot;
 use crate::drive::observer::{LedgerRow, Point};
+use crate::force::law::series::Scale;
 use crate::integrate::Counters;
-use crate::scene::{ExternalForces, Scene};
+use crate::scene::{ExternalForces, ExternalKind, Load, Scene};
 use serde::{Deserialize, Serialize};
 
 /// Where nodes are and how they move, in the numbering of the mesh.
@@ -25,6 +26,9 @@ struct Saved {
     forces: Vec<(String, Vec<[f64; 3]>)>,
     /// [m/s]
     wind: Option<[f64; 3]>,
+    loads: Vec<(Load, f64)>,
+    /// `[n_edges]`
+    rest_length_factors: Vec<f64>,
 }
 
 /// Program and version, at the beginning of a snapshot.
@@ -143,14 +147,14 @@ impl Simulation {
         (begun.steps, begun.counters) = (steps, counters);
         self.state = begun;
         self.scheme = Some(stepper.unbind());
-        self.hold_wind();
+        self.changed = Changed::Nothing;
         Ok(())
     }
 
     /// Sets the force [N] of this name, `[n_nodes][3]`. It acts from the present state on until it is set again, and
-    /// counts as external in the energy account.
+    /// counts as external in the energy account. A law of the same name is removed.
     ///
-    /// The first force of a simulation restarts the scheme.
+    /// The first such force restarts the scheme.
     ///
     /// # Errors
     /// A slice of another length, numbers that are not finite, a pendulum, or a step that was attempted and waits; also
@@ -158,19 +162,30 @@ impl Simulation {
     pub fn set_nodal_force(&mut self, name: &str, force: &[[f64; 3]]) -> Result<(), SimulationError> {
         self.idle()?;
         self.check("force", force)?;
-        self.external(false)?.set_values(name, force);
-        self.changed = true;
+        let had_derivatives = self.has_derivatives(name);
+        self.external(ExternalKind::Values)?.set_values(name, force);
+        self.note(if had_derivatives { Changed::Pattern } else { Changed::Values });
         Ok(())
     }
 
-    /// Sets a force that the program computes ([`NodalForce`]). It is not part of snapshots.
+    /// Sets a force that the program computes ([`NodalForce`]). It is not part of snapshots. From the first one on
+    /// every step is made alone: explicit methods then take 2 to 5 times as long, where steps were made in blocks
+    /// before. A force that changes seldom is better set as values ([`Simulation::set_nodal_force`]), which cost 1.2 to
+    /// 1.5 times.
     ///
     /// # Errors
-    /// As [`Simulation::set_nodal_force`].
+    /// As [`Simulation::set_nodal_force`]; also pairs of nodes that do not exist.
     pub fn set_nodal_law(&mut self, name: &str, law: Arc<dyn NodalForce>) -> Result<(), SimulationError> {
         self.idle()?;
-        self.external(true)?.set_law(name, law);
-        self.changed = true;
+        let (pairs, nodes) = (law.pairs(), self.node_count());
+        let unknown = |(place, pair): (usize, &[u32; 2])| {
+            let node = pair.iter().copied().find(|&node| node as usize >= nodes)?;
+            Some(SimulationError::NoNode { what: "pair", place, node, nodes })
+        };
+        pairs.iter().enumerate().find_map(unknown).map_or(Ok(()), Err)?;
+        let other_pattern = !pairs.is_empty() || self.has_derivatives(name);
+        self.external(ExternalKind::Law { velocity_dependent: law.velocity_dependent() })?.set_law(name, law, pairs);
+        self.note(if other_pattern { Changed::Pattern } else { Changed::Laws });
         Ok(())
     }
 
@@ -180,9 +195,16 @@ impl Simulation {
     /// When an attempted step waits.
     pub fn remove_nodal_force(&mut self, name: &str) -> Result<bool, SimulationError> {
         self.idle()?;
+        let other_pattern = self.has_derivatives(name);
         let removed = self.scene.external().is_some_and(|external| external.remove(name));
-        self.changed |= removed;
+        if removed {
+            self.note(if other_pattern { Changed::Pattern } else { Changed::Laws });
+        }
         Ok(removed)
+    }
+
+    fn has_derivatives(&self, name: &str) -> bool {
+        self.scene.external().is_some_and(|external| external.has_derivatives(Some(name)))
     }
 
     /// Replaces the wind by a constant velocity [m/s] from the present state on, or goes back to the given table.
@@ -194,29 +216,93 @@ impl Simulation {
         if wind.is_some_and(|wind| wind.iter().any(|value| !value.is_finite())) {
             return Err(SimulationError::NotFinite { what: "wind", row: 0 });
         }
-        if wind.is_some_and(|wind| !self.scene.hold_wind(wind)) {
+        if !self.scene.hold_wind(wind) && wind.is_some() {
             return Err(SimulationError::Unsupported("air, and so no wind"));
         }
         self.wind = wind;
-        self.hold_wind();
-        self.changed = true;
+        self.note(Changed::Laws);
         Ok(())
     }
 
-    fn hold_wind(&self) {
-        match self.wind {
-            Some(wind) => _ = self.scene.hold_wind(wind),
-            None => self.scene.sample_tables(self.settings.step.fixed()),
+    /// The loads that can be scaled, with their factors [-].
+    pub fn load_factors(&self) -> Vec<(Load, f64)> {
+        self.scene.loads().iter().map(|(load, scale)| (*load, scale.get())).collect()
+    }
+
+    /// Multiplies a load by `factor` [-] from the present state on, besides its own factor over time: 1 as given, 0 to
+    /// switch it off, below 0 to turn it round. Energy that the weight gains or loses at once is entered as external
+    /// work.
+    ///
+    /// # Errors
+    /// A load that the scene does not have, a factor that is not finite, or a step that was attempted and waits.
+    pub fn set_load_factor(&mut self, load: Load, factor: f64) -> Result<(), SimulationError> {
+        self.idle()?;
+        self.scale_of(load, factor)?.set(factor);
+        self.note(Changed::Laws);
+        Ok(())
+    }
+
+    fn scale_of(&self, load: Load, factor: f64) -> Result<&Scale, SimulationError> {
+        if !factor.is_finite() {
+            return Err(SimulationError::NotFinite { what: "load factor", row: 0 });
+        }
+        let found = self.scene.loads().iter().find(|(other, _)| *other == load);
+        found.map(|(_, scale)| &**scale).ok_or(SimulationError::NoLoad(load))
+    }
+
+    /// The edges that have a spring, ascending.
+    pub fn spring_edges(&self) -> Vec<u32> {
+        self.scene.spring_edges()
+    }
+
+    /// [-] Factors of the rest lengths as given, `[n_edges]`; 1 where none was set.
+    pub fn rest_length_factors(&self) -> Vec<f64> {
+        match self.rest_length_factors.as_slice() {
+            [] => vec![1.0; self.edges().len()],
+            set => set.to_vec(),
         }
     }
 
-    /// The place of external forces, which is made when first needed.
-    fn external(&mut self, velocity_dependent: bool) -> Result<&ExternalForces, SimulationError> {
-        let depends = self.scene.velocity_dependent();
-        if self.scene.external().is_none() || velocity_dependent && !depends {
+    /// Makes the rest lengths of the springs on these edges `factor` [-] times those given, from the present state on:
+    /// below 1 to reef a line, above 1 to let it out. Energy that the springs gain or lose at once is entered as
+    /// external work. Slack limits [m] stay, and bars of the program's own laws keep their rest lengths.
+    ///
+    /// # Errors
+    /// An edge without a spring, a factor that is not finite or not above 0, or a step that was attempted and waits;
+    /// also a scene that is in use elsewhere. Nothing is changed then.
+    pub fn set_rest_length_factor(&mut self, edges: &[u32], factor: f64) -> Result<(), SimulationError> {
+        self.idle()?;
+        let mut factors = self.rest_length_factors();
+        let springs = self.spring_edges();
+        for &edge in edges {
+            springs.binary_search(&edge).map_err(|_| SimulationError::NoSpring { edge })?;
+            factors[edge as usize] = factor;
+        }
+        self.put_rest_length_factors(factors)
+    }
+
+    fn put_rest_length_factors(&mut self, factors: Vec<f64>) -> Result<(), SimulationError> {
+        if factors != self.rest_length_factors() {
+            check_factors(&factors)?;
+            let scene = Arc::get_mut(&mut self.scene).ok_or(SimulationError::SceneInUse)?;
+            scene.set_rest_length_factors(&factors);
+            self.rest_length_factors = factors;
+            self.note(Changed::Laws);
+        }
+        Ok(())
+    }
+
+    /// Before the next step forces are found again, and what follows from them.
+    fn note(&mut self, changed: Changed) {
+        self.changed = self.changed.max(changed);
+    }
+
+    /// The place of external forces of a kind, which is made when first needed.
+    fn external(&mut self, kind: ExternalKind) -> Result<&ExternalForces, SimulationError> {
+        if !self.scene.external().is_some_and(|external| external.takes(kind)) {
             let snapshot = self.snapshot_now()?;
             let scene = Arc::get_mut(&mut self.scene).ok_or(SimulationError::SceneInUse)?;
-            if !scene.enable_external(velocity_dependent) {
+            if !scene.enable_external(kind) {
                 return Err(SimulationError::Unsupported("forces from outside"));
             }
             self.take_up(snapshot)?;
@@ -233,15 +319,12 @@ impl Simulation {
         let mut stepper = self.settings.stepper(&*self.scene)?;
         let state = RunState::restore(&*self.scene, &mut stepper, self.settings.spec(), snapshot)?;
         (self.state, self.scheme, self.pending) = (state, Some(stepper.unbind()), None);
-        if self.wind.is_some() {
-            self.hold_wind();
-            self.changed = true;
-        }
+        self.changed = Changed::Nothing;
         Ok(())
     }
 
-    /// The whole state as bytes, with forces and wind that were set. A simulation of the same scene and settings goes
-    /// on from it with the same bits.
+    /// The whole state as bytes, with forces, factors and wind that were set. A simulation of the same scene and
+    /// settings goes on from it with the same bits.
     ///
     /// # Errors
     /// When an attempted step waits.
@@ -249,7 +332,8 @@ impl Simulation {
         self.idle()?;
         let snapshot = self.snapshot_now()?;
         let forces = self.scene.external().map(ExternalForces::values).unwrap_or_default();
-        let saved = Saved { snapshot, forces, wind: self.wind };
+        let (loads, rest_length_factors) = (self.load_factors(), self.rest_length_factors());
+        let saved = Saved { snapshot, forces, wind: self.wind, loads, rest_length_factors };
         let mut bytes = Vec::new();
         postcard::to_io(&(PROGRAM, saved), &mut bytes).map_err(|error| SimulationError::Snapshot(error.to_string()))?;
         checksum::append(&mut bytes);
@@ -271,20 +355,41 @@ impl Simulation {
         if program != PROGRAM {
             return Err(unreadable(&format!("it is of \"{program}\", and this is \"{PROGRAM}\"")));
         }
-        let Saved { snapshot, forces, wind } = saved;
+        let Saved { snapshot, forces, wind, loads, rest_length_factors } = saved;
         self.settings.spec().passes(&*self.scene, &snapshot)?;
         for (_, force) in &forces {
             self.check("force of the snapshot", force)?;
         }
+        loads.iter().try_for_each(|(load, factor)| self.scale_of(*load, *factor).map(|_| ()))?;
+        if rest_length_factors.len() != self.edges().len() {
+            return Err(unreadable("it is of a scene with other edges"));
+        }
         self.pending = None;
+        self.put_rest_length_factors(rest_length_factors)?;
         if !forces.is_empty() {
-            self.external(false)?;
+            self.external(ExternalKind::Values)?;
         }
         if let Some(external) = self.scene.external() {
-            external.clear_values();
-            forces.iter().for_each(|(name, force)| external.set_values(name, force));
+            external.replace_values(forces);
         }
+        for (load, factor) in loads {
+            self.scale_of(load, factor)?.set(factor);
+        }
+        self.scene.hold_wind(wind);
         self.wind = wind;
         self.take_up(snapshot)
     }
+}
+
+/// Factors of rest lengths are numbers above 0.
+fn check_factors(factors: &[f64]) -> Result<(), SimulationError> {
+    for (row, &factor) in factors.iter().enumerate() {
+        if !factor.is_finite() {
+            return Err(SimulationError::NotFinite { what: "factor of a rest length", row });
+        }
+        if factor <= 0.0 {
+            return Err(SimulationError::NotPositive { factor });
+        }
+    }
+    Ok(())
 }

@@ -8,18 +8,22 @@ use crate::model::workers::Workers;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use std::sync::Arc;
 
-/// Which solver to use.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+/// Linear solver.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[schemars(rename = "Linear")]
 #[serde(rename_all = "kebab-case")]
 pub enum LinearChoice {
-    /// Cholesky for a symmetric W, LU else.
+    /// Where a matrix is kept over many steps: Cholesky or conjugate gradients, whichever is less counted work.
+    /// Otherwise Cholesky for a symmetric tangent, and LU for any other.
     #[default]
     Auto,
-    /// Cholesky; refused for a non-symmetric W.
+    /// Sparse Cholesky; needs a symmetric tangent.
     Cholesky,
-    /// LU, also for a symmetric W.
+    /// Sparse LU.
     Lu,
-    /// Conjugate gradients; refused for a non-symmetric W.
+    /// Conjugate gradients, preconditioned by an incomplete factorisation of which only the pivots are stored: little
+    /// memory, for small steps and large meshes. If the tangent is not symmetric, its symmetric part is used; the
+    /// strategy must then not be `full`.
     Cg,
 }
 

@@ -1,4 +1,5 @@
-//! Newton's iteration for F(z) = 0, globalised by line searches. Knows nothing of time or schemes.
+//! Newton's iteration for F(z) = 0, globalised by line searches. It does not depend on time or schemes. Vectors are
+//! `[n]`, by unknown.
 //!
 //! If F is the gradient of a potential (a symmetric tangent), the iteration descends in the potential. An indefinite
 //! tangent is replaced by its convex part, and the line search along the direction d follows the slope F.d. Otherwise
@@ -12,19 +13,19 @@ pub use super::problem::{Curvature, NonlinearProblem, Scales};
 use super::quasi_newton::{self, FactorHistory, SecantPairs};
 use super::{Accuracy, Inertia, LinearError, search};
 
-/// How often the tangent is factorised.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+/// When the tangent is computed again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
-    /// As [`Strategy::Quasi`] if a factorisation costs many iterations on an old factor. Otherwise, and if that does
-    /// not converge, as [`Strategy::Full`].
+    /// As `quasi` where, by counted work, a factorisation costs as much as many iterations with an old factor;
+    /// otherwise, and where `quasi` fails, as `full`.
     #[default]
     Auto,
-    /// The exact tangent in every iteration.
+    /// In every iteration.
     Full,
-    /// A symmetric tangent of an earlier iterate, reused as long as it converges fast enough.
+    /// Seldom: the factor of a symmetric tangent is used as long as the iteration converges fast enough with it.
     Modified,
-    /// The same with L-BFGS corrections from the last steps of the iteration.
+    /// The same, corrected by the iteration's last steps (L-BFGS).
     Quasi,
 }
 
@@ -210,7 +211,7 @@ impl Newton {
         self.spec.max_iterations
     }
 
-    /// Whether residual and increment at `z` are small. `next` [-] predicts the next increment over the last: the
+    /// Whether residual and increment at `z` `[n]` are small. `next` [-] predicts the next increment over the last: the
     /// accepted share of the direction times the reduction of the residual.
     pub(super) fn convergence(&self, z: &[f64], criteria: ConvergenceCriteria, next: f64) -> Convergence {
         let next_increment = next * norm(&self.dz);
@@ -310,7 +311,7 @@ impl Newton {
         Err(NewtonFailure::Hidden { iterations, rounding, forces, worst: self.worst() })
     }
 
-    /// Iterates on the frozen factor and, if that fails, from the same guess on the exact tangent.
+    /// Iterates from `z` `[n]` on the frozen factor and, if that fails, from the same guess on the exact tangent.
     fn iterate(
         &mut self,
         problem: &mut dyn NonlinearProblem,

@@ -1,4 +1,4 @@
-//! Inner products and norms, summed in fixed lanes.
+//! Inner products and norms of vectors `[n]`, summed in fixed lanes.
 
 use crate::model::lanes::{LANES, Lanes};
 use multiversion::multiversion;
@@ -23,8 +23,8 @@ pub(super) fn dot(v: &[f64], w: &[f64]) -> f64 {
     lanes.total() + rest.iter().zip(other).map(|(v, w)| v * w).sum::<f64>()
 }
 
-/// Norm of the entries of `r` beyond their rounding floors. So a stiff corner of a scene, whose residual cannot be
-/// small, hides nothing of a soft one.
+/// Norm of the entries of `r` above their rounding floors; both `[n]`. So a stiff corner of a scene, whose residual
+/// cannot be small, hides nothing of a soft one.
 #[multiversion(targets("x86_64+avx+avx2"))]
 pub(super) fn excess(r: &[f64], floor: &[f64]) -> f64 {
     let mut lanes = Lanes::default();

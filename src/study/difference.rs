@@ -9,32 +9,31 @@ const TOLD: usize = 4;
 /// The keys in which two cases differ: "time.end was 2 and is 1 now"; empty if they do not.
 pub fn differences(planned: &Value, now: &Value) -> String {
     let mut found = Vec::new();
-    compare("", Some(planned), Some(now), &mut found);
+    compare("", planned, now, &mut found);
     let more = found.len().saturating_sub(TOLD);
     found.truncate(TOLD);
     let told = found.join("; ");
     if more > 0 { format!("{told}; and {more} more") } else { told }
 }
 
-fn compare(key: &str, planned: Option<&Value>, now: Option<&Value>, found: &mut Vec<String>) {
+fn compare(key: &str, planned: &Value, now: &Value, found: &mut Vec<String>) {
     let below = |name: &str| if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") };
     match (planned, now) {
-        (Some(Value::Object(a)), Some(Value::Object(b))) => {
-            let new = b.keys().filter(|name| !a.contains_key(*name));
-            for name in a.keys().chain(new) {
-                compare(&below(name), a.get(name), b.get(name), found);
+        (Value::Object(a), Value::Object(b)) => {
+            for (name, planned) in a {
+                match b.get(name) {
+                    Some(now) => compare(&below(name), planned, now, found),
+                    None => found.push(format!("{} was {} and is not there now", below(name), excerpt(planned))),
+                }
             }
+            let new = b.iter().filter(|(name, _)| !a.contains_key(*name));
+            found.extend(new.map(|(name, now)| format!("{} was not there and is {} now", below(name), excerpt(now))));
         }
-        (Some(Value::Array(a)), Some(Value::Array(b))) if a.len() == b.len() => {
-            for (i, (a, b)) in a.iter().zip(b).enumerate() {
-                compare(&below(&i.to_string()), Some(a), Some(b), found);
-            }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            a.iter().zip(b).enumerate().for_each(|(i, (a, b))| compare(&below(&i.to_string()), a, b, found));
         }
         (a, b) if a == b => {}
-        (None, Some(b)) => found.push(format!("{key} was not there and is {} now", excerpt(b))),
-        (Some(a), None) => found.push(format!("{key} was {} and is not there now", excerpt(a))),
-        (Some(a), Some(b)) => found.push(format!("{key} was {} and is {} now", excerpt(a), excerpt(b))),
-        (None, None) => {}
+        (a, b) => found.push(format!("{key} was {} and is {} now", excerpt(a), excerpt(b))),
     }
 }
 

@@ -66,22 +66,6 @@ pub enum Event<'e> {
     Finished(&'e Point),
 }
 
-/// Whether a run goes on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Flow {
-    /// to the next step
-    Continue,
-    /// no further than the step that is about to be made
-    Stop,
-}
-
-impl Flow {
-    /// Stops where `stop` is true.
-    pub fn stop_if(stop: bool) -> Self {
-        if stop { Flow::Stop } else { Flow::Continue }
-    }
-}
-
 /// Why there was no run.
 #[derive(Debug, thiserror::Error)]
 pub enum ExperimentError {
@@ -118,7 +102,8 @@ impl<'a> Experiment<'a> {
         Stepper::bind(self.method.scheme(self.solver), self.scene.interfaces())
     }
 
-    /// Makes the run with a stepper of its own. `frames` visits the frames; `on_event` hears of every event after it.
+    /// Makes the run with a stepper of its own. `frames` visits the frames; `on_event` gets every event after it, and
+    /// returns `true` to stop the run.
     ///
     /// # Errors
     /// When the run cannot start. A run that fails on its way is an [`Outcome`].
@@ -126,7 +111,7 @@ impl<'a> Experiment<'a> {
         &self,
         start: Start,
         frames: Option<&mut Sampler<'_>>,
-        on_event: &mut dyn FnMut(Event<'_>, Distance) -> Flow,
+        on_event: &mut dyn FnMut(Event<'_>, Distance) -> bool,
     ) -> Result<Outcome, ExperimentError> {
         Ok(self.run_with(&mut self.stepper()?, start, frames, on_event)?)
     }
@@ -140,7 +125,7 @@ impl<'a> Experiment<'a> {
         stepper: &mut Stepper<'_>,
         start: Start,
         frames: Option<&mut Sampler<'_>>,
-        on_event: &mut dyn FnMut(Event<'_>, Distance) -> Flow,
+        on_event: &mut dyn FnMut(Event<'_>, Distance) -> bool,
     ) -> Result<Outcome, RunError> {
         let Experiment { scene, method, step, end, frames_every, keep_going, explain, interrupt, .. } = *self;
         let spec = RunSpec { end, step, frames_every, keep_going, explain, interrupt, method };
@@ -163,13 +148,13 @@ struct Monitor<'m, 'f> {
     single_steps: u64,
     made: u64,
     stop: &'m AtomicBool,
-    on_event: &'m mut dyn FnMut(Event<'_>, Distance) -> Flow,
+    on_event: &'m mut dyn FnMut(Event<'_>, Distance) -> bool,
 }
 
 impl Monitor<'_, '_> {
     fn tell(&mut self, event: Event<'_>) {
         let distance = self.frames.as_ref().map(|frames| frames.distance()).unwrap_or_default();
-        if (self.on_event)(event, distance) == Flow::Stop {
+        if (self.on_event)(event, distance) {
             self.stop.store(true, Ordering::Relaxed);
         }
     }

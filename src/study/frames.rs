@@ -76,7 +76,7 @@ impl Distance {
     }
 }
 
-/// The larger of two numbers, NaN if one of them is: max() drops it, and it must not look like no error.
+/// The larger of two numbers, NaN if one of them is; `f64::max` would drop it and hide the error.
 fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }

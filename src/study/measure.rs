@@ -3,12 +3,12 @@
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use super::bench::{Bench, choice};
 use super::error::StudyError;
-use super::experiment::{Event, Experiment, ExperimentError, Flow, Start};
+use super::experiment::{Event, Experiment, ExperimentError, Start};
 use super::frames::Sampler;
+use super::prepared_case::{PreparedCase, choice};
 use super::reference::Reference;
-use super::row::{Job, Measured, RowStatus, StepSetting};
+use super::row::{Job, RowStatus, RunResult, StepSetting};
 use super::runner::Runner;
 use super::store::Unfinished;
 use crate::drive::observer::Occasion;
@@ -26,15 +26,15 @@ const SMALL: usize = 1000;
 
 /// A variant of the case, ready to run.
 pub(super) struct PreparedVariant {
-    pub bench: Bench,
+    pub case: PreparedCase,
     pub reference: Reference,
     /// when its share of the budget is spent
     pub deadline: Option<Instant>,
 }
 
 /// How a run ended, if the user did not interrupt it.
-pub(super) enum Ended {
-    Done(Measured),
+pub(super) enum RunEnd {
+    Done(RunResult),
     /// the budget was spent at this time [s] of the run, where it is saved
     OutOfTime(f64),
 }
@@ -44,13 +44,13 @@ impl Runner<'_> {
     ///
     /// # Errors
     /// An interrupt, after which the run is saved, or files of the study that cannot be written.
-    pub(super) fn measure(&self, variant: &PreparedVariant, job: &Job) -> Result<Ended, StudyError> {
-        let PreparedVariant { bench, reference, deadline } = variant;
+    pub(super) fn measure(&self, variant: &PreparedVariant, job: &Job) -> Result<RunEnd, StudyError> {
+        let PreparedVariant { case, reference, deadline } = variant;
         let method = choice(&job.method)?;
         if let StepSetting::Step(h) = job.setting
-            && h > bench.end()
+            && h > case.end()
         {
-            let end = bench.end();
+            let end = case.end();
             return Ok(refused(format!("the step of {} s is longer than the run of {end} s", figures(h, 4))));
         }
         let earlier = self.store.unfinished(job);
@@ -58,18 +58,18 @@ impl Runner<'_> {
         let so_far = earlier.as_ref().map(|e| e.distance).unwrap_or_default();
         let before = Cost { cpu: (spent > 0.0).then_some(spent), wall: Duration::from_secs_f64(spent) };
         let watch = Stopwatch::start(before);
-        let mut sampler = Sampler::comparing(&*bench.scene, bench.every, &reference.frames, (from, so_far));
+        let mut sampler = Sampler::comparing(&*case.scene, case.every, &reference.frames, (from, so_far));
         let start = earlier.map_or(Start::Initial, |earlier| Start::Snapshot(Box::new(earlier.snapshot)));
-        let between = if bench.scene.n_dof() < SMALL { CLOCK_EVERY } else { 0 };
+        let between = if case.scene.n_dof() < SMALL { CLOCK_EVERY } else { 0 };
         let (mut countdown, mut saved, mut failed) = (0, Instant::now(), None);
         let interrupt = Stop::on(self.interrupt);
-        let experiment = Experiment { interrupt, single_steps: 0, ..bench.experiment(&method, job.setting.step()) };
+        let experiment = Experiment { interrupt, single_steps: 0, ..case.experiment(&method, job.setting.step()) };
         let run = experiment.run(start, Some(&mut sampler), &mut |event, distance| {
-            let Event::Boundary(run) = event else { return Flow::Continue };
+            let Event::Boundary(run) = event else { return false };
             let mut save = || {
-                let unfinished = Unfinished { snapshot: run.snapshot(), distance, spent: seconds(watch.read()) };
+                let unfinished = Unfinished { snapshot: run.snapshot(), distance, spent: watch.seconds() };
                 failed = self.store.keep_unfinished(job, &unfinished).err();
-                Flow::stop_if(failed.is_some())
+                failed.is_some()
             };
             if run.occasion == Occasion::Interrupted {
                 return save();
@@ -77,13 +77,13 @@ impl Runner<'_> {
             let interrupted = self.interrupt.load(Ordering::Relaxed);
             if countdown > 0 {
                 countdown -= 1;
-                return Flow::stop_if(interrupted);
+                return interrupted;
             }
             countdown = between;
             let now = Instant::now();
             let over = deadline.is_some_and(|deadline| now >= deadline);
             if interrupted || over || now.duration_since(saved) < SAVED_EVERY {
-                return Flow::stop_if(interrupted || over);
+                return interrupted || over;
             }
             saved = now;
             save()
@@ -99,28 +99,23 @@ impl Runner<'_> {
             Err(ExperimentError::Run(why)) => return Err(StudyError::Usage(format!("{}: {why}", job.id))),
         };
         let interrupted = self.interrupt.load(Ordering::Relaxed);
-        // A failure whose cause was not looked for to the end is not a row yet.
+        // A failure whose cause was not searched to the end is not a result yet.
         if interrupted && (outcome.status == Status::Interrupted || outcome.failure.is_some()) {
             return Err(StudyError::Interrupted);
         }
         if outcome.status == Status::Interrupted {
-            return Ok(Ended::OutOfTime(outcome.t_end));
+            return Ok(RunEnd::OutOfTime(outcome.t_end));
         }
         let errors = sampler.distance().over(reference.account.motion);
-        Ok(Ended::Done(measured(&outcome, errors, seconds(cost))))
+        Ok(RunEnd::Done(measured(&outcome, errors, cost.seconds())))
     }
 }
 
-/// [s] Processor time, or that of the wall clock where the system does not say.
-fn seconds(cost: Cost) -> f64 {
-    cost.cpu.unwrap_or(cost.wall.as_secs_f64())
+fn refused(note: String) -> RunEnd {
+    RunEnd::Done(RunResult { status: RowStatus::Refused, note, ..RunResult::default() })
 }
 
-fn refused(note: String) -> Ended {
-    Ended::Done(Measured { status: RowStatus::Refused, note, ..Measured::default() })
-}
-
-fn measured(outcome: &Outcome, errors: Option<[f64; 2]>, seconds: f64) -> Measured {
+fn measured(outcome: &Outcome, errors: Option<[f64; 2]>, seconds: f64) -> RunResult {
     let status = match outcome.status {
         Status::Completed => RowStatus::Completed,
         Status::Diverged => RowStatus::Diverged,
@@ -132,7 +127,7 @@ fn measured(outcome: &Outcome, errors: Option<[f64; 2]>, seconds: f64) -> Measur
         Some(failure) => format!("at t = {:.4e} s: {}; {}", failure.time, failure.cause, failure.advice),
         None => outcome.doubt.clone().or_else(|| outcome.energy_doubt()).unwrap_or_default(),
     };
-    Measured {
+    RunResult {
         status,
         note,
         error: errors.map(|e| e[0]),

@@ -8,7 +8,6 @@
 //! reference that knows its own error ([`reference`]). Everything that decides numbers is counted; seconds are only
 //! measured.
 
-pub mod bench;
 pub(crate) mod difference;
 mod error;
 pub mod experiment;
@@ -18,6 +17,7 @@ mod measure;
 pub mod options;
 pub mod pareto;
 pub mod plan;
+pub mod prepared_case;
 pub mod recommendations;
 pub mod reference;
 pub mod report;

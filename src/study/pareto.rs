@@ -31,14 +31,14 @@ mod tests {
     use super::*;
     use crate::case::schema::Method;
     use crate::integrate::registry::Family;
-    use crate::study::row::{Job, Measured, RowStatus, StepSetting};
+    use crate::study::row::{Job, RowStatus, RunResult, StepSetting};
 
     fn row(id: &str, status: RowStatus, error: f64, cost: f64) -> Row {
         let method = Method { name: "rk4".to_owned(), parameters: Default::default() };
         Row {
             job: Job { id: id.to_owned(), variant: 0, method, setting: StepSetting::Step(1.0) },
             family: Family::Explicit,
-            measured: Measured { status, error: Some(error), ..Measured::default() },
+            measured: RunResult { status, error: Some(error), ..RunResult::default() },
             cpu_seconds: Some(cost),
             pareto: false,
         }

@@ -7,10 +7,10 @@ use std::sync::atomic::AtomicBool;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::bench::{Bench, choice};
 use super::error::StudyError;
 use super::options::StudyOptions;
-use super::reference::{Reference, ReferenceReport, Workshop};
+use super::prepared_case::{PreparedCase, choice};
+use super::reference::{Reference, ReferenceBuilder, ReferenceReport};
 use super::row::{Job, StepSetting, label};
 use super::step_grid::StepScales;
 use crate::analysis::critical::CostLimits;
@@ -27,10 +27,10 @@ use crate::output::sanitize::file_stem;
 pub const FORMAT: u32 = 3;
 /// The program that made it; another one may compute other bits.
 pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");
-/// Longest identifier of a run made of its method.
+/// Longest part of a run's identifier that comes from its method.
 const LONGEST: usize = 40;
 
-/// A study: what was asked, and the runs that come of it.
+/// A study: its options and the runs that follow from them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// layout of the file
@@ -94,7 +94,7 @@ pub struct Planner<'a> {
 }
 
 impl Planner<'_> {
-    /// Makes the references and lists the runs; `keep` stores each reference under the number of its variant.
+    /// Makes the references and lists the runs. `keep` stores each reference under the number of its variant.
     ///
     /// # Errors
     /// A bad variant, no reference, an interrupt, or a reference that cannot be stored.
@@ -115,22 +115,23 @@ impl Planner<'_> {
         for (number, factor) in factors.into_iter().enumerate() {
             let overrides = stiffer(self.case, factor)?;
             let case = self.case.with(&overrides)?;
-            let bench = Bench::of(case.problem().clone(), self.threads)?;
+            let prepared = PreparedCase::of(case.problem().clone(), self.threads)?;
             let tell = |what: &str| match factor {
                 1.0 => (self.tell)(&format!("reference: {what}")),
                 _ => (self.tell)(&format!("reference, {factor} times as stiff: {what}")),
             };
-            let workshop = Workshop { bench: &bench, allowance: self.allowance, stop: self.stop, tell: &tell };
-            let reference = workshop.make()?;
+            let builder =
+                ReferenceBuilder { prepared: &prepared, allowance: self.allowance, stop: self.stop, tell: &tell };
+            let reference = builder.make()?;
             keep(number, &reference)?;
-            let (critical_steps, listed) = self.list(&bench, &reference, number)?;
+            let (critical_steps, listed) = self.list(&prepared, &reference, number)?;
             jobs.extend(listed);
             variants.push(Variant {
                 stiffness_factor: factor,
                 overrides,
-                fingerprint: bench.fingerprint.clone(),
-                every: bench.every,
-                end: bench.end(),
+                fingerprint: prepared.fingerprint.clone(),
+                every: prepared.every,
+                end: prepared.end(),
                 critical_steps,
                 reference: reference.account,
             });
@@ -166,20 +167,19 @@ impl Planner<'_> {
         asked.into_iter().map(|method| Ok((method.clone(), choice(&method)?))).collect()
     }
 
-    /// The runs of a variant, the cheapest first by nominal figures, so that a budget that ends early has seen the
-    /// most.
+    /// The runs of a variant in the order of their nominal costs, so that as many as possible fit into a budget.
     fn list(
         &self,
-        bench: &Bench,
+        prepared: &PreparedCase,
         reference: &Reference,
         variant: usize,
     ) -> Result<(BTreeMap<String, f64>, Vec<Job>), StudyError> {
-        let state = bench.scene.initial_state();
+        let state = prepared.scene.initial_state();
         let effort = CostLimits { stop: Stop::on(self.stop), ..CostLimits::FULL };
-        let mut spectrum = Spectrum::with(&*bench.scene, state.as_ref(), effort);
-        let scales = StepScales::of(&spectrum, bench.every, bench.end(), reference.account.motion.period());
+        let mut spectrum = Spectrum::with(&*prepared.scene, state.as_ref(), effort);
+        let scales = StepScales::of(&spectrum, prepared.every, prepared.end(), reference.account.motion.period());
         let mut limits = BTreeMap::new();
-        let mut settings: Vec<Tried> = Vec::new();
+        let mut settings: Vec<MethodSettings> = Vec::new();
         for (method, choice) in self.methods()? {
             let limit = spectrum.critical_step(&choice).step;
             if limit.is_finite() {
@@ -191,14 +191,14 @@ impl Planner<'_> {
             };
             let tolerances = match &self.options.tolerances {
                 Some(tolerances) => tolerances.clone(),
-                // Whoever asks for steps wants those.
+                // With a list of steps, no tolerances are tried.
                 None if self.options.steps.is_some() || choice.order() < 2 => Vec::new(),
                 None => scales.tolerances(choice.order(), limit),
             };
             let steps = steps.into_iter().map(StepSetting::Step);
             let list = steps.chain(tolerances.into_iter().map(StepSetting::Tolerance)).collect();
-            settings.push(Tried {
-                step_seconds: bench.nominal_step(&choice),
+            settings.push(MethodSettings {
+                step_seconds: prepared.nominal_step(&choice),
                 order: choice.order(),
                 limit,
                 method,
@@ -208,14 +208,14 @@ impl Planner<'_> {
         if spectrum.stopped() {
             return Err(StudyError::Interrupted);
         }
-        self.add_own(bench, &mut settings);
+        self.add_own(prepared, &mut settings);
         Ok((limits, by_cost(settings, &scales, variant)))
     }
 
-    /// The case's own choice belongs to its study, unless other methods and steps were asked for.
-    fn add_own(&self, bench: &Bench, settings: &mut [Tried]) {
+    /// Adds the step or tolerance of the case, unless the options list others.
+    fn add_own(&self, prepared: &PreparedCase, settings: &mut [MethodSettings]) {
         let StudyOptions { steps, tolerances, .. } = &self.options;
-        let own = match bench.problem.time.step {
+        let own = match prepared.problem.time.step {
             Step::Fixed(h) if steps.is_none() => StepSetting::Step(h),
             Step::Adaptive(tolerance) if tolerances.is_none() => StepSetting::Tolerance(tolerance.relative),
             _ => return,
@@ -230,7 +230,7 @@ impl Planner<'_> {
 }
 
 /// A method and what it is tried with.
-struct Tried {
+struct MethodSettings {
     method: Method,
     list: Vec<StepSetting>,
     /// [s] nominal cost of a step
@@ -240,7 +240,7 @@ struct Tried {
     limit: f64,
 }
 
-impl Tried {
+impl MethodSettings {
     /// [s] Nominal cost of a run.
     fn seconds(&self, setting: StepSetting, scales: &StepScales) -> f64 {
         let h = match setting {
@@ -253,9 +253,9 @@ impl Tried {
     }
 }
 
-/// The cheapest first, in the order of the methods where the cost is the same; identifiers are the number of the run
-/// and what it is.
-fn by_cost(tried: Vec<Tried>, scales: &StepScales, variant: usize) -> Vec<Job> {
+/// The runs in the order of their costs; runs of equal cost stay in the order of the methods. A run's identifier holds
+/// its number, method and step.
+fn by_cost(tried: Vec<MethodSettings>, scales: &StepScales, variant: usize) -> Vec<Job> {
     let runs =
         tried.iter().flat_map(|t| t.list.iter().map(|setting| (t.seconds(*setting, scales), &t.method, *setting)));
     let mut runs: Vec<(f64, &Method, StepSetting)> = runs.collect();

@@ -1,11 +1,13 @@
 //! From rows to answers: which method and step for an accuracy, and where implicit steps begin to win.
 
+use minijinja::{Value, context};
 use serde::Serialize;
 
+use super::error::StudyError;
 use super::pareto::{TIE, cheapest};
-use super::plan::Plan;
+use super::plan::{Plan, Variant};
 use super::row::{Row, RowStatus, StepSetting};
-use crate::format_number::figures;
+use super::template::render;
 use crate::integrate::registry::Family;
 
 /// Accuracies asked about: powers of ten from here down to the reference's error.
@@ -98,36 +100,39 @@ pub struct Recommendations {
 
 impl Recommendations {
     /// From the rows of a study.
-    pub fn of(plan: &Plan, rows: &[Row]) -> Self {
+    ///
+    /// # Errors
+    /// What the template engine refuses.
+    pub fn of(plan: &Plan, rows: &[Row]) -> Result<Self, StudyError> {
         let mut answers = Recommendations::default();
         for variant in 0..plan.variants.len() {
-            let view = View::of(plan, rows, variant);
-            answers.targets.extend(targets(view.reference_error).filter_map(|wanted| view.answer(wanted)));
-            answers.crossovers.push(view.crossover());
+            let rows = VariantRows::of(plan, rows, variant);
+            for wanted in targets(rows.reference_error) {
+                answers.targets.extend(rows.answer(wanted)?);
+            }
+            answers.crossovers.push(rows.crossover()?);
         }
         if plan.variants.len() > 1 {
-            answers.sweep(plan, rows);
+            answers.sweep(plan, rows)?;
         }
-        answers
+        Ok(answers)
     }
 
-    fn sweep(&mut self, plan: &Plan, rows: &[Row]) {
+    fn sweep(&mut self, plan: &Plan, rows: &[Row]) -> Result<(), StudyError> {
         let worst = plan.variants.iter().map(|v| v.reference.error).fold(0.0, f64::max);
         for wanted in targets(worst) {
-            let mut points: Vec<StiffnessPoint> = (0..plan.variants.len())
-                .map(|variant| {
-                    let view = View::of(plan, rows, variant);
-                    let stiffness_factor = plan.variants.get(variant).map_or(1.0, |v| v.stiffness_factor);
-                    let [explicit, implicit] = view.families(wanted).map(|found| found.map(|(row, _)| view.pick(row)));
-                    StiffnessPoint { stiffness_factor, wanted, explicit, implicit }
-                })
-                .collect();
+            let point = |(number, variant): (usize, &Variant)| {
+                let [explicit, implicit] = VariantRows::of(plan, rows, number).families(wanted);
+                StiffnessPoint { stiffness_factor: variant.stiffness_factor, wanted, explicit, implicit }
+            };
+            let mut points: Vec<StiffnessPoint> = plan.variants.iter().enumerate().map(point).collect();
             points.sort_by(|a, b| a.stiffness_factor.total_cmp(&b.stiffness_factor));
             if points.iter().any(|p| p.explicit.is_some() || p.implicit.is_some()) {
-                self.stiffness_crossovers.push(stiffness_crossover(wanted, &points));
+                self.stiffness_crossovers.push(stiffness_crossover(wanted, &points)?);
                 self.stiffness.extend(points);
             }
         }
+        Ok(())
     }
 }
 
@@ -138,99 +143,64 @@ fn targets(reference_error: f64) -> impl Iterator<Item = f64> {
     powers.map(power).filter(move |wanted: &f64| *wanted >= reference_error)
 }
 
+/// A sentence of the template.
+fn sentence(context: Value) -> Result<String, StudyError> {
+    let text = render("answers.txt", include_str!("../../assets/report/answers.txt"), &context)?;
+    Ok(text.trim().to_owned())
+}
+
 /// The rows of one variant.
-struct View<'a> {
+struct VariantRows<'a> {
     variant: usize,
     rows: Vec<&'a Row>,
     reference_error: f64,
 }
 
-impl<'a> View<'a> {
+impl<'a> VariantRows<'a> {
     fn of(plan: &Plan, rows: &'a [Row], variant: usize) -> Self {
         let reference_error = plan.variants.get(variant).map_or(0.0, |v| v.reference.error);
-        View { variant, rows: rows.iter().filter(|r| r.job.variant == variant).collect(), reference_error }
+        VariantRows { variant, rows: rows.iter().filter(|r| r.job.variant == variant).collect(), reference_error }
     }
 
-    fn cheapest(&self, wanted: f64, which: impl Fn(&Row) -> bool) -> Option<(&'a Row, f64)> {
-        cheapest(self.rows.iter().copied().filter(|row| which(row)), wanted, self.reference_error)
+    fn cheapest(&self, wanted: f64, which: impl Fn(&Row) -> bool) -> Option<Pick> {
+        let rows = self.rows.iter().copied().filter(|row| which(row));
+        let (row, cpu_seconds) = cheapest(rows, wanted, self.reference_error)?;
+        let error = row.measured.error.unwrap_or(f64::NAN);
+        Some(Pick { id: row.job.id.clone(), method: row.label(), setting: row.job.setting, error, cpu_seconds })
     }
 
-    /// Without and with a matrix.
-    fn families(&self, wanted: f64) -> [Option<(&'a Row, f64)>; 2] {
+    /// The cheapest without and with a matrix.
+    fn families(&self, wanted: f64) -> [Option<Pick>; 2] {
         [false, true].map(|implicit| self.cheapest(wanted, |row| (row.family == Family::Implicit) == implicit))
     }
 
-    fn pick(&self, row: &Row) -> Pick {
-        Pick {
-            id: row.job.id.clone(),
-            method: row.label(),
-            setting: row.job.setting,
-            error: row.measured.error.unwrap_or(f64::NAN),
-            cpu_seconds: row.cpu_seconds.unwrap_or(f64::NAN),
-        }
-    }
-
-    fn answer(&self, wanted: f64) -> Option<Recommendation> {
-        let (best, cost) = self.cheapest(wanted, |_| true)?;
-        let next = self.cheapest(wanted, |row| row.job.method != best.job.method);
+    fn answer(&self, wanted: f64) -> Result<Option<Recommendation>, StudyError> {
+        let Some(best) = self.cheapest(wanted, |_| true) else { return Ok(None) };
+        let next = self.cheapest(wanted, |row| row.label() != best.method);
         let [explicit, implicit] = self.families(wanted);
-        let other = if best.family == Family::Implicit { explicit } else { implicit };
-        let mut sentence = format!("for {wanted:e} use {}: {} s", used(best), figures(cost, 2));
-        let mut compared = Vec::new();
-        if let Some((row, c)) = next {
-            compared.push(compare(c / cost, row));
-        }
-        match other {
-            Some((row, c)) if next.is_none_or(|(next, _)| next.job.id != row.job.id) => {
-                let kind =
-                    if row.family == Family::Implicit { "the best implicit one" } else { "the best explicit one" };
-                compared.push(format!("{}, {kind}", compare(c / cost, row)));
-            }
-            Some(_) => {}
-            None => compared.extend(self.none_as_accurate(best.family != Family::Implicit)),
-        }
-        if !compared.is_empty() {
-            sentence.push_str(&format!(", {}", compared.join("; ")));
-        }
-        let pick = |found: Option<(&Row, f64)>| found.map(|(row, _)| self.pick(row));
-        let (variant, next, best) = (self.variant, pick(next), self.pick(best));
-        Some(Recommendation {
-            variant,
-            wanted,
-            best,
-            next,
-            explicit: pick(explicit),
-            implicit: pick(implicit),
-            sentence,
-        })
+        // All runs of a family, and those that are still to be made.
+        let made = |implicit: bool| {
+            let rows = || self.rows.iter().filter(|row| (row.family == Family::Implicit) == implicit);
+            let open = rows().filter(|row| row.measured.status == RowStatus::NotRun).count();
+            context! { all => rows().count(), open }
+        };
+        let made = context! { explicit => made(false), implicit => made(true) };
+        let sentence =
+            sentence(context! { about => "target", tie => TIE, wanted, best, next, explicit, implicit, made })?;
+        Ok(Some(Recommendation { variant: self.variant, wanted, best, next, explicit, implicit, sentence }))
     }
 
-    /// Why the other family gave nothing; nothing if it was not asked for.
-    fn none_as_accurate(&self, implicit: bool) -> Option<String> {
-        let kind = if implicit { "implicit" } else { "explicit" };
-        let others = self.rows.iter().filter(|row| (row.family == Family::Implicit) == implicit);
-        let (all, open) = others
-            .fold((0, 0), |(all, open), row| (all + 1, open + usize::from(row.measured.status == RowStatus::NotRun)));
-        match (all, open) {
-            (0, _) => None,
-            (_, 0) => Some(format!("no {kind} run was as accurate")),
-            (_, open) if open == all => Some(format!("no {kind} run was made yet")),
-            (_, 1) => Some(format!("no {kind} run was as accurate so far, one is still to be made")),
-            (_, open) => Some(format!("no {kind} run was as accurate so far, {open} are still to be made")),
-        }
-    }
-
-    /// Walks down all errors that were reached and sees which family is cheaper.
-    fn crossover(&self) -> Crossover {
+    /// Goes through all errors that were reached, in descending order, and compares the families at each.
+    fn crossover(&self) -> Result<Crossover, StudyError> {
         let mut errors: Vec<f64> = self.rows.iter().filter_map(|r| r.rank_error(self.reference_error)).collect();
         errors.sort_by(|a, b| b.total_cmp(a));
         errors.dedup();
-        let mut compared: Vec<(f64, f64)> = Vec::new();
-        for error in errors {
-            if let [Some((_, explicit)), Some((_, implicit))] = self.families(error) {
-                compared.push((error, implicit / explicit));
-            }
-        }
+        // Error, and cost of the best implicit over that of the best explicit run.
+        let compare = |error| match self.families(error) {
+            [Some(explicit), Some(implicit)] => Some((error, implicit.cpu_seconds / explicit.cpu_seconds)),
+            _ => None,
+        };
+        let compared: Vec<(f64, f64)> = errors.into_iter().filter_map(compare).collect();
         let changes: Vec<f64> = compared
             .windows(2)
             .filter_map(|pair| match pair {
@@ -238,108 +208,38 @@ impl<'a> View<'a> {
                 _ => None,
             })
             .collect();
-        let sentence = describe(&compared, &changes);
-        Crossover { variant: self.variant, errors: changes, sentence }
-    }
-}
-
-/// A method and its steps as one would type them.
-pub fn used(row: &Row) -> String {
-    row.job.setting.of(&row.label())
-}
-
-fn compare(factor: f64, row: &Row) -> String {
-    if factor < TIE {
-        format!("about as cheap as {}", used(row))
-    } else {
-        format!("{} times cheaper than {}", figures(factor, 2), used(row))
-    }
-}
-
-/// `compared`: error and cost of the best implicit over that of the best explicit run, errors descending.
-fn describe(compared: &[(f64, f64)], changes: &[f64]) -> String {
-    let (Some(first), Some(last)) = (compared.first(), compared.last()) else {
-        return "no accuracy was reached by both explicit and implicit methods".to_owned();
-    };
-    let range = |part: &[(f64, f64)], invert: bool| {
-        let factors = part.iter().map(|(_, f)| if invert { 1.0 / f } else { *f });
-        let (low, high) = factors.fold((f64::INFINITY, 0.0_f64), |(l, h), f| (l.min(f), h.max(f)));
-        match [figures(low, 2), figures(high, 2)] {
-            [low, high] if low == high => format!("by {low} times"),
-            [low, high] => format!("by {low} to {high} times"),
-        }
-    };
-    let [from, to] = [first.0, last.0].map(|e| figures(e, 2));
-    match changes {
-        [] => {
-            let explicit = first.1 > 1.0;
-            let kind = if explicit { "explicit" } else { "implicit" };
-            let accuracies = if from == to {
-                format!("the only accuracy both reached, {from}")
-            } else {
-                format!("every accuracy both reached, {from} to {to}")
-            };
-            format!("{kind} methods are cheaper at {accuracies}, {}", range(compared, !explicit))
-        }
-        [one] => {
-            let [above, below] = if first.1 > 1.0 { ["explicit", "implicit"] } else { ["implicit", "explicit"] };
-            format!(
-                "{above} methods are cheaper down to an error of about {}, {below} ones below it (compared from {from} to {to})",
-                figures(*one, 2)
-            )
-        }
-        many => {
-            let at = many.iter().map(|e| figures(*e, 2)).collect::<Vec<_>>().join(", ");
-            let first = if first.1 > 1.0 { "explicit" } else { "implicit" };
-            format!(
-                "{first} methods are cheaper at first; the cheaper family changes at errors of about {at} (compared from {from} to {to}): close to a draw there"
-            )
-        }
+        let explicit_first = compared.first().is_some_and(|first| first.1 > 1.0);
+        let factors = compared.iter().map(|(_, f)| if explicit_first { *f } else { 1.0 / f });
+        let cost_factors = factors.fold([f64::INFINITY, 0.0_f64], |[low, high], f| [low.min(f), high.max(f)]);
+        let span = compared.first().zip(compared.last()).map(|(first, last)| [first.0, last.0]);
+        let sentence = sentence(context! { about => "crossover", span, explicit_first, cost_factors, changes })?;
+        Ok(Crossover { variant: self.variant, errors: changes, sentence })
     }
 }
 
 /// `points` by ascending stiffness.
-fn stiffness_crossover(wanted: f64, points: &[StiffnessPoint]) -> StiffnessCrossover {
+fn stiffness_crossover(wanted: f64, points: &[StiffnessPoint]) -> Result<StiffnessCrossover, StudyError> {
     let ratio = |p: &StiffnessPoint| match (&p.explicit, &p.implicit) {
         (Some(e), Some(i)) => Some((p.stiffness_factor, (i.cpu_seconds / e.cpu_seconds).ln())),
         _ => None,
     };
-    let compared: Vec<(f64, f64)> = points.iter().filter_map(ratio).collect();
-    let crossing = compared.windows(2).find_map(|pair| match pair {
+    let both: Vec<(f64, f64)> = points.iter().filter_map(ratio).collect();
+    let crossing = both.windows(2).find_map(|pair| match pair {
         [(a, before), (b, after)] if *before > 0.0 && *after <= 0.0 => {
             let share = before / (before - after);
             Some((a.ln() + share * (b.ln() - a.ln())).exp())
         }
         _ => None,
     });
-    let sentence = match (crossing, compared.first(), compared.last()) {
-        (Some(factor), ..) => {
-            format!("for {wanted:e} implicit methods begin to win at about {} times the stiffness", figures(factor, 2))
-        }
-        (None, Some((from, first)), Some((to, last))) if (*first > 0.0 && *last > 0.0) || *last <= 0.0 => {
-            let kind = if *last > 0.0 { "explicit" } else { "implicit" };
-            match [from, to].map(|factor| figures(*factor, 3)) {
-                [from, to] if from == to => format!(
-                    "for {wanted:e} {kind} methods win at {from} times the stiffness, the only one that both families reached"
-                ),
-                [from, to] => format!("for {wanted:e} {kind} methods win from {from} to {to} times the stiffness"),
-            }
-        }
-        (None, Some(_), Some(_)) => format!("for {wanted:e} implicit methods win on the softer springs only"),
-        _ => format!("for {wanted:e} there is no stiffness at which both families got there"),
+    let alone = |has: fn(&StiffnessPoint) -> bool| {
+        points.iter().filter(|p| has(p)).map(|p| p.stiffness_factor).collect::<Vec<_>>()
     };
-    let alone = |has: &dyn Fn(&StiffnessPoint) -> bool| {
-        let factors: Vec<String> = points.iter().filter(|p| has(p)).map(|p| figures(p.stiffness_factor, 3)).collect();
-        factors.join(", ")
+    let only = context! {
+        explicit => alone(|p| p.explicit.is_some() && p.implicit.is_none()),
+        implicit => alone(|p| p.explicit.is_none() && p.implicit.is_some())
     };
-    let explicit = alone(&|p| p.explicit.is_some() && p.implicit.is_none());
-    let implicit = alone(&|p| p.explicit.is_none() && p.implicit.is_some());
-    let left = [("explicit", explicit), ("implicit", implicit)]
-        .into_iter()
-        .filter(|(_, at)| !at.is_empty())
-        .map(|(kind, at)| format!("; at {at} times only {kind} ones got there"));
-    let sentence = sentence + &left.collect::<String>();
-    StiffnessCrossover { wanted, stiffness_factor: crossing, sentence }
+    let sentence = sentence(context! { about => "stiffness", wanted, both, crossing, only })?;
+    Ok(StiffnessCrossover { wanted, stiffness_factor: crossing, sentence })
 }
 
 /// Rows that gave no answer, counted by how they ended.

@@ -1,23 +1,24 @@
-//! The solution that all others are measured against, and what it is worth itself.
+//! The reference solution that runs are compared with, and its own error.
 //!
-//! Two solutions by different schemes are made as exact as is affordable; their difference is the stated error, and
-//! nothing is ranked below it. Where explicit steps are affordable they are two embedded Runge-Kutta pairs with tight
-//! tolerances, stepping onto every frame; else Newmark's trapezoidal rule with steps halved again and again and
-//! extrapolated: its error is a series in h^2 on smooth motion (Hairer, Norsett & Wanner 1993, section II.8), so
+//! Two solutions by different schemes are computed as accurately as is affordable. Their difference is the error of the
+//! reference, and no run is ranked below it. If explicit steps are affordable, the schemes are two embedded Runge-Kutta
+//! pairs with tight tolerances that step onto every frame. Otherwise it is Newmark's trapezoidal rule with repeatedly
+//! halved steps, extrapolated. Its error is a series in h^2 on smooth motion (Hairer, Norsett & Wanner 1993, section
+//! II.8), so
 //! ```text
 //! T_j,k = T_j,k-1 + (T_j,k-1 - T_j-1,k-1) / (4^k - 1)
 //! ```
-//! gains two orders a column. What is affordable is estimated from counts, before and while it is made, so the
-//! reference is the same on every machine.
+//! gains two orders per column. What is affordable is estimated from counted work, so the reference is the same on
+//! every machine.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::bench::{Bench, reference_tolerance};
 use super::error::StudyError;
-use super::experiment::{Event, Experiment, Flow, Start};
+use super::experiment::{Event, Experiment, Start};
 use super::frames::{Distance, Frames, Motion, Sampler};
+use super::prepared_case::{PreparedCase, reference_tolerance};
 use crate::analysis::critical::CostLimits;
 use crate::analysis::spectrum::Spectrum;
 use crate::drive::clock::Step;
@@ -30,8 +31,7 @@ use crate::process::Stopwatch;
 
 /// [-] Difference at which the reference is good enough.
 const WANTED: f64 = 1e-9;
-/// [-] What rounding of the frames alone may come to: two solutions that agree better, as a scheme that is exact on a
-/// scene does, are said to differ by this.
+/// [-] Smallest stated difference, about the rounding of the frames: a scheme may be exact on a scene.
 const ROUNDING: f64 = 1e-13;
 /// [-] Difference above which two solutions do not agree.
 const NOT_AGREED: f64 = 0.1;
@@ -41,8 +41,8 @@ const TOLERANCES: [[f64; 2]; 3] = [[1e-10, 1e-9], [1e-11, 1e-11], [1e-13, 1e-12]
 const PAIRS: [&str; 2] = ["dop853", "dormand-prince"];
 /// [s] What a reference may cost if the study has no budget, by the nominal figures below.
 pub const ALLOWANCE: f64 = 300.0;
-/// How many times its allowance the accepted steps of the explicit solutions may take together: it was estimated by the
-/// longest steps of the first.
+/// The accepted steps of the explicit solutions may take this multiple of the allowance together: their cost was
+/// estimated with the longest steps of the first solution.
 const PATIENCE: f64 = 4.0;
 /// Most columns of the extrapolation.
 const COLUMNS: usize = 2;
@@ -56,6 +56,14 @@ pub struct Reference {
     pub frames: Frames,
     /// what it is worth
     pub account: ReferenceReport,
+}
+
+impl Reference {
+    /// Refuses a reference whose two solutions do not agree.
+    fn checked(self) -> Result<Self, ReferenceFailure> {
+        let error = self.account.error;
+        if error <= NOT_AGREED { Ok(self) } else { Err(ReferenceFailure::NotAgreed(error)) }
+    }
 }
 
 /// How a reference was made and what it is worth.
@@ -97,9 +105,9 @@ pub enum ReferenceFailure {
 }
 
 /// What a reference is made with.
-pub struct Workshop<'a> {
+pub struct ReferenceBuilder<'a> {
     /// the variant
-    pub bench: &'a Bench,
+    pub prepared: &'a PreparedCase,
     /// [s] what it may cost, by nominal figures
     pub allowance: f64,
     /// set when the user interrupts
@@ -110,20 +118,20 @@ pub struct Workshop<'a> {
 
 /// What the runs of a reference have cost.
 #[derive(Default)]
-struct Spent {
+struct ReferenceCost {
     counters: Counters,
     /// [s] of the present way, by nominal figures
     seconds: f64,
 }
 
-impl Workshop<'_> {
+impl ReferenceBuilder<'_> {
     /// Makes the reference.
     ///
     /// # Errors
     /// When the user interrupts, nothing moves, or neither way leads to two solutions that agree.
     pub fn make(&self) -> Result<Reference, StudyError> {
         let watch = Stopwatch::start(Default::default());
-        let mut spent = Spent::default();
+        let mut spent = ReferenceCost::default();
         let explicit = self.explicit(&mut spent);
         let found = match explicit {
             Ok(found) => Ok(found),
@@ -151,7 +159,7 @@ impl Workshop<'_> {
     }
 
     /// By the two pairs.
-    fn explicit(&self, spent: &mut Spent) -> Result<Reference, ReferenceFailure> {
+    fn explicit(&self, spent: &mut ReferenceCost) -> Result<Reference, ReferenceFailure> {
         let [fine, coarse] = PAIRS.map(|name| MethodChoice::with_defaults(name).ok());
         let (Some(fine), Some(coarse)) = (fine, coarse) else {
             return Err(ReferenceFailure::Failed(format!("{} and {} are not in the registry", PAIRS[0], PAIRS[1])));
@@ -162,7 +170,7 @@ impl Workshop<'_> {
         }
         let mut best: Option<Reference> = None;
         for [tight, wide] in TOLERANCES {
-            let tolerance = |relative: f64| Step::Adaptive(reference_tolerance(&*self.bench.scene, relative));
+            let tolerance = |relative: f64| Step::Adaptive(reference_tolerance(&*self.prepared.scene, relative));
             let both = self.solve(&fine, tolerance(tight), spent);
             let both = both.and_then(|a| Ok((a, self.solve(&coarse, tolerance(wide), spent)?)));
             let (a, b) = match both {
@@ -173,7 +181,7 @@ impl Workshop<'_> {
             let how = format!("{} at tolerance {tight:e} against {} at {wide:e}", PAIRS[0], PAIRS[1]);
             let found = agreed(a, &b, how)?;
             let better = best.as_ref().is_none_or(|best| found.account.error < best.account.error);
-            // Tighter tolerances that gain little only gather rounding.
+            // Once tighter tolerances gain little, more of them only add rounding errors.
             let gained = best.as_ref().is_none_or(|best| found.account.error < 0.3 * best.account.error);
             if better {
                 best = Some(found);
@@ -182,30 +190,24 @@ impl Workshop<'_> {
                 break;
             }
         }
-        best.ok_or(ReferenceFailure::NotAgreed(f64::INFINITY)).and_then(|best| {
-            if best.account.error > NOT_AGREED {
-                Err(ReferenceFailure::NotAgreed(best.account.error))
-            } else {
-                Ok(best)
-            }
-        })
+        best.ok_or(ReferenceFailure::NotAgreed(f64::INFINITY)).and_then(Reference::checked)
     }
 
-    /// [s] What the finer explicit solution costs at the least: steps at the limit of stability, or one a frame.
+    /// [s] Lower bound on the cost of the finer explicit solution: steps at the stability limit, or one per frame.
     fn nominal_explicit(&self, method: &MethodChoice) -> f64 {
-        let scene = &*self.bench.scene;
+        let scene = &*self.prepared.scene;
         let state = scene.initial_state();
         let effort = CostLimits { stop: Stop::on(self.stop), ..CostLimits::FULL };
         let limit = Spectrum::with(scene, state.as_ref(), effort).critical_step(method).step;
-        let longest = self.bench.every.min(if limit > 0.0 { limit } else { f64::INFINITY });
-        self.bench.end() / longest * self.bench.nominal_step(method)
+        let longest = self.prepared.every.min(if limit > 0.0 { limit } else { f64::INFINITY });
+        self.prepared.end() / longest * self.prepared.nominal_step(method)
     }
 
     /// Newmark's trapezoidal rule, extrapolated.
-    fn extrapolated(&self, spent: &mut Spent) -> Result<Reference, ReferenceFailure> {
+    fn extrapolated(&self, spent: &mut ReferenceCost) -> Result<Reference, ReferenceFailure> {
         let newmark = MethodChoice::with_defaults("newmark").map_err(|e| ReferenceFailure::Failed(e.to_string()))?;
-        let steps = |j: i32| 2f64.powi(j) * (self.bench.end() / self.bench.every).ceil();
-        let seconds = |j: i32| self.bench.nominal_step(&newmark) * steps(j);
+        let steps = |j: i32| 2f64.powi(j) * (self.prepared.end() / self.prepared.every).ceil();
+        let seconds = |j: i32| self.prepared.nominal_step(&newmark) * steps(j);
         let mut row: Vec<Frames> = Vec::new();
         let (mut best, mut total, mut failed): (Option<Reference>, f64, Option<ReferenceFailure>) = (None, 0.0, None);
         for j in 0..24 {
@@ -213,12 +215,12 @@ impl Workshop<'_> {
             if total > self.allowance {
                 break;
             }
-            let h = self.bench.every / 2f64.powi(j);
+            let h = self.prepared.every / 2f64.powi(j);
             let newest = match self.solve(&newmark, Step::Fixed(h), spent) {
                 Ok(frames) => frames,
                 Err(why) if self.interrupted() => return Err(why),
                 Err(why) => {
-                    // A finer step may be solvable; what was made with coarser ones has lost its neighbour.
+                    // A finer step may be solvable, but the row of coarser ones cannot be continued.
                     (row, failed) = (Vec::new(), Some(why));
                     continue;
                 }
@@ -243,31 +245,27 @@ impl Workshop<'_> {
                 break;
             }
         }
-        match best {
-            Some(best) if best.account.error <= NOT_AGREED => Ok(best),
-            Some(best) => Err(ReferenceFailure::NotAgreed(best.account.error)),
-            None => Err(failed
-                .unwrap_or(ReferenceFailure::TooLong { seconds: seconds(0) + seconds(1), allowance: self.allowance })),
-        }
+        let too_long = ReferenceFailure::TooLong { seconds: seconds(0) + seconds(1), allowance: self.allowance };
+        best.ok_or(failed.unwrap_or(too_long)).and_then(Reference::checked)
     }
 
     /// The frames of one run to the end.
-    fn solve(&self, method: &MethodChoice, step: Step, spent: &mut Spent) -> Result<Frames, ReferenceFailure> {
+    fn solve(&self, method: &MethodChoice, step: Step, spent: &mut ReferenceCost) -> Result<Frames, ReferenceFailure> {
         let told = match step {
             Step::Fixed(h) => format!("{} at step {h:.3e} s", method.info.name),
             Step::Adaptive(tolerance) => format!("{} at tolerance {:e}", method.info.name, tolerance.relative),
         };
         (self.tell)(&told);
-        let mut sampler = Sampler::keeping(&*self.bench.scene, self.bench.every);
-        let mut experiment = Experiment { interrupt: Stop::on(self.stop), ..self.bench.experiment(method, step) };
+        let mut sampler = Sampler::keeping(&*self.prepared.scene, self.prepared.every);
+        let mut experiment = Experiment { interrupt: Stop::on(self.stop), ..self.prepared.experiment(method, step) };
         experiment.solver.newton.relative = experiment.solver.newton.relative.min(NEWTON);
-        let nominal = self.bench.nominal_step(method);
+        let nominal = self.prepared.nominal_step(method);
         let mut left = ((PATIENCE * self.allowance - spent.seconds) / nominal).max(1.0) as u64;
         let run = experiment.run(Start::Initial, Some(&mut sampler), &mut |event, _| {
             if let Event::Step(_) = event {
                 left = left.saturating_sub(1);
             }
-            Flow::stop_if(left == 0 || self.interrupted())
+            left == 0 || self.interrupted()
         });
         let Outcome { status, counters, failure, steps, t_end, .. } =
             run.map_err(|e| ReferenceFailure::Failed(format!("{told}: {e}")))?;
@@ -278,7 +276,7 @@ impl Workshop<'_> {
             Status::Completed => Ok(sampler.into_frames()),
             Status::Interrupted if self.interrupted() => Err(ReferenceFailure::Failed("interrupted".to_owned())),
             Status::Interrupted => {
-                let whole = nominal * steps as f64 * self.bench.end() / t_end;
+                let whole = nominal * steps as f64 * self.prepared.end() / t_end;
                 Err(ReferenceFailure::TooLong { seconds: earlier + whole, allowance: self.allowance })
             }
             Status::Diverged | Status::NotConverged => {
@@ -328,9 +326,10 @@ mod tests {
     fn an_interrupted_reference_starts_again() {
         let case = format!("{}/assets/cases/spring-pendulum.json", env!("CARGO_MANIFEST_DIR"));
         let case = Case::from_file(case.as_ref(), &[]).expect("a good case");
-        let bench = Bench::of(case.into_problem(), 1).expect("a scene");
-        let workshop = Workshop { bench: &bench, allowance: 60.0, stop: &AtomicBool::new(true), tell: &|_| {} };
-        let error = workshop.make().expect_err("interrupted");
+        let prepared = PreparedCase::of(case.into_problem(), 1).expect("a scene");
+        let builder =
+            ReferenceBuilder { prepared: &prepared, allowance: 60.0, stop: &AtomicBool::new(true), tell: &|_| {} };
+        let error = builder.make().expect_err("interrupted");
         assert!(matches!(error, StudyError::InterruptedReference) && error.exit_status() == 130, "{error}");
         assert!(error.to_string().contains("nothing is kept"), "{error}");
     }

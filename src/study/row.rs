@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use crate::case::schema::Method;
-use crate::format_number::figures;
 use crate::integrate::Counters;
 use crate::integrate::registry::Family;
 
@@ -15,16 +14,6 @@ pub enum StepSetting {
     Step(f64),
     /// [-] adaptive steps within this share of the motion; the absolute tolerance is a hundredth of it, in metres
     Tolerance(f64),
-}
-
-impl StepSetting {
-    /// A method with these steps, as one would type them.
-    pub fn of(self, method: &str) -> String {
-        match self {
-            StepSetting::Step(h) => format!("{method} at step {}", figures(h, 4)),
-            StepSetting::Tolerance(t) => format!("{method} with tolerance {t:e}"),
-        }
-    }
 }
 
 /// One run of a study, before it is made.
@@ -73,7 +62,7 @@ impl RowStatus {
 
 /// What came of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Measured {
+pub struct RunResult {
     /// how it ended
     pub status: RowStatus,
     /// why, and what to do, if not well
@@ -108,7 +97,7 @@ pub struct Row {
     pub family: Family,
     /// what came of it
     #[serde(flatten)]
-    pub measured: Measured,
+    pub measured: RunResult,
     /// [s] processor time, median of the repeats
     pub cpu_seconds: Option<f64>,
     /// whether no other run of its variant is both cheaper and more accurate

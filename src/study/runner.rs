@@ -7,12 +7,12 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use super::bench::{Bench, choice};
 use super::error::StudyError;
-use super::measure::{Ended, PreparedVariant};
+use super::measure::{PreparedVariant, RunEnd};
 use super::pareto::mark_front;
 use super::plan::{Plan, Variant};
-use super::row::{Job, Measured, Row, RowStatus, StepSetting, label, median};
+use super::prepared_case::{PreparedCase, choice};
+use super::row::{Job, Row, RowStatus, RunResult, StepSetting, label, median};
 use super::store::Store;
 use crate::case::Case;
 
@@ -81,7 +81,7 @@ impl Runner<'_> {
         let mut left = BTreeMap::new();
         let variants = self.plan.variants.len();
         for number in 0..variants {
-            // What is left of the budget is shared out, lest the first variant takes it all.
+            // The rest of the budget is divided among the remaining variants.
             let now = Instant::now();
             let share = |deadline: Instant| now + deadline.saturating_duration_since(now) / (variants - number) as u32;
             self.run_variant(number, self.deadline.map(share), &mut left)?;
@@ -102,7 +102,7 @@ impl Runner<'_> {
                     continue;
                 }
                 let known = self.store.measured(job)?;
-                let enough = |m: &Measured| m.repeats.len() > pass || m.status != RowStatus::Completed;
+                let enough = |m: &RunResult| m.repeats.len() > pass || m.status != RowStatus::Completed;
                 if known.as_ref().is_some_and(enough) {
                     continue;
                 }
@@ -119,11 +119,11 @@ impl Runner<'_> {
                     return Err(StudyError::Interrupted);
                 }
                 match self.measure(prepared, job)? {
-                    Ended::OutOfTime(t) => {
+                    RunEnd::OutOfTime(t) => {
                         let why = format!("the budget was spent at t = {t:.3e} s of it; run the study again to go on");
                         left.insert(job.id.clone(), why);
                     }
-                    Ended::Done(mut measured) => {
+                    RunEnd::Done(mut measured) => {
                         measured.repeats.splice(0..0, known.map(|known| known.repeats).unwrap_or_default());
                         self.store.keep_measured(job, &measured)?;
                     }
@@ -138,19 +138,19 @@ impl Runner<'_> {
         let folder = self.store.plan_path();
         let variant = self.plan.variants.get(number).ok_or_else(|| StudyError::NoPlan(folder.clone()))?;
         let case = self.plan.case()?.with(&variant.overrides)?;
-        let bench = Bench::of(case.into_problem(), self.threads)?;
-        if let Some(differences) = variant.fingerprint.differences(&bench.fingerprint) {
+        let prepared = PreparedCase::of(case.into_problem(), self.threads)?;
+        if let Some(differences) = variant.fingerprint.differences(&prepared.fingerprint) {
             return Err(StudyError::OtherStudy { folder, difference: differences.to_string() });
         }
-        Ok(PreparedVariant { bench, reference: self.store.reference(number)?, deadline })
+        Ok(PreparedVariant { case: prepared, reference: self.store.reference(number)?, deadline })
     }
 
-    /// Why a run is not begun: what is left of the budget is less than it will take by what the method has cost so far.
+    /// Why a run is not begun: its cost, predicted from earlier runs, exceeds the rest of the budget.
     fn too_long(
         &self,
         deadline: Option<Instant>,
         job: &Job,
-        known: Option<&Measured>,
+        known: Option<&RunResult>,
     ) -> Result<Option<String>, StudyError> {
         let Some(deadline) = deadline else { return Ok(None) };
         let left = deadline.saturating_duration_since(Instant::now()).as_secs_f64();
@@ -167,7 +167,7 @@ impl Runner<'_> {
         })
     }
 
-    /// [s] From the finished run of the same method that is nearest.
+    /// [s] Predicted from the finished run of the same method with the nearest step.
     fn predicted(&self, job: &Job) -> Result<Option<f64>, StudyError> {
         let order = f64::from(choice(&job.method)?.order());
         let mut nearest: Option<(f64, f64)> = None;
@@ -224,7 +224,7 @@ pub fn rows_of(plan: &Plan, store: &Store, left: &BTreeMap<String, String>) -> R
     let mut rows = Vec::with_capacity(plan.jobs.len());
     for job in &plan.jobs {
         let family = choice(&job.method)?.info.family;
-        let not_run = || Measured { note: left.get(&job.id).cloned().unwrap_or_default(), ..Measured::default() };
+        let not_run = || RunResult { note: left.get(&job.id).cloned().unwrap_or_default(), ..RunResult::default() };
         let measured = store.measured(job)?.unwrap_or_else(not_run);
         let cpu_seconds = median(&measured.repeats).filter(|_| measured.status != RowStatus::Refused);
         rows.push(Row { job: job.clone(), family, measured, cpu_seconds, pareto: false });

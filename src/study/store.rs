@@ -20,7 +20,7 @@ use super::error::StudyError;
 use super::frames::Distance;
 use super::plan::{FORMAT, PROGRAM, Plan};
 use super::reference::Reference;
-use super::row::{Job, Measured};
+use super::row::{Job, RunResult};
 use crate::checksum;
 use crate::drive::Snapshot;
 use crate::input_file;
@@ -51,7 +51,7 @@ struct Finished {
     #[serde(flatten)]
     job: Job,
     #[serde(flatten)]
-    measured: Measured,
+    measured: RunResult,
 }
 
 impl Store {
@@ -117,7 +117,7 @@ impl Store {
     }
 
     /// The result of a run, if it was made; a file of another run is an error.
-    pub(super) fn measured(&self, job: &Job) -> Result<Option<Measured>, StudyError> {
+    pub(super) fn measured(&self, job: &Job) -> Result<Option<RunResult>, StudyError> {
         let path = self.run_path(job, "json");
         let Some(bytes) = read(&path)? else { return Ok(None) };
         let bad = |what: String| StudyError::BadFile { path: path.clone(), what };
@@ -130,7 +130,7 @@ impl Store {
     }
 
     /// Stores the result of a run and removes what was kept of its unfinished part.
-    pub(super) fn keep_measured(&self, job: &Job, measured: &Measured) -> Result<(), StudyError> {
+    pub(super) fn keep_measured(&self, job: &Job, measured: &RunResult) -> Result<(), StudyError> {
         let finished =
             Finished { format: FORMAT, program: PROGRAM.to_owned(), job: job.clone(), measured: measured.clone() };
         self.write_json(&self.run_path(job, "json"), &finished)?;
@@ -201,6 +201,24 @@ fn read(path: &Path) -> Result<Option<Vec<u8>>, StudyError> {
         Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(e) => Err(system(path, e)),
     }
+}
+
+/// Writes the files of a report into a folder, in the order of `all`, and removes those of `all` that were not made;
+/// returns the paths of those written.
+pub(super) fn write_files(out: &Path, all: &[&str], made: &[(&str, String)]) -> Result<Vec<PathBuf>, StudyError> {
+    fs::create_dir_all(out).map_err(|e| system(out, e))?;
+    let mut written = Vec::with_capacity(made.len());
+    for file in all {
+        let path = out.join(file);
+        match made.iter().find(|(name, _)| name == file) {
+            Some((_, content)) => {
+                replace_shared(&path, content.as_bytes(), Durability::Visible).map_err(|e| system(&path, e))?;
+                written.push(path);
+            }
+            None => remove(&path)?,
+        }
+    }
+    Ok(written)
 }
 
 /// Removes a file, if it is there.

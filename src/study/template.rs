@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::error::StudyError;
 use crate::format_number::figures;
+use crate::output::sanitize::csv_field;
 
 /// Fills in a template. What is put into one whose name ends in `.html` is escaped; lines of other ones that hold only
 /// a statement leave nothing behind.
@@ -27,6 +28,9 @@ pub(super) fn render(name: &str, template: &str, context: &impl Serialize) -> Re
             Some(digits) => format!("{value:.digits$e}"),
             None => format!("{value:e}"),
         });
+        templates.add_filter("plain", |value: f64| value.to_string());
+        templates.add_filter("number", number);
+        templates.add_filter("csv", |text: String| csv_field(&text));
         templates.add_filter("seconds", seconds);
         templates.add_filter("sentence", sentence);
         templates.add_filter("json", |value: Value| serde_json::to_string(&value).unwrap_or_default());
@@ -35,6 +39,11 @@ pub(super) fn render(name: &str, template: &str, context: &impl Serialize) -> Re
         templates.template_from_named_str(name, template)?.render(context)
     };
     text().map_err(|error: minijinja::Error| StudyError::Page(format!("{error:#}")))
+}
+
+/// The shortest number that reads back as the same; nothing for none.
+fn number(value: Option<f64>) -> String {
+    value.filter(|v| v.is_finite()).map(|v| format!("{v:?}")).unwrap_or_default()
 }
 
 /// A number of so many digits, with a power of ten below a hundredth, where tables read better so; nothing for none.

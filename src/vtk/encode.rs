@@ -1,5 +1,5 @@
-//! The bytes of arrays as VTK's XML formats have them, and the cells of a mesh as arrays: corners, ends and types, in
-//! numbers as short as the mesh allows.
+//! The bytes of arrays in VTK's XML formats, and the cells of a mesh as arrays: corners, ends and types, in integers as
+//! short as the mesh allows.
 
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -33,12 +33,12 @@ impl Appender {
         self.format
     }
 
-    /// Whether bytes are neither packed nor spelt otherwise.
+    /// Whether bytes are neither compressed nor encoded.
     pub fn leaves_as_is(&self) -> bool {
         (self.format.encoding, self.format.compression) == (Encoding::Raw, Compression::None)
     }
 
-    /// Appends what stands before `len` bytes of data, which then follow as they are.
+    /// Appends the header of `len` bytes of data, which then follow unchanged.
     pub fn announce(&self, len: usize, body: &mut Vec<u8>) {
         body.extend_from_slice(&(len as u64).to_le_bytes());
     }
@@ -46,7 +46,7 @@ impl Appender {
     /// Appends `data`.
     ///
     /// # Errors
-    /// When an encoder fails, which for memory it does not.
+    /// When an encoder fails, which does not happen in memory.
     pub fn append(&mut self, data: &[u8], body: &mut Vec<u8>) -> io::Result<()> {
         self.head.clear();
         match self.format.compression {
@@ -56,7 +56,7 @@ impl Appender {
             }
             Compression::Zlib => {
                 self.pack(data)?;
-                // VTK reads the header on its own first, so in base64 it is padded on its own.
+                // VTK first reads the header alone, so in base64 it is padded alone.
                 self.spell(&[&self.head], body)?;
                 self.spell(&[&self.packed], body)?;
             }
@@ -95,7 +95,7 @@ impl Appender {
     }
 }
 
-/// The bytes of numbers, little end first; borrowed where the machine stores them so.
+/// The bytes of numbers, little-endian; borrowed on little-endian machines.
 pub fn little_endian(values: &[f64]) -> Cow<'_, [u8]> {
     if cfg!(target_endian = "little") {
         Cow::Borrowed(bytemuck::cast_slice(values))
@@ -104,7 +104,7 @@ pub fn little_endian(values: &[f64]) -> Cow<'_, [u8]> {
     }
 }
 
-/// Writes numbers as those of seven digits, little end first, into `out`; what is too large for them becomes infinite.
+/// Writes numbers as `f32`, little-endian, into `out`; those that are too large become infinite.
 pub fn little_endian_f32(values: &[f64], out: &mut Vec<u8>) {
     out.clear();
     out.extend(values.iter().flat_map(|v| (*v as f32).to_le_bytes()));
@@ -115,7 +115,7 @@ const VTK_VERTEX: u8 = 1;
 const VTK_LINE: u8 = 3;
 const VTK_TRIANGLE: u8 = 5;
 
-/// How the numbers of points and ends of cells are written.
+/// The integer type for numbers of points and ends of cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Width {
     /// UInt16
@@ -127,8 +127,7 @@ pub(crate) enum Width {
 }
 
 impl Width {
-    /// The shortest that can number so many points and corners of cells: in 32 bits cells are a third to a half of a
-    /// frame.
+    /// The shortest type for this many points and corners of cells: in 32 bits, cells are a third to a half of a frame.
     pub fn of(points: usize, corners: usize) -> Self {
         let most = points.max(corners);
         if u16::try_from(most).is_ok() {
@@ -168,10 +167,10 @@ pub(super) struct CellTable {
 }
 
 impl CellTable {
-    /// Triangles, then edges; without either a vertex a point.
+    /// Triangles, then edges; without either, one vertex cell per point.
     ///
     /// # Errors
-    /// When a cell names a point that is not there.
+    /// When a cell names a point that does not exist.
     pub fn new(cells: &Cells<'_>, width: Width) -> Result<Self, VtuError> {
         let mut table = Self { connectivity: Vec::new(), ends: Vec::new(), types: Vec::new(), width };
         for triangle in cells.triangles {

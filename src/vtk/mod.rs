@@ -35,7 +35,7 @@ pub enum Compression {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Precision {
-    /// All sixteen.
+    /// All sixteen digits.
     #[default]
     F64,
     /// Seven, at half the size: enough for pictures. Positions keep sixteen.
@@ -72,7 +72,7 @@ pub fn xml_attribute(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    /// What has a meaning in XML is escaped.
+    /// Characters with a meaning in XML are escaped.
     #[test]
     fn specials_are_escaped() {
         let (text, escaped) = ("a<b> & \"c\" 'd'\u{1}", "a&lt;b&gt; &amp; &quot;c&quot; &apos;d&apos; ");

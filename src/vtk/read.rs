@@ -1,6 +1,6 @@
-//! Reads .vtu, .vtp and legacy .vtk with `vtkio`, which has no raw or compressed appended arrays, and asks for all
-//! memory there is where the header of a compressed array is damaged. So all arrays of XML files that are appended or
-//! compressed are written anew first: inline in base64, uncompressed.
+//! Reads .vtu, .vtp and legacy .vtk with `vtkio`, which cannot read raw or compressed appended arrays, and requests all
+//! memory for a compressed array with a damaged header. So appended or compressed arrays of XML files are first
+//! rewritten: inline in base64, uncompressed.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -12,7 +12,7 @@ use vtkio::model::{Attribute, DataSet, Piece};
 /// The content of a file.
 ///
 /// # Errors
-/// What is wrong with the file, as the end of a sentence that begins with its name.
+/// The fault of the file, as the end of a sentence that begins with its name.
 pub fn read(bytes: &[u8]) -> Result<DataSet, String> {
     let parse = || {
         let vtk = if bytes.trim_ascii_start().starts_with(b"<") {
@@ -39,7 +39,7 @@ pub fn piece_content<P>(piece: Piece<P>) -> Result<P, String> {
     }
 }
 
-/// The numbers of a named array, if it is there.
+/// The numbers of a named array, if it exists.
 pub fn named_array(attributes: Vec<Attribute>, name: &str) -> Option<Vec<f64>> {
     attributes.into_iter().find_map(|attribute| match attribute {
         Attribute::DataArray(array) if array.name == name => array.data.cast_into(),
@@ -137,7 +137,7 @@ fn all_inline(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
         out.push_str(before);
         match data {
             Some(data) => {
-                // The offset stays, where it means nothing.
+                // The offset is kept, but has no meaning here.
                 let open = tag.replace("format=\"appended\"", "format=\"binary\"");
                 let data = STANDARD.encode([&vec![0; layout.word], data.as_slice()].concat());
                 out.extend([open.trim_end_matches(['/', '>']), ">", &data, "</DataArray>"]);
@@ -160,7 +160,7 @@ fn all_inline(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
 
 const APPENDED: &str = "<AppendedData";
 
-/// The tag that bytes begin with, brackets included, or all of them if it has no end.
+/// The tag at the start of some bytes, with its brackets, or all bytes if the tag is not closed.
 fn first_tag(bytes: &[u8]) -> &str {
     let end = bytes.iter().position(|byte| *byte == b'>').map_or(bytes.len(), |end| end + 1);
     std::str::from_utf8(&bytes[..end]).unwrap_or_default()
@@ -175,7 +175,7 @@ fn attribute<'a>(tag: &'a str, key: &str) -> Option<&'a str> {
     values.map(|(value, _)| value).next()
 }
 
-/// How the arrays of a file are laid out.
+/// The layout of the arrays of a file.
 struct Layout {
     zlib: bool,
     /// [byte] size of a number in the header of an array
@@ -183,7 +183,7 @@ struct Layout {
     big_endian: bool,
 }
 
-/// Where an array begins.
+/// The start of an array.
 #[derive(Clone, Copy)]
 struct Section<'a> {
     bytes: &'a [u8],
@@ -252,7 +252,7 @@ impl Layout {
             let (block, rest) = packed.split_at_checked(*length)?;
             let expected = if i + 1 == blocks && partial > 0 { partial } else { size };
             let before = out.len();
-            // No more than promised: a block of a kilobyte may hold a megabyte.
+            // Not more than the size in the header: a block of a kilobyte may expand to a megabyte.
             flate2::read::ZlibDecoder::new(block).take(expected as u64).read_to_end(&mut out).ok()?;
             (out.len() - before == expected).then_some(())?;
             packed = rest;

@@ -1,12 +1,12 @@
-//! The pieces of a file that are written in one call, each from where it is.
+//! The pieces of a file, written in one call without copying.
 
 use std::io::{self, IoSlice, Write};
 use std::ops::Range;
 
-/// [byte] Asked of the system in one call: some refuse from 2 GiB on, in place of taking as much as they can.
+/// [byte] Largest size of one call: some systems refuse 2 GiB and more, instead of writing a part.
 const AT_ONCE: usize = 1 << 30;
 
-/// What follows a picture's head, piece by piece.
+/// The parts of a file after its header.
 pub(super) struct Appended<'a> {
     parts: Vec<Segment<'a>>,
     /// [byte] of all parts
@@ -15,14 +15,14 @@ pub(super) struct Appended<'a> {
 
 /// A piece of it.
 pub(super) enum Segment<'a> {
-    /// of the writer's body
+    /// a range of the writer's body
     Body(Range<usize>),
-    /// an array, where it is
+    /// an array in its own memory
     Numbers(&'a [u8]),
 }
 
 impl<'a> Appended<'a> {
-    /// Begins with a piece.
+    /// Starts with a piece.
     pub fn from(first: Segment<'a>) -> Self {
         let mut made = Appended { parts: Vec::new(), len: 0 };
         made.push(first);
@@ -34,7 +34,7 @@ impl<'a> Appended<'a> {
         self.len
     }
 
-    /// Adds a piece behind the others.
+    /// Appends a piece.
     pub fn push(&mut self, part: Segment<'a>) {
         self.len += match &part {
             Segment::Body(range) => range.len(),
@@ -43,10 +43,10 @@ impl<'a> Appended<'a> {
         self.parts.push(part);
     }
 
-    /// Writes a file's head, the pieces, of which some are of `body`, and its tail.
+    /// Writes the header of a file, its pieces (some of them ranges of `body`), and its end.
     ///
     /// # Errors
-    /// When `out` refuses.
+    /// Errors of `out`.
     pub fn write(&self, out: &mut impl Write, body: &[u8], [head, tail]: [&[u8]; 2]) -> io::Result<()> {
         let pieces = self.parts.iter().map(|part| match part {
             Segment::Body(range) => &body[range.clone()],
@@ -56,7 +56,7 @@ impl<'a> Appended<'a> {
     }
 }
 
-/// Writes all parts, in calls of at most so many bytes, in one if the system takes as much.
+/// Writes all parts, in calls of at most this many bytes; in one call if possible.
 fn write_all<'a>(out: &mut impl Write, parts: impl Iterator<Item = &'a [u8]>, at_once: usize) -> io::Result<()> {
     let mut parts: Vec<_> = parts.flat_map(|part| part.chunks(at_once)).map(IoSlice::new).collect();
     let mut parts = parts.as_mut_slice();
@@ -80,7 +80,7 @@ fn write_all<'a>(out: &mut impl Write, parts: impl Iterator<Item = &'a [u8]>, at
 mod tests {
     use super::*;
 
-    /// Takes a few bytes at a time, of one or two pieces, and is interrupted now and then.
+    /// Accepts a few bytes at a time, of one or two pieces, and is sometimes interrupted.
     #[derive(Default)]
     struct Slow {
         taken: Vec<u8>,
@@ -128,7 +128,7 @@ mod tests {
         assert!(out.calls > 10);
     }
 
-    /// What the system refuses in one call is given in several.
+    /// Data that the system refuses in one call are written in several.
     #[test]
     fn no_call_asks_for_more_than_the_system_takes() {
         let long: Vec<u8> = (0..37).collect();

@@ -1,7 +1,7 @@
 //! Writes .vtu files (VTK XML unstructured grid, version 1.0): triangles, then edges, as cells.
 //!
 //! A frame has appended arrays. Connectivity, offsets and types do not change during a run: they are encoded once and
-//! are first in the appended section, so a frame only adds its own arrays behind them.
+//! come first in the appended section, so a frame only adds its own arrays after them.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -11,7 +11,7 @@ use super::encode::{Appender, CellTable, Width, little_endian, little_endian_f32
 use super::vectored_write::{Appended, Segment};
 use super::{Compression, Encoding, Precision, VtuFormat, xml_attribute};
 
-/// What never changes: how many points there are and which of them make the cells.
+/// The constant part: the number of points and the cells.
 #[derive(Clone, Copy, Debug)]
 pub struct Cells<'a> {
     /// number of points
@@ -29,25 +29,25 @@ impl Cells<'_> {
     }
 }
 
-/// Values of an array, one a point or a cell.
+/// Values of an array, one per point or per cell.
 #[derive(Clone, Copy, Debug)]
 pub enum Values<'a> {
-    /// one number each
+    /// one number per point or cell
     Scalars(&'a [f64]),
-    /// three numbers each
+    /// three numbers per point or cell
     Vectors(&'a [[f64; 3]]),
 }
 
 /// A named array.
 #[derive(Clone, Copy, Debug)]
 pub struct Array<'a> {
-    /// name ParaView shows
+    /// name, as shown by ParaView
     pub name: &'a str,
     /// its values
     pub values: Values<'a>,
 }
 
-/// One picture of the scene.
+/// One frame of the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Snapshot<'a> {
     /// [s] written as `TimeValue`, if given
@@ -60,10 +60,10 @@ pub struct Snapshot<'a> {
     pub cell_data: &'a [Array<'a>],
 }
 
-/// Why a picture cannot be written.
+/// Why a frame cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum VtuError {
-    /// A cell names a point that is not there.
+    /// A cell names a point that does not exist.
     #[error("cell {cell} uses point {point}, but there are {points} points, counted from 0")]
     PointOutOfRange {
         /// the cell, triangles counted before edges
@@ -83,7 +83,7 @@ pub enum VtuError {
         /// the number of points or cells
         expected: usize,
     },
-    /// The system's answer to writing.
+    /// The system's error.
     #[error(transparent)]
     Write(#[from] std::io::Error),
 }
@@ -106,7 +106,7 @@ pub struct InlineArrays<'a> {
 /// A mesh as text: its arrays are inline in base64, which every VTK reads; those of the file as a whole are plain text.
 ///
 /// # Errors
-/// When a cell names a point that is not there, or an array has the wrong length.
+/// When a cell names a point that does not exist, or an array has the wrong length.
 pub fn inline_grid(points: &[[f64; 3]], cells: &Cells<'_>, arrays: &InlineArrays<'_>) -> Result<String, VtuError> {
     let table = CellTable::new(cells, Width::Long)?;
     let (kind, n_cells) = (table.width.kind(), table.types.len());
@@ -177,7 +177,7 @@ fn field_data(arrays: &[(String, Vec<i32>)]) -> String {
     format!("<FieldData>\n{}</FieldData>\n", arrays.iter().map(array).collect::<String>())
 }
 
-/// The first lines of a file, with a further attribute of its root.
+/// The first lines of a file, with an additional attribute of its root.
 fn grid_head(compressor: &str) -> String {
     format!(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
@@ -185,16 +185,16 @@ fn grid_head(compressor: &str) -> String {
     )
 }
 
-/// Writes pictures of one scene; buffers are kept from one to the next.
+/// Writes frames of one scene; buffers are reused.
 #[derive(Clone, Debug)]
 pub struct VtuWriter {
     points: usize,
     cells: usize,
     appender: Appender,
     head: String,
-    /// what is appended, but for arrays that are written from where they are
+    /// the appended data, except arrays that are written from their own memory
     body: Vec<u8>,
-    /// numbers of seven digits on their way
+    /// buffer for numbers in single precision
     short: Vec<u8>,
     fixed_len: usize,
     fixed_offsets: [usize; 3],
@@ -202,11 +202,11 @@ pub struct VtuWriter {
 }
 
 impl VtuWriter {
-    /// Encodes the cells. A scene without any gets one vertex cell a point: a piece without cells shows nothing
-    /// and some readers refuse it.
+    /// Encodes the cells. A scene without cells gets one vertex cell per point: a piece without cells is invisible, and
+    /// some readers refuse it.
     ///
     /// # Errors
-    /// When a cell names a point that is not there.
+    /// When a cell names a point that does not exist.
     pub fn new(cells: &Cells<'_>, format: VtuFormat) -> Result<Self, VtuError> {
         let table = CellTable::new(cells, Width::of(cells.points, cells.corners()))?;
         let mut appender = Appender::new(format);
@@ -235,10 +235,10 @@ impl VtuWriter {
         self.cells
     }
 
-    /// Writes one picture.
+    /// Writes one frame.
     ///
     /// # Errors
-    /// When an array has the wrong length, or `out` refuses.
+    /// When an array has the wrong length, or writing fails.
     pub fn write(&mut self, picture: &Snapshot<'_>, out: &mut impl Write) -> Result<(), VtuError> {
         self.body.truncate(self.fixed_len);
         let mut appended = Appended::from(Segment::Body(0..self.fixed_len));
@@ -253,7 +253,7 @@ impl VtuWriter {
         }
         self.head.push_str("</CellData>\n<Points>\n");
         let points = Array { name: "Points", values: Values::Vectors(picture.points) };
-        // Far from the origin seven digits would let neighbours fall together, so positions keep all of theirs.
+        // Far from the origin, neighbours could coincide in seven digits, so positions keep all digits.
         self.array_as(&points, self.points, Precision::F64, &mut appended)?;
         self.head.push_str("</Points>\n");
         self.end();

@@ -13,12 +13,25 @@ mod own_force;
 mod own_observer;
 #[path = "../../examples/own_scheme.rs"]
 mod own_scheme;
+#[path = "../../examples/reefing.rs"]
+mod reefing;
+
+/// The derivatives of the example are those of its force.
+#[test]
+fn the_derivatives_of_an_example_are_right() {
+    let force = own_force::Tether { stiffness: 8.0, nodes: 3 };
+    let x = [[0.1, 0.7, -0.4], [0.0, -1.2, 0.3], [2.0, 0.0, 0.0]];
+    let found = canopy_fem::simulation::derivative_error(&force, 0.0, &x, &[[0.0; 3]; 3]);
+    assert!(found.relative < 1e-8, "{found:?}");
+}
 
 /// A force, a law, a scheme and an observer from outside the crate give closed forms.
 #[test]
 fn what_a_program_adds_gives_closed_forms() {
     for (what, error, allowed) in [
-        ("force", own_force::tethered().expect("it runs"), 2e-6),
+        ("force", own_force::tethered("velocity-verlet").expect("it runs"), 2e-6),
+        ("force with derivatives", own_force::tethered("newmark").expect("it runs"), 4e-6),
+        ("reefing", reefing::reef().expect("it runs"), 1e-9),
         ("bar law", own_bar_law::cubic().expect("it runs"), 1e-4),
         ("scheme", own_scheme::drift_kick().expect("it runs"), 1e-4),
         ("observer", own_observer::compare_states().expect("it runs"), 1e-5),

@@ -11,6 +11,7 @@ mod conjugate;
 mod counters;
 mod critical;
 mod divergence;
+mod door;
 mod examples;
 mod globalised;
 mod linear;

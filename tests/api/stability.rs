@@ -22,7 +22,7 @@ fn rows(case: &Case, methods: &[MethodChoice], budget: Option<Duration>) -> Vec<
     let mut problem = case.problem().clone();
     let scene = build_scene(problem.take_system(), 1).expect("the case is good");
     let spec = StabilitySpec { scene: &*scene, methods, solver: problem.solver, end: problem.time.end, budget };
-    study(&spec, &mut |_| {}, &AtomicBool::new(false))
+    study(&spec, &mut |_| {}, &AtomicBool::new(false)).expect("rows")
 }
 
 fn of(case: &Case, names: &[&str]) -> Vec<Row> {
@@ -272,7 +272,8 @@ fn growth_too_slow_to_be_seen_settles_nothing() {
     let words = row.explanation.as_deref().expect("it may differ");
     assert!(words.starts_with("not settled: ") && !words.contains("inf"), "{words}");
     let rows = [row];
-    assert!(csv(&rows).ends_with(",nan,certified,not-settled\n"), "{}", csv(&rows));
+    let table = csv(&rows).expect("a table");
+    assert!(table.ends_with(",nan,certified,not-settled\n"), "{table}");
     let text = told(rows.into());
     assert!(text.contains("  not settled: at least 0.00977"), "{text}");
 }
@@ -304,7 +305,8 @@ fn what_was_found_before_the_end_is_kept() {
         budget: None,
     };
     let stop = AtomicBool::new(false);
-    let row = study(&spec, &mut |begins| stop.store(begins.run == 4, Ordering::Relaxed), &stop).remove(0);
+    let rows = study(&spec, &mut |begins| stop.store(begins.run == 4, Ordering::Relaxed), &stop);
+    let row = rows.expect("rows").remove(0);
     let predicted = row.prediction.step.expect("a limit");
     assert_eq!((row.status, row.measured), (Status::Interrupted, None));
     let share = [row.at_least, row.at_most].map(|h| (h.expect("a run") / predicted * 100.0).round());

@@ -41,7 +41,7 @@ impl Report {
     }
 
     fn into(folder: &TempDir, study: &Study, how: &Rerun) -> Vec<PathBuf> {
-        let answers = Recommendations::of(&study.plan, &study.rows);
+        let answers = Recommendations::of(&study.plan, &study.rows).expect("answers");
         write(folder.path(), study, &answers, how).expect("a report")
     }
 
@@ -93,8 +93,8 @@ fn methods_can_be_given_again() {
             Some(quoted) => quoted.split_once("\",").expect("the quote ends").0.replace("\"\"", "\""),
             None => line.split_once(',').expect("a cell").0.to_owned(),
         };
-        let options =
-            StudyOptions::of(TypedOptions { methods: Some(&cell), ..TypedOptions::default() }, None).expect("a method");
+        let options = StudyOptions::of(&TypedOptions { methods: Some(cell.clone()), ..TypedOptions::default() }, None)
+            .expect("a method");
         assert_eq!(options.methods, Some(vec![row.job.method.clone()]), "{cell}");
     }
     assert_eq!(table.lines().count(), 1 + study.rows.len());
@@ -194,7 +194,7 @@ fn the_page_stands_alone_and_repeats() {
     for word in ["http:", "https:", "src=", "href=", "url(", "@import"] {
         assert!(!outside.contains(word), "{word}");
     }
-    for answer in &Recommendations::of(&study.plan, &study.rows).targets {
+    for answer in &Recommendations::of(&study.plan, &study.rows).expect("answers").targets {
         assert!(page.contains(&answer.sentence["for ".len()..]), "{}", answer.sentence);
     }
     assert_eq!(page.matches("<tr class=\"front\">").count(), study.rows.iter().filter(|r| r.pareto).count());
@@ -224,7 +224,7 @@ fn sweeps_over_stiffness() {
         let rows = swept.rows.iter().filter(|r| Some(r.job.variant) == variant).count();
         assert_eq!(table.lines().filter(|l| l.starts_with(start)).count(), rows);
     }
-    let answers = Recommendations::of(&swept.plan, &swept.rows);
+    let answers = Recommendations::of(&swept.plan, &swept.rows).expect("answers");
     let stiffness = report.text("stiffness.csv");
     assert_eq!(stiffness.lines().count(), 1 + answers.stiffness.len());
     assert!(stiffness.starts_with("stiffness_factor,wanted,explicit,explicit_cpu_seconds,implicit,implicit_cpu_seconds\n1.0,0.1,velocity-verlet at "));

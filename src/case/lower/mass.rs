@@ -65,7 +65,7 @@ fn each(at: &Pointer, list: &[f64], mass: &mut [f64], faults: &mut Faults<'_>) {
     }
 }
 
-/// Adds to the mass of a node of the mesh.
+/// Adds to the mass of a node of the mesh; `mass` `[n_nodes]`.
 pub(super) fn add(mass: &mut [f64], node: u32, amount: f64) {
     if let Some(sum) = mass.get_mut(node as usize) {
         *sum += amount;

@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 use super::diagnostics::Faults;
 use super::pointer::Pointer;
-use super::schema::{CaseFile, Pendulum, System};
+use super::schema::{CaseFile, System};
 use super::spec::{Problem, SystemSpec};
 use crate::drive::clock::Step;
 use crate::model::spec::PendulumSpec;
@@ -51,10 +51,10 @@ pub(crate) fn build(
         // A stand-in, because the intended system is not known.
         _ if faults.unread(&at) => (None, None),
         System::Pendulum(pendulum) => {
-            let spec = self::pendulum(&at.key("pendulum"), pendulum, faults);
+            check_pendulum(&at.key("pendulum"), pendulum, faults);
             let step = timing.as_ref().and_then(|t| t.spec.step.fixed());
-            preflight::pendulum(&spec, step).into_iter().for_each(|warning| faults.pass_on(warning));
-            (Some(SystemSpec::Pendulum(spec)), None)
+            preflight::pendulum(pendulum, step).into_iter().for_each(|warning| faults.pass_on(warning));
+            (Some(SystemSpec::Pendulum(*pendulum)), None)
         }
         System::Network(network) => {
             let at = at.key("network");
@@ -97,25 +97,19 @@ fn name(at: &Pointer, name: &str, faults: &mut Faults<'_>) {
     }
 }
 
-/// Checks and builds a pendulum.
-fn pendulum(at: &Pointer, pendulum: &Pendulum, faults: &mut Faults<'_>) -> PendulumSpec {
-    let Pendulum { length, mass, damping, gravity, angle, rate } = *pendulum;
+/// Checks a pendulum.
+fn check_pendulum(at: &Pointer, pendulum: &PendulumSpec, faults: &mut Faults<'_>) {
+    let PendulumSpec { length, mass, damping, gravity, .. } = *pendulum;
     let long = positive(&at.key("length"), length, faults);
     let heavy = positive(&at.key("mass"), mass, faults);
     not_negative(&at.key("damping"), damping, faults);
     not_negative(&at.key("gravity"), gravity, faults);
-    if long && heavy && !(mass * length * length).is_normal() {
-        faults.add_value(
-            at,
-            format!("m L^2 = {:e}", mass * length * length),
-            "m L^2 within the range of a double",
-            None,
-        );
+    let inertia = mass * length * length;
+    if long && heavy && !inertia.is_normal() {
+        faults.add_value(at, format!("m L^2 = {inertia:e}"), "m L^2 within the range of a double", None);
     }
-    let spec = PendulumSpec { length, mass, damping, gravity, angle, rate };
     if long && heavy {
-        energy::pendulum(at, &spec, faults);
+        energy::pendulum(at, pendulum, faults);
     }
-    plausible::pendulum(at, &spec, faults);
-    spec
+    plausible::pendulum(at, pendulum, faults);
 }

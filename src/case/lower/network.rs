@@ -119,7 +119,7 @@ fn rayleigh(at: &Pointer, section: Option<&Damping>, faults: &mut Faults<'_>) ->
     let mass = not_negative(&at.key("mass"), rayleigh.mass, faults);
     let stiffness = not_negative(&at.key("stiffness"), rayleigh.stiffness, faults);
     let none = rayleigh.mass == 0.0 && rayleigh.stiffness == 0.0;
-    (mass && stiffness && !none).then_some(RayleighSpec { mass: rayleigh.mass, stiffness: rayleigh.stiffness })
+    (mass && stiffness && !none).then_some(rayleigh)
 }
 
 /// Every node that can move needs a mass with a finite inverse.

@@ -13,7 +13,7 @@ use crate::format_number::first_few;
 use crate::model::spec::{Slack, SpringGroup};
 use crate::warning::WarningCode;
 
-/// Groups of springs in the order of the rules; adds the springs' own mass to the nodes.
+/// Groups of springs in the order of the rules; adds the springs' own mass to `mass` `[n_nodes]`.
 pub(super) fn springs(
     at: &Pointer,
     rules: &[SpringRule],
@@ -137,7 +137,7 @@ fn group(at: &Pointer, members: RuleEdges<'_>, geometry: &Geometry, faults: &mut
     Some(SpringGroup { edges, stiffness, rest_length, slack: values.slack, dashpot })
 }
 
-/// Half of an edge's mass to each of its ends.
+/// Adds half of an edge's mass to each of its ends; `total` [kg] `[n_nodes]`.
 fn add_mass(density: f64, edges: &[u32], geometry: &Geometry, total: &mut [f64]) {
     for &edge in edges {
         let length = geometry.length.get(edge as usize).copied().unwrap_or_default();

@@ -4,13 +4,12 @@
 use super::numbers::{fraction, positive};
 use crate::case::diagnostics::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
-use crate::case::schema::{self, Linear, Method, Solver, Study, System, Time};
+use crate::case::schema::{Method, Solver, Study, System, Time};
 use crate::case::spec::TimeSpec;
 use crate::drive::clock::{Step, Tolerance};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice, MethodError, methods};
-use crate::solve::LinearChoice;
-use crate::solve::newton::{NewtonSpec, Strategy};
+use crate::solve::newton::NewtonSpec;
 use crate::warning::WarningCode;
 
 /// [-] Largest number of steps of a run: with more steps, a step is below the rounding of the end time.
@@ -96,14 +95,12 @@ fn step(at: &Pointer, time: &Time, faults: &mut Faults<'_>) -> Option<Step> {
 /// [-] Finest relative tolerance: rounding of positions adds up to about this over some thousand steps.
 const FINEST: f64 = 1e-13;
 
-fn tolerance(at: &Pointer, given: schema::Tolerance, faults: &mut Faults<'_>) -> Option<Step> {
-    let schema::Tolerance { relative, absolute } = given;
-    let fine = (FINEST..1.0).contains(&relative);
+fn tolerance(at: &Pointer, given: Tolerance, faults: &mut Faults<'_>) -> Option<Step> {
+    let fine = (FINEST..1.0).contains(&given.relative);
     if !fine {
         faults.add(&at.key("relative"), format!("a number from {FINEST:e} to below 1"));
     }
-    (positive(&at.key("absolute"), absolute, faults) && fine)
-        .then_some(Step::Adaptive(Tolerance { relative, absolute }))
+    (positive(&at.key("absolute"), given.absolute, faults) && fine).then_some(Step::Adaptive(given))
 }
 
 /// Looks a method up and checks its parameters; the pointer leads to the name or the parameter at fault.
@@ -140,12 +137,6 @@ fn method(at: &Pointer, method: &Method, faults: &mut Faults<'_>) -> Option<Meth
 pub(super) fn solver(solver: Option<&Solver>, faults: &mut Faults<'_>) -> SolverSpec {
     let at = Pointer::root().key("solver");
     let section = solver.cloned().unwrap_or_default();
-    let linear = match section.linear {
-        Linear::Auto => LinearChoice::Auto,
-        Linear::Cholesky => LinearChoice::Cholesky,
-        Linear::Lu => LinearChoice::Lu,
-        Linear::Cg => LinearChoice::Cg,
-    };
     let at = at.key("newton");
     let given = section.newton.unwrap_or_default();
     let mut newton = NewtonSpec::default();
@@ -159,13 +150,8 @@ pub(super) fn solver(solver: Option<&Solver>, faults: &mut Faults<'_>) -> Solver
         }
         newton.max_iterations = most;
     }
-    newton.strategy = match given.strategy {
-        schema::Strategy::Auto => Strategy::Auto,
-        schema::Strategy::Full => Strategy::Full,
-        schema::Strategy::Modified => Strategy::Modified,
-        schema::Strategy::Quasi => Strategy::Quasi,
-    };
-    SolverSpec { newton, linear }
+    newton.strategy = given.strategy;
+    SolverSpec { newton, linear: section.linear }
 }
 
 /// Checks the `study` section.

@@ -13,22 +13,17 @@ pub struct Load {
     /// any nodes.
     pub on: NodeSelection,
     /// [Pa] Pressure along the triangles' right-hand normals (or along `direction`).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure: Option<f64>,
     /// How a pressure follows the surface; `follower` if not given. Only with `pressure`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<PressureKindKey>,
     /// [-] Direction of a dead pressure, of any length above 0; not given: each triangle's normal at t = 0, initial
     /// displacements included.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub direction: Option<[f64; 3]>,
     /// [N] Force on each of the nodes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<[f64; 3]>,
     /// [s, -] Factor over time: rows of time and factor, times strictly increasing; linear between rows, constant
     /// outside them. Not given: 1 at all times. Fixed steps with rows inside them keep the integral of the factor, but
     /// not its shape.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub table: Option<Vec<[f64; 2]>>,
 }

@@ -11,7 +11,7 @@ use crate::integrate::registry::{MethodInfo, ParameterInfo, methods};
 
 /// A method and the parameters that were given: `"newmark"` or `{"hht": {"alpha": -0.1}}`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Written", into = "Written")]
+#[serde(try_from = "MethodInput", into = "MethodInput")]
 pub struct Method {
     /// name
     pub name: String,
@@ -22,27 +22,27 @@ pub struct Method {
 /// A method as the case file has it.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
-enum Written {
+enum MethodInput {
     Name(String),
     Tuned(BTreeMap<String, BTreeMap<String, f64>>),
 }
 
-impl TryFrom<Written> for Method {
+impl TryFrom<MethodInput> for Method {
     type Error = &'static str;
 
-    fn try_from(written: Written) -> Result<Self, Self::Error> {
+    fn try_from(written: MethodInput) -> Result<Self, Self::Error> {
         let (name, parameters) = match written {
-            Written::Name(name) => (name, BTreeMap::new()),
-            Written::Tuned(map) if map.len() == 1 => map.into_iter().next().unwrap_or_default(),
-            Written::Tuned(_) => return Err("expected an object with one key, the method's name"),
+            MethodInput::Name(name) => (name, BTreeMap::new()),
+            MethodInput::Tuned(map) if map.len() == 1 => map.into_iter().next().unwrap_or_default(),
+            MethodInput::Tuned(_) => return Err("expected an object with one key, the method's name"),
         };
         Ok(Method { name, parameters })
     }
 }
 
-impl From<Method> for Written {
+impl From<Method> for MethodInput {
     fn from(Method { name, parameters }: Method) -> Self {
-        if parameters.is_empty() { Written::Name(name) } else { Written::Tuned([(name, parameters)].into()) }
+        if parameters.is_empty() { MethodInput::Name(name) } else { MethodInput::Tuned([(name, parameters)].into()) }
     }
 }
 

@@ -14,6 +14,7 @@ pub mod solver;
 pub mod springs;
 pub mod time;
 
+use crate::model::spec::PendulumSpec;
 use crate::warning::WarningCode;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -21,13 +22,13 @@ use serde::{Deserialize, Serialize};
 pub use aero::{Aero, ErgunForm, ErgunLaw, PermeableLaw, PorousLaw, PressureCoefficientLaw, Wind};
 pub use loads::{Load, PressureKindKey};
 pub use method::Method;
-pub use network::{Damping, Initial, Mass, Network, PointMass, Rayleigh, Support};
+pub use network::{Damping, Initial, Mass, Network, PointMass, Support};
 pub use output::{Every, EveryCheckpoint, EverySteps, Field, Output, Probe};
 pub use per_node::{PerNode, Vectors};
 pub use select::{Ball, EdgeSelection, NodeSelection};
-pub use solver::{Linear, Newton, Solver, Strategy};
+pub use solver::{Newton, Solver};
 pub use springs::{Dashpot, DashpotRule, Membrane, SlackRule, SpringRule};
-pub use time::{Study, Time, Tolerance};
+pub use time::{Study, Time};
 
 /// A simulation case for canopy-fem. Values are SI. Comments (`//` and `/* */`) and trailing commas are allowed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -35,13 +36,12 @@ pub use time::{Study, Time, Tolerance};
 #[schemars(title = "canopy-fem case")]
 pub struct CaseFile {
     /// Path of the JSON Schema of this file, for editors; the program does not use it.
-    #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "$schema")]
     pub schema: Option<String>,
     /// Name of the case; result files and the default output folder carry it. 1 to 200 characters.
     #[schemars(length(min = 1, max = 200))]
     pub name: String,
     /// Description for the reader; the program does not use it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
     /// Codes of the warnings to accept, as `check` and `solve` print them in brackets: these warnings are not printed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -51,13 +51,10 @@ pub struct CaseFile {
     /// End, method and steps of the run.
     pub time: Time,
     /// How the equations of an implicit method are solved; explicit methods do not need it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub solver: Option<Solver>,
     /// What is written.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output: Option<Output>,
     /// What `canopy-fem tradeoff` and `canopy-fem stability` try; command-line flags take precedence.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub study: Option<Study>,
 }
 
@@ -68,31 +65,7 @@ pub enum System {
     /// Point masses joined by springs: cloth, canopies, chains.
     Network(Box<Network>),
     /// A simple pendulum: m L^2 theta'' = -m g L sin(theta) - c theta'.
-    Pendulum(Pendulum),
-}
-
-/// A simple pendulum: m L^2 theta'' = -m g L sin(theta) - c theta'. Its bob is node 0 at (L sin, 0, -L cos).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Pendulum {
-    /// [m] Length L of the line.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub length: f64,
-    /// [kg] Mass m of the bob.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub mass: f64,
-    /// [N m s] Damping c of the rotation; 0 if not given.
-    #[serde(default)]
-    #[schemars(range(min = 0))]
-    pub damping: f64,
-    /// [m/s^2] Gravity g, downwards along -z.
-    #[schemars(range(min = 0))]
-    pub gravity: f64,
-    /// [rad] Initial angle from the lowest position.
-    pub angle: f64,
-    /// [rad/s] Initial angular velocity; 0 if not given.
-    #[serde(default)]
-    pub rate: f64,
+    Pendulum(PendulumSpec),
 }
 
 /// The JSON Schema of a case, as `canopy-fem schema` prints it.

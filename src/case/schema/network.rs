@@ -10,6 +10,7 @@ use super::per_node::{PerNode, Vectors};
 use super::select::NodeSelection;
 use super::springs::SpringRule;
 use crate::mesh::source::MeshSource;
+use crate::model::spec::RayleighSpec;
 
 /// Point masses joined by springs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -18,7 +19,6 @@ pub struct Network {
     /// Where the nodes, edges and triangles come from.
     pub mesh: MeshSource,
     /// Mass of the nodes; every free node needs a mass, from here or from `springs[].linear_density`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<Mass>,
     /// Springs on edges; an edge follows the first rule that selects it, and every rule for a group that it is in.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -27,19 +27,15 @@ pub struct Network {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub supports: Vec<Support>,
     /// [m/s^2] Gravity, e.g. [0, 0, -9.81].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<[f64; 3]>,
     /// The air; it acts on all triangles.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aero: Option<Aero>,
     /// Given pressures and forces.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<Load>,
     /// Damping of the network as a whole.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<Damping>,
     /// Initial displacements and velocities of the nodes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub initial: Option<Initial>,
 }
 
@@ -48,11 +44,9 @@ pub struct Network {
 #[serde(deny_unknown_fields)]
 pub struct Mass {
     /// [kg/m^2] Mass per area: a third of each triangle's area on the mesh as given goes to each of its nodes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub areal_density: Option<f64>,
     /// [kg] Mass of every node, or a list with one mass per node; none may be negative.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nodal: Option<PerNode>,
     /// Masses on some nodes, such as a payload.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -91,22 +85,7 @@ pub struct Support {
 #[serde(deny_unknown_fields)]
 pub struct Damping {
     /// Rayleigh damping.
-    pub rayleigh: Rayleigh,
-}
-
-/// Rayleigh damping f -= (alpha M + beta K0) v, with K0 = sum of k n n^T on the mesh as given: no slack, no geometric
-/// part.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Rayleigh {
-    /// [1/s] Factor alpha of the mass; 0 if not given.
-    #[serde(default)]
-    #[schemars(range(min = 0))]
-    pub mass: f64,
-    /// [s] Factor beta of the initial stiffness; 0 if not given.
-    #[serde(default)]
-    #[schemars(range(min = 0))]
-    pub stiffness: f64,
+    pub rayleigh: RayleighSpec,
 }
 
 /// Initial displacements and velocities of the nodes.
@@ -117,9 +96,7 @@ pub struct Rayleigh {
 #[serde(deny_unknown_fields)]
 pub struct Initial {
     /// [m] Displacement from the mesh as given; it adds to the displacement that the mesh itself starts with.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Vectors>,
     /// [m/s] Velocity.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<Vectors>,
 }

@@ -11,7 +11,6 @@ use crate::vtk::{Compression, Precision};
 #[serde(deny_unknown_fields)]
 pub struct Output {
     /// Frames for ParaView and rows of `probes.csv`; not given: the first and the last state only.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames: Option<Every>,
     /// Fields in a frame beside `displacement` and `velocity`, which are always there.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -21,10 +20,8 @@ pub struct Output {
     pub probes: Vec<Probe>,
     /// Rows of `history.csv`; not given: the interval at which the file has at most 10,000 rows, computed for the end
     /// with which the run began.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub history: Option<EverySteps>,
     /// Checkpoints that `solve --resume` goes on from; not given: one when the run is interrupted.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub checkpoint: Option<EveryCheckpoint>,
     /// Whether the arrays of frames are compressed; `none` if not given.
     #[serde(default, skip_serializing_if = "is_default")]

@@ -14,34 +14,26 @@ pub struct SpringRule {
     /// Which edges.
     pub on: EdgeSelection,
     /// [N/m] Stiffness k of every spring.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness: Option<f64>,
     /// [N] Axial rigidity EA of a bar: k = EA/l0, l0 being the rest length.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub axial_rigidity: Option<f64>,
     /// Stiffness from a continuous sheet; for edges of triangles.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub membrane: Option<Membrane>,
     /// [m] Rest length l0 of the spring, which may be 0 with `stiffness` and `membrane`; if not given, the length of
     /// the edge on the mesh as given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub rest_length: Option<f64>,
     /// [-] The rest length as a factor of the edge's length on the mesh as given; not together with `rest_length`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rest_scale: Option<f64>,
     /// [kg/m] Mass per metre of edge on the mesh as given, half of it to each end; adds to the `mass` section.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub linear_density: Option<f64>,
     /// When the spring is slack; not given: it acts in tension and in compression.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slack: Option<SlackRule>,
     /// A dashpot beside the spring.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dashpot: Option<Dashpot>,
 }
 

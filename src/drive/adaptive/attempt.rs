@@ -72,71 +72,71 @@ impl Adaptive {
     /// One step, its error by the parabola through three accelerations.
     pub(super) fn single(
         &mut self,
-        bench: &mut AttemptContext<'_, '_>,
-        trial: PlannedStep,
+        context: &mut AttemptContext<'_, '_>,
+        planned: PlannedStep,
         from: &Point,
         to: &mut Point,
     ) -> Result<AdaptiveStep, DropReason> {
-        let report = bench.step(from, trial.t, to)?;
-        self.check_branches(bench, trial, [from, to])?;
-        let inverse_mass = bench.scene.inverse_mass();
-        let derivatives = self.state.before.estimate(trial.h, [from, to], inverse_mass, &mut self.error);
+        let report = context.step(from, planned.t, to)?;
+        self.check_branches(context, planned, [from, to])?;
+        let inverse_mass = context.scene.inverse_mass();
+        let derivatives = self.state.before.estimate(planned.h, [from, to], inverse_mass, &mut self.error);
         for error in [&mut self.error.x, &mut self.error.v] {
-            bench.stepper.filter_error(error, bench.counters).map_err(DropReason::Unsolved)?;
+            context.stepper.filter_error(error, context.counters).map_err(DropReason::Unsolved)?;
         }
-        self.judge(trial, EstimateInfo { derivatives, most_growth: GROWTH[0], pair: None }, to)?;
-        self.state.memory.refresh(bench.scene, to.state.as_ref(), &self.error.v, &mut self.product);
-        self.state.before.remember(trial.h, from, inverse_mass);
+        self.judge(planned, EstimateInfo { derivatives, most_growth: GROWTH[0], pair: None }, to)?;
+        self.state.memory.refresh(context.scene, to.state.as_ref(), &self.error.v, &mut self.product);
+        self.state.before.remember(planned.h, from, inverse_mass);
         Ok(AdaptiveStep::Single(report))
     }
 
     /// One step, its error by the scheme's own pair.
     pub(super) fn by_pair(
         &mut self,
-        bench: &mut AttemptContext<'_, '_>,
-        trial: PlannedStep,
+        context: &mut AttemptContext<'_, '_>,
+        planned: PlannedStep,
         pair: PairInfo,
         from: &Point,
         to: &mut Point,
     ) -> Result<AdaptiveStep, DropReason> {
-        let report = bench.step(from, trial.t, to)?;
-        self.check_branches(bench, trial, [from, to])?;
-        let attempt = Attempt { from, h: trial.h, t_next: trial.t };
-        let derivatives = embedded(bench.stepper, attempt, to, &mut self.error);
-        self.judge(trial, EstimateInfo { derivatives, most_growth: GROWTH[1], pair: Some(pair) }, to)?;
-        self.state.memory.refresh(bench.scene, to.state.as_ref(), &self.error.v, &mut self.product);
+        let report = context.step(from, planned.t, to)?;
+        self.check_branches(context, planned, [from, to])?;
+        let attempt = Attempt { from, h: planned.h, t_next: planned.t };
+        let derivatives = embedded(context.stepper, attempt, to, &mut self.error);
+        self.judge(planned, EstimateInfo { derivatives, most_growth: GROWTH[1], pair: Some(pair) }, to)?;
+        self.state.memory.refresh(context.scene, to.state.as_ref(), &self.error.v, &mut self.product);
         Ok(AdaptiveStep::Single(report))
     }
 
     /// A step and two halves of it, whose difference estimates the error.
     pub(super) fn halves(
         &mut self,
-        bench: &mut AttemptContext<'_, '_>,
-        trial: PlannedStep,
+        context: &mut AttemptContext<'_, '_>,
+        planned: PlannedStep,
         from: &Point,
         to: &mut Point,
     ) -> Result<AdaptiveStep, DropReason> {
         // Moved out and back, because `judge` needs the rest of `self`.
         let mut pair = self.pair.take().unwrap_or_else(|| Box::new([from.clone(), from.clone()]));
         let [whole, second] = &mut *pair;
-        let middle = from.state.t + 0.5 * trial.h;
+        let middle = from.state.t + 0.5 * planned.h;
         let whole_step =
-            bench.step(from, trial.t, whole).and_then(|_| self.check_branches(bench, trial, [from, whole]));
-        let tried = whole_step.and_then(|()| bench.step(from, middle, to)).and_then(|first| {
-            let inverse_mass = bench.scene.inverse_mass();
+            context.step(from, planned.t, whole).and_then(|_| self.check_branches(context, planned, [from, whole]));
+        let tried = whole_step.and_then(|()| context.step(from, middle, to)).and_then(|first| {
+            let inverse_mass = context.scene.inverse_mass();
             let judge = |middle: &Point, end: &Point| {
-                let pair = Pair { h: trial.h, from, middle, halves: end, whole };
+                let pair = Pair { h: planned.h, from, middle, halves: end, whole };
                 let derivatives = doubled(self.spec.order, &pair, inverse_mass, &mut self.error);
-                self.judge(trial, EstimateInfo { derivatives, most_growth: GROWTH[1], pair: None }, end)
+                self.judge(planned, EstimateInfo { derivatives, most_growth: GROWTH[1], pair: None }, end)
             };
-            let (last, carried) = bench.second_half(to, (trial.t, second), judge)?;
+            let (last, carried) = context.second_half(to, (planned.t, second), judge)?;
             self.carried = carried;
-            self.state.memory.refresh(bench.scene, second.state.as_ref(), &self.error.v, &mut self.product);
+            self.state.memory.refresh(context.scene, second.state.as_ref(), &self.error.v, &mut self.product);
             Ok(AdaptiveStep::Halves([first, last]))
         });
         self.pair = Some(pair);
         if tried.is_ok() {
-            self.state.before.remember(trial.t - middle, to, bench.scene.inverse_mass());
+            self.state.before.remember(planned.t - middle, to, context.scene.inverse_mass());
         }
         tried
     }

@@ -28,27 +28,27 @@ impl Adaptive {
     /// Drops an attempted step with more change of forces than is allowed.
     pub(super) fn check_branches(
         &mut self,
-        bench: &mut AttemptContext<'_, '_>,
-        trial: PlannedStep,
+        context: &mut AttemptContext<'_, '_>,
+        planned: PlannedStep,
         [from, to]: [&Point; 2],
     ) -> Result<(), DropReason> {
         if self.kick.is_empty() {
             return Ok(());
         }
         let states = [from.state.as_ref(), to.state.as_ref()];
-        let Some(fraction) = bench.scene.branch_changes(states, &mut self.kick) else { return Ok(()) };
-        for (kick, m) in self.kick.iter_mut().zip(bench.scene.inverse_mass()) {
+        let Some(fraction) = context.scene.branch_changes(states, &mut self.kick) else { return Ok(()) };
+        for (kick, m) in self.kick.iter_mut().zip(context.scene.inverse_mass()) {
             *kick *= m;
         }
-        let mut off = self.missed(trial.h);
-        if off > 1.0 && bench.stepper.filter_error(&mut self.kick, bench.counters).is_ok() {
-            off = self.missed(trial.h);
+        let mut off = self.missed(planned.h);
+        if off > 1.0 && context.stepper.filter_error(&mut self.kick, context.counters).is_ok() {
+            off = self.missed(planned.h);
         }
         // The error estimate handles values that are not finite.
         if !(off > 1.0 && off.is_finite()) {
             return Ok(());
         }
-        let (to_event, small) = (trial.h * fraction.min(MOST), trial.h * (SAFETY * off.powf(EXPONENT)));
+        let (to_event, small) = (planned.h * fraction.min(MOST), planned.h * (SAFETY * off.powf(EXPONENT)));
         self.state.event = (to_event > small).then_some(from.state.t + to_event);
         self.state.controller.cut(to_event.max(small));
         let worst = self.kick.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));

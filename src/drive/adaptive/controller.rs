@@ -1,8 +1,8 @@
 //! The size of the next step, from the error of this one.
 //!
-//! With E = error of the step per unit of time over what the tolerance allows per unit of time, which is proportional
-//! to h^p for a scheme of order p, the next step is that of a proportional-integral controller (Gustafsson 1991, ACM
-//! TOMS 17; Hairer & Wanner 1996, section IV.2, "A PI step size control", whose exponents these are):
+//! E is the error of the step per unit of time over the allowed error per unit of time; it is proportional to h^p for a
+//! scheme of order p. The next step is that of a proportional-integral controller (Gustafsson 1991, ACM TOMS 17; Hairer
+//! & Wanner 1996, section IV.2, "A PI step size control", with these exponents):
 //! ```text
 //! h_{n+1} = 0.9 h_n E_n^(-0.7/p) E_{n-1}^(0.4/p)          after an accepted step (E_n <= 1)
 //! h       = 0.9 h E^(-1/p)                                for the next attempt after a dropped one

@@ -1,9 +1,9 @@
 //! The local error of a step, for any scheme.
 //!
 //! [`Quadrature`], for orders 1 and 2: the true accelerations a = M^-1 f at the step's ends and at the end of the step
-//! before define a parabola. Its integrals have errors of h^4 in v and h^5 in x, so their difference from the scheme's
-//! result is the leading term of the scheme's local error (the idea of Milne's device: Hairer, Norsett & Wanner 1993,
-//! III.1). With g the step before, and d2 the second divided difference of a:
+//! before define a parabola. Its integrals have errors of h^4 in v and h^5 in x. So their difference from the scheme's
+//! result is the leading term of the local error (the idea of Milne's device: Hairer, Norsett & Wanner 1993, III.1).
+//! With g the step before, and d2 the second divided difference of a:
 //! ```text
 //! e_x = x_{n+1} - x_n - h v_n - h^2/6 (2 a_n + a_{n+1}) + h^4/12 d2
 //! e_v = v_{n+1} - v_n - h/2 (a_n + a_{n+1})             + h^3/6  d2
@@ -96,8 +96,8 @@ impl MotionScale {
         MotionScale { slow: KEPT * self.slow + derivatives.slow, fast: KEPT * self.fast + derivatives.fast, ..self }
     }
 
-    /// With the state `at` of a run that began at positions `start`. For accepted steps only: a diverging step must not
-    /// be compared with its own size.
+    /// With the state `at` of a run that began at positions `start` `[n_dof]`. For accepted steps only: a diverging
+    /// step must not be compared with its own size.
     #[must_use]
     pub fn with_state(self, start: &[f64], at: StateRef<'_>) -> Self {
         let x = at.x.iter().zip(start).map(|(x, x0)| (x - x0).powi(2)).sum::<f64>().sqrt();
@@ -132,8 +132,8 @@ impl MotionScale {
     }
 
     /// The error of a step of `h` [s] to the state `end` over the tolerance; `free` is the number of free degrees of
-    /// freedom. The rounding error of that state is subtracted from the estimate as long as it is below the tolerance:
-    /// it does not fall with the step, and per unit of time it would keep short steps short for ever.
+    /// freedom. The rounding error of that state is subtracted from the estimate as long as it is below the tolerance.
+    /// It does not fall with the step, and per unit of time it would keep short steps short for ever.
     pub fn deviation(
         &self,
         h: f64,
@@ -188,7 +188,7 @@ impl Quadrature {
         self.gap = 0.0;
     }
 
-    /// Stores an accepted step of `h` [s] that began at `from`.
+    /// Stores an accepted step of `h` [s] that began at `from`; `inverse_mass` `[n_dof]`.
     pub fn remember(&mut self, h: f64, from: &Point, inverse_mass: &[f64]) {
         self.gap = h;
         self.a.resize(inverse_mass.len(), 0.0);
@@ -249,7 +249,7 @@ pub struct Pair<'a> {
     pub whole: &'a Point,
 }
 
-/// The error of two half steps by a scheme of order `order`.
+/// The error of two half steps by a scheme of order `order`; `inverse_mass` `[n_dof]`.
 pub fn doubled(order: u32, pair: &Pair<'_>, inverse_mass: &[f64], error: &mut LocalError) -> AccelerationDerivatives {
     let &Pair { h, from, middle, halves, whole } = pair;
     let part = 1.0 / (2f64.powi(order.min(60) as i32) - 1.0);

@@ -29,7 +29,8 @@ impl Memory {
         (0.5 * self.rate * end).max(1.0).sqrt()
     }
 
-    /// After an accepted step that ended at `at` with the local error `e` [m/s]; `product` is the buffer for C e.
+    /// After an accepted step that ended at `at` with the local error `e` [m/s] `[n_dof]`; `product` `[n_dof]` is the
+    /// buffer for C e.
     pub fn refresh(&mut self, scene: &dyn Scene, at: StateRef<'_>, e: &[f64], product: &mut [f64]) {
         self.age = (self.age + 1) % INTERVAL;
         if self.age != 1 || !scene.velocity_dependent() {

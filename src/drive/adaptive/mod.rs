@@ -1,9 +1,9 @@
 //! Steps as large as a tolerance allows, for every scheme.
 //!
-//! The error is controlled per unit of time: a step of h [s] in a run of T may make h/T of the tolerance, so that
-//! errors that add up reach the tolerance at the end, for any sizes of steps. The estimates are in [`estimate`], the
-//! choice of the next step in [`controller`]. An attempt is dropped if its error is too large, if it is not finite, or
-//! if it cannot be solved; the state before it is restored. A step below the floor ends the run with a diagnosis.
+//! The error is controlled per unit of time: a step of h [s] in a run of T may make h/T of the tolerance. Errors that
+//! add up then reach the tolerance at the end, for any sizes of steps. The estimates are in [`estimate`], the choice of
+//! the next step in [`controller`]. An attempt is dropped if its error is too large, if it is not finite, or if it
+//! cannot be solved; the state before it is restored. A step below the floor ends the run with a diagnosis.
 //!
 //! The tolerance is on the root mean square over the free degrees of freedom. The true error of a run is not known
 //! while it runs. The allowed local errors are chosen so that on swinging pendulums and cloths the result is within a
@@ -213,33 +213,33 @@ impl Adaptive {
     /// smaller.
     pub fn attempt(
         &mut self,
-        mut bench: AttemptContext<'_, '_>,
-        trial: PlannedStep,
+        mut context: AttemptContext<'_, '_>,
+        planned: PlannedStep,
         from: &Point,
         to: &mut Point,
     ) -> Result<AdaptiveStep, DropReason> {
         let by_parabola = self.spec.order <= ORDER_OF_PARABOLA && self.state.before.is_ready();
-        let tried = if let Some(pair) = bench.stepper.pair() {
-            self.by_pair(&mut bench, trial, pair, from, to)
+        let tried = if let Some(pair) = context.stepper.pair() {
+            self.by_pair(&mut context, planned, pair, from, to)
         } else if by_parabola {
-            self.single(&mut bench, trial, from, to)
+            self.single(&mut context, planned, from, to)
         } else {
-            self.halves(&mut bench, trial, from, to)
+            self.halves(&mut context, planned, from, to)
         };
         if let Err(dropped) = &tried {
             self.state.rejected += 1;
             if matches!(dropped, DropReason::Unsolved(_)) {
-                self.state.controller.unsolved(trial.h);
+                self.state.controller.unsolved(planned.h);
             }
-        } else if trial.at_corner {
-            self.state.controller.end_smooth_interval();
+        } else if planned.at_corner {
             self.forget_history();
         }
         tried
     }
 
-    /// Clears what the next step would use of the steps before.
-    fn forget_history(&mut self) {
+    /// Clears what the next step would use of the steps before, because forces are not smooth here.
+    pub fn forget_history(&mut self) {
+        self.state.controller.end_smooth_interval();
         self.state.before.forget();
         (self.state.event, self.state.anew) = (None, true);
     }
@@ -266,29 +266,29 @@ impl Adaptive {
     }
 
     /// Decides from the error estimate whether the step is accepted, and sets the size of the next.
-    fn judge(&mut self, trial: PlannedStep, guess: EstimateInfo, end: &Point) -> Result<(), DropReason> {
+    fn judge(&mut self, planned: PlannedStep, info: EstimateInfo, end: &Point) -> Result<(), DropReason> {
         let AdaptiveState { controller, motion, before, jumps, memory, .. } = &mut self.state;
-        let EstimateInfo { derivatives, most_growth, pair } = guess;
+        let EstimateInfo { derivatives, most_growth, pair } = info;
         let moved = motion.with_derivatives(derivatives);
         let AdaptiveSpec { end: run, tolerance, order, coherent, .. } = self.spec;
-        let off = moved.deviation(trial.h, &self.error, end.state.as_ref(), tolerance, self.free);
+        let off = moved.deviation(planned.h, &self.error, end.state.as_ref(), tolerance, self.free);
         let share = if coherent { 1.0 } else { CANCELLED * memory.forgetting(run) };
         // Across a jump the extrapolated solution is no better than the estimate, so the shares of the tolerance are
         // those of the estimate.
-        let own = off.ratio * pair.map_or(1.0, |pair| pair.leading * moved.phase_increment(trial.h));
-        let per_time = own * (run / trial.h) / share;
-        let judged = RatedAttempt { h: trial.h, error: per_time, order, most_growth };
+        let own = off.ratio * pair.map_or(1.0, |pair| pair.leading * moved.phase_increment(planned.h));
+        let per_time = own * (run / planned.h) / share;
+        let rated = RatedAttempt { h: planned.h, error: per_time, order, most_growth };
         if per_time <= 1.0 {
-            controller.accept(judged);
+            controller.accept(rated);
         } else if controller.dropped() >= PATIENCE && off.ratio <= SHARE && *jumps + off.ratio <= ALL_JUMPS {
             *jumps += off.ratio;
             before.forget();
-            controller.accept(RatedAttempt { error: 1.0, ..judged });
+            controller.accept(RatedAttempt { error: 1.0, ..rated });
         } else if off.ratio <= TRIFLE && *jumps + off.ratio <= ALL_JUMPS {
             *jumps += off.ratio;
-            controller.accept(RatedAttempt { error: 0.5, ..judged });
+            controller.accept(RatedAttempt { error: 0.5, ..rated });
         } else {
-            controller.too_large(judged);
+            controller.too_large(rated);
             return Err(DropReason::Error(off));
         }
         self.motion_before = moved;

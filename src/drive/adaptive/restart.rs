@@ -18,19 +18,19 @@ use crate::model::point::Point;
 const PROBE: f64 = 0.01;
 
 impl Adaptive {
-    /// Called before an attempt from `from`. If the run restarts there, `room` is overwritten.
-    pub fn begin(&mut self, bench: &mut AttemptContext<'_, '_>, from: &Point, room: &mut Point) {
+    /// Called before an attempt from `from`. If the run restarts there, `buffer` is overwritten.
+    pub fn begin(&mut self, context: &mut AttemptContext<'_, '_>, from: &Point, buffer: &mut Point) {
         if !std::mem::take(&mut self.state.anew) {
             return;
         }
-        bench.stepper.restart(from);
-        let least = self.starting_step(bench, from, room);
+        context.stepper.restart(from);
+        let least = self.starting_step(context, from, buffer);
         self.state.controller.restart(least);
     }
 
     /// [s] h; 0 where it is not a number, or no force acts.
-    fn starting_step(&self, bench: &mut AttemptContext<'_, '_>, from: &Point, room: &mut Point) -> f64 {
-        let inverse_mass = bench.scene.inverse_mass();
+    fn starting_step(&self, context: &mut AttemptContext<'_, '_>, from: &Point, buffer: &mut Point) -> f64 {
+        let inverse_mass = context.scene.inverse_mass();
         let (run, allowed) = (self.spec.end, self.state.motion.allowed(self.spec.tolerance, self.free));
         let a = |point: &Point, i: usize| inverse_mass[i] * point.forces.total[i];
         let n = inverse_mass.len();
@@ -38,13 +38,13 @@ impl Adaptive {
         let next =
             self.corners.iter().find(|corner| **corner > from.state.t).map_or(run, |corner| corner - from.state.t);
         let probe = (2.0 * PROBE * allowed / now).sqrt().min(FIRST * run).min(0.5 * next);
-        room.state.t = from.state.t + probe;
+        buffer.state.t = from.state.t + probe;
         for i in 0..n {
-            room.state.x[i] = from.state.x[i] + probe * (from.state.v[i] + 0.5 * probe * a(from, i));
-            room.state.v[i] = from.state.v[i] + probe * a(from, i);
+            buffer.state.x[i] = from.state.x[i] + probe * (from.state.v[i] + 0.5 * probe * a(from, i));
+            buffer.state.v[i] = from.state.v[i] + probe * a(from, i);
         }
-        bench.counters.evaluate(bench.scene, room.state.as_ref(), &mut room.forces);
-        let change = (0..n).map(|i| (a(room, i) - a(from, i)).powi(2)).sum::<f64>().sqrt() / probe;
+        context.counters.evaluate(context.scene, buffer.state.as_ref(), &mut buffer.forces);
+        let change = (0..n).map(|i| (a(buffer, i) - a(from, i)).powi(2)).sum::<f64>().sqrt() / probe;
         let step = match self.spec.order {
             1 => 2.0 * allowed / (run * now),
             _ => (2.0 * allowed / (run * change)).sqrt(),

@@ -77,15 +77,15 @@ impl Run<'_> {
     /// One attempt; `None` if it is dropped and a smaller step can be tried.
     fn adaptive_step(&mut self, stepper: &mut Stepper<'_>) -> Result<Option<AdaptiveStep>, Status> {
         let StepPolicy::Adaptive(policy) = &mut self.state.policy else { return Ok(None) };
-        let mut bench =
+        let mut context =
             AttemptContext { scene: self.scene, stepper: &mut *stepper, counters: &mut self.state.counters };
-        policy.begin(&mut bench, &self.state.from, &mut self.state.to);
-        let Some(trial) = policy.next(self.state.from.state.t) else { return Ok(None) };
-        let dropped = match policy.attempt(bench, trial, &self.state.from, &mut self.state.to) {
-            Ok(kept) => match policy.stalls(trial.t) {
+        policy.begin(&mut context, &self.state.from, &mut self.state.to);
+        let Some(planned) = policy.next(self.state.from.state.t) else { return Ok(None) };
+        let dropped = match policy.attempt(context, planned, &self.state.from, &mut self.state.to) {
+            Ok(kept) => match policy.stalls(planned.t) {
                 None => return Ok(Some(kept)),
                 Some(gone) => {
-                    self.state.failure = Some(self.context(Tick { h: trial.h, t: trial.t }).without_progress(gone));
+                    self.state.failure = Some(self.context(Tick { h: planned.h, t: planned.t }).without_progress(gone));
                     return Err(Status::NotConverged);
                 }
             },
@@ -95,7 +95,7 @@ impl Run<'_> {
         if policy.next(self.state.from.state.t).is_some_and(|next| next.h >= floor) {
             return Ok(None);
         }
-        let context = self.context(Tick { h: trial.h, t: trial.t });
+        let context = self.context(Tick { h: planned.h, t: planned.t });
         self.state.failure = Some(match &dropped {
             DropReason::Error(worst) => context.at_the_floor(*worst, floor),
             DropReason::Unsolved(error) => context.not_converged(error, worst_of(error, stepper)),

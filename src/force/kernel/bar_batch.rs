@@ -16,6 +16,8 @@ pub(in crate::force) struct BarBatch {
     /// numbers in the same order; empty where all are the same
     numbers: [Vec<[f64; STARS]>; 3],
     uniform: [[[f64; STARS]; STAR]; 3],
+    /// the element at every place; none where groups are filled up
+    elements: Vec<Option<u32>>,
     blocks: Vec<BlockBars>,
 }
 
@@ -59,13 +61,21 @@ impl BarBatch {
         if let Some(&[a, _]) = self.ends[start..].last() {
             self.ends.resize(padded, [a, a]);
         }
+        self.elements.extend(order.iter().map(|placed| Some((first + placed.element) as u32)));
+        self.elements.resize(padded, None);
+        let (places, _) = self.elements[start..].as_chunks();
         for (numbers, all) in self.numbers.iter_mut().zip(all) {
             if let Coefficient::Each(values) = all {
-                let value = |i: usize| order.get(i).map_or(0.0, |placed| values[first + placed.element]);
-                numbers.extend((0..(padded - start) / STARS).map(|quad| [0, 1, 2, 3].map(|q| value(STARS * quad + q))));
+                numbers.extend(numbers_at(places, values));
             }
         }
         self.blocks.push(BlockBars { quads: start / STARS..padded / STARS, in_stars: STAR * groups });
+    }
+
+    /// Replaces one of the three numbers, which every element has its own of.
+    pub fn set_number(&mut self, which: usize, values: &[f64]) {
+        let places = self.elements.as_chunks().0;
+        self.numbers[which].iter_mut().zip(numbers_at(places, values)).for_each(|(to, value)| *to = value);
     }
 
     /// A block's elements, if it has any.
@@ -83,6 +93,11 @@ impl BarBatch {
         let quads = self.blocks.get(block).map_or(0..0, |placing| placing.quads.clone());
         self.numbers[which].get(quads).unwrap_or_default().as_flattened()
     }
+}
+
+/// Values of the elements at these places, 0 where there is none.
+fn numbers_at(places: &[[Option<u32>; STARS]], values: &[f64]) -> impl Iterator<Item = [f64; STARS]> {
+    places.iter().map(|places| places.map(|place| place.map_or(0.0, |element| values[element as usize])))
 }
 
 impl Bars<'_> {

@@ -27,11 +27,12 @@ pub struct BarForce {
 
 /// An elastic law of two-node bars: a pure function of length and rest length.
 pub trait BarLaw: Send + Sync {
-    /// Tension, its derivative and the energy of a bar of this length [m] with this rest length [m].
+    /// Tension, its derivative and the energy of a bar of this length [m] with this rest length [m]. The account closes
+    /// only if the energy is the integral of the tension, and Newton converges only if the stiffness is its derivative.
     fn at(&self, length: f64, rest_length: f64) -> BarForce;
 }
 
-/// Bars that share a law, in the numbering of the mesh.
+/// Bars that share a law, in the numbering of the mesh. They are no edges: pictures and tensions know only springs.
 #[derive(Clone)]
 pub struct Bars {
     /// end nodes, `[n_bars]`

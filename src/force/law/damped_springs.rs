@@ -12,7 +12,7 @@ use crate::force::kernel::differences::Differences;
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::star_batches::{AxialForce, AxialLaw, Measured};
 use crate::force::law::dashpot::{self, Damping};
-use crate::force::law::slack::{LinearLaw, Tension, TensionLaw, clamped, tension};
+use crate::force::law::slack::{Tension, TensionLaw, tension, with_law};
 use crate::force::law::spring::{Coefficient, SpringData, Stretch};
 use crate::force::law::stretch::{InLocalBuffer, SpringLengths, largest};
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
@@ -22,6 +22,7 @@ use crate::model::spec::DashpotKind;
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
+use std::sync::Arc;
 
 const SPRINGS: TermInfo = TermInfo::of("springs", Role::Elastic);
 const AXIAL: TermInfo = dashpots("axial dashpots");
@@ -140,10 +141,7 @@ impl BlockForces for DampedSprings {
     }
 
     fn add(&self, block: &ElementBlock<'_>, sums: [Option<&mut Records>; 2]) -> [Tally; 2] {
-        let [energy, power] = match clamped(self.springs.slack) {
-            None => self.axial_force(LinearLaw, block, sums),
-            Some(law) => self.axial_force(law, block, sums),
-        };
+        let [energy, power] = with_law!(self.springs.slack, law => self.axial_force(law, block, sums));
         [Tally { energy, power: 0.0 }, Tally { energy: 0.0, power }]
     }
 
@@ -174,10 +172,7 @@ fn axial_state(
     let [a, b] = springs.nodes[i].map(|node| node as usize);
     let (dv, k) = (v[b] - v[a], springs.stiffness.at(i));
     let (e, rate) = (stretch.elongation, stretch.n.dot(&dv));
-    let damping = match clamped(springs.slack) {
-        None => dashpot::axial(&LinearLaw, elastic, [k, c], [e, rate]),
-        Some(law) => dashpot::axial(&law, elastic, [k, c], [e, rate]),
-    };
+    let damping = with_law!(springs.slack, law => dashpot::axial(&law, elastic, [k, c], [e, rate]));
     AxialState { stretch, dv, rate, damping }
 }
 
@@ -186,7 +181,7 @@ pub fn axial_force(springs: &SpringData, at: NodeState<'_>, i: usize, c: f64) ->
     axial_state(springs, elastic_state(springs, at.x, i), at.v, (i, c)).damping.force
 }
 
-/// Stretch and elastic tension of spring `i`.
+/// Stretch and elastic tension of spring `i` at positions `x` [m] `[n_nodes]`.
 fn elastic_state(springs: &SpringData, x: &[Vector3<f64>], i: usize) -> (Stretch, Tension) {
     let stretch = springs.stretch(x, i);
     (stretch, tension(springs.slack, springs.stiffness.at(i), stretch.elongation))
@@ -241,6 +236,11 @@ impl ForceTerm for DampedSprings {
             }
             sink.edge(nodes, block);
         }
+    }
+
+    fn set_rest_lengths(&mut self, rest_length: &Arc<[f64]>) {
+        self.springs.rest_length = rest_length.clone();
+        self.batch.set_number(1, rest_length);
     }
 
     fn add_stiffness(&self, nodes: &mut [f64]) {

@@ -7,7 +7,7 @@
 use crate::force::kernel::batch::{BufferReads, Records};
 use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
 use crate::force::kernel::triangle_pairs::{PressureForce, PressureLaw};
-use crate::force::law::series::{Table, factor};
+use crate::force::law::series::LoadFactor;
 use crate::force::law::triangle::{AreaVector, THIRD};
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
@@ -25,8 +25,8 @@ pub struct FollowerData {
     pub triangles: Arc<[[u32; 3]]>,
     /// [Pa] p
     pub pressure: f64,
-    /// optional factor over time
-    pub factor: Option<Arc<Table<1>>>,
+    /// factor over time
+    pub factor: LoadFactor,
 }
 
 impl FaceKernel for FollowerData {
@@ -37,7 +37,7 @@ impl FaceKernel for FollowerData {
     }
 
     fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally {
-        let pressure = self.pressure * factor(self.factor.as_ref(), block.t);
+        let pressure = self.pressure * self.factor.at(block.t);
         Tally { energy: 0.0, power: block.add_pressure(&FollowerLaw { pressure }, f) }
     }
 }
@@ -68,7 +68,7 @@ impl ForceTerm for FollowerPressure {
 
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         let data = self.kernel();
-        let p = data.pressure * factor(data.factor.as_ref(), at.t);
+        let p = data.pressure * data.factor.at(at.t);
         for &nodes in data.triangles.iter() {
             let area = AreaVector::new(at.x, nodes);
             // There is no symmetric form: it would come from the edge of the surface only, with either sign.

@@ -1,18 +1,18 @@
-//! Forces that do not depend on the state: nodal forces, and dead pressure lumped to its nodes.
+//! Forces that do not depend on the state: nodal forces, dead pressure lumped to its nodes, and what a program sets.
 //!
 //! f = factor(t) F, tangents zero, power = f . v.
 
 use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, Records};
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::nodes::{self, NodeLaw, padded};
-use crate::force::law::series::{Table, factor};
+use crate::force::law::series::LoadFactor;
 use crate::force::law::triangle::AreaVector;
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::VectorUnit;
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::Vector3;
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
 /// Forces that are given node by node.
 pub const FORCES: TermInfo = TermInfo::of("forces", Role::External);
@@ -29,8 +29,8 @@ pub struct NodalForces {
     pub nodes: Vec<u32>,
     /// [N] force on each of them at factor 1
     pub force: Vec<Vector3<f64>>,
-    /// optional factor over time
-    pub factor: Option<Arc<Table<1>>>,
+    /// factor over time
+    pub factor: LoadFactor,
 }
 
 /// A pressure on the initial areas.
@@ -42,12 +42,12 @@ pub struct DeadPressure<'a> {
     pub pressure: f64,
     /// unit direction; `None` = every triangle's own normal at the start
     pub direction: Option<Vector3<f64>>,
-    /// optional factor over time
-    pub factor: Option<Arc<Table<1>>>,
+    /// factor over time
+    pub factor: LoadFactor,
 }
 
 impl DeadPressure<'_> {
-    /// Lumps p A0 (direction) to the vertices, a third each, at the node positions `x` [m].
+    /// Lumps p A0 (direction) to the vertices, a third each, at the node positions `x` [m] `[n_nodes]`.
     pub fn lump(self, x: &[Vector3<f64>]) -> NodalForces {
         let mut sum = vec![Vector3::zeros(); x.len()];
         for &nodes in self.triangles {
@@ -87,7 +87,7 @@ impl BlockForces for NodalForces {
     }
 
     fn add(&self, block: &ElementBlock<'_>, [sum, _]: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {
-        let law = ScaledForces { forces: &self.force, factor: factor(self.factor.as_ref(), block.t) };
+        let law = ScaledForces { forces: &self.force, factor: self.factor.at(block.t) };
         let power = sum.map_or(0.0, |f| nodes::add(&law, Some(&self.nodes), block, f));
         [Tally { energy: 0.0, power }, Tally::default()]
     }
@@ -96,6 +96,56 @@ impl BlockForces for NodalForces {
 impl ForceTerm for NodalForces {
     fn parts(&self) -> &[TermInfo] {
         std::slice::from_ref(&self.info)
+    }
+
+    fn symmetric(&self) -> bool {
+        true
+    }
+
+    fn tangent(&self, _at: NodeState<'_>, _w: Weights, _: TangentForm, _sink: &mut dyn TangentSink) {}
+}
+
+/// Forces on all nodes that a program sets while a simulation runs; the program's copy shares them with the term.
+#[derive(Clone, Debug)]
+pub struct SetForces(Arc<RwLock<Vec<Vector3<f64>>>>);
+
+impl SetForces {
+    /// No force on any of so many nodes.
+    pub fn zero(nodes: usize) -> Self {
+        SetForces(Arc::new(RwLock::new(vec![Vector3::zeros(); nodes])))
+    }
+
+    /// Sets the force [N] on every node, between two steps.
+    pub fn set(&self, forces: impl Iterator<Item = Vector3<f64>>) {
+        let mut to = self.0.write().unwrap_or_else(PoisonError::into_inner);
+        to.iter_mut().zip(forces).for_each(|(to, force)| *to = force);
+    }
+
+    fn forces(&self) -> RwLockReadGuard<'_, Vec<Vector3<f64>>> {
+        self.0.read().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl BlockForces for SetForces {
+    fn elements(&self) -> usize {
+        self.forces().len()
+    }
+
+    fn reads(&self, _: [bool; PARTS]) -> BufferReads {
+        BufferReads { x: false, v: true }
+    }
+
+    fn add(&self, block: &ElementBlock<'_>, [sum, _]: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {
+        let law = ScaledForces { forces: &self.forces(), factor: 1.0 };
+        let power = sum.map_or(0.0, |f| nodes::add(&law, None, block, f));
+        [Tally { energy: 0.0, power }, Tally::default()]
+    }
+}
+
+impl ForceTerm for SetForces {
+    fn parts(&self) -> &[TermInfo] {
+        const INFO: TermInfo = TermInfo::of("external forces", Role::External);
+        &[INFO]
     }
 
     fn symmetric(&self) -> bool {

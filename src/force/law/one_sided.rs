@@ -61,9 +61,9 @@ impl OneSided {
         Some(OneSided { batches, slots, inside, neighbours, correction: vec![Vector3::zeros(); n], corrected })
     }
 
-    /// Finds the springs that are in the filter of a step of `h` [s] from positions `x` [m] with velocities `v` [m/s],
-    /// and the difference of their forces from those of a force pass at `x`. Returns whether the springs in the filter
-    /// have changed.
+    /// Finds the springs that are in the filter of a step of `h` [s] from positions `x` [m] and velocities `v` [m/s],
+    /// both `[n_nodes]`, and the difference of their forces from those of a force pass at `x`. Returns whether the
+    /// springs in the filter have changed.
     pub fn select(&mut self, x: &[Vector3<f64>], v: &[Vector3<f64>], h: f64) -> bool {
         let Self { batches, slots, inside, neighbours, correction, corrected } = self;
         corrected.drain(..).for_each(|node| correction[node as usize] = Vector3::zeros());
@@ -95,7 +95,7 @@ impl OneSided {
         changed
     }
 
-    /// [N/m] `sum_j k_ij` over the springs in the filter, of every node.
+    /// [N/m] `sum_j k_ij` over the springs in the filter, for every node `[n_nodes]`.
     pub fn stiffness_sums(&self, out: &mut [f64]) {
         out.iter_mut().zip(self.neighbours.weights()).for_each(|(out, sum)| *out = sum);
     }

@@ -2,31 +2,40 @@
 
 use crate::force::law::step_samples::sampled_by_steps;
 use crate::model::spec::Series;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
 /// A table, and its replacement in a run of fixed steps: see `step_samples`.
 #[derive(Debug)]
 pub struct Table<const N: usize> {
     given: Series<[f64; N]>,
-    sampled: RwLock<Option<Series<[f64; N]>>>,
+    replaced: RwLock<Replaced<N>>,
+}
+
+/// What stands in for a table.
+#[derive(Debug)]
+struct Replaced<const N: usize> {
+    /// the table as a run of fixed steps samples it
+    sampled: Option<Series<[f64; N]>>,
+    /// a constant that a program has set
+    held: Option<[f64; N]>,
 }
 
 impl<const N: usize> Table<N> {
     /// A table with at least one row and increasing times.
     pub fn new(given: Series<[f64; N]>) -> Arc<Self> {
-        Arc::new(Table { given, sampled: RwLock::new(None) })
+        Arc::new(Table { given, replaced: RwLock::new(Replaced { sampled: None, held: None }) })
     }
 
-    /// Replaces the table by a constant until [`SampledTable::sample`] is called.
-    pub fn hold(&self, value: [f64; N]) {
-        let constant = Series { t: vec![0.0], value: vec![value] };
-        *self.sampled.write().unwrap_or_else(PoisonError::into_inner) = Some(constant);
+    /// Replaces the table by a constant, or goes back to it.
+    pub fn hold(&self, value: Option<[f64; N]>) {
+        self.replaced.write().unwrap_or_else(PoisonError::into_inner).held = value;
     }
 
     /// The value at time `t` [s].
     pub fn at(&self, t: f64) -> [f64; N] {
-        let sampled = self.sampled.read().unwrap_or_else(PoisonError::into_inner);
-        interpolate(sampled.as_ref().unwrap_or(&self.given), t)
+        let replaced = self.replaced.read().unwrap_or_else(PoisonError::into_inner);
+        replaced.held.unwrap_or_else(|| interpolate(replaced.sampled.as_ref().unwrap_or(&self.given), t))
     }
 }
 
@@ -39,7 +48,7 @@ pub trait SampledTable: Send + Sync {
 impl<const N: usize> SampledTable for Table<N> {
     fn sample(&self, h: Option<f64>) {
         let made = h.and_then(|h| sampled_by_steps(&self.given, h));
-        *self.sampled.write().unwrap_or_else(PoisonError::into_inner) = made;
+        self.replaced.write().unwrap_or_else(PoisonError::into_inner).sampled = made;
     }
 }
 
@@ -57,9 +66,42 @@ pub(in crate::force) fn interpolate<const N: usize>(series: &Series<[f64; N]>, t
     }
 }
 
-/// A factor over time; absent means 1.
-pub fn factor(table: Option<&Arc<Table<1>>>, t: f64) -> f64 {
-    table.map_or(1.0, |table| table.at(t)[0])
+/// A factor that a program sets while a simulation runs.
+#[derive(Debug)]
+pub struct Scale(AtomicU64);
+
+impl Default for Scale {
+    fn default() -> Self {
+        Scale(AtomicU64::new(1.0_f64.to_bits()))
+    }
+}
+
+impl Scale {
+    /// [-] The factor: 1 until it is set.
+    pub fn get(&self) -> f64 {
+        f64::from_bits(self.0.load(Ordering::Relaxed))
+    }
+
+    /// Sets it, between two steps.
+    pub fn set(&self, factor: f64) {
+        self.0.store(factor.to_bits(), Ordering::Relaxed);
+    }
+}
+
+/// The factor of a load: a table over time, times what a program has set. The load shares it with its scene.
+#[derive(Clone, Debug, Default)]
+pub struct LoadFactor {
+    /// factor over time; absent means 1
+    pub table: Option<Arc<Table<1>>>,
+    /// what a program has set
+    pub scale: Arc<Scale>,
+}
+
+impl LoadFactor {
+    /// [-] The factor at time `t` [s].
+    pub fn at(&self, t: f64) -> f64 {
+        self.table.as_ref().map_or(1.0, |table| table.at(t)[0]) * self.scale.get()
+    }
 }
 
 /// A table with one number per row.
@@ -76,10 +118,12 @@ mod tests {
         let s = Series { t: vec![1.0, 2.0, 4.0], value: vec![10.0, 20.0, 0.0] };
         let table = scalar(&s);
         for (t, value) in [(-5.0, 10.0), (1.0, 10.0), (1.5, 15.0), (2.0, 20.0), (3.0, 10.0), (4.0, 0.0), (9.0, 0.0)] {
-            assert_eq!(factor(Some(&table), t), value, "at t = {t}");
+            assert_eq!(table.at(t), [value], "at t = {t}");
         }
-        assert_eq!(factor(Some(&scalar(&Series { t: vec![0.0], value: vec![3.0] })), 7.0), 3.0);
-        assert_eq!(factor(None, 3.0), 1.0);
+        let constant = scalar(&Series { t: vec![0.0], value: vec![3.0] });
+        let factor = LoadFactor { table: Some(constant), ..LoadFactor::default() };
+        factor.scale.set(0.5);
+        assert_eq!((factor.at(7.0), LoadFactor::default().at(3.0)), (1.5, 1.0));
     }
 
     #[test]
@@ -88,7 +132,10 @@ mod tests {
         let before = table.at(0.2);
         table.sample(Some(0.1));
         assert_ne!(table.at(0.3), [1.0]);
+        table.hold(Some([7.0]));
         table.sample(None);
+        assert_eq!(table.at(0.3), [7.0]);
+        table.hold(None);
         assert_eq!((table.at(0.2), table.at(0.3)), (before, [1.0]));
     }
 }

@@ -79,12 +79,23 @@ pub fn clamped(slack: Slack) -> Option<Clamped> {
     }
 }
 
+/// Evaluates an expression with the law of a slack kind: the one place that knows which law a kind has.
+macro_rules! with_law {
+    ($slack:expr, $law:ident => $then:expr) => {
+        match $crate::force::law::slack::clamped($slack) {
+            None => {
+                let $law = $crate::force::law::slack::LinearLaw;
+                $then
+            }
+            Some($law) => $then,
+        }
+    };
+}
+pub(in crate::force) use with_law;
+
 /// The law of any slack kind, when speed does not matter.
 pub fn tension(slack: Slack, k: f64, e: f64) -> Tension {
-    match clamped(slack) {
-        None => LinearLaw.at(k, e),
-        Some(law) => law.at(k, e),
-    }
+    with_law!(slack, law => law.at(k, e))
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@
 //! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are 0.
 
 pub use crate::force::kernel::coefficient::Coefficient;
-use crate::force::law::slack::{LinearLaw, clamped, tension};
+use crate::force::law::slack::{tension, with_law};
 use crate::force::law::stretch::{SpringLengths, WholeScene, largest, strain_base};
 pub use crate::force::law::tension::SpringOutput;
 use crate::force::law::tension::TensionPass;
@@ -32,7 +32,7 @@ pub struct SpringData {
 }
 
 impl SpringData {
-    /// Vector from a to b, length, and elongation of spring `i`.
+    /// Vector from a to b, length, and elongation of spring `i` at positions `x` [m] `[n_nodes]`.
     #[inline]
     pub(crate) fn stretch(&self, x: &[Vector3<f64>], i: usize) -> Stretch {
         let [a, b] = self.nodes[i];
@@ -54,19 +54,16 @@ impl SpringData {
     /// When an index is beyond the end of `to.tension` or `to.strain`.
     pub fn carried(&self, x: &[Vector3<f64>], to: SpringOutput<'_>) {
         let data = self;
-        match clamped(self.slack) {
-            None => quad::run(TensionPass { data, law: LinearLaw, x, to }),
-            Some(law) => quad::run(TensionPass { data, law, x, to }),
-        }
+        with_law!(self.slack, law => quad::run(TensionPass { data, law, x, to }))
     }
 
-    /// [m] elongation of spring `i`, without its direction.
+    /// [m] Elongation of spring `i`, without its direction, at positions `x` [m] `[n_nodes]`.
     fn elongation(&self, x: &[Vector3<f64>], i: usize) -> f64 {
         let [a, b] = self.nodes[i];
         (x[b as usize] - x[a as usize]).norm() - self.rest_length[i]
     }
 
-    /// [-] Largest l^2/l0^2 of all springs, -inf without any; at positions `x` [m].
+    /// [-] Largest l^2/l0^2 of all springs, -inf without any; at positions `x` [m] `[n_nodes]`.
     pub fn largest_stretch(&self, x: &[Vector3<f64>]) -> f64 {
         largest(SpringLengths {
             ends: &self.nodes,
@@ -75,12 +72,12 @@ impl SpringData {
         })
     }
 
-    /// Whether some spring has turned by more than 90 degrees from positions `from` [m] to `to` [m].
+    /// Whether some spring has turned by more than 90 degrees from positions `from` to `to` [m], both `[n_nodes]`.
     pub fn turns_over(&self, from: &[Vector3<f64>], to: &[Vector3<f64>]) -> bool {
         turns_over(self, from, to)
     }
 
-    /// [-] strain (l - l0)/l0 of spring `i`; 0 without a rest length.
+    /// [-] Strain (l - l0)/l0 of spring `i` at positions `x` [m] `[n_nodes]`; 0 without a rest length.
     pub fn strain(&self, x: &[Vector3<f64>], i: usize) -> f64 {
         self.elongation(x, i) / strain_base(self.rest_length[i])
     }

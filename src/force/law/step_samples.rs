@@ -1,4 +1,4 @@
-//! Tables in runs of fixed steps, whose samples miss changes between them: a pulse within a step would be missed, and
+//! Tables in runs of fixed steps, whose samples miss changes between them. A pulse within a step would be missed, and
 //! one of the length of a step would count three times in the four stages of RK4.
 //!
 //! The steps t_n = n h are not changed. A table g with corners within steps is replaced by one that is linear within

@@ -1,7 +1,7 @@
 //! Cuts a scene into blocks, so that a force pass works in the first caches.
 //!
 //! A node block is a contiguous range of nodes with the elements whose smallest node is in it. Forces on nodes beyond
-//! its end are summed apart, and added to those nodes when all node blocks that reach them are done: so no two node
+//! its end are summed apart, and added to those nodes when all node blocks that reach them are done. So no two node
 //! blocks write to one place. A node block is one block, or several where its elements reach too many nodes for the
 //! local buffers of one.
 

@@ -1,7 +1,7 @@
 //! The updates of nodes between the force passes of a block of steps.
 //!
-//! Work is summed in halves: the work of the forces at the end of a step over this step, when it ends; and their work
-//! over the next step, when that begins.
+//! Work is summed in halves: when a step ends, the work over this step of the forces at its end; when the next step
+//! begins, their work over that step.
 
 use crate::force::schedule::step_block::NodeStateMut;
 use crate::force::schedule::workspace::WorkspaceView;

@@ -1,7 +1,7 @@
 //! Passes over the blocks of a scene, with the same bits for every number of threads.
 //!
-//! For each node block, mostly one block, the pass fills the local buffers, all terms add to them while they are in
-//! cache, and the sums of the node block's own nodes are stored: no sum is zeroed in memory or read back. Halo sums are
+//! For each node block, mostly one block, the pass fills the local buffers, and all terms add to them while they are in
+//! cache. Then it stores the sums of the node block's own nodes: no sum is zeroed in memory or read back. Halo sums are
 //! kept apart, and are added in the order of the node blocks when all of them (in `step_block`: those of a round) are
 //! done. The same holds for energies and powers. So no sum depends on the thread that did a node block.
 

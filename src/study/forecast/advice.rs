@@ -53,28 +53,28 @@ pub struct Advice {
     pub own_cheaper: Option<f64>,
 }
 
-/// [-] Costs within this factor are equal: then the case's own method is taken, else the one with the least error, else
-/// the first of the registry, where simple ones come first.
+/// [-] Costs within this factor count as equal. Of equally cheap methods the case's own is recommended, otherwise the
+/// one with the smallest error, otherwise the first of the registry.
 const TIE: f64 = 1.15;
-/// Methods that come far, tried first so that dear ones are known as such at once. This and the next are choices
-/// between methods, not properties of them: another order costs time and changes no answer's truth.
+/// Methods that are often the cheapest. They are tried first, so that more expensive ones can be skipped early. The
+/// order affects only the time of the search.
 const FIRST: [&str; 4] = ["velocity-verlet", "rk4", "dop853", "newmark"];
 /// Methods tried where no reference is affordable.
 const UNMEASURED: [&str; 2] = ["velocity-verlet", "newmark"];
 
-/// [-] From so many times on the case's own run, whose error is not known, is said to be cheaper.
+/// [-] The case's own run, whose error is not known, is reported as cheaper from this factor on.
 const CHEAPER: f64 = 2.0;
-/// [-] What is concluded from single steps goes before what was measured where it is so many times cheaper: errors that
-/// are wrong by hundreds, steps, and so costs, are wrong by tens.
+/// [-] A step concluded from local errors is preferred to a measured one only if it is this many times cheaper. Local
+/// errors may be wrong by a factor of hundreds, and the steps and costs that follow from them by a factor of tens.
 const FAR: f64 = 100.0;
 
-/// [-] Share of the mean step that local errors allow, advised where nothing was measured.
+/// [-] Recommended share of the mean step that local errors allow, if nothing was measured.
 const UNKNOWN: f64 = 0.2;
 
 /// A method and its step.
 type Offer<'c> = (&'c Candidate, FoundStep);
 
-/// Looks for the steps of all methods that may be cheap.
+/// Searches for the steps of all methods that may be the cheapest.
 pub struct Adviser<'s, 'a> {
     spec: &'s ForecastSpec<'a>,
     costs: NominalCosts,
@@ -91,13 +91,13 @@ impl<'s, 'a> Adviser<'s, 'a> {
         Adviser { spec, costs, search }
     }
 
-    /// Whether runs were compared to their end.
+    /// Whether runs were compared with the reference up to the end of the case.
     pub fn sees_all(&self) -> bool {
         self.search.as_ref().is_some_and(|search| search.reference.seen() >= 1.0)
     }
 
-    /// Methods with their steps, in the order of the candidates; those that cost clearly more than another of their
-    /// family are left out.
+    /// Methods with their steps, in the order of the candidates. Methods that cost clearly more than another one of
+    /// their family are left out.
     pub fn offers(&self, trials: &mut Trials<'_>) -> Vec<Offer<'a>> {
         let mut offers = Vec::new();
         for implicit in [false, true] {
@@ -112,7 +112,7 @@ impl<'s, 'a> Adviser<'s, 'a> {
         offers
     }
 
-    /// The candidates of a family: the case's own, those that come far, the others.
+    /// The candidates of a family in the order of trial: the case's own method, those of [`FIRST`], the others.
     fn family(&self, implicit: bool) -> impl Iterator<Item = &'a Candidate> {
         let own = self.spec.problem.method.info.name;
         let rank = move |c: &&Candidate| match c.method.info.name {
@@ -137,14 +137,14 @@ impl<'s, 'a> Adviser<'s, 'a> {
         offers
     }
 
-    /// By runs with a step and with twice the step: the case's own method where it is implicit, else Newmark's.
+    /// By step doubling, with the case's own method if it is implicit, otherwise with Newmark's.
     fn halved(&self) -> Vec<Offer<'a>> {
         let own = self.spec.problem.method.info.name;
         let tried = self.family(true).find(|c| own == c.method.info.name || UNMEASURED.contains(&c.method.info.name));
         tried.and_then(|c| by_step_doubling(self.spec, self.costs, c).map(|found| (c, found))).into_iter().collect()
     }
 
-    /// From what local errors let adaptive steps be.
+    /// From the adaptive steps that local errors allow.
     fn unmeasured(&self, trials: &mut Trials<'_>, implicit: bool) -> Vec<Offer<'a>> {
         let ForecastSpec { problem, accuracy, .. } = *self.spec;
         let own = problem.method.info.name;
@@ -153,19 +153,19 @@ impl<'s, 'a> Adviser<'s, 'a> {
         let offer = |candidate: &'a Candidate| {
             let limit = candidate.limit.filter(|limit| limit.step > 0.0)?;
             let made = trials.predict(candidate, Step::Adaptive(tolerance_of(accuracy))).ok()?;
-            // What the errors of single steps come to is not known: with the mean of the steps that they allow it may
-            // be hundreds of times more.
+            // How local errors add up is not known: with the mean adaptive step the error may be hundreds of times
+            // larger.
             let careful = UNKNOWN * CAREFUL.powf(1.0 / f64::from(candidate.method.order()));
             let step = nice((careful * made.mean_step).min(limit.safe()), problem.time.end);
-            // Adaptive steps need other work: every change of a step changes W.
+            // The work of adaptive steps does not apply: every change of the step changes W.
             let seconds = self.costs.untried(&candidate.method, problem.time.end / step);
             Some((candidate, FoundStep { step, error: None, known_by: KnownBy::LocalErrors, seconds, run: None }))
         };
         tried.filter_map(offer).collect()
     }
 
-    /// The cheapest of all and the cheapest of the other family; `complete` predicts a run of a method where it is not
-    /// known, and adds its output.
+    /// The cheapest method and the cheapest of the other family. `complete` predicts runs that were not made, and adds
+    /// the cost of output.
     pub fn advise(
         &self,
         offers: &[Offer<'a>],
@@ -191,12 +191,12 @@ impl<'s, 'a> Adviser<'s, 'a> {
         })
     }
 
-    /// [-] How many times cheaper than `seconds` the case's own run is, if it is clearly so and was not measured.
+    /// [-] Factor by which the case's own run is cheaper than `seconds`, if it is clearly cheaper and was not measured.
     fn own_cheaper(&self, offers: &[Offer<'a>], seconds: f64) -> Option<f64> {
         let ForecastSpec { problem, candidates, .. } = *self.spec;
         let own = candidates.iter().find(|c| c.method.info.name == problem.method.info.name)?;
         let name = own.method.info.name;
-        // A method that was measured and is not among the offers was too dear with the step of the accuracy.
+        // A method that was measured and is not among the offers was too expensive at the wanted accuracy.
         let known = match offers.iter().find(|(c, _)| c.method.info.name == name) {
             Some((_, found)) => found.known_by != KnownBy::LocalErrors,
             None => self.search.as_ref().is_some_and(|search| search.tries(own, name)),
@@ -231,7 +231,7 @@ impl<'s, 'a> Adviser<'s, 'a> {
     }
 }
 
-/// What was measured goes before what is concluded from single steps, unless that is far cheaper.
+/// The cheapest measured offer, unless an offer concluded from local errors is [`FAR`] times cheaper.
 fn best_of<'c>(offers: &[Offer<'c>], own: &str) -> Option<Offer<'c>> {
     let (concluded, measured): (Vec<Offer<'c>>, Vec<Offer<'c>>) =
         offers.iter().copied().partition(|(_, found)| found.known_by == KnownBy::LocalErrors);
@@ -240,7 +240,7 @@ fn best_of<'c>(offers: &[Offer<'c>], own: &str) -> Option<Offer<'c>> {
     Some(concluded.filter(|(_, found)| FAR * found.seconds < measured.1.seconds).unwrap_or(measured))
 }
 
-/// Of all that cost about what the cheapest does, the case's own method or else the first.
+/// Of all offers that cost about as little as the cheapest: the case's own method, otherwise the most accurate.
 fn prefer<'c>(offers: &[Offer<'c>], own: &str) -> Option<Offer<'c>> {
     let least = offers.iter().map(|(_, found)| found.seconds).fold(f64::INFINITY, f64::min);
     let mut equal = offers.iter().filter(|(_, found)| found.seconds <= TIE * least);
@@ -257,8 +257,7 @@ mod tests {
         FoundStep { step: 1e-3, error: None, known_by, seconds, run: None }
     }
 
-    /// A measured step is taken before one that seems cheaper and was not measured, but not at hundreds of times its
-    /// cost.
+    /// A measured step is preferred to a cheaper one that was not measured, unless it costs hundreds of times as much.
     #[test]
     fn what_was_measured_goes_first_unless_the_other_is_far_cheaper() {
         let candidates = ["velocity-verlet", "newmark"].map(|name| Candidate {

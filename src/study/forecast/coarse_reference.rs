@@ -1,11 +1,10 @@
 //! Real runs of a scene from its start, as far as is affordable, against a reference: what error a step or a tolerance
 //! makes.
 //!
-//! What local errors come to is only known once they have added up (a phase that runs ahead, a motion that damps them),
-//! so it is measured. How far runs go is decided by nominal costs alone, and what they need is counted: the same case
-//! gives the same errors on every machine.
+//! How local errors accumulate (as a phase error, or damped by the motion) cannot be predicted, so the error is
+//! measured. The length of the runs is decided by nominal costs and their work is counted: the same case gives the same
+//! errors on every machine.
 
-use super::cost::Clock;
 use super::estimate::Estimate;
 use super::nominal::{Budget, NominalCosts};
 use super::sample::{Sample, work};
@@ -13,24 +12,25 @@ use super::{Candidate, ForecastSpec};
 use crate::drive::clock::Step;
 use crate::drive::{Outcome, Status};
 use crate::integrate::registry::MethodChoice;
-use crate::study::bench::{interval, nominal_step, reference_tolerance};
-use crate::study::experiment::{Event, Experiment, Flow, Start};
+use crate::process::Stopwatch;
+use crate::study::experiment::{Event, Experiment, Start};
 use crate::study::frames::{Distance, Frames, Sampler};
+use crate::study::prepared_case::{interval, nominal_step, reference_tolerance};
 
 /// The scheme of the reference.
 const METHOD: &str = "dop853";
-/// [s] What the reference may cost, nominally.
+/// [s] Nominal cost limit of the reference.
 const REFERENCE: f64 = 0.6;
-/// [-] Steps of an adaptive run over those at its limit.
+/// [-] Number of steps of an adaptive run over the number at its stability limit.
 const SLOWER: f64 = 1.5;
 /// [-] Tolerance of the reference over the accuracy that is wanted, and its bounds.
 const FINER: f64 = 3e-3;
 const TOLERANCES: [f64; 2] = [1e-9, 1e-5];
-/// [-] Part of the run below which nothing is concluded from it.
+/// [-] Smallest part of the run from which an error is concluded.
 const FEW: f64 = 0.03;
-/// Frames at least, where the run is cut.
+/// Smallest number of frames of a shortened run.
 const FRAMES: f64 = 10.0;
-/// [-] Fastest growth of an error with time, as a power, that is carried on beyond what was seen.
+/// [-] Largest power of time with which an error is extrapolated beyond the part that was run.
 const GROWTH: f64 = 1.5;
 
 /// A reference and what is needed to compare with it.
@@ -43,7 +43,7 @@ pub struct CoarseReference<'a> {
     /// [s] interval of the frames
     every: f64,
     frames: Frames,
-    /// what its runs are taken from; `None`: they were paid for
+    /// budget that its runs are charged to; `None` if they are charged elsewhere
     budget: Option<&'a Budget>,
 }
 
@@ -58,7 +58,7 @@ pub struct MeasuredRun {
     pub sample: Sample,
 }
 
-/// What a run may take, by counts.
+/// The limits of a run, as counted work.
 #[derive(Clone, Copy, Debug)]
 pub struct RunBudget {
     /// steps
@@ -68,7 +68,7 @@ pub struct RunBudget {
 }
 
 impl<'a> CoarseReference<'a> {
-    /// Makes the reference for an accuracy; `None` where it is not affordable far enough, or nothing moves.
+    /// Makes the reference for an accuracy; `None` if only a small part is affordable, or nothing moves.
     pub fn of(spec: &ForecastSpec<'a>) -> Option<Self> {
         let ForecastSpec { scene, problem, candidates, accuracy, budget, .. } = *spec;
         let affordable = REFERENCE.min(budget.left());
@@ -93,8 +93,8 @@ impl<'a> CoarseReference<'a> {
         (far && reference.frames.motion.squares > 0.0).then_some(reference)
     }
 
-    /// A run of any method to the end as a reference, and what it took; `None` where it does not come to the end, or
-    /// nothing moves. Neither it nor runs that are compared with it are taken from the budget of the forecast.
+    /// A complete run of any method as a reference, and its work; `None` if it does not reach the end, or nothing
+    /// moves. Neither it nor the runs compared with it are charged to the budget of the forecast.
     pub fn by(
         spec: &ForecastSpec<'a>,
         method: &MethodChoice,
@@ -130,7 +130,7 @@ impl<'a> CoarseReference<'a> {
         self.frames.motion.period()
     }
 
-    /// Makes a run and compares it; `None` where it fails, or needs more than it may.
+    /// Makes a run and compares it with the reference; `None` if it fails or exceeds its limits.
     pub fn measure(&self, method: &MethodChoice, step: Step, most: RunBudget) -> Option<MeasuredRun> {
         let start = (0.0, Distance::default());
         let mut sampler = Sampler::comparing(self.spec.scene, self.every, &self.frames, start);
@@ -153,21 +153,21 @@ impl<'a> CoarseReference<'a> {
         let frames_every = Some(self.every);
         let experiment = Experiment { frames_every, ..Experiment::new(scene, method, problem.solver, step, self.span) };
         let (mut made, mut halfway) = (0, Distance::default());
-        let clock = Clock::default();
+        let clock = Stopwatch::default();
         let before = clock.seconds();
         let run = experiment.run(Start::Initial, Some(sampler), &mut |event, distance| match event {
             Event::Boundary(run) => {
                 let cost = |costs: NominalCosts| costs.cost(run.step as f64, work(run.counters));
-                Flow::stop_if(most.work.is_some_and(|(costs, most)| cost(costs) > most))
+                most.work.is_some_and(|(costs, most)| cost(costs) > most)
             }
             Event::Step(_) => {
                 if halfway.frames == 0 && distance.frames >= half {
                     halfway = distance;
                 }
                 made += 1;
-                Flow::stop_if(made >= most.steps)
+                made >= most.steps
             }
-            _ => Flow::Continue,
+            _ => false,
         });
         let outcome = run.ok()?;
         let seconds = clock.seconds() - before;
@@ -180,7 +180,8 @@ impl<'a> CoarseReference<'a> {
         Some((outcome, made, halfway))
     }
 
-    /// [-] How many times the error will be at the end what it is where runs are cut, as it has grown since the middle.
+    /// [-] Factor from the error at the end of the shortened run to that at the end of the case, extrapolated from its
+    /// growth since the middle of the shortened run.
     fn growth(&self, error: f64, halfway: Distance) -> f64 {
         let (half, all) = (halfway.frames as usize, self.frames.motion.frames as usize);
         if self.span >= self.whole || half >= all {

@@ -1,18 +1,17 @@
-//! What one force pass and one tangent of a scene cost, measured here and now.
+//! The cost of one force pass and one tangent of a scene, measured on this machine.
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use crate::assembly::Assembler;
 use crate::integrate::implicit::{Factor, SolverSpec, cached_factor};
 use crate::model::system::Weights;
-use crate::process;
+use crate::process::Stopwatch;
 use crate::scene::Scene;
 use crate::solve::{Accuracy, LinearSolver, LinearStats, Prediction, solver_for};
 
-/// [s] spent on one figure at most, if one piece of the work does not take longer already.
+/// [s] Time limit for measuring one cost, unless a single repetition takes longer.
 const BUDGET: f64 = 0.01;
-/// [s] A sample is made at least so long, by repeating the work: far above the clock's grain.
+/// [s] Shortest sample, far above the resolution of the clock; the work is repeated to reach it.
 const SAMPLE: f64 = 20e-6;
 /// Samples of which the median is taken.
 const SAMPLES: usize = 7;
@@ -27,7 +26,7 @@ const SOLVE: f64 = 1.05e-9;
 /// [s] An entry of W in an iteration of conjugate gradients, and in making them ready (703 and 10,000 nodes).
 const CG_ITERATION: f64 = 1.3e-9;
 const CG_READY: f64 = 3.5e-9;
-/// [s] A factorisation expected to take longer is not tried.
+/// [s] A factorisation is not tried if it is expected to take longer.
 const DEAR: f64 = 1.0;
 /// [s] An LU factorisation of a net with n unknowns over n^1.5 (annuli of 2,500 to 40,000 nodes: 55 to 105 ns).
 const LU: f64 = 6e-8;
@@ -140,7 +139,7 @@ pub fn force_cost(scene: &dyn Scene) -> ForceCost {
 /// # Errors
 /// What an implicit method would be refused with.
 pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<TangentCost, String> {
-    let clock = Clock::default();
+    let clock = Stopwatch::default();
     let before = clock.seconds();
     let (mut assembler, mut solver, kept) =
         match cached_factor(scene, spec.newton.strategy, spec.linear).map_err(|e| e.to_string())? {
@@ -159,7 +158,7 @@ pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<
         true => scene.assemble_symmetric(state.as_ref(), weights, false, black_box(&mut assembler)),
         false => scene.assemble(state.as_ref(), weights, black_box(&mut assembler)),
     });
-    // What serves a matrix that is kept shows when it has the values.
+    // The solver for a kept matrix is chosen once its values are known.
     let before = clock.seconds();
     if kept {
         solver.choose(assembler.values()).map_err(|e| e.to_string())?;
@@ -210,7 +209,7 @@ fn expected(stats: &LinearStats, unknowns: usize) -> f64 {
     }
 }
 
-/// [s] A factorisation. A W that is singular at the start says nothing of a run; what was spent is what it costs.
+/// [s] Cost of a factorisation. A W that is singular at the start is no failure of the run; the time spent counts.
 fn factorization(solver: &mut dyn LinearSolver, assembler: &Assembler, kept: bool) -> f64 {
     let values = assembler.values();
     median_seconds(BUDGET, || {
@@ -231,27 +230,10 @@ fn solve(solver: &mut dyn LinearSolver, assembler: &Assembler) -> (f64, u64) {
     (seconds, (solver.work().iterations - before).div_ceil(solves.max(1)))
 }
 
-/// Reads processor time, or the wall clock where the system does not say.
-#[derive(Clone, Copy, Debug)]
-pub struct Clock(Instant);
-
-impl Default for Clock {
-    fn default() -> Self {
-        Clock(Instant::now())
-    }
-}
-
-impl Clock {
-    /// [s] spent, from some fixed moment on.
-    pub fn seconds(&self) -> f64 {
-        process::cpu_seconds().unwrap_or_else(|| self.0.elapsed().as_secs_f64())
-    }
-}
-
-/// [s] What a piece of work costs once it is warm: the median of a few samples, or the only one where that already
-/// takes `budget` [s].
+/// [s] Cost of a piece of work after a first repetition: the median of a few samples. If the first repetition takes
+/// `budget` [s] or more, its cost is returned.
 pub fn median_seconds(budget: f64, mut work: impl FnMut()) -> f64 {
-    let clock = Clock::default();
+    let clock = Stopwatch::default();
     let mut sample = |repeats: u32| {
         let before = clock.seconds();
         (0..repeats).for_each(|_| work());

@@ -4,7 +4,7 @@ use serde::ser::{SerializeMap, Serializer};
 
 use super::sample::{Sample, StartSample, Work};
 
-/// [-] Paces of parts of a run that differ by more say little of the parts between.
+/// [-] If the numbers of steps per second of parts of a run differ by more, the estimate is doubtful.
 const UNEVEN: f64 = 3.0;
 
 /// Whether paces [1/s] differ by more than figures are worth.
@@ -13,7 +13,7 @@ fn differ(paces: impl Iterator<Item = f64>) -> bool {
     most > UNEVEN * least
 }
 
-/// What a figure rests on.
+/// The source of an estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Basis {
@@ -23,7 +23,7 @@ pub enum Basis {
     Counts,
 }
 
-/// A run that has not been made.
+/// The estimated cost of a run.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Estimate {
     /// what it rests on

@@ -13,7 +13,6 @@
 pub mod advice;
 pub mod coarse_reference;
 pub mod cost;
-pub mod describe;
 pub mod estimate;
 pub mod memory;
 pub mod nominal;
@@ -35,9 +34,12 @@ use trials::Trials;
 use crate::analysis::critical::CriticalStep;
 use crate::case::spec::Problem;
 use crate::drive::clock::{Step, Tolerance};
-use crate::integrate::registry::MethodChoice;
+use crate::integrate::registry::{Family, MethodChoice};
 use crate::output::frame::Fields;
 use crate::scene::Scene;
+use crate::study::StudyError;
+use crate::study::template::render;
+use minijinja::context;
 
 /// A method that may run, and what is known of its largest stable step.
 #[derive(Clone, Debug)]
@@ -188,6 +190,17 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
     }
     let seen = trials.seen();
     Forecast { force, tangent, tangent_refused, output, seen, methods, advice }
+}
+
+/// The text of a forecast: costs of force passes and tangents, runs of all methods, and what is recommended.
+///
+/// # Errors
+/// What the template engine refuses.
+pub fn describe(problem: &Problem, forecast: &Forecast) -> Result<String, StudyError> {
+    let info = problem.method.info;
+    let (own, implicit, end) = (info.name, info.family == Family::Implicit, problem.time.end);
+    let context = context! { forecast, own, implicit, end };
+    render("check.txt", include_str!("../../../assets/report/check.txt"), &context)
 }
 
 /// The step a method would run with: the case's, or what is stable; a method that has no stable step at all keeps the

@@ -1,5 +1,5 @@
-//! What work costs nominally, and how much of it a forecast may spend: counted work times what it costs on one core of
-//! an ordinary machine, so that what is decided by it is the same on every machine.
+//! Nominal costs, and the budget of a forecast. A nominal cost is counted work times its cost on one core of an
+//! ordinary machine, so that decisions based on it are the same on every machine.
 
 use std::cell::Cell;
 
@@ -9,26 +9,26 @@ use super::sample::Work;
 use crate::case::spec::Problem;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::scene::Scene;
-use crate::study::bench::{nominal_pass, nominal_step};
+use crate::study::prepared_case::{nominal_pass, nominal_step};
 
 /// [-] Share of the run that a forecast may cost.
 const SHARE: f64 = 0.25;
-/// [s] What is always allowed on scenes of up to so many degrees of freedom. On larger ones it falls as these grow: to
-/// build them and to choose their solver costs time that is not counted here.
+/// [s] Smallest budget for scenes of up to [`SMALL`] degrees of freedom. It decreases for larger scenes, because the
+/// time to build them and to choose their solver is not counted here.
 const LEAST: f64 = 3.0;
 const SMALL: f64 = 60_000.0;
 /// [s] A search of the spectrum for critical steps, a degree of freedom: some two hundred tangent products.
 const SEARCH: f64 = 1e-5;
-/// [-] Part of what is allowed that such a search may take.
+/// [-] Largest part of the budget that such a search may take.
 const SEARCHES: f64 = 0.5;
 
-/// [s] What a step costs besides its forces and its equations: of itself, and a degree of freedom.
+/// [s] Cost of a step besides its forces and its equations: per step, and per degree of freedom.
 const OVERHEAD: [f64; 2] = [3e-7, 4e-9];
 /// [-] Cost of a second force pass at the same positions over that of the first, from which it takes what follows from
 /// positions (annuli of 703 nodes in the wind: 0.88; of 10,000 and 100,000 nodes without: 0.65; with a first pass that
 /// kept all sums apart).
 const AGAIN: f64 = 0.7;
-/// [-] Work of an implicit step as far as it is not known: two iterations and a test whether they were enough.
+/// [-] Assumed work of an implicit step: two iterations and a convergence test.
 const UNTRIED: Work = [3.0, 2.0, 2.0, 2.0, 2.0];
 /// The same where a matrix is kept.
 const KEPT: Work = [3.0, 0.0, 0.0, 2.0, 2.0];
@@ -78,16 +78,15 @@ impl NominalCosts {
         }
     }
 
-    /// Passes a step that are not made in full. What a scheme evaluates only where forces depend on velocities is at
-    /// positions that it has been to.
+    /// Part of a pass that is saved in each step. A pass that a scheme makes only if forces depend on velocities is at
+    /// positions for which a pass was made already.
     fn saved(&self, method: &MethodChoice) -> f64 {
         let [still, moving] = method.info.evaluations.map(f64::from);
         if self.moving { (1.0 - AGAIN) * (moving - still) } else { 0.0 }
     }
 }
 
-/// Nominal seconds that a forecast may still spend. Small pieces of work, each of a fraction of a second, are not
-/// counted.
+/// Nominal time that a forecast may still spend. Small pieces of work, each of a fraction of a second, are not counted.
 #[derive(Clone, Debug)]
 pub struct Budget {
     left: Cell<f64>,
@@ -121,8 +120,8 @@ impl Budget {
         left
     }
 
-    /// Whether a search of the spectrum is affordable, which the limits of all methods come from; else bounds from the
-    /// elements must do.
+    /// Charges a search of the spectrum, which gives the stability limits of all methods, if it is affordable.
+    /// Otherwise the bounds from the elements are used.
     pub fn affords_search(&self, scene: &dyn Scene) -> bool {
         let cost = SEARCH * scene.n_dof() as f64;
         cost <= SEARCHES * self.left() && self.affords(cost)

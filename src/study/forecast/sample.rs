@@ -1,7 +1,6 @@
-//! A few real steps of a method: what they cost and how far they go. They begin at the start of a run or at a state on
-//! its way, and nothing is written.
+//! A few real steps of a method, their cost and the time they simulate. They begin at the start of a run or at a state
+//! along it. Nothing is written.
 
-use super::cost::Clock;
 use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::ledger::Ledger;
 use crate::drive::watch::Watch;
@@ -10,15 +9,16 @@ use crate::integrate::Counters;
 use crate::integrate::stepper::Stepper;
 use crate::model::point::Point;
 use crate::model::state::State;
-use crate::study::experiment::{Event, Experiment, Flow, Start};
+use crate::process::Stopwatch;
+use crate::study::experiment::{Event, Experiment, Start};
 
-/// [-] A step this many times the one before is not yet the size the tolerance allows.
+/// [-] While a step is this many times the one before, adaptive steps have not reached their size yet.
 const GROWING: f64 = 1.4;
-/// How many times its allowance a trial may take for steps that still grow.
+/// A trial may take this multiple of its allowance while its steps still grow.
 pub(super) const PATIENCE: f64 = 3.0;
-/// Steps that a trial makes even beyond its allowance, unless they are so dear that its patience ends.
+/// Smallest number of steps of a trial, even beyond its allowance, up to [`PATIENCE`] times it.
 const LEAST: u64 = 6;
-/// Steps that are made one by one, however dear: their memory is touched for the first time.
+/// Number of first steps that are always made one by one: they touch their memory for the first time.
 pub(super) const COLD: u64 = 2;
 
 /// [-] Counted work: force passes, assemblies, factorisations, solves, Newton iterations.
@@ -49,7 +49,7 @@ impl Sample {
         self.steps / self.simulated
     }
 
-    /// What was done after `earlier`, from sums since the start.
+    /// The difference to `earlier`, both being sums since the start.
     fn since(&self, earlier: &Sample) -> Sample {
         Sample {
             steps: self.steps - earlier.steps,
@@ -60,7 +60,7 @@ impl Sample {
     }
 }
 
-/// What a run came to from its start.
+/// The steps of a run from its start.
 #[derive(Clone, Copy, Debug)]
 pub struct StartSample {
     /// all of its steps
@@ -107,19 +107,19 @@ pub fn sample_start(
     stepper: &mut Stepper<'_>,
     allowance: f64,
 ) -> Result<StartSample, SampleError> {
-    let clock = Clock::default();
+    let clock = Stopwatch::default();
     let start = clock.seconds();
     // Steps made and the time [s] then, at the last two powers of two.
     let (mut made, mut marks) = (0_u64, [(0_u64, 0.0); 2]);
     let run = Experiment { single_steps: 0, ..run };
     let outcome = run.run_with(stepper, Start::Initial, None, &mut |event, _| {
-        let Event::Step(step) = event else { return Flow::Continue };
+        let Event::Step(step) = event else { return false };
         made += 1;
         if made.is_power_of_two() {
             marks = [marks[1], (made, step.t)];
         }
         let look = made < 16 || made.is_multiple_of(16);
-        Flow::stop_if(look && clock.seconds() >= start + allowance)
+        look && clock.seconds() >= start + allowance
     })?;
     if let Some(failure) = outcome.failure {
         return Err(SampleError::Failed { time: failure.time, cause: failure.cause });
@@ -154,7 +154,7 @@ pub fn sample(
     let snapshot = begin(&run, stepper, at)?;
     let from = snapshot.t;
     let adaptive = run.step.fixed().is_none();
-    let mut meter = Meter { clock: Clock::default(), allowance, adaptive, due: true, ..Meter::default() };
+    let mut meter = Meter { clock: Stopwatch::default(), allowance, adaptive, due: true, ..Meter::default() };
     // Steps are made in blocks as a run with these frames makes them, once the first ones were made.
     let run = Experiment { single_steps: COLD, ..run };
     let outcome = run.run_with(stepper, Start::Snapshot(Box::new(snapshot)), None, &mut |event, _| {
@@ -166,7 +166,7 @@ pub fn sample(
             Event::Step(step) => meter.stepped(step.h()),
             _ => {}
         }
-        Flow::stop_if(meter.over)
+        meter.over
     })?;
     meter.mark(outcome.steps, outcome.t_end, outcome.counters);
     match (outcome.failure, outcome.status) {
@@ -177,8 +177,8 @@ pub fn sample(
     }
 }
 
-/// The state as a run of this method would have come to it, its account opened anew; for fixed steps at the nearest of
-/// their times.
+/// A snapshot of this method at the state of `from`, with a new energy account; with fixed steps, at the nearest
+/// multiple of the step.
 fn begin(run: &Experiment<'_>, stepper: &mut Stepper<'_>, from: &Snapshot) -> Result<Snapshot, SampleError> {
     let (step, t) = match run.step {
         Step::Adaptive(_) => (from.step, from.t),
@@ -200,10 +200,10 @@ fn begin(run: &Experiment<'_>, stepper: &mut Stepper<'_>, from: &Snapshot) -> Re
     Ok(Snapshot { step, t, x, v, carried: stepper.save(), ledger, row, watch, adaptive, ..Snapshot::default() })
 }
 
-/// Reads the clock at some of the steps and decides when the trial ends.
+/// Reads the clock after some of the steps and decides when the trial ends.
 #[derive(Default)]
 struct Meter {
-    clock: Clock,
+    clock: Stopwatch,
     /// [s]
     allowance: f64,
     adaptive: bool,
@@ -228,8 +228,8 @@ impl Meter {
         }
     }
 
-    /// What the later steps cost: the first ones start from a state of another method, and adaptive steps have yet to
-    /// find their size.
+    /// The later half of the steps: the first ones start from a state of another method, and adaptive steps have not
+    /// reached their size yet.
     fn sample(&self) -> Option<Sample> {
         let (first, last) = (self.marks.first()?, self.marks.last()?);
         let settled = (first.steps + last.steps) / 2.0;
@@ -242,7 +242,7 @@ impl Meter {
         self.made += 1;
         let grows = self.adaptive && h > GROWING * self.before;
         self.before = h;
-        // Reading the clock is as dear as a step of a pendulum: read it less and less often.
+        // Reading the clock costs as much as a step of a pendulum: it is read less and less often.
         if self.made >= self.next {
             self.due = true;
             self.next = self.made + 1 + self.made / 8;

@@ -1,4 +1,4 @@
-//! The longest step, and the widest tolerance, that deliver an accuracy: found by runs against a reference.
+//! The longest step and the largest tolerance that reach an accuracy, found by runs that are compared with a reference.
 
 use super::coarse_reference::{CoarseReference, MeasuredRun, RunBudget};
 use super::estimate::Estimate;
@@ -7,33 +7,33 @@ use super::{Candidate, tolerance_of};
 use crate::drive::clock::Step;
 use crate::format_number::two_digits;
 use crate::integrate::registry::{Family, MethodChoice};
-use crate::study::bench::nominal_step;
+use crate::study::prepared_case::nominal_step;
 
-/// [s] What a run may cost, nominally, if a step is cheap or [`DEAR`].
+/// [s] Nominal cost limit of a run: for cheap steps, and for steps that cost more than [`DEAR`].
 const RUN: [f64; 2] = [0.3, 0.12];
-/// [-] Work of an implicit run over [`RUN`] at which it ends: iterations are not known before.
+/// [-] An implicit run is stopped at this multiple of [`RUN`]: its number of iterations is not known in advance.
 const SPENT: f64 = 3.0;
-/// [-] What runs with longer steps showed is not carried over to steps more than so many times shorter.
+/// [-] Results of longer steps are extrapolated to steps that are at most this many times shorter.
 pub(super) const REACH: f64 = 5.0;
-/// [runs] at most for a step, and for a tolerance.
+/// [-] Largest number of runs to find a step, and to find a tolerance.
 const RUNS: [usize; 2] = [6, 3];
-/// [-] Share of the accuracy that the next step is to make as its error.
+/// [-] The next step aims at this share of the accuracy as its error.
 const AIM: f64 = 0.7;
-/// [-] Share of the accuracy above which an error is near enough to it: no longer step is tried.
+/// [-] No longer step is tried once the error exceeds this share of the accuracy.
 const ENOUGH: f64 = 0.4;
-/// [-] Share of the accuracy that is aimed at where the last run could not be afforded, and where none could.
+/// [-] Share of the accuracy to aim at if the final run, or any run, was too expensive to make.
 pub(super) const CAREFUL: f64 = 0.4;
-/// [-] What is concluded from a part of a run must not come closer to the accuracy than this.
+/// [-] An error concluded from a part of a run must stay below this share of the accuracy.
 pub(super) const FROM_PART: f64 = 0.6;
-/// [-] Most change of a step from run to run.
+/// [-] Largest factor between the steps of two consecutive runs.
 const CHANGE: f64 = 20.0;
 /// [-] Longest step, as a share of the run.
 pub(super) const LONGEST: f64 = 0.1;
-/// [steps] Fewest of a run that is compared.
+/// [-] Smallest number of steps of a run that is compared.
 const FEWEST: f64 = 4.0;
-/// [s] A step with a nominal cost above this is tried with the case's method and Newmark's only.
+/// [s] If a step costs more than this, nominally, only the case's own method and Newmark's are tried.
 const DEAR: f64 = 4e-3;
-/// [-] Errors above are bounded by the motion and say nothing of shorter steps.
+/// [-] Larger errors are limited by the size of the motion and say nothing about shorter steps.
 pub(super) const SATURATED: f64 = 0.3;
 
 /// How an error is known.
@@ -79,7 +79,7 @@ pub struct FoundTolerance {
 }
 
 impl FoundTolerance {
-    /// What is asked for without a trial: local errors mostly come to the tolerance within a factor of three.
+    /// The tolerance to ask for without a trial: the error is mostly within a factor of three of the tolerance.
     pub fn untried(accuracy: f64) -> FoundTolerance {
         FoundTolerance { tolerance: two_digits(accuracy / 3.0), error: None, run: None }
     }
@@ -99,15 +99,14 @@ pub struct Search<'a> {
 type Try = (f64, MeasuredRun);
 
 impl Search<'_> {
-    /// Whether trying a method is worth its cost.
+    /// Whether a method is worth trying.
     pub fn tries(&self, candidate: &Candidate, own: &str) -> bool {
         let info = candidate.method.info;
         let stable = candidate.limit.is_some_and(|limit| limit.step > 0.0);
         stable && (!self.dear(candidate) || [own, "newmark"].contains(&info.name))
     }
 
-    /// The longest step that delivers the accuracy; `None` where it would cost more than `dearest` [s], or cannot be
-    /// told.
+    /// The longest step that reaches the accuracy; `None` if it would cost more than `dearest` [s], or cannot be found.
     pub fn step(&self, candidate: &Candidate, dearest: f64) -> Option<FoundStep> {
         let CoarseReference { span, whole, .. } = self.reference;
         let method = &candidate.method;
@@ -120,7 +119,7 @@ impl Search<'_> {
         let shortest = span / most;
         let guess =
             self.reference.period() / std::f64::consts::TAU * self.accuracy.powf(1.0 / f64::from(method.order()));
-        // Two longer steps give the order where the one that is sought is too dear.
+        // If the wanted step is too expensive, two longer ones give the order.
         let from = if guess < shortest { 2.0 * shortest } else { guess };
         let mut h = nice(if from.is_finite() { from.min(longest) } else { longest }, whole);
         let mut tries: Vec<Try> = Vec::new();
@@ -154,7 +153,7 @@ impl Search<'_> {
         self.judge(&tries, method).filter(|found| found.seconds <= dearest)
     }
 
-    /// The longest step that was good, or what follows from them for shorter ones.
+    /// The longest step that reached the accuracy, otherwise the step extrapolated from the runs.
     fn judge(&self, tries: &[Try], method: &MethodChoice) -> Option<FoundStep> {
         let whole = self.reference.whole;
         let good = tries.iter().filter(|(_, made)| made.error <= self.bound());
@@ -179,14 +178,14 @@ impl Search<'_> {
         FoundStep { step, error: Some(error), known_by, seconds: self.cost(method, from, step), run }
     }
 
-    /// Steps that a run may have which is compared.
+    /// Largest number of steps of a run that is compared.
     fn most(&self, candidate: &Candidate) -> f64 {
         let step = self.nominal(candidate);
         RUN[usize::from(self.dear(candidate))] / step
     }
 
-    /// [s] What a step costs before any was made. An implicit one is known by its equations, which mostly keep a
-    /// matrix, an explicit one as a study measures it.
+    /// [s] Nominal cost of a step before any was made. For implicit methods it includes the solution of the equations,
+    /// mostly with a kept matrix.
     fn nominal(&self, Candidate { method, .. }: &Candidate) -> f64 {
         match method.info.family {
             Family::Implicit => self.costs.untried(method, 1.0),
@@ -198,14 +197,15 @@ impl Search<'_> {
         candidate.method.info.family == Family::Implicit && self.nominal(candidate) > DEAR
     }
 
-    /// So many steps; implicit ones may turn out to need more iterations than was thought.
+    /// The budget of a run of `steps` steps; implicit ones may need more iterations than expected.
     fn budget(&self, candidate: &Candidate, steps: f64) -> RunBudget {
         let most = SPENT * RUN[usize::from(self.dear(candidate))];
         let implicit = candidate.method.info.family == Family::Implicit;
         RunBudget { steps: steps as u64, work: implicit.then_some((self.costs, most)) }
     }
 
-    /// The tolerance to ask for: the accuracy, unless that delivers less; its error and the run.
+    /// The tolerance to ask for, its error and its run. It is the accuracy itself, or smaller if that does not reach
+    /// it.
     pub fn tolerance(&self, candidate: &Candidate, found: &FoundStep) -> FoundTolerance {
         let untried = FoundTolerance::untried(self.accuracy);
         let CoarseReference { span, whole, .. } = self.reference;
@@ -233,18 +233,18 @@ impl Search<'_> {
         AIM * self.bound() / self.accuracy
     }
 
-    /// [-] The largest error that will do.
+    /// [-] The largest acceptable error.
     fn bound(&self) -> f64 {
         if self.reference.seen() < 1.0 { FROM_PART * self.accuracy } else { self.accuracy }
     }
 
-    /// [s] The whole run with steps of `step` [s], from the work of another.
+    /// [s] Cost of the whole run with steps of `step` [s], from the work of another run.
     fn cost(&self, method: &MethodChoice, (_, made): Try, step: f64) -> f64 {
         self.costs.as_made(method, &made, self.reference.whole / step)
     }
 }
 
-/// The order that the last two runs showed, at most that of the method.
+/// The order of convergence between the last two runs, at most that of the method.
 fn order(tries: &[Try], nominal: u32) -> f64 {
     let nominal = f64::from(nominal);
     let [.., (h0, before), (h1, after)] = tries else { return nominal };
@@ -252,7 +252,7 @@ fn order(tries: &[Try], nominal: u32) -> f64 {
     if seen.is_finite() { seen.clamp((0.5 * nominal).min(1.0), nominal) } else { nominal }
 }
 
-/// [s] A step of two digits, not above `h` and hardly below; if there is one, one that divides the run.
+/// [s] A step of two digits in [0.9 h, h], rounded; one that divides the run is preferred.
 pub(super) fn nice(h: f64, whole: f64) -> f64 {
     let most = two_digits(h);
     let unit = 10_f64.powf(most.log10().floor() - 1.0);

@@ -1,9 +1,9 @@
 //! States along a whole run. Other methods are tried from them, because a step at the end of a run may cost more than
 //! one at its start.
 
-use super::cost::Clock;
 use crate::drive::Snapshot;
-use crate::study::experiment::{Event, Experiment, Flow, Start};
+use crate::process::Stopwatch;
+use crate::study::experiment::{Event, Experiment, Start};
 
 /// States kept at most.
 const MOST: usize = 16;
@@ -24,7 +24,7 @@ impl SampledStates {
     pub fn follow(run: Experiment<'_>, budget: f64) -> SampledStates {
         let most = (MOST_BYTES / (48 * run.scene.n_dof()).max(1)).clamp(2, MOST);
         let (mut states, mut every) = (Vec::<Snapshot>::new(), 1);
-        let clock = Clock::default();
+        let clock = Stopwatch::default();
         let deadline = clock.seconds() + budget;
         let outcome = run.run(Start::Initial, None, &mut |event, _| match event {
             Event::Boundary(run) => {
@@ -40,14 +40,14 @@ impl SampledStates {
                 if due(&states, every) {
                     states.push(run.snapshot());
                 }
-                Flow::Continue
+                false
             }
-            // A clock is read in less time than the smallest step takes, but not in no time.
+            // Reading the clock takes some time, compared with the smallest step.
             Event::Step(step) => {
                 let look = step.step < 8 || step.step.is_multiple_of(8);
-                Flow::stop_if(look && clock.seconds() >= deadline)
+                look && clock.seconds() >= deadline
             }
-            _ => Flow::Continue,
+            _ => false,
         });
         SampledStates { states, reached: outcome.map_or(0.0, |outcome| outcome.t_end) }
     }

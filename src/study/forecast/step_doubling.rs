@@ -9,16 +9,17 @@ use crate::drive::clock::Step;
 
 /// [s] What all runs are expected to cost together, nominally.
 const RUNS: f64 = 2.0;
-/// [-] Work at which a run ends, over what it is expected to need: iterations are not known before.
+/// [-] A run is stopped at this multiple of its expected work: its number of iterations is not known in advance.
 const SPENT: f64 = 3.0;
 /// Steps that are tried.
 const TRIES: usize = 5;
 /// Steps of both runs over those of the one with the smaller step.
 const BOTH: f64 = 1.5;
-/// [-] A step that is shorter by less is not worth another try.
+/// [-] A step longer than this share of the last one is not tried.
 const SHORTER: f64 = 0.9;
 
-/// The step, from the longest that a run may have downwards; `None` where no run is affordable, or they settle nothing.
+/// The step for the accuracy, searched downwards from the longest possible one; `None` if no run is affordable or none
+/// is conclusive.
 pub fn by_step_doubling(spec: &ForecastSpec<'_>, costs: NominalCosts, candidate: &Candidate) -> Option<FoundStep> {
     let (method, whole) = (&candidate.method, spec.problem.time.end);
     let order = f64::from(method.order());
@@ -44,7 +45,7 @@ pub fn by_step_doubling(spec: &ForecastSpec<'_>, costs: NominalCosts, candidate:
         let seconds = costs.as_made(method, &made, whole / step);
         let known_by = KnownBy::TwiceTheStep;
         found = (h <= REACH * step).then_some(FoundStep { step, error: Some(error), known_by, seconds, run });
-        // Where the step itself is too dear the shortest that is not comes nearest.
+        // If the step itself is too expensive, the shortest affordable one is tried.
         let next = nice(step.max(h * cost(h) / left), whole);
         if step >= h || next > SHORTER * h {
             break;
@@ -54,8 +55,8 @@ pub fn by_step_doubling(spec: &ForecastSpec<'_>, costs: NominalCosts, candidate:
     found
 }
 
-/// A run and its error, estimated by one with twice the step. `None` where one of them fails, needs more than it may,
-/// or is nowhere near the other.
+/// A run and its error, estimated from a run with twice the step. `None` if one of them fails or exceeds its budget, or
+/// if they differ by much.
 fn differing(spec: &ForecastSpec<'_>, candidate: &Candidate, h: f64, budget: RunBudget) -> Option<(MeasuredRun, f64)> {
     let method = &candidate.method;
     let (reference, made) = CoarseReference::by(spec, method, Step::Fixed(h), budget)?;

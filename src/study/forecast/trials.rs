@@ -1,4 +1,4 @@
-//! What runs of every method cost, from a few of its steps at states along one run.
+//! The cost of a run with each method, from a few of its steps at states along one run.
 
 use super::cost::{ForceCost, TangentCost};
 use super::estimate::{Basis, Estimate};
@@ -9,38 +9,37 @@ use crate::analysis::critical::{has_limit, plainly_stable};
 use crate::drive::Snapshot;
 use crate::drive::clock::{FixedSteps, Step};
 use crate::integrate::registry::{Family, MethodChoice};
-use crate::study::bench::nominal_step;
 use crate::study::experiment::Experiment;
+use crate::study::prepared_case::nominal_step;
 
-/// [s] What the run may take that states are sampled from, a probe.
+/// [s] Time limit of a probe, the run from which states are sampled.
 const PROBE: f64 = 0.3;
-/// [-] part of the run that the first probe must come through, or another, with longer steps, is sent.
+/// [-] If the first probe covers less than this part of the run, a second one with longer steps is made.
 const FAR: f64 = 0.5;
-/// States that a method is tried from.
+/// Number of states from which a method is tried.
 const STATES: usize = 3;
-/// [s] What a method may take from one state, with fixed steps and with adaptive ones.
+/// [s] Time limit of a trial from one state, with fixed steps and with adaptive ones.
 const ALLOWANCE: [f64; 2] = [0.015, 0.03];
-/// States for what adaptive steps leave of a run that was made from its start, and what a trial from one of them may
-/// take [s].
+/// Number of states for the part of an adaptive run that was not made, and the time limit of a trial from one of them
+/// [s].
 const MANY: usize = 8;
 const BEYOND: f64 = 0.012;
-/// [s] What makes a probe dear: a single Newton iteration, or ten force passes; a method is tried from fewer states
-/// long before that.
+/// [s] A probe is expensive if a single Newton iteration, or ten force passes, take longer than this. Far below it, a
+/// method is tried from fewer states already.
 const COSTLY: f64 = 0.03;
-/// [s] A single Newton iteration, or the setting up of its solver, that takes longer is tried with one method only.
+/// [s] If a single Newton iteration, or setting up its solver, takes longer, only one implicit method is tried.
 const DEAR: f64 = 0.15;
-/// Newton iterations and force passes a step where nothing is known: one iteration, and a look whether it was enough.
+/// Newton iterations and force passes assumed per step of an implicit method that was not tried.
 const UNTRIED: [f64; 2] = [2.0, 3.0];
 /// Steps of a trial from one state, and times as many that a trial of adaptive steps makes.
 const STEPS: f64 = 8.0;
 const ADAPTIVE: f64 = 4.0;
-/// [s] What an adaptive run may take from its start, and the part of it that must be seen to conclude on a rest that
-/// was not tried.
+/// [s] Time limit of an adaptive run from its start, and the smallest part of it from which the rest is concluded [-].
 const FROM_START: f64 = 0.4;
 const PART: f64 = 0.1;
-/// [s] A run with fixed steps that nominally takes less is made whole.
+/// [s] A run with fixed steps whose nominal cost is less is made to its end.
 const WHOLE: f64 = 0.06;
-/// [s] What a run may take from its start that has failed in a trial.
+/// [s] Time limit of a run from its start, made after a failed trial.
 const FAILING: f64 = 0.1;
 /// Steps that adaptive steps take at least: none is longer than a tenth of the run.
 const FEWEST: f64 = 10.0;
@@ -147,9 +146,8 @@ impl<'a> Trials<'a> {
         Ok(estimate)
     }
 
-    /// Adaptive steps from the start, as far as they come, and from states beyond: their size is found on the way and
-    /// differs from one part of the run to the next. `None` where only a small part was made and a trial of the rest
-    /// fails.
+    /// Adaptive steps from the start until the time limit, and from states beyond: their size differs from one part of
+    /// the run to the next. `None` if only a small part was made and a trial of the rest fails.
     fn by_start(&self, method: &MethodChoice, step: Step) -> Option<Estimate> {
         let run = self.run(method, step);
         let mut stepper = run.stepper().ok()?;
@@ -196,8 +194,8 @@ impl<'a> Trials<'a> {
         Estimate::of(samples, self.end(), steps).ok_or_else(|| "no state to try it from".to_owned())
     }
 
-    /// [s] What trials of a method from so many states nominally take, where its steps are too dear for what trials are
-    /// allowed; else 0.
+    /// [s] Nominal cost of the trials of a method from `states` states, if its steps are too expensive for the time
+    /// limit of a trial; otherwise 0.
     fn cost_of_dear(&self, method: &MethodChoice, adaptive: bool, states: usize) -> f64 {
         let [step, allowed] = [nominal_step(self.spec.scene, method), ALLOWANCE[usize::from(adaptive)]];
         let times = if adaptive { ADAPTIVE } else { states.max(1) as f64 };
@@ -234,7 +232,8 @@ impl<'a> Trials<'a> {
     }
 }
 
-/// What fails on the way mostly fails soon after its own start, which is where `solve` will fail.
+/// A method that fails in a trial mostly fails soon after its own start too, where `solve` will fail: reports that
+/// failure.
 fn at_first(run: Experiment<'_>, why: SampleError) -> SampleError {
     let (SampleError::OnTheWay { .. }, Ok(mut stepper)) = (&why, run.stepper()) else { return why };
     match sample_start(run, &mut stepper, FAILING) {

@@ -1,30 +1,28 @@
-//! What a study leaves for its reader: tables, figures, and one page with all of it.
+//! What a study leaves for its reader: tables, figures, one page with all of it, and what the command prints.
 //!
 //! Everything is made from the study and its answers alone; only the page's and the JSON file's account of the machine
-//! differs from one machine and day to the next.
+//! differs from one machine and day to the next. Words and layout are those of the templates in `assets/report`.
 
 mod convergence;
-mod csv;
 mod figure;
 mod machine;
-mod page;
 mod stiffness;
 mod style;
 
-use std::fs;
 use std::path::{Path, PathBuf};
+
+use minijinja::{Value, context};
+use serde::Serialize;
 
 pub use machine::{Machine, Rerun};
 
-use serde::Serialize;
-
 use super::error::StudyError;
 use super::plan::{PROGRAM, Plan};
-use super::recommendations::Recommendations;
-use super::row::Row;
+use super::recommendations::{Recommendations, unfinished};
+use super::row::{Row, StepSetting};
 use super::runner::Study;
-use super::store::{remove, system};
-use crate::output::atomic::{Durability, replace_shared};
+use super::store::{Store, remove, write_files};
+use super::template::render;
 
 /// All files a report may have; those that a study has nothing for are removed, so that none is left of an earlier one.
 pub const FILES: [&str; 8] = [
@@ -43,46 +41,95 @@ pub const FILES: [&str; 8] = [
 /// # Errors
 /// A picture or a page that cannot be made, or the system's answer.
 pub fn write(out: &Path, study: &Study, answers: &Recommendations, how: &Rerun) -> Result<Vec<PathBuf>, StudyError> {
+    let Study { plan, rows } = study;
     let figures = figure::all(study, answers)?;
+    let table = include_str!("../../../assets/report/tradeoff.csv");
     let mut made: Vec<(&str, String)> = vec![
-        ("tradeoff.csv", csv::tradeoff(study)),
+        ("tradeoff.csv", render("tradeoff.csv", table, &context! { plan, rows })?),
         ("tradeoff.json", json(study, answers, how)?),
-        ("tradeoff.html", page::html(study, answers, how, &figures)?),
+        ("tradeoff.html", html(study, answers, how, &figures)?),
     ];
-    if study.plan.variants.len() > 1 {
-        made.push(("stiffness.csv", csv::stiffness(answers)));
+    if plan.variants.len() > 1 {
+        let table = include_str!("../../../assets/report/stiffness.csv");
+        made.push(("stiffness.csv", render("stiffness.csv", table, &context! { answers })?));
     }
     made.extend(figures.into_iter().map(|figure| (figure.file, figure.svg)));
-    fs::create_dir_all(out).map_err(|e| system(out, e))?;
-    let mut written = Vec::with_capacity(made.len());
-    for file in FILES {
-        let path = out.join(file);
-        match made.iter().find(|(name, _)| *name == file) {
-            Some((_, content)) => {
-                replace_shared(&path, content.as_bytes(), Durability::Visible).map_err(|e| system(&path, e))?;
-                written.push(path);
-            }
-            None => remove(&path)?,
-        }
-    }
-    Ok(written)
+    write_files(out, &FILES, &made)
 }
 
 /// `tradeoff.json`: all that is known of a study.
-#[derive(Serialize)]
-struct Json<'a> {
-    version: &'a str,
-    command: &'a str,
-    plan: &'a Plan,
-    rows: &'a [Row],
-    answers: &'a Recommendations,
-    machine: &'a Machine,
-}
-
 fn json(study: &Study, answers: &Recommendations, how: &Rerun) -> Result<String, StudyError> {
+    #[derive(Serialize)]
+    struct Json<'a> {
+        version: &'a str,
+        command: &'a str,
+        plan: &'a Plan,
+        rows: &'a [Row],
+        answers: &'a Recommendations,
+        machine: &'a Machine,
+    }
     let (Study { plan, rows }, Rerun { command, machine }) = (study, how);
     let text = serde_json::to_string_pretty(&Json { version: PROGRAM, command, plan, rows, answers, machine });
     Ok(text.map_err(|e| StudyError::Page(format!("tradeoff.json: {e}")))? + "\n")
+}
+
+/// `tradeoff.html`: one page that needs nothing beside it.
+fn html(
+    study: &Study,
+    answers: &Recommendations,
+    how: &Rerun,
+    figures: &[figure::Figure],
+) -> Result<String, StudyError> {
+    let (Study { plan, rows }, Rerun { command, machine }) = (study, how);
+    let case_json = serde_json::to_string_pretty(&plan.case).map_err(|e| StudyError::Page(e.to_string()))?;
+    let (failures, noted) = (unfinished(rows), rows.iter().any(|row| !row.measured.note.is_empty()));
+    let (version, rows) = (PROGRAM, sorted(rows));
+    let page = context! { version, command, machine, plan, case_json, failures, noted, rows, answers, figures };
+    render("tradeoff.html", include_str!("../../../assets/report/tradeoff.html"), &page)
+}
+
+/// All runs: variant by variant, method by method, fixed steps before adaptive ones, the largest first.
+fn sorted(rows: &[Row]) -> Vec<&Row> {
+    let key = |row: &Row| {
+        let method = rows.iter().position(|other| other.job.method == row.job.method);
+        let (adaptive, size) = match row.job.setting {
+            StepSetting::Step(h) => (false, h),
+            StepSetting::Tolerance(tolerance) => (true, tolerance),
+        };
+        ((row.job.variant, method, adaptive), size)
+    };
+    let mut sorted: Vec<_> = rows.iter().map(|row| (key(row), row)).collect();
+    sorted.sort_by(|((a, larger), _), ((b, smaller), _)| a.cmp(b).then_with(|| smaller.total_cmp(larger)));
+    sorted.into_iter().map(|(_, row)| row).collect()
+}
+
+/// What `canopy-fem tradeoff` prints of a finished study and its files.
+///
+/// # Errors
+/// What the template engine refuses.
+pub fn summary(study: &Study, answers: &Recommendations, files: &[PathBuf]) -> Result<String, StudyError> {
+    let Study { plan, rows } = study;
+    let failures = unfinished(rows);
+    // The least accurate first, as the table of the front has them.
+    let mut rows: Vec<&Row> = rows.iter().collect();
+    rows.sort_by(|a, b| b.measured.error.unwrap_or(0.0).total_cmp(&a.measured.error.unwrap_or(0.0)));
+    let labelled = |row: &Row| context! { label => row.label(), ..Value::from_serialize(row) };
+    let rows: Vec<Value> = rows.into_iter().map(labelled).collect();
+    text(context! { stage => "done", plan, rows, answers, failures, files })
+}
+
+/// What it prints of a plan.
+///
+/// # Errors
+/// What the template engine refuses.
+pub fn planned(plan: &Plan, store: &Store) -> Result<String, StudyError> {
+    let path = store.plan_path();
+    let out = path.parent().and_then(Path::parent).unwrap_or(Path::new(""));
+    text(context! { stage => "planned", plan, path, out })
+}
+
+fn text(context: Value) -> Result<String, StudyError> {
+    render("tradeoff.txt", include_str!("../../../assets/report/tradeoff.txt"), &context)
 }
 
 /// Removes the report of an earlier study.

@@ -5,10 +5,13 @@
 //! share     = (kinetic + elastic) / supplied
 //! unstable: a value is not finite, a step cannot be solved, share > 1e8 at any time,
 //!           share > stays in nine of ten steps of the last quarter of the run,
-//!           mean energy of motion in the last quarter > 30 times that of the next shorter step that held, and > supplied/1000,
-//!           the scheme's mean made energy grew by 30 supplied from the last eighth but one to the last,
-//!           or (small motion, schemes that swing no energy) all energy but that of loads rose by 2 % of the motion's from eighth to eighth
-//! motion    = the larger of the kinetic energies of v and of (x_{n+1} - x_n)/h: a motion that turns at every step has no other v
+//!           mean energy of motion in the last quarter > 30 times that of the next shorter stable step, and
+//!               > supplied/1000,
+//!           the mean energy made by the scheme grew by 30 supplied from the second last eighth to the last,
+//!           or (small motion, schemes that swing no energy) all energy but that of loads rose by 2 % of the
+//!               motion's from eighth to eighth
+//! motion    = the larger of the kinetic energies of v and of (x_{n+1} - x_n)/h; v alone misses a motion that turns at
+//!             every step
 //! ```
 //! By the first law the share is at most 1; `stays` is 3, and 30 for a scheme that swings the energy of a stable
 //! oscillation, as one step of it on an oscillator shows. Just below its limit a symplectic scheme swings it up to
@@ -153,7 +156,7 @@ impl<'a> EnergyClassifier<'a> {
         self.scene.kinetic_energy(&self.secant)
     }
 
-    /// What the energy says of a run that came to the end of its steps, or was stopped here.
+    /// The verdict from the energy, for a run that made all its steps or was stopped here.
     pub fn energy(&self) -> Verdict {
         if self.blown {
             return Verdict::BlownUp;
@@ -183,17 +186,17 @@ impl<'a> EnergyClassifier<'a> {
         self.evidence.measure(at.state.as_ref());
     }
 
-    /// After a step; whether there is no doubt any more that the run is unstable.
+    /// Books a step; returns whether the run is certainly unstable.
     pub fn stepped(&mut self, step: &AcceptedStep<'_>, [start, end]: [&Point; 2]) -> bool {
         let LedgerRow { kinetic, elastic, gravity, external_work, dissipated, numerical } = step.ledger;
         self.supplied = self.supplied.max(self.base - gravity + external_work);
         let there = kinetic + elastic;
         let mut share = self.share(there);
         if share > BLOWN && self.calm {
-            // Before a load has done any work, what the first step makes of it counts as supplied. What grows does not
-            // come as a jump.
+            // Before a load has done work, the energy that the first step makes of it counts as supplied. An
+            // instability grows; it does not appear in a single step.
             let (h, times) = (step.h(), [step.from, step.t]);
-            // On resting masses: on moving ones the air resists what the scheme itself may have made.
+            // With masses at rest: on moving ones the air would resist a motion that the scheme itself has made.
             let rest = vec![0.0; start.state.v.len()];
             let at = |t: f64| StateRef { t, x: &start.state.x, v: &rest };
             self.floor = times.into_iter().map(|t| load_energy(self.scene, at(t), h)).fold(self.floor, f64::max);
@@ -224,8 +227,8 @@ impl<'a> EnergyClassifier<'a> {
     }
 }
 
-/// Where a scene was stiffest and softest on the way of a run: a bound on the critical step from one pass over the
-/// elements, at some of its states.
+/// The states of a run at which the scene was stiffest and softest, by a bound on the critical step from one pass over
+/// the elements.
 pub(super) struct Evidence<'a> {
     scene: &'a dyn Scene,
     every: u64,
@@ -238,7 +241,7 @@ impl<'a> Evidence<'a> {
     pub fn new(scene: &'a dyn Scene, steps: u64) -> Self {
         let start = scene.initial_state();
         let seen = [(f64::INFINITY, start.clone()), (f64::NEG_INFINITY, start)];
-        // Odd, so that a motion that alternates is seen on both sides.
+        // Odd, so that both sides of an alternating motion are sampled.
         Evidence { scene, every: steps.div_ceil(MEASURED) | 1, buffer: BoundBuffer::default(), seen }
     }
 

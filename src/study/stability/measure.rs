@@ -1,4 +1,4 @@
-//! One run of a method at one step: how long it is, what came of it, and where the scene was stiffest on its way.
+//! One run of a method with one step: its length, its verdict, and the states at which the scene was stiffest.
 //!
 //! A run has to be long enough for an instability just beyond the limit to grow from the tiny displacement that the run
 //! starts with to a size that cannot be overlooked. How fast it grows follows from one step of the scheme on the
@@ -20,7 +20,7 @@ use crate::integrate::registry::MethodChoice;
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::BoundBuffer;
-use crate::study::experiment::{self, Event, Experiment, Flow};
+use crate::study::experiment::{self, Event, Experiment};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// [-] Logarithm of the growth that a run leaves room for: by e^45 even a motion of which the displacement at the start
@@ -41,7 +41,8 @@ const FEWEST: [f64; 2] = [400.0, 20.0];
 const NEAR: f64 = 0.98;
 /// [-] A scheme whose energy swings by less than this factor there does not swing it.
 const CALM: f64 = 1.5;
-/// Motion is kept up where it is so many times that of a shorter step, and more than this share of all energy.
+/// A motion counts as kept up if its energy is this many times that of the run with a shorter step, and more than this
+/// share of the supplied energy.
 const LIVELY: [f64; 2] = [30.0, 1e-3];
 /// Factor between the lengths of runs that can be compared.
 const ALIKE: f64 = 2.5;
@@ -163,7 +164,8 @@ impl<'a> MethodRuns<'a> {
         h <= limit || folds <= 0.0 || folds >= E_FOLDS
     }
 
-    /// [s] What the runs so far say of the limit: the largest step that is known to hold, and the least that failed.
+    /// [s] Bounds on the limit from the runs so far: the largest step that is known to hold, and the smallest that
+    /// failed.
     pub fn between(&self) -> [Option<f64>; 2] {
         let known = |h: &f64| self.critical.step > 0.0 && self.settles(*h);
         [self.held().filter(known).max_by(f64::total_cmp), self.failed()]
@@ -193,8 +195,8 @@ impl<'a> MethodRuns<'a> {
     ) -> Result<bool, StopReason> {
         let steps = self.steps(h);
         before(h, steps)?;
-        // Near its limit an explicit scheme swings beyond what the watch of a run takes for possible; small motion is
-        // nothing to it.
+        // Near its limit the energy of an explicit scheme swings by more than the watch of a run allows; small motion
+        // is below what the watch sees.
         let swings = self.kind != Kind::Unlimited || self.from.start == Start::SmallMotion;
         let (outcome, classifier) = self.run(h, steps, swings, Explain::Nothing)?;
         if self.interrupt.load(Ordering::Relaxed) {
@@ -223,7 +225,7 @@ impl<'a> MethodRuns<'a> {
         Ok(verdict.is_stable())
     }
 
-    /// Whether motion goes on that the next shorter step which held does not show over a time that can be compared.
+    /// Whether a motion goes on that the next shorter stable step, over a comparable time, does not show.
     fn kept_up(&self, lively: f64, h: f64, t_end: f64) -> bool {
         let held = self.trials.iter().map(|trial| trial.row).filter(|row| row.step < h && row.verdict.is_stable());
         let below = held
@@ -247,13 +249,13 @@ impl<'a> MethodRuns<'a> {
         let outcome = experiment.run(start, None, &mut |event, _| match event {
             Event::Started(at, ledger) => {
                 classifier.started(at, ledger);
-                Flow::Continue
+                false
             }
             Event::Step(step) => {
                 let settled = step.ends().is_some_and(|ends| classifier.stepped(&step, ends));
-                Flow::stop_if(settled || self.interrupt.load(Ordering::Relaxed))
+                settled || self.interrupt.load(Ordering::Relaxed)
             }
-            _ => Flow::Continue,
+            _ => false,
         });
         Ok((outcome.map_err(|e| StopReason::Refused(e.to_string()))?, classifier))
     }

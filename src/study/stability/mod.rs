@@ -33,6 +33,7 @@ use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::Scene;
+use crate::study::StudyError;
 use measure::{From, MethodRuns, StopReason};
 use std::cell::OnceCell;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -54,7 +55,7 @@ pub struct StabilitySpec<'a> {
 
 /// A run that is about to begin.
 #[derive(Clone, Copy, Debug)]
-pub struct Beginning<'a> {
+pub struct RunStart<'a> {
     /// number of the method, counted from 0
     pub index: usize,
     /// its name
@@ -68,7 +69,14 @@ pub struct Beginning<'a> {
 }
 
 /// Predicts and measures every method; `begins` hears of every run. What cannot be measured is a row that says so.
-pub fn study(spec: &StabilitySpec<'_>, begins: &mut dyn FnMut(Beginning<'_>), stop: &AtomicBool) -> Vec<Row> {
+///
+/// # Errors
+/// What the template engine refuses.
+pub fn study(
+    spec: &StabilitySpec<'_>,
+    begins: &mut dyn FnMut(RunStart<'_>),
+    stop: &AtomicBool,
+) -> Result<Vec<Row>, StudyError> {
     let started = Instant::now();
     let state = spec.scene.initial_state();
     let effort = CostLimits { stop: Stop::on(stop), ..CostLimits::FULL };
@@ -101,13 +109,13 @@ pub fn study(spec: &StabilitySpec<'_>, begins: &mut dyn FnMut(Beginning<'_>), st
                 return Err(StopReason::OutOfBudget);
             }
             run += 1;
-            begins(Beginning { index, method: &name, run, step, steps });
+            begins(RunStart { index, method: &name, run, step, steps });
             Ok(())
         };
-        common.measure(&mut row, (method, critical), &mut before);
+        common.measure(&mut row, (method, critical), &mut before)?;
         rows.push(row);
     }
-    rows
+    Ok(rows)
 }
 
 /// What the measurements of all methods share.
@@ -130,26 +138,29 @@ type Before<'a> = dyn FnMut(f64, u64) -> Result<(), StopReason> + 'a;
 impl Common<'_> {
     /// Measures from the scene's own start; where that differs from what theory says of a linear scene, and the scene's
     /// own motion is linear, from small motion.
-    fn measure(&self, row: &mut Row, of: (&MethodChoice, CriticalStep), before: &mut Before<'_>) {
+    fn measure(
+        &self,
+        row: &mut Row,
+        of: (&MethodChoice, CriticalStep),
+        before: &mut Before<'_>,
+    ) -> Result<(), StudyError> {
         row.start = if self.at_rest { Start::SmallMotion } else { Start::AsGiven };
         let given = From { start: row.start, state: &self.given };
-        let found = self.search(row, of, given, before);
-        let Some(runs) = found else { return };
+        let Some(mut runs) = self.search(row, of, given, before) else { return Ok(()) };
         if row.differs && !self.at_rest && row.prediction.step != Some(0.0) {
             let small = self.small.get_or_init(|| perturbation::small_motion(self.spec, self.reference, self.stop));
             if self.stop.load(Ordering::Relaxed) {
-                return row.halted(StopReason::Interrupted, Some(&runs));
+                row.halted(StopReason::Interrupted, Some(&runs));
+                return Ok(());
             }
             if let Some(state) = small {
                 row.set_aside();
                 let small = From { start: Start::SmallMotion, state };
-                if let Some(runs) = self.search(row, of, small, before) {
-                    explain::explain(row, &runs);
-                }
-                return;
+                let Some(found) = self.search(row, of, small, before) else { return Ok(()) };
+                runs = found;
             }
         }
-        explain::explain(row, &runs);
+        explain::explain(row, &runs)
     }
 
     fn search<'b>(

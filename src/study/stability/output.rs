@@ -2,17 +2,13 @@
 
 use super::region::regions;
 use super::row::AGREES;
-use super::{KnownBy, Row, Stability, Status};
-use crate::format_number::figures;
+use super::{Row, Stability};
 use crate::integrate::registry::MethodChoice;
-use crate::output::atomic::{Durability, replace};
-use crate::output::sanitize::csv_field;
 use crate::scene::Scene;
 use crate::study::StudyError;
-use crate::study::store::{remove, system};
+use crate::study::store::{system, write_files};
 use crate::study::template::render;
-use serde::Serialize;
-use std::fmt::Write;
+use minijinja::context;
 use std::path::{Path, PathBuf};
 
 /// The files, in the order they are written: the last one only when the others are there.
@@ -47,21 +43,10 @@ impl Folder {
         methods: &[MethodChoice],
         study: &Stability,
     ) -> Result<Vec<PathBuf>, StudyError> {
-        let picture = regions(scene, methods, study)?;
         let json = serde_json::to_string_pretty(study).map_err(|e| system(&self.0.join(FILES[2]), e.into()))? + "\n";
-        let texts = [Some(csv(&study.methods)), picture, Some(json)];
-        let mut written = Vec::new();
-        for (file, text) in FILES.into_iter().zip(texts) {
-            let path = self.0.join(file);
-            match text {
-                Some(text) => {
-                    replace(&path, text.as_bytes(), Durability::Visible).map_err(|e| system(&path, e))?;
-                    written.push(path);
-                }
-                None => remove(&path)?,
-            }
-        }
-        Ok(written)
+        let mut made = vec![(FILES[0], csv(&study.methods)?), (FILES[2], json)];
+        made.extend(regions(scene, methods, study)?.map(|picture| (FILES[1], picture)));
+        write_files(&self.0, &FILES, &made)
     }
 }
 
@@ -69,42 +54,11 @@ impl Folder {
 /// number. Two words say what each cell is worth: `prediction` is `certified`, `estimate`, `unlimited`, `unknown` or
 /// `refused`, `measurement` is `limit`, `none-holds`, `no-limit-found`, `not-settled`, `refused`, `out-of-budget` or
 /// `interrupted`.
-pub fn csv(rows: &[Row]) -> String {
-    let mut text = String::from("method,predicted,measured,prediction,measurement\n");
-    for row in rows {
-        let (prediction, measurement) = (prediction_word(row), measurement_word(row));
-        let cell = |step: Option<f64>, unlimited: bool| match step {
-            Some(step) => figures(step, 6),
-            None if unlimited => String::new(),
-            None => "nan".to_owned(),
-        };
-        let predicted = cell(row.prediction.step, prediction == "unlimited");
-        let measured = cell(row.measured, measurement == "no-limit-found");
-        let _ = writeln!(text, "{},{predicted},{measured},{prediction},{measurement}", csv_field(&row.method));
-    }
-    text
-}
-
-fn prediction_word(row: &Row) -> &'static str {
-    match (row.status, row.prediction.known_by) {
-        (Status::Refused, _) => "refused",
-        (_, KnownBy::Certified) => "certified",
-        (_, KnownBy::Estimate) => "estimate",
-        (_, KnownBy::Unlimited) => "unlimited",
-        (_, KnownBy::Unknown) => "unknown",
-    }
-}
-
-fn measurement_word(row: &Row) -> &'static str {
-    match (row.status, row.measured) {
-        (Status::Refused, _) => "refused",
-        (Status::NotSettled, _) => "not-settled",
-        (Status::OutOfBudget, _) => "out-of-budget",
-        (Status::Interrupted, _) => "interrupted",
-        (Status::Measured, Some(step)) if step > 0.0 => "limit",
-        (Status::Measured, Some(_)) => "none-holds",
-        (Status::Measured, None) => "no-limit-found",
-    }
+///
+/// # Errors
+/// What the template engine refuses.
+pub fn csv(methods: &[Row]) -> Result<String, StudyError> {
+    render("stability.csv", include_str!("../../../assets/report/stability.csv"), &context! { methods })
 }
 
 /// The table for standard output, and a sentence for every method whose limits differ.
@@ -112,12 +66,7 @@ fn measurement_word(row: &Row) -> &'static str {
 /// # Errors
 /// What the template engine refuses.
 pub fn table(study: &Stability) -> Result<String, StudyError> {
-    #[derive(Serialize)]
-    struct Table<'a> {
-        agrees: f64,
-        #[serde(flatten)]
-        study: &'a Stability,
-    }
-    let table = Table { agrees: AGREES, study };
-    render("stability.txt", include_str!("../../../assets/report/stability.txt"), &table)
+    let Stability { name, unknowns, methods, .. } = study;
+    let context = context! { agrees => AGREES, name, unknowns, methods };
+    render("stability.txt", include_str!("../../../assets/report/stability.txt"), &context)
 }

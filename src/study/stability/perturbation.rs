@@ -23,7 +23,7 @@ use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
 use crate::model::system::Weights;
 use crate::scene::Scene;
-use crate::study::experiment::{self, Event, Experiment, Flow};
+use crate::study::experiment::{self, Event, Experiment};
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -143,7 +143,7 @@ fn moves_linearly(spec: &StabilitySpec<'_>, tangent: Tangent, h: f64, stop: &Ato
             Event::Finished(last) => linear &= same(&last.state),
             _ => {}
         }
-        Flow::stop_if(interrupted || !linear)
+        interrupted || !linear
     });
     Some(outcome.ok()?.status == Status::Completed && linear && !interrupted)
 }

@@ -7,7 +7,7 @@ use canopy_fem::study::Study;
 use canopy_fem::study::pareto::mark_front;
 use canopy_fem::study::plan::{Plan, Variant};
 use canopy_fem::study::reference::ReferenceReport;
-use canopy_fem::study::row::{Job, Measured, Row, RowStatus, StepSetting, label};
+use canopy_fem::study::row::{Job, Row, RowStatus, RunResult, StepSetting, label};
 
 /// What decides a made-up method's rows.
 pub struct Law {
@@ -103,7 +103,7 @@ fn row(law: &Law, job: Job, h: f64, status: RowStatus) -> Row {
         newton_iterations: if implicit { 3 * count } else { 0 },
         cg_iterations: 0,
     };
-    let measured = Measured {
+    let measured = RunResult {
         status,
         note: match status {
             RowStatus::Completed => String::new(),
@@ -116,7 +116,7 @@ fn row(law: &Law, job: Job, h: f64, status: RowStatus) -> Row {
         steps: count,
         t_end: share,
         counters,
-        ..Measured::default()
+        ..RunResult::default()
     };
     Row { job, family: law.family, measured, cpu_seconds: ran.then_some(seconds), pareto: false }
 }

@@ -40,7 +40,7 @@ fn nothing_is_lost_and_quiet_is_quiet() {
     std::fs::write(bench.path("out/tradeoff.html"), "a page").expect("written");
     let flags = ["tradeoff", "sail.json", "--methods", "rk4", "--steps", "1e-2", "--out", "out", "--plan", "-q"];
     let ended = bench.run(&flags);
-    assert!(ended.code == Some(2) && ended.stderr.contains("tradeoff.html is there"), "{}", ended.stderr);
+    assert!(ended.code == Some(2) && ended.stderr.contains("tradeoff.html exists"), "{}", ended.stderr);
     let ended = bench.run(&[&flags[..], &["--force"]].concat());
     assert_eq!((ended.code, ended.stdout.as_str(), ended.stderr.as_str()), (Some(0), "", ""));
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use canopy_fem::study::row::{Measured, Row};
+use canopy_fem::study::row::{Row, RunResult};
 use canopy_fem::study::store::Store;
 use canopy_fem::study::{Study, rows_of};
 
@@ -18,8 +18,9 @@ pub fn study(out: &Path) -> Study {
 pub fn counted(rows: &[Row]) -> Vec<String> {
     let bits = |x: Option<f64>| x.map(f64::to_bits);
     let line = |row: &Row| {
-        let Measured { status, error, error_max, energy_error, steps, rejected_steps, counters, note, repeats, .. } =
-            &row.measured;
+        let RunResult {
+            status, error, error_max, energy_error, steps, rejected_steps, counters, note, repeats, ..
+        } = &row.measured;
         let errors = [*error, *error_max, *energy_error].map(bits);
         let repeats = repeats.len();
         format!("{} {status:?} {errors:?} {steps} {rejected_steps} {counters:?} {note} {repeats}", row.job.id)

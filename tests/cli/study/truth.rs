@@ -5,13 +5,13 @@ use std::sync::atomic::AtomicBool;
 use canopy_fem::case::Case;
 use canopy_fem::simulation::{FollowSpec, follow};
 use canopy_fem::study::StudyError;
-use canopy_fem::study::bench::Bench;
-use canopy_fem::study::reference::{ReferenceFailure, Workshop};
+use canopy_fem::study::prepared_case::PreparedCase;
+use canopy_fem::study::reference::{ReferenceBuilder, ReferenceFailure};
 use canopy_fem::study::row::{RowStatus, StepSetting};
 use serde_json::json;
 
 use super::table::study;
-use crate::bench::Bench as Folder;
+use crate::bench::Bench;
 use crate::common::run::{asset, case_of, changed};
 
 /// A soft oscillator that swings along x, w = 2 pi, and a stiff one at rest, w = 1e5: explicit steps are thirty
@@ -36,7 +36,7 @@ fn two_oscillators() -> Case {
 /// own runs and x = 10 + 2 cos(w t).
 #[test]
 fn errors_are_distances_from_the_closed_form() {
-    let folder = Folder::new();
+    let folder = Bench::new();
     let path = format!("{}/assets/cases/oscillator.json", env!("CARGO_MANIFEST_DIR"));
     let methods = "velocity-verlet,newmark,rk4,backward-euler";
     let flags = [
@@ -102,9 +102,9 @@ fn references_are_worth_what_they_say() {
     let stop = AtomicBool::new(false);
     let mut ways = Vec::new();
     for allowance in [300.0, 0.04] {
-        let bench = Bench::of(case.problem().clone(), 1).expect("good");
-        let workshop = Workshop { bench: &bench, allowance, stop: &stop, tell: &|_| {} };
-        let made = workshop.make().expect("a reference");
+        let prepared = PreparedCase::of(case.problem().clone(), 1).expect("good");
+        let builder = ReferenceBuilder { prepared: &prepared, allowance, stop: &stop, tell: &|_| {} };
+        let made = builder.make().expect("a reference");
         let (nodes, motion) = (made.frames.nodes, made.account.motion);
         let squares: f64 = made
             .frames
@@ -112,7 +112,7 @@ fn references_are_worth_what_they_say() {
             .chunks(nodes)
             .enumerate()
             .map(|(k, frame)| {
-                let t = (k + 1) as f64 * bench.every;
+                let t = (k + 1) as f64 * prepared.every;
                 (frame[1][0] - 10.0 - (std::f64::consts::TAU * t).cos()).powi(2)
             })
             .sum();
@@ -132,10 +132,10 @@ fn references_are_worth_what_they_say() {
 fn a_reference_keeps_within_its_allowance() {
     let case = asset("oscillator", &[("system.network.springs.0.stiffness", "1e7")]);
     let stop = AtomicBool::new(false);
-    let bench = Bench::of(case.problem().clone(), 1).expect("good");
+    let prepared = PreparedCase::of(case.problem().clone(), 1).expect("good");
     let told = std::cell::RefCell::new(Vec::new());
     let tell = |what: &str| told.borrow_mut().push(what.to_owned());
-    match (Workshop { bench: &bench, allowance: 0.05, stop: &stop, tell: &tell }).make() {
+    match (ReferenceBuilder { prepared: &prepared, allowance: 0.05, stop: &stop, tell: &tell }).make() {
         Err(StudyError::NoReference { explicit: ReferenceFailure::TooLong { seconds, allowance }, .. }) => {
             assert!(seconds > 4.0 * allowance, "{seconds}");
         }
@@ -150,7 +150,7 @@ fn a_reference_keeps_within_its_allowance() {
 /// a reason, and none is on the front.
 #[test]
 fn failures_are_rows() {
-    let folder = Folder::new();
+    let folder = Bench::new();
     let path = format!("{}/assets/cases/pendulum.json", env!("CARGO_MANIFEST_DIR"));
     let flags = ["--methods", "kang,explicit-euler,rk4", "--steps", "100,2,0.001", "--repeat", "1", "--out", "p"];
     let ended = folder.run(&[&["tradeoff", path.as_str()], &flags[..]].concat());

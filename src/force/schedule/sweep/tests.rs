@@ -59,8 +59,11 @@ impl Terms for Only<'_> {
 fn mixed(limits: Limits) -> (Mixed, Sweep) {
     let ends = |pair: &dyn Fn(u32) -> [u32; 2]| (1..NODES as u32).map(pair).collect();
     let (star, chain) = (relative_dashpots(ends(&|i| [i, 0])), links(ends(&|i| [i, i - 1])));
-    let weight =
-        Gravity::new(Vector3::new(0.0, 0.5, -2.0), (0..NODES).map(|i| i as f64), vec![Vector3::x(); NODES].into());
+    let weight = Gravity::new(
+        (Vector3::new(0.0, 0.5, -2.0), Default::default()),
+        (0..NODES).map(|i| i as f64),
+        vec![Vector3::x(); NODES].into(),
+    );
     let mut terms = Mixed { star, chain, weight };
     let partition = Partition::within(limits, NODES, &mut [&mut terms.star, &mut terms.chain, &mut terms.weight]);
     (terms, Sweep::of(partition))

@@ -24,8 +24,8 @@ const SMALL_PASS: f64 = 5e-8;
 /// [s] nominal cost of an implicit step a degree of freedom
 const NOMINAL_IMPLICIT: f64 = 1e-6;
 
-/// A variant of the case on the bench.
-pub struct Bench {
+/// A variant of the case with its scene built.
+pub struct PreparedCase {
     /// what moves
     pub scene: Box<dyn Scene>,
     /// the case without its system
@@ -46,7 +46,7 @@ pub fn fingerprint_of(problem: &Problem) -> Result<Fingerprint, FingerprintError
     Ok(fingerprint)
 }
 
-impl Bench {
+impl PreparedCase {
     /// Builds the scene of a problem for `threads` threads.
     ///
     /// # Errors
@@ -56,7 +56,7 @@ impl Bench {
         let system: SystemSpec = problem.take_system();
         let scene = build_scene(system, threads)?;
         let every = interval(&problem, &*scene);
-        Ok(Bench { scene, problem, fingerprint, every })
+        Ok(PreparedCase { scene, problem, fingerprint, every })
     }
 
     /// [s] What a step of a method costs: [`nominal_step`].
