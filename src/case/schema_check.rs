@@ -5,6 +5,11 @@
 //! checked here. The check supports the part of JSON Schema that schemars uses for this case: `$ref`, `oneOf` of words,
 //! of objects with one key and of different types, objects that refuse other keys, maps with values of one kind, arrays,
 //! and nullable types.
+=======
+//! checked here. The check supports the part of JSON Schema that schemars uses for this case: `$ref`, `oneOf` of words, of
+//! objects with one key and of different types, objects that refuse other keys, maps with values of one kind, arrays,
+//! and nullable types.
+>>>>>>> theirs
 
 use serde_json::{Map, Value, json};
 

@@ -80,6 +80,12 @@ fn ascending(numbers: impl IntoIterator<Item = u32>) -> Vec<u32> {
     numbers
 }
 
+/// The number of nodes, edges and triangles of each group.
+pub(crate) fn count_groups(groups: &Groups) -> serde_json::Value {
+    let counts = |Group { nodes, edges, triangles }: &Group| serde_json::json!({"nodes": nodes.len(), "edges": edges.len(), "triangles": triangles.len()});
+    groups.iter().map(|(name, group)| (name.clone(), counts(group))).collect::<serde_json::Map<_, _>>().into()
+}
+
 /// One line for each group: its name, the counts of its members, the length of its edges, the area of its triangles.
 pub(crate) fn describe_groups(mesh: &Mesh) -> Vec<String> {
     let describe = |(name, group): (&String, &Group)| {
@@ -138,7 +144,8 @@ impl Mesh {
     }
 }
 
-/// Group membership as files store it: one number for each cell and node, and for each group the numbers of its members.
+/// Group membership as files store it: one number for each cell and node, and for each group the numbers of its
+/// members.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct GroupNumbers {
     /// of each cell, triangles before edges; 0 = in no group

@@ -47,6 +47,9 @@ impl Observables for Network {
         for &edge in self.springs.iter().filter(|batch| batch.cut.get()).flat_map(|batch| &batch.edges) {
             tension[edge as usize] = 0.0;
         }
+        if self.shared_edges {
+            return self.edge_sums(at, tension, strain);
+        }
         for batch in self.carrying() {
             let (places, tension, strain) = (&batch.edges[..], &mut *tension, &mut *strain);
             batch.data.carried(by_node(at.x), SpringOutput { places, tension, strain });
@@ -112,6 +115,21 @@ impl Observables for Network {
 
     fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
         self.shape_of_canopy(canopy, at)
+    }
+}
+
+impl Network {
+    /// The same where several springs are on one edge: their tensions add up, and the largest strain counts.
+    fn edge_sums(&self, at: StateRef<'_>, tension: &mut [f64], strain: &mut [f64]) {
+        for batch in self.carrying() {
+            for (i, &edge) in batch.edges.iter().enumerate() {
+                let (of_edge, largest) = (&mut tension[edge as usize], &mut strain[edge as usize]);
+                let own = batch.data.tension(by_node(at.x), i);
+                *of_edge = if of_edge.is_nan() { own } else { *of_edge + own };
+                // NaN stands for "no spring yet", which max ignores.
+                *largest = largest.max(batch.data.strain(by_node(at.x), i));
+            }
+        }
     }
 }
 

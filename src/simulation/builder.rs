@@ -132,7 +132,8 @@ impl NetworkBuilder {
         Self::of_mesh(Mesh { nodes, ..Mesh::default() })
     }
 
-    /// The nodes, edges and triangles of a mesh, with its displacement at the start; the nodes are free and have no mass.
+    /// The nodes, edges and triangles of a mesh, with its displacement at the start; the nodes are free and have no
+    /// mass.
     pub fn of_mesh(mesh: Mesh) -> Self {
         let n = mesh.nodes.len();
         let displacement = mesh.displacement.clone();

@@ -106,7 +106,7 @@ pub struct InlineArrays<'a> {
 /// A mesh as text: its arrays are inline in base64, which every VTK reads; those of the file as a whole are plain text.
 ///
 /// # Errors
-/// When a cell names a point that is not there, or an array has the wrong length.
+/// When a cell names a point that does not exist, or an array has the wrong length.
 pub fn inline_grid(points: &[[f64; 3]], cells: &Cells<'_>, arrays: &InlineArrays<'_>) -> Result<String, VtuError> {
     let table = CellTable::new(cells, Width::Long)?;
     let (kind, n_cells) = (table.width.kind(), table.types.len());
@@ -178,6 +178,9 @@ fn field_data(arrays: &[(String, Vec<i32>)]) -> String {
 }
 
 /// The first lines of a file, with a further attribute of its root.
+=======
+/// The first lines of a file, with an additional attribute of its root.
+>>>>>>> theirs
 fn grid_head(compressor: &str) -> String {
     format!(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \

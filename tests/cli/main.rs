@@ -12,6 +12,7 @@ mod failures;
 mod gauges;
 mod initial_from;
 mod matrices;
+mod mesh;
 mod plot;
 mod refusals;
 mod results;

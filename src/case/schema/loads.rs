@@ -9,8 +9,8 @@ use super::select::NodeSelection;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Load {
-    /// Where it acts: for a pressure `"all"`, `{"ids": [...]}` or `{"group": ...}`, which are triangles; for a force any
-    /// nodes.
+    /// Where it acts: for a pressure `"all"`, `{"ids": [...]}` or `{"group": ...}`, which are triangles; for a force
+    /// any nodes.
     pub on: NodeSelection,
     /// [Pa] Pressure along the triangles' right-hand normals (or along `direction`).
     pub pressure: Option<f64>,

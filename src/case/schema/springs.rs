@@ -21,8 +21,9 @@ pub struct SpringRule {
     pub axial_rigidity: Option<f64>,
     /// Stiffness from a continuous sheet; for edges of triangles.
     pub membrane: Option<Membrane>,
-    /// [m] Rest length l0 of the spring; if not given, the length of the edge on the mesh as given.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    /// [m] Rest length l0 of the spring, which may be 0 with `stiffness` and `membrane`; if not given, the length of
+    /// the edge on the mesh as given.
+    #[schemars(range(min = 0))]
     pub rest_length: Option<f64>,
     /// [-] The rest length as a factor of the edge's length on the mesh as given; not together with `rest_length`.
     #[schemars(extend("exclusiveMinimum" = 0))]

@@ -7,7 +7,8 @@
 //! ```
 //! x(a) is the lemniscate sine. It holds for the vertices of n flat gores too.
 
-/// [-] steps of the integration up to the skirt; the method is of fourth order, so the error is of the order of rounding
+/// [-] steps of the integration up to the skirt; the method is of fourth order, so the error is of the order of
+/// rounding
 const STEPS: usize = 4000;
 /// [-] arc length from the apex to the largest radius, over R: half the lemniscate constant
 const QUARTER: f64 = 1.311_028_777_146_06;
