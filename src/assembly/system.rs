@@ -16,8 +16,8 @@ pub trait TangentSystem: System {
     /// Writes W = cm M + cc C + ck K at a state, but for its rank-one parts, into `assembler`'s values.
     fn assemble(&self, at: StateRef<'_>, weights: Weights, assembler: &mut Assembler);
 
-    /// Number of rank-one parts u g^T of W, which [`TangentSystem::assemble`] leaves out because they couple nodes of the
-    /// whole scene.
+    /// Number of rank-one parts u g^T of W, which [`TangentSystem::assemble`] leaves out because they couple nodes of
+    /// the whole scene.
     fn rank_ones(&self) -> usize {
         0
     }

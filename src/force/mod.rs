@@ -113,8 +113,8 @@ pub trait ForceTerm: kernel::batch::BlockForces {
     /// `w.m` is the caller's.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink);
 
-    /// Overwrites `part` with the part of the tangent that [`ForceTerm::tangent`] does not emit, because it couples nodes
-    /// of the whole scene. Asked only of terms with a [scene number](kernel::batch::BlockForces::scene_number).
+    /// Overwrites `part` with the part of the tangent that [`ForceTerm::tangent`] does not emit, because it couples
+    /// nodes of the whole scene. Asked only of terms with a [scene number](kernel::batch::BlockForces::scene_number).
     fn rank_one(&self, at: NodeState<'_>, w: Weights, part: RankOne<'_>) {
         let _ = (at, w, part);
     }

@@ -1,4 +1,5 @@
-//! The air section: checks, the stream and what it acts on, and porous laws reduced to the two coefficients of dp = linear v_n + quadratic v_n |v_n|.
+//! The air section: checks, the stream and what it acts on, and porous laws reduced to the two coefficients of
+//! dp = linear v_n + quadratic v_n |v_n|.
 
 use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::{fraction, not_negative, positive};

@@ -26,7 +26,7 @@ impl<const N: usize> Table<N> {
     /// The value at time `t` [s].
     pub fn at(&self, t: f64) -> [f64; N] {
         let sampled = self.sampled.read().unwrap_or_else(PoisonError::into_inner);
-        interpolate(sampled.as_ref().unwrap_or(&self.given), t)
+        sampled.as_ref().unwrap_or(&self.given).at(t)
     }
 }
 
@@ -40,20 +40,6 @@ impl<const N: usize> SampledTable for Table<N> {
     fn sample(&self, h: Option<f64>) {
         let made = h.and_then(|h| sampled_by_steps(&self.given, h));
         *self.sampled.write().unwrap_or_else(PoisonError::into_inner) = made;
-    }
-}
-
-/// The value at time `t` [s]; `series` has at least one row and increasing times.
-pub(crate) fn interpolate<const N: usize>(series: &Series<[f64; N]>, t: f64) -> [f64; N] {
-    let after = series.t.partition_point(|&s| s <= t);
-    match after {
-        0 => series.value[0],
-        n if n == series.t.len() => series.value[n - 1],
-        n => {
-            let (t0, t1) = (series.t[n - 1], series.t[n]);
-            let s = (t - t0) / (t1 - t0);
-            std::array::from_fn(|i| series.value[n - 1][i] * (1.0 - s) + series.value[n][i] * s)
-        }
     }
 }
 
