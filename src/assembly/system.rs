@@ -22,6 +22,18 @@ pub trait TangentSystem: System {
         0
     }
 
+    /// How many of these, the first ones, belong to the mass: they are in the symmetric approximation of W, too.
+    fn mass_parts(&self) -> usize {
+        0
+    }
+
+    /// Replaces a residual M a - f `[n_dof]` at a state, whose forces have a part that depends on all others, by that of
+    /// a mass with the [mass parts](TangentSystem::mass_parts) and forces without this part. It has the same solution,
+    /// and its tangent is W.
+    fn with_apparent_mass(&self, at: StateRef<'_>, residual: &mut [f64]) {
+        let _ = (at, residual);
+    }
+
     /// Overwrites u and g `[n_dof]` with one of these parts at a state.
     fn rank_one(&self, which: usize, at: StateRef<'_>, weights: Weights, u: &mut [f64], g: &mut [f64]) {
         let _ = (which, at, weights, u, g);

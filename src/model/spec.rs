@@ -182,6 +182,8 @@ pub struct CanopySpec {
     pub confluence: Vec<u32>,
     /// if given, the drag area over time that the pressure is scaled to
     pub filling: Option<FillingSpec>,
+    /// [-] k of the air that the canopy takes along, k rho times its volume
+    pub apparent_mass: Option<f64>,
 }
 
 /// How the drag area of a canopy grows while it fills: drag_area ((t - start)/duration)^exponent until it is full. The

@@ -1,5 +1,6 @@
 //! A spring network: mass, force terms and fixed degrees of freedom.
 
+use super::apparent::ApparentMass;
 use super::external::ExternalForces;
 use super::graph::Graph;
 use super::numbering::Numbering;
@@ -45,8 +46,11 @@ pub struct Network {
     pub(super) external: Option<ExternalForces>,
     /// the air around it, shared with the terms
     pub(super) stream: Option<Arc<Stream>>,
-    /// whether a term depends on nodes of the whole scene: then steps of several blocks are made one by one
+    /// whether steps are made one by one: a force depends on all others, or in a scene of several blocks on nodes of the
+    /// whole scene
     couples_blocks: bool,
+    /// air that canopies take along
+    pub(super) apparent: Vec<ApparentMass>,
     sweep: Sweep,
     pub(super) threads: Threads,
     /// the user's mesh, for pictures
@@ -83,6 +87,7 @@ pub(super) struct Parts {
     /// load and wind tables, shared with the terms
     pub tables: Vec<Arc<dyn SampledTable>>,
     pub stream: Option<Arc<Stream>>,
+    pub apparent: Vec<ApparentMass>,
     pub terms: Vec<Box<dyn ForceTerm>>,
     pub springs: Vec<SpringBatch>,
     pub threads: Threads,
@@ -114,7 +119,8 @@ impl Network {
             parts
         });
         let parts = parts.collect();
-        let couples_blocks = !sweep.is_single_block() && p.terms.iter().any(|term| term.scene_number().is_some());
+        let couples_blocks = !p.apparent.is_empty()
+            || !sweep.is_single_block() && p.terms.iter().any(|term| term.scene_number().is_some());
         Network {
             inverse_mass: inverse_mass.collect(),
             fixed_dofs,
@@ -133,6 +139,7 @@ impl Network {
             external: None,
             stream: p.stream,
             couples_blocks,
+            apparent: p.apparent,
             sweep,
             threads: p.threads,
             mesh: p.mesh,
@@ -174,6 +181,11 @@ impl Network {
             |parts: &[Option<PartTarget>; PARTS]| parts.iter().position(|p| p.is_some_and(|p| p.tally == part));
         let mut terms = self.terms.iter().zip(&self.parts);
         terms.find_map(|(term, parts)| Some((&**term, places(parts)?)))
+    }
+
+    /// Which energy and power is that of the first part of a term.
+    pub(super) fn tally_of(&self, term: usize) -> Option<usize> {
+        Some(self.parts.get(term)?[0]?.tally)
     }
 
     /// A pass over all terms, with the forces at fixed degrees of freedom turned into reactions.
@@ -272,7 +284,8 @@ impl System for Network {
             let (own, outside) = tallies.split_at_mut(self.tallies());
             let sums = [&mut *total, &mut *external, dissipative];
             self.sweep.pass((self, node_state(at)), &self.threads, sums, own);
-            outside.fill(self.add_external(at, [total, external]));
+            outside.fill(self.add_external(at, [&mut *total, &mut *external]));
+            self.add_apparent(node_state(at), [total, external], own);
         });
     }
 

@@ -84,6 +84,7 @@ const GROUPS: &[Group] = &[
     ("parachute, steady", parachute::claims),
     ("parachute, falls", parachute::falls),
     ("parachute, opening", parachute::opening),
+    ("parachute, apparent mass", parachute::apparent_mass),
     ("parachute, line in a cross wind", parachute::line),
     ("kang", kang::claims),
     ("table 4 of the thesis", thesis::table_4),

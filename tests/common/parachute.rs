@@ -100,8 +100,8 @@ impl Parachute {
                 "mass": {"areal_density": 0.05, "nodal": masses},
                 "springs": [
                     {"on": "lines", "axial_rigidity": 2e4, "linear_density": 0.003, "slack": "tension-only",
-                     "dashpot": {"relative": {"time": 2e-3}}},
-                    {"on": "all", "axial_rigidity": 2e4, "slack": "tension-only", "dashpot": {"relative": {"time": 2e-3}}}
+                     "dashpot": {"relative": {"time": 2e-5}}},
+                    {"on": "all", "axial_rigidity": 2e4, "slack": "tension-only", "dashpot": {"relative": {"time": 2e-5}}}
                 ],
                 "gravity": [0, 0, -9.81],
                 "aero": {"canopy": {

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 
 use super::geometry::{Geometry, TriangleUse, triangles};
-use super::numbers::{positive, rising};
+use super::numbers::{not_negative, positive, rising};
 use super::select;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
@@ -47,6 +47,9 @@ pub(super) fn canopy(
             None
         }
     };
+    if let Some(factor) = canopy.apparent_mass {
+        not_negative(&at.key("apparent_mass"), factor, faults);
+    }
     let geometry = geometry?;
     if !triangles(at, "a canopy", geometry, TriangleUse::Areas, faults) {
         return None;
@@ -72,7 +75,8 @@ pub(super) fn canopy(
     });
     (faults.count() == before).then_some(())?;
     let (apex, confluence) = (profile.apex, confluence?);
-    Some(CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling })
+    let apparent_mass = canopy.apparent_mass.filter(|factor| *factor > 0.0);
+    Some(CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling, apparent_mass })
 }
 
 /// Rows of arc length, within 0 to 1, and coefficient.

@@ -236,6 +236,11 @@ pub struct Canopy {
     /// The pressure from a drag area that grows while the canopy fills: for opening loads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub schedule: Option<FillingSchedule>,
+    /// [-] Apparent mass: the canopy takes along k times the mass of the air in its volume, which has momentum, but no
+    /// weight. About 1 for a hemisphere. None if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0))]
+    pub apparent_mass: Option<f64>,
     /// The nodes where the lines meet; if not given, those of the mesh's group `confluence`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confluence: Option<NodeSelection>,

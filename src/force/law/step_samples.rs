@@ -148,7 +148,7 @@ mod tests {
 
     fn values(rows: &[[f64; 2]], h: f64, n: u64) -> Vec<f64> {
         let made = sampled_by_steps(&table(rows), h).expect("a corner within a step");
-        (0..n).map(|n| interpolate(&made, time(n, h))[0]).collect()
+        (0..n).map(|n| made.at(time(n, h))[0]).collect()
     }
 
     fn close(found: &[f64], expected: &[f64]) {
