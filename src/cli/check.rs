@@ -11,7 +11,8 @@ use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::clock::{Step, Tolerance};
 use crate::format_number::figures;
 use crate::integrate::registry::{Family, MethodChoice};
-use crate::mesh::group::describe_groups;
+use crate::mesh::group::{count_groups, describe_groups};
+use crate::mesh::parachute::ParachuteParameters;
 use crate::model::spec::NetworkSpec;
 use crate::model::state::State;
 use crate::model::stop::Stop;
@@ -23,6 +24,7 @@ use crate::study::forecast::memory::Baseline;
 use crate::study::forecast::nominal::Budget;
 use crate::study::forecast::{Candidate, ForecastSpec, forecast};
 use crate::warning::Warning;
+use serde::Deserialize;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -34,6 +36,11 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let system = problem.take_system();
     let mut text = format!("{}: no faults\n", problem.name);
     describe_system(&mut text, &system);
+    describe_parachute(&mut text, &problem, &system);
+    let groups = match &system {
+        SystemSpec::Network(spec) => count_groups(&spec.mesh.groups),
+        SystemSpec::Pendulum(_) => serde_json::json!({}),
+    };
     // From here on the scene owns the data of the network.
     let scene = build_scene(system, 1)?;
     let baseline = Baseline::now();
@@ -58,7 +65,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let acknowledged: Vec<String> = words(&problem.acknowledged, &acknowledged);
     let warnings: Vec<String> = words(&problem.warnings, &warnings);
     if args.json {
-        return Report { problem: &problem, scene, candidates: &candidates, forecast, warnings, acknowledged }
+        return Report { problem: &problem, scene, candidates: &candidates, forecast, groups, warnings, acknowledged }
             .to_json();
     }
     text.push_str(&describe(&problem, &forecast)?);
@@ -129,6 +136,17 @@ fn describe_system(text: &mut String, system: &SystemSpec) {
             }
             let _ = writeln!(text, "  unknowns        {} ({held} degrees of freedom held)", 3 * fixed.len() - held);
         }
+    }
+}
+
+/// The sizes of a mesh that is a generated parachute.
+fn describe_parachute(text: &mut String, problem: &Problem, system: &SystemSpec) {
+    let section = problem.case_json.pointer("/system/network/mesh/parachute");
+    let parameters = section.and_then(|section| ParachuteParameters::deserialize(section).ok());
+    if let (Some(parameters), SystemSpec::Network(spec)) = (parameters, system)
+        && let Ok(lines) = parameters.describe_sizes(&spec.mesh)
+    {
+        lines.iter().for_each(|(what, line)| text.push_str(&format!("  {what:<16}{line}\n")));
     }
 }
 

@@ -15,6 +15,8 @@ pub(super) struct Report<'a> {
     pub scene: &'a dyn Scene,
     pub candidates: &'a [Candidate],
     pub forecast: Forecast,
+    /// counts of the members of each group
+    pub groups: Value,
     pub warnings: Vec<String>,
     pub acknowledged: Vec<String>,
 }
@@ -22,7 +24,7 @@ pub(super) struct Report<'a> {
 impl Report<'_> {
     /// JSON text that ends with a line break.
     pub fn to_json(&self) -> Result<String, CliError> {
-        let Report { problem, scene, candidates, forecast, warnings, acknowledged } = self;
+        let Report { problem, scene, candidates, forecast, groups, warnings, acknowledged } = self;
         let tolerance = problem.time.step.tolerance();
         let unknowns = scene.inverse_mass().iter().filter(|m| **m > 0.0).count();
         let mut report = json!({
@@ -33,6 +35,7 @@ impl Report<'_> {
             "end": problem.time.end,
             "unknowns": unknowns,
             "nodes": scene.reference().len(),
+            "groups": groups,
             "symmetric": scene.symmetric(),
             "critical_steps": candidates.iter().map(|c| limit(c, *scene)).collect::<Vec<_>>(),
             "warnings": warnings,

@@ -1,10 +1,12 @@
 //! `canopy-fem mesh`: makes, converts and inspects meshes.
 
 use crate::mesh::annulus::{AnnulusParameters, DiscParameters};
+use crate::mesh::canopy::Canopy;
 use crate::mesh::chain::ChainParameters;
 use crate::mesh::group::describe_groups;
 use crate::mesh::parachute::{
-    CanopyType, LineParameters, ParachuteParameters, ParachuteSizes, PayloadParameters, ReefingParameters, StartShape,
+    CanopyType, ClusterParameters, LineParameters, ParachuteParameters, PayloadParameters, ReefingParameters,
+    StartShape,
 };
 use crate::mesh::read::{Imported, read_mesh};
 use crate::mesh::rectangle::{RectangleParameters, RectanglePattern};
@@ -229,6 +231,9 @@ pub struct ParachuteArgs {
     /// [m] Distance from the end of the riser down to the centre of a rigid payload
     #[arg(long)]
     pub payload_below_riser: Option<f64>,
+    /// Number of such parachutes on one payload
+    #[arg(long)]
+    pub canopies: Option<usize>,
     /// [m] Length of a reefing line over pi
     #[arg(long)]
     pub reefing_diameter: Option<f64>,
@@ -274,6 +279,7 @@ impl ParachuteArgs {
                 radii_of_gyration: three(&self.payload_radii_of_gyration),
                 below_riser,
             }),
+            cluster: self.canopies.map(|canopies| ClusterParameters { canopies }),
             reefing: self.reefing_diameter.map(|diameter| ReefingParameters { diameter }),
             start: self.start,
         }
@@ -357,7 +363,9 @@ pub fn run(args: &MeshArgs) -> Result<String, MeshCliError> {
             let parameters = a.parameters();
             let source = MeshSource::Parachute(Box::new(parameters.clone()));
             let mesh = source.build(Path::new("")).map_err(MeshCliError::Input)?;
-            Ok(sizes(&parameters, &mesh)? + &finish(&mesh, &a.output)?)
+            let sizes = parameters.describe_sizes(&mesh).map_err(MeshCliError::Input)?;
+            let lines = sizes.iter().map(|(what, text)| format!("{what:<13}{text}\n"));
+            Ok(lines.collect::<String>() + &finish(&mesh, &a.output)?)
         }
         MeshCommand::Convert(a) => {
             let Imported { mesh, notes } = read_mesh(&a.input).map_err(MeshCliError::Input)?;
@@ -369,43 +377,6 @@ pub fn run(args: &MeshArgs) -> Result<String, MeshCliError> {
             describe(&mesh, &notes)
         }
     }
-}
-
-/// Sizes of a parachute's pattern.
-fn sizes(p: &ParachuteParameters, mesh: &Mesh) -> Result<String, MeshCliError> {
-    let ParachuteSizes { nominal_area, cloth_area, constructed_diameter, gore_length } =
-        p.sizes().map_err(MeshCliError::Input)?;
-    let mut lines = vec![
-        format!("nominal      D0 {:.6} m, S0 {nominal_area:.6} m^2", p.nominal_diameter),
-        format!(
-            "cloth        {cloth_area:.6} m^2, {:.2} % of S0 open",
-            100.0 * (nominal_area - cloth_area).max(0.0) / nominal_area
-        ),
-        format!(
-            "constructed  diameter {constructed_diameter:.6} m ({:.4} D0), gore {gore_length:.6} m long",
-            constructed_diameter / p.nominal_diameter
-        ),
-    ];
-    if let Some(LineParameters { length, .. }) = p.lines {
-        let total = length * p.gores as f64;
-        lines.push(format!(
-            "lines        {} of {length:.6} m ({:.4} D0), {total:.3} m in all",
-            p.gores,
-            length / p.nominal_diameter
-        ));
-    }
-    if let Some(ReefingParameters { diameter }) = p.reefing {
-        let rest = std::f64::consts::PI * diameter / p.gores as f64;
-        lines.push(format!("reefing      diameter {diameter:.6} m; rest length of the group \"reefing\" {rest:.9} m"));
-    }
-    let cloth = mesh.groups.get("cloth").map(|group| group.edges.as_slice()).unwrap_or_default();
-    let ends = cloth.iter().filter_map(|&edge| mesh.edges.get(edge as usize));
-    let longest = ends.map(|&[a, b]| (mesh.point(a) - mesh.point(b)).norm()).fold(0.0, f64::max);
-    lines.push(format!(
-        "fineness     longest edge of the cloth {longest:.6} m ({:.4} D0)",
-        longest / p.nominal_diameter
-    ));
-    Ok(lines.join("\n") + "\n")
 }
 
 fn make(source: &MeshSource, output: &OutputArgs) -> Result<String, MeshCliError> {
@@ -475,7 +446,8 @@ fn describe(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliError> {
     }
     let mut text = lines.join("\n") + "\n" + &quality.histogram_text();
     let doubts = [topology.check_manifold().err(), topology.check_orientation(mesh).err()];
-    for note in notes.iter().cloned().chain(doubts.into_iter().flatten().map(|e| e.to_string())) {
+    let canopy = Canopy::of_groups(mesh).and_then(Result::err).map(|e| e.to_string());
+    for note in notes.iter().cloned().chain(doubts.into_iter().flatten().map(|e| e.to_string())).chain(canopy) {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "note: {note}");
     }

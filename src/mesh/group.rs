@@ -80,6 +80,12 @@ fn ascending(numbers: impl IntoIterator<Item = u32>) -> Vec<u32> {
     numbers
 }
 
+/// The number of nodes, edges and triangles of each group.
+pub(crate) fn count_groups(groups: &Groups) -> serde_json::Value {
+    let counts = |Group { nodes, edges, triangles }: &Group| serde_json::json!({"nodes": nodes.len(), "edges": edges.len(), "triangles": triangles.len()});
+    groups.iter().map(|(name, group)| (name.clone(), counts(group))).collect::<serde_json::Map<_, _>>().into()
+}
+
 /// One line for each group: its name, the counts of its members, the length of its edges, the area of its triangles.
 pub(crate) fn describe_groups(mesh: &Mesh) -> Vec<String> {
     let describe = |(name, group): (&String, &Group)| {

@@ -5,6 +5,7 @@
 
 pub(crate) mod adjacency;
 pub mod annulus;
+pub mod canopy;
 pub(crate) mod chain;
 mod check;
 pub(crate) mod components;
@@ -17,7 +18,7 @@ pub(crate) mod group;
 mod hilbert;
 mod layout;
 mod loops;
-pub(crate) mod parachute;
+pub mod parachute;
 mod polish;
 pub(crate) mod quality;
 pub(crate) mod random;

@@ -3,11 +3,13 @@
 //! The axis is z and the payload hangs below, along -z; the skirt is at z = 0. Triangles turn so that their normals point
 //! outwards and upwards, the side to which the pressure inside pushes. Nodes come in this order: apex, if there is no
 //! vent; rows from the vent to the skirt, each counter-clockwise from the +x axis; confluence; inner nodes of the lines,
-//! line by line; end of the riser and its inner nodes; particles of a rigid payload.
+//! line by line; end of the riser and its inner nodes; particles of a rigid payload. In a cluster the end of the risers is
+//! first, then the others parachute by parachute.
 
 mod assembly;
 mod cruciform;
 mod kind;
+mod payload;
 mod profile;
 mod taylor;
 
@@ -102,6 +104,9 @@ pub struct ParachuteParameters {
     /// A rigid payload; a point if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub payload: Option<PayloadParameters>,
+    /// Several such parachutes on one payload; one if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cluster: Option<ClusterParameters>,
     /// A reefing line around the skirt.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reefing: Option<ReefingParameters>,
@@ -140,6 +145,17 @@ pub struct PayloadParameters {
     /// [m] distance from the end of the riser down to the centre, more than the half height of the particles
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub below_riser: f64,
+}
+
+/// Equal parachutes that share the end of their risers (or their confluence), leaning outwards so far that they do not
+/// touch at the start. Each group holds the parts of all of them; those of the first alone are in `canopy-1`, `skirt-1`,
+/// and so on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ClusterParameters {
+    /// [-] number of parachutes
+    #[schemars(range(min = 2, max = 20))]
+    pub canopies: usize,
 }
 
 /// A reefing line: a ring of edges from line to line along the skirt. Their springs get their rest length, pi times the
@@ -191,8 +207,9 @@ impl ParachuteParameters {
         let rows = self.radial_segments.saturating_add(self.rings.unwrap_or(1)).saturating_add(2);
         let of_canopy = self.gores.saturating_mul(self.gore_segments).saturating_mul(rows);
         let of_lines = self.lines.map_or(0, |lines| self.gores.saturating_mul(lines.segments));
-        if of_canopy.saturating_add(of_lines) > MAX_NODES {
-            let value = format!("about {} nodes", of_canopy.saturating_add(of_lines));
+        let nodes = of_canopy.saturating_add(of_lines).saturating_mul(self.cluster.map_or(1, |c| c.canopies));
+        if nodes > MAX_NODES {
+            let value = format!("about {nodes} nodes");
             faults(at, value, format!("at most {MAX_NODES} nodes"), "take fewer segments".into());
         }
         self.check_kind(at, faults);
@@ -204,7 +221,11 @@ impl ParachuteParameters {
                 check_count(&at, "segments", segments, [1, MOST], faults);
             }
         }
-        for (key, given) in [("riser", self.riser.is_some()), ("payload", self.payload.is_some())] {
+        if let Some(cluster) = self.cluster {
+            check_count(&format!("{at}/cluster"), "canopies", cluster.canopies, [2, 20], faults);
+        }
+        let parts = [("riser", self.riser.is_some()), ("payload", self.payload.is_some())];
+        for (key, given) in parts.into_iter().chain([("cluster", self.cluster.is_some())]) {
             if given && self.lines.is_none() {
                 let hint = "give `lines`, or leave it out".to_owned();
                 faults(&format!("{at}/{key}"), "without lines".into(), "only below suspension lines".into(), hint);
@@ -237,7 +258,7 @@ impl ParachuteParameters {
             let hint = "the canopy would be more vent than cloth; make the vent smaller".to_owned();
             faults(&format!("{at}/vent_diameter"), vent.to_string(), allowed, hint);
         }
-        if self.has_vent_lines() && self.gores % 2 != 0 {
+        if self.has_vent_lines() && !self.gores.is_multiple_of(2) {
             let hint =
                 "each vent line joins opposite corners of the vent; say \"vent_lines\": false without them".to_owned();
             faults(&format!("{at}/gores"), self.gores.to_string(), "an even number with vent lines".into(), hint);
@@ -262,6 +283,42 @@ impl ParachuteParameters {
         Ok(ParachuteSizes { nominal_area, cloth_area, constructed_diameter, gore_length })
     }
 
+    /// The sizes of the pattern and of its mesh in words, each with what it is about.
+    ///
+    /// # Errors
+    /// As [`ParachuteParameters::sizes`].
+    pub fn describe_sizes(&self, mesh: &Mesh) -> Result<Vec<(&'static str, String)>, MeshError> {
+        let d0 = self.nominal_diameter;
+        let ParachuteSizes { nominal_area, cloth_area, constructed_diameter, gore_length } = self.sizes()?;
+        let open = 100.0 * (nominal_area - cloth_area).max(0.0) / nominal_area;
+        let mut lines = vec![
+            ("nominal", format!("D0 {d0:.6} m, S0 {nominal_area:.6} m^2")),
+            ("cloth", format!("{cloth_area:.6} m^2, {open:.2} % of S0 open")),
+            (
+                "constructed",
+                format!(
+                    "diameter {constructed_diameter:.6} m ({:.4} D0), gore {gore_length:.6} m long",
+                    constructed_diameter / d0
+                ),
+            ),
+        ];
+        if let Some(LineParameters { length, .. }) = self.lines {
+            lines.push(("lines", format!("{} of {length:.6} m ({:.4} D0)", self.gores, length / d0)));
+        }
+        if let Some(ReefingParameters { diameter }) = self.reefing {
+            let rest = PI * diameter / self.gores as f64;
+            lines.push((
+                "reefing",
+                format!("diameter {diameter:.6} m; rest length of each edge in \"reefing\" {rest:.9} m"),
+            ));
+        }
+        let cloth = mesh.groups.get("cloth").map(|group| group.edges.as_slice()).unwrap_or_default();
+        let ends = cloth.iter().filter_map(|&edge| mesh.edges.get(edge as usize));
+        let longest = ends.map(|&[a, b]| (mesh.point(a) - mesh.point(b)).norm()).fold(0.0, f64::max);
+        lines.push(("fineness", format!("longest edge of the cloth {longest:.6} m ({:.4} D0)", longest / d0)));
+        Ok(lines)
+    }
+
     /// Makes the mesh; the parameters must have passed [`ParachuteParameters::check`].
     ///
     /// # Errors
@@ -281,7 +338,14 @@ impl ParachuteParameters {
         if self.start == StartShape::Inflated {
             parts.inflate(self)?;
         }
-        Ok(parts.into_mesh())
+        let mut mesh = parts.into_mesh();
+        if let Some(cluster) = self.cluster {
+            mesh = payload::cluster(self, &mesh, cluster)?;
+        }
+        if let Some(payload) = &self.payload {
+            payload::hang(&mut mesh, payload);
+        }
+        Ok(mesh)
     }
 }
 

@@ -42,6 +42,8 @@ pub struct Network {
     /// sum of every part of every term, and its place among these
     parts: Vec<[Option<PartTarget>; PARTS]>,
     pub(super) springs: Vec<SpringBatch>,
+    /// whether some edge has several springs
+    pub(super) shared_edges: bool,
     /// set once a program adds forces from outside
     pub(super) external: Option<ExternalForces>,
     /// the air around it, shared with the terms
@@ -135,6 +137,7 @@ impl Network {
             corners: p.corners,
             tables: p.tables,
             terms: p.terms,
+            shared_edges: shares_edges(&p.springs, p.mesh.edges.len()),
             springs: p.springs,
             external: None,
             stream: p.stream,
@@ -200,6 +203,12 @@ impl Network {
     fn has_role(&self, role: Role) -> bool {
         self.infos.iter().any(|i| i.role == role)
     }
+}
+
+/// Whether two springs are on one of so many edges.
+fn shares_edges(springs: &[SpringBatch], edges: usize) -> bool {
+    let mut taken = vec![false; edges];
+    springs.iter().flat_map(|batch| &batch.edges).any(|&edge| std::mem::replace(&mut taken[edge as usize], true))
 }
 
 /// The sum of a pass that terms of a role add to.

@@ -42,6 +42,9 @@ impl Observables for Network {
     fn edge_tension(&self, at: StateRef<'_>, tension: &mut [f64], strain: &mut [f64]) {
         tension.fill(f64::NAN);
         strain.fill(f64::NAN);
+        if self.shared_edges {
+            return self.edge_sums(at, tension, strain);
+        }
         for batch in &self.springs {
             let (places, tension, strain) = (&batch.edges[..], &mut *tension, &mut *strain);
             batch.data.carried(by_node(at.x), SpringOutput { places, tension, strain });
@@ -63,6 +66,21 @@ impl Observables for Network {
 
     fn max_speed(&self, at: StateRef<'_>) -> f64 {
         motion(at.v, &self.mass).largest_square.sqrt()
+    }
+}
+
+impl Network {
+    /// The same where several springs are on one edge: their tensions add up, and the largest strain counts.
+    fn edge_sums(&self, at: StateRef<'_>, tension: &mut [f64], strain: &mut [f64]) {
+        for batch in &self.springs {
+            for (i, &edge) in batch.edges.iter().enumerate() {
+                let (of_edge, largest) = (&mut tension[edge as usize], &mut strain[edge as usize]);
+                let own = batch.data.tension(by_node(at.x), i);
+                *of_edge = if of_edge.is_nan() { own } else { *of_edge + own };
+                // NaN stands for "no spring yet", which max ignores.
+                *largest = largest.max(batch.data.strain(by_node(at.x), i));
+            }
+        }
     }
 }
 

@@ -19,6 +19,7 @@ mod mesh;
 mod mesh_files;
 mod newton;
 mod output;
+mod parachute;
 mod readme;
 mod simulation;
 mod stability;

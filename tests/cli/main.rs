@@ -10,6 +10,7 @@ mod common;
 mod doubts;
 mod failures;
 mod matrices;
+mod mesh;
 mod plot;
 mod refusals;
 mod results;

@@ -36,14 +36,13 @@ pub(super) fn initial(
 ) -> InitialState {
     let mut start =
         InitialState { displacement: network.geometry.mesh.displacement.clone(), ..InitialState::default() };
-    let Some(section) = section else { return start };
-    if let Some(vectors) = &section.displacement {
-        let at = at.key("displacement");
-        let given = each(&at, vectors, network.fixed, faults);
+    let (displacement, velocity) = section.map_or((None, None), |s| (s.displacement.as_ref(), s.velocity.as_ref()));
+    if let Some(vectors) = displacement {
+        let given = each(&at.key("displacement"), vectors, network.fixed, faults);
         start.displacement = sum(given, &start.displacement);
-        check_lengths(&at, &start.displacement, network, faults);
     }
-    if let Some(vectors) = &section.velocity {
+    check_lengths(&at.key("displacement"), &start.displacement, network, faults);
+    if let Some(vectors) = velocity {
         let at = at.key("velocity");
         start.velocity = each(&at, vectors, network.fixed, faults);
         if let Vectors::Each(_) = vectors {

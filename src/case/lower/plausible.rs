@@ -7,7 +7,7 @@ use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::PorousLaw;
 use crate::format_number::figures;
-use crate::model::spec::{AirSpec, NetworkSpec, PendulumSpec};
+use crate::model::spec::{AirSpec, NetworkSpec, PendulumSpec, Slack};
 use crate::preflight::air::{FreeStream, excess_pressure};
 use crate::warning::WarningCode;
 
@@ -89,11 +89,17 @@ fn speed(at: &Pointer, what: &str, speed: f64, faults: &mut Faults<'_>) {
 }
 
 fn strain(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
-    let springs = spec.springs.iter().flat_map(|group| group.edges.iter().zip(&group.rest_length));
-    let strained = springs.filter_map(|(&edge, &rest)| {
+    let springs = spec.springs.iter().flat_map(|group| {
+        let tension_only = matches!(group.slack, Slack::TensionOnly | Slack::DeadZone { .. });
+        group.edges.iter().zip(&group.rest_length).map(move |(edge, rest)| (edge, rest, tension_only))
+    });
+    let strained = springs.filter_map(|(&edge, &rest, tension_only)| {
         let l = geometry.start_length(edge, &spec.displacement)?;
-        let strain = (l - rest) / rest;
-        (strain.abs() > STRAIN).then_some((strain, edge, l, rest))
+        // A spring without rest length has no strain.
+        let strain = if rest > 0.0 { (l - rest) / rest } else { 0.0 };
+        // Cloth that starts folded carries nothing.
+        let folded = tension_only && strain < 0.0;
+        (strain.abs() > STRAIN && !folded).then_some((strain, edge, l, rest))
     });
     let mut count = 0_usize;
     let worst = strained.inspect(|_| count += 1).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));

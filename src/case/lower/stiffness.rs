@@ -65,11 +65,35 @@ pub(super) fn rest_lengths(
             faults.add_hint(&at.key("rest_scale"), "not together with rest_length", hint);
             None
         }
-        (Some(length), None) => positive(&at.key("rest_length"), length, faults).then(|| vec![length; edges.len()]),
+        (Some(length), None) => {
+            let at = at.key("rest_length");
+            if length == 0.0
+                && let Some(needs) = needs_rest_length(rule)
+            {
+                faults.add_hint(
+                    &at,
+                    "a number above 0",
+                    format!("{needs} divides by the rest length; give stiffness in its place"),
+                );
+                return None;
+            }
+            not_negative(&at, length, faults).then(|| vec![length; edges.len()])
+        }
         (None, scale) => {
             let scale = scale.unwrap_or(1.0);
             positive(&at.key("rest_scale"), scale, faults).then(|| initial.map(|l| scale * l).collect())
         }
+    }
+}
+
+/// The key of a rule that has no value at a rest length of 0.
+fn needs_rest_length(rule: &SpringRule) -> Option<&'static str> {
+    match rule.dashpot {
+        _ if rule.axial_rigidity.is_some() => Some("axial_rigidity"),
+        Some(Dashpot::Axial(DashpotRule::PerStrain(_)) | Dashpot::Relative(DashpotRule::PerStrain(_))) => {
+            Some("per_strain")
+        }
+        _ => None,
     }
 }
 
@@ -98,7 +122,7 @@ impl Stiffness {
             }
         }
         let k: Vec<f64> = edges.iter().zip(rest).map(|(&edge, &rest)| self.of(edge as usize, rest, geometry)).collect();
-        let usable = |(k, rest): (&f64, &f64)| k.is_normal() && rest.is_normal();
+        let usable = |(k, rest): (&f64, &f64)| k.is_normal() && (rest.is_normal() || *rest == 0.0);
         let numbered = edges.iter().zip(k.iter().zip(rest));
         let bad: Vec<u32> = numbered.filter(|(_, pair)| !usable(*pair)).map(|(e, _)| *e).collect();
         if !bad.is_empty() {

@@ -24,9 +24,10 @@ pub struct SpringRule {
     /// Stiffness from a continuous sheet; for edges of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub membrane: Option<Membrane>,
-    /// [m] Rest length l0 of the spring; if not given, the length of the edge on the mesh as given.
+    /// [m] Rest length l0 of the spring, which may be 0 with `stiffness` and `membrane`; if not given, the length of the
+    /// edge on the mesh as given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(range(min = 0))]
     pub rest_length: Option<f64>,
     /// [-] The rest length as a factor of the edge's length on the mesh as given; not together with `rest_length`.
     #[serde(default, skip_serializing_if = "Option::is_none")]

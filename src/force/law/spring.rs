@@ -7,8 +7,8 @@
 //! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are 0.
 
 pub use crate::force::kernel::coefficient::Coefficient;
-use crate::force::law::slack::{LinearLaw, clamped};
-use crate::force::law::stretch::{SpringLengths, WholeScene, largest};
+use crate::force::law::slack::{LinearLaw, clamped, tension};
+use crate::force::law::stretch::{SpringLengths, WholeScene, largest, strain_base};
 pub use crate::force::law::tension::SpringOutput;
 use crate::force::law::tension::TensionPass;
 use crate::force::outer;
@@ -23,7 +23,7 @@ use std::sync::Arc;
 pub struct SpringData {
     /// end nodes a, b
     pub nodes: Arc<[[u32; 2]]>,
-    /// [m] rest length l0 of every spring
+    /// [m] rest length l0 of every spring; may be 0
     pub rest_length: Arc<[f64]>,
     /// [N/m] stiffness k
     pub stiffness: Coefficient,
@@ -40,6 +40,11 @@ impl SpringData {
         let length = d.norm();
         let n = if length > 0.0 { d * length.recip() } else { Vector3::zeros() };
         Stretch { n, length, elongation: length - self.rest_length[i] }
+    }
+
+    /// [N] elastic tension of spring `i`.
+    pub fn tension(&self, x: &[Vector3<f64>], i: usize) -> f64 {
+        tension(self.slack, self.stiffness.at(i), self.elongation(x, i)).force
     }
 
     /// Writes elastic tension and strain of every spring at positions `x` [m] `[n_nodes]` to its index in `to.places`
@@ -75,9 +80,9 @@ impl SpringData {
         turns_over(self, from, to)
     }
 
-    /// [-] strain (l - l0)/l0 of spring `i`.
+    /// [-] strain (l - l0)/l0 of spring `i`; 0 without a rest length.
     pub fn strain(&self, x: &[Vector3<f64>], i: usize) -> f64 {
-        self.elongation(x, i) / self.rest_length[i]
+        self.elongation(x, i) / strain_base(self.rest_length[i])
     }
 }
 

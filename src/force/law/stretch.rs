@@ -1,8 +1,14 @@
 //! The largest stretch l^2/l0^2 of springs, from which the largest strain is sqrt(l^2/l0^2) - 1: one division per
-//! spring and no root.
+//! spring and no root. Springs without rest length do not count.
 
 use crate::force::kernel::local_buffer::{Records, record};
 use crate::model::quad::{self, Quad, Real, VectorUnit};
+
+/// [m] The length that a strain is relative to: a spring without rest length has the strain 0 at every length.
+#[inline(always)]
+pub(in crate::force) fn strain_base(rest_length: f64) -> f64 {
+    if rest_length > 0.0 { rest_length } else { f64::INFINITY }
+}
 
 /// Springs by their end nodes, and the positions of the nodes.
 pub(in crate::force) struct SpringLengths<'a, E, P> {
@@ -77,7 +83,7 @@ impl<E: Copy, P: Positions<E>> SpringLengths<'_, E, P> {
         for (d, &[a, b]) in d.iter_mut().zip(ends) {
             *d = unit.quad(self.at.of(b)) - unit.quad(self.at.of(a));
         }
-        let (d, l0) = (U::Quad::columns(d), unit.quad(l0));
+        let (d, l0) = (U::Quad::columns(d), unit.quad(l0.map(strain_base)));
         (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / (l0 * l0)
     }
 }

@@ -3,7 +3,7 @@
 use crate::force::kernel::coefficient::Coefficient;
 use crate::force::law::slack::TensionLaw;
 use crate::force::law::spring::SpringData;
-use crate::force::law::stretch::{Positions, WholeScene};
+use crate::force::law::stretch::{Positions, WholeScene, strain_base};
 use crate::model::quad::{Pass, Quad, Real, VectorUnit};
 use nalgebra::Vector3;
 
@@ -14,7 +14,7 @@ pub struct SpringOutput<'a> {
     pub places: &'a [u32],
     /// [N] elastic tension T(l - l0)
     pub tension: &'a mut [f64],
-    /// [-] strain (l - l0)/l0
+    /// [-] strain (l - l0)/l0; 0 without a rest length
     pub strain: &'a mut [f64],
 }
 
@@ -76,7 +76,8 @@ impl<L: TensionLaw> TensionPass<'_, L> {
         let (d, l0) = (U::Quad::columns(d), unit.quad(springs.rest_length));
         let e = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt() - l0;
         let tension = self.law.at(unit.quad(springs.stiffness), e).force;
-        let (tension, strain) = (tension.numbers(), (e / l0).numbers());
+        let base = unit.quad(springs.rest_length.map(strain_base));
+        let (tension, strain) = (tension.numbers(), (e / base).numbers());
         for ((&place, tension), strain) in places.iter().zip(tension).zip(strain) {
             self.to.tension[place as usize] = tension;
             self.to.strain[place as usize] = strain;

@@ -2,7 +2,7 @@
 
 use super::profile::Profile;
 use super::taylor::{Meridian, SkirtHold};
-use super::{LEAST_HEIGHT, LineParameters, ParachuteParameters, reefed_radius};
+use super::{CanopyType, LEAST_HEIGHT, LineParameters, ParachuteParameters, reefed_radius};
 use crate::mesh::{Group, Groups, Mesh, MeshError, topology};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, HashMap};
@@ -127,7 +127,7 @@ impl Assembly {
         nodes
     }
 
-    /// Adds lines, confluence, riser and payload.
+    /// Adds lines, confluence and riser; the payload is a point at the end.
     ///
     /// # Errors
     /// Lines that do not reach the axis.
@@ -135,8 +135,8 @@ impl Assembly {
         let from_axis = |node: &u32| self.at(*node).xy().norm();
         let radius = self.corners.iter().map(from_axis).fold(0.0, f64::max);
         let height = (lines.length * lines.length - radius * radius).sqrt();
-        // Also false for the root of a negative number.
-        if !(height >= LEAST_HEIGHT * lines.length) {
+        // The root of a negative number is not a number.
+        if height.is_nan() || height < LEAST_HEIGHT * lines.length {
             return Err(MeshError::Parameter {
                 pointer: "/parachute/lines/length".to_owned(),
                 value: lines.length.to_string(),
@@ -158,21 +158,7 @@ impl Assembly {
             self.add_line("riser", [confluence, end], riser.segments);
         }
         self.node_groups.insert("confluence", vec![confluence]);
-        let axes = p.payload.and_then(|payload| Some((payload.half_axes()?, payload.below_riser)));
-        let payload = match axes {
-            None => vec![end],
-            Some((axes, below)) => {
-                let centre = self.at(end) - Vector3::z() * below;
-                let signs = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
-                let particle = |s: [f64; 3]| centre + Vector3::from(s).component_mul(&Vector3::from(axes));
-                let particles = signs.map(|signs| self.add_node(particle(signs)));
-                self.edges.extend(particles.map(|particle| ("slings", [end, particle])));
-                let pairs = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
-                self.edges.extend(pairs.map(|pair| ("payload-bars", pair.map(|i: usize| particles[i]))));
-                particles.to_vec()
-            }
-        };
-        self.node_groups.insert("payload", payload);
+        self.node_groups.insert("payload", vec![end]);
         Ok(())
     }
 
@@ -195,6 +181,9 @@ impl Assembly {
             allowed,
             hint: "start \"flat\": the constructed shape of such a canopy is near its inflated one".to_owned(),
         };
+        if p.kind == CanopyType::Annular {
+            return Err(refuse("a canopy that is closed at its apex or by vent lines".to_owned()));
+        }
         let Some(first) = self.rows.first().and_then(|row| row.first()) else {
             return Err(refuse("a canopy of gores".to_owned()));
         };

@@ -126,7 +126,7 @@ impl ParachuteParameters {
             }
             CanopyType::Annular if self.vent_diameter.is_none() => needed("vent_diameter", faults),
             Cruciform => {
-                if self.gores % 4 != 0 || self.gores < 8 {
+                if !self.gores.is_multiple_of(4) || self.gores < 8 {
                     let hint =
                         "each of the four ends carries a quarter of the lines, one at each of its corners".to_owned();
                     faults(&format!("{at}/gores"), self.gores.to_string(), "a multiple of 4, at least 8".into(), hint);

@@ -113,6 +113,9 @@ impl Profile {
     fn of_size(p: &ParachuteParameters, size: f64) -> Result<Self, MeshError> {
         let vent = 0.5 * p.vent_diameter.unwrap_or(0.0) * (PI / p.gores as f64).cos();
         let pieces = pieces(p, size, vent);
+        if pieces.iter().any(|piece| piece.curve.length() <= 0.0 || piece.curve.at(1.0)[0] < piece.curve.at(0.0)[0]) {
+            return Err(no_ring_left(p));
+        }
         let (pieces, before) = after_vent(pieces, vent).ok_or_else(|| too_much_vent(p))?;
         let counts = share_rows(p, &pieces)?;
         let first = pieces.first().map_or([0.0; 2], |piece| piece.curve.at(0.0));
@@ -138,6 +141,15 @@ impl Profile {
             cloth_area += if pair[1].after_gap { 0.0 } else { area };
         }
         Ok(Self { rows, nominal_area, cloth_area, apex_height: -skirt, gore_length })
+    }
+}
+
+fn no_ring_left(p: &ParachuteParameters) -> MeshError {
+    MeshError::Parameter {
+        pointer: "/parachute/slot_porosity".to_owned(),
+        value: p.slot_porosity.unwrap_or(0.0).to_string(),
+        allowed: "slots that leave cloth between vent and skirt".to_owned(),
+        hint: "take a smaller porosity or a smaller vent".to_owned(),
     }
 }
 

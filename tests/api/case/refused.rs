@@ -101,7 +101,7 @@ fn springs_and_mass() {
         ("system.network.springs.0.stiffness=0", "/system/network/springs/0/stiffness", "above 0"),
         ("system.network.springs.0.stiffness=null", "/system/network/springs/0", "exactly one of"),
         ("system.network.springs.0.axial_rigidity=1", "/system/network/springs/0", "exactly one of"),
-        ("system.network.springs.0.rest_length=0", "/system/network/springs/0/rest_length", "above 0"),
+        ("system.network.springs.0.rest_length=-1", "/system/network/springs/0/rest_length", "0 or more"),
         ("system.network.springs.0.rest_scale=-1", "/system/network/springs/0/rest_scale", "above 0"),
         (
             "system.network.springs.0.rest_length=1;system.network.springs.0.rest_scale=1",

@@ -1,0 +1,119 @@
+//! What hangs at the end of the riser: a rigid payload, and several canopies that share it.
+
+use super::{ClusterParameters, ParachuteParameters, PayloadParameters};
+use crate::mesh::{Group, Groups, Mesh, MeshError};
+use nalgebra::{Rotation3, Unit, Vector3};
+use std::f64::consts::{PI, TAU};
+
+/// [-] angle between canopies of a cluster over the one at which they touch
+const APART: f64 = 1.05;
+/// [rad] largest angle of a canopy's axis from the vertical
+const MOST_TILT: f64 = 1.4;
+
+/// The node at the end of the riser.
+fn end_of(mesh: &Mesh) -> Option<u32> {
+    mesh.groups.get("payload").and_then(|group| group.nodes.first()).copied()
+}
+
+/// Puts a rigid payload in the place of the point at the end of the riser.
+pub(super) fn hang(mesh: &mut Mesh, payload: &PayloadParameters) {
+    let (Some(end), Some(axes)) = (end_of(mesh), payload.half_axes()) else { return };
+    let centre = mesh.point(end) - Vector3::z() * payload.below_riser;
+    let signs = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+    let first = mesh.nodes.len() as u32;
+    for signs in signs {
+        mesh.nodes.push((centre + Vector3::from(signs).component_mul(&Vector3::from(axes))).into());
+        if !mesh.displacement.is_empty() {
+            mesh.displacement.push([0.0; 3]);
+        }
+    }
+    let mut add = |name: &str, pairs: &[[u32; 2]]| {
+        let edges = mesh.edges.len() as u32..(mesh.edges.len() + pairs.len()) as u32;
+        mesh.edges.extend_from_slice(pairs);
+        mesh.groups.insert(name.to_owned(), Group::of_edges(edges));
+    };
+    add("slings", &[0, 1, 2, 3].map(|i| [end, first + i]));
+    add("payload-bars", &[[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]].map(|pair| pair.map(|i: u32| first + i)));
+    mesh.groups.insert("payload".to_owned(), Group::of_nodes(first..first + 4));
+}
+
+/// Several copies of a parachute that share the end of its riser, evenly around the vertical, each tilted so far that
+/// their starts do not touch.
+///
+/// # Errors
+/// Canopies that have no room around the payload.
+pub(super) fn cluster(p: &ParachuteParameters, one: &Mesh, cluster: ClusterParameters) -> Result<Mesh, MeshError> {
+    let Some(end) = end_of(one) else { return Ok(one.clone()) };
+    let origin = one.point(end);
+    let moved = |node: usize| one.displacement.get(node).map_or(Vector3::zeros(), |u| Vector3::from(*u));
+    // Half the angle that a canopy takes, seen from the end of the riser.
+    let seen = |(node, place): (usize, &[f64; 3])| {
+        let from_end = Vector3::from(*place) + moved(node) - origin;
+        from_end.xy().norm().atan2(from_end.z)
+    };
+    let half = one.nodes.iter().enumerate().filter(|(node, _)| *node as u32 != end).map(seen).fold(0.0, f64::max);
+    let share = (PI / cluster.canopies as f64).sin();
+    let tilt = ((APART * half).min(0.5 * PI).sin() / share).asin();
+    // The arc sine of a number above 1 is not a number.
+    if tilt.is_nan() || tilt > MOST_TILT {
+        return Err(MeshError::Parameter {
+            pointer: "/parachute/cluster/canopies".to_owned(),
+            value: cluster.canopies.to_string(),
+            allowed: format!(
+                "canopies with room beside each other: each takes {:.1} degrees around the end of the riser",
+                2.0 * half.to_degrees()
+            ),
+            hint: if p.riser.is_some() { "lengthen the riser" } else { "give each a riser" }.to_owned()
+                + ", or take fewer",
+        });
+    }
+    let mut all = Mesh::default();
+    for number in 0..cluster.canopies {
+        let azimuth = TAU * number as f64 / cluster.canopies as f64;
+        // About a horizontal axis: the canopy leans towards the azimuth.
+        let axis = Unit::new_normalize(Vector3::new(-azimuth.sin(), azimuth.cos(), 0.0));
+        let turn = Rotation3::from_axis_angle(&axis, tilt) * Rotation3::from_axis_angle(&Vector3::z_axis(), azimuth);
+        add_copy(&mut all, one, end, number, &|v| turn * v);
+    }
+    Ok(all)
+}
+
+/// Adds a copy that is turned about the end of the riser, which all copies share as the first node of the mesh.
+fn add_copy(all: &mut Mesh, one: &Mesh, end: u32, number: usize, turned: &dyn Fn(Vector3<f64>) -> Vector3<f64>) {
+    let origin = one.point(end);
+    if number == 0 {
+        all.nodes.push(origin.into());
+        all.displacement.extend(one.displacement.get(end as usize));
+    }
+    let first = all.nodes.len() as u32;
+    let node = |i: u32| match i.cmp(&end) {
+        std::cmp::Ordering::Less => first + i,
+        std::cmp::Ordering::Equal => 0,
+        std::cmp::Ordering::Greater => first + i - 1,
+    };
+    let others = || (0..one.nodes.len()).filter(|&i| i as u32 != end);
+    all.nodes.extend(others().map(|i| <[f64; 3]>::from(origin + turned(one.point(i as u32) - origin))));
+    let displacement = others().filter_map(|i| one.displacement.get(i));
+    all.displacement.extend(displacement.map(|u| <[f64; 3]>::from(turned(Vector3::from(*u)))));
+    let (edges, triangles) = (all.edges.len() as u32, all.triangles.len() as u32);
+    all.edges.extend(one.edges.iter().map(|pair| pair.map(node)));
+    all.triangles.extend(one.triangles.iter().map(|corners| corners.map(node)));
+    let mut copied = Groups::new();
+    for (name, group) in &one.groups {
+        let mut nodes: Vec<u32> = group.nodes.iter().map(|&i| node(i)).collect();
+        nodes.sort_unstable();
+        let copy = Group {
+            nodes,
+            edges: group.edges.iter().map(|e| edges + e).collect(),
+            triangles: group.triangles.iter().map(|t| triangles + t).collect(),
+        };
+        let whole = all.groups.entry(name.clone()).or_default();
+        whole.edges.extend(&copy.edges);
+        whole.triangles.extend(&copy.triangles);
+        whole.nodes.extend(copy.nodes.iter().filter(|i| number == 0 || **i != 0));
+        if name != "payload" {
+            copied.insert(format!("{name}-{}", number + 1), copy);
+        }
+    }
+    all.groups.append(&mut copied);
+}
