@@ -12,7 +12,7 @@
 //! | elements | kernel | what a law gives |
 //! |---|---|---|
 //! | two nodes | [`law::damped_springs`] | tension and damping: [`law::slack`], [`law::dashpot`] |
-//! | triangles | [`kernel::faces`] | pressure: [`law::air`], [`law::follower_pressure`] |
+//! | triangles | [`kernel::faces`] | pressure: [`law::air`], [`law::canopy`], [`law::follower_pressure`] |
 //! | nodes | `kernel/nodes` | force: [`law::gravity`], [`law::nodal`] |
 //!
 //! Laws are pure functions, written once on [`crate::model::quad::Real`]: kernels evaluate four elements side by side,
