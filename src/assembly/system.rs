@@ -27,9 +27,9 @@ pub trait TangentSystem: System {
         0
     }
 
-    /// Replaces a residual M a - f `[n_dof]` at a state, whose forces have a part that depends on all others, by that of
-    /// a mass with the [mass parts](TangentSystem::mass_parts) and forces without this part. It has the same solution,
-    /// and its tangent is W.
+    /// Replaces a residual M a - f `[n_dof]` at a state, whose forces have a part that depends on all others, by that
+    /// of a mass with the [mass parts](TangentSystem::mass_parts) and forces without this part. It has the same
+    /// solution, and its tangent is W.
     fn with_apparent_mass(&self, at: StateRef<'_>, residual: &mut [f64]) {
         let _ = (at, residual);
     }

@@ -9,7 +9,7 @@
 //! ```text
 //! A = sum b_i (f_i - b_i (m A + m' V))/m_i,     so     A = (a - m' V s)/(1 + m s),  a = sum b_i f_i/m_i,  s = sum b_i^2/m_i
 //! ```
-//! Its work is that of an external force: -d(m V^2/2) - m' V^2/2, what growing takes included. Implicit schemes solve for
+//! Its work is that of an external force: -d(m V^2/2) - m' V^2/2, what growing takes included. Implicit schemes solve
 //! (M + m b b^T) a = f - b m' V instead, with the same solution.
 
 use super::network::{Network, by_node};
@@ -124,8 +124,8 @@ impl ApparentMass {
 }
 
 impl Network {
-    /// Adds what the air that canopies take along does to them: to all forces and the external ones [N] `[n_nodes]`, and to
-    /// the powers of the terms.
+    /// Adds what the air that canopies take along does to them: to all forces and the external ones [N] `[n_nodes]`, and
+    /// to the powers of the terms.
     pub(super) fn add_apparent(&self, at: NodeState<'_>, sums: [&mut [Vector3<f64>]; 2], tallies: &mut [Tally]) {
         let [total, external] = sums;
         let inverse_mass = by_node(&self.inverse_mass);
@@ -145,8 +145,8 @@ impl Network {
         }
     }
 
-    /// Replaces a residual M a - f of forces that have the apparent masses in them by (M + m b b^T) a - f, with the forces
-    /// of everything else and b m' V.
+    /// Replaces a residual M a - f of forces that have the apparent masses in them by (M + m b b^T) a - f, with the
+    /// forces of everything else and b m' V.
     pub(super) fn with_apparent(&self, at: NodeState<'_>, residual: &mut [Vector3<f64>]) {
         let inverse_mass = by_node(&self.inverse_mass);
         for canopy in &self.apparent {

@@ -48,8 +48,8 @@ pub struct Network {
     pub(super) external: Option<ExternalForces>,
     /// the air around it, shared with the terms
     pub(super) stream: Option<Arc<Stream>>,
-    /// whether steps are made one by one: a force depends on all others, or in a scene of several blocks on nodes of the
-    /// whole scene
+    /// whether steps are made one by one: a force depends on all others, or in a scene of several blocks on nodes of
+    /// the whole scene
     couples_blocks: bool,
     /// air that canopies take along
     pub(super) apparent: Vec<ApparentMass>,

@@ -130,7 +130,8 @@ fn speeds(case: &canopy_fem::case::Case, heights: &[f64]) -> Vec<f64> {
     [vec![most], found].concat()
 }
 
-/// A fall through the standard atmosphere: d(v^2)/dz = -2 g + rho(z) CdS v^2/m downwards, by Runge-Kutta over the height.
+/// A fall through the standard atmosphere: d(v^2)/dz = -2 g + rho(z) CdS v^2/m downwards, by Runge-Kutta over the
+/// height.
 fn standard_fall(body: impl Fn(&str) -> canopy_fem::case::Case) -> Vec<Claim> {
     let aero = "{\"drag\": [{\"on\": \"all\", \"drag_area\": 0.7}], \"altitude\": 30000, \"atmosphere\": \"isa\"}";
     let heights = [15_000.0, 5_000.0, 0.0];
@@ -212,9 +213,9 @@ pub fn line() -> Vec<Claim> {
     ]
 }
 
-/// Opening loads without gravity: with A = 2 m/(rho CdS v_s t_f) and tau = min(1, (j A (j + 1)/(j + 2))^(1/(j + 1))) the
-/// largest force is q_s CdS tau^j/(1 + tau^(j + 1)/(A (j + 1)))^2 (Pflanz 1942). The canopy moves along its axis only,
-/// and dashpots keep its parts together.
+/// Opening loads without gravity: with A = 2 m/(rho CdS v_s t_f) and tau = min(1, (j A (j + 1)/(j + 2))^(1/(j + 1)))
+/// the largest force is q_s CdS tau^j/(1 + tau^(j + 1)/(A (j + 1)))^2 (Pflanz 1942). The canopy moves along its axis
+/// only, and dashpots keep its parts together.
 pub fn opening() -> Vec<Claim> {
     let parachute = Parachute { rings: 3, ..small(3) };
     let (speed, area, mass) = (50.0, 2.0, 10.0);
