@@ -162,6 +162,15 @@ fn a_cluster_has_an_air_speed_for_each_canopy() {
     }
 }
 
+#[test]
+fn a_triangle_is_one_of_one_canopy_only() {
+    let mut case = SMALL.case(1.7, 4.0, 6.0);
+    let one = case["system"]["network"]["aero"]["canopy"].clone();
+    case["system"]["network"]["aero"]["canopy"] = json!([one, one]);
+    let message = Case::from_text(case.to_string(), "test.json", "".into(), &[]).expect_err("refused").to_string();
+    assert!(message.contains("canopy/1/on") && message.contains("which an earlier canopy has"), "{message}");
+}
+
 /// Parachutes side by side that know nothing of each other, each a canopy of a list.
 fn cluster(count: usize, parachute: &Parachute) -> Value {
     let mut case = parachute.case(1.7, 4.0, 6.0);

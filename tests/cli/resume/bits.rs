@@ -281,11 +281,11 @@ fn every_method_resumes_adaptive_steps_with_the_same_bits() {
 fn of_a_parachute() {
     let small = Parachute { gores: 6, rings: 3, line_segments: 2, nominal_diameter: 2.0, line_length: 2.0 };
     let mut scene = small.case(1.7, 4.0, 6.0);
-    scene["time"]["end"] = serde_json::json!(0.06);
-    scene["time"]["step"] = serde_json::json!(0.001);
+    scene["time"]["end"] = serde_json::json!(0.006);
+    scene["time"]["step"] = serde_json::json!(0.0001);
     let aero = &mut scene["system"]["network"]["aero"];
     aero["wind"] =
-        serde_json::json!({"sum": [[1, 0, 0], {"gust": {"velocity": [0, 2, 0], "start": 0.01, "duration": 0.05}}]});
+        serde_json::json!({"sum": [[1, 0, 0], {"gust": {"velocity": [0, 2, 0], "start": 0.001, "duration": 0.004}}]});
     aero["atmosphere"] = serde_json::json!("isa");
     aero["drag"] = serde_json::json!([{"on": "lines", "diameter": 0.004, "coefficient": 1.1}]);
     for apparent in ["null", "1.0"] {
