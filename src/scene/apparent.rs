@@ -124,8 +124,8 @@ impl ApparentMass {
 }
 
 impl Network {
-    /// Adds what the air that canopies take along does to them: to all forces and the external ones [N] `[n_nodes]`, and
-    /// to the powers of the terms.
+    /// Adds what the air that canopies take along does to them: to all forces and the external ones [N] `[n_nodes]`,
+    /// and to the powers of the terms.
     pub(super) fn add_apparent(&self, at: NodeState<'_>, sums: [&mut [Vector3<f64>]; 2], tallies: &mut [Tally]) {
         let [total, external] = sums;
         let inverse_mass = by_node(&self.inverse_mass);
