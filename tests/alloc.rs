@@ -35,7 +35,25 @@ fn scene(with_air: bool) -> Network {
     spec.gravity = Some([0.0, 0.0, -9.81]);
     if with_air {
         spec.air = Some(air());
+        spec.stream = Some(StreamSpec::of_wind(air().wind));
+        spec.canopies = canopy(None);
     }
+    build_network(spec, Threads::one()).expect("the fixture is sound")
+}
+
+fn canopy(apparent_mass: Option<f64>) -> Vec<CanopySpec> {
+    let (triangles, pressure_coefficient) = ((0..6).collect(), vec![1.0; 6]);
+    let (skirt, apex, confluence) = (vec![2, 5, 7], vec![0, 1], vec![8]);
+    vec![CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling: None, apparent_mass }]
+}
+
+/// A canopy that takes air along.
+fn heavy_canopy() -> Network {
+    let mut spec = patch();
+    spec.springs = vec![with_dashpots(spring_group(&spec, Slack::TensionOnly))];
+    spec.displacement = (0..9).map(|i| [0.0, 0.0, 0.1 * f64::from(i % 4)]).collect();
+    spec.stream = Some(StreamSpec::of_wind(air().wind));
+    spec.canopies = canopy(Some(1.0));
     build_network(spec, Threads::one()).expect("the fixture is sound")
 }
 
@@ -192,7 +210,7 @@ fn adaptive_blocks(scene: &Network, method: &str) -> u64 {
 
 fn main() {
     let _profiler = dhat::Profiler::builder().testing().build();
-    let (calm, windy, large) = (scene(false), scene(true), sheet(70));
+    let (calm, windy, large, heavy) = (scene(false), scene(true), sheet(70), heavy_canopy());
     let full = (Strategy::Full, LinearChoice::Auto);
     for method in methods() {
         assert_eq!(blocks(&calm, method.name, 50, full), 0, "{} on a symmetric scene", method.name);
@@ -200,6 +218,7 @@ fn main() {
         if method.family != Family::Implicit {
             assert_eq!(blocks(&large, method.name, 5, full), 0, "{} on a large scene", method.name);
             assert_eq!(blocks(&windy, method.name, 50, full), 0, "{} with air", method.name);
+            assert_eq!(blocks(&heavy, method.name, 50, full), 0, "{} with an apparent mass", method.name);
         } else {
             let kept = [
                 (Strategy::Modified, LinearChoice::Auto),

@@ -16,10 +16,22 @@ pub trait TangentSystem: System {
     /// Writes W = cm M + cc C + ck K at a state, but for its rank-one parts, into `assembler`'s values.
     fn assemble(&self, at: StateRef<'_>, weights: Weights, assembler: &mut Assembler);
 
-    /// Number of rank-one parts u g^T of W, which [`TangentSystem::assemble`] leaves out because they couple nodes of the
-    /// whole scene.
+    /// Number of rank-one parts u g^T of W, which [`TangentSystem::assemble`] leaves out because they couple nodes of
+    /// the whole scene.
     fn rank_ones(&self) -> usize {
         0
+    }
+
+    /// How many of these, the first ones, belong to the mass: they are in the symmetric approximation of W, too.
+    fn mass_parts(&self) -> usize {
+        0
+    }
+
+    /// Replaces a residual M a - f `[n_dof]` at a state, whose forces have a part that depends on all others, by that
+    /// of a mass with the [mass parts](TangentSystem::mass_parts) and forces without this part. It has the same
+    /// solution, and its tangent is W.
+    fn with_apparent_mass(&self, at: StateRef<'_>, residual: &mut [f64]) {
+        let _ = (at, residual);
     }
 
     /// Overwrites u and g `[n_dof]` with one of these parts at a state.

@@ -5,11 +5,6 @@
 //! checked here. The check supports the part of JSON Schema that schemars uses for this case: `$ref`, `oneOf` of words,
 //! of objects with one key and of different types, objects that refuse other keys, maps with values of one kind, arrays,
 //! and nullable types.
-=======
-//! checked here. The check supports the part of JSON Schema that schemars uses for this case: `$ref`, `oneOf` of words, of
-//! objects with one key and of different types, objects that refuse other keys, maps with values of one kind, arrays,
-//! and nullable types.
->>>>>>> theirs
 
 use serde_json::{Map, Value, json};
 
@@ -207,7 +202,8 @@ impl<'a> OneOf<'a> {
         self.words.iter().copied().chain(tags).collect()
     }
 
-    /// The branch for a number, an object with several keys, or a list. Between two kinds of list, the majority of the entries decides.
+    /// The branch for a number, an object with several keys, or a list. Between two kinds of list, the majority of the
+    /// entries decides.
     fn of_type(&self, value: &Value) -> Option<&'a Value> {
         let Value::Array(list) = value else {
             let fits = |branch: &&Value| match kind(branch) {

@@ -12,7 +12,7 @@
 //! | elements | kernel | what a law gives |
 //! |---|---|---|
 //! | two nodes | [`law::damped_springs`] | tension and damping: [`law::slack`], [`law::dashpot`] |
-//! | triangles | [`kernel::faces`] | pressure: [`law::air`], [`law::follower_pressure`] |
+//! | triangles | [`kernel::faces`] | pressure: [`law::air`], [`law::canopy`], [`law::follower_pressure`] |
 //! | nodes | `kernel/nodes` | force: [`law::gravity`], [`law::nodal`] |
 //!
 //! Laws are pure functions, written once on [`crate::model::quad::Real`]: kernels evaluate four elements side by side,
@@ -127,8 +127,8 @@ pub trait ForceTerm: kernel::batch::BlockForces {
     /// `w.m` is the caller's.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink);
 
-    /// Overwrites `part` with the part of the tangent that [`ForceTerm::tangent`] does not emit, because it couples nodes
-    /// of the whole scene. Asked only of terms with a [scene number](kernel::batch::BlockForces::scene_number).
+    /// Overwrites `part` with the part of the tangent that [`ForceTerm::tangent`] does not emit, because it couples
+    /// nodes of the whole scene. Asked only of terms with a [scene number](kernel::batch::BlockForces::scene_number).
     fn rank_one(&self, at: NodeState<'_>, w: Weights, part: RankOne<'_>) {
         let _ = (at, w, part);
     }

@@ -190,6 +190,7 @@ impl NonlinearProblem for Equations<'_> {
         self.counters.evaluate(self.system, self.to.state.as_ref(), &mut self.to.forces);
         let forces = Forces { f_n: &from.forces.total, f: &self.to.forces.total, mass: &dofs.mass };
         unbalanced(workers, map, start, forces, (a_next, residual));
+        self.system.with_apparent_mass(self.to.state.as_ref(), residual);
         let sizes = Sizes { stiffness: &dofs.stiffness, largest: self.start.largest, a: a_next };
         rounding(workers, map, start, forces, sizes, floors);
         let (residual, floors) = (&**residual, &**floors);

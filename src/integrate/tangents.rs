@@ -113,12 +113,12 @@ impl RankOnes {
     /// Finds those of a tangent that has just been factorised; `solve` applies its inverse without them.
     fn find(
         &mut self,
-        system: &dyn TangentSystem,
+        (system, count): (&dyn TangentSystem, usize),
         (at, w): (StateRef<'_>, Weights),
         dof: &[u32],
         mut solve: impl FnMut(&mut [f64]) -> Result<(), LinearError>,
     ) -> Result<(), LinearError> {
-        self.parts.resize(system.rank_ones(), RankOnePart::default());
+        self.parts.resize(count, RankOnePart::default());
         for which in 0..self.parts.len() {
             let [u, g] = &mut self.dofs;
             u.resize(system.n_dof(), 0.0);
@@ -144,8 +144,9 @@ impl RankOnes {
 
 /// The exact and the reused tangent.
 pub(super) struct Tangents {
-    /// of the exact one
+    /// of the exact one, and of the reused one
     rank_ones: RankOnes,
+    mass_parts: RankOnes,
     symmetric: bool,
     choice: LinearChoice,
     exact: Option<Factor>,
@@ -180,6 +181,7 @@ impl Tangents {
         let choice = if choice == LinearChoice::Cg && !symmetric { LinearChoice::Auto } else { choice };
         Ok(Tangents {
             rank_ones: RankOnes::default(),
+            mass_parts: RankOnes::default(),
             symmetric,
             choice,
             exact,
@@ -244,7 +246,7 @@ impl Tangents {
         count(counters, before, factor.linear.work());
         let inertia = made?;
         let Factor { assembler, linear } = factor;
-        self.rank_ones.find(system, (at, w), &self.dof, |b| {
+        self.rank_ones.find((system, system.rank_ones()), (at, w), &self.dof, |b| {
             counters.linear_solves += 1;
             linear.solve(assembler.values(), b)
         })?;
@@ -273,10 +275,21 @@ impl Tangents {
         system.assemble_symmetric(at, w, convex, &mut factor.assembler);
         let before = factor.linear.work();
         factor.linear.set_expected_use(expected);
-        let made = factor.linear.prepare(factor.assembler.values());
+        let made = factor.linear.prepare(factor.assembler.values())?;
         counters.tangent_assemblies += 1;
-        count(counters, before, factor.linear.work());
-        made.map(Some)
+        let Factor { assembler, linear } = factor;
+        if made == Inertia::Indefinite {
+            count(counters, before, linear.work());
+            return Ok(Some(made));
+        }
+        // The same in a run that goes on from a checkpoint.
+        linear.set_accuracy(Accuracy::of_reused());
+        self.mass_parts.find((system, system.mass_parts()), (at, w), &self.dof, |b| {
+            counters.linear_solves += 1;
+            linear.solve(assembler.values(), b)
+        })?;
+        count(counters, before, linear.work());
+        Ok(Some(made))
     }
 
     /// Replaces b `[n]` by W^-1 b.
@@ -289,9 +302,8 @@ impl Tangents {
         let before = factor.linear.work();
         let solved = factor.linear.solve(factor.assembler.values(), b);
         count(counters, before, factor.linear.work());
-        if self.current == TangentKind::Exact {
-            self.rank_ones.parts.iter().for_each(|part| part.correct(b));
-        }
+        let parts = if self.current == TangentKind::Exact { &self.rank_ones } else { &self.mass_parts };
+        parts.parts.iter().for_each(|part| part.correct(b));
         solved
     }
 

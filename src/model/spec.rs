@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::mesh::Mesh;
+use std::f64::consts::TAU;
 
 /// The force law of a spring in tension and compression. `e` is the elongation l - l0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -99,6 +100,22 @@ pub struct Series<T> {
     pub value: Vec<T>,
 }
 
+impl<const N: usize> Series<[f64; N]> {
+    /// The value at time `t` [s] of a table with at least one row and increasing times.
+    pub fn at(&self, t: f64) -> [f64; N] {
+        let after = self.t.partition_point(|&s| s <= t);
+        match after {
+            0 => self.value[0],
+            n if n == self.t.len() => self.value[n - 1],
+            n => {
+                let (t0, t1) = (self.t[n - 1], self.t[n]);
+                let s = (t - t0) / (t1 - t0);
+                std::array::from_fn(|i| self.value[n - 1][i] * (1.0 - s) + self.value[n][i] * s)
+            }
+        }
+    }
+}
+
 /// The air: pressure jump dp = linear v_n + quadratic v_n |v_n| over the cloth, acting along the relative wind.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AirSpec {
@@ -119,6 +136,15 @@ pub struct GustSpec {
     pub start: f64,
     /// [s] duration, > 0
     pub duration: f64,
+}
+
+impl GustSpec {
+    /// [m/s] Its velocity at time `t` [s].
+    pub fn at(&self, t: f64) -> [f64; 3] {
+        let phase = (t - self.start) / self.duration;
+        let share = if (0.0..=1.0).contains(&phase) { 0.5 * (1.0 - (TAU * phase).cos()) } else { 0.0 };
+        self.velocity.map(|v| share * v)
+    }
 }
 
 /// The density of the air over the height above sea level.
@@ -156,6 +182,13 @@ pub struct StreamSpec {
 }
 
 impl StreamSpec {
+    /// [m/s] The wind at time `t` [s] and a height `z` [m] of the scene.
+    pub fn wind_at(&self, t: f64, z: f64) -> [f64; 3] {
+        let profile = self.profile.as_ref().map(|profile| profile.at(self.altitude + z));
+        let parts = self.gusts.iter().map(|gust| gust.at(t)).chain(profile);
+        parts.fold(self.wind.at(t), |sum, part| std::array::from_fn(|i| sum[i] + part[i]))
+    }
+
     /// A wind over time [m/s] at all heights, in air of 1.225 kg/m^3 (sea level, standard atmosphere).
     pub fn of_wind(wind: Series<[f64; 3]>) -> Self {
         let atmosphere = AtmosphereSpec::Constant { density: 1.225 };
@@ -181,6 +214,8 @@ pub struct CanopySpec {
     pub confluence: Vec<u32>,
     /// if given, the drag area over time that the pressure is scaled to
     pub filling: Option<FillingSpec>,
+    /// [-] k of the air that the canopy takes along, k rho times its volume
+    pub apparent_mass: Option<f64>,
 }
 
 /// How the drag area of a canopy grows while it fills: drag_area ((t - start)/duration)^exponent until it is full. The

@@ -1,6 +1,7 @@
 //! From a plain specification to force terms in internal numbering.
 
 use super::Load;
+use super::apparent::{self, ApparentMass};
 use super::canopy_shape::CanopyShape;
 use super::check::{BuildError, check, check_bars};
 use super::events::Phases;
@@ -28,6 +29,7 @@ use crate::model::spec::{
 use crate::model::unit_vector::unit_vector;
 use crate::startup::{Phase, timed};
 use nalgebra::Vector3;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Builds a network; the mesh is kept for pictures.
@@ -65,6 +67,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         loads: Vec::new(),
         tables: Vec::new(),
         shapes: Vec::new(),
+        apparent: Vec::new(),
         stream: spec
             .stream
             .clone()
@@ -75,11 +78,11 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     bars.iter().for_each(|bars| builder.bars(bars));
     builder.gravity(&fixed, &mass, &start);
     builder.air();
-    builder.canopies(&start);
+    builder.canopies(&start, &reference);
     builder.drag();
     builder.loads(&start);
     builder.rayleigh(&mass, &reference);
-    let Builder { terms, springs, loads, mut tables, stream, shapes: canopies, .. } = builder;
+    let Builder { terms, springs, loads, mut tables, stream, shapes: canopies, apparent, .. } = builder;
     tables.extend(stream.clone().map(|stream| stream as Arc<dyn SampledTable>));
     // What is held stands still: its velocity is 0, and here it loses a sign that steps of different kinds would treat
     // differently.
@@ -111,6 +114,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         tables,
         stream,
         canopies,
+        apparent,
         terms,
         springs,
         threads,
@@ -127,6 +131,7 @@ struct Builder<'a> {
     tables: Vec<Arc<dyn SampledTable>>,
     shapes: Vec<CanopyShape>,
     stream: Option<Arc<Stream>>,
+    apparent: Vec<ApparentMass>,
 }
 
 impl Builder<'_> {
@@ -202,7 +207,7 @@ impl Builder<'_> {
         self.terms.push(Box::new(Air::new(data)));
     }
 
-    fn canopies(&mut self, start: &[Vector3<f64>]) {
+    fn canopies(&mut self, start: &[Vector3<f64>], reference: &[Vector3<f64>]) {
         let Some(stream) = &self.stream else { return };
         for canopy in &self.spec.canopies {
             let nodes = |list: &[u32]| list.iter().map(|&i| self.node(i)).collect::<Vec<u32>>();
@@ -218,7 +223,20 @@ impl Builder<'_> {
             }
             list.sort_unstable_by_key(|(t, _)| (t[0].min(t[1]).min(t[2]), *t));
             let (triangles, pressure_coefficient): (Vec<_>, Vec<_>) = list.into_iter().unzip();
-            let (triangles, pressure_coefficient) = (triangles.into(), pressure_coefficient.into());
+            let triangles: Arc<[[u32; 3]]> = triangles.into();
+            let pressure_coefficient = pressure_coefficient.into();
+            if let Some(factor) = canopy.apparent_mass {
+                let mut nodes = BTreeMap::new();
+                for corners in triangles.iter() {
+                    let area = AreaVector::new(reference, *corners).s.norm() / 3.0;
+                    corners.iter().for_each(|&node| *nodes.entry(node).or_insert(0.0) += area);
+                }
+                let area: f64 = nodes.values().sum();
+                let nodes = nodes.into_iter().map(|(node, share)| (node, share / area)).collect();
+                let (faces, term) = (triangles.to_vec(), self.terms.len());
+                let (rims, stream) = (apparent::rims(&triangles), stream.clone());
+                self.apparent.push(ApparentMass { nodes, faces, rims, factor, stream, term });
+            }
             let (stream, filling) = (stream.clone(), canopy.filling);
             let data = CanopyData { triangles, pressure_coefficient, skirt, apex, confluence, stream, filling };
             self.shapes.push(CanopyShape::new(data.clone()));

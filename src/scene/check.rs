@@ -227,6 +227,7 @@ fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
         below("triangle", &canopy.triangles, triangles.len())?;
         length("pressure coefficients of a canopy", canopy.pressure_coefficient.len(), canopy.triangles.len())?;
         finite("pressure coefficient", &canopy.pressure_coefficient)?;
+        finite("apparent mass", canopy.apparent_mass.as_slice())?;
         if let Some(FillingSpec { drag_area, start, duration, exponent }) = canopy.filling {
             finite("filling", &[drag_area, start, duration, exponent])?;
         }

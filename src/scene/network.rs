@@ -1,6 +1,7 @@
 //! A spring network: mass, force terms and fixed degrees of freedom.
 
 use super::Load;
+use super::apparent::ApparentMass;
 use super::canopy_shape::CanopyShape;
 use super::events::Phases;
 use super::external::ExternalForces;
@@ -51,8 +52,11 @@ pub struct Network {
     /// the air around it, shared with the terms
     pub(super) stream: Option<Arc<Stream>>,
     pub(super) canopies: Vec<CanopyShape>,
-    /// whether a term depends on nodes of the whole scene: then steps of several blocks are made one by one
+    /// whether steps are made one by one: a force depends on all others, or in a scene of several blocks on nodes of
+    /// the whole scene
     couples_blocks: bool,
+    /// air that canopies take along
+    pub(super) apparent: Vec<ApparentMass>,
     sweep: Sweep,
     pub(super) threads: Threads,
     /// the user's mesh, for pictures
@@ -94,6 +98,7 @@ pub(super) struct Parts {
     pub tables: Vec<Arc<dyn SampledTable>>,
     pub stream: Option<Arc<Stream>>,
     pub canopies: Vec<CanopyShape>,
+    pub apparent: Vec<ApparentMass>,
     pub terms: Vec<Box<dyn ForceTerm>>,
     pub springs: Vec<SpringBatch>,
     pub threads: Threads,
@@ -133,6 +138,7 @@ impl Network {
             canopies: p.canopies,
             couples_blocks: false,
             sweep: Sweep::new(0, &mut []),
+            apparent: p.apparent,
             threads: p.threads,
             mesh: p.mesh,
         };
@@ -146,7 +152,7 @@ impl Network {
             self.terms.iter_mut().map(|t| &mut **t as &mut dyn BlockForces).collect();
         self.sweep = Sweep::new(self.mass.len(), &mut forces);
         let couples = self.terms.iter().any(|term| term.scene_number().is_some());
-        self.couples_blocks = couples && !self.sweep.is_single_block();
+        self.couples_blocks = !self.apparent.is_empty() || couples && !self.sweep.is_single_block();
         self.infos = self.terms.iter().flat_map(|term| term.parts()).copied().chain(self.law_info()).collect();
         let mut tallies = 0..;
         let mut part = |info: &TermInfo| Some(PartTarget { sum: sum_of_role(info.role), tally: tallies.next()? });
@@ -208,6 +214,11 @@ impl Network {
             |parts: &[Option<PartTarget>; PARTS]| parts.iter().position(|p| p.is_some_and(|p| p.tally == part));
         let mut terms = self.terms.iter().zip(&self.parts);
         terms.find_map(|(term, parts)| Some((&**term, places(parts)?)))
+    }
+
+    /// Which energy and power is that of the first part of a term.
+    pub(super) fn tally_of(&self, term: usize) -> Option<usize> {
+        Some(self.parts.get(term)?[0]?.tally)
     }
 
     /// A pass over all terms, with the forces at fixed degrees of freedom turned into reactions.
@@ -323,7 +334,8 @@ impl System for Network {
             let (own, outside) = tallies.split_at_mut(self.tallies());
             let sums = [&mut *total, &mut *external, dissipative];
             self.sweep.pass((self, node_state(at)), &self.threads, sums, own);
-            outside.fill(self.add_laws(at, [total, external]));
+            outside.fill(self.add_laws(at, [&mut *total, &mut *external]));
+            self.add_apparent(node_state(at), [total, external], own);
         });
     }
 

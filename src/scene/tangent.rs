@@ -62,11 +62,23 @@ impl TangentSystem for Network {
     }
 
     fn rank_ones(&self) -> usize {
-        self.coupling_terms().count()
+        self.mass_parts() + self.coupling_terms().count()
+    }
+
+    fn mass_parts(&self) -> usize {
+        3 * self.apparent.len()
+    }
+
+    fn with_apparent_mass(&self, at: StateRef<'_>, residual: &mut [f64]) {
+        self.with_apparent(node_state(at), bytemuck::cast_slice_mut(residual));
     }
 
     fn rank_one(&self, which: usize, at: StateRef<'_>, w: Weights, u: &mut [f64], g: &mut [f64]) {
-        let Some(term) = self.coupling_terms().nth(which) else { return };
+        if which < self.mass_parts() {
+            self.apparent_part(which, node_state(at), [&mut *u, &mut *g]);
+            return u.iter_mut().for_each(|u| *u *= w.m);
+        }
+        let Some(term) = self.coupling_terms().nth(which - self.mass_parts()) else { return };
         let part = RankOne { u: bytemuck::cast_slice_mut(u), g: bytemuck::cast_slice_mut(g) };
         term.rank_one(node_state(at), w, part);
     }

@@ -178,9 +178,6 @@ fn field_data(arrays: &[(String, Vec<i32>)]) -> String {
 }
 
 /// The first lines of a file, with a further attribute of its root.
-=======
-/// The first lines of a file, with an additional attribute of its root.
->>>>>>> theirs
 fn grid_head(compressor: &str) -> String {
     format!(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \

@@ -162,6 +162,15 @@ fn a_cluster_has_an_air_speed_for_each_canopy() {
     }
 }
 
+#[test]
+fn a_triangle_is_one_of_one_canopy_only() {
+    let mut case = SMALL.case(1.7, 4.0, 6.0);
+    let one = case["system"]["network"]["aero"]["canopy"].clone();
+    case["system"]["network"]["aero"]["canopy"] = json!([one, one]);
+    let message = Case::from_text(case.to_string(), "test.json", "".into(), &[]).expect_err("refused").to_string();
+    assert!(message.contains("canopy/1/on") && message.contains("which an earlier canopy has"), "{message}");
+}
+
 /// Parachutes side by side that know nothing of each other, each a canopy of a list.
 fn cluster(count: usize, parachute: &Parachute) -> Value {
     let mut case = parachute.case(1.7, 4.0, 6.0);
@@ -212,5 +221,53 @@ fn newton_converges_in_long_steps() {
         let ran = run(&case_of(&SMALL.case(1.7, 4.0, 6.0), &sets));
         assert!(ran.outcome.status == canopy_fem::drive::Status::Completed, "{strategy}: {:?}", ran.outcome);
         println!("{strategy}: at most {} iterations, {:?}", ran.most_iterations, ran.outcome);
+    }
+}
+
+/// Explicit and implicit methods take the apparent mass, and agree; the ledger closes on what the growing mass takes.
+#[test]
+fn every_kind_of_method_takes_the_apparent_mass() {
+    let mut case = SMALL.case(1.7, 4.0, 6.0);
+    case["system"]["network"]["aero"]["canopy"]["apparent_mass"] = json!(1.0);
+    let case = case_of(&case, &[("time.end", "0.2")]);
+    let accurate = run(&changed(&case, &[("time.method", "rk4"), ("time.step", "2e-5")]));
+    let without = changed(&case, &[(&format!("{CANOPY}.apparent_mass"), "null")]);
+    let without = run(&changed(&without, &[("time.method", "rk4"), ("time.step", "2e-5")]));
+    assert!(apart(&without, &accurate) > 1e-2, "{}", apart(&without, &accurate));
+    for (method, step, tolerance) in [
+        ("velocity-verlet", "2e-5", 1e-5),
+        ("improved-euler-pec", "1e-5", 1e-5),
+        ("euler-cromer", "1e-5", 1e-3),
+        ("newmark", "2e-4", 1e-3),
+        ("hht", "2e-4", 1e-3),
+        ("backward-euler", "2e-5", 1e-2),
+    ] {
+        let ran = run(&changed(&case, &[("time.method", method), ("time.step", step)]));
+        assert!(ran.outcome.status == canopy_fem::drive::Status::Completed, "{method}: {:?}", ran.outcome);
+        let off = apart(&ran, &accurate);
+        println!("{method}: {off}, energy error {}, {} iterations", ran.outcome.energy_error, ran.most_iterations);
+        assert!(off < tolerance, "{method}: {off}");
+        assert!(ran.outcome.energy_error < 1e-2, "{method}: {}", ran.outcome.energy_error);
+    }
+    let adaptive =
+        changed(&case, &[("time.step", "null"), ("time.tolerance", "{\"relative\": 1e-5, \"absolute\": 1e-7}")]);
+    assert!(apart(&run(&adaptive), &accurate) < 1e-3);
+}
+
+/// Long implicit steps with an apparent mass many times that of the cloth.
+#[test]
+fn newton_converges_with_an_apparent_mass() {
+    for strategy in ["auto", "full", "quasi"] {
+        let mut case = SMALL.case(1.7, 4.0, 6.0);
+        case["system"]["network"]["aero"]["canopy"]["apparent_mass"] = json!(1.0);
+        let sets = [
+            ("time.method", "newmark"),
+            ("time.step", "0.02"),
+            ("time.end", "2"),
+            ("solver", &format!("{{\"newton\": {{\"strategy\": \"{strategy}\"}}}}")),
+        ];
+        let ran = run(&case_of(&case, &sets));
+        println!("{strategy}: at most {} iterations, {:?}", ran.most_iterations, ran.outcome.counters);
+        assert!(ran.outcome.status == canopy_fem::drive::Status::Completed, "{strategy}: {:?}", ran.outcome);
     }
 }

@@ -145,6 +145,13 @@ fn the_assembled_matrix_is_the_one_the_terms_emit() {
                 full[pattern.dof[j] as usize] = 1.0;
                 pattern.multiply(assembler.values(), &unit, &mut y);
                 scene.tangent_times(sample.at(), w, &full, &mut expected);
+                // The matrix leaves out what couples the whole scene.
+                for which in 0..scene.rank_ones() {
+                    let (mut u, mut g) = (vec![0.0; scene.n_dof()], vec![0.0; scene.n_dof()]);
+                    scene.rank_one(which, sample.at(), w, &mut u, &mut g);
+                    let amount: f64 = g.iter().zip(&full).map(|(g, full)| g * full).sum();
+                    expected.iter_mut().zip(u).for_each(|(y, u)| *y -= amount * u);
+                }
                 for (i, &dof) in pattern.dof.iter().enumerate() {
                     let mass = if i == j { w.m / scene.inverse_mass()[dof as usize] } else { 0.0 };
                     let value = expected[dof as usize] + mass;

@@ -85,6 +85,7 @@ const GROUPS: &[Group] = &[
     ("parachute, steady", parachute::claims),
     ("parachute, falls", parachute::falls),
     ("parachute, opening", parachute::opening),
+    ("parachute, apparent mass", parachute::apparent_mass),
     ("parachute, line in a cross wind", parachute::line),
     ("events", events::claims),
     ("kang", kang::claims),

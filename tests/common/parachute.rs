@@ -3,6 +3,9 @@
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
+/// Nodes, springs and triangles.
+pub type ExplicitMesh = (Vec<[f64; 3]>, Vec<[usize; 2]>, Vec<[usize; 3]>);
+
 /// Its size. Everything starts flat, with straight lines, at z = 0 and below.
 #[derive(Clone, Copy, Debug)]
 pub struct Parachute {
@@ -45,7 +48,7 @@ impl Parachute {
     }
 
     /// The mesh, `at` metres to the side.
-    pub fn mesh(&self, at: f64) -> (Vec<[f64; 3]>, Vec<[usize; 2]>, Vec<[usize; 3]>) {
+    pub fn mesh(&self, at: f64) -> ExplicitMesh {
         let (n, radius) = (self.gores, self.radius());
         let depth = (self.line_length.powi(2) - radius.powi(2)).sqrt();
         let place = |r: f64, gore: usize, z: f64| {
@@ -100,8 +103,8 @@ impl Parachute {
                 "mass": {"areal_density": 0.05, "nodal": masses},
                 "springs": [
                     {"on": "lines", "axial_rigidity": 2e4, "linear_density": 0.003, "slack": "tension-only",
-                     "dashpot": {"relative": {"time": 2e-3}}},
-                    {"on": "all", "axial_rigidity": 2e4, "slack": "tension-only", "dashpot": {"relative": {"time": 2e-3}}}
+                     "dashpot": {"relative": {"time": 2e-5}}},
+                    {"on": "all", "axial_rigidity": 2e4, "slack": "tension-only", "dashpot": {"relative": {"time": 2e-5}}}
                 ],
                 "gravity": [0, 0, -9.81],
                 "aero": {"canopy": {

@@ -1,4 +1,5 @@
-//! The air section: checks, the stream and what it acts on, and porous laws reduced to the two coefficients of dp = linear v_n + quadratic v_n |v_n|.
+//! The air section: checks, the stream and what it acts on, and porous laws reduced to the two coefficients of
+//! dp = linear v_n + quadratic v_n |v_n|.
 
 use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::{fraction, not_negative, positive};
@@ -63,7 +64,13 @@ pub(super) fn flow(
     for (i, canopy) in canopies.iter().enumerate() {
         let at = at.key("canopy");
         let at = if listed { at.index(i) } else { at };
-        flow.canopies.extend(canopy::canopy(&at, canopy, geometry, faults));
+        let found = canopy::canopy(&at, canopy, geometry, faults);
+        let taken = |t: &u32| flow.canopies.iter().any(|earlier| earlier.triangles.binary_search(t).is_ok());
+        if let Some(t) = found.iter().flat_map(|found| &found.triangles).find(|t| taken(t)) {
+            let value = format!("triangle {t}, which an earlier canopy has");
+            faults.add_value(&at.key("on"), value, "triangles of one canopy only", None);
+        }
+        flow.canopies.extend(found);
     }
     for (i, one) in aero.drag.iter().enumerate() {
         drag(&at.key("drag").index(i), one, geometry, &mut flow, faults);

@@ -7,13 +7,11 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 
 use super::geometry::{Geometry, TriangleUse, triangles};
-use super::numbers::{positive, rising};
+use super::numbers::{not_negative, positive, rising};
 use super::select;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Aero, Canopies, Canopy, FillingSchedule, NodeSelection, PressureCoefficient};
-use crate::force::law::series::interpolate;
-use crate::force::law::stream::Stream;
 use crate::mesh::adjacency::row_starts;
 use crate::mesh::topology::unique_edges;
 use crate::mesh::{Mesh, Topology};
@@ -49,6 +47,9 @@ pub(super) fn canopy(
             None
         }
     };
+    if let Some(factor) = canopy.apparent_mass {
+        not_negative(&at.key("apparent_mass"), factor, faults);
+    }
     let geometry = geometry?;
     if !triangles(at, "a canopy", geometry, TriangleUse::Areas, faults) {
         return None;
@@ -65,7 +66,7 @@ pub(super) fn canopy(
     };
     let place =
         |t: u32| geometry.mesh.triangles[t as usize].iter().map(|&n| profile.place[n as usize]).sum::<f64>() / 3.0;
-    let pressure_coefficient = triangles.iter().map(|&t| interpolate(&table, place(t))[0]).collect();
+    let pressure_coefficient = triangles.iter().map(|&t| table.at(place(t))[0]).collect();
     let filling = canopy.schedule.map(|schedule| {
         let diameter = schedule.nominal_diameter.unwrap_or_else(|| sheet.nominal_diameter(&skirt));
         // At 1 m/s if the speed is that at the start of the run, which divides it later.
@@ -74,7 +75,8 @@ pub(super) fn canopy(
     });
     (faults.count() == before).then_some(())?;
     let (apex, confluence) = (profile.apex, confluence?);
-    Some(CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling })
+    let apparent_mass = canopy.apparent_mass.filter(|factor| *factor > 0.0);
+    Some(CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling, apparent_mass })
 }
 
 /// Rows of arc length, within 0 to 1, and coefficient.
@@ -336,9 +338,9 @@ impl CanopyStart {
             0.5 * (b - a).cross(&(c - a))
         });
         let area = areas.fold((Vector3::zeros(), 0.0), |(sum, size), s| (sum + s, size + s.norm()));
-        let stream = spec.stream.clone().map(Stream::new);
-        let wind = stream.map_or(Vector3::zeros(), |stream| stream.at(0.0, mean(&canopy.skirt, &place).z).wind[0]);
-        let velocity = mean(&canopy.skirt, &|node| vector(&spec.velocity, node)) - wind;
+        let stream = spec.stream.as_ref();
+        let wind = stream.map_or([0.0; 3], |stream| stream.wind_at(0.0, mean(&canopy.skirt, &place).z));
+        let velocity = mean(&canopy.skirt, &|node| vector(&spec.velocity, node)) - Vector3::from(wind);
         CanopyStart { axis, area, speed: velocity.dot(&axis) / axis.norm() }
     }
 

@@ -6,7 +6,6 @@ use super::numbers::{positive, rising, series};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Wind, WindPart};
-use crate::force::law::series::interpolate;
 use crate::model::spec::{GustSpec, Series};
 
 /// A wind, summed by kind.
@@ -78,7 +77,7 @@ fn sum(mut tables: Vec<Series<[f64; 3]>>) -> Option<Series<[f64; 3]>> {
     t.sort_unstable_by(f64::total_cmp);
     t.dedup();
     let at = |t: f64| {
-        let values = tables.iter().map(|table| interpolate(table, t));
+        let values = tables.iter().map(|table| table.at(t));
         values.fold([0.0; 3], |sum: [f64; 3], value| std::array::from_fn(|i| sum[i] + value[i]))
     };
     let value = t.iter().map(|t| at(*t)).collect();
@@ -115,8 +114,8 @@ mod tests {
         let sum = sum(tables.to_vec()).expect("tables");
         assert_eq!(sum.t, [0.0, 1.0, 2.0, 3.0]);
         for t in [-1.0, 0.0, 0.5, 1.0, 1.7, 2.0, 2.5, 3.0, 9.0] {
-            let expected: f64 = tables.iter().map(|table| interpolate(table, t)[0]).sum();
-            let [x, y, z] = interpolate(&sum, t);
+            let expected: f64 = tables.iter().map(|table| table.at(t)[0]).sum();
+            let [x, y, z] = sum.at(t);
             assert!((x - expected).abs() < 1e-12 && y == 0.0 && (z + x).abs() < 1e-12, "{t}: {x}, {expected}");
         }
     }

@@ -15,7 +15,8 @@ pub struct Aero {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wind: Option<Wind>,
     /// Pressure jump over every triangle, driven by the wind's velocity along the triangle's normal relative to the
-    /// cloth, v_n; it acts along the relative wind. For cloth that is held in a free stream; not together with `canopy`.
+    /// cloth, v_n; it acts along the relative wind. For cloth that is held in a free stream; not together with
+    /// `canopy`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<PorousLaw>,
     /// The air in a canopy that hangs over its lines, or in each of a list of canopies.
@@ -156,7 +157,7 @@ impl JsonSchema for Wind {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let mut kinds = WindPart::schemas(generator);
         let parts = json!({"type": "array", "items": {"oneOf": kinds.clone()}, "minItems": 1});
-        kinds.push(tagged("sum", "The sum of several winds.", parts));
+        kinds.push(tagged("sum", "[m/s] The sum of several winds.", parts));
         json_schema!({"oneOf": kinds})
     }
 }
@@ -235,6 +236,11 @@ pub struct Canopy {
     /// The pressure from a drag area that grows while the canopy fills: for opening loads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub schedule: Option<FillingSchedule>,
+    /// [-] Apparent mass: the canopy takes along k times the mass of the air in its volume, which has momentum, but no
+    /// weight. About 1 for a hemisphere. None if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0))]
+    pub apparent_mass: Option<f64>,
     /// The nodes where the lines meet; if not given, those of the mesh's group `confluence`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confluence: Option<NodeSelection>,

@@ -28,11 +28,6 @@ pub use loads::{Load, PressureKindKey};
 pub use method::Method;
 pub use network::{Damping, FrameFile, Initial, InitialFrom, Mass, Network, PointMass, Support};
 pub use output::{Every, EveryCheckpoint, EverySteps, Field, Gauge, Output, Probe};
-pub use output::{Every, EveryCheckpoint, EverySteps, Field, Output, Probe};
-=======
-pub use network::{Damping, Initial, Mass, Network, PointMass, Support};
-pub use output::{Every, EveryCheckpoint, EverySteps, Field, Output, Probe};
->>>>>>> theirs
 pub use per_node::{PerNode, Vectors};
 pub use select::{Ball, EdgeSelection, GaugeSelection, NodeSelection};
 pub use solver::{Newton, Solver};

@@ -107,9 +107,6 @@ pub struct Initial {
     pub from: Option<InitialFrom>,
     /// [m] Displacement from the mesh as given; it adds to the displacement that the mesh itself starts with, and to
     /// `from`.
-=======
-    /// [m] Displacement from the mesh as given; it adds to the displacement that the mesh itself starts with.
->>>>>>> theirs
     pub displacement: Option<Vectors>,
     /// [m/s] Velocity; it adds to `from`.
     pub velocity: Option<Vectors>,

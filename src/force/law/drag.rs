@@ -183,7 +183,7 @@ impl ForceTerm for NodeDrag {
     }
 
     fn symmetric(&self) -> bool {
-        false
+        self.kernel().stream.is_uniform()
     }
 
     /// The symmetric form is the velocity part.

@@ -35,7 +35,7 @@ impl<const N: usize> Table<N> {
     /// The value at time `t` [s].
     pub fn at(&self, t: f64) -> [f64; N] {
         let replaced = self.replaced.read().unwrap_or_else(PoisonError::into_inner);
-        replaced.held.unwrap_or_else(|| interpolate(replaced.sampled.as_ref().unwrap_or(&self.given), t))
+        replaced.held.unwrap_or_else(|| replaced.sampled.as_ref().unwrap_or(&self.given).at(t))
     }
 }
 
@@ -49,20 +49,6 @@ impl<const N: usize> SampledTable for Table<N> {
     fn sample(&self, h: Option<f64>) {
         let made = h.and_then(|h| sampled_by_steps(&self.given, h));
         self.replaced.write().unwrap_or_else(PoisonError::into_inner).sampled = made;
-    }
-}
-
-/// The value at time `t` [s]; `series` has at least one row and increasing times.
-pub(crate) fn interpolate<const N: usize>(series: &Series<[f64; N]>, t: f64) -> [f64; N] {
-    let after = series.t.partition_point(|&s| s <= t);
-    match after {
-        0 => series.value[0],
-        n if n == series.t.len() => series.value[n - 1],
-        n => {
-            let (t0, t1) = (series.t[n - 1], series.t[n]);
-            let s = (t - t0) / (t1 - t0);
-            std::array::from_fn(|i| series.value[n - 1][i] * (1.0 - s) + series.value[n][i] * s)
-        }
     }
 }
 

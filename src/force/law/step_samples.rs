@@ -17,7 +17,6 @@
 //! Steps without a corner inside, and not next to such steps, use the table itself, bit for bit; schemes then have
 //! their full order.
 
-use crate::force::law::series::interpolate;
 use crate::model::spec::Series;
 
 /// [-] Relative rounding error of a time, and of a value after that many steps.
@@ -36,7 +35,7 @@ pub fn sampled_by_steps<const N: usize>(given: &Series<[f64; N]>, h: f64) -> Opt
         first += given.t[first..].partition_point(|&t| t <= start);
         let last = first + given.t[first..].partition_point(|&t| t < end);
         let inside = given.t[first..last].iter().map(|t| (t - start) / h).zip(&given.value[first..last]);
-        let ends = [start, end].map(|t| interpolate(given, t));
+        let ends = [start, end].map(|t| given.at(t));
         let shares: [[f64; 2]; N] = std::array::from_fn(|i| {
             correction(n, inside.clone().map(|(s, value)| (s, value[i])), ends.map(|value| value[i]))
         });
@@ -122,7 +121,7 @@ fn replaced<const N: usize>(
         let t = time(node, h);
         let found = corrections.binary_search_by_key(&node, |(node, _)| *node);
         let add = found.map_or([0.0; N], |i| corrections[i].1);
-        let value = interpolate(given, t);
+        let value = given.at(t);
         (t, std::array::from_fn(|i| value[i] + add[i]))
     };
     // Between two neighbouring ends there are no other rows.
@@ -149,7 +148,7 @@ mod tests {
 
     fn values(rows: &[[f64; 2]], h: f64, n: u64) -> Vec<f64> {
         let made = sampled_by_steps(&table(rows), h).expect("a corner within a step");
-        (0..n).map(|n| interpolate(&made, time(n, h))[0]).collect()
+        (0..n).map(|n| made.at(time(n, h))[0]).collect()
     }
 
     fn close(found: &[f64], expected: &[f64]) {

@@ -6,10 +6,9 @@
 //! Profile and atmosphere are functions of the height above sea level.
 
 use crate::force::law::atmosphere::density;
-use crate::force::law::series::{SampledTable, Table, interpolate};
+use crate::force::law::series::{SampledTable, Table};
 use crate::model::spec::{AtmosphereSpec, GustSpec, Series, StreamSpec};
 use nalgebra::Vector3;
-use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -37,15 +36,6 @@ pub struct AirState {
     pub density: [f64; 2],
 }
 
-/// [m/s] a one-minus-cosine gust at time `t` [s].
-fn gust(GustSpec { velocity, start, duration }: &GustSpec, t: f64) -> Vector3<f64> {
-    let phase = (t - start) / duration;
-    if !(0.0..=1.0).contains(&phase) {
-        return Vector3::zeros();
-    }
-    0.5 * (1.0 - (TAU * phase).cos()) * Vector3::from(*velocity)
-}
-
 impl Stream {
     /// A stream whose wind has at least one row and increasing times.
     pub fn new(spec: StreamSpec) -> Arc<Self> {
@@ -60,6 +50,11 @@ impl Stream {
         self.table.hold(wind);
     }
 
+    /// Whether wind and density are the same at all heights.
+    pub fn is_uniform(&self) -> bool {
+        self.profile.is_none() && matches!(self.atmosphere, AtmosphereSpec::Constant { .. })
+    }
+
     fn is_held(&self) -> bool {
         self.held.load(Ordering::Relaxed)
     }
@@ -67,7 +62,7 @@ impl Stream {
     /// [m/s] The part of the wind that is the same at all heights.
     pub fn uniform_wind(&self, t: f64) -> Vector3<f64> {
         let gusts = if self.is_held() { &[][..] } else { &self.gusts };
-        gusts.iter().map(|one| gust(one, t)).fold(Vector3::from(self.table.at(t)), |sum, one| sum + one)
+        gusts.iter().map(|gust| Vector3::from(gust.at(t))).fold(Vector3::from(self.table.at(t)), |sum, one| sum + one)
     }
 
     /// The air at time `t` [s] and the height `z` [m] of the scene.
@@ -75,7 +70,7 @@ impl Stream {
         let height = self.altitude + z;
         let (mut wind, mut slope) = (self.uniform_wind(t), Vector3::zeros());
         if let Some(profile) = self.profile.as_ref().filter(|_| !self.is_held()) {
-            wind += Vector3::from(interpolate(profile, height));
+            wind += Vector3::from(profile.at(height));
             slope = Vector3::from(slope_of(profile, height));
         }
         AirState { wind: [wind, slope], density: density(self.atmosphere, height) }

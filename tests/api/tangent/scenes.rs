@@ -47,7 +47,7 @@ fn canopy() -> Vec<CanopySpec> {
     let triangles: Vec<u32> = (0..6).collect();
     let pressure_coefficient = triangles.iter().map(|&t| 1.0 + 0.3 * f64::from(t)).collect();
     let (skirt, apex, confluence) = (vec![2, 5, 7], vec![0, 1], vec![8]);
-    vec![CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling: None }]
+    vec![CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling: None, apparent_mass: None }]
 }
 
 /// The same while it fills.

@@ -59,6 +59,7 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
             apex: copy(&one.apex, c),
             confluence: copy(&one.confluence, c),
             filling: one.filling,
+            apparent_mass: one.apparent_mass,
         })
     });
     let line_drag = spec.line_drag.iter().map(|d| LineDragSpec { edges: renamed(&d.edges), ..d.clone() });

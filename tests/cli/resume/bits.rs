@@ -18,6 +18,7 @@ use serde_json::{Value, json};
 
 use super::folders::{assert_same, checkpoint};
 use crate::bench::{SAIL, contents};
+use crate::common::parachute::Parachute;
 use crate::common::run::{case_of, changed};
 
 /// Sets the flag after a step.
@@ -271,6 +272,26 @@ fn every_method_resumes_adaptive_steps_with_the_same_bits() {
                 stops,
                 &format!("{} of the {what} in {steps} adaptive steps, {stops:?}", method.name),
             );
+        }
+    }
+}
+
+/// A parachute that falls, with all its air.
+#[test]
+fn of_a_parachute() {
+    let small = Parachute { gores: 6, rings: 3, line_segments: 2, nominal_diameter: 2.0, line_length: 2.0 };
+    let mut scene = small.case(1.7, 4.0, 6.0);
+    scene["time"]["end"] = serde_json::json!(0.006);
+    scene["time"]["step"] = serde_json::json!(0.0001);
+    let aero = &mut scene["system"]["network"]["aero"];
+    aero["wind"] =
+        serde_json::json!({"sum": [[1, 0, 0], {"gust": {"velocity": [0, 2, 0], "start": 0.001, "duration": 0.004}}]});
+    aero["atmosphere"] = serde_json::json!("isa");
+    aero["drag"] = serde_json::json!([{"on": "lines", "diameter": 0.004, "coefficient": 1.1}]);
+    for apparent in ["null", "1.0"] {
+        for method in ["velocity-verlet", "rk4", "newmark", "hht"] {
+            let sets = [("time.method", method), ("system.network.aero.canopy.apparent_mass", apparent)];
+            assert_resumes(&case_of(&scene, &sets), [7, 31], &format!("{method} of a parachute, {apparent}"));
         }
     }
 }

@@ -5,6 +5,8 @@ use canopy_fem::case::Case;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
+use crate::common::parachute::Parachute;
+
 use super::program::{Finished, program, program_with};
 
 /// The codes of a case's warnings, sorted, and their texts.
@@ -161,6 +163,26 @@ fn sane_neighbours_have_no_warning() {
         let (codes, texts) = warnings(&case);
         assert!(codes.is_empty(), "{texts}of {case}");
     }
+}
+
+/// A parachute on its lines: the laws of the free stream close it, or hold it far too well; the air in its canopy is
+/// nothing to warn of.
+#[test]
+fn a_parachute_under_a_law_of_the_free_stream_is_warned_of() {
+    let small = Parachute { gores: 8, rings: 4, line_segments: 2, nominal_diameter: 2.0, line_length: 2.0 };
+    let mut good = small.case(1.74, 4.0, 6.0);
+    for rule in good["system"]["network"]["springs"].as_array_mut().expect("rules") {
+        rule["dashpot"] = json!({"axial": {"time": 2e-5}});
+    }
+    assert_eq!(warnings(&good), (vec![], String::new()));
+    let aero = |law: Value| {
+        with(&good, &[("/system/network/aero", json!({"law": law})), ("/system/network/initial", Value::Null)])
+    };
+    let (codes, texts) = warnings(&aero(json!({"pressure_coefficient": {"cp": 1.2}})));
+    assert_eq!(codes, ["closing-canopy"], "{texts}");
+    assert!(texts.contains("aero.canopy"), "{texts}");
+    let (codes, texts) = warnings(&aero(json!({"permeable": {"a": 1.6e6, "b": 4.8e5, "thickness": 1e-4}})));
+    assert_eq!(codes, ["air-pressure", "closing-canopy"], "{texts}");
 }
 
 /// Parts and coincident nodes of random nets are those that a comparison of all with all finds.
