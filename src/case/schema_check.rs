@@ -3,8 +3,8 @@
 //!
 //! A wrong value is replaced by a stand-in, so that the rest can be read and its ranges checked as well. Ranges are not
 //! checked here. The check supports the part of JSON Schema that schemars uses for this case: `$ref`, `oneOf` of words,
-//! of objects with one key and of different types, objects that refuse other keys, maps with values of one kind, arrays,
-//! and nullable types.
+//! of objects with one key and of different types, objects that refuse other keys, maps with values of one kind,
+//! arrays, and nullable types.
 
 use serde_json::{Map, Value, json};
 

@@ -55,7 +55,8 @@ fn gauges_follow_an_oscillator() {
     let [k, m, v] = OSCILLATOR;
     let w = (k / m).sqrt();
     let at = |t: f64| v / w * (w * t).sin();
-    let forms: [(&str, &str, &dyn Fn(f64) -> f64); 8] = [
+    type Form<'a> = (&'a str, &'a str, &'a dyn Fn(f64) -> f64);
+    let forms: [Form<'_>; 8] = [
         ("spring", "tension_sum", &|t| k * at(t)),
         ("spring", "tension_max", &|t| k * at(t)),
         ("wall", "reaction_x", &|t| -k * at(t)),
