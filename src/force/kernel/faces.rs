@@ -21,7 +21,7 @@ pub trait FaceKernel: Send + Sync {
     fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally;
 
     /// [-] Factors of the pressures of the triangles, one per triangle; `None` if they are all 1. They apply where the
-    /// kernel's law [asks for them](PressureLaw::FACTORS).
+    /// kernel's law asks for them.
     fn factors(&self) -> Option<&[f64]> {
         None
     }
