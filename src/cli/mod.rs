@@ -8,6 +8,7 @@ pub mod init;
 mod interrupt;
 pub mod mesh;
 mod methods;
+mod parachute;
 pub mod plot;
 pub mod progress;
 mod resume;

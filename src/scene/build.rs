@@ -1,9 +1,10 @@
 //! From a plain specification to force terms in internal numbering.
 
 use super::Load;
-use super::apparent::{self, ApparentMass};
+use super::apparent::ApparentMass;
 use super::canopy_shape::CanopyShape;
 use super::check::{BuildError, check, check_bars};
+use super::enclosure::Enclosure;
 use super::events::Phases;
 use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
@@ -225,6 +226,7 @@ impl Builder<'_> {
             let (triangles, pressure_coefficient): (Vec<_>, Vec<_>) = list.into_iter().unzip();
             let triangles: Arc<[[u32; 3]]> = triangles.into();
             let pressure_coefficient = pressure_coefficient.into();
+            let enclosure = Arc::new(Enclosure::new(triangles.clone()));
             if let Some(factor) = canopy.apparent_mass {
                 let mut nodes = BTreeMap::new();
                 for corners in triangles.iter() {
@@ -233,13 +235,12 @@ impl Builder<'_> {
                 }
                 let area: f64 = nodes.values().sum();
                 let nodes = nodes.into_iter().map(|(node, share)| (node, share / area)).collect();
-                let (faces, term) = (triangles.to_vec(), self.terms.len());
-                let (rims, stream) = (apparent::rims(&triangles), stream.clone());
-                self.apparent.push(ApparentMass { nodes, faces, rims, factor, stream, term });
+                let (enclosure, stream, term) = (enclosure.clone(), stream.clone(), self.terms.len());
+                self.apparent.push(ApparentMass { nodes, enclosure, factor, stream, term });
             }
             let (stream, filling) = (stream.clone(), canopy.filling);
             let data = CanopyData { triangles, pressure_coefficient, skirt, apex, confluence, stream, filling };
-            self.shapes.push(CanopyShape::new(data.clone()));
+            self.shapes.push(CanopyShape::new(data.clone(), enclosure));
             self.terms.push(Box::new(Canopy::new(data)));
         }
     }

@@ -1,9 +1,9 @@
 //! The air: what blows through and against the cloth, what fills canopies, and the drag of lines and bodies.
 
-use super::select::{Ball, EdgeSelection, NodeSelection};
+use super::select::{NodeOrEdgeSelection, NodeSelection};
+use super::wind::{Atmosphere, Wind, numbers};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 
 /// The air. At least one of `law`, `canopy` and `drag` is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -31,159 +31,6 @@ pub struct Aero {
     /// [m] Height of z = 0 above sea level, for `atmosphere` and wind profiles; 0 if not given. Heights grow with z.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub altitude: Option<f64>,
-}
-
-/// Wind velocity.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum Wind {
-    /// of one kind
-    Part(WindPart),
-    /// the sum of several
-    Sum(WindSum),
-}
-
-/// The sum of several winds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WindSum {
-    /// the parts
-    pub sum: Vec<WindPart>,
-}
-
-/// Wind velocity of one kind.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, deny_unknown_fields)]
-pub enum WindPart {
-    /// [m/s] the same at all times and heights
-    Constant([f64; 3]),
-    /// over time
-    Table {
-        /// [s, m/s] rows of time and velocity, times strictly increasing; linear between rows, constant outside them
-        table: Vec<[f64; 4]>,
-    },
-    /// over time, from a file
-    File {
-        /// a text file with such rows, separated by commas, beside the case
-        file: String,
-    },
-    /// over height
-    Profile {
-        /// [m, m/s] rows of height above sea level and velocity, likewise
-        profile: Vec<[f64; 4]>,
-    },
-    /// over a short time
-    Gust {
-        /// its shape
-        gust: Gust,
-    },
-}
-
-/// A one-minus-cosine gust: velocity/2 (1 - cos(2 pi (t - start)/duration)), 0 before and after.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Gust {
-    /// [m/s] Velocity at the peak.
-    pub velocity: [f64; 3],
-    /// [s] Start.
-    pub start: f64,
-    /// [s] Duration.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub duration: f64,
-}
-
-/// A list of exactly `n` numbers.
-fn numbers(n: usize) -> Value {
-    json!({"type": "array", "items": {"type": "number"}, "minItems": n, "maxItems": n})
-}
-
-/// An object with one key.
-fn tagged(key: &str, description: &str, mut value: Value) -> Value {
-    if let Some(value) = value.as_object_mut() {
-        value.insert("description".to_owned(), json!(description));
-    }
-    json!({"type": "object", "properties": {key: value}, "required": [key], "additionalProperties": false})
-}
-
-impl WindPart {
-    fn schemas(generator: &mut SchemaGenerator) -> Vec<Value> {
-        let rows = || json!({"type": "array", "items": numbers(4), "minItems": 1});
-        let gust = generator.subschema_for::<Gust>().to_value();
-        vec![
-            numbers(3),
-            tagged(
-                "table",
-                "[s, m/s] Rows of time and velocity, times strictly increasing; linear between rows, constant outside them.",
-                rows(),
-            ),
-            tagged(
-                "file",
-                "Path of a text file with such rows of time and velocity, separated by commas; from the folder of the case.",
-                json!({"type": "string"}),
-            ),
-            tagged(
-                "profile",
-                "[m, m/s] Rows of height above sea level and velocity, heights strictly increasing; linear between rows, constant outside them.",
-                rows(),
-            ),
-            tagged("gust", "A one-minus-cosine gust.", gust),
-        ]
-    }
-}
-
-impl JsonSchema for WindPart {
-    fn inline_schema() -> bool {
-        true
-    }
-
-    fn schema_name() -> std::borrow::Cow<'static, str> {
-        "WindPart".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        json_schema!({"oneOf": WindPart::schemas(generator)})
-    }
-}
-
-impl JsonSchema for Wind {
-    fn inline_schema() -> bool {
-        true
-    }
-
-    fn schema_name() -> std::borrow::Cow<'static, str> {
-        "Wind".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let mut kinds = WindPart::schemas(generator);
-        let parts = json!({"type": "array", "items": {"oneOf": kinds.clone()}, "minItems": 1});
-        kinds.push(tagged("sum", "[m/s] The sum of several winds.", parts));
-        json_schema!({"oneOf": kinds})
-    }
-}
-
-/// Density of the air over the height above sea level.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Atmosphere {
-    /// The standard atmosphere (ISO 2533), from -5 to 86 km.
-    Isa,
-    /// [kg/m^3] The same density at all heights.
-    Density(#[schemars(extend("exclusiveMinimum" = 0))] f64),
-    /// density exp(-height/scale_height).
-    Exponential(ExponentialAtmosphere),
-}
-
-/// Density of the air that decays exponentially with height.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ExponentialAtmosphere {
-    /// [kg/m^3] Density at sea level.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub density: f64,
-    /// [m] Height over which it falls by a factor of e.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub scale_height: f64,
 }
 
 /// One canopy, or several.
@@ -322,7 +169,7 @@ impl JsonSchema for PressureCoefficient {
 #[serde(deny_unknown_fields)]
 pub struct Drag {
     /// Which edges, for lines; which nodes, for bodies.
-    pub on: DragSelection,
+    pub on: NodeOrEdgeSelection,
     /// [m] Diameter d of a line. The drag of a segment of length L is rho Cd d L |V_n| V_n/2, with the part V_n of the
     /// relative wind across it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -336,65 +183,6 @@ pub struct Drag {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub drag_area: Option<f64>,
-}
-
-/// Some edges, or some nodes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum DragSelection {
-    /// Every edge, or every node.
-    All,
-    /// Edges of exactly one triangle, or the nodes of all boundary loops of the triangles.
-    Boundary,
-    /// Edges between triangles.
-    Interior,
-    /// The radial seam lines of the mesh, as given by its `seams`.
-    Seams,
-    /// Edges that belong to no triangle: suspension lines, risers.
-    Lines,
-    /// The nodes of the boundary loop that encloses all others.
-    Outer,
-    /// The nodes of every other boundary loop.
-    Inner,
-    /// [-] The edges or nodes with these numbers, counted from 0.
-    Ids(Vec<u32>),
-    /// [m] The nodes inside an axis-aligned box, its faces included: lowest corner, highest corner.
-    Box([[f64; 3]; 2]),
-    /// The nodes inside a sphere, its surface included.
-    Sphere(Ball),
-    /// The edges or nodes of the mesh's group with this name.
-    Group(String),
-}
-
-impl DragSelection {
-    /// The selection as one of edges.
-    pub fn edges(&self) -> Option<EdgeSelection> {
-        match self {
-            Self::All => Some(EdgeSelection::All),
-            Self::Boundary => Some(EdgeSelection::Boundary),
-            Self::Interior => Some(EdgeSelection::Interior),
-            Self::Seams => Some(EdgeSelection::Seams),
-            Self::Lines => Some(EdgeSelection::Lines),
-            Self::Ids(list) => Some(EdgeSelection::Ids(list.clone())),
-            Self::Group(name) => Some(EdgeSelection::Group(name.clone())),
-            Self::Outer | Self::Inner | Self::Box(_) | Self::Sphere(_) => None,
-        }
-    }
-
-    /// The selection as one of nodes.
-    pub fn nodes(&self) -> Option<NodeSelection> {
-        match self {
-            Self::All => Some(NodeSelection::All),
-            Self::Boundary => Some(NodeSelection::Boundary),
-            Self::Outer => Some(NodeSelection::Outer),
-            Self::Inner => Some(NodeSelection::Inner),
-            Self::Ids(list) => Some(NodeSelection::Ids(list.clone())),
-            Self::Box(corners) => Some(NodeSelection::Box(*corners)),
-            Self::Sphere(ball) => Some(NodeSelection::Sphere(*ball)),
-            Self::Group(name) => Some(NodeSelection::Group(name.clone())),
-            Self::Interior | Self::Seams | Self::Lines => None,
-        }
-    }
 }
 
 /// Pressure jump as a function of v_n.

@@ -13,6 +13,7 @@ pub mod select;
 pub mod solver;
 pub mod springs;
 pub mod time;
+pub mod wind;
 
 use crate::model::spec::PendulumSpec;
 use crate::warning::WarningCode;
@@ -20,19 +21,19 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use aero::{
-    Aero, Atmosphere, Canopies, Canopy, Drag, DragSelection, ErgunForm, ErgunLaw, ExponentialAtmosphere,
-    FillingSchedule, Gust, PermeableLaw, PorousLaw, PressureCoefficient, PressureCoefficientLaw, PressureTable, Wind,
-    WindPart, WindSum,
+    Aero, Canopies, Canopy, Drag, ErgunForm, ErgunLaw, FillingSchedule, PermeableLaw, PorousLaw, PressureCoefficient,
+    PressureCoefficientLaw, PressureTable,
 };
 pub use loads::{Load, PressureKindKey};
 pub use method::Method;
 pub use network::{Damping, FrameFile, Initial, InitialFrom, Mass, Network, PointMass, Support};
 pub use output::{Every, EveryCheckpoint, EverySteps, Field, Gauge, Output, Probe};
 pub use per_node::{PerNode, Vectors};
-pub use select::{Ball, EdgeSelection, GaugeSelection, NodeSelection};
+pub use select::{Ball, EdgeSelection, NodeOrEdgeSelection, NodeSelection};
 pub use solver::{Newton, Solver};
 pub use springs::{Dashpot, DashpotRule, Membrane, SlackRule, SpringRule};
 pub use time::{Study, Time};
+pub use wind::{Atmosphere, ExponentialAtmosphere, Gust, Wind, WindPart, WindSum};
 
 /// A simulation case for canopy-fem. Values are SI. Comments (`//` and `/* */`) and trailing commas are allowed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::select::{GaugeSelection, NodeSelection};
+use super::select::{NodeOrEdgeSelection, NodeSelection};
 use crate::model::observables::GaugeQuantity;
 use crate::vtk::{Compression, Precision};
 
@@ -106,7 +106,7 @@ pub struct Gauge {
     #[schemars(length(min = 1, max = 200))]
     pub name: String,
     /// Where: edges for `tension`, else nodes.
-    pub on: GaugeSelection,
+    pub on: NodeOrEdgeSelection,
     /// What: sums, means and largest values over the selection.
     pub of: GaugeQuantity,
     /// [-] Steps per row of `gauges.csv`, 1 if not given; the first and the last state always have a row. Largest

@@ -60,7 +60,7 @@ pub enum EdgeSelection {
 /// Some nodes or some edges of the mesh.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum GaugeSelection {
+pub enum NodeOrEdgeSelection {
     /// Every node, or every edge.
     All,
     /// The nodes of all boundary loops of the triangles, or the edges of exactly one triangle.
@@ -85,7 +85,7 @@ pub enum GaugeSelection {
     Group(String),
 }
 
-impl GaugeSelection {
+impl NodeOrEdgeSelection {
     /// The nodes it selects; `None` if it can only select edges.
     pub fn nodes(&self) -> Option<NodeSelection> {
         Some(match self {

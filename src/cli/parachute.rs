@@ -1,0 +1,139 @@
+//! The options of `canopy-fem mesh parachute`: the parameters of `mesh.parachute`.
+
+use super::mesh::OutputArgs;
+use crate::mesh::parachute::{
+    CanopyType, ClusterParameters, LineParameters, ParachuteParameters, PayloadParameters, ReefingParameters,
+    StartShape,
+};
+use clap::Args;
+
+/// Arguments of `mesh parachute`; the parameters are those of `mesh.parachute` in a case file.
+#[derive(Clone, Debug, Args)]
+pub struct ParachuteArgs {
+    /// flat-circular, conical, biconical, triconical, hemispherical, extended-skirt, annular, cruciform, ringslot or
+    /// disk-gap-band
+    #[arg(long = "type", value_parser = word::<CanopyType>)]
+    pub kind: CanopyType,
+    /// [m] Nominal diameter D0
+    #[arg(long)]
+    pub nominal_diameter: f64,
+    /// Number of gores and of lines
+    #[arg(long)]
+    pub gores: usize,
+    /// [m] Diameter of the circle through the vent's corners
+    #[arg(long)]
+    pub vent_diameter: Option<f64>,
+    /// Rows of cloth from the vent to the skirt
+    #[arg(long)]
+    pub radial_segments: usize,
+    /// Edges across a gore
+    #[arg(long, default_value_t = 1)]
+    pub gore_segments: usize,
+    /// [rad] Angle of a cone's surface below the horizontal
+    #[arg(long)]
+    pub cone_angle: Option<f64>,
+    /// [rad] Angles of two or three cones, from the apex outwards
+    #[arg(long, num_args = 2..=3)]
+    pub cone_angles: Option<Vec<f64>>,
+    /// Where the cone angle changes, as parts of the gore's length
+    #[arg(long, num_args = 1..=2)]
+    pub cone_breaks: Option<Vec<f64>>,
+    /// Length of an extended skirt over the diameter of the flat part
+    #[arg(long)]
+    pub skirt_extension: Option<f64>,
+    /// Width over length of the strips of a cruciform canopy
+    #[arg(long)]
+    pub arm_ratio: Option<f64>,
+    /// Number of rings of a ringslot canopy
+    #[arg(long)]
+    pub rings: Option<usize>,
+    /// Area of the slots of a ringslot canopy over the nominal area
+    #[arg(long)]
+    pub slot_porosity: Option<f64>,
+    /// Diameter of the disc of a disk-gap-band canopy over D0
+    #[arg(long)]
+    pub disk: Option<f64>,
+    /// Height of its gap over D0
+    #[arg(long)]
+    pub gap: Option<f64>,
+    /// Height of its band over D0
+    #[arg(long)]
+    pub band: Option<f64>,
+    /// Whether lines cross the vent
+    #[arg(long)]
+    pub vent_lines: Option<bool>,
+    /// [m] Length of the suspension lines
+    #[arg(long)]
+    pub lines: Option<f64>,
+    /// Edges of each suspension line
+    #[arg(long, default_value_t = 1, requires = "lines")]
+    pub line_segments: usize,
+    /// [m] Length of the riser
+    #[arg(long)]
+    pub riser: Option<f64>,
+    /// Edges of the riser
+    #[arg(long, default_value_t = 1, requires = "riser")]
+    pub riser_segments: usize,
+    /// [m] Edges of a rigid payload, a box of even density
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], requires = "payload_below_riser")]
+    pub payload_box: Option<Vec<f64>>,
+    /// [m] Radii of gyration of a rigid payload
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], requires = "payload_below_riser")]
+    pub payload_radii_of_gyration: Option<Vec<f64>>,
+    /// [m] Distance from the end of the riser down to the centre of a rigid payload
+    #[arg(long)]
+    pub payload_below_riser: Option<f64>,
+    /// Number of such parachutes on one payload
+    #[arg(long)]
+    pub canopies: Option<usize>,
+    /// [m] Length of a reefing line over pi
+    #[arg(long)]
+    pub reefing_diameter: Option<f64>,
+    /// flat or inflated
+    #[arg(long, default_value = "flat", value_parser = word::<StartShape>)]
+    pub start: StartShape,
+    /// the output
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// A word of the case file.
+fn word<T: serde::de::DeserializeOwned>(word: &str) -> Result<T, String> {
+    serde_json::from_value(serde_json::Value::from(word)).map_err(|error| error.to_string())
+}
+
+impl ParachuteArgs {
+    pub(super) fn parameters(&self) -> ParachuteParameters {
+        let three = |list: &Option<Vec<f64>>| list.as_deref().and_then(|list| <[f64; 3]>::try_from(list).ok());
+        let line = |length: Option<f64>, segments| length.map(|length| LineParameters { length, segments });
+        ParachuteParameters {
+            kind: self.kind,
+            nominal_diameter: self.nominal_diameter,
+            gores: self.gores,
+            vent_diameter: self.vent_diameter,
+            radial_segments: self.radial_segments,
+            gore_segments: self.gore_segments,
+            cone_angle: self.cone_angle,
+            cone_angles: self.cone_angles.clone(),
+            cone_breaks: self.cone_breaks.clone(),
+            skirt_extension: self.skirt_extension,
+            arm_ratio: self.arm_ratio,
+            rings: self.rings,
+            slot_porosity: self.slot_porosity,
+            disk: self.disk,
+            gap: self.gap,
+            band: self.band,
+            vent_lines: self.vent_lines,
+            lines: line(self.lines, self.line_segments),
+            riser: line(self.riser, self.riser_segments),
+            payload: self.payload_below_riser.map(|below_riser| PayloadParameters {
+                sides: three(&self.payload_box),
+                radii_of_gyration: three(&self.payload_radii_of_gyration),
+                below_riser,
+            }),
+            cluster: self.canopies.map(|canopies| ClusterParameters { canopies }),
+            reefing: self.reefing_diameter.map(|diameter| ReefingParameters { diameter }),
+            start: self.start,
+        }
+    }
+}
