@@ -108,7 +108,7 @@ impl TangentForm {
 /// The part u g^T of `w.c (-df/dv) + w.k (-df/dx)` that couples nodes of the whole scene, as two vectors `[n_nodes]`.
 #[derive(Debug)]
 pub struct RankOne<'a> {
-    /// `-df/dp` of a force that depends on a [scene number](kernel::batch::SceneNumber) p
+    /// `-df/dp` of a force that depends on a [scene number](kernel::batch::SceneNumbers) p
     pub u: &'a mut [Vector3<f64>],
     /// `w.c dp/dv + w.k dp/dx`
     pub g: &'a mut [Vector3<f64>],
@@ -128,9 +128,9 @@ pub trait ForceTerm: kernel::batch::BlockForces {
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink);
 
     /// Overwrites `part` with the part of the tangent that [`ForceTerm::tangent`] does not emit, because it couples
-    /// nodes of the whole scene. Asked only of terms with a [scene number](kernel::batch::BlockForces::scene_number).
-    fn rank_one(&self, at: NodeState<'_>, w: Weights, part: RankOne<'_>) {
-        let _ = (at, w, part);
+    /// nodes of the whole scene, by one of its [scene numbers](kernel::batch::BlockForces::scene_numbers).
+    fn rank_one(&self, which: usize, at: NodeState<'_>, w: Weights, part: RankOne<'_>) {
+        let _ = (which, at, w, part);
     }
 
     /// Replaces the rest lengths [m] of its springs, `[n_springs]` in their order. Terms without springs do nothing.

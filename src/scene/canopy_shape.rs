@@ -2,7 +2,6 @@
 
 use super::enclosure::Enclosure;
 use super::network::{Network, by_node, node_state};
-use crate::force::kernel::batch::SceneNumber;
 use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::canopy::{CanopyData, drag_area};
 use crate::model::observables::CANOPY_QUANTITIES;
@@ -57,7 +56,7 @@ impl CanopyShape {
         });
         let skirt = 2.0 * radii.sum::<f64>() / data.skirt.len() as f64;
         let area = data.filling.map_or(closing, |filling| drag_area(filling, at.t));
-        let drag = data.find(at.t, x, v) * closing;
+        let drag = data.drag(node_state(at));
         [2.0 * (projected / PI).sqrt(), skirt, volume, flow.speed, flow.dynamic_pressure, area, drag]
     }
 }

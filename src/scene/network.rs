@@ -151,7 +151,7 @@ impl Network {
         let mut forces: Vec<&mut dyn BlockForces> =
             self.terms.iter_mut().map(|t| &mut **t as &mut dyn BlockForces).collect();
         self.sweep = Sweep::new(self.mass.len(), &mut forces);
-        let couples = self.terms.iter().any(|term| term.scene_number().is_some());
+        let couples = self.terms.iter().any(|term| term.scene_numbers().is_some());
         self.couples_blocks = !self.apparent.is_empty() || couples && !self.sweep.is_single_block();
         self.infos = self.terms.iter().flat_map(|term| term.parts()).copied().chain(self.law_info()).collect();
         let mut tallies = 0..;

@@ -22,9 +22,10 @@ impl Network {
         Assembler::new(nodes, &recorder, symmetric)
     }
 
-    /// Terms whose tangent has a rank-one part.
-    fn coupling_terms(&self) -> impl Iterator<Item = &dyn ForceTerm> {
-        self.force_terms().filter(|term| term.scene_number().is_some())
+    /// The rank-one parts of the tangents of terms: the term, and which of its scene numbers.
+    fn couplings(&self) -> impl Iterator<Item = (&dyn ForceTerm, usize)> {
+        let numbers = |term: &dyn ForceTerm| term.scene_numbers().map_or(0, |numbers| numbers.count());
+        self.force_terms().flat_map(move |term| (0..numbers(term)).map(move |number| (term, number)))
     }
 
     fn assemble_form(&self, at: StateRef<'_>, w: Weights, form: TangentForm, assembler: &mut Assembler) {
@@ -62,7 +63,7 @@ impl TangentSystem for Network {
     }
 
     fn rank_ones(&self) -> usize {
-        self.mass_parts() + self.coupling_terms().count()
+        self.mass_parts() + self.couplings().count()
     }
 
     fn mass_parts(&self) -> usize {
@@ -78,9 +79,9 @@ impl TangentSystem for Network {
             self.apparent_part(which, node_state(at), [&mut *u, &mut *g]);
             return u.iter_mut().for_each(|u| *u *= w.m);
         }
-        let Some(term) = self.coupling_terms().nth(which - self.mass_parts()) else { return };
+        let Some((term, number)) = self.couplings().nth(which - self.mass_parts()) else { return };
         let part = RankOne { u: bytemuck::cast_slice_mut(u), g: bytemuck::cast_slice_mut(g) };
-        term.rank_one(node_state(at), w, part);
+        term.rank_one(number, node_state(at), w, part);
     }
 
     fn assemble_convex(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {

@@ -3,7 +3,7 @@
 //! pushed along their normal `faces`, forces on nodes `nodes`.
 
 use crate::force::kernel::element_block::ElementBlock;
-pub use crate::force::kernel::element_block::{Elements, SceneNumber};
+pub use crate::force::kernel::element_block::{Elements, SceneNumbers};
 pub use crate::force::kernel::local_buffer::Records;
 use crate::model::forces::Tally;
 use std::ops::Range;
@@ -55,7 +55,7 @@ pub trait BlockForces: Send + Sync {
 
     /// The number that its forces depend on and that depends on nodes of the whole scene, if there is one. Its buffers
     /// are then read, positions and velocities.
-    fn scene_number(&self) -> Option<&dyn SceneNumber> {
+    fn scene_numbers(&self) -> Option<&dyn SceneNumbers> {
         None
     }
 

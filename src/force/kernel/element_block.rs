@@ -19,8 +19,8 @@ pub struct ElementBlock<'a> {
     pub x: &'a Records,
     /// [m/s] their velocities, if some term reads them
     pub v: &'a Records,
-    /// the term's [`SceneNumber`]; 0 for a term without one
-    pub scene_number: f64,
+    /// the term's [`SceneNumbers`]; 0 for a term without any
+    pub scene_numbers: SceneValues,
 }
 
 /// Vectors of all nodes of a scene, by internal number.
@@ -48,18 +48,24 @@ impl NodeVectors<'_> {
     }
 }
 
-/// A number of a force term that depends on nodes anywhere in the scene, such as the dynamic pressure of a canopy. It
-/// is found before the term's elements are evaluated, once per pass.
-pub trait SceneNumber: Send + Sync {
-    /// The number at time `t` [s], positions `x` [m] and velocities `v` [m/s].
-    fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> f64;
+/// Values of the scene numbers of a term; one that has fewer leaves the rest 0.
+pub type SceneValues = [f64; 5];
+
+/// The numbers of a force term that depend on nodes anywhere in the scene, such as the air speed of a canopy. They are
+/// found before the term's elements are evaluated, once per pass.
+pub trait SceneNumbers: Send + Sync {
+    /// How many there are. The tangent has a rank-one part for each.
+    fn count(&self) -> usize;
+
+    /// The numbers at time `t` [s], positions `x` [m] and velocities `v` [m/s].
+    fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> SceneValues;
 }
 
 /// The scene numbers of a pass.
 #[derive(Clone, Copy)]
-pub(in crate::force) enum SceneNumbers<'a> {
+pub(in crate::force) enum PassNumbers<'a> {
     /// by term of the pass, found before it
-    Found(&'a [f64]),
+    Found(&'a [SceneValues]),
     /// of a scene that is one block: found from its local buffers
     InBlock,
 }

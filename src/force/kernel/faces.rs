@@ -1,7 +1,7 @@
 //! Triangles that are pushed along their normal, by blocks.
 
-use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, SceneNumber};
-use crate::force::kernel::element_block::ElementBlock;
+use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, SceneNumbers};
+use crate::force::kernel::element_block::{ElementBlock, SceneValues};
 use crate::force::kernel::local_buffer::Records;
 use crate::force::kernel::triangle_pairs::{Group, GroupFactors, PressureLaw, PressurePass, arrange};
 use crate::model::forces::Tally;
@@ -26,8 +26,8 @@ pub trait FaceKernel: Send + Sync {
         None
     }
 
-    /// As [`BlockForces::scene_number`].
-    fn scene_number(&self) -> Option<&dyn SceneNumber> {
+    /// As [`BlockForces::scene_numbers`].
+    fn scene_numbers(&self) -> Option<&dyn SceneNumbers> {
         None
     }
 }
@@ -45,8 +45,8 @@ pub struct Faces<'a> {
     groups: &'a [Group],
     /// [-] factors of their pressures, if the kernel has any
     factors: &'a [GroupFactors],
-    /// see [`FaceKernel::scene_number`]
-    pub scene_number: f64,
+    /// see [`FaceKernel::scene_numbers`]
+    pub scene_numbers: SceneValues,
 }
 
 impl Faces<'_> {
@@ -115,12 +115,12 @@ impl<K: FaceKernel> BlockForces for FaceBatch<K> {
     fn add(&self, block: &ElementBlock<'_>, [sum, _]: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {
         let (Some(f), Some(groups)) = (sum, self.blocks.get(block.number)) else { return Default::default() };
         let factors = self.factors.get(groups.clone()).unwrap_or_default();
-        let (groups, scene_number) = (&self.groups[groups.clone()], block.scene_number);
-        let faces = Faces { t: block.t, x: block.x, v: block.v, groups, factors, scene_number };
+        let (groups, scene_numbers) = (&self.groups[groups.clone()], block.scene_numbers);
+        let faces = Faces { t: block.t, x: block.x, v: block.v, groups, factors, scene_numbers };
         [self.kernel.add(faces, f), Tally::default()]
     }
 
-    fn scene_number(&self) -> Option<&dyn SceneNumber> {
-        self.kernel.scene_number()
+    fn scene_numbers(&self) -> Option<&dyn SceneNumbers> {
+        self.kernel.scene_numbers()
     }
 }

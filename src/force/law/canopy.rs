@@ -1,37 +1,37 @@
-//! The air in a canopy: one follower pressure on its triangles, by the air speed along its axis.
+//! The air in a canopy: one follower pressure on its triangles, by the air speed along its axis and by how fast the
+//! cloth moves in the canopy.
 //!
 //! ```text
-//! a = unit vector from the apex to the confluence,      u = mean skirt velocity - wind there,      V = a . u
-//! q = rho V |V|/2,      f_i = q dCp S/3,      power = f . v
+//! a = unit vector from the apex to the confluence,      u = mean skirt velocity v_s - wind there,      V = a . u
+//! w = (v - v_s) . n     of a triangle with mean velocity v and unit normal n from inside to outside
+//! p = kappa dCp (V - w)|V - w|,     kappa = rho/2,     f_i = p S/3,     power = f . v
 //! ```
-//! V couples all nodes of the skirt, the apex and the confluence with all nodes of the canopy. The tangent is local but
-//! for one rank:
+//! The air meets cloth that moves outwards more slowly: w takes energy from the breathing of a canopy, and is nothing
+//! in steady flight. kappa, V and v_s couple all nodes of the skirt, the apex and the confluence with all nodes of the
+//! canopy. The tangent is local but for a rank-one part of each of these five numbers. With c = V - w
 //! ```text
-//! -df/dx = -q dCp dS/dx/3 - (f/q) (dq/dx)^T,      -df/dv = -(f/q) (dq/dv)^T
-//! dq/dv_skirt = rho |V| a/n
-//! dq/dx_confluence = rho |V| (I - a a^T) u/(L n),      the opposite at the apex
-//! dq/dz_skirt = (rho' V |V|/2 - rho |V| a . dw/dz)/n
+//! -df_i/dx_j = -1/3 [p I + 2 kappa dCp |c| S ((I - n n^T)(v_s - v))^T/A] dS/dx_j,   -df_i/dv_j = 2 kappa dCp |c| S n^T/9
+//! -df_i/dkappa = -dCp c|c| S/3,     -df_i/dV = -2 kappa dCp |c| S/3,     -df_i/dv_s = -2 kappa dCp |c| S n^T/3
+//! dV/dv_skirt = a/n_s,     dV/dz_skirt = -a . dw/dz/n_s,     dV/dx_confluence = (I - a a^T) u/(L n_c)
 //! ```
-//! While a canopy fills, its drag area A(t) is given. Then the pressure is p dCp with
+//! and the opposite at the apex. While a canopy fills, its drag area A(t) is given. Then
 //! ```text
-//! p = q A/G,   G = -sum dCp S . a,      dp/dx = (A/G) dq/dx - (p/G) dG/dx,      dG/dx_j = -sum dCp (dS/dx_j)^T a
+//! kappa = rho A/(2 G),   G = -sum dCp S . a,     dkappa = kappa (drho/rho - dG/G),     dG/dx_j = -sum dCp (dS/dx_j)^T a
 //! ```
-//! and dG by the axis -(I - a a^T) (sum dCp S)/(L n) at the confluence, the opposite at the apex.
-//!
-//! The speed of cloth relative to the skirt changes nothing: the law has no damping of breathing of its own.
+//! and dG by the axis -(I - a a^T) (sum dCp S)/(L n_c) at the confluence, the opposite at the apex.
 
-use crate::force::kernel::batch::{BufferReads, Records, SceneNumber};
-use crate::force::kernel::element_block::NodeVectors;
+use crate::force::kernel::batch::{BufferReads, Records, SceneNumbers};
+use crate::force::kernel::element_block::{NodeVectors, SceneValues};
 use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
 use crate::force::kernel::triangle_pairs::{PressureForce, PressureLaw};
 use crate::force::law::stream::{AirState, Stream};
-use crate::force::law::triangle::{AreaVector, THIRD};
-use crate::force::{ForceTerm, NodeState, RankOne, TangentForm, TangentSink};
+use crate::force::law::triangle::{AreaVector, THIRD, mean};
+use crate::force::{ForceTerm, NodeState, RankOne, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::Real;
 use crate::model::spec::FillingSpec;
 use crate::model::system::{TermInfo, Weights};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
 /// The air in a canopy.
@@ -99,14 +99,77 @@ impl CanopyData {
     }
 }
 
-impl SceneNumber for CanopyData {
-    /// [Pa] the pressure at dCp = 1
-    fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> f64 {
-        let AxialFlow { axis, dynamic_pressure, .. } = self.flow(t, x, v);
-        match self.filling {
-            None => dynamic_pressure,
-            Some(filling) => dynamic_pressure * drag_area(filling, t) / -self.opening(x).dot(&axis),
-        }
+/// What the pressures depend on besides the triangles themselves.
+#[derive(Clone, Copy)]
+struct Breathing {
+    /// [kg/m^3] kappa
+    kappa: f64,
+    /// [m/s] V
+    speed: f64,
+    /// [m/s] v_s
+    skirt: Vector3<f64>,
+}
+
+impl Breathing {
+    fn new([kappa, speed, x, y, z]: SceneValues) -> Self {
+        Breathing { kappa, speed, skirt: Vector3::new(x, y, z) }
+    }
+}
+
+/// The air at a triangle.
+struct Meeting {
+    area: AreaVector,
+    /// unit normal; 0 without an area
+    n: Vector3<f64>,
+    /// [m/s] v_s - v
+    lag: Vector3<f64>,
+    /// [m/s] V - w
+    c: f64,
+    /// [Pa] p
+    pressure: f64,
+    /// [Pa s/m] dp/dc
+    slope: f64,
+}
+
+impl CanopyData {
+    fn breathing(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> Breathing {
+        Breathing::new(self.find(t, x, v))
+    }
+
+    fn meeting(&self, at: NodeState<'_>, air: Breathing, triangle: usize) -> Meeting {
+        let (nodes, dcp) = (self.triangles[triangle], self.pressure_coefficient[triangle]);
+        let area = AreaVector::new(at.x, nodes);
+        let a = area.s.norm();
+        let n = if a > 0.0 { area.s / a } else { Vector3::zeros() };
+        let lag = air.skirt - mean(at.v, nodes);
+        let c = air.speed + lag.dot(&n);
+        let slope = 2.0 * air.kappa * dcp * c.abs();
+        Meeting { area, n, lag, c, pressure: 0.5 * slope * c, slope }
+    }
+
+    /// [N] The force of the air along the axis at a state, towards the apex.
+    pub fn drag(&self, at: NodeState<'_>) -> f64 {
+        let (x, v) = (NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
+        let (axis, air) = (self.flow(at.t, x, v).axis, self.breathing(at.t, x, v));
+        let along = (0..self.triangles.len()).map(|i| {
+            let Meeting { area, pressure, .. } = self.meeting(at, air, i);
+            pressure * -area.s.dot(&axis)
+        });
+        along.sum()
+    }
+}
+
+impl SceneNumbers for CanopyData {
+    fn count(&self) -> usize {
+        5
+    }
+
+    /// kappa [kg/m^3], V [m/s] and v_s [m/s]
+    fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> SceneValues {
+        let AxialFlow { axis, speed, air, .. } = self.flow(t, x, v);
+        let share = self.filling.map_or(1.0, |filling| drag_area(filling, t) / -self.opening(x).dot(&axis));
+        let skirt = v.mean(&self.skirt);
+        [0.5 * air.density[0] * share, speed, skirt.x, skirt.y, skirt.z]
     }
 }
 
@@ -121,28 +184,30 @@ impl FaceKernel for CanopyData {
         Some(&self.pressure_coefficient)
     }
 
-    fn scene_number(&self) -> Option<&dyn SceneNumber> {
+    fn scene_numbers(&self) -> Option<&dyn SceneNumbers> {
         Some(self)
     }
 
     fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally {
-        let law = CanopyLaw { pressure: block.scene_number };
+        let law = CanopyLaw(Breathing::new(block.scene_numbers));
         Tally { energy: 0.0, power: block.add_pressure(&law, f) }
     }
 }
 
-struct CanopyLaw {
-    /// [Pa] at dCp = 1
-    pressure: f64,
-}
+struct CanopyLaw(Breathing);
 
 impl PressureLaw for CanopyLaw {
     const FACTORS: bool = true;
 
     #[inline(always)]
     fn pressure_force<R: Real>(&self, s: [R; 3], v: [R; 3]) -> PressureForce<R> {
-        let share = s[0].all(THIRD * self.pressure);
-        PressureForce { share, amount: share * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]) }
+        let (all, Breathing { kappa, speed, skirt }) = (|number| s[0].all(number), self.0);
+        let flow = all(THIRD) * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]);
+        let flux = s[0] * all(skirt.x) + s[1] * all(skirt.y) + s[2] * all(skirt.z) - flow;
+        let area = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]).sqrt();
+        let c = all(speed) + (flux / area).where_positive(area);
+        let pressure = all(kappa) * c * c.abs();
+        PressureForce { share: all(THIRD) * pressure, amount: pressure * flow }
     }
 }
 
@@ -161,54 +226,93 @@ impl ForceTerm for Canopy {
         false
     }
 
+    /// The symmetric form is the velocity part, as for any follower pressure.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         let data = self.kernel();
-        let q = data.find(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
-        for (&nodes, dcp) in data.triangles.iter().zip(data.pressure_coefficient.iter()) {
-            let area = AreaVector::new(at.x, nodes);
-            // There is no symmetric form, as for any follower pressure.
-            let k = if form.symmetric { 0.0 } else { w.k };
-            let row = [0, 1, 2].map(|j| area.derivative(j) * (-k * q * dcp / 3.0));
+        let air = data.breathing(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
+        for (triangle, &nodes) in data.triangles.iter().enumerate() {
+            let Meeting { area, n, lag, pressure, slope, .. } = data.meeting(at, air, triangle);
+            let dv = outer(area.s, n) * (w.c * slope / 9.0);
+            if form.symmetric {
+                sink.triangle(nodes, &[[dv; 3]; 3]);
+                continue;
+            }
+            // S/A = n
+            let ds = Matrix3::from_diagonal_element(pressure) + outer(n, lag - lag.dot(&n) * n) * slope;
+            let row = [0, 1, 2].map(|j| ds * area.derivative(j) * (-w.k / 3.0) + dv);
             sink.triangle(nodes, &[row; 3]);
         }
     }
 
-    fn rank_one(&self, at: NodeState<'_>, w: Weights, RankOne { u, g }: RankOne<'_>) {
+    fn rank_one(&self, which: usize, at: NodeState<'_>, w: Weights, RankOne { u, g }: RankOne<'_>) {
         let data = self.kernel();
         u.fill(Vector3::zeros());
         g.fill(Vector3::zeros());
-        for (&nodes, dcp) in data.triangles.iter().zip(data.pressure_coefficient.iter()) {
-            let force = AreaVector::new(at.x, nodes).s * (dcp / 3.0);
+        let air = data.breathing(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
+        for (triangle, (&nodes, dcp)) in data.triangles.iter().zip(data.pressure_coefficient.iter()).enumerate() {
+            let Meeting { area, n, c, slope, .. } = data.meeting(at, air, triangle);
+            let change = match which {
+                0 => dcp * c * c.abs(),
+                1 => slope,
+                _ => slope * n[which - 2],
+            };
+            let force = area.s * (change / 3.0);
             nodes.into_iter().for_each(|node| u[node as usize] -= force);
         }
-        let AxialFlow { axis, length, velocity, speed, air, dynamic_pressure } =
-            data.flow(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
-        let [density, thinning] = air.density;
-        let (slope, [_, shear]) = (density * speed.abs(), air.wind);
-        let turn = if length > 0.0 { (velocity - speed * axis) * (slope / length) } else { Vector3::zeros() };
-        let rise = 0.5 * thinning * speed * speed.abs() - slope * axis.dot(&shear);
-        let mut at_skirt = w.c * slope * axis + w.k * Vector3::new(0.0, 0.0, rise);
-        let mut at_confluence = w.k * turn;
-        if let Some(filling) = data.filling {
-            let opening = data.opening(NodeVectors::Nodes(at.x));
-            let share = drag_area(filling, at.t) / -opening.dot(&axis);
-            (at_skirt, at_confluence) = (share * at_skirt, share * at_confluence);
-            // p/G, by which dG counts.
-            let closing = share * dynamic_pressure / -opening.dot(&axis) * w.k;
-            if length > 0.0 {
-                at_confluence += closing / length * (opening - opening.dot(&axis) * axis);
-            }
-            for (&nodes, dcp) in data.triangles.iter().zip(data.pressure_coefficient.iter()) {
-                let area = AreaVector::new(at.x, nodes);
-                for (j, node) in nodes.into_iter().enumerate() {
-                    g[node as usize] += closing * *dcp * (area.derivative(j).transpose() * axis);
-                }
+        let flow = data.flow(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
+        match which {
+            0 => data.kappa_gradient(at, flow, w.k, g),
+            1 => data.speed_gradient(flow, w, g),
+            _ => {
+                let mut along = Vector3::zeros();
+                along[which - 2] = w.c;
+                data.spread(&data.skirt, along, g);
             }
         }
-        for (nodes, whole) in [(&data.skirt, at_skirt), (&data.confluence, at_confluence), (&data.apex, -at_confluence)]
-        {
-            let share = whole / nodes.len() as f64;
-            nodes.iter().for_each(|&node| g[node as usize] += share);
+    }
+}
+
+impl CanopyData {
+    /// Adds the gradient of a mean over some nodes.
+    fn spread(&self, nodes: &[u32], whole: Vector3<f64>, g: &mut [Vector3<f64>]) {
+        let share = whole / nodes.len() as f64;
+        nodes.iter().for_each(|&node| g[node as usize] += share);
+    }
+
+    /// Adds k dkappa/dx.
+    fn kappa_gradient(&self, at: NodeState<'_>, flow: AxialFlow, k: f64, g: &mut [Vector3<f64>]) {
+        let (AxialFlow { axis, length, .. }, [density, thinning]) = (flow, flow.air.density);
+        let Some(filling) = self.filling else {
+            return self.spread(&self.skirt, Vector3::z() * (0.5 * k * thinning), g);
+        };
+        let opening = self.opening(NodeVectors::Nodes(at.x));
+        let size = -opening.dot(&axis);
+        let share = drag_area(filling, at.t) / size;
+        self.spread(&self.skirt, Vector3::z() * (0.5 * k * thinning * share), g);
+        // kappa/G, by which dG counts.
+        let closing = 0.5 * density * share / size * k;
+        if length > 0.0 {
+            let turn = closing / length * (opening - opening.dot(&axis) * axis);
+            self.spread(&self.confluence, turn, g);
+            self.spread(&self.apex, -turn, g);
+        }
+        for (&nodes, dcp) in self.triangles.iter().zip(self.pressure_coefficient.iter()) {
+            let area = AreaVector::new(at.x, nodes);
+            for (j, node) in nodes.into_iter().enumerate() {
+                g[node as usize] += closing * *dcp * (area.derivative(j).transpose() * axis);
+            }
+        }
+    }
+
+    /// Adds c dV/dv + k dV/dx.
+    fn speed_gradient(&self, flow: AxialFlow, w: Weights, g: &mut [Vector3<f64>]) {
+        let AxialFlow { axis, length, velocity, speed, air, .. } = flow;
+        let [_, shear] = air.wind;
+        self.spread(&self.skirt, w.c * axis - w.k * axis.dot(&shear) * Vector3::z(), g);
+        if length > 0.0 {
+            let turn = w.k / length * (velocity - speed * axis);
+            self.spread(&self.confluence, turn, g);
+            self.spread(&self.apex, -turn, g);
         }
     }
 }

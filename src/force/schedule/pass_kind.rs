@@ -1,6 +1,6 @@
 //! The kind of a pass: which terms it evaluates, and which sums it computes.
 
-use crate::force::kernel::element_block::{ElementBlock, NodeVectors, SceneNumbers};
+use crate::force::kernel::element_block::{ElementBlock, NodeVectors, PassNumbers};
 use crate::force::kernel::local_buffer::{PaddedVec3, Records, rows, rows_of, sum_rows};
 use crate::force::schedule::sweep::{PartTarget, Term, Terms};
 use crate::force::schedule::threads::SUMS;
@@ -38,7 +38,7 @@ pub(in crate::force) struct Sums<'a> {
     pub present: [bool; SUMS],
     /// forces of the terms of the first sum
     pub kept: &'a mut [PaddedVec3],
-    pub numbers: SceneNumbers<'a>,
+    pub numbers: PassNumbers<'a>,
 }
 
 impl Sums<'_> {
@@ -87,17 +87,17 @@ impl Sums<'_> {
         let [a, b, c] = &mut self.sums;
         let mut all = [Some(&mut **a), Some(&mut **b), Some(&mut **c)];
         let sums = parts.map(|part| all.get_mut(part?.sum)?.take());
-        let found = match forces.scene_number() {
+        let found = match forces.scene_numbers() {
             None => forces.add(block, sums),
-            Some(number) => {
-                let scene_number = match self.numbers {
-                    SceneNumbers::Found(numbers) => numbers[i],
-                    SceneNumbers::InBlock => {
-                        number.find(block.t, NodeVectors::Records(block.x), NodeVectors::Records(block.v))
+            Some(numbers) => {
+                let scene_numbers = match self.numbers {
+                    PassNumbers::Found(numbers) => numbers[i],
+                    PassNumbers::InBlock => {
+                        numbers.find(block.t, NodeVectors::Records(block.x), NodeVectors::Records(block.v))
                     }
                 };
                 let &ElementBlock { number, ref own, t, x, v, .. } = block;
-                forces.add(&ElementBlock { number, own: own.clone(), t, x, v, scene_number }, sums)
+                forces.add(&ElementBlock { number, own: own.clone(), t, x, v, scene_numbers }, sums)
             }
         };
         for (part, found) in parts.into_iter().zip(found) {

@@ -1,7 +1,7 @@
 //! Blocks of steps of a scene that is one block: its nodes stay in the block's local buffers from the first step to the
 //! last.
 
-use crate::force::kernel::element_block::{ElementBlock, SceneNumbers};
+use crate::force::kernel::element_block::{ElementBlock, PassNumbers};
 use crate::force::kernel::local_buffer::{LocalBuffer, PaddedVec3, RECORD, Records, fill, rows, store_rows};
 use crate::force::schedule::pass_kind::{PassKind, Sums};
 use crate::force::schedule::step_block::NodeStateMut;
@@ -110,15 +110,15 @@ impl<T: Terms + ?Sized> SceneInBlock<'_, T> {
         } else {
             self.add(PassKind::Full, summary);
         }
-        let block = ElementBlock { number: 0, own: 0..n, t: summary.t, x: self.x, v: self.v, scene_number: 0.0 };
+        let block = ElementBlock { number: 0, own: 0..n, t: summary.t, x: self.x, v: self.v, scene_numbers: Default::default() };
         summary.largest_stretch = self.terms.largest_stretch(&block, summary.stretch_wanted);
     }
 
     fn add(&mut self, kind: PassKind, summary: &mut StepSummary) {
         let n = self.mass.len();
-        let block = ElementBlock { number: 0, own: 0..n, t: summary.t, x: self.x, v: self.v, scene_number: 0.0 };
+        let block = ElementBlock { number: 0, own: 0..n, t: summary.t, x: self.x, v: self.v, scene_numbers: Default::default() };
         let sums = self.sums.each_mut().map(|sum| &mut **sum);
-        let (kept, numbers) = (rows(self.kept, n), SceneNumbers::InBlock);
+        let (kept, numbers) = (rows(self.kept, n), PassNumbers::InBlock);
         let mut sums = Sums { n, sums, present: self.present, kept, numbers };
         sums.add(self.terms, kind, &block, &mut summary.tallies);
     }

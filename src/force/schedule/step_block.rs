@@ -11,7 +11,7 @@
 //! nodes any more. So all updates are in place, and the sums of a level overwrite those of the level before.
 
 use crate::force::NodeState;
-use crate::force::kernel::element_block::SceneNumbers;
+use crate::force::kernel::element_block::PassNumbers;
 use crate::force::schedule::partition::{Halo, Partition};
 use crate::force::schedule::pass_kind::PassKind;
 use crate::force::schedule::step_boundary::StepBoundary;
@@ -232,7 +232,7 @@ impl Sweep {
                 stretch,
                 kind,
                 // A scene of several blocks whose terms have scene numbers makes steps one by one, by whole passes.
-                numbers: SceneNumbers::InBlock,
+                numbers: PassNumbers::InBlock,
                 // The energies of reused forces are already included.
                 level: if kind == PassKind::ReusePosition { level - 1 } else { level },
                 at: NodeState { t, ..span.moving.state() },

@@ -7,7 +7,7 @@
 
 use crate::force::NodeState;
 use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS};
-use crate::force::kernel::element_block::{ElementBlock, NodeVectors, SceneNumbers};
+use crate::force::kernel::element_block::{ElementBlock, NodeVectors, PassNumbers, SceneValues};
 use crate::force::kernel::local_buffer::{LocalBuffer, PaddedVec3, Records, add_rows, copy_rows, rows, store_rows};
 use crate::force::schedule::buffer_pool::{BufferPool, Pooled};
 use crate::force::schedule::partition::{BlockPlan, Halo, Partition};
@@ -77,7 +77,7 @@ pub(in crate::force) struct PassSpec<'a, T: ?Sized> {
     /// whether the largest stretch is computed
     pub stretch: bool,
     pub kind: PassKind,
-    pub numbers: SceneNumbers<'a>,
+    pub numbers: PassNumbers<'a>,
     /// level of the energies and powers
     pub level: usize,
     /// the state of nodes from a first one on, as many as elements reach
@@ -132,15 +132,15 @@ impl Sweep {
         &self,
         terms: &T,
         NodeState { t, x, v }: NodeState<'_>,
-        found: &'a mut Vec<f64>,
-    ) -> SceneNumbers<'a> {
+        found: &'a mut Vec<SceneValues>,
+    ) -> PassNumbers<'a> {
         if self.is_single_block() {
-            return SceneNumbers::InBlock;
+            return PassNumbers::InBlock;
         }
         let [x, v] = [x, v].map(NodeVectors::Nodes);
         found.clear();
-        found.extend((0..terms.count()).map(|i| terms.term(i).forces.scene_number().map_or(0.0, |n| n.find(t, x, v))));
-        SceneNumbers::Found(found)
+        found.extend((0..terms.count()).map(|i| terms.term(i).forces.scene_numbers().map_or_else(Default::default, |n| n.find(t, x, v))));
+        PassNumbers::Found(found)
     }
 
     /// Sums over the nodes, node block after node block.
@@ -268,7 +268,7 @@ impl<T: Terms + ?Sized> PassSpec<'_, T> {
             rows(sums[0], n).fill(PaddedVec3::default());
         }
         let own = if plan.opens_node_block { plan.own.clone() } else { 0..0 };
-        let block = ElementBlock { number, own, t: self.at.t, x, v, scene_number: 0.0 };
+        let block = ElementBlock { number, own, t: self.at.t, x, v, scene_numbers: Default::default() };
         let present = out.each_ref().map(|sum| !sum.is_empty());
         Sums { n, sums, present, kept, numbers: self.numbers }.add(self.terms, self.kind, &block, tallies);
         self.terms.largest_stretch(&block, self.stretch)

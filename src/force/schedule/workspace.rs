@@ -1,6 +1,7 @@
 //! The workspace of force passes, and the parts of it and of the node sums to which one thread writes for its node
 //! blocks.
 
+use crate::force::kernel::element_block::SceneValues;
 use crate::force::kernel::local_buffer::PaddedVec3;
 use crate::force::schedule::partition::Partition;
 use crate::force::schedule::threads::SUMS;
@@ -30,7 +31,7 @@ pub(in crate::force) struct Workspace {
     aside: [Vec<Vector3<f64>>; ASIDE],
     pub wavefronts: Wavefronts,
     /// by term of the pass
-    pub scene_numbers: Vec<f64>,
+    pub scene_numbers: Vec<SceneValues>,
 }
 
 /// The sizes that passes need.
