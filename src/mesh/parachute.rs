@@ -235,7 +235,13 @@ impl ParachuteParameters {
             payload.check(&format!("{at}/payload"), faults);
         }
         if let Some(reefing) = &self.reefing {
-            check_length(&format!("{at}/reefing"), "diameter", reefing.diameter, faults);
+            let at = format!("{at}/reefing");
+            check_length(&at, "diameter", reefing.diameter, faults);
+            if let Some(vent) = self.vent_diameter.filter(|vent| *vent >= reefing.diameter) {
+                let hint = "the air would fill the canopy through its vent".to_owned();
+                let allowed = format!("more than the vent's {vent}");
+                faults(&format!("{at}/diameter"), reefing.diameter.to_string(), allowed, hint);
+            }
         }
         if self.start == StartShape::Inflated && self.lines.is_none() {
             let hint = "give `lines`, or start flat".to_owned();

@@ -96,7 +96,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let gusts = spec.stream.iter().flat_map(|stream| &stream.gusts);
     let gusts = gusts.flat_map(|gust| [gust.start, gust.start + gust.duration]);
     let factors = spec.pressures.iter().map(|p| &p.factor).chain(spec.forces.iter().map(|f| &f.factor));
-    let fillings = spec.canopies.iter().filter_map(|canopy| canopy.filling);
+    let fillings = spec.canopies.iter().flat_map(|canopy| &canopy.filling);
     let fillings = fillings.flat_map(|filling| [filling.start, filling.start + filling.duration]);
     let tabled = winds.flat_map(|wind| &wind.t).chain(factors.flatten().flat_map(|s| &s.t)).copied();
     let mut corners: Vec<f64> = tabled.chain(gusts).chain(fillings).chain(spec.events()).collect();
@@ -238,7 +238,7 @@ impl Builder<'_> {
                 let (enclosure, stream, term) = (enclosure.clone(), stream.clone(), self.terms.len());
                 self.apparent.push(ApparentMass { nodes, enclosure, factor, stream, term });
             }
-            let (stream, filling) = (stream.clone(), canopy.filling);
+            let (stream, filling) = (stream.clone(), canopy.filling.clone().into());
             let data = CanopyData { triangles, pressure_coefficient, skirt, apex, confluence, stream, filling };
             self.shapes.push(CanopyShape::new(data.clone(), enclosure));
             self.terms.push(Box::new(Canopy::new(data)));

@@ -3,7 +3,7 @@
 use super::enclosure::Enclosure;
 use super::network::{Network, by_node, node_state};
 use crate::force::kernel::element_block::NodeVectors;
-use crate::force::law::canopy::{CanopyData, drag_area};
+use crate::force::law::canopy::CanopyData;
 use crate::model::observables::CANOPY_QUANTITIES;
 use crate::model::state::StateRef;
 use nalgebra::Vector3;
@@ -55,7 +55,7 @@ impl CanopyShape {
             (from - axis.dot(&from) * axis).norm()
         });
         let skirt = 2.0 * radii.sum::<f64>() / data.skirt.len() as f64;
-        let area = data.filling.map_or(closing, |filling| drag_area(filling, at.t));
+        let area = data.drag_area(at.t).unwrap_or(closing);
         let drag = data.drag(node_state(at));
         [2.0 * (projected / PI).sqrt(), skirt, volume, flow.speed, flow.dynamic_pressure, area, drag]
     }

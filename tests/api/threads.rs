@@ -54,7 +54,7 @@ fn sheet() -> NetworkSpec {
         skirt: vec![0, 69, 2000, 4000],
         apex: vec![300],
         confluence: vec![4900, 17],
-        filling: None,
+        filling: Vec::new(),
         apparent_mass: None,
     }];
     spec.line_drag = vec![LineDragSpec { edges: (0..4000).collect(), diameter: 0.01, coefficient: 1.1 }];

@@ -7,15 +7,15 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 
 use super::geometry::{Geometry, TriangleUse, triangles};
-use super::numbers::{not_negative, positive, rising};
-use super::select;
+use super::numbers::{not_negative, rising};
+use super::{filling, select};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Aero, Canopies, Canopy, FillingSchedule, NodeSelection, PressureCoefficient};
+use crate::case::schema::{Aero, Canopy, NodeSelection, OneOrSeveral, PressureCoefficient};
 use crate::mesh::adjacency::row_starts;
 use crate::mesh::topology::unique_edges;
 use crate::mesh::{Mesh, Topology};
-use crate::model::spec::{CanopySpec, FillingSpec, NetworkSpec};
+use crate::model::spec::{CanopySpec, NetworkSpec};
 
 /// [-] Distance from the apex to the confluence, over the canopy's size, below which there is no axis.
 const AXIS: f64 = 1e-3;
@@ -38,7 +38,7 @@ pub(super) fn canopy(
             }
         },
         (None, Some(schedule)) => {
-            check_schedule(&at.key("schedule"), schedule, faults);
+            filling::check(&at.key("schedule"), schedule, faults);
             Some(vec![[0.0, 1.0]])
         }
         (given, _) => {
@@ -67,12 +67,8 @@ pub(super) fn canopy(
     let place =
         |t: u32| geometry.mesh.triangles[t as usize].iter().map(|&n| profile.place[n as usize]).sum::<f64>() / 3.0;
     let pressure_coefficient = triangles.iter().map(|&t| table.at(place(t))[0]).collect();
-    let filling = canopy.schedule.map(|schedule| {
-        let diameter = schedule.nominal_diameter.unwrap_or_else(|| sheet.nominal_diameter(&skirt));
-        // At 1 m/s if the speed is that at the start of the run, which divides it later.
-        let duration = schedule.filling_constant * diameter / schedule.speed.unwrap_or(1.0);
-        FillingSpec { drag_area: schedule.drag_area, start: schedule.start, duration, exponent: schedule.exponent }
-    });
+    let diameter = || sheet.nominal_diameter(&skirt);
+    let filling = canopy.schedule.as_ref().map_or_else(Vec::new, |stages| filling::stages(stages, diameter));
     (faults.count() == before).then_some(())?;
     let (apex, confluence) = (profile.apex, confluence?);
     let apparent_mass = canopy.apparent_mass.filter(|factor| *factor > 0.0);
@@ -89,16 +85,6 @@ fn coefficient_rows(at: &Pointer, rows: &[[f64; 2]], faults: &mut Faults<'_>) ->
         }
     }
     Some(rows.to_vec())
-}
-
-fn check_schedule(at: &Pointer, schedule: &FillingSchedule, faults: &mut Faults<'_>) {
-    let FillingSchedule { drag_area, filling_constant, exponent, start: _, speed, nominal_diameter } = *schedule;
-    let needed = [("drag_area", drag_area), ("filling_constant", filling_constant), ("exponent", exponent)];
-    let optional = [("speed", speed), ("nominal_diameter", nominal_diameter)];
-    let given = optional.into_iter().filter_map(|(key, value)| Some((key, value?)));
-    for (key, value) in needed.into_iter().chain(given) {
-        positive(&at.key(key), value, faults);
-    }
 }
 
 /// The triangles of a canopy.
@@ -292,23 +278,15 @@ pub(super) fn at_start(at: &Pointer, aero: Option<&Aero>, spec: &mut NetworkSpec
     let given = aero.and_then(|aero| aero.canopy.as_ref());
     for i in 0..spec.canopies.len() {
         let at = match given {
-            Some(Canopies::Several(_)) => at.key("canopy").index(i),
+            Some(OneOrSeveral::Several(_)) => at.key("canopy").index(i),
             _ => at.key("canopy"),
         };
         let start = CanopyStart::of(spec, i);
         let before = faults.count();
         start.check(&at, faults);
-        let schedule = given.and_then(|given| given.all().get(i)?.schedule).filter(|given| given.speed.is_none());
-        if schedule.is_none() || faults.count() > before {
-            continue;
-        }
-        match spec.canopies[i].filling.as_mut() {
-            Some(filling) if start.speed > 0.0 => filling.duration /= start.speed,
-            _ => {
-                let value = format!("an axial air speed of {} m/s at the start", start.speed);
-                let hint = "give the speed at line stretch, or an initial velocity or a wind along the axis".to_owned();
-                faults.add_value(&at.key("schedule").key("speed"), value, "a speed above 0", Some(hint));
-            }
+        let stages = given.and_then(|given| given.all().get(i)?.schedule.as_ref());
+        if let Some(stages) = stages.filter(|_| faults.count() == before) {
+            filling::at_speed(&at.key("schedule"), stages, &mut spec.canopies[i].filling, start.speed, faults);
         }
     }
 }

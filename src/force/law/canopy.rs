@@ -52,13 +52,8 @@ pub struct CanopyData {
     pub confluence: Vec<u32>,
     /// the air around it
     pub stream: Arc<Stream>,
-    /// drag area over time
-    pub filling: Option<FillingSpec>,
-}
-
-/// [m^2] The drag area at time `t` [s].
-pub fn drag_area(FillingSpec { drag_area, start, duration, exponent }: FillingSpec, t: f64) -> f64 {
-    drag_area * ((t - start) / duration).clamp(0.0, 1.0).powf(exponent)
+    /// stages of its drag area; none if the pressure is q dCp
+    pub filling: Arc<[FillingSpec]>,
 }
 
 /// The air along the axis.
@@ -78,6 +73,15 @@ pub struct AxialFlow {
 }
 
 impl CanopyData {
+    /// [m^2] The drag area at time `t` [s] of a canopy that fills.
+    pub fn drag_area(&self, t: f64) -> Option<f64> {
+        let grown = |before: f64, stage: &FillingSpec| {
+            let share = ((t - stage.start) / stage.duration).clamp(0.0, 1.0).powf(stage.exponent);
+            before + share * (stage.drag_area - before)
+        };
+        (!self.filling.is_empty()).then(|| self.filling.iter().fold(0.0, grown))
+    }
+
     /// The air along the axis at time `t` [s], positions `x` [m] and velocities `v` [m/s].
     pub fn flow(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> AxialFlow {
         let along = x.mean(&self.confluence) - x.mean(&self.apex);
@@ -167,7 +171,7 @@ impl SceneNumbers for CanopyData {
     /// kappa [kg/m^3], V [m/s] and v_s [m/s]
     fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> SceneValues {
         let AxialFlow { axis, speed, air, .. } = self.flow(t, x, v);
-        let share = self.filling.map_or(1.0, |filling| drag_area(filling, t) / -self.opening(x).dot(&axis));
+        let share = self.drag_area(t).map_or(1.0, |area| area / -self.opening(x).dot(&axis));
         let skirt = v.mean(&self.skirt);
         [0.5 * air.density[0] * share, speed, skirt.x, skirt.y, skirt.z]
     }
@@ -282,12 +286,12 @@ impl CanopyData {
     /// Adds k dkappa/dx.
     fn kappa_gradient(&self, at: NodeState<'_>, flow: AxialFlow, k: f64, g: &mut [Vector3<f64>]) {
         let (AxialFlow { axis, length, .. }, [density, thinning]) = (flow, flow.air.density);
-        let Some(filling) = self.filling else {
+        let Some(area) = self.drag_area(at.t) else {
             return self.spread(&self.skirt, Vector3::z() * (0.5 * k * thinning), g);
         };
         let opening = self.opening(NodeVectors::Nodes(at.x));
         let size = -opening.dot(&axis);
-        let share = drag_area(filling, at.t) / size;
+        let share = area / size;
         self.spread(&self.skirt, Vector3::z() * (0.5 * k * thinning * share), g);
         // kappa/G, by which dG counts.
         let closing = 0.5 * density * share / size * k;

@@ -47,13 +47,22 @@ fn canopy() -> Vec<CanopySpec> {
     let triangles: Vec<u32> = (0..6).collect();
     let pressure_coefficient = triangles.iter().map(|&t| 1.0 + 0.3 * f64::from(t)).collect();
     let (skirt, apex, confluence) = (vec![2, 5, 7], vec![0, 1], vec![8]);
-    vec![CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling: None, apparent_mass: None }]
+    vec![CanopySpec {
+        triangles,
+        pressure_coefficient,
+        skirt,
+        apex,
+        confluence,
+        filling: Vec::new(),
+        apparent_mass: None,
+    }]
 }
 
 /// The same while it fills.
 fn filling_canopy() -> Vec<CanopySpec> {
-    let filling = Some(FillingSpec { drag_area: 2.5, start: -4.0, duration: 9.0, exponent: 2.0 });
-    canopy().into_iter().map(|one| CanopySpec { filling, ..one }).collect()
+    let stage = |drag_area, start| FillingSpec { drag_area, start, duration: 9.0, exponent: 2.0 };
+    let filling = vec![stage(2.5, -4.0), stage(7.0, -1.0)];
+    canopy().into_iter().map(|one| CanopySpec { filling: filling.clone(), ..one }).collect()
 }
 
 fn line_drag() -> Vec<LineDragSpec> {
