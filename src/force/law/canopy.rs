@@ -1,18 +1,20 @@
 //! The air in a canopy: one follower pressure on its triangles, by the air speed along its axis and by how fast the
-//! cloth moves in the canopy.
+//! cloth moves in the air that goes with the canopy.
 //!
 //! ```text
-//! a = unit vector from the apex to the confluence,      u = mean skirt velocity v_s - wind there,      V = a . u
-//! w = (v - v_s) . n     of a triangle with mean velocity v and unit normal n from inside to outside
+//! a = unit vector from the apex to the confluence,     u = mean skirt velocity - wind there,     V = a . u
+//! r = wind + V a,     w = (v - r) . n     of a triangle with mean velocity v and unit normal n from inside to outside
 //! p = kappa dCp (V - w)|V - w|,     kappa = rho/2,     f_i = p S/3,     power = f . v
 //! ```
-//! The air meets cloth that moves outwards more slowly: w takes energy from the breathing of a canopy, and is nothing
-//! in steady flight. kappa, V and v_s couple all nodes of the skirt, the apex and the confluence with all nodes of the
-//! canopy. The tangent is local but for a rank-one part of each of these five numbers. With c = V - w
+//! Cloth that moves outwards meets less pressure: w takes energy from the breathing of a canopy, from its turning and
+//! from its motion across the axis. It is nothing in steady flight along the axis. kappa, V and r couple all nodes of
+//! the skirt, the apex and the confluence with all nodes of the canopy. The tangent is local but for a rank-one part of
+//! each of these five numbers. With c = V - w
 //! ```text
-//! -df_i/dx_j = -1/3 [p I + 2 kappa dCp |c| S ((I - n n^T)(v_s - v))^T/A] dS/dx_j,   -df_i/dv_j = 2 kappa dCp |c| S n^T/9
-//! -df_i/dkappa = -dCp c|c| S/3,     -df_i/dV = -2 kappa dCp |c| S/3,     -df_i/dv_s = -2 kappa dCp |c| S n^T/3
-//! dV/dv_skirt = a/n_s,     dV/dz_skirt = -a . dw/dz/n_s,     dV/dx_confluence = (I - a a^T) u/(L n_c)
+//! -df_i/dx_j = -1/3 [p I + 2 kappa dCp |c| S ((I - n n^T)(r - v))^T/A] dS/dx_j,     -df_i/dv_j = 2 kappa dCp |c| S n^T/9
+//! -df_i/dkappa = -dCp c|c| S/3,     -df_i/dV = -2 kappa dCp |c| S/3,     -df_i/dr = -2 kappa dCp |c| S n^T/3
+//! dV/dv_skirt = a/n_s,     dV/dz_skirt = -a . dw/dz/n_s,     dV/dx_confluence = da^T u,     da = (I - a a^T)/(L n_c)
+//! dr = a dV + V da + dwind
 //! ```
 //! and the opposite at the apex. While a canopy fills, its drag area A(t) is given. Then
 //! ```text
@@ -110,13 +112,13 @@ struct Breathing {
     kappa: f64,
     /// [m/s] V
     speed: f64,
-    /// [m/s] v_s
-    skirt: Vector3<f64>,
+    /// [m/s] r
+    along: Vector3<f64>,
 }
 
 impl Breathing {
     fn new([kappa, speed, x, y, z]: SceneValues) -> Self {
-        Breathing { kappa, speed, skirt: Vector3::new(x, y, z) }
+        Breathing { kappa, speed, along: Vector3::new(x, y, z) }
     }
 }
 
@@ -125,7 +127,7 @@ struct Meeting {
     area: AreaVector,
     /// unit normal; 0 without an area
     n: Vector3<f64>,
-    /// [m/s] v_s - v
+    /// [m/s] r - v
     lag: Vector3<f64>,
     /// [m/s] V - w
     c: f64,
@@ -145,7 +147,7 @@ impl CanopyData {
         let area = AreaVector::new(at.x, nodes);
         let a = area.s.norm();
         let n = if a > 0.0 { area.s / a } else { Vector3::zeros() };
-        let lag = air.skirt - mean(at.v, nodes);
+        let lag = air.along - mean(at.v, nodes);
         let c = air.speed + lag.dot(&n);
         let slope = 2.0 * air.kappa * dcp * c.abs();
         Meeting { area, n, lag, c, pressure: 0.5 * slope * c, slope }
@@ -168,12 +170,12 @@ impl SceneNumbers for CanopyData {
         5
     }
 
-    /// kappa [kg/m^3], V [m/s] and v_s [m/s]
+    /// kappa [kg/m^3], V [m/s] and r [m/s]
     fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> SceneValues {
         let AxialFlow { axis, speed, air, .. } = self.flow(t, x, v);
         let share = self.drag_area(t).map_or(1.0, |area| area / -self.opening(x).dot(&axis));
-        let skirt = v.mean(&self.skirt);
-        [0.5 * air.density[0] * share, speed, skirt.x, skirt.y, skirt.z]
+        let along = air.wind[0] + speed * axis;
+        [0.5 * air.density[0] * share, speed, along.x, along.y, along.z]
     }
 }
 
@@ -205,9 +207,9 @@ impl PressureLaw for CanopyLaw {
 
     #[inline(always)]
     fn pressure_force<R: Real>(&self, s: [R; 3], v: [R; 3]) -> PressureForce<R> {
-        let (all, Breathing { kappa, speed, skirt }) = (|number| s[0].all(number), self.0);
+        let (all, Breathing { kappa, speed, along }) = (|number| s[0].all(number), self.0);
         let flow = all(THIRD) * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]);
-        let flux = s[0] * all(skirt.x) + s[1] * all(skirt.y) + s[2] * all(skirt.z) - flow;
+        let flux = s[0] * all(along.x) + s[1] * all(along.y) + s[2] * all(along.z) - flow;
         let area = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]).sqrt();
         let c = all(speed) + (flux / area).where_positive(area);
         let pressure = all(kappa) * c * c.abs();
@@ -267,11 +269,7 @@ impl ForceTerm for Canopy {
         match which {
             0 => data.kappa_gradient(at, flow, w.k, g),
             1 => data.speed_gradient(flow, w, g),
-            _ => {
-                let mut along = Vector3::zeros();
-                along[which - 2] = w.c;
-                data.spread(&data.skirt, along, g);
-            }
+            _ => data.along_gradient(which - 2, flow, w, g),
         }
     }
 }
@@ -285,7 +283,7 @@ impl CanopyData {
 
     /// Adds k dkappa/dx.
     fn kappa_gradient(&self, at: NodeState<'_>, flow: AxialFlow, k: f64, g: &mut [Vector3<f64>]) {
-        let (AxialFlow { axis, length, .. }, [density, thinning]) = (flow, flow.air.density);
+        let (AxialFlow { axis, .. }, [density, thinning]) = (flow, flow.air.density);
         let Some(area) = self.drag_area(at.t) else {
             return self.spread(&self.skirt, Vector3::z() * (0.5 * k * thinning), g);
         };
@@ -295,11 +293,7 @@ impl CanopyData {
         self.spread(&self.skirt, Vector3::z() * (0.5 * k * thinning * share), g);
         // kappa/G, by which dG counts.
         let closing = 0.5 * density * share / size * k;
-        if length > 0.0 {
-            let turn = closing / length * (opening - opening.dot(&axis) * axis);
-            self.spread(&self.confluence, turn, g);
-            self.spread(&self.apex, -turn, g);
-        }
+        self.turn(flow, closing * opening, g);
         for (&nodes, dcp) in self.triangles.iter().zip(self.pressure_coefficient.iter()) {
             let area = AreaVector::new(at.x, nodes);
             for (j, node) in nodes.into_iter().enumerate() {
@@ -310,11 +304,26 @@ impl CanopyData {
 
     /// Adds c dV/dv + k dV/dx.
     fn speed_gradient(&self, flow: AxialFlow, w: Weights, g: &mut [Vector3<f64>]) {
-        let AxialFlow { axis, length, velocity, speed, air, .. } = flow;
+        let AxialFlow { axis, velocity, air, .. } = flow;
         let [_, shear] = air.wind;
         self.spread(&self.skirt, w.c * axis - w.k * axis.dot(&shear) * Vector3::z(), g);
+        self.turn(flow, w.k * velocity, g);
+    }
+
+    /// The same for one component of r.
+    fn along_gradient(&self, i: usize, flow: AxialFlow, w: Weights, g: &mut [Vector3<f64>]) {
+        let AxialFlow { axis, speed, air, .. } = flow;
+        self.speed_gradient(flow, Weights { c: w.c * axis[i], k: w.k * axis[i], ..w }, g);
+        self.spread(&self.skirt, w.k * air.wind[1][i] * Vector3::z(), g);
+        let mut component = Vector3::zeros();
+        component[i] = w.k * speed;
+        self.turn(flow, component, g);
+    }
+
+    /// Adds the gradient of a product of the axis and a given vector.
+    fn turn(&self, AxialFlow { axis, length, .. }: AxialFlow, by: Vector3<f64>, g: &mut [Vector3<f64>]) {
         if length > 0.0 {
-            let turn = w.k / length * (velocity - speed * axis);
+            let turn = (by - axis.dot(&by) * axis) / length;
             self.spread(&self.confluence, turn, g);
             self.spread(&self.apex, -turn, g);
         }
