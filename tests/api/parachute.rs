@@ -320,6 +320,8 @@ fn clusters_share_their_payload() {
                 .fold([0; 3], |sum, part| std::array::from_fn(|k| sum[k] + part[k]));
             assert_eq!(size(name), parts, "{name}");
         }
+        // From each node around the vent of a canopy to that of both others.
+        assert_eq!(size("spacers"), [0, 3 * size("vent-1")[0], 0]);
         // Each stays within its third of the turn around the vertical.
         for number in 1..=3 {
             let lean = std::f64::consts::TAU * f64::from(number - 1) / 3.0;
