@@ -24,6 +24,7 @@ mod forces;
 mod free_fall;
 mod hanging_chain;
 mod hencky;
+mod inflated;
 mod kang;
 mod lattice;
 mod linear_theory;
@@ -82,6 +83,8 @@ const GROUPS: &[Group] = &[
     ("elastic pendulum", elastic_pendulum::claims),
     ("force laws", forces::claims),
     ("free fall through air", free_fall::claims),
+    ("Taylor's parachute", inflated::taylor),
+    ("Mylar balloon", inflated::balloon),
     ("parachute, steady", parachute::claims),
     ("parachute, falls", parachute::falls),
     ("parachute, opening", parachute::opening),
