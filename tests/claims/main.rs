@@ -41,6 +41,7 @@ mod pendulum;
 mod recurrence;
 mod rich_net;
 mod rich_power;
+mod rigid_payload;
 mod signal;
 mod spectra;
 mod spring_pendulum;
@@ -85,6 +86,7 @@ const GROUPS: &[Group] = &[
     ("free fall through air", free_fall::claims),
     ("Taylor's parachute", inflated::taylor),
     ("Mylar balloon", inflated::balloon),
+    ("rigid payload, free", rigid_payload::claims),
     ("parachute, steady", parachute::claims),
     ("parachute, falls", parachute::falls),
     ("parachute, opening", parachute::opening),
