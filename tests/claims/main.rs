@@ -14,6 +14,7 @@ mod chain;
 mod claim;
 #[path = "../common/mod.rs"]
 mod common;
+mod descents;
 mod dissipation;
 mod elastic_pendulum;
 mod energy_ledger;
@@ -88,6 +89,7 @@ const GROUPS: &[Group] = &[
     ("Mylar balloon", inflated::balloon),
     ("rigid payload, free", rigid_payload::claims),
     ("parachute, steady", parachute::claims),
+    ("parachutes of the field, steady", descents::claims),
     ("parachute, falls", parachute::falls),
     ("parachute, opening", parachute::opening),
     ("parachute, apparent mass", parachute::apparent_mass),
