@@ -5,9 +5,11 @@
 //! while pressure and volume act through a polygon: every load and every volume is (n/2 pi) sin(2 pi/n) times as large.
 
 mod balloon;
+mod reefed;
 mod taylor;
 
 pub use balloon::claims as balloon;
+pub use reefed::claims as reefed;
 pub use taylor::claims as taylor;
 
 use crate::common::run::case_of;
@@ -26,7 +28,7 @@ const PRESSURE: f64 = 20.0;
 const RIGIDITY: f64 = 1e4;
 /// [1/s] of the mass damping: the slowest motion is damped critically
 const DAMPING: f64 = 12.0;
-/// [s] until nothing moves by more than 1e-6 m/s
+/// [s] until nothing moves by more than 1e-5 m/s
 const SETTLED: f64 = 3.0;
 
 /// [-] area of a regular polygon of n corners over that of the circle through them

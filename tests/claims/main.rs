@@ -86,6 +86,7 @@ const GROUPS: &[Group] = &[
     ("force laws", forces::claims),
     ("free fall through air", free_fall::claims),
     ("Taylor's parachute", inflated::taylor),
+    ("reefed parachute", inflated::reefed),
     ("Mylar balloon", inflated::balloon),
     ("rigid payload, free", rigid_payload::claims),
     ("parachute, steady", parachute::claims),
