@@ -15,7 +15,7 @@ use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::model::spec::NetworkSpec;
 use canopy_fem::simulation::Simulation;
 use nalgebra::Vector3;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::f64::consts::PI;
 
 type Vector = Vector3<f64>;
@@ -112,7 +112,22 @@ impl Parachute {
         self.drag_coefficient * 0.25 * PI * self.nominal_diameter.powi(2)
     }
 
+    /// A fall in the air of its canopy.
     fn case(&self, pressure_coefficient: f64, speed: f64) -> Case {
+        let aero = json!({
+            "atmosphere": "isa", "altitude": ALTITUDE,
+            "canopy": {"on": {"group": "canopy"}, "apparent_mass": 1.0,
+                       "table": {"pressure_coefficient": pressure_coefficient}},
+            "drag": [
+                {"on": {"group": "lines"}, "diameter": LINE[0], "coefficient": LINE[1]},
+                {"on": {"group": "payload"}, "drag_area": PAYLOAD}
+            ]
+        });
+        self.case_in(&aero, speed)
+    }
+
+    /// A fall with `speed` [m/s] at the start.
+    fn case_in(&self, aero: &Value, speed: f64) -> Case {
         let dashpot = json!({"relative": {"time": 1e-3}});
         let tape = |group: &str, density: f64| {
             json!({"on": {"group": group}, "axial_rigidity": 8e3, "linear_density": density, "slack": "tension-only",
@@ -133,15 +148,7 @@ impl Parachute {
                      "slack": "tension-only", "dashpot": dashpot}
                 ],
                 "gravity": [0, 0, -G],
-                "aero": {
-                    "atmosphere": "isa", "altitude": ALTITUDE,
-                    "canopy": {"on": {"group": "canopy"}, "apparent_mass": 1.0,
-                               "table": {"pressure_coefficient": pressure_coefficient}},
-                    "drag": [
-                        {"on": {"group": "lines"}, "diameter": LINE[0], "coefficient": LINE[1]},
-                        {"on": {"group": "payload"}, "drag_area": PAYLOAD}
-                    ]
-                },
+                "aero": aero,
                 "initial": {"velocity": [0, 0, -speed]}
             }},
             "time": {"end": END, "method": "backward-euler", "step": 0.01}
@@ -228,4 +235,26 @@ impl Shape {
 
 pub fn claims() -> Vec<Claim> {
     PARACHUTES.iter().flat_map(Parachute::claims).collect()
+}
+
+/// What the warnings of laws of a free stream warn of, on the C-9 that falls at 5.8 m/s in the air of its canopy: a
+/// pressure coefficient lets it close, and cloth that lets so little air through holds it far too well.
+pub fn free_stream() -> Vec<Claim> {
+    let [c9, ..] = &PARACHUTES;
+    let fall = |law: Value| {
+        let case = c9.case_in(&json!({"law": law}), 5.8);
+        let mut simulation = Simulation::from_case(case.problem(), 1).expect("it starts");
+        simulation.run_until(END).expect("it falls");
+        let network = network(&case);
+        let payload = network.mesh.groups["payload"].nodes[0] as usize;
+        let diameter = Shape::of(network, Some(&simulation.positions())).diameter;
+        (-simulation.velocities()[payload][2], diameter / c9.nominal_diameter)
+    };
+    let (fast, closed) = fall(json!({"pressure_coefficient": {"cp": 1.2, "air_density": 1.225}}));
+    let (slow, _) = fall(json!({"permeable": {"a": 1.599e6, "b": 4.805e5, "thickness": 1e-4}}));
+    vec![
+        Claim::below("pressure coefficient 1.2: skirt over D0 after 8 s", closed, 0.2),
+        Claim::between("pressure coefficient 1.2: speed after 8 s [m/s]", fast, 20.0, 60.0),
+        Claim::between("measured permeability: speed after 8 s [m/s]", slow, 0.1, 1.0),
+    ]
 }

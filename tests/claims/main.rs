@@ -91,6 +91,7 @@ const GROUPS: &[Group] = &[
     ("rigid payload, free", rigid_payload::claims),
     ("parachute, steady", parachute::claims),
     ("parachutes of the field, steady", descents::claims),
+    ("C-9 in a free stream", descents::free_stream),
     ("parachute, falls", parachute::falls),
     ("parachute, opening", parachute::opening),
     ("parachute, apparent mass", parachute::apparent_mass),
