@@ -1,11 +1,11 @@
-//! Parachutes of the field, from Taylor's shape near their steady speed to their steady fall in the standard atmosphere,
-//! with their own weight, their apparent mass, and the drag of lines and payload. The pressure coefficient is that of
-//! the drag coefficient CD0 on Taylor's skirt, dCp = CD0 S0/A_s. Shape, drag and speed are what the run makes of it:
-//! the weight of the cloth and the stretch of radials and lines widen the skirt by some 2 %.
+//! Parachutes of the field, from Taylor's shape near their steady speed to their steady fall in the standard
+//! atmosphere, with their own weight, their apparent mass, and the drag of lines and payload. The pressure coefficient
+//! is that of the drag coefficient CD0 on Taylor's skirt, dCp = CD0 S0/A_s. Shape, drag and speed are what the run
+//! makes of it: the weight of the cloth and the stretch of radials and lines widen the skirt by some 2 %.
 //!
 //! CD0 and Dp/D0: T. W. Knacke, Parachute Recovery Systems Design Manual, 1991, tables 5-1 and 5-2. The T-10: Mills
-//! Manufacturing's data sheet, 360 lb at 22 ft/s; 19 to 23 ft/s by weight and density. The G-12: 2,200 lb at 28 ft/s. Of
-//! the C-9 we know no measured speed; it must lie between those of the drag coefficients.
+//! Manufacturing's data sheet, 360 lb at 22 ft/s; 19 to 23 ft/s by weight and density. The G-12: 2,200 lb at 28 ft/s.
+//! Of the C-9 we know no measured speed; it must lie between those of the drag coefficients.
 
 use crate::claim::Claim;
 use crate::common::run::case_of;
@@ -183,7 +183,7 @@ impl Parachute {
         vec![
             Claim::relative(format!("{name}: steady, speed at sea level 2 s before [m/s]"), before, speed, 3e-4),
             Claim::relative(format!("{name}: sqrt(2 W/(rho (CD0 S0 + others))) [m/s]"), speed, expected, 0.01),
-            Claim::between(format!("{name}: speed at sea level [m/s], measured"), speed, slow, fast),
+            Claim::between(format!("{name}: speed at sea level [m/s] in the field"), speed, slow, fast),
             Claim::relative(format!("{name}: skirt of Taylor's shape [m]"), skirt.diameter, start.diameter, 0.025),
             Claim::between(format!("{name}: Dp/D0"), skirt.widest / self.nominal_diameter, narrow, wide),
             Claim::between(format!("{name}: density there [kg/m^3]"), density, 1.213, SEA_LEVEL),

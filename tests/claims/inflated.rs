@@ -1,8 +1,9 @@
-//! Canopies and balloons whose radials alone carry: no stress across them, an even pressure inside. Each starts flat and
-//! settles under mass damping; what it settles in is compared with closed forms for inextensible radials.
+//! Canopies and balloons whose radials alone carry: no stress across them, an even pressure inside. They start flat (a
+//! reefed one near its shape) and settle under mass damping in closed forms for inextensible radials.
 //!
-//! Between two neighbouring radials of the same shape the cloth is flat. So n radials take the shape of infinitely many,
-//! while pressure and volume act through a polygon: every load and every volume is (n/2 pi) sin(2 pi/n) times as large.
+//! Between two neighbouring radials of the same shape the cloth is flat. So n radials take the shape of infinitely
+//! many, while pressure and volume act through a polygon: every load and every volume is (n/2 pi) sin(2 pi/n) times as
+//! large.
 
 mod balloon;
 mod reefed;

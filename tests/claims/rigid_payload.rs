@@ -1,5 +1,5 @@
-//! A rigid payload, free in space: four particles of a quarter of its mass with its moments of inertia, held by six stiff
-//! bars. It turns as Euler's equations say; near its middle axis it turns over again and again (L. D. Landau and
+//! A rigid payload, free in space: four particles of a quarter of its mass with its moments of inertia, held by six
+//! stiff bars. It turns as Euler's equations say; near its middle axis it turns over again and again (L. D. Landau and
 //! E. M. Lifshitz, Mechanics, section 37). With I1 < I2 < I3, M^2 > 2 E I2 and w2 = 0 at the start:
 //!
 //! ```text

@@ -1,4 +1,4 @@
-//! Taylor's parachute with a reefing line: the skirt has the radius r_s of the ring, and the meridian is the same curve,
+//! Taylor's parachute with a reefing line. The skirt has the radius r_s of the ring; the meridian is the same curve:
 //!
 //! ```text
 //! R [K + int_{r_s/R}^1 dx/sqrt(1 - x^4)] = length of a radial,      K = 1.3110287771461

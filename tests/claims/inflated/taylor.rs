@@ -1,6 +1,6 @@
-//! Taylor's parachute (G. I. Taylor, "On the shapes of parachutes", 1919): sin(phi) = (r/R)^2 up to the skirt, where the
-//! meridian meets the lines. Its D0 is twice the length of a radial. That of the area of n flat gores is smaller, by
-//! 0.4 % for 28 gores: with it, the same shape seems wider.
+//! Taylor's parachute (G. I. Taylor, "On the shapes of parachutes", 1919): sin(phi) = (r/R)^2 up to the skirt, where
+//! the meridian meets the lines. Its D0 is twice the length of a radial. That of the area of n flat gores is smaller,
+//! by 0.4 % for 28 gores: with it, the same shape seems wider.
 
 use super::{DAMPING, PRESSURE, RIGIDITY, SETTLED, Settled, Vector, length, polygon, widest};
 use crate::claim::Claim;
@@ -163,8 +163,8 @@ fn orders(fine: Canopy) -> Vec<Claim> {
 }
 
 /// Any number of gores takes the same shape, up to the size of the triangles. So does cloth that is stiff along all its
-/// edges, as it is slack across the gores; but around the apex, where it is as wide as the shape, stretched radials pull
-/// it taut.
+/// edges, as it is slack across the gores; but around the apex, where it is as wide as the shape, stretched radials
+/// pull it taut.
 fn others(canopy: Canopy) -> Vec<Claim> {
     let shape = canopy.shape(&canopy.settled());
     let mut claims = Vec::new();
