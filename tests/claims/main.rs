@@ -14,6 +14,7 @@ mod chain;
 mod claim;
 #[path = "../common/mod.rs"]
 mod common;
+mod descents;
 mod dissipation;
 mod elastic_pendulum;
 mod energy_ledger;
@@ -24,6 +25,7 @@ mod forces;
 mod free_fall;
 mod hanging_chain;
 mod hencky;
+mod inflated;
 mod kang;
 mod lattice;
 mod linear_theory;
@@ -40,6 +42,7 @@ mod pendulum;
 mod recurrence;
 mod rich_net;
 mod rich_power;
+mod rigid_payload;
 mod signal;
 mod spectra;
 mod spring_pendulum;
@@ -82,7 +85,13 @@ const GROUPS: &[Group] = &[
     ("elastic pendulum", elastic_pendulum::claims),
     ("force laws", forces::claims),
     ("free fall through air", free_fall::claims),
+    ("Taylor's parachute", inflated::taylor),
+    ("reefed parachute", inflated::reefed),
+    ("Mylar balloon", inflated::balloon),
+    ("rigid payload, free", rigid_payload::claims),
     ("parachute, steady", parachute::claims),
+    ("parachutes of the field, steady", descents::claims),
+    ("C-9 in a free stream", descents::free_stream),
     ("parachute, falls", parachute::falls),
     ("parachute, opening", parachute::opening),
     ("parachute, apparent mass", parachute::apparent_mass),
