@@ -287,7 +287,7 @@ fn report(
         );
     }
     if !failed {
-        summary.peaks.iter().filter_map(peak).for_each(|line| text.push_str(&line));
+        summary.peaks.iter().filter_map(|one| peak(one, &summary.peaks)).for_each(|line| text.push_str(&line));
     }
     let _ = writeln!(text, "  results         {}", results.display());
     if outcome.status == Status::Interrupted {
@@ -298,8 +298,15 @@ fn report(
     text
 }
 
-/// A line of the report for a value that a reader looks for first: opening load, speed of descent, largest loads.
-fn peak(Peak { name, quantity, unit, value, t, last, steady, strength, safety_factor }: &Peak) -> Option<String> {
+/// A line of the report for a value that a reader looks for first: opening load, speed of descent, largest loads. A sum
+/// of tensions is left out where it is that of one spring, or of lines whose strength is given.
+fn peak(one: &Peak, all: &[Peak]) -> Option<String> {
+    let Peak { name, quantity, unit, value, t, last, steady, strength, safety_factor } = one;
+    let tension = all.iter().find(|other| other.name == *name && other.quantity == "tension_max");
+    let alone = tension.is_some_and(|tension| tension.value == *value || tension.strength.is_some());
+    if quantity == "tension_sum" && alone {
+        return None;
+    }
     let [value, t, last] = [value, t, last].map(|number| figures(*number, 4));
     let line = match (quantity.as_str(), strength, safety_factor) {
         ("drag", ..) => format!("  opening load    {value} {unit} at t = {t} s ({name}, drag)"),
@@ -313,7 +320,14 @@ fn peak(Peak { name, quantity, unit, value, t, last, steady, strength, safety_fa
             figures(*factor, 3)
         ),
         ("tension_sum" | "tension_max" | "force_max" | "reaction_max" | "acceleration_max", ..) => {
-            format!("  peak            {value} {unit} at t = {t} s ({name}, {quantity})")
+            let what = match quantity.as_str() {
+                "tension_sum" => "sum of tensions",
+                "tension_max" => "tension",
+                "force_max" => "force",
+                "reaction_max" => "reaction",
+                _ => "acceleration",
+            };
+            format!("  peak            {value} {unit} at t = {t} s ({name}, {what})")
         }
         _ => return None,
     };
