@@ -262,7 +262,8 @@ fn canopies_are_sound_surfaces() {
         let vent_lines = mesh.groups.get("vent-lines").map_or(0, |g| g.edges.len());
         let over_gaps = (bands - 1) * p.gores;
         let canopy_only = 2 * bands as i64 - loops as i64;
-        let rig = 1 - p.gores as i64 - vent_lines as i64 - over_gaps as i64;
+        let inner_lines = p.inner_lines.map_or(0, |_| p.gores);
+        let rig = 1 - (p.gores + vent_lines + over_gaps + inner_lines) as i64;
         assert_eq!(topology.euler_characteristic(), canopy_only + rig, "{kind:?}");
         // Inside the canopy; one whose skirt is drawn in is a flat bag.
         let bag = p.skirt_angle.is_some_and(|angle| angle > 0.5 * PI);
