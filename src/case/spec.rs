@@ -4,6 +4,7 @@ use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::{Explain, RunSpec};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
+use crate::model::group_totals::{GroupTotals, group_totals};
 use crate::model::observables::GaugeQuantity;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
 use crate::model::stop::Stop;
@@ -11,6 +12,7 @@ use crate::vtk::VtuFormat;
 use crate::warning::{Warning, WarningCode};
 
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 pub use super::schema::Field;
 
@@ -61,6 +63,14 @@ impl Problem {
     /// Separates the warnings that the case acknowledges from the others.
     pub fn sort_out(&self, warnings: impl IntoIterator<Item = Warning>) -> (Vec<Warning>, Vec<Warning>) {
         warnings.into_iter().partition(|warning| self.acknowledges(warning.code))
+    }
+
+    /// What the groups of the network have; empty for a pendulum and once the system is taken out.
+    pub fn group_totals(&self) -> BTreeMap<String, GroupTotals> {
+        match &self.system {
+            SystemSpec::Network(spec) => group_totals(spec),
+            SystemSpec::Pendulum(_) => BTreeMap::new(),
+        }
     }
 
     /// Takes the system out, so that a large mesh is not kept twice; an empty network remains.

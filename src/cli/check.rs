@@ -1,7 +1,7 @@
 //! `canopy-fem check`: lists all faults, the model and its cost, each method's critical step and predicted run, and
 //! recommends a method for an accuracy, by trial runs. It writes no files.
 
-use super::check_json::Report;
+use super::check_json::{Report, Totals};
 use super::warnings::{check_solver, of_scene, planned};
 use super::{CheckArgs, CliError};
 use crate::analysis::critical::{Confidence, CriticalStep, ElementBounds, outside_filter};
@@ -11,8 +11,10 @@ use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::clock::{Step, Tolerance};
 use crate::format_number::figures;
 use crate::integrate::registry::{Family, MethodChoice};
-use crate::mesh::group::{count_groups, describe_groups};
+use crate::mesh::canopy::Canopy;
+use crate::mesh::group::describe_groups;
 use crate::mesh::parachute::ParachuteParameters;
+use crate::model::group_totals::GroupTotals;
 use crate::model::spec::NetworkSpec;
 use crate::model::state::State;
 use crate::model::stop::Stop;
@@ -24,6 +26,7 @@ use crate::study::forecast::nominal::Budget;
 use crate::study::forecast::{Candidate, ForecastSpec, describe, forecast};
 use crate::warning::Warning;
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -32,14 +35,13 @@ const ACCURACY: f64 = 1e-3;
 
 pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let (mut problem, source) = Case::from_file(&args.case.case, &args.case.overrides())?.split();
+    let groups = problem.group_totals();
     let system = problem.take_system();
+    let totals = Totals::of(&system);
     let mut text = format!("{}: no faults\n", problem.name);
-    describe_system(&mut text, &system);
+    describe_system(&mut text, &system, &groups);
     describe_parachute(&mut text, &problem, &system);
-    let groups = match &system {
-        SystemSpec::Network(spec) => count_groups(&spec.mesh.groups),
-        SystemSpec::Pendulum(_) => serde_json::json!({}),
-    };
+    totals.canopies.iter().for_each(|(name, sizes)| text.push_str(&format!("  {name:<16}{sizes}\n")));
     // From here on the scene owns the data of the network.
     let scene = build_scene(system, 1)?;
     let baseline = Baseline::now();
@@ -64,14 +66,36 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let acknowledged: Vec<String> = words(&problem.acknowledged, &acknowledged);
     let warnings: Vec<String> = words(&problem.warnings, &warnings);
     if args.json {
-        return Report { problem: &problem, scene, candidates: &candidates, forecast, groups, warnings, acknowledged }
-            .to_json();
+        return Report {
+            problem: &problem,
+            scene,
+            candidates: &candidates,
+            forecast,
+            totals,
+            groups,
+            warnings,
+            acknowledged,
+        }
+        .to_json();
     }
     text.push_str(&describe(&problem, &forecast)?);
     describe_limits(&mut text, &problem, scene, &limits, &candidates);
     acknowledged.iter().for_each(|warning| text.push_str(&format!("acknowledged: {warning}\n")));
     warnings.iter().for_each(|warning| text.push_str(&format!("warning: {warning}\n")));
     Ok(text)
+}
+
+impl Totals {
+    fn of(system: &SystemSpec) -> Self {
+        match system {
+            SystemSpec::Network(spec) => {
+                let found = Canopy::of_groups(&spec.mesh).into_iter();
+                let canopies = found.filter_map(|(name, canopy)| Some((name, canopy.ok()?.sizes()))).collect();
+                Totals { mass: spec.mass.iter().sum(), canopies }
+            }
+            SystemSpec::Pendulum(pendulum) => Totals { mass: pendulum.mass, canopies: BTreeMap::new() },
+        }
+    }
 }
 
 /// The source of the critical steps of methods.
@@ -107,7 +131,7 @@ fn candidates(problem: &Problem, scene: &dyn Scene, limits: &mut Limits<'_>) -> 
     problem.method.among_all().map(|method| Candidate { limit: limit(&method), method }).collect()
 }
 
-fn describe_system(text: &mut String, system: &SystemSpec) {
+fn describe_system(text: &mut String, system: &SystemSpec, groups: &BTreeMap<String, GroupTotals>) {
     match system {
         SystemSpec::Pendulum(p) => {
             let _ = writeln!(
@@ -130,8 +154,12 @@ fn describe_system(text: &mut String, system: &SystemSpec) {
                 mesh.triangles.len()
             );
             let _ = writeln!(text, "  mass            {} kg", figures(mass.iter().sum::<f64>(), 7));
-            for group in describe_groups(mesh) {
-                let _ = writeln!(text, "  group           {group}");
+            for (group, totals) in describe_groups(mesh).iter().zip(groups.values()) {
+                let rest = match totals.rest_length {
+                    0.0 => String::new(),
+                    length => format!(", springs of {} m", figures(length, 7)),
+                };
+                let _ = writeln!(text, "  group           {group}{rest}, {} kg", figures(totals.mass, 7));
             }
             let _ = writeln!(text, "  unknowns        {} ({held} degrees of freedom held)", 3 * fixed.len() - held);
         }

@@ -1,11 +1,14 @@
 //! What `check --json` prints: the same as the text, for programs.
 
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 use super::CliError;
 use crate::analysis::critical::Confidence;
 use crate::case::spec::Problem;
 use crate::drive::observer::ObserveError;
+use crate::mesh::canopy::CanopySizes;
+use crate::model::group_totals::GroupTotals;
 use crate::scene::{Scene, place_of};
 use crate::study::forecast::{Candidate, Forecast};
 
@@ -15,16 +18,25 @@ pub(super) struct Report<'a> {
     pub scene: &'a dyn Scene,
     pub candidates: &'a [Candidate],
     pub forecast: Forecast,
-    /// counts of the members of each group
-    pub groups: Value,
+    pub totals: Totals,
+    /// of the mesh, by name
+    pub groups: BTreeMap<String, GroupTotals>,
     pub warnings: Vec<String>,
     pub acknowledged: Vec<String>,
+}
+
+/// What the scene has in all.
+pub(super) struct Totals {
+    /// [kg] mass
+    pub mass: f64,
+    /// sizes of the canopies among the groups, by the names of their triangles' groups
+    pub canopies: BTreeMap<String, CanopySizes>,
 }
 
 impl Report<'_> {
     /// JSON text that ends with a line break.
     pub fn to_json(&self) -> Result<String, CliError> {
-        let Report { problem, scene, candidates, forecast, groups, warnings, acknowledged } = self;
+        let Report { problem, scene, candidates, forecast, totals, groups, warnings, acknowledged } = self;
         let tolerance = problem.time.step.tolerance();
         let unknowns = scene.inverse_mass().iter().filter(|m| **m > 0.0).count();
         let mut report = json!({
@@ -35,6 +47,8 @@ impl Report<'_> {
             "end": problem.time.end,
             "unknowns": unknowns,
             "nodes": scene.reference().len(),
+            "mass": totals.mass,
+            "canopies": totals.canopies,
             "groups": groups,
             "symmetric": scene.symmetric(),
             "critical_steps": candidates.iter().map(|c| limit(c, *scene)).collect::<Vec<_>>(),

@@ -298,6 +298,9 @@ fn describe(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliError> {
         quality.min_edge, quality.max_edge, quality.mean_edge
     ));
     lines.extend(describe_groups(mesh).iter().map(|group| format!("group        {group}")));
+    let canopies = Canopy::of_groups(mesh);
+    let sizes = canopies.iter().filter_map(|(name, canopy)| Some((name, canopy.as_ref().ok()?.sizes())));
+    lines.extend(sizes.map(|(name, sizes)| format!("{name:<13}{sizes}")));
     if !mesh.triangles.is_empty() {
         lines.push(format!(
             "angles       {:.2} to {:.2} degrees, mean smallest {:.2}",
@@ -312,7 +315,9 @@ fn describe(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliError> {
     }
     let mut text = lines.join("\n") + "\n" + &quality.histogram_text();
     let doubts = [topology.check_manifold().err(), topology.check_orientation(mesh).err()];
-    let canopy = Canopy::of_groups(mesh).and_then(Result::err).map(|e| e.to_string());
+    let mut canopy: Vec<String> =
+        canopies.values().filter_map(|found| Some(found.as_ref().err()?.to_string())).collect();
+    canopy.dedup();
     for note in notes.iter().cloned().chain(doubts.into_iter().flatten().map(|e| e.to_string())).chain(canopy) {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "note: {note}");

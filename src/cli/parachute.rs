@@ -2,8 +2,8 @@
 
 use super::mesh::OutputArgs;
 use crate::mesh::parachute::{
-    CanopyType, ClusterParameters, LineParameters, ParachuteParameters, PayloadParameters, ReefingParameters,
-    StartShape,
+    CanopyType, ClusterParameters, InnerLineParameters, LineParameters, ParachuteParameters, PayloadParameters,
+    ReefingParameters, StartShape,
 };
 use clap::Args;
 
@@ -41,6 +41,9 @@ pub struct ParachuteArgs {
     /// Length of an extended skirt over the diameter of the flat part
     #[arg(long)]
     pub skirt_extension: Option<f64>,
+    /// [rad] Angle of an extended skirt below the horizontal: pi/2 a cylinder, less a growing cone, more drawn in
+    #[arg(long)]
+    pub skirt_angle: Option<f64>,
     /// Width over length of the strips of a cruciform canopy
     #[arg(long)]
     pub arm_ratio: Option<f64>,
@@ -68,6 +71,9 @@ pub struct ParachuteArgs {
     /// Edges of each suspension line
     #[arg(long, default_value_t = 1, requires = "lines")]
     pub line_segments: usize,
+    /// Edges of each line from the vent to the confluence; without it there are none
+    #[arg(long, requires = "lines")]
+    pub inner_line_segments: Option<usize>,
     /// [m] Length of the riser
     #[arg(long)]
     pub riser: Option<f64>,
@@ -117,6 +123,7 @@ impl ParachuteArgs {
             cone_angles: self.cone_angles.clone(),
             cone_breaks: self.cone_breaks.clone(),
             skirt_extension: self.skirt_extension,
+            skirt_angle: self.skirt_angle,
             arm_ratio: self.arm_ratio,
             rings: self.rings,
             slot_porosity: self.slot_porosity,
@@ -125,6 +132,7 @@ impl ParachuteArgs {
             band: self.band,
             vent_lines: self.vent_lines,
             lines: line(self.lines, self.line_segments),
+            inner_lines: self.inner_line_segments.map(|segments| InnerLineParameters { segments }),
             riser: line(self.riser, self.riser_segments),
             payload: self.payload_below_riser.map(|below_riser| PayloadParameters {
                 sides: three(&self.payload_box),

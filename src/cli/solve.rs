@@ -16,6 +16,7 @@ use crate::drive::max_displacement::MaxDisplacement;
 use crate::drive::observer::{LedgerRow, Observer};
 use crate::drive::{Failure, Outcome, Status};
 use crate::format_number::figures;
+use crate::model::group_totals::GroupTotals;
 use crate::model::stop::Stop;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::folder::{CHECKPOINT, ResultFolder, SUMMARY};
@@ -28,6 +29,7 @@ use crate::scene::Scene;
 use crate::simulation::{RunSettings, Simulation, bind, build_scene};
 use crate::startup::{Phase, StartupTimer, timed};
 use crate::warning::{Warning, WarningCode};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -52,6 +54,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
         let text = if args.quiet { String::new() } else { already_done(summary, &problem, &out) };
         return Ok(CommandOutput { text, code: 0 });
     }
+    let groups = problem.group_totals();
     let scene: Arc<dyn Scene> =
         timed(Phase::Scene, || build_scene(problem.take_system(), usize::from(args.threads)))?.into();
     check_solver(&problem, &*scene, source)?;
@@ -74,7 +77,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
         let state = scene.initial_state();
         write_matrix_market(&*scene, state.as_ref(), dir, &|dof| scene.name_of(dof))?;
     }
-    let job = PreparedRun { args, problem: &problem, scene: &scene, folder: &folder, limit, account };
+    let job = PreparedRun { args, problem: &problem, scene: &scene, folder: &folder, limit, account, groups };
     let (outcome, summary, seen) = job.integrate(fingerprint, checkpoint, &stop)?;
     if !args.quiet {
         let found = [energy_made(&outcome), energy_dissipated(&problem, &outcome)].into_iter().flatten();
@@ -103,6 +106,7 @@ struct PreparedRun<'a> {
     folder: &'a ResultFolder,
     limit: CriticalStep,
     account: StartupTimer,
+    groups: BTreeMap<String, GroupTotals>,
 }
 
 /// Data of a run for the report, besides its results.
@@ -170,7 +174,8 @@ impl<'a> PreparedRun<'a> {
         .run(observers, stop)?;
         let summary = Summary::new(problem, scene, &outcome, limit.step, stopwatch.read());
         let peaks = recorder.peaks();
-        let summary = Summary { resumed_from, case_digest, peaks, startup: self.account.read(), ..summary };
+        let groups = self.groups.clone();
+        let summary = Summary { resumed_from, case_digest, peaks, groups, startup: self.account.read(), ..summary };
         summary.write(&folder.file(SUMMARY))?;
         // The checkpoint of an interrupt, which the case did not ask for.
         if outcome.status == Status::Completed && every.is_none() {

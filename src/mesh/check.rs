@@ -12,6 +12,12 @@ impl Mesh {
         Vector3::from(self.nodes[node as usize])
     }
 
+    /// [m^2] Area of a triangle.
+    pub(crate) fn area(&self, [a, b, c]: &[u32; 3]) -> f64 {
+        let from = self.point(*a);
+        0.5 * (self.point(*b) - from).cross(&(self.point(*c) - from)).norm()
+    }
+
     /// Checks the conditions of every simulation: numbers in range, finite positions, no repeated or degenerate edge or
     /// triangle.
     ///

@@ -12,6 +12,13 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 /// Groups by name.
 pub type Groups = BTreeMap<String, Group>;
 
+/// Name of the arrays of a .vtu file, on cells and on points, with the numbers of groups.
+pub(crate) const GROUP: &str = "group";
+/// What the name of the field array of a group of triangles and edges begins with.
+pub(super) const CELL_GROUP: &str = "group ";
+/// The same of a group of nodes.
+pub(super) const NODE_GROUP: &str = "node group ";
+
 /// [-] largest number of characters of a group's name
 const LONGEST_NAME: usize = 200;
 
@@ -63,6 +70,17 @@ impl Group {
         numbered.filter(|([a, b], _)| sides.contains(&key(*a, *b))).map(|(_, edge)| edge).collect()
     }
 
+    /// [m] Length of the edges that it lists.
+    pub(crate) fn length(&self, mesh: &Mesh) -> f64 {
+        let ends = self.edges.iter().filter_map(|&e| mesh.edges.get(e as usize));
+        ends.map(|&[a, b]| (mesh.point(a) - mesh.point(b)).norm()).sum()
+    }
+
+    /// [m^2] Area of the triangles that it lists.
+    pub(crate) fn area(&self, mesh: &Mesh) -> f64 {
+        self.triangles.iter().filter_map(|&t| mesh.triangles.get(t as usize)).map(|t| mesh.area(t)).sum()
+    }
+
     /// Its members in words: "12 nodes, 24 edges".
     pub fn describe(&self) -> String {
         let lists = [(&self.nodes, "node"), (&self.edges, "edge"), (&self.triangles, "triangle")];
@@ -80,27 +98,15 @@ fn ascending(numbers: impl IntoIterator<Item = u32>) -> Vec<u32> {
     numbers
 }
 
-/// The number of nodes, edges and triangles of each group.
-pub(crate) fn count_groups(groups: &Groups) -> serde_json::Value {
-    let counts = |Group { nodes, edges, triangles }: &Group| serde_json::json!({"nodes": nodes.len(), "edges": edges.len(), "triangles": triangles.len()});
-    groups.iter().map(|(name, group)| (name.clone(), counts(group))).collect::<serde_json::Map<_, _>>().into()
-}
-
 /// One line for each group: its name, the counts of its members, the length of its edges, the area of its triangles.
 pub(crate) fn describe_groups(mesh: &Mesh) -> Vec<String> {
     let describe = |(name, group): (&String, &Group)| {
-        let ends = group.edges.iter().filter_map(|&e| mesh.edges.get(e as usize));
-        let length: f64 = ends.map(|&[a, b]| (mesh.point(a) - mesh.point(b)).norm()).sum();
-        let corners = group.triangles.iter().filter_map(|&t| mesh.triangles.get(t as usize));
-        let twice =
-            |&[a, b, c]: &[u32; 3]| (mesh.point(b) - mesh.point(a)).cross(&(mesh.point(c) - mesh.point(a))).norm();
-        let area: f64 = 0.5 * corners.map(twice).sum::<f64>();
         let mut text = format!("{name}: {}", group.describe());
         if !group.edges.is_empty() {
-            text += &format!(", {length:.6} m");
+            text += &format!(", {:.6} m", group.length(mesh));
         }
         if !group.triangles.is_empty() {
-            text += &format!(", {area:.6} m^2");
+            text += &format!(", {:.6} m^2", group.area(mesh));
         }
         text
     };
@@ -159,14 +165,32 @@ pub(crate) struct GroupNumbers {
 }
 
 impl GroupNumbers {
-    /// The numbers of a mesh's groups: members of the same groups have the same number.
-    pub fn new(mesh: &Mesh) -> Self {
-        let triangles = mesh.triangles.len() as u32;
-        let cells = |g: &Group| g.triangles.iter().copied().chain(g.edges.iter().map(|e| triangles + e)).collect();
-        let nodes = |g: &Group| g.nodes.clone();
-        let (cells, cell_groups) = numbered(&mesh.groups, mesh.triangles.len() + mesh.edges.len(), cells);
-        let (nodes, node_groups) = numbered(&mesh.groups, mesh.nodes.len(), nodes);
+    /// The numbers of groups in a mesh of so many nodes, triangles and edges: members of the same groups have the same
+    /// number.
+    pub fn new(groups: &Groups, [nodes, triangles, edges]: [usize; 3]) -> Self {
+        let first = triangles as u32;
+        let of_cells = |g: &Group| g.triangles.iter().copied().chain(g.edges.iter().map(|e| first + e)).collect();
+        let (cells, cell_groups) = numbered(groups, triangles + edges, of_cells);
+        let (nodes, node_groups) = numbered(groups, nodes, |g: &Group| g.nodes.clone());
         Self { cells, nodes, cell_groups, node_groups }
+    }
+
+    /// The cell array with its name; none without groups of triangles and edges.
+    pub fn cell_array(&self) -> Option<(&str, &[i32])> {
+        (!self.cell_groups.is_empty()).then_some((GROUP, &self.cells))
+    }
+
+    /// The point array with its name; none without groups of nodes.
+    pub fn point_array(&self) -> Option<(&str, &[i32])> {
+        (!self.node_groups.is_empty()).then_some((GROUP, &self.nodes))
+    }
+
+    /// The arrays of the file as a whole that name the groups of each number.
+    pub fn field_arrays(&self) -> Vec<(String, Vec<i32>)> {
+        let named = |prefix: &str, list: &[(String, Vec<i32>)]| {
+            list.iter().map(|(name, numbers)| (format!("{prefix}{name}"), numbers.clone())).collect::<Vec<_>>()
+        };
+        [named(CELL_GROUP, &self.cell_groups), named(NODE_GROUP, &self.node_groups)].concat()
     }
 }
 

@@ -33,8 +33,8 @@ const LEAST_HEIGHT: f64 = 1e-3;
 ///
 /// Groups: `canopy` (triangles), `cloth` (all their edges), `radials`, `skirt` and `vent` (edges among those of the
 /// cloth, and the radials also across gaps; skirt and vent also select the nodes of their rows), `rims` (edges along
-/// gaps), `vent-lines`, `lines`, `riser`, `reefing`, `slings` and `payload-bars` (edges), `apex`, `confluence` and
-/// `payload` (nodes).
+/// gaps), `vent-lines`, `lines`, `inner-lines`, `riser`, `reefing`, `slings` and `payload-bars` (edges), `apex`,
+/// `confluence` and `payload` (nodes).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParachuteParameters {
@@ -72,6 +72,10 @@ pub struct ParachuteParameters {
     /// [-] length of an extended skirt over the diameter of the flat part; 0.1 if absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skirt_extension: Option<f64>,
+    /// [rad] angle of an extended skirt's surface below the horizontal, above 0 and below pi: at pi/2 it is a cylinder,
+    /// below that its width keeps growing as that of a cone, above it is drawn in; pi/2 if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub skirt_angle: Option<f64>,
     /// [-] width over length of the strips of a cruciform canopy; 1/3 if absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arm_ratio: Option<f64>,
@@ -98,6 +102,10 @@ pub struct ParachuteParameters {
     /// Suspension lines from the skirt to the confluence; without them there is only the canopy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lines: Option<LineParameters>,
+    /// Lines from the vent's corners to the confluence, straight as the pattern is cut, as annular canopies have them;
+    /// none if absent. A `rest_scale` of their springs makes them shorter or longer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inner_lines: Option<InnerLineParameters>,
     /// A line from the confluence down to the payload; the payload is at the confluence if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub riser: Option<LineParameters>,
@@ -122,6 +130,16 @@ pub struct LineParameters {
     /// [m] length
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub length: f64,
+    /// [-] number of edges of each line; 1 if absent
+    #[serde(default = "one")]
+    #[schemars(range(min = 1))]
+    pub segments: usize,
+}
+
+/// Lines from the vent to the confluence.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InnerLineParameters {
     /// [-] number of edges of each line; 1 if absent
     #[serde(default = "one")]
     #[schemars(range(min = 1))]
@@ -208,7 +226,9 @@ impl ParachuteParameters {
         check_count(at, "gore_segments", self.gore_segments, [1, MOST], faults);
         let rows = self.radial_segments.saturating_add(self.rings.unwrap_or(1)).saturating_add(2);
         let of_canopy = self.gores.saturating_mul(self.gore_segments).saturating_mul(rows);
-        let of_lines = self.lines.map_or(0, |lines| self.gores.saturating_mul(lines.segments));
+        let segments =
+            self.lines.map_or(0, |lines| lines.segments) + self.inner_lines.map_or(0, |lines| lines.segments);
+        let of_lines = self.gores.saturating_mul(segments);
         let nodes = of_canopy.saturating_add(of_lines).saturating_mul(self.cluster.map_or(1, |c| c.canopies));
         if nodes > MAX_NODES {
             let value = format!("about {nodes} nodes");
@@ -222,6 +242,9 @@ impl ParachuteParameters {
                 check_length(&at, "length", length, faults);
                 check_count(&at, "segments", segments, [1, MOST], faults);
             }
+        }
+        if let Some(inner) = self.inner_lines {
+            self.check_inner_lines(&format!("{at}/inner_lines"), inner, faults);
         }
         if let Some(cluster) = self.cluster {
             check_count(&format!("{at}/cluster"), "canopies", cluster.canopies, [2, 20], faults);
@@ -248,6 +271,16 @@ impl ParachuteParameters {
         if self.start == StartShape::Inflated && self.lines.is_none() {
             let hint = "give `lines`, or start flat".to_owned();
             faults(&format!("{at}/start"), "inflated".into(), "an inflated start needs lines".into(), hint);
+        }
+    }
+
+    fn check_inner_lines(&self, at: &str, inner: InnerLineParameters, faults: FaultSink<'_>) {
+        check_count(at, "segments", inner.segments, [1, MOST], faults);
+        let (vent, lines) = (self.vent_diameter.is_some(), self.lines.is_some());
+        if !(vent && lines) {
+            let value = if vent { "without lines" } else { "without a vent" };
+            let hint = "give `vent_diameter` and `lines`, or leave it out".to_owned();
+            faults(at, value.into(), "only from a vent to the confluence of lines".into(), hint);
         }
     }
 
@@ -313,6 +346,11 @@ impl ParachuteParameters {
         if let Some(LineParameters { length, .. }) = self.lines {
             lines.push(("lines", format!("{} of {length:.6} m ({:.4} D0)", self.gores, length / d0)));
         }
+        let inner = mesh.groups.get("inner-lines").map_or(0.0, |group| group.length(mesh));
+        if inner > 0.0 {
+            let count = self.gores * self.cluster.map_or(1, |cluster| cluster.canopies);
+            lines.push(("inner lines", format!("{} of {:.6} m", self.gores, inner / count as f64)));
+        }
         if let Some(ReefingParameters { diameter }) = self.reefing {
             let rest = PI * diameter / self.gores as f64;
             lines.push((
@@ -354,55 +392,6 @@ impl ParachuteParameters {
             payload::hang(&mut mesh, payload);
         }
         Ok(mesh)
-    }
-}
-
-impl PayloadParameters {
-    fn check(&self, at: &str, faults: FaultSink<'_>) {
-        let positive = |v: &[f64; 3]| v.iter().all(|c| c.is_finite() && *c > 0.0);
-        match (self.sides, self.radii_of_gyration) {
-            (Some(sides), None) if !positive(&sides) => {
-                faults(
-                    &format!("{at}/box"),
-                    format!("{sides:?}"),
-                    "three lengths above 0".into(),
-                    "give metres".into(),
-                );
-            }
-            (None, Some(radii)) if !positive(&radii) || self.half_axes().is_none() => {
-                let allowed =
-                    "three lengths above 0, the square of each below the sum of the other two squares".to_owned();
-                let hint = "no body has other moments of inertia".to_owned();
-                faults(&format!("{at}/radii_of_gyration"), format!("{radii:?}"), allowed, hint);
-            }
-            (Some(_), None) | (None, Some(_)) => {}
-            _ => {
-                let hint = "keep or add one".to_owned();
-                faults(at, "its size".into(), "exactly one of box and radii_of_gyration".into(), hint);
-            }
-        }
-        check_length(at, "below_riser", self.below_riser, faults);
-        if let Some([_, _, height]) =
-            self.half_axes().filter(|axes| self.below_riser > 0.0 && axes[2] >= self.below_riser)
-        {
-            let allowed = format!("above {height:.6}, the half height of the particles");
-            let hint = "lower the payload: its slings must pull upwards".to_owned();
-            faults(&format!("{at}/below_riser"), self.below_riser.to_string(), allowed, hint);
-        }
-    }
-
-    /// [m] Distances of the particles from the centre along x, y and z: a_x^2 = (k_y^2 + k_z^2 - k_x^2)/2 of the radii
-    /// of gyration k, and cyclic; `None` if no body has these.
-    pub(crate) fn half_axes(&self) -> Option<[f64; 3]> {
-        let squares = match (self.sides, self.radii_of_gyration) {
-            (Some(sides), _) => sides.map(|side| side * side / 12.0),
-            (None, Some(radii)) => {
-                let [x, y, z] = radii.map(|k| k * k);
-                [y + z - x, z + x - y, x + y - z].map(|sum| 0.5 * sum)
-            }
-            (None, None) => return None,
-        };
-        squares.iter().all(|s| *s > 0.0).then(|| squares.map(f64::sqrt))
     }
 }
 

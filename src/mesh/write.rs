@@ -1,9 +1,9 @@
 //! Mesh files out: .vtu and .obj.
 
 use super::group::GroupNumbers;
-use super::read::{CELL_GROUP, GROUP, NODE_GROUP, SEAM, START_DISPLACEMENT};
+use super::read::{SEAM, START_DISPLACEMENT};
 use super::{Mesh, MeshError};
-use crate::vtk::write::{Cells, InlineArrays, VtuError, inline_grid};
+use crate::vtk::write::{Cells, FixedArrays, VtuError, inline_grid};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
@@ -48,19 +48,14 @@ pub fn vtu_text(mesh: &Mesh) -> Result<String, VtuError> {
             *cell = 1;
         }
     }
-    let groups = GroupNumbers::new(mesh);
-    let named = |prefix: &str, list: &[(String, Vec<i32>)]| {
-        list.iter().map(|(name, numbers)| (format!("{prefix}{name}"), numbers.clone())).collect::<Vec<_>>()
-    };
-    let field = [named(CELL_GROUP, &groups.cell_groups), named(NODE_GROUP, &groups.node_groups)].concat();
-    let arrays = InlineArrays {
-        cell_flags: (SEAM, &seam),
-        cell_numbers: (!groups.cell_groups.is_empty()).then_some((GROUP, &groups.cells)),
-        point_numbers: (!groups.node_groups.is_empty()).then_some((GROUP, &groups.nodes)),
+    let groups = GroupNumbers::new(&mesh.groups, [mesh.nodes.len(), mesh.triangles.len(), mesh.edges.len()]);
+    let arrays = FixedArrays {
+        cell_numbers: groups.cell_array(),
+        point_numbers: groups.point_array(),
         point_vectors: (!mesh.displacement.is_empty()).then_some((START_DISPLACEMENT, &mesh.displacement)),
-        field: &field,
+        field: &groups.field_arrays(),
     };
-    inline_grid(&mesh.nodes, &cells, &arrays)
+    inline_grid(&mesh.nodes, &cells, (SEAM, &seam), &arrays)
 }
 
 /// A mesh as Wavefront .obj; lines only for edges that are no triangle's; seams, groups and the start displacement are

@@ -3,6 +3,7 @@
 
 pub mod bounds;
 pub mod forces;
+pub mod group_totals;
 pub mod lanes;
 pub mod motion;
 pub mod observables;

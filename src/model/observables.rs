@@ -2,6 +2,7 @@
 
 use super::state::StateRef;
 use super::system::System;
+use crate::mesh::Groups;
 use crate::model::forces::Forces;
 use crate::model::point::Point;
 use schemars::JsonSchema;
@@ -80,6 +81,24 @@ pub trait Observables: System {
 
     /// Edges to show; edge `i` is spring `i` if it carries one.
     fn edges(&self) -> &[[u32; 2]];
+
+    /// Named parts to show.
+    fn groups(&self) -> &Groups {
+        static NONE: Groups = Groups::new();
+        &NONE
+    }
+
+    /// Whether air puts pressures on triangles.
+    fn has_air_pressure(&self) -> bool {
+        false
+    }
+
+    /// Pressure difference [Pa] that the air puts on every triangle `[n_triangles]`, positive along its right-hand
+    /// normal; 0 on a triangle without air.
+    fn triangle_pressure(&self, at: StateRef<'_>, out: &mut [f64]) {
+        let _ = at;
+        out.fill(0.0);
+    }
 
     /// Node positions [m] and velocities [m/s] of a state.
     fn trace(&self, at: StateRef<'_>, positions: &mut [[f64; 3]], velocities: &mut [[f64; 3]]);

@@ -20,6 +20,7 @@ use super::rows::{GAUGES_HEADER, HISTORY_HEADER, HistoryRow, PROBES_HEADER, writ
 use super::sanitize::csv_field;
 use crate::case::spec::ProbeSpec;
 use crate::drive::observer::ObserveError;
+use crate::mesh::Groups;
 use crate::vtk::VtuFormat;
 
 pub use crate::vtk::FRAMES;
@@ -44,6 +45,8 @@ pub struct FilesSpec<'a> {
     pub triangles: &'a [[u32; 3]],
     /// edges of the picture
     pub edges: &'a [[u32; 2]],
+    /// named parts of the picture
+    pub groups: &'a Groups,
     /// fields to write
     pub fields: Fields,
     /// nodes to follow; `probes.csv` is written only if there are any

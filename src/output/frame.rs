@@ -1,6 +1,7 @@
 //! The content of a frame, and how edge values become cell values.
 
 use crate::case::spec::Field;
+use crate::model::observables::Observables;
 
 /// Fields of a case besides positions, displacements and velocities, which are always there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,6 +14,16 @@ pub struct Fields {
     pub tension: bool,
     /// strain of every edge and triangle
     pub strain: bool,
+    /// pressure of the air on every triangle
+    pub pressure: bool,
+}
+
+impl Fields {
+    /// The fields in frames of a scene: with groups and air, the pressure as well.
+    #[must_use]
+    pub fn of_scene(self, picture: &dyn Observables) -> Self {
+        Fields { pressure: self.pressure || picture.has_air_pressure() && !picture.groups().is_empty(), ..self }
+    }
 }
 
 impl From<&[Field]> for Fields {
@@ -24,6 +35,7 @@ impl From<&[Field]> for Fields {
             reaction: has(Field::Reaction),
             tension: has(Field::Tension),
             strain: has(Field::Strain),
+            pressure: has(Field::Pressure),
         }
     }
 }
@@ -45,6 +57,8 @@ pub struct Frame {
     pub tension: Vec<f64>,
     /// [-] of every edge, NaN without a spring
     pub strain: Vec<f64>,
+    /// [Pa] of every triangle
+    pub pressure: Vec<f64>,
 }
 
 /// Sizes of a frame's arrays.
@@ -54,6 +68,8 @@ pub struct FrameSize {
     pub nodes: usize,
     /// edges of the picture
     pub edges: usize,
+    /// triangles of the picture
+    pub triangles: usize,
     /// fields that are wanted
     pub fields: Fields,
 }
@@ -63,7 +79,12 @@ impl FrameSize {
     pub fn bytes(self) -> usize {
         let Fields { force, reaction, .. } = self.fields;
         let vectors = 2 + usize::from(force) + usize::from(reaction);
-        size_of::<f64>() * (3 * vectors * self.nodes + 2 * self.springs())
+        size_of::<f64>() * (3 * vectors * self.nodes + 2 * self.springs() + self.faces())
+    }
+
+    /// Length of the array on triangles.
+    fn faces(self) -> usize {
+        if self.fields.pressure { self.triangles } else { 0 }
     }
 
     /// Length of the arrays on edges: tension and strain come from one call, so both are needed for either.
@@ -86,6 +107,7 @@ impl Frame {
             reaction: vectors(fields.reaction),
             tension: vec![0.0; springs],
             strain: vec![0.0; springs],
+            pressure: vec![0.0; size.faces()],
         }
     }
 
@@ -114,6 +136,13 @@ pub struct CellMap {
 }
 
 impl CellMap {
+    /// Cell values of triangle values; an edge shows 0.
+    pub fn of_triangles(&self, triangles: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        out.extend_from_slice(triangles);
+        out.resize(self.cells, 0.0);
+    }
+
     /// Finds the edges of every triangle; `cells` is the number of cells a frame shows.
     pub fn new(triangles: &[[u32; 3]], edges: &[[u32; 2]], cells: usize) -> Self {
         let key = |a: u32, b: u32| (a.min(b), a.max(b));

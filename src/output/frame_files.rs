@@ -11,7 +11,8 @@ use super::files::{FRAMES, FilesSpec};
 use super::frame::{CellMap, Fields, Frame};
 use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
-use crate::vtk::write::{Array, Cells, Snapshot, Values, VtuError, VtuWriter};
+use crate::mesh::group::GroupNumbers;
+use crate::vtk::write::{Array, Cells, FixedArrays, Snapshot, Values, VtuError, VtuWriter};
 
 /// Writes frames one by one; each is complete before it gets its final name.
 #[derive(Debug)]
@@ -25,6 +26,7 @@ pub struct FrameFiles {
     displacement: Vec<[f64; 3]>,
     tension: Vec<f64>,
     strain: Vec<f64>,
+    pressure: Vec<f64>,
     /// number of the first frame that may not be on the disk yet
     unsynced: u64,
 }
@@ -50,7 +52,8 @@ impl FrameFiles {
         let folder = spec.folder.join(FRAMES);
         fs::create_dir_all(&folder).map_err(|e| write_fault(&folder, e))?;
         let cells = Cells { points: spec.reference.len(), triangles: spec.triangles, edges: spec.edges };
-        let vtu = VtuWriter::new(&cells, spec.format).map_err(|e| write_fault(&folder, vtu_error(e)))?;
+        let vtu = VtuWriter::new(&cells, spec.format).and_then(|vtu| name_parts(vtu, spec));
+        let vtu = vtu.map_err(|e| write_fault(&folder, vtu_error(e)))?;
         Ok(Self {
             map: CellMap::new(spec.triangles, spec.edges, vtu.cells()),
             folder,
@@ -61,6 +64,7 @@ impl FrameFiles {
             displacement: vec![[0.0; 3]; spec.reference.len()],
             tension: Vec::new(),
             strain: Vec::new(),
+            pressure: Vec::new(),
             unsynced: 0,
         })
     }
@@ -113,14 +117,18 @@ impl FrameFiles {
         self.prepare(frame);
         let vectors = |name, values| Array { name, values: Values::Vectors(values) };
         let scalars = |name, values| Array { name, values: Values::Scalars(values) };
-        let Fields { force, reaction, tension, strain } = self.fields;
+        let Fields { force, reaction, tension, strain, pressure } = self.fields;
         let points = [
             (true, vectors("displacement", &self.displacement)),
             (true, vectors("velocity", &frame.velocities)),
             (force, vectors("force", &frame.force)),
             (reaction, vectors("reaction", &frame.reaction)),
         ];
-        let cells = [(tension, scalars("tension", &self.tension)), (strain, scalars("strain", &self.strain))];
+        let cells = [
+            (tension, scalars("tension", &self.tension)),
+            (strain, scalars("strain", &self.strain)),
+            (pressure, scalars("pressure", &self.pressure)),
+        ];
         let picture = Snapshot {
             time: Some(frame.time),
             points: &frame.positions,
@@ -174,7 +182,24 @@ impl FrameFiles {
         if self.fields.strain {
             self.map.spread(&frame.strain, &mut self.strain);
         }
+        if self.fields.pressure {
+            self.map.of_triangles(&frame.pressure, &mut self.pressure);
+        }
     }
+}
+
+/// Adds what tells the parts of a scene with groups apart: numbers of groups, and where the nodes are on the mesh.
+fn name_parts(vtu: VtuWriter, spec: &FilesSpec<'_>) -> Result<VtuWriter, VtuError> {
+    if spec.groups.is_empty() {
+        return Ok(vtu);
+    }
+    let groups = GroupNumbers::new(spec.groups, [spec.reference.len(), spec.triangles.len(), spec.edges.len()]);
+    vtu.with_fixed(&FixedArrays {
+        point_vectors: Some(("reference_position", spec.reference)),
+        point_numbers: groups.point_array(),
+        cell_numbers: groups.cell_array(),
+        field: &groups.field_arrays(),
+    })
 }
 
 /// The frames of one run in a folder, also the part of one that was never finished.

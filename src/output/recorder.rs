@@ -110,7 +110,7 @@ impl<'a> Recorder<'a> {
         let RecorderState { next_frame, shown, waiting, history_every, peaks: _ } = mark;
         Self {
             picture,
-            fields: spec.fields,
+            fields: spec.fields.of_scene(picture),
             frames_every: spec.frames_every,
             history_every,
             rows: RowSchedule::of(history_every),
@@ -175,6 +175,9 @@ impl<'a> Recorder<'a> {
         }
         if self.fields.tension {
             picture.add_axial_damping(at, &mut frame.tension);
+        }
+        if self.fields.pressure {
+            picture.triangle_pressure(at, &mut frame.pressure);
         }
     }
 

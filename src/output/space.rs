@@ -12,6 +12,7 @@ const HEAD: u64 = 2000;
 /// [byte] Size of a frame as raw arrays without compression, within the few digits of its XML; with compression it is
 /// at most that.
 pub fn frame_bytes(picture: &dyn Observables, fields: Fields, precision: Precision) -> u64 {
+    let fields = fields.of_scene(picture);
     let count = |n: usize| n as u64;
     let (points, triangles, edges) =
         (count(picture.reference().len()), count(picture.triangles().len()), count(picture.edges().len()));
@@ -21,14 +22,16 @@ pub fn frame_bytes(picture: &dyn Observables, fields: Fields, precision: Precisi
     let corners = 3 * triangles + 2 * edges + vertices;
     // Displacements, velocities and positions are always written, the last with eight bytes per number.
     let vectors = 2 + u64::from(fields.force) + u64::from(fields.reaction);
-    let scalars = u64::from(fields.tension) + u64::from(fields.strain);
+    let scalars = u64::from(fields.tension) + u64::from(fields.strain) + u64::from(fields.pressure);
+    // Places on the mesh, and Int32 numbers on cells and points.
+    let named = if picture.groups().is_empty() { 0 } else { (24 + 4) * points + 4 * cells };
     // Corners and offsets, UInt8 types.
     let width = count(Width::of(points as usize, corners as usize).bytes());
     let number = match precision {
         Precision::F64 => 8,
         Precision::F32 => 4,
     };
-    HEAD + 3 * (8 + number * vectors) * points + (number * scalars + width + 1) * cells + width * corners
+    HEAD + named + 3 * (8 + number * vectors) * points + (number * scalars + width + 1) * cells + width * corners
 }
 
 /// [byte] Free space for an ordinary user on the disk of `path`, which need not exist; `None` if the system does not

@@ -12,6 +12,7 @@ use crate::case::spec::Problem;
 use crate::drive::observer::{LedgerRow, ObserveError};
 use crate::drive::{Failure, Outcome, Status};
 use crate::integrate::Counters;
+use crate::model::group_totals::GroupTotals;
 use crate::model::system::System;
 use crate::process::{self, Cost};
 use crate::solve::{LinearChoice, LinearStats, Prediction};
@@ -108,6 +109,9 @@ pub struct Summary {
     /// largest values of the gauges; not given without gauges
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub peaks: Vec<Peak>,
+    /// named parts of the mesh, by name; not given without groups
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub groups: BTreeMap<String, GroupTotals>,
     /// what went wrong; null for a run that did not fail
     pub failure: Option<Failure>,
     /// [s] time of the checkpoint the run was last resumed from; null for a run in one piece
@@ -146,6 +150,7 @@ impl Summary {
             energy_error: outcome.energy_error,
             final_ledger: outcome.ledger,
             peaks: Vec::new(),
+            groups: BTreeMap::new(),
             failure: outcome.failure.clone(),
             resumed_from: None,
             case: problem.case_json.clone(),

@@ -92,7 +92,12 @@ impl ResultWriter {
     }
 
     fn spawn(files: ResultFiles, spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
-        let size = FrameSize { nodes: spec.reference.len(), edges: spec.edges.len(), fields: spec.fields };
+        let size = FrameSize {
+            nodes: spec.reference.len(),
+            edges: spec.edges.len(),
+            triangles: spec.triangles.len(),
+            fields: spec.fields,
+        };
         let most = most_frames(size);
         let (to_thread, messages) = sync_channel(WAITING);
         let (give_back, returned) = sync_channel(most);
@@ -236,6 +241,7 @@ fn listen(files: &mut ResultFiles, ends: &mut WriterChannels) -> Result<(), Obse
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::Groups;
     use crate::output::frame::Fields;
     use crate::output::frame_files::frames_in;
     use crate::vtk::VtuFormat;
@@ -249,6 +255,7 @@ mod tests {
             reference: &vec![[0.0; 3]; nodes],
             triangles: &[],
             edges: &[],
+            groups: &Groups::new(),
             fields: Fields::default(),
             probes: &[],
             gauges: Vec::new(),

@@ -1,6 +1,7 @@
 //! From a plain specification to force terms in internal numbering.
 
 use super::Load;
+use super::air_pressure::{AirLaw, AirPressure};
 use super::apparent::ApparentMass;
 use super::canopy_shape::CanopyShape;
 use super::check::{BuildError, check, check_bars};
@@ -68,6 +69,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         loads: Vec::new(),
         tables: Vec::new(),
         shapes: Vec::new(),
+        pressures: Vec::new(),
         apparent: Vec::new(),
         stream: spec
             .stream
@@ -83,7 +85,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     builder.drag();
     builder.loads(&start);
     builder.rayleigh(&mass, &reference);
-    let Builder { terms, springs, loads, mut tables, stream, shapes: canopies, apparent, .. } = builder;
+    let Builder { terms, springs, loads, mut tables, stream, shapes: canopies, pressures, apparent, .. } = builder;
     tables.extend(stream.clone().map(|stream| stream as Arc<dyn SampledTable>));
     // What is held stands still: its velocity is 0, and here it loses a sign that steps of different kinds would treat
     // differently.
@@ -115,6 +117,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         tables,
         stream,
         canopies,
+        pressures,
         apparent,
         terms,
         springs,
@@ -131,6 +134,7 @@ struct Builder<'a> {
     loads: Vec<(Load, Arc<Scale>)>,
     tables: Vec<Arc<dyn SampledTable>>,
     shapes: Vec<CanopyShape>,
+    pressures: Vec<AirPressure>,
     stream: Option<Arc<Stream>>,
     apparent: Vec<ApparentMass>,
 }
@@ -205,11 +209,16 @@ impl Builder<'_> {
         let triangles = self.triangles(0..self.spec.mesh.triangles.len() as u32);
         let Some(stream) = self.stream.clone() else { return };
         let data = AirData { triangles, linear: air.linear, quadratic: air.quadratic, stream };
+        self.show_pressure(AirLaw::Cloth(data.clone()));
         self.terms.push(Box::new(Air::new(data)));
     }
 
+    fn show_pressure(&mut self, law: AirLaw) {
+        self.pressures.push(AirPressure::new(law, &self.spec.mesh, &self.numbering.internal));
+    }
+
     fn canopies(&mut self, start: &[Vector3<f64>], reference: &[Vector3<f64>]) {
-        let Some(stream) = &self.stream else { return };
+        let Some(stream) = self.stream.clone() else { return };
         for canopy in &self.spec.canopies {
             let nodes = |list: &[u32]| list.iter().map(|&i| self.node(i)).collect::<Vec<u32>>();
             let (skirt, apex, confluence) = (nodes(&canopy.skirt), nodes(&canopy.apex), nodes(&canopy.confluence));
@@ -241,6 +250,7 @@ impl Builder<'_> {
             let (stream, filling) = (stream.clone(), canopy.filling.clone().into());
             let data = CanopyData { triangles, pressure_coefficient, skirt, apex, confluence, stream, filling };
             self.shapes.push(CanopyShape::new(data.clone(), enclosure));
+            self.show_pressure(AirLaw::Canopy(data.clone()));
             self.terms.push(Box::new(Canopy::new(data)));
         }
     }

@@ -1,6 +1,7 @@
 //! A spring network: mass, force terms and fixed degrees of freedom.
 
 use super::Load;
+use super::air_pressure::AirPressure;
 use super::apparent::ApparentMass;
 use super::canopy_shape::CanopyShape;
 use super::events::Phases;
@@ -52,6 +53,8 @@ pub struct Network {
     /// the air around it, shared with the terms
     pub(super) stream: Option<Arc<Stream>>,
     pub(super) canopies: Vec<CanopyShape>,
+    /// pressures of the air, for pictures
+    pub(super) pressures: Vec<AirPressure>,
     /// whether steps are made one by one: a force depends on all others, or in a scene of several blocks on nodes of
     /// the whole scene
     couples_blocks: bool,
@@ -98,6 +101,7 @@ pub(super) struct Parts {
     pub tables: Vec<Arc<dyn SampledTable>>,
     pub stream: Option<Arc<Stream>>,
     pub canopies: Vec<CanopyShape>,
+    pub pressures: Vec<AirPressure>,
     pub apparent: Vec<ApparentMass>,
     pub terms: Vec<Box<dyn ForceTerm>>,
     pub springs: Vec<SpringBatch>,
@@ -136,6 +140,7 @@ impl Network {
             external: None,
             stream: p.stream,
             canopies: p.canopies,
+            pressures: p.pressures,
             couples_blocks: false,
             sweep: Sweep::new(0, &mut []),
             apparent: p.apparent,
@@ -183,6 +188,7 @@ impl Network {
     /// Gives the memory of the picture back; frames can then not be drawn any more.
     pub fn forget_picture(&mut self) {
         self.mesh = Mesh::default();
+        self.pressures = Vec::new();
     }
 
     /// The terms.

@@ -4,6 +4,7 @@ use super::network::{Network, by_node, node_state};
 use crate::force::law::damped_springs::axial_force;
 use crate::force::law::slack::tension;
 use crate::force::law::spring::SpringOutput;
+use crate::mesh::Groups;
 use crate::model::forces::Forces;
 use crate::model::motion::motion;
 use crate::model::observables::{CANOPY_QUANTITIES, NodeQuantity, Observables, SpringPlace};
@@ -22,6 +23,19 @@ impl Observables for Network {
 
     fn edges(&self) -> &[[u32; 2]] {
         &self.mesh.edges
+    }
+
+    fn groups(&self) -> &Groups {
+        &self.mesh.groups
+    }
+
+    fn has_air_pressure(&self) -> bool {
+        !self.pressures.is_empty()
+    }
+
+    fn triangle_pressure(&self, at: StateRef<'_>, out: &mut [f64]) {
+        out.fill(0.0);
+        self.pressures.iter().for_each(|pressure| pressure.write(node_state(at), out));
     }
 
     fn trace(&self, at: StateRef<'_>, positions: &mut [[f64; 3]], velocities: &mut [[f64; 3]]) {

@@ -4,6 +4,7 @@
 
 mod encode;
 pub(crate) mod read;
+mod tags;
 mod vectored_write;
 pub mod write;
 

@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 use std::io::Write;
 
 use super::encode::{Appender, CellTable, Width, little_endian, little_endian_f32};
+use super::tags::{field_arrays, field_data, tag};
 use super::vectored_write::{Appended, Segment};
 use super::{Compression, Encoding, Precision, VtuFormat, xml_attribute};
 
@@ -88,12 +89,10 @@ pub enum VtuError {
     Write(#[from] std::io::Error),
 }
 
-/// Arrays of a mesh file, each with its name.
+/// Arrays that do not change, each with its name.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct InlineArrays<'a> {
-    /// small numbers on the cells, triangles before edges
-    pub cell_flags: (&'a str, &'a [u8]),
-    /// whole numbers on the cells
+pub struct FixedArrays<'a> {
+    /// whole numbers on the cells, triangles before edges
     pub cell_numbers: Option<(&'a str, &'a [i32])>,
     /// whole numbers on the points
     pub point_numbers: Option<(&'a str, &'a [i32])>,
@@ -104,16 +103,18 @@ pub struct InlineArrays<'a> {
 }
 
 /// A mesh as text: its arrays are inline in base64, which every VTK reads; those of the file as a whole are plain text.
+/// `flags` are small numbers on the cells, triangles before edges, with their name.
 ///
 /// # Errors
 /// When a cell names a point that does not exist, or an array has the wrong length.
-pub fn inline_grid(points: &[[f64; 3]], cells: &Cells<'_>, arrays: &InlineArrays<'_>) -> Result<String, VtuError> {
+pub fn inline_grid(
+    points: &[[f64; 3]],
+    cells: &Cells<'_>,
+    (flag, flags): (&str, &[u8]),
+    arrays: &FixedArrays<'_>,
+) -> Result<String, VtuError> {
     let table = CellTable::new(cells, Width::Long)?;
     let (kind, n_cells) = (table.width.kind(), table.types.len());
-    let right = |name: &str, found: usize, expected: usize| match found == expected {
-        true => Ok(()),
-        false => Err(VtuError::WrongLength { name: name.to_owned(), found, expected }),
-    };
     let mut appender = Appender::new(VtuFormat { encoding: Encoding::Base64, ..VtuFormat::default() });
     let mut array = |kind: &str, name: &str, components: usize, data: &[u8]| -> Result<String, VtuError> {
         let mut text = Vec::new();
@@ -124,8 +125,6 @@ pub fn inline_grid(points: &[[f64; 3]], cells: &Cells<'_>, arrays: &InlineArrays
              </DataArray>\n"
         ))
     };
-    let bytes = |numbers: &[i32]| numbers.iter().flat_map(|i| i.to_le_bytes()).collect::<Vec<u8>>();
-    let (flag, flags) = arrays.cell_flags;
     right(flag, flags.len(), n_cells)?;
     let mut cell_data = array("UInt8", flag, 1, flags)?;
     if let Some((name, numbers)) = arrays.cell_numbers {
@@ -146,7 +145,7 @@ pub fn inline_grid(points: &[[f64; 3]], cells: &Cells<'_>, arrays: &InlineArrays
     }
     Ok([
         &grid_head(""),
-        &field_data(arrays.field),
+        &field_data(&field_arrays(arrays.field)),
         &format!("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{n_cells}\">\n<Points>\n", points.len()),
         &array("Float64", "points", 3, &little_endian(points.as_flattened()))?,
         "</Points>\n<Cells>\n",
@@ -162,19 +161,16 @@ pub fn inline_grid(points: &[[f64; 3]], cells: &Cells<'_>, arrays: &InlineArrays
     .concat())
 }
 
-/// Arrays of the file as a whole; nothing without any.
-fn field_data(arrays: &[(String, Vec<i32>)]) -> String {
-    if arrays.is_empty() {
-        return String::new();
+/// Whether an array has one value for each point or cell.
+fn right(name: &str, found: usize, expected: usize) -> Result<(), VtuError> {
+    match found == expected {
+        true => Ok(()),
+        false => Err(VtuError::WrongLength { name: name.to_owned(), found, expected }),
     }
-    let array = |(name, numbers): &(String, Vec<i32>)| {
-        let text = numbers.iter().map(i32::to_string).collect::<Vec<_>>().join(" ");
-        let (name, count) = (xml_attribute(name), numbers.len());
-        format!(
-            "<DataArray type=\"Int32\" Name=\"{name}\" NumberOfTuples=\"{count}\" format=\"ascii\">{text}</DataArray>\n"
-        )
-    };
-    format!("<FieldData>\n{}</FieldData>\n", arrays.iter().map(array).collect::<String>())
+}
+
+fn bytes(numbers: &[i32]) -> Vec<u8> {
+    numbers.iter().flat_map(|i| i.to_le_bytes()).collect()
 }
 
 /// The first lines of a file, with a further attribute of its root.
@@ -199,6 +195,15 @@ pub struct VtuWriter {
     fixed_len: usize,
     fixed_offsets: [usize; 3],
     width: Width,
+    fixed: FixedTags,
+}
+
+/// The tags of arrays that do not change.
+#[derive(Clone, Debug, Default)]
+struct FixedTags {
+    points: String,
+    cells: String,
+    field: String,
 }
 
 impl VtuWriter {
@@ -227,7 +232,39 @@ impl VtuWriter {
             fixed_len,
             fixed_offsets,
             width: table.width,
+            fixed: FixedTags::default(),
         })
+    }
+
+    /// Adds arrays that all frames have; they are encoded once.
+    ///
+    /// # Errors
+    /// When an array has the wrong length.
+    pub fn with_fixed(mut self, arrays: &FixedArrays<'_>) -> Result<Self, VtuError> {
+        let (points, cells) = (self.points, self.cells);
+        if let Some((name, vectors)) = arrays.point_vectors {
+            right(name, vectors.len(), points)?;
+            self.fixed.points = self.fixed_array(name, ("Float64", 3), &little_endian(vectors.as_flattened()))?;
+        }
+        if let Some((name, numbers)) = arrays.point_numbers {
+            right(name, numbers.len(), points)?;
+            let tag = self.fixed_array(name, ("Int32", 1), &bytes(numbers))?;
+            self.fixed.points += &tag;
+        }
+        if let Some((name, numbers)) = arrays.cell_numbers {
+            right(name, numbers.len(), cells)?;
+            self.fixed.cells = self.fixed_array(name, ("Int32", 1), &bytes(numbers))?;
+        }
+        self.fixed.field = field_arrays(arrays.field);
+        self.fixed_len = self.body.len();
+        Ok(self)
+    }
+
+    /// Appends an array; returns its tag.
+    fn fixed_array(&mut self, name: &str, (kind, components): (&str, usize), data: &[u8]) -> Result<String, VtuError> {
+        let (offset, name) = (self.body.len(), xml_attribute(name));
+        self.appender.append(data, &mut self.body)?;
+        Ok(tag(&name, (kind, components), offset))
     }
 
     /// Number of cells, which is the length of every cell array.
@@ -244,10 +281,12 @@ impl VtuWriter {
         let mut appended = Appended::from(Segment::Body(0..self.fixed_len));
         self.begin(picture.time);
         self.head.push_str("<PointData>\n");
+        self.head.push_str(&self.fixed.points);
         for array in picture.point_data {
             self.array(array, self.points, &mut appended)?;
         }
         self.head.push_str("</PointData>\n<CellData>\n");
+        self.head.push_str(&self.fixed.cells);
         for array in picture.cell_data {
             self.array(array, self.cells, &mut appended)?;
         }
@@ -268,13 +307,13 @@ impl VtuWriter {
         };
         self.head.clear();
         self.head.push_str(&grid_head(compressor));
-        if let Some(time) = time {
-            let _ = writeln!(
-                self.head,
-                "<FieldData>\n<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{time:?}\
-                 </DataArray>\n</FieldData>"
-            );
-        }
+        let time = time.map_or_else(String::new, |time| {
+            format!(
+                "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{time:?}\
+                 </DataArray>\n"
+            )
+        });
+        self.head.push_str(&field_data(&(time + &self.fixed.field)));
         let _ = writeln!(self.head, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", self.points, self.cells);
     }
 
@@ -318,12 +357,7 @@ impl VtuWriter {
         };
         to.push(Segment::Body(begin..self.body.len()));
         as_they_are.into_iter().for_each(|bytes| to.push(Segment::Numbers(bytes)));
-        let name = xml_attribute(array.name);
-        let _ = writeln!(
-            self.head,
-            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" \
-             offset=\"{offset}\"/>"
-        );
+        self.head.push_str(&tag(&xml_attribute(array.name), (kind, components), offset));
         Ok(())
     }
 

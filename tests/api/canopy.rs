@@ -194,6 +194,127 @@ fn a_canopy_without_what_it_needs_is_refused() {
     }
 }
 
+/// What is no canopy in a mesh of the user's own is refused where the case says it, with the mesh's numbers.
+#[test]
+fn meshes_that_are_no_canopies_are_refused() {
+    const MESH: &str = "system.network.mesh.explicit";
+    let skirt = SMALL.skirt();
+    // The edges of the mesh along the skirt.
+    let (nodes, edges, triangles) = SMALL.mesh(0.0);
+    let along = (0..edges.len()).filter(|&edge| edges[edge].iter().all(|node| skirt.contains(node)));
+    let along: Vec<usize> = along.collect();
+    assert_eq!(along.len(), 8);
+    let set = |key: &str, value: Value| (key.to_owned(), value.to_string());
+    let (mut turned, mut at_apex, mut loose) = (triangles.clone(), nodes.clone(), nodes.clone());
+    turned[9].swap(0, 1);
+    at_apex[SMALL.payload()] = nodes[0];
+    loose.push([0.0, 0.0, -9.0]);
+    let mut masses = vec![0.0; nodes.len() + 1];
+    masses[SMALL.payload()..].fill(4.0);
+    let ring = json!([
+        [0, 0, 0],
+        [1, 0, 0],
+        [1, 1, 0],
+        [0, 1, 0],
+        [0.1, 0.1, 0],
+        [0.9, 0.1, 0],
+        [0.9, 0.9, 0],
+        [0.1, 0.9, 0],
+        [0.5, 0.5, -1]
+    ]);
+    let around = json!([[0, 1, 5], [0, 5, 4], [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], [3, 0, 4], [3, 4, 7]]);
+    let joined = json!([
+        [0, 1],
+        [1, 2],
+        [2, 3],
+        [3, 0],
+        [0, 4],
+        [1, 5],
+        [2, 6],
+        [3, 7],
+        [4, 5],
+        [5, 6],
+        [6, 7],
+        [7, 4],
+        [0, 8],
+        [1, 8],
+        [2, 8],
+        [3, 8]
+    ]);
+    let rows = [
+        (vec![set(&format!("{MESH}.triangles"), json!(turned))], "canopy/on", "turn opposite ways"),
+        (vec![set(&format!("{MESH}.triangles"), json!(turned))], "canopy/on", "triangles 8 and 9 of the canopy"),
+        (
+            vec![set(&format!("{MESH}.groups"), json!({"skirt": {"edges": along[1..]}}))],
+            "canopy/on",
+            "the skirt is no closed loop: 1 of its edges",
+        ),
+        (
+            vec![set(&format!("{CANOPY}.skirt"), json!({"ids": [0, skirt[0]]}))],
+            "canopy/skirt",
+            "one closed loop of the canopy's boundary",
+        ),
+        (vec![set(&format!("{MESH}.nodes"), json!(at_apex))], "canopy/confluence", "the canopy has no axis"),
+        (
+            vec![
+                set(&format!("{MESH}.nodes"), json!(loose)),
+                set(&format!("{MESH}.groups"), json!({"payload": {"nodes": [nodes.len()]}})),
+                set("system.network.mass.nodal", json!(masses)),
+            ],
+            "aero/canopy",
+            "the payload has no line",
+        ),
+        // Lines without springs hold nothing.
+        (
+            vec![
+                set(&format!("{MESH}.groups"), json!({"payload": {"nodes": [SMALL.payload()]}})),
+                set("system.network.springs.0.on", json!({"ids": [0]})),
+                set("system.network.springs.1.on", json!("boundary")),
+                set("system.network.mass.nodal", json!(0.1)),
+            ],
+            "aero/canopy",
+            "the payload has no line",
+        ),
+        (
+            vec![
+                set(MESH, json!({"nodes": ring, "springs": joined, "triangles": around})),
+                set("system.network.mass.nodal", json!(1)),
+                set(&format!("{CANOPY}.confluence"), json!({"ids": [8]})),
+            ],
+            "canopy/on",
+            "more vent than canopy",
+        ),
+    ];
+    for (sets, pointer, words) in rows {
+        let made = Case::from_text(SMALL.case(1.7, 4.0, 6.0).to_string(), "test.json", "".into(), &sets);
+        let message = made.err().unwrap_or_else(|| panic!("{pointer}, {words}: was taken")).to_string();
+        assert!(message.contains(&format!("{pointer}:")) && message.contains(words), "{words}: {message}");
+    }
+}
+
+/// Rings with slots between them: the filling time takes D0 of cloth, slots and vent.
+#[test]
+fn filling_knows_the_nominal_diameter_of_rings() {
+    let case = json!({
+        "name": "rings",
+        "system": {"network": {
+            "mesh": {"parachute": {
+                "type": "ringslot", "nominal_diameter": 3.0, "gores": 12, "vent_diameter": 0.3, "radial_segments": 4,
+                "rings": 4, "slot_porosity": 0.15, "lines": {"length": 3.0}
+            }},
+            "mass": {"areal_density": 0.05, "points": [{"on": {"group": "payload"}, "mass": 5}]},
+            "springs": [{"on": "all", "stiffness": 100}],
+            "aero": {"canopy": {
+                "on": {"group": "canopy"},
+                "schedule": {"drag_area": 4.0, "filling_constant": 8, "exponent": 2, "speed": 10}
+            }}
+        }},
+        "time": {"end": 1.0, "method": "velocity-verlet", "step": 1e-4}
+    });
+    let filling = network(&case_of(&case, &[])).canopies[0].filling.expect("a schedule");
+    assert!((filling.duration / (8.0 * 3.0 / 10.0) - 1.0).abs() < 1e-12, "{}", filling.duration);
+}
+
 /// Two canopies over one payload, in a list: each has its own speed and axis.
 #[test]
 fn a_cluster_has_an_air_speed_for_each_canopy() {

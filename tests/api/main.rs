@@ -18,6 +18,7 @@ mod globalised;
 mod linear;
 mod mesh;
 mod mesh_files;
+mod mesh_groups;
 mod newton;
 mod output;
 mod parachute;

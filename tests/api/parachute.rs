@@ -1,7 +1,9 @@
 //! Parachutes: areas and lengths of the pattern, groups, Taylor's shape as a start, and what is refused.
 
+mod refused;
+
 use canopy_fem::case::Case;
-use canopy_fem::mesh::canopy::{Canopy, CanopyError, CanopyParts};
+use canopy_fem::mesh::canopy::{Canopy, CanopyError};
 use canopy_fem::mesh::parachute::{ParachuteParameters, ParachuteSizes};
 use canopy_fem::mesh::read::mesh_from_bytes;
 use canopy_fem::mesh::write::vtu_text;
@@ -37,7 +39,9 @@ fn types() -> Vec<ParachuteParameters> {
         parameters("triconical", json!({"cone_angles": [0.2, 0.5, 0.9]})),
         parameters("hemispherical", json!({})),
         parameters("extended-skirt", json!({})),
-        parameters("annular", json!({"vent_diameter": 4.0, "gores": 27})),
+        parameters("extended-skirt", json!({"skirt_extension": 0.143, "skirt_angle": 1.4})),
+        parameters("extended-skirt", json!({"skirt_angle": 2.9})),
+        parameters("annular", json!({"vent_diameter": 4.0, "gores": 27, "inner_lines": {"segments": 3}})),
         parameters("cruciform", json!({"vent_diameter": null, "gore_segments": 3})),
         parameters("ringslot", json!({"rings": 4, "slot_porosity": 0.15})),
         parameters("disk-gap-band", json!({"lines": {"length": 14.5, "segments": 3}})),
@@ -51,6 +55,13 @@ fn built(p: &ParachuteParameters) -> Mesh {
     let mesh = p.build().unwrap_or_else(|error| panic!("{:?}: {error}", p.kind));
     mesh.check().unwrap_or_else(|error| panic!("{:?}: {error}", p.kind));
     mesh
+}
+
+/// The canopy of a mesh with one.
+fn sole_canopy(mesh: &Mesh) -> Result<Canopy, CanopyError> {
+    let mut found = Canopy::of_groups(mesh);
+    assert_eq!(found.len(), 1);
+    found.pop_first().expect("one").1
 }
 
 fn point(mesh: &Mesh, node: u32) -> Vector {
@@ -105,6 +116,16 @@ fn patterns_have_the_closed_forms() {
     let extended = sizes("extended-skirt", json!({}));
     let radius = 0.5 * extended.constructed_diameter;
     close(n * tangent * radius * radius * 1.4, 0.25 * PI * d0 * d0, 1e-12, "extended skirt");
+    // Disc and cone: r^2 + 2 r e (r + r'), with r' = r (1 + 2 e cos(angle)) at the skirt. Knacke (1991, table 5-1) has
+    // constructed diameters of 0.81 to 0.85 D0 for a full one of 14.3 %.
+    for (e, angle) in [(0.143, 1.4_f64), (0.1, 2.9)] {
+        let skirt = sizes("extended-skirt", json!({"skirt_extension": e, "skirt_angle": angle}));
+        let grown = 1.0 + 2.0 * e * angle.cos();
+        let radius = 0.5 * skirt.constructed_diameter / grown.max(1.0);
+        close(n * tangent * radius * radius * (1.0 + 2.0 * e * (1.0 + grown)), 0.25 * PI * d0 * d0, 1e-12, "cone");
+        close(skirt.gore_length, radius * (1.0 + 2.0 * e), 1e-12, "gore");
+        assert!((0.81..0.87).contains(&(skirt.constructed_diameter / d0)), "{}", skirt.constructed_diameter / d0);
+    }
     let many = json!({"radial_segments": 200, "gores": 200, "gore_segments": 1});
     close(sizes("hemispherical", many).constructed_diameter / d0, 0.5_f64.sqrt(), 1e-4, "hemispherical");
     let slots = parameters("ringslot", json!({"rings": 4, "slot_porosity": 0.15}));
@@ -139,6 +160,53 @@ fn lines_have_their_lengths() {
         assert_eq!(ends.count(), p.gores, "{:?}", p.kind);
         let payload = point(&mesh, group(&mesh, "payload").nodes[0]);
         close((point(&mesh, confluence) - payload).norm(), 1.0, 1e-12, "riser");
+    }
+}
+
+/// Inner lines lead straight from the vent's corners to the confluence, and change nothing else.
+#[test]
+fn inner_lines_join_vent_and_confluence() {
+    let given = |more| built(&parameters("annular", more));
+    let mesh = given(json!({"vent_diameter": 4.0, "inner_lines": {"segments": 3}}));
+    let edges = &group(&mesh, "inner-lines").edges;
+    let depth = (7.68_f64.powi(2) - point(&mesh, group(&mesh, "skirt").nodes[0]).xy().norm_squared()).sqrt();
+    assert_eq!(edges.len(), 3 * 28);
+    let total: f64 = edges.iter().map(|&edge| length(&mesh, edge)).sum();
+    close(total / 28.0, depth.hypot(2.0), 1e-12, "inner line");
+    let ends = |name: &str| {
+        group(&mesh, "inner-lines")
+            .edges
+            .iter()
+            .flat_map(|&e| mesh.edges[e as usize])
+            .filter(|n| group(&mesh, name).nodes.contains(n))
+            .count()
+    };
+    assert_eq!((ends("vent"), ends("confluence")), (28, 28));
+    let without = given(json!({"vent_diameter": 4.0}));
+    assert_eq!((mesh.triangles.len(), group(&mesh, "cloth")), (without.triangles.len(), group(&without, "cloth")));
+    assert_eq!(mesh.nodes.len(), without.nodes.len() + 2 * 28);
+    assert!(sole_canopy(&mesh).is_ok());
+}
+
+/// What the mesh shows is what the pattern says: cloth, gaps and flat vents are S0. The pattern of a sloping canopy
+/// counts the cloth that the vent cuts away, which is a little more than the vent.
+#[test]
+fn a_mesh_shows_the_nominal_area() {
+    for p in types() {
+        let (mesh, sizes) = (built(&p), p.sizes().expect("sizes"));
+        let canopy = sole_canopy(&mesh).unwrap_or_else(|e| panic!("{:?}: {e}", p.kind));
+        close(canopy.cloth_area, sizes.cloth_area, 1e-12, "cloth");
+        let slope = ["Conical", "Biconical", "Triconical", "Hemispherical"].contains(&format!("{:?}", p.kind).as_str());
+        close(canopy.nominal_area, sizes.nominal_area, if slope { 1e-3 } else { 1e-12 }, &format!("{:?}", p.kind));
+    }
+    let cluster = built(&parameters(
+        "ringslot",
+        json!({"rings": 3, "slot_porosity": 0.1, "cluster": {"canopies": 3}, "lines": {"length": 12}, "riser": {"length": 8}}),
+    ));
+    let found = Canopy::of_groups(&cluster);
+    assert_eq!(found.keys().collect::<Vec<_>>(), ["canopy-1", "canopy-2", "canopy-3"]);
+    for canopy in found.values() {
+        close(canopy.as_ref().expect("sound").nominal_diameter(), 8.534, 1e-12, "D0");
     }
 }
 
@@ -183,8 +251,9 @@ fn canopies_are_sound_surfaces() {
         assert_eq!(topology.components(), 1, "{kind:?}");
         assert!(topology.check_manifold().is_ok() && topology.check_orientation(&mesh).is_ok(), "{kind:?}");
         assert!(topology.loops().iter().all(|l| l.closed), "{kind:?}");
-        let canopy = Canopy::of_groups(&mesh).expect("groups").unwrap_or_else(|e| panic!("{kind:?}: {e}"));
-        assert!((Vector::from(canopy.axis) - Vector::z()).norm() < 1e-15, "{kind:?}: {:?}", canopy.axis);
+        let canopy = sole_canopy(&mesh).unwrap_or_else(|e| panic!("{kind:?}: {e}"));
+        let axis = canopy.axis(&|node| point(&mesh, node)).expect("an axis").normalize();
+        assert!((axis + Vector::z()).norm() < 1e-15, "{kind:?}: {axis:?}");
         let bands = 1 + mesh.groups.get("rims").map_or(0, |_| topology.loops().len() / 2 - 1);
         let loops = topology.loops().len();
         assert_eq!(loops, bands + bands - usize::from(p.vent_diameter.is_none()), "{kind:?}");
@@ -193,9 +262,13 @@ fn canopies_are_sound_surfaces() {
         let vent_lines = mesh.groups.get("vent-lines").map_or(0, |g| g.edges.len());
         let over_gaps = (bands - 1) * p.gores;
         let canopy_only = 2 * bands as i64 - loops as i64;
-        let rig = 1 - p.gores as i64 - vent_lines as i64 - over_gaps as i64;
+        let inner_lines = p.inner_lines.map_or(0, |_| p.gores);
+        let rig = 1 - (p.gores + vent_lines + over_gaps + inner_lines) as i64;
         assert_eq!(topology.euler_characteristic(), canopy_only + rig, "{kind:?}");
-        let centre = Vector::new(0.0, 0.0, -1.0);
+        // Inside the canopy; one whose skirt is drawn in is a flat bag.
+        let bag = p.skirt_angle.is_some_and(|angle| angle > 0.5 * PI);
+        let top = mesh.nodes.iter().map(|x| x[2]).fold(0.0, f64::max);
+        let centre = Vector::new(0.0, 0.0, if bag { 0.5 * top } else { -1.0 });
         for t in &mesh.triangles {
             let corners = t.map(|node| point(&mesh, node));
             let outwards = corners.iter().sum::<Vector>() / 3.0 - centre;
@@ -465,91 +538,4 @@ fn springs_of_several_groups_act_together() {
         assert!((simulation.positions()[1][2] + rest).abs() < 1e-6 * kang, "{method}: {:?}", simulation.positions());
         assert!((simulation.tensions()[0] - 3.0 * 9.81).abs() < 3e-4 * kang, "{method}: {:?}", simulation.tensions());
     }
-}
-
-/// What cannot be a parachute, or no group, is refused at its place with words that help.
-#[test]
-fn bad_parachutes_are_refused() {
-    const AT: &str = "/system/network/mesh/parachute";
-    let key = |name: &str| format!("system.network.mesh.parachute.{name}");
-    let rows: [(&str, &str, &str, &str); 26] = [
-        ("lines.length", "4.2", "/lines/length", "the skirt's corners are"),
-        ("lines.length", "-1", "/lines/length", "above 0"),
-        ("vent_diameter", "7", "/vent_diameter", "more vent than cloth"),
-        ("gores", "27", "/gores", "an even number with vent lines"),
-        ("gores", "2", "/gores", "3 to 10000"),
-        ("lines", "null", "/riser", "only below suspension lines"),
-        ("radial_segments", "0", "/radial_segments", "1 to"),
-        ("nominal_diameter", "0", "/nominal_diameter", "above 0"),
-        ("type", "flat", "/type", "flat-circular"),
-        ("type", "conical", "/cone_angle", "needs it"),
-        ("cone_angle", "0.3", "/cone_angle", "only with type"),
-        ("type", "biconical", "/cone_angles", "2 angles"),
-        ("type", "ringslot", "/rings", "needs it"),
-        ("type", "cruciform", "/vent_diameter", "no vent"),
-        ("start", "inflate", "/start", "did you mean"),
-        ("payload", r#"{"below_riser": 1}"#, "/payload", "exactly one of"),
-        ("payload", r#"{"box": [1, 0, 1], "below_riser": 1}"#, "/payload/box", "above 0"),
-        ("payload", r#"{"box": [1, 1, 9], "below_riser": 1}"#, "/payload/below_riser", "half height"),
-        (
-            "payload",
-            r#"{"radii_of_gyration": [1, 1, 9], "below_riser": 1}"#,
-            "/payload/radii_of_gyration",
-            "square of each",
-        ),
-        ("reefing", r#"{"diameter": 0}"#, "/reefing/diameter", "above 0"),
-        ("reefing", r#"{"diameter": 0.2}"#, "/reefing/diameter", "more than the vent's"),
-        ("gore_segments", "0", "/gore_segments", "1 to"),
-        ("riser.length", "0", "/riser/length", "above 0"),
-        ("vent_diameter", "-1", "/vent_diameter", "above 0"),
-        ("arm_ratio", "0.3", "/arm_ratio", "only with type \"cruciform\""),
-        ("gores", "10000000", "/gores", "3 to 10000"),
-    ];
-    for (name, value, at, words) in rows {
-        let error = case_with(&[(&key(name), value)]).expect_err(name);
-        let hit = error.faults().iter().find(|f| f.pointer == format!("{AT}{at}"));
-        let hit = hit.unwrap_or_else(|| panic!("{name} = {value}: no fault at {at}, but {error}"));
-        assert!(hit.to_string().contains(words), "{name} = {value}: \"{words}\" is not in\n{hit}");
-    }
-    for (path, at, words) in [
-        ("springs.5.on", "/springs/5/on/group", "did you mean \"lines\"?"),
-        ("loads.0.on", "/loads/0/on/group", "groups of this mesh: canopy, cloth"),
-    ] {
-        let error = case_with(&[(&format!("system.network.{path}"), r#"{"group": "line"}"#)]).expect_err(path);
-        let hit = error.faults().iter().find(|f| f.pointer.ends_with(at)).unwrap_or_else(|| panic!("{error}"));
-        assert!(hit.to_string().contains(words), "{hit}");
-    }
-    let kinds = [("springs.5.on", "payload", "edges or triangles"), ("loads.0.on", "lines", "triangles")];
-    for (path, name, words) in kinds {
-        let error = case_with(&[(&format!("system.network.{path}.group"), name)]).expect_err(path);
-        assert!(error.to_string().contains(&format!("a group with {words}")), "{error}");
-    }
-}
-
-/// Parts that are no canopy are refused one by one.
-#[test]
-fn parts_that_are_no_canopy_are_named() {
-    let mesh = built(&parameters("flat-circular", json!({})));
-    let (canopy, skirt) = (group(&mesh, "canopy").triangles.clone(), group(&mesh, "skirt").edges.clone());
-    let (apex, confluence) = (group(&mesh, "vent").nodes.clone(), group(&mesh, "confluence").nodes.clone());
-    let parts = CanopyParts { triangles: &canopy, skirt: &skirt, apex: &apex, confluence: &confluence };
-    assert_eq!(Canopy::of(&mesh, parts).expect("sound").skirt.len(), 56);
-    let open = Canopy::of(&mesh, CanopyParts { skirt: &skirt[1..], ..parts });
-    assert!(matches!(open, Err(CanopyError::OpenSkirt { edges: 1, .. })), "{open:?}");
-    let both = [skirt.clone(), group(&mesh, "vent").edges.clone()].concat();
-    let two = Canopy::of(&mesh, CanopyParts { skirt: &both, ..parts });
-    assert!(matches!(two, Err(CanopyError::SeveralLoops { edges: 112, .. })), "{two:?}");
-    let inside = Canopy::of(&mesh, CanopyParts { skirt: &group(&mesh, "radials").edges, ..parts });
-    assert!(matches!(inside, Err(CanopyError::NoBoundary { triangles: 2, .. })), "{inside:?}");
-    let flat = Canopy::of(&mesh, CanopyParts { confluence: &apex, ..parts });
-    assert!(matches!(flat, Err(CanopyError::NoAxis { .. })), "{flat:?}");
-    let mut loose = mesh.clone();
-    let fallen = loose.nodes.len() as u32;
-    loose.nodes.push([0.0, 0.0, -20.0]);
-    loose.groups.insert("payload".to_owned(), Group::of_nodes([fallen]));
-    assert_eq!(Canopy::of_groups(&loose), Some(Err(CanopyError::LoosePayload { node: fallen })));
-    let mut turned = mesh.clone();
-    turned.triangles[3].swap(0, 1);
-    let turned = Canopy::of(&turned, parts);
-    assert!(matches!(turned, Err(CanopyError::Orientation { .. })), "{turned:?}");
 }

@@ -135,8 +135,13 @@ fn frames_have_the_size_that_was_foretold() {
         let case = Case::from_text(SAIL.to_owned(), "sail.json", PathBuf::new(), &sets).expect("good");
         let scene = build_scene(case.into_problem().take_system(), 1).expect("good");
         let has = |field| fields.contains(field);
-        let fields =
-            Fields { force: has("force"), reaction: has("reaction"), tension: has("tension"), strain: has("strain") };
+        let fields = Fields {
+            force: has("force"),
+            reaction: has("reaction"),
+            tension: has("tension"),
+            strain: has("strain"),
+            pressure: has("pressure"),
+        };
         let foretold = frame_bytes(&*scene, fields, Precision::F64) as f64;
         let size = std::fs::metadata(bench.path("out/frames/sail_000000.vtu")).expect("a frame").len() as f64;
         assert!((foretold / size - 1.0).abs() < 0.02, "{foretold} bytes foretold, {size} written");

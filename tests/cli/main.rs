@@ -10,6 +10,7 @@ mod common;
 mod doubts;
 mod failures;
 mod gauges;
+mod group_frames;
 mod initial_from;
 mod matrices;
 mod mesh;

@@ -57,7 +57,23 @@ fn a_parachute_is_made_inspected_and_used() {
     assert!(checked.stdout.contains("group           canopy: 336 triangles"), "{}", checked.stdout);
     let report = bench.run(&["check", "held.json", "--json"]);
     let report: serde_json::Value = serde_json::from_str(&report.stdout).expect("JSON");
-    assert_eq!(report["groups"]["skirt"], serde_json::json!({"nodes": 28, "edges": 28, "triangles": 0}));
+    let skirt = &report["groups"]["skirt"];
+    assert_eq!([&skirt["nodes"], &skirt["edges"], &skirt["triangles"]], [28, 28, 0]);
+    // Sizes of a canopy from a file: those that the pattern was made with.
+    let near = |value: &serde_json::Value, expected: f64| {
+        let value = value.as_f64().expect("a number");
+        assert!((value / expected - 1.0).abs() < 1e-12, "{value} instead of {expected}");
+    };
+    near(&report["canopies"]["canopy"]["nominal_diameter"], 8.534);
+    near(&report["groups"]["lines"]["rest_length"], 28.0 * 7.68);
+    near(&report["groups"]["riser"]["rest_length"], 1.0);
+    let cloth = report["groups"]["canopy"]["area"].as_f64().expect("an area");
+    near(&report["mass"], 0.05 * cloth + 0.01 * (28.0 * 7.68 + 1.0));
+    assert!(checked.stdout.contains("canopy          S0 57.199"), "{}", checked.stdout);
+    assert!(inspected.stdout.contains("canopy       S0 57.199"), "{}", inspected.stdout);
+    for words in ["lines: 28 edges, 215.040000 m, springs of 215.04 m, ", "longest edge of the cloth", "mass "] {
+        assert!(checked.stdout.contains(words), "{words}: {}", checked.stdout);
+    }
 }
 
 /// A parachute in a case: `check` tells the sizes of its pattern.

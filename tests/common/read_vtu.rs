@@ -79,6 +79,11 @@ pub fn parse(file: &[u8]) -> Vtu {
         if name == "TimeValue" {
             let text = line.split(['>', '<']).nth(2).expect("a value");
             vtu.time = text.parse().expect("a time");
+        } else if attribute(line, "format").is_some_and(|format| format == "ascii") {
+            let text = line.split(['>', '<']).nth(2).expect("values");
+            let number = |word: &str| word.parse::<i32>().expect("a whole number").to_le_bytes();
+            vtu.kinds.insert(name.clone(), "Int32".to_owned());
+            vtu.arrays.insert(name.clone(), text.split(' ').flat_map(number).collect());
         } else {
             let offset: usize = attribute(line, "offset").expect("an offset").parse().expect("a number");
             vtu.kinds.insert(name.clone(), attribute(line, "type").expect("a type"));

@@ -93,8 +93,9 @@ pub struct Canopy {
     /// The nodes where the lines meet; if not given, those of the mesh's group `confluence`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confluence: Option<NodeSelection>,
-    /// The nodes of the skirt; if not given, those of the canopy in the mesh's group `skirt`, or, without such a group,
-    /// the outer boundary of the triangles.
+    /// The nodes of the skirt, all or some of one closed loop of the canopy's boundary; if not given, those of the
+    /// canopy in the mesh's group `skirt`, whose edges are such a loop, or, without such a group, the outer boundary of
+    /// the triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skirt: Option<NodeSelection>,
 }

@@ -85,6 +85,9 @@ pub enum Field {
     Tension,
     /// Strain of the springs.
     Strain,
+    /// Pressure difference that the air puts on the triangles, Pa, positive along their right-hand normals; 0 without
+    /// air. Loads are not in it. Always written where the mesh has groups and there is a law or a canopy.
+    Pressure,
 }
 
 /// Nodes whose motion is written.

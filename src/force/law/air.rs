@@ -65,6 +65,14 @@ impl AirData {
     }
 }
 
+impl AirData {
+    /// [Pa] dp of each triangle.
+    pub fn pressures<'a>(&'a self, at: NodeState<'a>) -> impl Iterator<Item = f64> + 'a {
+        let wind = self.stream.uniform_wind(at.t);
+        self.triangles.iter().map(move |&nodes| self.flow(at, wind, nodes).dp)
+    }
+}
+
 impl FaceKernel for AirData {
     const READS: BufferReads = BufferReads { x: true, v: true };
 

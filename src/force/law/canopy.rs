@@ -153,15 +153,17 @@ impl CanopyData {
         Meeting { area, n, lag, c, pressure: 0.5 * slope * c, slope }
     }
 
+    /// [Pa] The pressures on its triangles at a state.
+    pub fn pressures<'a>(&'a self, at: NodeState<'a>) -> impl Iterator<Item = f64> + 'a {
+        let air = self.breathing(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
+        (0..self.triangles.len()).map(move |i| self.meeting(at, air, i).pressure)
+    }
+
     /// [N] The force of the air along the axis at a state, towards the apex.
     pub fn drag(&self, at: NodeState<'_>) -> f64 {
-        let (x, v) = (NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
-        let (axis, air) = (self.flow(at.t, x, v).axis, self.breathing(at.t, x, v));
-        let along = (0..self.triangles.len()).map(|i| {
-            let Meeting { area, pressure, .. } = self.meeting(at, air, i);
-            pressure * -area.s.dot(&axis)
-        });
-        along.sum()
+        let axis = self.flow(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v)).axis;
+        let along = self.triangles.iter().zip(self.pressures(at));
+        along.map(|(&nodes, pressure)| -pressure * AreaVector::new(at.x, nodes).s.dot(&axis)).sum()
     }
 }
 

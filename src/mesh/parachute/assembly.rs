@@ -21,6 +21,8 @@ pub(super) struct Assembly {
     pub node_groups: BTreeMap<&'static str, Vec<u32>>,
     /// nodes at which lines begin, counter-clockwise
     pub corners: Vec<u32>,
+    /// nodes at which inner lines begin, counter-clockwise; empty without a vent
+    vent_corners: Vec<u32>,
     /// rows of gores, from the vent or apex to the skirt
     rows: Vec<Vec<u32>>,
     /// [m] distance along a radial from the apex of the pattern to the first row
@@ -75,9 +77,10 @@ impl Assembly {
         } else {
             self.tip = (profile.rows[0].apothem * to_corner).hypot(profile.apex_height - profile.rows[0].height);
             self.add_ring("vent", first);
+            self.vent_corners = inner.iter().copied().step_by(across).collect();
             if p.has_vent_lines() {
-                let corner = |gore: usize| inner[gore * across];
-                self.edges.extend((0..n / 2).map(|gore| ("vent-lines", [corner(gore), corner(gore + n / 2)])));
+                let opposite = self.vent_corners.iter().zip(self.vent_corners.iter().skip(n / 2));
+                self.edges.extend(opposite.map(|(&a, &b)| ("vent-lines", [a, b])));
             }
             self.node_groups.insert("vent", inner);
         }
@@ -152,6 +155,11 @@ impl Assembly {
             let nodes = self.add_line("lines", [corner, confluence], lines.segments);
             self.lines.push(nodes);
         }
+        if let Some(inner) = p.inner_lines {
+            for corner in self.vent_corners.clone() {
+                self.add_line("inner-lines", [corner, confluence], inner.segments);
+            }
+        }
         let mut end = confluence;
         if let Some(riser) = p.riser {
             end = self.add_node(self.at(confluence) - Vector3::z() * riser.length);
@@ -183,6 +191,9 @@ impl Assembly {
         };
         if p.kind == CanopyType::Annular {
             return Err(refuse("a canopy that is closed at its apex or by vent lines".to_owned()));
+        }
+        if p.inner_lines.is_some() {
+            return Err(refuse("a canopy without inner lines, which hold its vent down".to_owned()));
         }
         let Some(first) = self.rows.first().and_then(|row| row.first()) else {
             return Err(refuse("a canopy of gores".to_owned()));

@@ -4,10 +4,12 @@ use super::ParachuteParameters;
 use crate::mesh::source::FaultSink;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// [-] length of an extended skirt over the diameter of the flat part, if not given
 const SKIRT_EXTENSION: f64 = 0.1;
+/// [-] least diameter of the mouth of an extended skirt that is drawn in, over that of the flat part
+const LEAST_MOUTH: f64 = 0.1;
 /// [-] width over length of a strip of a cruciform canopy, if not given
 const ARM_RATIO: f64 = 1.0 / 3.0;
 /// [-] diameter of the disc, height of the gap and of the band over D0, if not given: those of the Viking canopy. The
@@ -28,7 +30,7 @@ pub enum CanopyType {
     Triconical,
     /// Half a sphere.
     Hemispherical,
-    /// A flat disc with a cylinder below it, `skirt_extension` long.
+    /// A flat disc with a skirt below it, `skirt_extension` long, at the angle `skirt_angle`.
     ExtendedSkirt,
     /// A flat ring; needs `vent_diameter`, and has no vent lines unless they are asked for.
     Annular,
@@ -52,6 +54,16 @@ impl ParachuteParameters {
         self.skirt_extension.unwrap_or(SKIRT_EXTENSION)
     }
 
+    /// [m] Distance from the axis and height of an extended skirt's lower edge below a flat disc of this radius [m].
+    pub(super) fn extended_skirt(&self, radius: f64) -> [f64; 2] {
+        let length = 2.0 * radius * self.skirt_extension();
+        match self.skirt_angle {
+            // A cylinder is exactly as wide as the disc.
+            None => [radius, -length],
+            Some(angle) => [radius + length * angle.cos(), -length * angle.sin()],
+        }
+    }
+
     /// [-] Width over length of a strip.
     pub(super) fn arm_ratio(&self) -> f64 {
         self.arm_ratio.unwrap_or(ARM_RATIO)
@@ -72,11 +84,12 @@ impl ParachuteParameters {
     /// Reports parameters that the type does not have, that it needs, or that are out of range.
     pub(super) fn check_kind(&self, at: &str, faults: FaultSink<'_>) {
         use CanopyType::{Biconical, Conical, Cruciform, DiskGapBand, ExtendedSkirt, Ringslot, Triconical};
-        let owners: [(&str, bool, &[CanopyType]); 10] = [
+        let owners: [(&str, bool, &[CanopyType]); 11] = [
             ("cone_angle", self.cone_angle.is_some(), &[Conical]),
             ("cone_angles", self.cone_angles.is_some(), &[Biconical, Triconical]),
             ("cone_breaks", self.cone_breaks.is_some(), &[Biconical, Triconical]),
             ("skirt_extension", self.skirt_extension.is_some(), &[ExtendedSkirt]),
+            ("skirt_angle", self.skirt_angle.is_some(), &[ExtendedSkirt]),
             ("arm_ratio", self.arm_ratio.is_some(), &[Cruciform]),
             ("rings", self.rings.is_some(), &[Ringslot]),
             ("slot_porosity", self.slot_porosity.is_some(), &[Ringslot]),
@@ -104,6 +117,7 @@ impl ParachuteParameters {
         };
         number("cone_angle", self.cone_angle, [0.0, FRAC_PI_2]);
         number("skirt_extension", self.skirt_extension, [0.0, f64::INFINITY]);
+        number("skirt_angle", self.skirt_angle, [0.0, PI]);
         number("arm_ratio", self.arm_ratio, [0.0, 1.0]);
         number("slot_porosity", self.slot_porosity, [0.0, 0.5]);
         for (key, value) in [("disk", self.disk), ("gap", self.gap), ("band", self.band)] {
@@ -122,6 +136,16 @@ impl ParachuteParameters {
                 }
                 if self.slot_porosity.is_none() {
                     needed("slot_porosity", faults);
+                }
+            }
+            ExtendedSkirt => {
+                // Drawn in by more than the radius, it would cross the axis.
+                let [lower, _] = self.extended_skirt(1.0);
+                if lower < LEAST_MOUTH {
+                    let allowed =
+                        format!("a skirt that leaves a mouth of at least {LEAST_MOUTH} of the disc's diameter");
+                    let hint = "draw it in less: take a smaller angle or a shorter skirt".to_owned();
+                    faults(&format!("{at}/skirt_extension"), self.skirt_extension().to_string(), allowed, hint);
                 }
             }
             CanopyType::Annular if self.vent_diameter.is_none() => needed("vent_diameter", faults),

@@ -1,6 +1,7 @@
 //! What hangs at the end of the riser: a rigid payload, and several canopies that share it.
 
 use super::{ClusterParameters, ParachuteParameters, PayloadParameters};
+use crate::mesh::source::{FaultSink, check_length};
 use crate::mesh::{Group, Groups, Mesh, MeshError};
 use nalgebra::{Rotation3, Unit, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -9,6 +10,55 @@ use std::f64::consts::{PI, TAU};
 const APART: f64 = 1.05;
 /// [rad] largest angle of a canopy's axis from the vertical
 const MOST_TILT: f64 = 1.4;
+
+impl PayloadParameters {
+    pub(super) fn check(&self, at: &str, faults: FaultSink<'_>) {
+        let positive = |v: &[f64; 3]| v.iter().all(|c| c.is_finite() && *c > 0.0);
+        match (self.sides, self.radii_of_gyration) {
+            (Some(sides), None) if !positive(&sides) => {
+                faults(
+                    &format!("{at}/box"),
+                    format!("{sides:?}"),
+                    "three lengths above 0".into(),
+                    "give metres".into(),
+                );
+            }
+            (None, Some(radii)) if !positive(&radii) || self.half_axes().is_none() => {
+                let allowed =
+                    "three lengths above 0, the square of each below the sum of the other two squares".to_owned();
+                let hint = "no body has other moments of inertia".to_owned();
+                faults(&format!("{at}/radii_of_gyration"), format!("{radii:?}"), allowed, hint);
+            }
+            (Some(_), None) | (None, Some(_)) => {}
+            _ => {
+                let hint = "keep or add one".to_owned();
+                faults(at, "its size".into(), "exactly one of box and radii_of_gyration".into(), hint);
+            }
+        }
+        check_length(at, "below_riser", self.below_riser, faults);
+        if let Some([_, _, height]) =
+            self.half_axes().filter(|axes| self.below_riser > 0.0 && axes[2] >= self.below_riser)
+        {
+            let allowed = format!("above {height:.6}, the half height of the particles");
+            let hint = "lower the payload: its slings must pull upwards".to_owned();
+            faults(&format!("{at}/below_riser"), self.below_riser.to_string(), allowed, hint);
+        }
+    }
+
+    /// [m] Distances of the particles from the centre along x, y and z: a_x^2 = (k_y^2 + k_z^2 - k_x^2)/2 of the radii
+    /// of gyration k, and cyclic; `None` if no body has these.
+    pub(crate) fn half_axes(&self) -> Option<[f64; 3]> {
+        let squares = match (self.sides, self.radii_of_gyration) {
+            (Some(sides), _) => sides.map(|side| side * side / 12.0),
+            (None, Some(radii)) => {
+                let [x, y, z] = radii.map(|k| k * k);
+                [y + z - x, z + x - y, x + y - z].map(|sum| 0.5 * sum)
+            }
+            (None, None) => return None,
+        };
+        squares.iter().all(|s| *s > 0.0).then(|| squares.map(f64::sqrt))
+    }
+}
 
 /// The node at the end of the riser.
 fn end_of(mesh: &Mesh) -> Option<u32> {

@@ -113,7 +113,10 @@ impl Profile {
     fn of_size(p: &ParachuteParameters, size: f64) -> Result<Self, MeshError> {
         let vent = 0.5 * p.vent_diameter.unwrap_or(0.0) * (PI / p.gores as f64).cos();
         let pieces = pieces(p, size, vent);
-        if pieces.iter().any(|piece| piece.curve.length() <= 0.0 || piece.curve.at(1.0)[0] < piece.curve.at(0.0)[0]) {
+        // Only the skirt of an extended canopy may be drawn in; else a ring has no width left.
+        let narrows =
+            |piece: &Piece| p.kind != CanopyType::ExtendedSkirt && piece.curve.at(1.0)[0] < piece.curve.at(0.0)[0];
+        if pieces.iter().any(|piece| piece.curve.length() <= 0.0 || narrows(piece)) {
             return Err(no_ring_left(p));
         }
         let (pieces, before) = after_vent(pieces, vent).ok_or_else(|| too_much_vent(p))?;
@@ -185,7 +188,7 @@ fn pieces(p: &ParachuteParameters, size: f64, vent: f64) -> Vec<Piece> {
             cones(p.cone_angles.as_deref().unwrap_or_default(), &p.cone_breaks())
         }
         CanopyType::Hemispherical => vec![Piece { curve: Curve::Arc { radius: size, from: 0.0 }, cloth: true }],
-        CanopyType::ExtendedSkirt => straight(&[[0.0, 0.0], [size, 0.0], [size, -2.0 * size * p.skirt_extension()]]),
+        CanopyType::ExtendedSkirt => straight(&[[0.0, 0.0], [size, 0.0], p.extended_skirt(size)]),
         CanopyType::Ringslot => ringslot(p, size, vent),
         CanopyType::DiskGapBand => {
             let [disk, gap, band] = p.disk_gap_band();

@@ -19,7 +19,13 @@ pub(super) struct Cells {
     numbers: Numbers,
     /// for each such number, the names of its groups; of lines and faces, and of points
     pub cell_groups: BTreeMap<i64, Vec<String>>,
+    /// number of each set of groups that [`Cells::name_cells`] was given
+    numbers_of: HashMap<Vec<String>, i64>,
     pub point_groups: BTreeMap<i64, Vec<String>>,
+    /// points in groups by the name of the group, beside those with numbers
+    pub named_points: BTreeMap<String, Vec<u64>>,
+    /// whether a face that is listed again means that it is in several groups
+    pub repeats_faces: bool,
     /// [m] displacement of each point at the start; empty = none
     pub displacement: Vec<[f64; 3]>,
 }
@@ -63,6 +69,24 @@ impl Cells {
         self.numbers.faces.resize(self.faces.len(), number);
     }
 
+    /// Puts the lines and faces that were added since the last call into groups.
+    pub fn name_cells(&mut self, names: &[String]) {
+        if names.is_empty() {
+            return self.number_cells(0);
+        }
+        let next = self.numbers_of.len() as i64 + 1;
+        let number = *self.numbers_of.entry(names.to_vec()).or_insert(next);
+        if number == next {
+            self.cell_groups.insert(number, names.to_vec());
+        }
+        self.number_cells(number);
+    }
+
+    /// Puts a point into groups.
+    pub fn name_point(&mut self, names: &[String], point: u64) {
+        names.iter().for_each(|name| self.named_points.entry(name.clone()).or_default().push(point));
+    }
+
     /// Gives the points that were added since the last call their numbers of groups; missing ones are 0.
     pub fn number_points(&mut self, numbers: impl IntoIterator<Item = i64>) {
         self.numbers.points.extend(numbers);
@@ -89,23 +113,29 @@ impl Cells {
         let kept = |point: (usize, &[f64; 3])| (renumbered[point.0] != u32::MAX).then_some(*point.1);
         let nodes: Vec<[f64; 3]> = self.points.iter().enumerate().filter_map(kept).collect();
         let dropped = self.points.len() - nodes.len();
-        let triangles: Vec<[u32; 3]> =
-            self.faces.iter().map(|f| [number(&f[0]), number(&f[1]), number(&f[2])]).collect();
+        let faces = self.faces.iter().map(|f| [number(&f[0]), number(&f[1]), number(&f[2])]);
+        let FaceList { triangles, of_face } = faces_once(faces, self.repeats_faces);
         let lines = self.lines.iter().map(|l| [number(&l[0]), number(&l[1])]);
         let EdgeList { edges, of_line, seams, repeated } = edges(lines, &self.seam, &triangles);
         let mut groups = Groups::new();
         add_members(&mut groups, &self.point_groups, &self.numbers.points, |group, point| {
             group.nodes.extend(renumbered.get(point).filter(|node| **node != u32::MAX));
         });
+        for (name, points) in &self.named_points {
+            let points = points.iter().filter_map(|point| renumbered.get(*point as usize));
+            groups.entry(name.clone()).or_default().nodes.extend(points.filter(|node| **node != u32::MAX));
+        }
         add_members(&mut groups, &self.cell_groups, &self.numbers.lines, |group, line| {
             group.edges.extend(of_line.get(line));
         });
         add_members(&mut groups, &self.cell_groups, &self.numbers.faces, |group, face| {
-            group.triangles.push(face as u32);
+            group.triangles.extend(of_face.get(face));
         });
         for group in groups.values_mut() {
-            group.edges.sort_unstable();
-            group.edges.dedup();
+            for list in [&mut group.nodes, &mut group.edges, &mut group.triangles] {
+                list.sort_unstable();
+                list.dedup();
+            }
         }
         groups.retain(|_, group| *group != Group::default());
         let moved = self
@@ -116,7 +146,7 @@ impl Cells {
         let displacement: Vec<[f64; 3]> = moved.collect();
         for (count, what) in [
             (dropped, "nodes that no line or triangle uses were dropped; the others keep their order"),
-            (repeated, "repeated lines were dropped"),
+            (if self.repeats_faces { 0 } else { repeated }, "repeated lines were dropped"),
             (self.quads, "quads were cut into two triangles each, along the diagonal from their first corner"),
             (self.ignored, "cells that are neither lines nor faces were ignored"),
         ] {
@@ -152,6 +182,35 @@ fn add_members(
             add(groups.entry(name.clone()).or_default(), member);
         }
     }
+}
+
+/// The triangles of a mesh.
+struct FaceList {
+    triangles: Vec<[u32; 3]>,
+    /// the triangle of each face
+    of_face: Vec<u32>,
+}
+
+/// The triangles in file order; those that are listed again are the same one, if they may be.
+fn faces_once(faces: impl Iterator<Item = [u32; 3]>, may_repeat: bool) -> FaceList {
+    if !may_repeat {
+        let triangles: Vec<_> = faces.collect();
+        let of_face = (0..triangles.len() as u32).collect();
+        return FaceList { triangles, of_face };
+    }
+    let mut list = FaceList { triangles: Vec::new(), of_face: Vec::new() };
+    let mut known: HashMap<[u32; 3], u32> = HashMap::new();
+    for face in faces {
+        let mut key = face;
+        key.sort_unstable();
+        let new = list.triangles.len() as u32;
+        let triangle = *known.entry(key).or_insert(new);
+        list.of_face.push(triangle);
+        if triangle == new {
+            list.triangles.push(face);
+        }
+    }
+    list
 }
 
 /// The edges of a mesh.

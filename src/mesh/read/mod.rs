@@ -4,6 +4,8 @@
 //! Line cells become edges first, in file order; the triangles' edges that are not among them follow, sorted by their
 //! nodes. Quads are cut along their first diagonal. Nodes that no line or triangle uses (such as Gmsh's arc centres)
 //! are dropped, and the rest keep their order: a node without mass could not move.
+//!
+//! Named parts of the file become groups; a line on the side of a triangle names that edge.
 
 mod cells;
 mod msh;
@@ -17,12 +19,6 @@ use std::path::Path;
 
 /// Name of the cell array of a .vtu file that marks seams.
 pub(super) const SEAM: &str = "seam";
-/// Name of the arrays of a .vtu file, on cells and on points, with the numbers of groups.
-pub(super) const GROUP: &str = "group";
-/// What the name of the field array of a group of triangles and edges begins with.
-pub(super) const CELL_GROUP: &str = "group ";
-/// The same of a group of nodes.
-pub(super) const NODE_GROUP: &str = "node group ";
 /// Name of the point array of a .vtu file with the displacement at the start.
 pub(super) const START_DISPLACEMENT: &str = "start_displacement";
 

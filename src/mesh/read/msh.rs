@@ -1,5 +1,9 @@
 //! Gmsh .msh: versions 2.2 (text) and 4.1 (text and binary), after the Gmsh reference manual, "MSH file format".
 //!
+//! Physical groups become groups: curves their edges, surfaces their triangles, points their nodes. One without a name
+//! is called by its number. In version 2 an element of several groups is listed once for each; in version 4 groups
+//! belong to entities, which have elements.
+//!
 //! Read by hand: `mshio` knows 4.1 only and allocates for any count in the file before it reads the data.
 
 use super::cells::Cells;
@@ -50,6 +54,10 @@ impl Numbers<'_> {
 struct Reader {
     cells: Cells,
     index: HashMap<u64, u64>,
+    /// names of physical groups by dimension and number
+    names: HashMap<(i32, i32), String>,
+    /// physical groups of the entities of version 4, by dimension and tag
+    entities: HashMap<(i32, i32), Vec<i32>>,
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
@@ -61,8 +69,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
     };
     let binary = kind == "1";
     let mut reader = Reader::default();
+    reader.physical_names(bytes)?;
     match (version, binary) {
         ("2.2" | "2.1" | "2", false) => {
+            reader.cells.repeats_faces = true;
             reader.nodes_2(&mut numbers(bytes, "$Nodes", false)?)?;
             reader.elements_2(&mut numbers(bytes, "$Elements", false)?)?;
         }
@@ -73,6 +83,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
             let one = format.get(line.len() + 1..line.len() + 5);
             if binary && (size != "8" || one != Some(&1_i32.to_le_bytes()[..])) {
                 return Err("is binary but not little-endian with 8-byte sizes; save it as text".into());
+            }
+            if section(bytes, "$Entities").is_some() {
+                reader.entities_4(&mut numbers(bytes, "$Entities", binary)?)?;
             }
             reader.nodes_4(&mut numbers(bytes, "$Nodes", binary)?)?;
             reader.elements_4(&mut numbers(bytes, "$Elements", binary)?)?;
@@ -121,10 +134,14 @@ impl Reader {
     fn elements_2(&mut self, from: &mut Numbers<'_>) -> Result<(), String> {
         for _ in 0..from.size()? {
             let (_, kind, tags) = (from.size()?, from.int()?, from.size()?);
-            for _ in 0..tags {
-                from.int()?;
+            // The first tag is the physical group, 0 without one.
+            let mut physical = 0;
+            for i in 0..tags {
+                let tag = from.int()?;
+                physical = if i == 0 { tag } else { physical };
             }
-            self.element(kind, from)?;
+            let groups = self.named(dimension(kind), &[physical]);
+            self.element(kind, &groups, from)?;
         }
         Ok(())
     }
@@ -153,17 +170,79 @@ impl Reader {
     fn elements_4(&mut self, from: &mut Numbers<'_>) -> Result<(), String> {
         let blocks = header_4(from)?;
         for _ in 0..blocks {
-            let (_, _, kind, count) = (from.int()?, from.int()?, from.int()?, from.size()?);
+            let (dimension, entity, kind, count) = (from.int()?, from.int()?, from.int()?, from.size()?);
+            let physical = self.entities.get(&(dimension, entity)).cloned().unwrap_or_default();
+            let groups = self.named(dimension, &physical);
             for _ in 0..count {
                 from.size()?;
-                self.element(kind, from)?;
+                self.element(kind, &groups, from)?;
             }
         }
         Ok(())
     }
 
-    /// Nodes of one element of a Gmsh type.
-    fn element(&mut self, kind: i32, from: &mut Numbers<'_>) -> Result<(), String> {
+    /// Dimension, number and name in quotes of each physical group, which are text in every format.
+    fn physical_names(&mut self, bytes: &[u8]) -> Result<(), String> {
+        let Some(rest) = section(bytes, "$PhysicalNames") else { return Ok(()) };
+        let end = rest.windows(8).position(|w| w == b"$EndPhys").ok_or("$PhysicalNames has no end")?;
+        let text = String::from_utf8_lossy(&rest[..end]);
+        for line in text.lines().skip(1).map(str::trim).filter(|line| !line.is_empty()) {
+            let mut words = line.splitn(3, char::is_whitespace);
+            let mut number = || words.next().and_then(|word| word.parse::<i32>().ok());
+            let (dimension, tag) = (number(), number());
+            let name = words.next().map(|name| name.trim().trim_matches('"').trim());
+            let (Some(dimension), Some(tag), Some(name)) = (dimension, tag, name) else {
+                return Err(format!("\"{line}\" in $PhysicalNames is no dimension, number and name"));
+            };
+            if !name.is_empty() {
+                self.names.insert((dimension, tag), name.to_owned());
+            }
+        }
+        Ok(())
+    }
+
+    /// The names of physical groups. A negative number means that the entity is turned in the group.
+    fn named(&self, dimension: i32, physical: &[i32]) -> Vec<String> {
+        let name = |tag: u32| match i32::try_from(tag).ok().and_then(|tag| self.names.get(&(dimension, tag))) {
+            Some(name) => name.clone(),
+            None => tag.to_string(),
+        };
+        let mut names: Vec<String> =
+            physical.iter().filter(|tag| **tag != 0).map(|tag| name(tag.unsigned_abs())).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+
+    /// The physical groups of each entity.
+    fn entities_4(&mut self, from: &mut Numbers<'_>) -> Result<(), String> {
+        let counts = [from.size()?, from.size()?, from.size()?, from.size()?];
+        for (dimension, count) in (0..).zip(counts) {
+            for _ in 0..count {
+                let tag = from.int()?;
+                // A point has its place, all else the corners of a box around it.
+                for _ in 0..if dimension == 0 { 3 } else { 6 } {
+                    from.real()?;
+                }
+                let mut physical = Vec::new();
+                for _ in 0..from.size()? {
+                    physical.push(from.int()?);
+                }
+                if dimension > 0 {
+                    for _ in 0..from.size()? {
+                        from.int()?;
+                    }
+                }
+                if !physical.is_empty() {
+                    self.entities.insert((dimension, tag), physical);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Nodes of one element of a Gmsh type, which is in these groups.
+    fn element(&mut self, kind: i32, groups: &[String], from: &mut Numbers<'_>) -> Result<(), String> {
         let count = match kind {
             1 => 2,
             2 => 3,
@@ -185,10 +264,21 @@ impl Reader {
         }
         match kind {
             1 => self.cells.add_line(&nodes, false),
-            15 => self.cells.ignored += 1,
+            15 if groups.is_empty() => self.cells.ignored += 1,
+            15 => nodes.iter().for_each(|node| self.cells.name_point(groups, *node)),
             _ => self.cells.add_face(&nodes)?,
         }
+        self.cells.name_cells(groups);
         Ok(())
+    }
+}
+
+/// The dimension of an element of a Gmsh type.
+fn dimension(kind: i32) -> i32 {
+    match kind {
+        15 => 0,
+        1 => 1,
+        _ => 2,
     }
 }
 

@@ -1,4 +1,5 @@
-//! Wavefront .obj: `v`, `l` and `f` records; everything else (normals, materials, groups) is ignored.
+//! Wavefront .obj: `v`, `p`, `l` and `f` records. `o`, `g` and `usemtl` name the groups of the records after them:
+//! nodes of `p`, edges of `l`, triangles of `f`. Everything else (normals, texture) is ignored.
 //!
 //! Read by hand because `tobj` renumbers the vertices by use and separates them between objects, which would change the
 //! user's node numbers and divide the mesh.
@@ -19,6 +20,8 @@ struct File {
     cells: Cells,
     /// line and vertex, counted from 1, of references to vertices that were not yet defined
     ahead: Vec<(usize, u64)>,
+    /// names that stand at the moment: of the object, the groups and the material
+    names: [Vec<String>; 3],
 }
 
 impl File {
@@ -36,14 +39,41 @@ impl File {
             Some("l") => {
                 let nodes = self.indices(number, words)?;
                 self.cells.add_line(&nodes, false);
+                self.name_cells();
+            }
+            Some("p") => {
+                let groups = self.groups();
+                for node in self.indices(number, words)? {
+                    self.cells.name_point(&groups, node);
+                }
+            }
+            Some("g") => self.names[1] = words.filter(|name| *name != "default").map(str::to_owned).collect(),
+            Some(of @ ("o" | "usemtl")) => {
+                let name = words.collect::<Vec<_>>().join(" ");
+                let names = &mut self.names[if of == "o" { 0 } else { 2 }];
+                *names = if name.is_empty() { Vec::new() } else { vec![name] };
             }
             Some("f") => {
                 let nodes = self.indices(number, words)?;
                 self.cells.add_face(&nodes)?;
+                self.name_cells();
             }
             _ => {}
         }
         Ok(())
+    }
+
+    /// The groups that stand at the moment, each once.
+    fn groups(&self) -> Vec<String> {
+        let mut names = self.names.concat();
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+
+    fn name_cells(&mut self) {
+        let groups = self.groups();
+        self.cells.name_cells(&groups);
     }
 
     /// Vertex numbers of `3`, `3/1`, `3//2` …; they count from 1, or from the latest vertex backwards if negative.

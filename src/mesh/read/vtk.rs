@@ -1,7 +1,8 @@
 //! .vtu, .vtp and legacy .vtk, also the frames that a run writes.
 
 use super::cells::Cells;
-use super::{CELL_GROUP, GROUP, NODE_GROUP, SEAM, START_DISPLACEMENT};
+use super::{SEAM, START_DISPLACEMENT};
+use crate::mesh::group::{CELL_GROUP, GROUP, NODE_GROUP};
 use crate::vtk::read::{field_numbers, named_array, piece_content, read as read_vtk};
 use std::collections::BTreeMap;
 use vtkio::model::{Attribute, CellType, DataSet, IOBuffer, PolyDataPiece, UnstructuredGridPiece, VertexNumbers};

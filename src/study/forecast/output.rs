@@ -41,26 +41,30 @@ pub struct OutputCost {
 impl OutputCost {
     /// Measures at the start of a scene what `output` asks for until `end` [s].
     pub fn of(scene: &dyn Scene, output: &OutputSpec, fields: Fields, end: f64) -> OutputCost {
+        let fields = fields.of_scene(scene);
         let state = scene.initial_state();
         let at = state.as_ref();
-        let (nodes, edges) = (scene.reference().len(), scene.edges().len());
-        let size = FrameSize { nodes, edges, fields };
+        let (nodes, edges, triangles) = (scene.reference().len(), scene.edges().len(), scene.triangles().len());
+        let size = FrameSize { nodes, edges, triangles, fields };
         let mut frame = Frame::new(size);
         let cells = Cells { points: nodes, triangles: scene.triangles(), edges: scene.edges() };
         let encode = VtuWriter::new(&cells, output.format).map_or(0.0, |mut vtu| {
             let mut file: Vec<u8> = Vec::new();
             let zeros = vec![0.0; vtu.cells()];
             let scalars = |name| Array { name, values: Values::Scalars(&zeros) };
-            let asked = [fields.tension, fields.strain].into_iter().filter(|asked| *asked).count();
-            let cell_data = &[scalars("tension"), scalars("strain")][..asked];
+            let asked = [fields.tension, fields.strain, fields.pressure].into_iter().filter(|asked| *asked).count();
+            let cell_data = &[scalars("tension"), scalars("strain"), scalars("pressure")][..asked];
             median_seconds(BUDGET, || {
                 file.clear();
                 scene.trace(at, &mut frame.positions, &mut frame.velocities);
-                if asked > 0 {
+                if fields.tension || fields.strain {
                     scene.edge_tension(at, &mut frame.tension, &mut frame.strain);
                 }
                 if fields.tension {
                     scene.add_axial_damping(at, &mut frame.tension);
+                }
+                if fields.pressure {
+                    scene.triangle_pressure(at, &mut frame.pressure);
                 }
                 let vectors = |name| Array { name, values: Values::Vectors(&frame.velocities) };
                 let point_data = [vectors("displacement"), vectors("velocity"), vectors("force"), vectors("reaction")];

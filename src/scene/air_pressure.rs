@@ -1,0 +1,68 @@
+//! The pressure of the air on each of the user's triangles, for frames.
+
+use crate::force::NodeState;
+use crate::force::law::air::AirData;
+use crate::force::law::canopy::CanopyData;
+use crate::mesh::Mesh;
+use std::collections::HashMap;
+
+/// A law of the air with its way back to the user's triangles.
+#[derive(Debug)]
+pub(super) struct AirPressure {
+    law: AirLaw,
+    /// user's triangle of each triangle of the law, and 1, or -1 where the law has turned it
+    places: Vec<(u32, f64)>,
+}
+
+/// The laws that put pressures on triangles.
+#[derive(Debug)]
+pub(super) enum AirLaw {
+    /// air through cloth
+    Cloth(AirData),
+    /// air in a canopy
+    Canopy(CanopyData),
+}
+
+impl AirPressure {
+    /// A law on a mesh; `internal` is the scene's number of each of its nodes.
+    pub(super) fn new(law: AirLaw, mesh: &Mesh, internal: &[u32]) -> Self {
+        let numbered = mesh.triangles.iter().zip(0_u32..);
+        let known: HashMap<[u32; 3], (u32, f64)> = numbered
+            .map(|(corners, triangle)| {
+                let (key, turn) = sorted(corners.map(|node| internal[node as usize]));
+                (key, (triangle, turn))
+            })
+            .collect();
+        let triangles = match &law {
+            AirLaw::Cloth(data) => &data.triangles,
+            AirLaw::Canopy(data) => &data.triangles,
+        };
+        let place = |&corners: &[u32; 3]| {
+            let (key, turn) = sorted(corners);
+            known.get(&key).map_or((u32::MAX, 0.0), |(triangle, of_mesh)| (*triangle, turn * of_mesh))
+        };
+        let places = triangles.iter().map(place).collect();
+        Self { law, places }
+    }
+
+    /// Writes the pressures [Pa] of its triangles, `[n_triangles]`, user's numbers.
+    pub(super) fn write(&self, at: NodeState<'_>, out: &mut [f64]) {
+        let mut set = |(triangle, turn): (u32, f64), pressure: f64| {
+            if let Some(to) = out.get_mut(triangle as usize) {
+                *to = turn * pressure;
+            }
+        };
+        match &self.law {
+            AirLaw::Cloth(data) => data.pressures(at).zip(&self.places).for_each(|(p, place)| set(*place, p)),
+            AirLaw::Canopy(data) => data.pressures(at).zip(&self.places).for_each(|(p, place)| set(*place, p)),
+        }
+    }
+}
+
+/// The nodes in ascending order, and 1 if they turn the same way in it, else -1.
+fn sorted([a, b, c]: [u32; 3]) -> ([u32; 3], f64) {
+    let mut nodes = [a, b, c];
+    nodes.sort_unstable();
+    let turned = [[a, b, c], [b, c, a], [c, a, b]].contains(&nodes);
+    (nodes, if turned { 1.0 } else { -1.0 })
+}
