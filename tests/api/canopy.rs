@@ -311,7 +311,7 @@ fn filling_knows_the_nominal_diameter_of_rings() {
         }},
         "time": {"end": 1.0, "method": "velocity-verlet", "step": 1e-4}
     });
-    let filling = network(&case_of(&case, &[])).canopies[0].filling.expect("a schedule");
+    let filling = network(&case_of(&case, &[])).canopies[0].filling[0];
     assert!((filling.duration / (8.0 * 3.0 / 10.0) - 1.0).abs() < 1e-12, "{}", filling.duration);
 }
 

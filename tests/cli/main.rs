@@ -14,6 +14,7 @@ mod group_frames;
 mod initial_from;
 mod matrices;
 mod mesh;
+mod parachutes;
 mod plot;
 mod refusals;
 mod results;

@@ -287,10 +287,12 @@ fn a_braked_spin_is_warned_of_before_and_after_the_run() {
 
 fn shipped() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/cases");
-    let files = [folder.clone(), folder.join("big")].into_iter().flat_map(|f| std::fs::read_dir(f).expect("cases"));
+    let files = [folder.clone(), folder.join("big"), folder.join("parachute")]
+        .into_iter()
+        .flat_map(|f| std::fs::read_dir(f).expect("cases"));
     let mut paths: Vec<PathBuf> = files.map(|e| e.expect("an entry").path()).filter(|p| p.is_file()).collect();
     paths.sort();
-    assert!(paths.len() >= 13, "{paths:?}");
+    assert!(paths.len() >= 18, "{paths:?}");
     paths
 }
 
@@ -337,7 +339,9 @@ fn shipped_cases_have_no_warning() {
 #[test]
 fn shipped_cases_are_checked_without_a_warning() {
     let folder = tempfile::tempdir().expect("a folder");
-    for name in ["cloth-k1000", "oscillator-damped", "pendulum", "spring-pendulum", "parachute-50ms"] {
+    for name in
+        ["cloth-k1000", "oscillator-damped", "pendulum", "spring-pendulum", "parachute-50ms", "parachute/c9-drop"]
+    {
         let path = format!("{}/assets/cases/{name}.json", env!("CARGO_MANIFEST_DIR"));
         let checked = program_with(folder.path(), &["check", &path, "--end", "1e-2"]);
         assert_eq!(checked.status, Some(0), "{}", checked.stderr);
