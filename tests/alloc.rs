@@ -44,7 +44,16 @@ fn scene(with_air: bool) -> Network {
 fn canopy(apparent_mass: Option<f64>) -> Vec<CanopySpec> {
     let (triangles, pressure_coefficient) = ((0..6).collect(), vec![1.0; 6]);
     let (skirt, apex, confluence) = (vec![2, 5, 7], vec![0, 1], vec![8]);
-    vec![CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling: None, apparent_mass }]
+    vec![CanopySpec {
+        triangles,
+        pressure_coefficient,
+        skirt,
+        apex,
+        confluence,
+        filling: None,
+        cavity: None,
+        apparent_mass,
+    }]
 }
 
 /// A canopy that takes air along.

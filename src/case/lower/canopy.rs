@@ -6,16 +6,17 @@ use std::f64::consts::PI;
 
 use nalgebra::Vector3;
 
+use super::air::checked_coefficients;
 use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::{not_negative, positive, rising};
 use super::select;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Aero, Canopies, Canopy, FillingSchedule, NodeSelection, PressureCoefficient};
+use crate::case::schema::{Aero, Canopies, Canopy, Cavity, FillingSchedule, NodeSelection, PressureCoefficient};
 use crate::mesh::adjacency::row_starts;
 use crate::mesh::topology::unique_edges;
 use crate::mesh::{Mesh, Topology};
-use crate::model::spec::{CanopySpec, FillingSpec, NetworkSpec};
+use crate::model::spec::{CanopySpec, CavitySpec, ClothSpec, FillingSpec, NetworkSpec};
 
 /// [-] Distance from the apex to the confluence, over the canopy's size, below which there is no axis.
 const AXIS: f64 = 1e-3;
@@ -30,23 +31,8 @@ pub(super) fn canopy(
     faults: &mut Faults<'_>,
 ) -> Option<CanopySpec> {
     let before = faults.count();
-    let rows = match (&canopy.table, &canopy.schedule) {
-        (Some(table), None) => match &table.pressure_coefficient {
-            PressureCoefficient::Constant(c) => Some(vec![[0.0, *c]]),
-            PressureCoefficient::Rows(rows) => {
-                coefficient_rows(&at.key("table").key("pressure_coefficient"), rows, faults)
-            }
-        },
-        (None, Some(schedule)) => {
-            check_schedule(&at.key("schedule"), schedule, faults);
-            Some(vec![[0.0, 1.0]])
-        }
-        (given, _) => {
-            let value = if given.is_some() { "a canopy with table and schedule" } else { "a canopy without pressure" };
-            faults.add_value(at, value, "exactly one of table and schedule", None);
-            None
-        }
-    };
+    let rows = pressure_rows(at, canopy, faults);
+    let cavity = canopy.cavity.map(|given| cavity(&at.key("cavity"), given, faults));
     if let Some(factor) = canopy.apparent_mass {
         not_negative(&at.key("apparent_mass"), factor, faults);
     }
@@ -58,6 +44,9 @@ pub(super) fn canopy(
     let sheet = Sheet::new(at, geometry, &triangles, faults)?;
     let skirt = skirt(at, canopy, geometry, &sheet, faults)?;
     let confluence = confluence(at, canopy, geometry, &sheet, faults);
+    if canopy.cavity.is_some() {
+        sheet.check_mouth(at, &skirt, faults);
+    }
     let profile = sheet.profile(at, &skirt, faults)?;
     let rows = rows?;
     let table = crate::model::spec::Series {
@@ -75,8 +64,52 @@ pub(super) fn canopy(
     });
     (faults.count() == before).then_some(())?;
     let (apex, confluence) = (profile.apex, confluence?);
+    let cavity = cavity.flatten();
     let apparent_mass = canopy.apparent_mass.filter(|factor| *factor > 0.0);
-    Some(CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling, apparent_mass })
+    Some(CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling, cavity, apparent_mass })
+}
+
+/// Rows of arc length and coefficient by the one way to give the pressure.
+fn pressure_rows(at: &Pointer, canopy: &Canopy, faults: &mut Faults<'_>) -> Option<Vec<[f64; 2]>> {
+    let given = [
+        canopy.table.is_some().then_some("table"),
+        canopy.schedule.is_some().then_some("schedule"),
+        canopy.cavity.is_some().then_some("cavity"),
+    ];
+    let given: Vec<&str> = given.into_iter().flatten().collect();
+    if given.len() != 1 {
+        let value = match given.as_slice() {
+            [] => "a canopy without pressure".to_owned(),
+            several => format!("a canopy with {}", several.join(" and ")),
+        };
+        faults.add_value(at, value, "exactly one of table, schedule and cavity", None);
+    }
+    if let Some(schedule) = &canopy.schedule {
+        check_schedule(&at.key("schedule"), schedule, faults);
+    }
+    match canopy.table.as_ref().map(|table| &table.pressure_coefficient) {
+        Some(PressureCoefficient::Constant(c)) => Some(vec![[0.0, *c]]),
+        Some(PressureCoefficient::Rows(rows)) => {
+            coefficient_rows(&at.key("table").key("pressure_coefficient"), rows, faults)
+        }
+        None => Some(vec![[0.0, 1.0]]),
+    }
+}
+
+fn cavity(at: &Pointer, given: Cavity, faults: &mut Faults<'_>) -> Option<CavitySpec> {
+    let Cavity { inflow, outer_pressure_coefficient, law } = given;
+    positive(&at.key("inflow"), inflow, faults);
+    if !(outer_pressure_coefficient.is_finite() && outer_pressure_coefficient < 1.0) {
+        let hint = "it is that behind a full canopy, below the pressure inside: about -0.6";
+        faults.add_hint(&at.key("outer_pressure_coefficient"), "a number below 1", hint);
+    }
+    let cloth = law.map(|law| {
+        let found = checked_coefficients(&at.key("law"), &law.into(), faults)?;
+        Some(ClothSpec { linear: found.linear, quadratic: found.quadratic })
+    });
+    // A faulty law is not cloth without one.
+    let cloth = cloth.map_or(Some(None), |found| found.map(Some))?;
+    Some(CavitySpec { inflow, outer_pressure_coefficient, cloth })
 }
 
 /// Rows of arc length, within 0 to 1, and coefficient.
@@ -176,6 +209,17 @@ impl<'a> Sheet<'a> {
             }
         }
         distance
+    }
+
+    /// A mouth is one closed loop of the boundary: adds a fault unless the skirt has nodes on exactly one.
+    fn check_mouth(&self, at: &Pointer, skirt: &[u32], faults: &mut Faults<'_>) {
+        let loops = self.topology.loops().iter().filter(|l| l.nodes.iter().any(|node| skirt.contains(node)));
+        let (closed, open): (Vec<_>, Vec<_>) = loops.partition(|l| l.closed);
+        if closed.len() != 1 || !open.is_empty() {
+            let value = format!("a skirt with nodes on {} loops of the boundary", closed.len() + open.len());
+            let hint = "the mouth of a cavity is the loop of edges around the skirt".to_owned();
+            faults.add_value(&at.key("cavity"), value, "a skirt on one closed loop", Some(hint));
+        }
     }
 
     /// [m] The diameter of a circle with the area of the triangles and of the holes between them.

@@ -21,8 +21,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use aero::{
-    Aero, Canopies, Canopy, Drag, ErgunForm, ErgunLaw, FillingSchedule, PermeableLaw, PorousLaw, PressureCoefficient,
-    PressureCoefficientLaw, PressureTable,
+    Aero, Canopies, Canopy, Cavity, ClothLaw, Drag, ErgunForm, ErgunLaw, FillingSchedule, PermeableLaw, PorousLaw,
+    PressureCoefficient, PressureCoefficientLaw, PressureTable,
 };
 pub use loads::{Load, PressureKindKey};
 pub use method::Method;

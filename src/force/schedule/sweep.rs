@@ -139,7 +139,10 @@ impl Sweep {
         }
         let [x, v] = [x, v].map(NodeVectors::Nodes);
         found.clear();
-        found.extend((0..terms.count()).map(|i| terms.term(i).forces.scene_numbers().map_or_else(Default::default, |n| n.find(t, x, v))));
+        found.extend(
+            (0..terms.count())
+                .map(|i| terms.term(i).forces.scene_numbers().map_or_else(Default::default, |n| n.find(t, x, v))),
+        );
         PassNumbers::Found(found)
     }
 
