@@ -66,7 +66,7 @@ fn a_canopy_without_what_it_needs_is_refused() {
         (vec![(format!("{CANOPY}.confluence"), "{\"ids\": [1]}")], "confluence", "one of the canopy"),
         (vec![(format!("{CANOPY}.skirt"), "{\"ids\": [40]}")], "skirt", "no triangle of the canopy"),
         (vec![(format!("{CANOPY}.on"), "{\"ids\": [0, 13]}")], "on", "one outer boundary"),
-        (vec![(format!("{CANOPY}.table"), "null")], "canopy", "exactly one of table and schedule"),
+        (vec![(format!("{CANOPY}.table"), "null")], "canopy", "exactly one of table, schedule and cavity"),
         (
             vec![(format!("{CANOPY}.table.pressure_coefficient"), "[[0, 1], [0, 2]]")],
             "table/pressure_coefficient/1",

@@ -68,10 +68,10 @@ impl JsonSchema for Canopies {
     }
 }
 
-/// The air in a canopy: a pressure from inside to outside along the normals of its triangles, dp = q dCp with
-/// q = rho V |V|/2, or that of a cavity. V is the axial air speed: the mean velocity of the skirt minus the wind there, along the axis from
-/// the apex to the confluence of the lines. Cloth that moves outwards in the canopy with the speed w meets less
-/// pressure, by dCp rho/2 (V |V| - (V - w) |V - w|): so the air damps the breathing of a canopy.
+/// The air in a canopy: a pressure from inside to outside along the normals of its triangles, dp = q dCp with q = rho V
+/// |V|/2, or that of a cavity. V is the axial air speed: the mean velocity of the skirt minus the wind there, along the
+/// axis from the apex to the confluence of the lines. Cloth that moves outwards in the canopy with the speed w meets
+/// less pressure, by dCp rho/2 (V |V| - (V - w) |V - w|): so the air damps the breathing of a canopy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Canopy {
@@ -90,9 +90,9 @@ pub struct Canopy {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cavity: Option<Cavity>,
     /// [-] Apparent mass: the canopy takes along k times the mass of the air in its volume, which has momentum, but no
-    /// weight. About 1 for a hemisphere. None if not given. Beside `cavity` it does not count the air twice: that balance
-    /// is one of the volume of the air, without inertia. Only while a canopy fills, its growth takes the momentum of the
-    /// inflow from the whole speed V, part of which the pressure in the mouth has taken already.
+    /// weight. About 1 for a hemisphere. None if not given. Beside `cavity` it does not count the air twice: that
+    /// balance is one of the volume of the air, without inertia. Only while a canopy fills, its growth takes the
+    /// momentum of the inflow from the whole speed V, part of which the pressure in the mouth has taken already.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub apparent_mass: Option<f64>,
@@ -144,11 +144,11 @@ pub struct FillingSchedule {
     pub nominal_diameter: Option<f64>,
 }
 
-/// A canopy with a mouth (experimental; the balance is this program's own). One pressure acts on the whole canopy,
-/// dp = p_i - Cp q, with p_i inside such that as much air flows in through the mouth as the volume grows and the cloth lets
-/// through: eta V A_m x = dVol/dt + A w(dp), p_i = q (1 - x |x|). A_m is the size of the area vector of the skirt's loop,
-/// Vol the volume between the cloth and flat covers of its openings, A the area of the cloth. What leaves through vents
-/// and slots is not counted.
+/// A canopy with a mouth (experimental; the balance is this program's own). One pressure acts on the whole canopy, dp =
+/// p_i - Cp q, with p_i inside such that as much air flows in through the mouth as the volume grows and the cloth lets
+/// through: eta V A_m x = dVol/dt + A w(dp), p_i = q (1 - x |x|). A_m is the size of the area vector of the skirt's
+/// loop, Vol the volume between the cloth and flat covers of its openings, A the area of the cloth. What leaves through
+/// vents and slots is not counted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Cavity {

@@ -74,38 +74,41 @@ impl Mouth {
             let pressure = drive - 0.5 * density * inflow * inflow.abs();
             return Balance { pressure, through: 0.0, inflow, share: 1.0 };
         };
-        let (w, [linear, quadratic]) = (self.through(law), law);
-        let inflow = (rate + self.cloth * w) / inlet;
+        let ([w, inflow], [linear, quadratic]) = (self.root(law), law);
         let slope = linear + 2.0 * quadratic * w.abs();
         let braking = density * inflow.abs() * self.cloth / inlet;
         let share = if slope > 0.0 { slope / (slope + braking) } else { 0.0 };
         Balance { pressure: (linear + quadratic * w.abs()) * w, through: w, inflow, share }
     }
 
-    /// [m/s] The root w of f.
-    fn through(self, [linear, quadratic]: [f64; 2]) -> f64 {
+    /// [m/s] The root w of f, and R there. They are found from the nearer of w = 0 and R = 0, so that neither is a
+    /// difference of large numbers.
+    fn root(self, [linear, quadratic]: [f64; 2]) -> [f64; 2] {
         let Mouth { drive, density, rate, cloth, inlet } = self;
         let k = 0.5 * density / inlet.powi(2);
-        let value = |w: f64| {
-            let flow = rate + cloth * w;
-            (linear + quadratic * w.abs()) * w + k * flow * flow.abs() - drive
-        };
-        let slope = |w: f64| linear + 2.0 * quadratic * w.abs() + 2.0 * k * cloth * (rate + cloth * w).abs();
-        // Nothing flows through the cloth, and nothing through the mouth.
-        let (none, closed) = (0.0, -rate / cloth);
-        let (low, high) = if closed < none { (closed, none) } else { (none, closed) };
-        // From the end of a piece towards the root, with the signs of w and R there.
-        let (from, signs) = if value(low) >= 0.0 {
-            (low, [-1.0, -1.0])
-        } else if value(high) <= 0.0 {
-            (high, [1.0, 1.0])
+        let value = |w: f64, flow: f64| (linear + quadratic * w.abs()) * w + k * flow * flow.abs() - drive;
+        let closed = -rate / cloth;
+        let [f_tight, f_closed] = [value(0.0, rate), value(closed, 0.0)];
+        let between = (f_tight > 0.0) != (f_closed > 0.0);
+        let from_closed = if between {
+            (value(0.5 * closed, 0.5 * rate) > 0.0) == (f_tight > 0.0)
         } else {
-            (none, [closed.signum(), rate.signum()])
+            f_closed.abs() < f_tight.abs()
         };
-        let (f, df, bend) = (value(from), slope(from), quadratic * signs[0] + k * cloth * cloth * signs[1]);
-        // f + df d + bend d^2 = 0, in the form without a difference of large numbers.
-        let root = (df * df - 4.0 * bend * f).max(0.0).sqrt();
-        if f == 0.0 { from } else { from - 2.0 * f / (df + root) }
+        let (from, f, df) = if from_closed {
+            (closed, f_closed, linear + 2.0 * quadratic * closed.abs())
+        } else {
+            (0.0, f_tight, linear + 2.0 * k * cloth * rate.abs())
+        };
+        // The signs of w and R beside this end, on the way to the root.
+        let beyond = if f > 0.0 { -1.0 } else { 1.0 };
+        let [sign_w, sign_r] = if between { [closed.signum(), rate.signum()] } else { [beyond; 2] };
+        let bend = quadratic * sign_w + k * cloth * cloth * sign_r;
+        // f + df d + bend d^2 = 0, in the form without a difference of large numbers; rounding alone makes it negative.
+        let slope = (df * df - 4.0 * bend * f).max(0.0).sqrt();
+        let d = if f == 0.0 { 0.0 } else { -2.0 * f / (df + slope) };
+        let inflow = if from_closed { cloth * d } else { rate + cloth * d };
+        [from + d, inflow / inlet]
     }
 }
 
