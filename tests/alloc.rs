@@ -50,7 +50,7 @@ fn canopy(apparent_mass: Option<f64>) -> Vec<CanopySpec> {
         skirt,
         apex,
         confluence,
-        filling: None,
+        filling: Vec::new(),
         cavity: None,
         apparent_mass,
     }]

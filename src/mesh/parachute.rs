@@ -149,7 +149,9 @@ pub struct PayloadParameters {
 
 /// Equal parachutes that share the end of their risers (or their confluence), leaning outwards so far that they do not
 /// touch at the start. Each group holds the parts of all of them; those of the first alone are in `canopy-1`,
-/// `skirt-1`, and so on.
+/// `skirt-1`, and so on. Nothing keeps canopies from passing through each other but springs on the edges of the group
+/// `spacers`, from the apex of each to those of its neighbours; they can stand for the air and the contact that hold
+/// canopies apart.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ClusterParameters {
@@ -235,7 +237,13 @@ impl ParachuteParameters {
             payload.check(&format!("{at}/payload"), faults);
         }
         if let Some(reefing) = &self.reefing {
-            check_length(&format!("{at}/reefing"), "diameter", reefing.diameter, faults);
+            let at = format!("{at}/reefing");
+            check_length(&at, "diameter", reefing.diameter, faults);
+            if let Some(vent) = self.vent_diameter.filter(|vent| *vent >= reefing.diameter) {
+                let hint = "the air would fill the canopy through its vent".to_owned();
+                let allowed = format!("more than the vent's {vent}");
+                faults(&format!("{at}/diameter"), reefing.diameter.to_string(), allowed, hint);
+            }
         }
         if self.start == StartShape::Inflated && self.lines.is_none() {
             let hint = "give `lines`, or start flat".to_owned();

@@ -212,21 +212,21 @@ pub struct CanopySpec {
     pub apex: Vec<u32>,
     /// nodes where the lines meet, at least one
     pub confluence: Vec<u32>,
-    /// if given, the drag area over time that the pressure is scaled to
-    pub filling: Option<FillingSpec>,
-    /// if given, the balance of the air inside that sets the pressure; then dCp is 1 and `filling` is not given
+    /// stages of the drag area that the pressure is scaled to, rising in time; none if the pressure is q dCp
+    pub filling: Vec<FillingSpec>,
+    /// if given, the balance of the air inside that sets the pressure; then dCp is 1 and `filling` is empty
     pub cavity: Option<CavitySpec>,
     /// [-] k of the air that the canopy takes along, k rho times its volume
     pub apparent_mass: Option<f64>,
 }
 
-/// How the drag area of a canopy grows while it fills: drag_area ((t - start)/duration)^exponent until it is full. The
-/// pressure is dCp times what makes the force along the axis q times this area.
+/// A stage of the drag area of a canopy that fills: from what it was before to `drag_area`, by
+/// ((t - start)/duration)^exponent. The pressure is dCp times what makes the force along the axis q times this area.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct FillingSpec {
-    /// [m^2] of the full canopy
+    /// [m^2] at the end of the stage
     pub drag_area: f64,
-    /// [s] line stretch; no pressure before
+    /// [s] line stretch, or the cut of a reefing line; no pressure before the first
     pub start: f64,
     /// [s] filling time, > 0
     pub duration: f64,

@@ -98,7 +98,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let gusts = spec.stream.iter().flat_map(|stream| &stream.gusts);
     let gusts = gusts.flat_map(|gust| [gust.start, gust.start + gust.duration]);
     let factors = spec.pressures.iter().map(|p| &p.factor).chain(spec.forces.iter().map(|f| &f.factor));
-    let fillings = spec.canopies.iter().filter_map(|canopy| canopy.filling);
+    let fillings = spec.canopies.iter().flat_map(|canopy| &canopy.filling);
     let fillings = fillings.flat_map(|filling| [filling.start, filling.start + filling.duration]);
     let tabled = winds.flat_map(|wind| &wind.t).chain(factors.flatten().flat_map(|s| &s.t)).copied();
     let mut corners: Vec<f64> = tabled.chain(gusts).chain(fillings).chain(spec.events()).collect();
@@ -257,7 +257,7 @@ impl Builder<'_> {
                 self.apparent.push(ApparentMass { nodes, enclosure, factor, stream, term });
             }
             let cavity = |spec| cavity(spec, enclosure.clone(), &skirt, x);
-            let (cavity, filling) = (canopy.cavity.map(cavity).transpose()?, canopy.filling);
+            let (cavity, filling) = (canopy.cavity.map(cavity).transpose()?, canopy.filling.clone().into());
             let axis = CanopyAxis { skirt, apex, confluence, stream: stream.clone() };
             let data = CanopyData { triangles, pressure_coefficient, axis, filling, cavity };
             self.shapes.push(CanopyShape::new(data.clone(), enclosure));

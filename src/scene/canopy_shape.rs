@@ -2,7 +2,7 @@
 
 use super::network::{Network, by_node, node_state};
 use crate::force::kernel::element_block::NodeVectors;
-use crate::force::law::canopy::{CanopyData, drag_area};
+use crate::force::law::canopy::CanopyData;
 use crate::force::law::enclosure::Enclosure;
 use crate::model::observables::CANOPY_QUANTITIES;
 use crate::model::state::StateRef;
@@ -50,8 +50,8 @@ impl CanopyShape {
         let mouth = 2.0 * radii.sum::<f64>() / skirt.len() as f64;
         let [drag, pressure] = data.drag_and_pressure(node_state(at));
         let q = flow.dynamic_pressure;
-        let area = match (data.filling, &data.cavity) {
-            (Some(filling), _) => drag_area(filling, at.t),
+        let area = match (data.drag_area(at.t), &data.cavity) {
+            (Some(area), _) => area,
             (None, Some(_)) => drag / q,
             (None, None) => closing,
         };

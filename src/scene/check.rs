@@ -244,12 +244,12 @@ fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
         length("pressure coefficients of a canopy", canopy.pressure_coefficient.len(), canopy.triangles.len())?;
         finite("pressure coefficient", &canopy.pressure_coefficient)?;
         finite("apparent mass", canopy.apparent_mass.as_slice())?;
-        if let Some(FillingSpec { drag_area, start, duration, exponent }) = canopy.filling {
+        for &FillingSpec { drag_area, start, duration, exponent } in &canopy.filling {
             finite("filling", &[drag_area, start, duration, exponent])?;
         }
         if let Some(spec) = canopy.cavity {
             cavity(spec)?;
-            if canopy.filling.is_some() {
+            if !canopy.filling.is_empty() {
                 return Err(BuildError::Cavity { reason: "has no drag area over time" });
             }
         }

@@ -4,7 +4,12 @@ use crate::common::parachute::Parachute;
 use crate::common::run::{apart, case_of, changed, run, run_with};
 use canopy_fem::case::Case;
 use canopy_fem::case::spec::SystemSpec;
+use canopy_fem::force::schedule::threads::Threads;
+use canopy_fem::model::observables::{CANOPY_QUANTITIES, Observables};
 use canopy_fem::model::spec::{CanopySpec, NetworkSpec};
+use canopy_fem::model::state::StateRef;
+use canopy_fem::model::system::System;
+use canopy_fem::scene::build_network;
 use serde_json::{Value, json};
 
 const SMALL: Parachute = Parachute { gores: 8, rings: 4, line_segments: 2, nominal_diameter: 2.0, line_length: 2.0 };
@@ -59,6 +64,38 @@ fn the_air_pushes_outwards_whichever_way_triangles_turn() {
     assert!(one.positions[0][2] > one.positions[SMALL.skirt()[0]][2], "the apex is pushed away from the payload");
 }
 
+/// Settings of a canopy that fills.
+fn filling(schedule: &'static str) -> Vec<(String, &'static str)> {
+    vec![(format!("{CANOPY}.table"), "null"), (format!("{CANOPY}.schedule"), schedule)]
+}
+
+/// Stages of the drag area follow each other, each from what the one before has reached.
+#[test]
+fn a_reefed_canopy_fills_in_stages() {
+    let stages = r#"[{"drag_area": 1, "filling_time": 0.1, "exponent": 1},
+                     {"drag_area": 3, "filling_time": 0.2, "start": 0.05}, {"drag_area": 2, "filling_time": 0.1, "start": 0.4}]"#;
+    let settings = filling(stages);
+    let sets: Vec<(&str, &str)> = settings.iter().map(|(key, value)| (key.as_str(), *value)).collect();
+    let stages = canopy(&sets).filling;
+    let area = |t: f64| {
+        let mut area = 0.0;
+        for stage in &stages {
+            let share: f64 = ((t - stage.start) / stage.duration).clamp(0.0, 1.0);
+            area += share.powf(stage.exponent) * (stage.drag_area - area);
+        }
+        area
+    };
+    assert_eq!([area(0.05), area(0.1), area(0.3), area(0.6)], [0.5, 1.0 + 2.0 / 16.0, 3.0, 2.0]);
+    let scene =
+        build_network(network(&case_of(&SMALL.case(1.7, 4.0, 6.0), &sets)).clone(), Threads::one()).expect("it builds");
+    let start = scene.initial_state();
+    for t in [0.0, 0.05, 0.07, 0.3, 0.45, 9.0] {
+        let values = scene.canopy_values(0, StateRef { t, ..start.as_ref() });
+        let found = CANOPY_QUANTITIES.iter().position(|(name, _)| *name == "drag_area").map(|i| values[i]);
+        assert_eq!(found, Some(area(t)), "at {t} s");
+    }
+}
+
 #[test]
 fn a_canopy_without_what_it_needs_is_refused() {
     let rows = [
@@ -67,6 +104,20 @@ fn a_canopy_without_what_it_needs_is_refused() {
         (vec![(format!("{CANOPY}.skirt"), "{\"ids\": [40]}")], "skirt", "no triangle of the canopy"),
         (vec![(format!("{CANOPY}.on"), "{\"ids\": [0, 13]}")], "on", "one outer boundary"),
         (vec![(format!("{CANOPY}.table"), "null")], "canopy", "exactly one of table, schedule and cavity"),
+        (filling(r#"{"drag_area": 1}"#), "schedule", "exactly one of filling_constant and filling_time"),
+        (filling(r#"{"drag_area": 1, "filling_time": 1, "filling_constant": 8}"#), "schedule", "exactly one of"),
+        (filling(r#"{"drag_area": 1, "filling_time": 0}"#), "schedule/filling_time", "above 0"),
+        (filling("[]"), "schedule", "at least one stage"),
+        (
+            filling(r#"[{"drag_area": 1, "filling_time": 1}, {"drag_area": 3, "filling_time": 1}]"#),
+            "schedule/1/start",
+            "after the one before",
+        ),
+        (
+            filling(r#"[{"drag_area": 1, "filling_time": 1}, {"drag_area": 3, "filling_constant": 8, "start": 2}]"#),
+            "schedule/1/speed",
+            "the speed at the start of the stage",
+        ),
         (
             vec![(format!("{CANOPY}.table.pressure_coefficient"), "[[0, 1], [0, 2]]")],
             "table/pressure_coefficient/1",

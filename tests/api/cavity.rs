@@ -91,7 +91,7 @@ fn a_specification_of_a_cavity_is_checked() {
         refused(&|_, cavity| Some(CavitySpec { outer_pressure_coefficient: 1.0, ..cavity })),
         refused(&|_, cavity| Some(CavitySpec { cloth: Some(ClothSpec { linear: 0.0, quadratic: 0.0 }), ..cavity })),
         refused(&|spec, cavity| {
-            spec.canopies[0].filling = Some(FillingSpec { drag_area: 1.0, start: 0.0, duration: 1.0, exponent: 2.0 });
+            spec.canopies[0].filling = vec![FillingSpec { drag_area: 1.0, start: 0.0, duration: 1.0, exponent: 2.0 }];
             Some(cavity)
         }),
     ];

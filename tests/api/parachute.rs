@@ -320,6 +320,8 @@ fn clusters_share_their_payload() {
                 .fold([0; 3], |sum, part| std::array::from_fn(|k| sum[k] + part[k]));
             assert_eq!(size(name), parts, "{name}");
         }
+        // From each node around the vent of a canopy to that of both others.
+        assert_eq!(size("spacers"), [0, 3 * size("vent-1")[0], 0]);
         // Each stays within its third of the turn around the vertical.
         for number in 1..=3 {
             let lean = std::f64::consts::TAU * f64::from(number - 1) / 3.0;
@@ -470,7 +472,7 @@ fn springs_of_several_groups_act_together() {
 fn bad_parachutes_are_refused() {
     const AT: &str = "/system/network/mesh/parachute";
     let key = |name: &str| format!("system.network.mesh.parachute.{name}");
-    let rows: [(&str, &str, &str, &str); 25] = [
+    let rows: [(&str, &str, &str, &str); 26] = [
         ("lines.length", "4.2", "/lines/length", "the skirt's corners are"),
         ("lines.length", "-1", "/lines/length", "above 0"),
         ("vent_diameter", "7", "/vent_diameter", "more vent than cloth"),
@@ -496,6 +498,7 @@ fn bad_parachutes_are_refused() {
             "square of each",
         ),
         ("reefing", r#"{"diameter": 0}"#, "/reefing/diameter", "above 0"),
+        ("reefing", r#"{"diameter": 0.2}"#, "/reefing/diameter", "more than the vent's"),
         ("gore_segments", "0", "/gore_segments", "1 to"),
         ("riser.length", "0", "/riser/length", "above 0"),
         ("vent_diameter", "-1", "/vent_diameter", "above 0"),

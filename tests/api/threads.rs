@@ -54,7 +54,7 @@ fn sheet() -> NetworkSpec {
         skirt: vec![0, 69, 2000, 4000],
         apex: vec![300],
         confluence: vec![4900, 17],
-        filling: None,
+        filling: Vec::new(),
         cavity: None,
         apparent_mass: None,
     }];

@@ -15,6 +15,7 @@ mod chain;
 mod claim;
 #[path = "../common/mod.rs"]
 mod common;
+mod descents;
 mod dissipation;
 mod elastic_pendulum;
 mod energy_ledger;
@@ -25,6 +26,7 @@ mod forces;
 mod free_fall;
 mod hanging_chain;
 mod hencky;
+mod inflated;
 mod kang;
 mod lattice;
 mod linear_theory;
@@ -41,6 +43,7 @@ mod pendulum;
 mod recurrence;
 mod rich_net;
 mod rich_power;
+mod rigid_payload;
 mod signal;
 mod spectra;
 mod spring_pendulum;
@@ -83,7 +86,13 @@ const GROUPS: &[Group] = &[
     ("elastic pendulum", elastic_pendulum::claims),
     ("force laws", forces::claims),
     ("free fall through air", free_fall::claims),
+    ("Taylor's parachute", inflated::taylor),
+    ("reefed parachute", inflated::reefed),
+    ("Mylar balloon", inflated::balloon),
+    ("rigid payload, free", rigid_payload::claims),
     ("parachute, steady", parachute::claims),
+    ("parachutes of the field, steady", descents::claims),
+    ("C-9 in a free stream", descents::free_stream),
     ("parachute, falls", parachute::falls),
     ("parachute, opening", parachute::opening),
     ("parachute, apparent mass", parachute::apparent_mass),

@@ -157,8 +157,8 @@ fn standard_fall(body: impl Fn(&str) -> canopy_fem::case::Case) -> Vec<Claim> {
     .collect()
 }
 
-/// [kg/m^3] by the three lowest layers of the standard atmosphere.
-fn standard_density(z: f64) -> f64 {
+/// [kg/m^3] at a height [m], by the three lowest layers of the standard atmosphere.
+pub fn standard_density(z: f64) -> f64 {
     let h = 6_356_766.0 * z / (6_356_766.0 + z);
     let (r, g) = (287.05287, 9.80665);
     let [p11, p20] = [22632.0400950, 5474.8774243];

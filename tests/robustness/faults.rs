@@ -5,6 +5,7 @@ mod adaptive;
 mod endless;
 mod folders;
 mod frames;
+mod free_stream;
 mod kang;
 mod loads;
 mod messages;

@@ -7,7 +7,9 @@ use super::wind::{self, Winds};
 use super::{canopy, select};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Aero, Atmosphere, Canopies, Drag, ErgunForm, ErgunLaw, ExponentialAtmosphere, PorousLaw};
+use crate::case::schema::{
+    Aero, Atmosphere, Drag, ErgunForm, ErgunLaw, ExponentialAtmosphere, OneOrSeveral, PorousLaw,
+};
 use crate::model::spec::{AirSpec, AtmosphereSpec, CanopySpec, LineDragSpec, NodeDragSpec, StreamSpec};
 use std::path::Path;
 
@@ -38,7 +40,7 @@ pub(super) fn flow(
     faults: &mut Faults<'_>,
 ) -> Flow {
     let Some(aero) = aero else { return Flow::default() };
-    let canopies = aero.canopy.as_ref().map_or(&[][..], Canopies::all);
+    let canopies = aero.canopy.as_ref().map_or(&[][..], OneOrSeveral::all);
     let fills = !canopies.is_empty();
     if aero.law.is_none() && !fills && aero.drag.is_empty() {
         let hint = "leave the section out for no air".to_owned();
@@ -60,7 +62,7 @@ pub(super) fn flow(
         }
     }
     let mut flow = Flow { air: air(at, aero, winds.as_ref(), geometry, faults), ..Flow::default() };
-    let listed = matches!(aero.canopy, Some(Canopies::Several(_)));
+    let listed = matches!(aero.canopy, Some(OneOrSeveral::Several(_)));
     for (i, canopy) in canopies.iter().enumerate() {
         let at = at.key("canopy");
         let at = if listed { at.index(i) } else { at };

@@ -9,14 +9,14 @@ use nalgebra::Vector3;
 use super::air::checked_coefficients;
 use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::{not_negative, positive, rising};
-use super::select;
+use super::{filling, select};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Aero, Canopies, Canopy, Cavity, FillingSchedule, NodeSelection, PressureCoefficient};
+use crate::case::schema::{Aero, Canopy, Cavity, NodeSelection, OneOrSeveral, PressureCoefficient};
 use crate::mesh::adjacency::row_starts;
 use crate::mesh::topology::unique_edges;
 use crate::mesh::{Mesh, Topology};
-use crate::model::spec::{CanopySpec, CavitySpec, ClothSpec, FillingSpec, NetworkSpec};
+use crate::model::spec::{CanopySpec, CavitySpec, ClothSpec, NetworkSpec};
 
 /// [-] Distance from the apex to the confluence, over the canopy's size, below which there is no axis.
 const AXIS: f64 = 1e-3;
@@ -56,12 +56,8 @@ pub(super) fn canopy(
     let place =
         |t: u32| geometry.mesh.triangles[t as usize].iter().map(|&n| profile.place[n as usize]).sum::<f64>() / 3.0;
     let pressure_coefficient = triangles.iter().map(|&t| table.at(place(t))[0]).collect();
-    let filling = canopy.schedule.map(|schedule| {
-        let diameter = schedule.nominal_diameter.unwrap_or_else(|| sheet.nominal_diameter(&skirt));
-        // At 1 m/s if the speed is that at the start of the run, which divides it later.
-        let duration = schedule.filling_constant * diameter / schedule.speed.unwrap_or(1.0);
-        FillingSpec { drag_area: schedule.drag_area, start: schedule.start, duration, exponent: schedule.exponent }
-    });
+    let diameter = || sheet.nominal_diameter(&skirt);
+    let filling = canopy.schedule.as_ref().map_or_else(Vec::new, |stages| filling::stages(stages, diameter));
     (faults.count() == before).then_some(())?;
     let (apex, confluence) = (profile.apex, confluence?);
     let cavity = cavity.flatten();
@@ -85,7 +81,7 @@ fn pressure_rows(at: &Pointer, canopy: &Canopy, faults: &mut Faults<'_>) -> Opti
         faults.add_value(at, value, "exactly one of table, schedule and cavity", None);
     }
     if let Some(schedule) = &canopy.schedule {
-        check_schedule(&at.key("schedule"), schedule, faults);
+        filling::check(&at.key("schedule"), schedule, faults);
     }
     match canopy.table.as_ref().map(|table| &table.pressure_coefficient) {
         Some(PressureCoefficient::Constant(c)) => Some(vec![[0.0, *c]]),
@@ -122,16 +118,6 @@ fn coefficient_rows(at: &Pointer, rows: &[[f64; 2]], faults: &mut Faults<'_>) ->
         }
     }
     Some(rows.to_vec())
-}
-
-fn check_schedule(at: &Pointer, schedule: &FillingSchedule, faults: &mut Faults<'_>) {
-    let FillingSchedule { drag_area, filling_constant, exponent, start: _, speed, nominal_diameter } = *schedule;
-    let needed = [("drag_area", drag_area), ("filling_constant", filling_constant), ("exponent", exponent)];
-    let optional = [("speed", speed), ("nominal_diameter", nominal_diameter)];
-    let given = optional.into_iter().filter_map(|(key, value)| Some((key, value?)));
-    for (key, value) in needed.into_iter().chain(given) {
-        positive(&at.key(key), value, faults);
-    }
 }
 
 /// The triangles of a canopy.
@@ -336,23 +322,15 @@ pub(super) fn at_start(at: &Pointer, aero: Option<&Aero>, spec: &mut NetworkSpec
     let given = aero.and_then(|aero| aero.canopy.as_ref());
     for i in 0..spec.canopies.len() {
         let at = match given {
-            Some(Canopies::Several(_)) => at.key("canopy").index(i),
+            Some(OneOrSeveral::Several(_)) => at.key("canopy").index(i),
             _ => at.key("canopy"),
         };
         let start = CanopyStart::of(spec, i);
         let before = faults.count();
         start.check(&at, faults);
-        let schedule = given.and_then(|given| given.all().get(i)?.schedule).filter(|given| given.speed.is_none());
-        if schedule.is_none() || faults.count() > before {
-            continue;
-        }
-        match spec.canopies[i].filling.as_mut() {
-            Some(filling) if start.speed > 0.0 => filling.duration /= start.speed,
-            _ => {
-                let value = format!("an axial air speed of {} m/s at the start", start.speed);
-                let hint = "give the speed at line stretch, or an initial velocity or a wind along the axis".to_owned();
-                faults.add_value(&at.key("schedule").key("speed"), value, "a speed above 0", Some(hint));
-            }
+        let stages = given.and_then(|given| given.all().get(i)?.schedule.as_ref());
+        if let Some(stages) = stages.filter(|_| faults.count() == before) {
+            filling::at_speed(&at.key("schedule"), stages, &mut spec.canopies[i].filling, start.speed, faults);
         }
     }
 }

@@ -5,6 +5,7 @@ mod air;
 mod canopy;
 mod digits;
 mod energy;
+mod filling;
 pub(crate) mod geometry;
 mod initial;
 mod loads;

@@ -21,7 +21,7 @@ pub struct Aero {
     pub law: Option<PorousLaw>,
     /// The air in a canopy that hangs over its lines, or in each of a list of canopies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub canopy: Option<Canopies>,
+    pub canopy: Option<OneOrSeveral<Canopy>>,
     /// Drag of lines and payloads.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub drag: Vec<Drag>,
@@ -33,45 +33,46 @@ pub struct Aero {
     pub altitude: Option<f64>,
 }
 
-/// One canopy, or several.
+/// One of something, or a list of several.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum Canopies {
+pub enum OneOrSeveral<T> {
     /// one
-    One(Box<Canopy>),
+    One(Box<T>),
     /// several
-    Several(Vec<Canopy>),
+    Several(Vec<T>),
 }
 
-impl Canopies {
+impl<T> OneOrSeveral<T> {
     /// All of them.
-    pub fn all(&self) -> &[Canopy] {
+    pub fn all(&self) -> &[T] {
         match self {
-            Canopies::One(canopy) => std::slice::from_ref(canopy),
-            Canopies::Several(list) => list,
+            OneOrSeveral::One(one) => std::slice::from_ref(one),
+            OneOrSeveral::Several(list) => list,
         }
     }
 }
 
-impl JsonSchema for Canopies {
+impl<T: JsonSchema> JsonSchema for OneOrSeveral<T> {
     fn inline_schema() -> bool {
         true
     }
 
     fn schema_name() -> std::borrow::Cow<'static, str> {
-        "Canopies".into()
+        format!("OneOrSeveral_{}", T::schema_name()).into()
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let canopy = generator.subschema_for::<Canopy>().to_value();
-        json_schema!({"oneOf": [canopy, {"type": "array", "items": canopy}]})
+        let one = generator.subschema_for::<T>().to_value();
+        json_schema!({"oneOf": [one, {"type": "array", "items": one}]})
     }
 }
 
-/// The air in a canopy: a pressure from inside to outside along the normals of its triangles, dp = q dCp with q = rho V
-/// |V|/2, or that of a cavity. V is the axial air speed: the mean velocity of the skirt minus the wind there, along the
-/// axis from the apex to the confluence of the lines. Cloth that moves outwards in the canopy with the speed w meets
-/// less pressure, by dCp rho/2 (V |V| - (V - w) |V - w|): so the air damps the breathing of a canopy.
+/// The air in a canopy: a pressure from inside to outside along the normals of its triangles, dp = q dCp with
+/// q = rho V |V|/2, or that of a cavity. V is the axial air speed: the mean velocity of the skirt minus the wind there,
+/// along the axis from the apex to the confluence of the lines. Cloth that moves outwards at the normal speed w in the
+/// air that goes with the canopy meets less of it, by rho/2 (V |V| - (V - w) |V - w|) dCp: this damps the breathing of
+/// the canopy, its turning and its motion across the axis, and is nothing in steady flight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Canopy {
@@ -81,9 +82,10 @@ pub struct Canopy {
     /// `table`, `schedule` and `cavity` is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table: Option<PressureTable>,
-    /// The pressure from a drag area that grows while the canopy fills: for opening loads.
+    /// The pressure from a drag area that grows while the canopy fills, for opening loads: one stage, or a list of
+    /// stages that follow each other, as with a reefing line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub schedule: Option<FillingSchedule>,
+    pub schedule: Option<OneOrSeveral<FillingSchedule>>,
     /// Experimental: the pressure from a balance of the air that flows through the mouth and the cloth. Shape, filling
     /// time and speed of fall come out at the right size, opening loads several times too large: take `schedule` for
     /// those.
@@ -114,26 +116,33 @@ pub struct PressureTable {
     pub pressure_coefficient: PressureCoefficient,
 }
 
-/// The drag area of a canopy while it fills, CdS ((t - start)/t_f)^exponent until the filling time t_f = n D0/v_s
-/// (Knacke 1991), then CdS. The same pressure acts on all its triangles; it is scaled so that its force along the axis
-/// is q times the drag area.
+/// The drag area of a canopy while it fills: from what it was at `start` (0 for the first stage) to `drag_area` by
+/// ((t - start)/t_f)^exponent, until the filling time t_f = n D0/v_s (Knacke 1991). The same pressure acts on all
+/// triangles; it is scaled so that its force along the axis is q times the drag area where the cloth does not breathe.
+/// Exactly one of `filling_constant` and `filling_time` is given.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FillingSchedule {
-    /// [m^2] Drag area CdS of the full canopy.
+    /// [m^2] Drag area CdS at the end of the stage.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub drag_area: f64,
     /// [-] Filling constant n.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub filling_constant: f64,
+    pub filling_constant: Option<f64>,
+    /// [s] Filling time t_f.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub filling_time: Option<f64>,
     /// [-] Exponent of the growth; 2 if not given.
     #[serde(default = "square")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub exponent: f64,
-    /// [s] Time of line stretch, when filling begins; 0 if not given.
+    /// [s] When the stage begins: line stretch, or the cut of a reefing line; 0 if not given. Later in each stage.
     #[serde(default)]
     pub start: f64,
-    /// [m/s] Speed v_s at line stretch; if not given, the axial air speed at the start of the run.
+    /// [m/s] Speed v_s at the start of the stage, for `filling_constant`; if not given, the axial air speed at the
+    /// start of the run, for the first stage alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub speed: Option<f64>,

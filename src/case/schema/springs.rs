@@ -42,6 +42,8 @@ pub struct SpringRule {
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub strength: Option<f64>,
     /// When the spring is slack; not given: it acts in tension and in compression.
+    /// With explicit methods, springs that go slack and taut from step to step can gain energy in steps above some 0.6
+    /// of the critical one.
     pub slack: Option<SlackRule>,
     /// A dashpot beside the spring.
     pub dashpot: Option<Dashpot>,

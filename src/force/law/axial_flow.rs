@@ -57,10 +57,20 @@ impl CanopyAxis {
 
     /// Adds c dV/dv + k dV/dx.
     pub(super) fn add_speed_gradient(&self, flow: AxialFlow, w: Weights, g: &mut [Vector3<f64>]) {
-        let AxialFlow { axis, velocity, speed, air, .. } = flow;
+        let AxialFlow { axis, velocity, air, .. } = flow;
         let [_, shear] = air.wind;
         spread(&self.skirt, w.c * axis - w.k * axis.dot(&shear) * Vector3::z(), g);
-        self.add_turn(flow, w.k * (velocity - speed * axis), g);
+        self.add_turn(flow, w.k * velocity, g);
+    }
+
+    /// The same for one component of wind + V a.
+    pub(super) fn add_along_gradient(&self, i: usize, flow: AxialFlow, w: Weights, g: &mut [Vector3<f64>]) {
+        let AxialFlow { axis, speed, air, .. } = flow;
+        self.add_speed_gradient(flow, Weights { c: w.c * axis[i], k: w.k * axis[i], ..w }, g);
+        spread(&self.skirt, w.k * air.wind[1][i] * Vector3::z(), g);
+        let mut component = Vector3::zeros();
+        component[i] = w.k * speed;
+        self.add_turn(flow, component, g);
     }
 
     /// Adds `by` drho/dx.
@@ -68,10 +78,11 @@ impl CanopyAxis {
         spread(&self.skirt, Vector3::z() * (by * flow.air.density[1]), g);
     }
 
-    /// Adds the gradient of `across` . a, where `across` is at right angles to the axis.
-    pub(super) fn add_turn(&self, flow: AxialFlow, across: Vector3<f64>, g: &mut [Vector3<f64>]) {
-        if flow.length > 0.0 {
-            let turn = across / flow.length;
+    /// Adds the gradient of a product of the axis and a given vector.
+    pub(super) fn add_turn(&self, flow: AxialFlow, by: Vector3<f64>, g: &mut [Vector3<f64>]) {
+        let AxialFlow { axis, length, .. } = flow;
+        if length > 0.0 {
+            let turn = (by - axis.dot(&by) * axis) / length;
             spread(&self.confluence, turn, g);
             spread(&self.apex, -turn, g);
         }
@@ -79,7 +90,7 @@ impl CanopyAxis {
 }
 
 /// Adds `whole` times the gradient of a mean over some nodes.
-pub(super) fn spread(nodes: &[u32], whole: Vector3<f64>, g: &mut [Vector3<f64>]) {
+fn spread(nodes: &[u32], whole: Vector3<f64>, g: &mut [Vector3<f64>]) {
     let share = whole / nodes.len() as f64;
     nodes.iter().for_each(|&node| g[node as usize] += share);
 }

@@ -1,19 +1,20 @@
 //! The air in a canopy: one follower pressure on its triangles, by the air speed along its axis and by how fast the
-//! cloth moves in the canopy.
+//! cloth moves in the air that goes with the canopy.
 //!
 //! ```text
-//! V = speed of the mean skirt velocity v_s against the air along the axis a (`axial_flow`)
-//! w = (v - v_s) . n     of a triangle with mean velocity v and unit normal n from inside to outside
+//! V = speed of the skirt against the wind along the axis a (`axial_flow`)
+//! r = wind + V a,     w = (v - r) . n     of a triangle with mean velocity v and unit normal n from inside to outside
 //! p = dCp (p_0 + kappa (V - w)|V - w|),     kappa = rho/2,     f_i = p S/3,     power = f . v
 //! ```
-//! The air meets cloth that moves outwards more slowly: w takes energy from the breathing of a canopy, and is nothing
-//! in steady flight. p_0 is that of a `cavity`: what its pressure has beyond kappa V|V|. Without one it is 0. kappa, V,
-//! v_s and p_0 couple all nodes of the skirt, the apex and the confluence, or of the canopy, with all nodes of the
-//! canopy. The tangent is local but for a rank-one part of each of these numbers. With c = V - w
+//! Cloth that moves outwards meets less pressure: w takes energy from the breathing of a canopy, from its turning and
+//! from its motion across the axis. It is nothing in steady flight along the axis. p_0 is that of a `cavity`: what its
+//! pressure has beyond kappa V|V|. Without one it is 0. kappa, V, r and p_0 couple all nodes of the skirt, the apex and
+//! the confluence, or of the canopy, with all nodes of the canopy. The tangent is local but for a rank-one part of each
+//! of these numbers. With c = V - w
 //! ```text
-//! -df_i/dx_j = -1/3 [p I + 2 kappa dCp |c| S ((I - n n^T)(v_s - v))^T/A] dS/dx_j,   -df_i/dv_j = 2 kappa dCp |c| S n^T/9
-//! -df_i/dkappa = -dCp c|c| S/3,     -df_i/dV = -2 kappa dCp |c| S/3,     -df_i/dv_s = -2 kappa dCp |c| S n^T/3
-//! -df_i/dp_0 = -dCp S/3
+//! -df_i/dx_j = -1/3 [p I + 2 kappa dCp |c| S ((I - n n^T)(r - v))^T/A] dS/dx_j,     -df_i/dv_j = 2 kappa dCp |c| S n^T/9
+//! -df_i/dkappa = -dCp c|c| S/3,     -df_i/dV = -2 kappa dCp |c| S/3,     -df_i/dr = -2 kappa dCp |c| S n^T/3
+//! -df_i/dp_0 = -dCp S/3,     dr = a dV + V da + dwind
 //! ```
 //! While a canopy fills, its drag area A(t) is given. Then
 //! ```text
@@ -25,7 +26,7 @@ use crate::force::kernel::batch::{BufferReads, Records, SceneNumbers};
 use crate::force::kernel::element_block::{NodeVectors, SceneValues};
 use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
 use crate::force::kernel::triangle_pairs::{PressureForce, PressureLaw};
-use crate::force::law::axial_flow::{AxialFlow, CanopyAxis, spread};
+use crate::force::law::axial_flow::{AxialFlow, CanopyAxis};
 use crate::force::law::cavity::Cavity;
 use crate::force::law::triangle::{AreaVector, THIRD, mean};
 use crate::force::{ForceTerm, NodeState, RankOne, TangentForm, TangentSink, outer};
@@ -48,18 +49,22 @@ pub struct CanopyData {
     pub pressure_coefficient: Arc<[f64]>,
     /// skirt, apex and confluence, and the air around them
     pub axis: CanopyAxis,
-    /// drag area over time
-    pub filling: Option<FillingSpec>,
+    /// stages of its drag area; none if the pressure is q dCp
+    pub filling: Arc<[FillingSpec]>,
     /// balance of the air inside
     pub cavity: Option<Cavity>,
 }
 
-/// [m^2] The drag area at time `t` [s].
-pub fn drag_area(FillingSpec { drag_area, start, duration, exponent }: FillingSpec, t: f64) -> f64 {
-    drag_area * ((t - start) / duration).clamp(0.0, 1.0).powf(exponent)
-}
-
 impl CanopyData {
+    /// [m^2] The drag area at time `t` [s] of a canopy that fills.
+    pub fn drag_area(&self, t: f64) -> Option<f64> {
+        let grown = |before: f64, stage: &FillingSpec| {
+            let share = ((t - stage.start) / stage.duration).clamp(0.0, 1.0).powf(stage.exponent);
+            before + share * (stage.drag_area - before)
+        };
+        (!self.filling.is_empty()).then(|| self.filling.iter().fold(0.0, grown))
+    }
+
     /// [m^2] The sum of dCp S.
     fn opening(&self, x: NodeVectors<'_>) -> Vector3<f64> {
         let areas = self.triangles.iter().zip(self.pressure_coefficient.iter()).map(|(&[a, b, c], dcp)| {
@@ -77,15 +82,15 @@ struct Breathing {
     kappa: f64,
     /// [m/s] V
     speed: f64,
-    /// [m/s] v_s
-    skirt: Vector3<f64>,
+    /// [m/s] r
+    along: Vector3<f64>,
     /// [Pa] p_0
     excess: f64,
 }
 
 impl Breathing {
     fn new([kappa, speed, x, y, z, excess]: SceneValues) -> Self {
-        Breathing { kappa, speed, skirt: Vector3::new(x, y, z), excess }
+        Breathing { kappa, speed, along: Vector3::new(x, y, z), excess }
     }
 }
 
@@ -94,7 +99,7 @@ struct Meeting {
     area: AreaVector,
     /// unit normal; 0 without an area
     n: Vector3<f64>,
-    /// [m/s] v_s - v
+    /// [m/s] r - v
     lag: Vector3<f64>,
     /// [m/s] V - w
     c: f64,
@@ -114,7 +119,7 @@ impl CanopyData {
         let area = AreaVector::new(at.x, nodes);
         let a = area.s.norm();
         let n = if a > 0.0 { area.s / a } else { Vector3::zeros() };
-        let lag = air.skirt - mean(at.v, nodes);
+        let lag = air.along - mean(at.v, nodes);
         let c = air.speed + lag.dot(&n);
         let slope = 2.0 * air.kappa * dcp * c.abs();
         Meeting { area, n, lag, c, pressure: dcp * air.excess + 0.5 * slope * c, slope }
@@ -141,14 +146,14 @@ impl SceneNumbers for CanopyData {
         if self.cavity.is_some() { 6 } else { 5 }
     }
 
-    /// kappa [kg/m^3], V [m/s], v_s [m/s] and p_0 [Pa]
+    /// kappa [kg/m^3], V [m/s], r [m/s] and p_0 [Pa]
     fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> SceneValues {
         let flow = self.axis.flow(t, x, v);
         let AxialFlow { axis, speed, air, .. } = flow;
-        let share = self.filling.map_or(1.0, |filling| drag_area(filling, t) / -self.opening(x).dot(&axis));
-        let skirt = v.mean(&self.axis.skirt);
+        let share = self.drag_area(t).map_or(1.0, |area| area / -self.opening(x).dot(&axis));
+        let along = air.wind[0] + speed * axis;
         let excess = self.cavity.as_ref().map_or(0.0, |cavity| cavity.excess((&self.triangles, flow), x, v));
-        [0.5 * air.density[0] * share, speed, skirt.x, skirt.y, skirt.z, excess]
+        [0.5 * air.density[0] * share, speed, along.x, along.y, along.z, excess]
     }
 }
 
@@ -180,9 +185,9 @@ impl PressureLaw for CanopyLaw {
 
     #[inline(always)]
     fn pressure_force<R: Real>(&self, s: [R; 3], v: [R; 3]) -> PressureForce<R> {
-        let (all, Breathing { kappa, speed, skirt, excess }) = (|number| s[0].all(number), self.0);
+        let (all, Breathing { kappa, speed, along, excess }) = (|number| s[0].all(number), self.0);
         let flow = all(THIRD) * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]);
-        let flux = s[0] * all(skirt.x) + s[1] * all(skirt.y) + s[2] * all(skirt.z) - flow;
+        let flux = s[0] * all(along.x) + s[1] * all(along.y) + s[2] * all(along.z) - flow;
         let area = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]).sqrt();
         let c = all(speed) + (flux / area).where_positive(area);
         let pressure = all(excess) + all(kappa) * c * c.abs();
@@ -245,11 +250,7 @@ impl ForceTerm for Canopy {
             (1, _) => data.axis.add_speed_gradient(flow, w, g),
             (5, Some(cavity)) => cavity.add_excess_gradient((&data.triangles, &data.axis), at, w, g),
             (5.., _) => {}
-            _ => {
-                let mut along = Vector3::zeros();
-                along[which - 2] = w.c;
-                spread(&data.axis.skirt, along, g);
-            }
+            _ => data.axis.add_along_gradient(which - 2, flow, w, g),
         }
     }
 }
@@ -257,15 +258,15 @@ impl ForceTerm for Canopy {
 impl CanopyData {
     /// Adds k dkappa/dx.
     fn add_kappa_gradient(&self, at: NodeState<'_>, flow: AxialFlow, k: f64, g: &mut [Vector3<f64>]) {
-        let Some(filling) = self.filling else { return self.axis.add_density_gradient(flow, 0.5 * k, g) };
+        let Some(area) = self.drag_area(at.t) else { return self.axis.add_density_gradient(flow, 0.5 * k, g) };
         let AxialFlow { axis, air, .. } = flow;
         let opening = self.opening(NodeVectors::Nodes(at.x));
         let size = -opening.dot(&axis);
-        let share = drag_area(filling, at.t) / size;
+        let share = area / size;
         self.axis.add_density_gradient(flow, 0.5 * k * share, g);
         // kappa/G, by which dG counts.
         let closing = 0.5 * air.density[0] * share / size * k;
-        self.axis.add_turn(flow, closing * (opening - opening.dot(&axis) * axis), g);
+        self.axis.add_turn(flow, closing * opening, g);
         for (&nodes, dcp) in self.triangles.iter().zip(self.pressure_coefficient.iter()) {
             let area = AreaVector::new(at.x, nodes);
             for (j, node) in nodes.into_iter().enumerate() {

@@ -75,7 +75,20 @@ pub(super) fn cluster(p: &ParachuteParameters, one: &Mesh, cluster: ClusterParam
         let turn = Rotation3::from_axis_angle(&axis, tilt) * Rotation3::from_axis_angle(&Vector3::z_axis(), azimuth);
         add_copy(&mut all, one, end, number, &|v| turn * v);
     }
+    add_spacers(&mut all, cluster.canopies);
     Ok(all)
+}
+
+/// Adds edges between the apexes of neighbouring canopies, each from a node there or around the vent to its copy.
+fn add_spacers(all: &mut Mesh, canopies: usize) {
+    let nodes_of = |name: &str, i: usize| all.groups.get(&format!("{name}-{}", i + 1)).map(|group| &group.nodes);
+    let apex = |i: usize| nodes_of("apex", i).or_else(|| nodes_of("vent", i)).map_or(&[][..], |nodes| nodes);
+    let neighbours = (0..canopies).map(|i| [i, (i + 1) % canopies]).take(if canopies == 2 { 1 } else { canopies });
+    let pairs = neighbours.flat_map(|[a, b]| apex(a).iter().zip(apex(b)).map(|(&a, &b)| [a, b]));
+    let pairs: Vec<[u32; 2]> = pairs.collect();
+    let edges = all.edges.len() as u32..(all.edges.len() + pairs.len()) as u32;
+    all.edges.extend(pairs);
+    all.groups.insert("spacers".to_owned(), Group::of_edges(edges));
 }
 
 /// Adds a copy that is turned about the end of the riser, which all copies share as the first node of the mesh.

@@ -53,7 +53,7 @@ fn canopy() -> Vec<CanopySpec> {
         skirt,
         apex,
         confluence,
-        filling: None,
+        filling: Vec::new(),
         cavity: None,
         apparent_mass: None,
     }]
@@ -61,8 +61,9 @@ fn canopy() -> Vec<CanopySpec> {
 
 /// The same while it fills.
 fn filling_canopy() -> Vec<CanopySpec> {
-    let filling = Some(FillingSpec { drag_area: 2.5, start: -4.0, duration: 9.0, exponent: 2.0 });
-    canopy().into_iter().map(|one| CanopySpec { filling, ..one }).collect()
+    let stage = |drag_area, start| FillingSpec { drag_area, start, duration: 9.0, exponent: 2.0 };
+    let filling = vec![stage(2.5, -4.0), stage(7.0, -1.0)];
+    canopy().into_iter().map(|one| CanopySpec { filling: filling.clone(), ..one }).collect()
 }
 
 /// The same with a balance at its mouth.

@@ -58,7 +58,7 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
             skirt: copy(&one.skirt, c),
             apex: copy(&one.apex, c),
             confluence: copy(&one.confluence, c),
-            filling: one.filling,
+            filling: one.filling.clone(),
             cavity: one.cavity,
             apparent_mass: one.apparent_mass,
         })

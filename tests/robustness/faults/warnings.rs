@@ -5,12 +5,10 @@ use canopy_fem::case::Case;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-use crate::common::parachute::Parachute;
-
 use super::program::{Finished, program, program_with};
 
 /// The codes of a case's warnings, sorted, and their texts.
-fn warnings(case: &Value) -> (Vec<String>, String) {
+pub(super) fn warnings(case: &Value) -> (Vec<String>, String) {
     let read = Case::from_text(case.to_string(), "case.json", PathBuf::new(), &[]).unwrap_or_else(|e| panic!("{e}"));
     let mut codes: Vec<String> = read.warnings().iter().map(|w| w.code.to_string()).collect();
     codes.sort();
@@ -18,7 +16,7 @@ fn warnings(case: &Value) -> (Vec<String>, String) {
 }
 
 /// A case with values replaced, by JSON pointer.
-fn with(case: &Value, sets: &[(&str, Value)]) -> Value {
+pub(super) fn with(case: &Value, sets: &[(&str, Value)]) -> Value {
     let mut case = case.clone();
     for (pointer, value) in sets {
         let (above, key) = pointer.rsplit_once('/').expect("a pointer");
@@ -165,42 +163,6 @@ fn sane_neighbours_have_no_warning() {
     }
 }
 
-/// A parachute on its lines: the laws of the free stream close it, or hold it far too well; the air in its canopy is
-/// nothing to warn of.
-#[test]
-fn a_parachute_under_a_law_of_the_free_stream_is_warned_of() {
-    let small = Parachute { gores: 8, rings: 4, line_segments: 2, nominal_diameter: 2.0, line_length: 2.0 };
-    let mut good = small.case(1.74, 4.0, 6.0);
-    for rule in good["system"]["network"]["springs"].as_array_mut().expect("rules") {
-        rule["dashpot"] = json!({"axial": {"time": 2e-5}});
-    }
-    assert_eq!(warnings(&good), (vec![], String::new()));
-    let aero = |law: Value| {
-        with(&good, &[("/system/network/aero", json!({"law": law})), ("/system/network/initial", Value::Null)])
-    };
-    let (codes, texts) = warnings(&aero(json!({"pressure_coefficient": {"cp": 1.2}})));
-    assert_eq!(codes, ["closing-canopy"], "{texts}");
-    assert!(texts.contains("aero.canopy"), "{texts}");
-    let (codes, texts) = warnings(&aero(json!({"permeable": {"a": 1.6e6, "b": 4.8e5, "thickness": 1e-4}})));
-    assert_eq!(codes, ["air-pressure", "closing-canopy"], "{texts}");
-}
-
-/// A cavity is experimental, and says so; a case can acknowledge it by its code.
-#[test]
-fn a_cavity_is_warned_of() {
-    let small = Parachute { gores: 8, rings: 4, line_segments: 2, nominal_diameter: 2.0, line_length: 2.0 };
-    let mut case = small.case(1.74, 4.0, 6.0);
-    for rule in case["system"]["network"]["springs"].as_array_mut().expect("rules") {
-        rule["dashpot"] = json!({"axial": {"time": 2e-5}});
-    }
-    let canopy = &mut case["system"]["network"]["aero"]["canopy"];
-    canopy["table"] = Value::Null;
-    canopy["cavity"] = json!({"inflow": 0.4, "outer_pressure_coefficient": -0.6});
-    let (codes, texts) = warnings(&case);
-    assert_eq!(codes, ["experimental-model"], "{texts}");
-    assert!(texts.contains("opening loads") && texts.contains("\"schedule\""), "{texts}");
-}
-
 /// Parts and coincident nodes of random nets are those that a comparison of all with all finds.
 #[test]
 fn random_nets_fall_into_their_parts() {
@@ -263,7 +225,7 @@ fn many_nodes_at_one_place_are_found_at_once() {
     assert!(texts.contains("nodes 1 and 2 coincide, as do "), "{texts}");
 }
 
-fn lines(text: &str) -> Vec<String> {
+pub(super) fn lines(text: &str) -> Vec<String> {
     text.lines().filter(|line| line.starts_with("warning: ")).map(str::to_owned).collect()
 }
 

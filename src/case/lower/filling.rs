@@ -1,0 +1,95 @@
+//! The stages in which a canopy fills.
+
+use super::numbers::positive;
+use crate::case::diagnostics::Faults;
+use crate::case::pointer::Pointer;
+use crate::case::schema::{FillingSchedule, OneOrSeveral};
+use crate::model::spec::FillingSpec;
+
+type Stages = OneOrSeveral<FillingSchedule>;
+
+/// Where a stage is in the case.
+fn place(at: &Pointer, stages: &Stages, i: usize) -> Pointer {
+    match stages {
+        OneOrSeveral::One(_) => at.clone(),
+        OneOrSeveral::Several(_) => at.index(i),
+    }
+}
+
+/// Checks the stages.
+pub(super) fn check(at: &Pointer, stages: &Stages, faults: &mut Faults<'_>) {
+    if stages.all().is_empty() {
+        faults.add_value(at, "no stage", "at least one stage", None);
+    }
+    for (i, stage) in stages.all().iter().enumerate() {
+        let at = place(at, stages, i);
+        let FillingSchedule { drag_area, filling_constant, filling_time, exponent, start, speed, nominal_diameter } =
+            *stage;
+        let needed = [("drag_area", drag_area), ("exponent", exponent)];
+        let optional = [
+            ("filling_constant", filling_constant),
+            ("filling_time", filling_time),
+            ("speed", speed),
+            ("nominal_diameter", nominal_diameter),
+        ];
+        let given = optional.into_iter().filter_map(|(key, value)| Some((key, value?)));
+        for (key, value) in needed.into_iter().chain(given) {
+            positive(&at.key(key), value, faults);
+        }
+        let one_of = "exactly one of filling_constant and filling_time";
+        match (filling_constant, filling_time) {
+            (Some(_), Some(_)) => faults.add_value(&at, "a stage with filling_constant and filling_time", one_of, None),
+            (None, None) => faults.add_value(&at, "a stage without a filling time", one_of, None),
+            (Some(_), None) if i > 0 && speed.is_none() => {
+                let hint =
+                    "the speed at a later stage is found by the run itself; give filling_time if it is not known";
+                faults.add_value(
+                    &at.key("speed"),
+                    "(missing)",
+                    "the speed at the start of the stage",
+                    Some(hint.into()),
+                );
+            }
+            _ => {}
+        }
+        if i > 0 && start <= stages.all()[i - 1].start {
+            faults.add(&at.key("start"), "a stage that starts after the one before it");
+        }
+    }
+}
+
+/// The stages, for a canopy whose nominal diameter [m] is `diameter` where they do not give it. A filling time that
+/// needs the speed at the start of the run is that for 1 m/s.
+pub(super) fn stages(stages: &Stages, diameter: impl Fn() -> f64) -> Vec<FillingSpec> {
+    let lowered = stages.all().iter().map(|stage| {
+        let FillingSchedule { drag_area, filling_constant, filling_time, exponent, start, speed, nominal_diameter } =
+            *stage;
+        let by_constant = || {
+            let way = filling_constant.unwrap_or(0.0) * nominal_diameter.unwrap_or_else(&diameter);
+            way / speed.unwrap_or(1.0)
+        };
+        FillingSpec { drag_area, start, duration: filling_time.unwrap_or_else(by_constant), exponent }
+    });
+    lowered.collect()
+}
+
+/// Divides the filling time of the first stage by the axial air speed [m/s] at the start of the run, if it needs it.
+pub(super) fn at_speed(
+    at: &Pointer,
+    stages: &Stages,
+    filling: &mut [FillingSpec],
+    start_speed: f64,
+    faults: &mut Faults<'_>,
+) {
+    let ([first, ..], Some(stage)) = (filling, stages.all().first()) else { return };
+    if stage.filling_time.is_some() || stage.speed.is_some() {
+        return;
+    }
+    if start_speed > 0.0 {
+        first.duration /= start_speed;
+        return;
+    }
+    let value = format!("an axial air speed of {start_speed} m/s at the start");
+    let hint = "give the speed at line stretch, or an initial velocity or a wind along the axis".to_owned();
+    faults.add_value(&place(at, stages, 0).key("speed"), value, "a speed above 0", Some(hint));
+}
