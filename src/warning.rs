@@ -27,6 +27,8 @@ pub enum WarningCode {
     EnergyDissipated,
     /// Energy that the time-integration scheme itself has made.
     EnergyMade,
+    /// A model whose results are of the right size only in part.
+    ExperimentalModel,
     /// Springs that start far from their rest length.
     InitialStrain,
     /// Coordinates so large that the canopy would be hundreds of metres across.

@@ -44,16 +44,28 @@ fn scene(with_air: bool) -> Network {
 fn canopy(apparent_mass: Option<f64>) -> Vec<CanopySpec> {
     let (triangles, pressure_coefficient) = ((0..6).collect(), vec![1.0; 6]);
     let (skirt, apex, confluence) = (vec![2, 5, 7], vec![0, 1], vec![8]);
-    vec![CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling: Vec::new(), apparent_mass }]
+    vec![CanopySpec {
+        triangles,
+        pressure_coefficient,
+        skirt,
+        apex,
+        confluence,
+        filling: Vec::new(),
+        cavity: None,
+        apparent_mass,
+    }]
 }
 
-/// A canopy that takes air along.
+/// A canopy that takes air along, with a balance of the air inside.
 fn heavy_canopy() -> Network {
     let mut spec = patch();
     spec.springs = vec![with_dashpots(spring_group(&spec, Slack::TensionOnly))];
     spec.displacement = (0..9).map(|i| [0.0, 0.0, 0.1 * f64::from(i % 4)]).collect();
     spec.stream = Some(StreamSpec::of_wind(air().wind));
     spec.canopies = canopy(Some(1.0));
+    let cloth = Some(ClothSpec { linear: 160.0, quadratic: 48.0 });
+    let cavity = Some(CavitySpec { inflow: 0.7, outer_pressure_coefficient: -0.6, cloth });
+    spec.canopies.iter_mut().for_each(|canopy| canopy.cavity = cavity);
     build_network(spec, Threads::one()).expect("the fixture is sound")
 }
 
@@ -218,7 +230,7 @@ fn main() {
         if method.family != Family::Implicit {
             assert_eq!(blocks(&large, method.name, 5, full), 0, "{} on a large scene", method.name);
             assert_eq!(blocks(&windy, method.name, 50, full), 0, "{} with air", method.name);
-            assert_eq!(blocks(&heavy, method.name, 50, full), 0, "{} with an apparent mass", method.name);
+            assert_eq!(blocks(&heavy, method.name, 50, full), 0, "{} with a cavity and an apparent mass", method.name);
         } else {
             let kept = [
                 (Strategy::Modified, LinearChoice::Auto),

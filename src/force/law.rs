@@ -2,11 +2,14 @@
 
 pub mod air;
 pub mod atmosphere;
+pub mod axial_flow;
 pub mod bar_law;
 pub mod canopy;
+pub mod cavity;
 pub mod damped_springs;
 pub mod dashpot;
 pub mod drag;
+pub mod enclosure;
 pub mod follower_pressure;
 pub mod gravity;
 pub mod nodal;

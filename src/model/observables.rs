@@ -61,7 +61,7 @@ pub struct SpringPlace {
 }
 
 /// What a canopy shows of itself, with units, in the order of [`Observables::canopy_values`].
-pub const CANOPY_QUANTITIES: [(&str, &str); 7] = [
+pub const CANOPY_QUANTITIES: [(&str, &str); 8] = [
     ("projected_diameter", "m"),
     ("skirt_diameter", "m"),
     ("volume", "m^3"),
@@ -69,6 +69,7 @@ pub const CANOPY_QUANTITIES: [(&str, &str); 7] = [
     ("dynamic_pressure", "Pa"),
     ("drag_area", "m^2"),
     ("drag", "N"),
+    ("pressure", "Pa"),
 ];
 
 /// Observable quantities of a system. All slices are in the user's numbering.
@@ -163,7 +164,8 @@ pub trait Observables: System {
     /// [`CANOPY_QUANTITIES`] of a canopy: the diameter of a circle with the area that the canopy and its openings show
     /// along the axis; twice the mean distance of the skirt's nodes from the axis; the volume between the cloth and
     /// flat covers of its openings; speed against the air along the axis; rho V |V|/2; drag over that; force of the air
-    /// against the motion along the axis.
+    /// against the motion along the axis; mean over the cloth of the pressure difference from inside to outside. The
+    /// drag area leaves the breathing out but for a cavity, and has no value there without speed.
     fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
         let _ = (canopy, at);
         [f64::NAN; CANOPY_QUANTITIES.len()]

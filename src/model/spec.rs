@@ -196,7 +196,7 @@ impl StreamSpec {
     }
 }
 
-/// The air in a canopy: a pressure q dCp along the normals of its triangles, q = rho V|V|/2.
+/// The air in a canopy: a pressure q dCp along the normals of its triangles, q = rho V|V|/2, or that of a cavity.
 ///
 /// V is the axial air speed: the mean velocity of the skirt's nodes minus the wind there, along the axis from the
 /// middle of the apex nodes to the middle of the confluence nodes.
@@ -214,6 +214,8 @@ pub struct CanopySpec {
     pub confluence: Vec<u32>,
     /// stages of the drag area that the pressure is scaled to, rising in time; none if the pressure is q dCp
     pub filling: Vec<FillingSpec>,
+    /// if given, the balance of the air inside that sets the pressure; then dCp is 1 and `filling` is empty
+    pub cavity: Option<CavitySpec>,
     /// [-] k of the air that the canopy takes along, k rho times its volume
     pub apparent_mass: Option<f64>,
 }
@@ -230,6 +232,28 @@ pub struct FillingSpec {
     pub duration: f64,
     /// [-] exponent, > 0
     pub exponent: f64,
+}
+
+/// A canopy with a mouth: one pressure by the balance of the air that flows through mouth and cloth. The mouth is the
+/// loop of the boundary with the nodes of the skirt, the only one.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct CavitySpec {
+    /// [-] eta, > 0: speed in the mouth over that of the free stream, where the pressure inside is that outside
+    pub inflow: f64,
+    /// [-] pressure on the outside over q, < 1
+    pub outer_pressure_coefficient: f64,
+    /// if given, how the cloth lets air through
+    pub cloth: Option<ClothSpec>,
+}
+
+/// The pressure difference over a cloth, linear w + quadratic w|w| with the speed w of the air through it. Neither is
+/// negative, one is positive.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct ClothSpec {
+    /// [Pa s/m] viscous coefficient
+    pub linear: f64,
+    /// [Pa s^2/m^2] inertial coefficient
+    pub quadratic: f64,
 }
 
 /// The drag of lines in a cross-flow.

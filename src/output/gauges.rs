@@ -176,7 +176,8 @@ impl Gauges {
                 || quantity.ends_with("_y")
                 || quantity.ends_with("_z")
                 || quantity == "axial_speed"
-                || quantity == "dynamic_pressure";
+                || quantity == "dynamic_pressure"
+                || quantity == "pressure";
             let strength = strength.filter(|_| quantity == "tension_max");
             self.channels.push(Channel { name: name.to_owned(), quantity, unit, signed, strength });
         }

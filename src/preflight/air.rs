@@ -151,6 +151,39 @@ impl From<FreeSheets> for Warning {
     }
 }
 
+/// Canopies whose pressure is that of a cavity.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Cavities {
+    /// [-] their number
+    pub canopies: usize,
+}
+
+/// Finds canopies with a cavity.
+pub fn cavities(spec: &NetworkSpec) -> Option<Cavities> {
+    let canopies = spec.canopies.iter().filter(|canopy| canopy.cavity.is_some()).count();
+    (canopies > 0).then_some(Cavities { canopies })
+}
+
+impl fmt::Display for Cavities {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let which = match self.canopies {
+            1 => "the pressure in the canopy is".to_owned(),
+            several => format!("the pressure in {several} canopies is"),
+        };
+        write!(
+            f,
+            "{which} that of a cavity, which is experimental: shape, filling time and speed of fall are of the right size, \
+             opening loads are several times too large; take \"schedule\" for opening loads"
+        )
+    }
+}
+
+impl From<Cavities> for Warning {
+    fn from(found: Cavities) -> Self {
+        Warning::new(WarningCode::ExperimentalModel, found.to_string())
+    }
+}
+
 /// [-] Pressure over dynamic pressure above which a free stream cannot provide it: blunt bodies reach 1.4.
 const MOST: f64 = 1.5;
 

@@ -21,6 +21,7 @@ pub fn network(spec: &NetworkSpec, topology: &Topology, step: Option<f64>) -> Ve
     warnings.extend(coincident::coincident(spec).map(Warning::from));
     warnings.extend(air::wind_in_plane(spec).map(Warning::from));
     warnings.extend(air::closing(spec).map(Warning::from));
+    warnings.extend(air::cavities(spec).map(Warning::from));
     warnings.extend(edges::branching(spec, topology).map(Warning::from));
     warnings.extend(damping::braked(spec, &parts).map(Warning::from));
     warnings.extend(units::network(spec, step).into_iter().map(Warning::from));

@@ -13,9 +13,10 @@
 //! Its work is that of an external force: -d(m V^2/2) - m' V^2/2, what growing takes included. Implicit schemes solve
 //! (M + m b b^T) a = f - b m' V instead, with the same solution.
 
-use super::enclosure::Enclosure;
 use super::network::{Network, by_node};
 use crate::force::NodeState;
+use crate::force::kernel::element_block::NodeVectors;
+use crate::force::law::enclosure::Enclosure;
 use crate::force::law::stream::Stream;
 use crate::model::forces::Tally;
 use nalgebra::Vector3;
@@ -54,7 +55,8 @@ impl ApparentMass {
 
     fn entrained(&self, at: NodeState<'_>) -> Entrained {
         let origin = self.nodes.first().map_or(Vector3::zeros(), |&(node, _)| at.x[node as usize]);
-        let ([volume, rate], absolute) = (self.enclosure.volume(at, origin), self.mean(at.v));
+        let [x, v] = [at.x, at.v].map(NodeVectors::Nodes);
+        let ([volume, rate], absolute) = (self.enclosure.volume(x, v, origin), self.mean(at.v));
         let air = self.stream.at(at.t, self.mean(at.x).z);
         let [density, slope] = air.density;
         // Turned inside out, a canopy encloses no air.

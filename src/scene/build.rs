@@ -5,17 +5,19 @@ use super::air_pressure::{AirLaw, AirPressure};
 use super::apparent::ApparentMass;
 use super::canopy_shape::CanopyShape;
 use super::check::{BuildError, check, check_bars};
-use super::enclosure::Enclosure;
 use super::events::Phases;
 use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
 use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::air::{Air, AirData};
+use crate::force::law::axial_flow::CanopyAxis;
 use crate::force::law::bar_law::{BarData, Bars, LawBars};
 use crate::force::law::canopy::{Canopy, CanopyData};
+use crate::force::law::cavity::Cavity;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
 use crate::force::law::drag::{LineDrag, LineDragData, NodeDrag, NodeDragData};
+use crate::force::law::enclosure::Enclosure;
 use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::law::gravity::Gravity;
 use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
@@ -26,7 +28,7 @@ use crate::force::law::stream::Stream;
 use crate::force::law::triangle::AreaVector;
 use crate::force::schedule::threads::Threads;
 use crate::model::spec::{
-    DashpotKind, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, Series, SpringGroup, StreamSpec,
+    CavitySpec, DashpotKind, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, Series, SpringGroup, StreamSpec,
 };
 use crate::model::unit_vector::unit_vector;
 use crate::startup::{Phase, timed};
@@ -81,7 +83,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     bars.iter().for_each(|bars| builder.bars(bars));
     builder.gravity(&fixed, &mass, &start);
     builder.air();
-    builder.canopies(&start, &reference);
+    builder.canopies(&start, &reference)?;
     builder.drag();
     builder.loads(&start);
     builder.rayleigh(&mass, &reference);
@@ -124,6 +126,22 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         threads,
         mesh: spec.mesh,
     }))
+}
+
+/// The cavity of a canopy, whose mouth must be open at the start.
+fn cavity(
+    spec: CavitySpec,
+    enclosure: Arc<Enclosure>,
+    skirt: &[u32],
+    x: NodeVectors<'_>,
+) -> Result<Cavity, BuildError> {
+    let of_skirt = |rim: &usize| enclosure.rims()[*rim].iter().any(|node| skirt.contains(node));
+    let rims: Vec<usize> = (0..enclosure.rims().len()).filter(of_skirt).collect();
+    let [mouth] = rims[..] else { return Err(BuildError::Mouth { loops: rims.len() }) };
+    if enclosure.opening(mouth, x) == Vector3::zeros() {
+        return Err(BuildError::ClosedMouth);
+    }
+    Ok(Cavity { enclosure, mouth, spec })
 }
 
 struct Builder<'a> {
@@ -217,8 +235,8 @@ impl Builder<'_> {
         self.pressures.push(AirPressure::new(law, &self.spec.mesh, &self.numbering.internal));
     }
 
-    fn canopies(&mut self, start: &[Vector3<f64>], reference: &[Vector3<f64>]) {
-        let Some(stream) = self.stream.clone() else { return };
+    fn canopies(&mut self, start: &[Vector3<f64>], reference: &[Vector3<f64>]) -> Result<(), BuildError> {
+        let Some(stream) = self.stream.clone() else { return Ok(()) };
         for canopy in &self.spec.canopies {
             let nodes = |list: &[u32]| list.iter().map(|&i| self.node(i)).collect::<Vec<u32>>();
             let (skirt, apex, confluence) = (nodes(&canopy.skirt), nodes(&canopy.apex), nodes(&canopy.confluence));
@@ -247,12 +265,15 @@ impl Builder<'_> {
                 let (enclosure, stream, term) = (enclosure.clone(), stream.clone(), self.terms.len());
                 self.apparent.push(ApparentMass { nodes, enclosure, factor, stream, term });
             }
-            let (stream, filling) = (stream.clone(), canopy.filling.clone().into());
-            let data = CanopyData { triangles, pressure_coefficient, skirt, apex, confluence, stream, filling };
+            let cavity = |spec| cavity(spec, enclosure.clone(), &skirt, x);
+            let (cavity, filling) = (canopy.cavity.map(cavity).transpose()?, canopy.filling.clone().into());
+            let axis = CanopyAxis { skirt, apex, confluence, stream: stream.clone() };
+            let data = CanopyData { triangles, pressure_coefficient, axis, filling, cavity };
             self.shapes.push(CanopyShape::new(data.clone(), enclosure));
             self.show_pressure(AirLaw::Canopy(data.clone()));
             self.terms.push(Box::new(Canopy::new(data)));
         }
+        Ok(())
     }
 
     fn drag(&mut self) {

@@ -3,7 +3,8 @@
 use crate::force::law::bar_law::Bars;
 use crate::mesh::Mesh;
 use crate::model::spec::{
-    AtmosphereSpec, FillingSpec, GustSpec, NetworkSpec, PressureKind, Series, Slack, SpringGroup, StreamSpec,
+    AtmosphereSpec, CavitySpec, ClothSpec, FillingSpec, GustSpec, NetworkSpec, PressureKind, Series, Slack,
+    SpringGroup, StreamSpec,
 };
 
 /// Why a scene cannot be built from a specification. The case reader finds these faults first, with more precise
@@ -65,6 +66,21 @@ pub enum BuildError {
     NoNodes {
         /// skirt, apex or confluence
         what: &'static str,
+    },
+    /// The skirt of a cavity is not on exactly one closed loop of the canopy's boundary.
+    #[error("a cavity needs one closed loop of the boundary with the nodes of the skirt; there are {loops}")]
+    Mouth {
+        /// how many loops have some of its nodes
+        loops: usize,
+    },
+    /// The mouth of a cavity has no area at the start.
+    #[error("the mouth of a cavity has no area at the start")]
+    ClosedMouth,
+    /// A coefficient of a cavity without a meaning, or a cavity with a drag area over time.
+    #[error("a cavity {reason}")]
+    Cavity {
+        /// what is wrong
+        reason: &'static str,
     },
     /// A support has a velocity.
     #[error("node {node} is held along {axis} and has a velocity there; what is held stands still")]
@@ -231,6 +247,12 @@ fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
         for &FillingSpec { drag_area, start, duration, exponent } in &canopy.filling {
             finite("filling", &[drag_area, start, duration, exponent])?;
         }
+        if let Some(spec) = canopy.cavity {
+            cavity(spec)?;
+            if !canopy.filling.is_empty() {
+                return Err(BuildError::Cavity { reason: "has no drag area over time" });
+            }
+        }
         for (what, list) in [("skirt", &canopy.skirt), ("apex", &canopy.apex), ("confluence", &canopy.confluence)] {
             below("node", list, nodes.len())?;
             if list.is_empty() {
@@ -245,6 +267,22 @@ fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
     for drag in &spec.node_drag {
         below("node", &drag.nodes, nodes.len())?;
         finite("drag area", &[drag.drag_area])?;
+    }
+    Ok(())
+}
+
+fn cavity(CavitySpec { inflow, outer_pressure_coefficient, cloth }: CavitySpec) -> Result<(), BuildError> {
+    finite("cavity", &[inflow, outer_pressure_coefficient])?;
+    if inflow <= 0.0 {
+        return Err(BuildError::Cavity { reason: "needs an inflow above 0" });
+    }
+    if outer_pressure_coefficient >= 1.0 {
+        return Err(BuildError::Cavity { reason: "needs a pressure coefficient below 1 outside" });
+    }
+    let Some(ClothSpec { linear, quadratic }) = cloth else { return Ok(()) };
+    finite("cloth of a cavity", &[linear, quadratic])?;
+    if linear < 0.0 || quadratic < 0.0 || linear + quadratic == 0.0 {
+        return Err(BuildError::Cavity { reason: "needs cloth whose coefficients are not negative and not both 0" });
     }
     Ok(())
 }

@@ -10,7 +10,6 @@ mod branches;
 mod build;
 mod canopy_shape;
 mod check;
-mod enclosure;
 mod events;
 mod external;
 mod graph;

@@ -6,6 +6,7 @@ mod architecture;
 mod assets;
 mod canopy;
 mod case;
+mod cavity;
 #[path = "../common/mod.rs"]
 mod common;
 mod conjugate;

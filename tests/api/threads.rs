@@ -55,6 +55,7 @@ fn sheet() -> NetworkSpec {
         apex: vec![300],
         confluence: vec![4900, 17],
         filling: Vec::new(),
+        cavity: None,
         apparent_mass: None,
     }];
     spec.line_drag = vec![LineDragSpec { edges: (0..4000).collect(), diameter: 0.01, coefficient: 1.1 }];

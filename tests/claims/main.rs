@@ -10,6 +10,7 @@
 //! with what explains them: the order of the scheme, the size of the elements, rounding.
 
 mod catenary;
+mod cavity;
 mod chain;
 mod claim;
 #[path = "../common/mod.rs"]
@@ -95,6 +96,8 @@ const GROUPS: &[Group] = &[
     ("parachute, falls", parachute::falls),
     ("parachute, opening", parachute::opening),
     ("parachute, apparent mass", parachute::apparent_mass),
+    ("parachute, balance of a cavity", cavity::balance),
+    ("parachute, cavity that fills", cavity::filling),
     ("parachute, line in a cross wind", parachute::line),
     ("events", events::claims),
     ("kang", kang::claims),

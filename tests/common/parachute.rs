@@ -90,6 +90,34 @@ impl Parachute {
         (nodes, edges, triangles)
     }
 
+    /// Positions of the nodes at line stretch: radials and lines straight, the skirt at `radius` [m] from the axis.
+    pub fn stretched(&self, radius: f64) -> Vec<[f64; 3]> {
+        let place = |from_apex: f64, gore: usize| {
+            let (to_skirt, n) = (self.radius(), self.gores as f64);
+            let on_line = (from_apex - to_skirt).max(0.0) / self.line_length;
+            let share = if on_line > 0.0 { 1.0 - on_line } else { from_apex / to_skirt };
+            let down = |length: f64| (length.powi(2) - radius.powi(2)).sqrt();
+            let depth = down(to_skirt) * (from_apex / to_skirt).min(1.0) + down(self.line_length) * on_line;
+            let angle = 2.0 * PI * gore as f64 / n;
+            [radius * share * angle.cos(), radius * share * angle.sin(), -depth]
+        };
+        let rings = (1..=self.rings).map(|ring| self.radius() * ring as f64 / self.rings as f64);
+        let segments = (1..self.line_segments).map(|segment| segment as f64 / self.line_segments as f64);
+        let lengths = rings.chain(segments.map(|share| self.radius() + share * self.line_length));
+        let mut nodes = vec![[0.0; 3]];
+        nodes.extend(
+            lengths.flat_map(|length| (0..self.gores).map(move |gore| (length, gore))).map(|(l, g)| place(l, g)),
+        );
+        nodes.push(place(self.radius() + self.line_length, 0));
+        nodes
+    }
+
+    /// The displacements to positions of the nodes.
+    pub fn displaced_to(&self, positions: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let (nodes, _, _) = self.mesh(0.0);
+        nodes.iter().zip(positions).map(|(from, to)| [0, 1, 2].map(|i| to[i] - from[i])).collect()
+    }
+
     /// A case: the parachute falls with `speed` [m/s] from the start under a payload of `mass` [kg] in still air, with
     /// the pressure coefficient `dcp` [-].
     pub fn case(&self, dcp: f64, mass: f64, speed: f64) -> Value {

@@ -127,16 +127,21 @@ fn air(
         let hint = "a law takes the same wind at all heights: give a vector, a table, a file or gusts";
         faults.add_hint(&at.key("wind"), "no profile beside a law", hint);
     }
-    let at = at.key("law");
-    if !law(&at, given, faults) {
+    let Coefficients { linear, quadratic } = checked_coefficients(&at.key("law"), given, faults)?;
+    Some(AirSpec { linear, quadratic, wind: winds?.table.clone() })
+}
+
+/// The coefficients of a law, if it is a sound one.
+pub(super) fn checked_coefficients(at: &Pointer, given: &PorousLaw, faults: &mut Faults<'_>) -> Option<Coefficients> {
+    if !law(at, given, faults) {
         return None;
     }
-    let c = coefficients(given);
-    if !(c.linear.is_finite() && c.quadratic.is_finite()) {
-        faults.add(&at, "values whose pressure is a finite number");
+    let found = coefficients(given);
+    if !(found.linear.is_finite() && found.quadratic.is_finite()) {
+        faults.add(at, "values whose pressure is a finite number");
         return None;
     }
-    Some(AirSpec { linear: c.linear, quadratic: c.quadratic, wind: winds?.table.clone() })
+    Some(found)
 }
 
 fn drag(at: &Pointer, drag: &Drag, geometry: Option<&Geometry>, flow: &mut Flow, faults: &mut Faults<'_>) {
@@ -205,11 +210,11 @@ fn law(at: &Pointer, law: &PorousLaw, faults: &mut Faults<'_>) -> bool {
 
 /// Coefficients of dp = linear v_n + quadratic v_n |v_n|.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Coefficients {
+pub(super) struct Coefficients {
     /// [Pa s/m] viscous coefficient
-    linear: f64,
+    pub linear: f64,
     /// [Pa s^2/m^2] inertial coefficient
-    quadratic: f64,
+    pub quadratic: f64,
 }
 
 /// The coefficients of any law.

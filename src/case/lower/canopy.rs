@@ -3,14 +3,15 @@
 
 use nalgebra::Vector3;
 
+use super::air::checked_coefficients;
 use super::geometry::{Geometry, TriangleUse, triangles};
-use super::numbers::{not_negative, rising};
+use super::numbers::{not_negative, positive, rising};
 use super::{filling, select};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Aero, Canopy, NodeSelection, OneOrSeveral, PressureCoefficient};
+use crate::case::schema::{Aero, Canopy, Cavity, NodeSelection, OneOrSeveral, PressureCoefficient};
 use crate::mesh::canopy::{self, CanopyError, CanopyPart, CanopyParts, SkirtGroup};
-use crate::model::spec::{CanopySpec, NetworkSpec, Series};
+use crate::model::spec::{CanopySpec, CavitySpec, ClothSpec, NetworkSpec, Series};
 
 /// [-] Area that a canopy shows along its axis, over its whole area, below which the air has no direction to fill it.
 const OPENING: f64 = 1e-3;
@@ -23,23 +24,8 @@ pub(super) fn canopy(
     faults: &mut Faults<'_>,
 ) -> Option<CanopySpec> {
     let before = faults.count();
-    let rows = match (&canopy.table, &canopy.schedule) {
-        (Some(table), None) => match &table.pressure_coefficient {
-            PressureCoefficient::Constant(c) => Some(vec![[0.0, *c]]),
-            PressureCoefficient::Rows(rows) => {
-                coefficient_rows(&at.key("table").key("pressure_coefficient"), rows, faults)
-            }
-        },
-        (None, Some(schedule)) => {
-            filling::check(&at.key("schedule"), schedule, faults);
-            Some(vec![[0.0, 1.0]])
-        }
-        (given, _) => {
-            let value = if given.is_some() { "a canopy with table and schedule" } else { "a canopy without pressure" };
-            faults.add_value(at, value, "exactly one of table and schedule", None);
-            None
-        }
-    };
+    let rows = pressure_rows(at, canopy, faults);
+    let cavity = canopy.cavity.map(|given| cavity(&at.key("cavity"), given, faults));
     if let Some(factor) = canopy.apparent_mass {
         not_negative(&at.key("apparent_mass"), factor, faults);
     }
@@ -58,8 +44,52 @@ pub(super) fn canopy(
     let filling = canopy.schedule.as_ref().map_or_else(Vec::new, |stages| filling::stages(stages, diameter));
     (faults.count() == before).then_some(())?;
     let canopy::Canopy { skirt, apex, confluence, .. } = found;
+    let cavity = cavity.flatten();
     let apparent_mass = canopy.apparent_mass.filter(|factor| *factor > 0.0);
-    Some(CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling, apparent_mass })
+    Some(CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling, cavity, apparent_mass })
+}
+
+/// Rows of arc length and coefficient by the one way to give the pressure.
+fn pressure_rows(at: &Pointer, canopy: &Canopy, faults: &mut Faults<'_>) -> Option<Vec<[f64; 2]>> {
+    let given = [
+        canopy.table.is_some().then_some("table"),
+        canopy.schedule.is_some().then_some("schedule"),
+        canopy.cavity.is_some().then_some("cavity"),
+    ];
+    let given: Vec<&str> = given.into_iter().flatten().collect();
+    if given.len() != 1 {
+        let value = match given.as_slice() {
+            [] => "a canopy without pressure".to_owned(),
+            several => format!("a canopy with {}", several.join(" and ")),
+        };
+        faults.add_value(at, value, "exactly one of table, schedule and cavity", None);
+    }
+    if let Some(schedule) = &canopy.schedule {
+        filling::check(&at.key("schedule"), schedule, faults);
+    }
+    match canopy.table.as_ref().map(|table| &table.pressure_coefficient) {
+        Some(PressureCoefficient::Constant(c)) => Some(vec![[0.0, *c]]),
+        Some(PressureCoefficient::Rows(rows)) => {
+            coefficient_rows(&at.key("table").key("pressure_coefficient"), rows, faults)
+        }
+        None => Some(vec![[0.0, 1.0]]),
+    }
+}
+
+fn cavity(at: &Pointer, given: Cavity, faults: &mut Faults<'_>) -> Option<CavitySpec> {
+    let Cavity { inflow, outer_pressure_coefficient, law } = given;
+    positive(&at.key("inflow"), inflow, faults);
+    if !(outer_pressure_coefficient.is_finite() && outer_pressure_coefficient < 1.0) {
+        let hint = "it is that behind a full canopy, below the pressure inside: about -0.6";
+        faults.add_hint(&at.key("outer_pressure_coefficient"), "a number below 1", hint);
+    }
+    let cloth = law.map(|law| {
+        let found = checked_coefficients(&at.key("law"), &law.into(), faults)?;
+        Some(ClothSpec { linear: found.linear, quadratic: found.quadratic })
+    });
+    // A faulty law is not cloth without one.
+    let cloth = cloth.map_or(Some(None), |found| found.map(Some))?;
+    Some(CavitySpec { inflow, outer_pressure_coefficient, cloth })
 }
 
 /// Selects the parts of a canopy with these triangles and checks them.

@@ -69,24 +69,32 @@ impl<T: JsonSchema> JsonSchema for OneOrSeveral<T> {
 }
 
 /// The air in a canopy: a pressure from inside to outside along the normals of its triangles, dp = q dCp with
-/// q = rho V |V|/2. V is the axial air speed: the mean velocity of the skirt minus the wind there, along the axis from
-/// the apex to the confluence of the lines. Cloth that moves outwards at the normal speed w relative to the skirt meets
-/// less of it, rho/2 (V - w)|V - w| dCp: this damps the breathing of the canopy, and is nothing in steady flight.
+/// q = rho V |V|/2, or that of a cavity. V is the axial air speed: the mean velocity of the skirt minus the wind there,
+/// along the axis from the apex to the confluence of the lines. Cloth that moves outwards at the normal speed w in the
+/// air that goes with the canopy meets less of it, by rho/2 (V |V| - (V - w) |V - w|) dCp: this damps the breathing of
+/// the canopy, its turning and its motion across the axis, and is nothing in steady flight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Canopy {
     /// Which triangles: `"all"`, `{"ids": [...]}` or `{"group": ...}`.
     pub on: NodeSelection,
     /// The pressure from a coefficient, constant or over the arc length from the apex to the skirt. Exactly one of
-    /// `table` and `schedule` is given.
+    /// `table`, `schedule` and `cavity` is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table: Option<PressureTable>,
     /// The pressure from a drag area that grows while the canopy fills, for opening loads: one stage, or a list of
     /// stages that follow each other, as with a reefing line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub schedule: Option<OneOrSeveral<FillingSchedule>>,
+    /// Experimental: the pressure from a balance of the air that flows through the mouth and the cloth. Shape, filling
+    /// time and speed of fall come out at the right size, opening loads several times too large: take `schedule` for
+    /// those.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cavity: Option<Cavity>,
     /// [-] Apparent mass: the canopy takes along k times the mass of the air in its volume, which has momentum, but no
-    /// weight. About 1 for a hemisphere. None if not given.
+    /// weight. About 1 for a hemisphere. None if not given. Beside `cavity` it does not count the air twice: that
+    /// balance is one of the volume of the air, without inertia. Only while a canopy fills, its growth takes the
+    /// momentum of the inflow from the whole speed V, part of which the pressure in the mouth has taken already.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub apparent_mass: Option<f64>,
@@ -144,6 +152,46 @@ pub struct FillingSchedule {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub nominal_diameter: Option<f64>,
+}
+
+/// A canopy with a mouth (experimental; the balance is this program's own). One pressure acts on the whole canopy, dp =
+/// p_i - Cp q, with p_i inside such that as much air flows in through the mouth as the volume grows and the cloth lets
+/// through: eta V A_m x = dVol/dt + A w(dp), p_i = q (1 - x |x|). A_m is the size of the area vector of the skirt's
+/// loop, Vol the volume between the cloth and flat covers of its openings, A the area of the cloth. What leaves through
+/// vents and slots is not counted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Cavity {
+    /// [-] Inflow eta: speed in the mouth over V at which the pressure inside falls to that of the still air. Smaller
+    /// values fill more slowly: 0.3 to 0.6 gives filling constants of the right size.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub inflow: f64,
+    /// [-] Pressure coefficient Cp on the outside of the canopy, mostly negative (about -0.6): the full canopy has
+    /// dp = (1 - Cp) q if its cloth lets no air through.
+    #[schemars(extend("exclusiveMaximum" = 1))]
+    pub outer_pressure_coefficient: f64,
+    /// The air through the cloth at a pressure difference, by its speed w; the cloth lets none through if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<ClothLaw>,
+}
+
+/// Pressure difference over a cloth as a function of the speed of the air through it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ClothLaw {
+    /// Ergun's equation for a porous layer.
+    Ergun(ErgunLaw),
+    /// Measured permeability of a cloth: dp = e (a w + b w |w|).
+    Permeable(PermeableLaw),
+}
+
+impl From<ClothLaw> for PorousLaw {
+    fn from(law: ClothLaw) -> Self {
+        match law {
+            ClothLaw::Ergun(law) => PorousLaw::Ergun(law),
+            ClothLaw::Permeable(law) => PorousLaw::Permeable(law),
+        }
+    }
 }
 
 fn square() -> f64 {

@@ -21,7 +21,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use aero::{
-    Aero, Canopy, Drag, ErgunForm, ErgunLaw, FillingSchedule, OneOrSeveral, PermeableLaw, PorousLaw,
+    Aero, Canopy, Cavity, ClothLaw, Drag, ErgunForm, ErgunLaw, FillingSchedule, OneOrSeveral, PermeableLaw, PorousLaw,
     PressureCoefficient, PressureCoefficientLaw, PressureTable,
 };
 pub use loads::{Load, PressureKindKey};

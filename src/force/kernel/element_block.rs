@@ -49,7 +49,7 @@ impl NodeVectors<'_> {
 }
 
 /// Values of the scene numbers of a term; one that has fewer leaves the rest 0.
-pub type SceneValues = [f64; 5];
+pub type SceneValues = [f64; 6];
 
 /// The numbers of a force term that depend on nodes anywhere in the scene, such as the air speed of a canopy. They are
 /// found before the term's elements are evaluated, once per pass.

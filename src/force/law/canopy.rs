@@ -2,21 +2,21 @@
 //! cloth moves in the air that goes with the canopy.
 //!
 //! ```text
-//! a = unit vector from the apex to the confluence,     u = mean skirt velocity - wind there,     V = a . u
+//! V = speed of the skirt against the wind along the axis a (`axial_flow`)
 //! r = wind + V a,     w = (v - r) . n     of a triangle with mean velocity v and unit normal n from inside to outside
-//! p = kappa dCp (V - w)|V - w|,     kappa = rho/2,     f_i = p S/3,     power = f . v
+//! p = dCp (p_0 + kappa (V - w)|V - w|),     kappa = rho/2,     f_i = p S/3,     power = f . v
 //! ```
 //! Cloth that moves outwards meets less pressure: w takes energy from the breathing of a canopy, from its turning and
-//! from its motion across the axis. It is nothing in steady flight along the axis. kappa, V and r couple all nodes of
-//! the skirt, the apex and the confluence with all nodes of the canopy. The tangent is local but for a rank-one part of
-//! each of these five numbers. With c = V - w
+//! from its motion across the axis. It is nothing in steady flight along the axis. p_0 is that of a `cavity`: what its
+//! pressure has beyond kappa V|V|. Without one it is 0. kappa, V, r and p_0 couple all nodes of the skirt, the apex and
+//! the confluence, or of the canopy, with all nodes of the canopy. The tangent is local but for a rank-one part of each
+//! of these numbers. With c = V - w
 //! ```text
 //! -df_i/dx_j = -1/3 [p I + 2 kappa dCp |c| S ((I - n n^T)(r - v))^T/A] dS/dx_j,     -df_i/dv_j = 2 kappa dCp |c| S n^T/9
 //! -df_i/dkappa = -dCp c|c| S/3,     -df_i/dV = -2 kappa dCp |c| S/3,     -df_i/dr = -2 kappa dCp |c| S n^T/3
-//! dV/dv_skirt = a/n_s,     dV/dz_skirt = -a . dw/dz/n_s,     dV/dx_confluence = da^T u,     da = (I - a a^T)/(L n_c)
-//! dr = a dV + V da + dwind
+//! -df_i/dp_0 = -dCp S/3,     dr = a dV + V da + dwind
 //! ```
-//! and the opposite at the apex. While a canopy fills, its drag area A(t) is given. Then
+//! While a canopy fills, its drag area A(t) is given. Then
 //! ```text
 //! kappa = rho A/(2 G),   G = -sum dCp S . a,     dkappa = kappa (drho/rho - dG/G),     dG/dx_j = -sum dCp (dS/dx_j)^T a
 //! ```
@@ -26,7 +26,8 @@ use crate::force::kernel::batch::{BufferReads, Records, SceneNumbers};
 use crate::force::kernel::element_block::{NodeVectors, SceneValues};
 use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
 use crate::force::kernel::triangle_pairs::{PressureForce, PressureLaw};
-use crate::force::law::stream::{AirState, Stream};
+use crate::force::law::axial_flow::{AxialFlow, CanopyAxis};
+use crate::force::law::cavity::Cavity;
 use crate::force::law::triangle::{AreaVector, THIRD, mean};
 use crate::force::{ForceTerm, NodeState, RankOne, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
@@ -46,32 +47,12 @@ pub struct CanopyData {
     pub triangles: Arc<[[u32; 3]]>,
     /// [-] dCp by triangle
     pub pressure_coefficient: Arc<[f64]>,
-    /// nodes of the skirt
-    pub skirt: Vec<u32>,
-    /// nodes around the apex
-    pub apex: Vec<u32>,
-    /// nodes where the lines meet
-    pub confluence: Vec<u32>,
-    /// the air around it
-    pub stream: Arc<Stream>,
+    /// skirt, apex and confluence, and the air around them
+    pub axis: CanopyAxis,
     /// stages of its drag area; none if the pressure is q dCp
     pub filling: Arc<[FillingSpec]>,
-}
-
-/// The air along the axis.
-#[derive(Clone, Copy, Debug)]
-pub struct AxialFlow {
-    /// unit vector from the apex to the confluence; 0 where they coincide
-    pub axis: Vector3<f64>,
-    /// [m] distance from the apex to the confluence
-    pub length: f64,
-    /// [m/s] velocity of the skirt relative to the air
-    pub velocity: Vector3<f64>,
-    /// [m/s] V
-    pub speed: f64,
-    /// [Pa] q, of the sign of V
-    pub dynamic_pressure: f64,
-    air: AirState,
+    /// balance of the air inside
+    pub cavity: Option<Cavity>,
 }
 
 impl CanopyData {
@@ -82,17 +63,6 @@ impl CanopyData {
             before + share * (stage.drag_area - before)
         };
         (!self.filling.is_empty()).then(|| self.filling.iter().fold(0.0, grown))
-    }
-
-    /// The air along the axis at time `t` [s], positions `x` [m] and velocities `v` [m/s].
-    pub fn flow(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> AxialFlow {
-        let along = x.mean(&self.confluence) - x.mean(&self.apex);
-        let length = along.norm();
-        let axis = if length > 0.0 { along / length } else { Vector3::zeros() };
-        let air = self.stream.at(t, x.mean(&self.skirt).z);
-        let velocity = v.mean(&self.skirt) - air.wind[0];
-        let speed = axis.dot(&velocity);
-        AxialFlow { axis, length, velocity, speed, dynamic_pressure: 0.5 * air.density[0] * speed * speed.abs(), air }
     }
 
     /// [m^2] The sum of dCp S.
@@ -114,11 +84,13 @@ struct Breathing {
     speed: f64,
     /// [m/s] r
     along: Vector3<f64>,
+    /// [Pa] p_0
+    excess: f64,
 }
 
 impl Breathing {
-    fn new([kappa, speed, x, y, z]: SceneValues) -> Self {
-        Breathing { kappa, speed, along: Vector3::new(x, y, z) }
+    fn new([kappa, speed, x, y, z, excess]: SceneValues) -> Self {
+        Breathing { kappa, speed, along: Vector3::new(x, y, z), excess }
     }
 }
 
@@ -150,7 +122,7 @@ impl CanopyData {
         let lag = air.along - mean(at.v, nodes);
         let c = air.speed + lag.dot(&n);
         let slope = 2.0 * air.kappa * dcp * c.abs();
-        Meeting { area, n, lag, c, pressure: 0.5 * slope * c, slope }
+        Meeting { area, n, lag, c, pressure: dcp * air.excess + 0.5 * slope * c, slope }
     }
 
     /// [Pa] The pressures on its triangles at a state.
@@ -159,25 +131,34 @@ impl CanopyData {
         (0..self.triangles.len()).map(move |i| self.meeting(at, air, i).pressure)
     }
 
-    /// [N] The force of the air along the axis at a state, towards the apex.
-    pub fn drag(&self, at: NodeState<'_>) -> f64 {
-        let axis = self.flow(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v)).axis;
-        let along = self.triangles.iter().zip(self.pressures(at));
-        along.map(|(&nodes, pressure)| -pressure * AreaVector::new(at.x, nodes).s.dot(&axis)).sum()
+    /// The force of the air along the axis [N] at a state, towards the apex, and the mean of the pressure over the
+    /// cloth [Pa].
+    pub fn drag_and_pressure(&self, at: NodeState<'_>) -> [f64; 2] {
+        let axis = self.axis.flow(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v)).axis;
+        let (mut drag, mut sum, mut cloth) = (0.0, 0.0, 0.0);
+        for (&nodes, pressure) in self.triangles.iter().zip(self.pressures(at)) {
+            let area = AreaVector::new(at.x, nodes).s;
+            drag -= pressure * area.dot(&axis);
+            sum += pressure * area.norm();
+            cloth += area.norm();
+        }
+        [drag, sum / cloth]
     }
 }
 
 impl SceneNumbers for CanopyData {
     fn count(&self) -> usize {
-        5
+        if self.cavity.is_some() { 6 } else { 5 }
     }
 
-    /// kappa [kg/m^3], V [m/s] and r [m/s]
+    /// kappa [kg/m^3], V [m/s], r [m/s] and p_0 [Pa]
     fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> SceneValues {
-        let AxialFlow { axis, speed, air, .. } = self.flow(t, x, v);
+        let flow = self.axis.flow(t, x, v);
+        let AxialFlow { axis, speed, air, .. } = flow;
         let share = self.drag_area(t).map_or(1.0, |area| area / -self.opening(x).dot(&axis));
         let along = air.wind[0] + speed * axis;
-        [0.5 * air.density[0] * share, speed, along.x, along.y, along.z]
+        let excess = self.cavity.as_ref().map_or(0.0, |cavity| cavity.excess((&self.triangles, flow), x, v));
+        [0.5 * air.density[0] * share, speed, along.x, along.y, along.z, excess]
     }
 }
 
@@ -209,12 +190,12 @@ impl PressureLaw for CanopyLaw {
 
     #[inline(always)]
     fn pressure_force<R: Real>(&self, s: [R; 3], v: [R; 3]) -> PressureForce<R> {
-        let (all, Breathing { kappa, speed, along }) = (|number| s[0].all(number), self.0);
+        let (all, Breathing { kappa, speed, along, excess }) = (|number| s[0].all(number), self.0);
         let flow = all(THIRD) * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]);
         let flux = s[0] * all(along.x) + s[1] * all(along.y) + s[2] * all(along.z) - flow;
         let area = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]).sqrt();
         let c = all(speed) + (flux / area).where_positive(area);
-        let pressure = all(kappa) * c * c.abs();
+        let pressure = all(excess) + all(kappa) * c * c.abs();
         PressureForce { share: all(THIRD) * pressure, amount: pressure * flow }
     }
 }
@@ -262,72 +243,40 @@ impl ForceTerm for Canopy {
             let change = match which {
                 0 => dcp * c * c.abs(),
                 1 => slope,
+                5 => *dcp,
                 _ => slope * n[which - 2],
             };
             let force = area.s * (change / 3.0);
             nodes.into_iter().for_each(|node| u[node as usize] -= force);
         }
-        let flow = data.flow(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
-        match which {
-            0 => data.kappa_gradient(at, flow, w.k, g),
-            1 => data.speed_gradient(flow, w, g),
-            _ => data.along_gradient(which - 2, flow, w, g),
+        let flow = data.axis.flow(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
+        match (which, &data.cavity) {
+            (0, _) => data.add_kappa_gradient(at, flow, w.k, g),
+            (1, _) => data.axis.add_speed_gradient(flow, w, g),
+            (5, Some(cavity)) => cavity.add_excess_gradient((&data.triangles, &data.axis), at, w, g),
+            (5.., _) => {}
+            _ => data.axis.add_along_gradient(which - 2, flow, w, g),
         }
     }
 }
 
 impl CanopyData {
-    /// Adds the gradient of a mean over some nodes.
-    fn spread(&self, nodes: &[u32], whole: Vector3<f64>, g: &mut [Vector3<f64>]) {
-        let share = whole / nodes.len() as f64;
-        nodes.iter().for_each(|&node| g[node as usize] += share);
-    }
-
     /// Adds k dkappa/dx.
-    fn kappa_gradient(&self, at: NodeState<'_>, flow: AxialFlow, k: f64, g: &mut [Vector3<f64>]) {
-        let (AxialFlow { axis, .. }, [density, thinning]) = (flow, flow.air.density);
-        let Some(area) = self.drag_area(at.t) else {
-            return self.spread(&self.skirt, Vector3::z() * (0.5 * k * thinning), g);
-        };
+    fn add_kappa_gradient(&self, at: NodeState<'_>, flow: AxialFlow, k: f64, g: &mut [Vector3<f64>]) {
+        let Some(area) = self.drag_area(at.t) else { return self.axis.add_density_gradient(flow, 0.5 * k, g) };
+        let AxialFlow { axis, air, .. } = flow;
         let opening = self.opening(NodeVectors::Nodes(at.x));
         let size = -opening.dot(&axis);
         let share = area / size;
-        self.spread(&self.skirt, Vector3::z() * (0.5 * k * thinning * share), g);
+        self.axis.add_density_gradient(flow, 0.5 * k * share, g);
         // kappa/G, by which dG counts.
-        let closing = 0.5 * density * share / size * k;
-        self.turn(flow, closing * opening, g);
+        let closing = 0.5 * air.density[0] * share / size * k;
+        self.axis.add_turn(flow, closing * opening, g);
         for (&nodes, dcp) in self.triangles.iter().zip(self.pressure_coefficient.iter()) {
             let area = AreaVector::new(at.x, nodes);
             for (j, node) in nodes.into_iter().enumerate() {
                 g[node as usize] += closing * *dcp * (area.derivative(j).transpose() * axis);
             }
-        }
-    }
-
-    /// Adds c dV/dv + k dV/dx.
-    fn speed_gradient(&self, flow: AxialFlow, w: Weights, g: &mut [Vector3<f64>]) {
-        let AxialFlow { axis, velocity, air, .. } = flow;
-        let [_, shear] = air.wind;
-        self.spread(&self.skirt, w.c * axis - w.k * axis.dot(&shear) * Vector3::z(), g);
-        self.turn(flow, w.k * velocity, g);
-    }
-
-    /// The same for one component of r.
-    fn along_gradient(&self, i: usize, flow: AxialFlow, w: Weights, g: &mut [Vector3<f64>]) {
-        let AxialFlow { axis, speed, air, .. } = flow;
-        self.speed_gradient(flow, Weights { c: w.c * axis[i], k: w.k * axis[i], ..w }, g);
-        self.spread(&self.skirt, w.k * air.wind[1][i] * Vector3::z(), g);
-        let mut component = Vector3::zeros();
-        component[i] = w.k * speed;
-        self.turn(flow, component, g);
-    }
-
-    /// Adds the gradient of a product of the axis and a given vector.
-    fn turn(&self, AxialFlow { axis, length, .. }: AxialFlow, by: Vector3<f64>, g: &mut [Vector3<f64>]) {
-        if length > 0.0 {
-            let turn = (by - axis.dot(&by) * axis) / length;
-            self.spread(&self.confluence, turn, g);
-            self.spread(&self.apex, -turn, g);
         }
     }
 }

@@ -21,7 +21,11 @@ pub(crate) struct AreaVector {
 impl AreaVector {
     #[inline]
     pub(crate) fn new(x: &[Vector3<f64>], nodes: [u32; 3]) -> Self {
-        let [x0, x1, x2] = nodes.map(|i| x[i as usize]);
+        Self::of(nodes.map(|i| x[i as usize]))
+    }
+
+    #[inline]
+    pub(crate) fn of([x0, x1, x2]: [Vector3<f64>; 3]) -> Self {
         AreaVector { s: 0.5 * (x1 - x0).cross(&(x2 - x0)), opposite: [x2 - x1, x0 - x2, x1 - x0] }
     }
 

@@ -54,6 +54,7 @@ fn canopy() -> Vec<CanopySpec> {
         apex,
         confluence,
         filling: Vec::new(),
+        cavity: None,
         apparent_mass: None,
     }]
 }
@@ -63,6 +64,14 @@ fn filling_canopy() -> Vec<CanopySpec> {
     let stage = |drag_area, start| FillingSpec { drag_area, start, duration: 9.0, exponent: 2.0 };
     let filling = vec![stage(2.5, -4.0), stage(7.0, -1.0)];
     canopy().into_iter().map(|one| CanopySpec { filling: filling.clone(), ..one }).collect()
+}
+
+/// The same with a balance at its mouth.
+fn cavity(cloth: Option<[f64; 2]>) -> Vec<CanopySpec> {
+    let cloth = cloth.map(|[linear, quadratic]| ClothSpec { linear, quadratic });
+    let cavity = Some(CavitySpec { inflow: 0.7, outer_pressure_coefficient: -0.6, cloth });
+    let one = |one: CanopySpec| CanopySpec { pressure_coefficient: vec![1.0; one.triangles.len()], cavity, ..one };
+    canopy().into_iter().map(one).collect()
 }
 
 fn line_drag() -> Vec<LineDragSpec> {
@@ -79,6 +88,10 @@ pub fn uneven_scenes() -> Vec<(&'static str, NetworkSpec)> {
     vec![
         ("canopy in uneven air", air(NetworkSpec { canopies: canopy(), ..patch() })),
         ("filling canopy in uneven air", air(NetworkSpec { canopies: filling_canopy(), ..patch() })),
+        ("cavity of tight cloth in uneven air", air(NetworkSpec { canopies: cavity(None), ..patch() })),
+        ("cavity of porous cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([3.0, 0.8])), ..patch() })),
+        ("cavity of viscous cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([12.0, 0.0])), ..patch() })),
+        ("cavity of inertial cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([0.0, 9.0])), ..patch() })),
         ("line drag in uneven air", air(NetworkSpec { line_drag: line_drag(), ..patch() })),
         ("node drag in uneven air", air(NetworkSpec { node_drag: node_drag(), ..patch() })),
     ]
@@ -111,6 +124,7 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
     list.push(("nodal forces", NetworkSpec { forces, ..patch() }));
     let air = |spec: NetworkSpec| NetworkSpec { stream: Some(stream()), ..spec };
     list.push(("canopy", air(NetworkSpec { canopies: canopy(), ..patch() })));
+    list.push(("cavity", air(NetworkSpec { canopies: cavity(Some([3.0, 0.8])), ..patch() })));
     list.push(("line drag", air(NetworkSpec { line_drag: line_drag(), ..patch() })));
     list.push(("node drag", air(NetworkSpec { node_drag: node_drag(), ..patch() })));
     list

@@ -59,6 +59,7 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
             apex: copy(&one.apex, c),
             confluence: copy(&one.confluence, c),
             filling: one.filling.clone(),
+            cavity: one.cavity,
             apparent_mass: one.apparent_mass,
         })
     });

@@ -288,10 +288,19 @@ fn of_a_parachute() {
         serde_json::json!({"sum": [[1, 0, 0], {"gust": {"velocity": [0, 2, 0], "start": 0.001, "duration": 0.004}}]});
     aero["atmosphere"] = serde_json::json!("isa");
     aero["drag"] = serde_json::json!([{"on": "lines", "diameter": 0.004, "coefficient": 1.1}]);
-    for apparent in ["null", "1.0"] {
+    let table = scene["system"]["network"]["aero"]["canopy"]["table"].to_string();
+    let cavity = "{\"inflow\": 0.5, \"outer_pressure_coefficient\": -0.6, \
+                  \"law\": {\"permeable\": {\"a\": 1.6e6, \"b\": 4.8e5, \"thickness\": 1e-4}}}";
+    for (apparent, table, cavity) in [("null", &*table, "null"), ("1.0", &*table, "null"), ("1.0", "null", cavity)] {
         for method in ["velocity-verlet", "rk4", "newmark", "hht"] {
-            let sets = [("time.method", method), ("system.network.aero.canopy.apparent_mass", apparent)];
-            assert_resumes(&case_of(&scene, &sets), [7, 31], &format!("{method} of a parachute, {apparent}"));
+            let sets = [
+                ("time.method", method),
+                ("system.network.aero.canopy.apparent_mass", apparent),
+                ("system.network.aero.canopy.table", table),
+                ("system.network.aero.canopy.cavity", cavity),
+            ];
+            let what = format!("{method} of a parachute, {apparent}, {cavity}");
+            assert_resumes(&case_of(&scene, &sets), [7, 31], &what);
         }
     }
 }

@@ -27,6 +27,22 @@ fn a_parachute_under_a_law_of_the_free_stream_is_warned_of() {
     assert_eq!(codes, ["air-pressure", "closing-canopy"], "{texts}");
 }
 
+/// A cavity is experimental, and says so; a case can acknowledge it by its code.
+#[test]
+fn a_cavity_is_warned_of() {
+    let small = Parachute { gores: 8, rings: 4, line_segments: 2, nominal_diameter: 2.0, line_length: 2.0 };
+    let mut case = small.case(1.74, 4.0, 6.0);
+    for rule in case["system"]["network"]["springs"].as_array_mut().expect("rules") {
+        rule["dashpot"] = json!({"axial": {"time": 2e-5}});
+    }
+    let canopy = &mut case["system"]["network"]["aero"]["canopy"];
+    canopy["table"] = Value::Null;
+    canopy["cavity"] = json!({"inflow": 0.4, "outer_pressure_coefficient": -0.6});
+    let (codes, texts) = warnings(&case);
+    assert_eq!(codes, ["experimental-model"], "{texts}");
+    assert!(texts.contains("opening loads") && texts.contains("\"schedule\""), "{texts}");
+}
+
 /// A C-9 (28 gores, D0 8.534 m, lines of 0.9 D0, 90.7 kg) in calm air. A pressure coefficient of 1.2 lets its skirt
 /// close, and the load falls at about 40 m/s; as permeable cloth, measured, it falls at 0.5 m/s. The true speed is
 /// 5.8 m/s. Both are warned of by `check` and by `solve`, with their codes; the air in its canopy is not.
