@@ -24,6 +24,15 @@ const ROUNDED_A_STEP: f64 = 0.25;
 /// [-] Share of the exchanged energy above which rounding could look like an error.
 const VISIBLE: f64 = 1e-6;
 
+/// What becomes of elastic energy that changes between two steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Elastic {
+    /// it is work from outside: a program has changed rest lengths
+    FromOutside,
+    /// it is lost, as that of a line that is cut and recoils
+    Dissipated,
+}
+
 /// Energy account of a run, up to the present step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Ledger {
@@ -90,18 +99,16 @@ impl Ledger {
         self.close(system, end.nodes.kinetic, &end.tallies)
     }
 
-    /// Accounts for forces that a program has changed between two steps: energy that they gained or lost while nothing
-    /// moved is work done from outside. `at` has the forces as they are now, `before` is the account until then.
-    pub fn changed(&mut self, system: &dyn System, at: &Point, before: &LedgerRow) -> LedgerRow {
+    /// Accounts for forces that were changed between two steps: what weight gained or lost while nothing moved is work
+    /// done from outside, and of elastic energy `elastic` says what became. `at` has the forces as they are now,
+    /// `before` is the account until then.
+    pub fn changed(&mut self, system: &dyn System, at: &Point, before: &LedgerRow, elastic: Elastic) -> LedgerRow {
         let now = self.row(system, before.kinetic, &at.forces.tallies);
-        self.work.external += (now.elastic - before.elastic) + (now.gravity - before.gravity);
-        self.close(system, before.kinetic, &at.forces.tallies)
-    }
-
-    /// Accounts for springs that are cut: their energy is lost, as that of a line that recoils.
-    pub fn cut(&mut self, system: &dyn System, at: &Point, before: &LedgerRow) -> LedgerRow {
-        let now = self.row(system, before.kinetic, &at.forces.tallies);
-        self.work.dissipated += before.elastic - now.elastic;
+        self.work.external += now.gravity - before.gravity;
+        match elastic {
+            Elastic::FromOutside => self.work.external += now.elastic - before.elastic,
+            Elastic::Dissipated => self.work.dissipated += before.elastic - now.elastic,
+        }
         self.close(system, before.kinetic, &at.forces.tallies)
     }
 
