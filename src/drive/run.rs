@@ -141,8 +141,9 @@ impl Run<'_> {
             return Ok(());
         }
         state.passed = passed;
-        scene.pass_events(passed);
-        Ok(state.refresh(scene, stepper, Changed::Phase)?)
+        let changed = if scene.pass_events(passed) { Changed::Phase } else { Changed::Motion };
+        scene.put_supports(&mut state.from.state);
+        Ok(state.refresh(scene, stepper, changed)?)
     }
 
     /// Whether a scene of this extent [m] counts as diverged.
@@ -166,6 +167,8 @@ pub(crate) enum Changed {
     /// nothing
     #[default]
     Nothing,
+    /// velocities of held nodes: tangents stay the same
+    Motion,
     /// forces that do not depend on the state: tangents stay the same
     Values,
     /// how forces depend on the state
@@ -312,7 +315,7 @@ impl RunState {
         }
         match changed {
             Changed::Nothing => {}
-            Changed::Values => stepper.restart(&self.from),
+            Changed::Motion | Changed::Values => stepper.restart(&self.from),
             Changed::Laws => {
                 self.watch.loads_changed(scene);
                 stepper.forces_changed(&self.from)?;

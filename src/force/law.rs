@@ -3,6 +3,7 @@
 pub mod air;
 pub mod atmosphere;
 pub mod bar_law;
+pub mod base_acceleration;
 pub mod canopy;
 pub mod damped_springs;
 pub mod dashpot;

@@ -16,6 +16,7 @@ mod plausible;
 mod select;
 mod springs;
 mod stiffness;
+mod supports;
 mod tables;
 mod time;
 mod wind;
