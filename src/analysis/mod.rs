@@ -6,6 +6,7 @@ mod certificate;
 pub mod critical;
 mod hessenberg;
 mod lanczos;
+pub mod later;
 pub mod limit;
 pub(crate) mod modes;
 mod operators;

@@ -141,11 +141,14 @@ impl Fingerprint {
             mass,
             fixed,
             releases,
+            motions,
             cuts,
+            rest_scales,
             springs,
             // These are among the gauges.
             strengths: _,
             gravity,
+            base_acceleration,
             air,
             stream,
             canopies,
@@ -166,6 +169,15 @@ impl Fingerprint {
         self.sum("system.network.springs", springs)?;
         if !cuts.is_empty() {
             self.sum("system.network.springs", cuts)?;
+        }
+        if !motions.is_empty() {
+            self.sum("system.network.supports", motions)?;
+        }
+        if !rest_scales.is_empty() {
+            self.sum("system.network.springs", rest_scales)?;
+        }
+        if base_acceleration.is_some() {
+            self.sum("system.network.base_acceleration", base_acceleration)?;
         }
         self.text("system.network.gravity", gravity)?;
         self.sum("system.network.aero", air)?;

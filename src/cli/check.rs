@@ -5,6 +5,7 @@ use super::check_json::{Report, Totals};
 use super::warnings::{check_solver, of_scene, planned};
 use super::{CheckArgs, CliError};
 use crate::analysis::critical::{Confidence, CriticalStep, ElementBounds, outside_filter};
+use crate::analysis::later::{LaterLimit, later_warning, least_later};
 use crate::analysis::spectrum::Spectrum;
 use crate::case::Case;
 use crate::case::spec::{Problem, SystemSpec};
@@ -53,15 +54,22 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let budget = &Budget::of(scene, &problem);
     let mut limits = Limits::of(scene, &state, budget);
     let candidates = candidates(&problem, scene, &mut limits);
+    let plan = planned(&problem, scene, Stop::NEVER);
+    let limit = limits.critical_step(&problem.method);
+    let allowed = || budget.affords_search(scene);
+    let search = matches!(limits, Limits::Searched(_)).then_some(&allowed as &dyn Fn() -> bool);
+    let later = least_later(plan, limit, search);
     let own = problem.time.step.tolerance().map(|tolerance| tolerance.relative);
     let accuracy = args.accuracy.or(own).unwrap_or(ACCURACY);
     let fields = problem.output.fields.as_slice().into();
     let spec = ForecastSpec { scene, problem: &problem, fields, candidates: &candidates, accuracy, baseline, budget };
     let forecast = forecast(&spec);
-    let limit = limits.critical_step(&problem.method);
+    // Trial runs have passed events.
+    scene.pass_events(0);
     let out = PathBuf::from("out").join(file_stem(&problem.name));
-    let (acknowledged, warnings) =
-        problem.sort_out(of_scene(planned(&problem, scene, Stop::NEVER), &problem, limit, &out));
+    let mut found = of_scene(plan, &problem, limit, &out);
+    found.extend(later_warning(plan, limit, later));
+    let (acknowledged, warnings) = problem.sort_out(found);
     let words = |early: &[Warning], late: &[Warning]| early.iter().chain(late).map(Warning::to_string).collect();
     let acknowledged: Vec<String> = words(&problem.acknowledged, &acknowledged);
     let warnings: Vec<String> = words(&problem.warnings, &warnings);
@@ -70,6 +78,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
             problem: &problem,
             scene,
             candidates: &candidates,
+            later,
             forecast,
             totals,
             groups,
@@ -80,6 +89,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     }
     text.push_str(&describe(&problem, &forecast)?);
     describe_limits(&mut text, &problem, scene, &limits, &candidates);
+    describe_later(&mut text, &problem, scene, later);
     acknowledged.iter().for_each(|warning| text.push_str(&format!("acknowledged: {warning}\n")));
     warnings.iter().for_each(|warning| text.push_str(&format!("warning: {warning}\n")));
     Ok(text)
@@ -222,6 +232,17 @@ fn describe_limits(
     }
     text.push_str(
         "  (* the method of this case; all at t = 0; certified: proved to be at most the true limit, and below it by no more than the width)\n\n",
+    );
+}
+
+/// The critical step after an event, if it is smaller.
+fn describe_later(text: &mut String, problem: &Problem, scene: &dyn Scene, later: Option<LaterLimit>) {
+    let Some(LaterLimit { t, limit }) = later else { return };
+    let _ = writeln!(
+        text,
+        "  from t = {} s on   {} (nodes where they are at t = 0)\n",
+        figures(t, 6),
+        describe_limit(limit, problem.time.step, scene)
     );
 }
 

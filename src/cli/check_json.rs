@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use super::CliError;
 use crate::analysis::critical::Confidence;
+use crate::analysis::later::LaterLimit;
 use crate::case::spec::Problem;
 use crate::drive::observer::ObserveError;
 use crate::mesh::canopy::CanopySizes;
@@ -17,6 +18,8 @@ pub(super) struct Report<'a> {
     pub problem: &'a Problem,
     pub scene: &'a dyn Scene,
     pub candidates: &'a [Candidate],
+    /// the critical step after an event, if it is smaller
+    pub later: Option<LaterLimit>,
     pub forecast: Forecast,
     pub totals: Totals,
     /// of the mesh, by name
@@ -36,7 +39,7 @@ pub(super) struct Totals {
 impl Report<'_> {
     /// JSON text that ends with a line break.
     pub fn to_json(&self) -> Result<String, CliError> {
-        let Report { problem, scene, candidates, forecast, totals, groups, warnings, acknowledged } = self;
+        let Report { problem, scene, candidates, later, forecast, totals, groups, warnings, acknowledged } = self;
         let tolerance = problem.time.step.tolerance();
         let unknowns = scene.inverse_mass().iter().filter(|m| **m > 0.0).count();
         let mut report = json!({
@@ -52,6 +55,9 @@ impl Report<'_> {
             "groups": groups,
             "symmetric": scene.symmetric(),
             "critical_steps": candidates.iter().map(|c| limit(c, *scene)).collect::<Vec<_>>(),
+            "later_critical_step": later.map(|LaterLimit { t, limit }| json!({
+                "from": t, "critical_step": limit.step, "set_by": place_of(*scene, limit.dof)
+            })),
             "warnings": warnings,
             "acknowledged": acknowledged,
             "version": env!("CARGO_PKG_VERSION"),

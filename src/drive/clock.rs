@@ -112,13 +112,16 @@ impl EventSteps {
         for &event in events {
             let ratio = event / steps.step;
             let nearest = ratio.round();
-            if nearest >= 1.0 && (ratio - nearest).abs() <= SLACK.max(4.0 * f64::EPSILON * nearest) {
+            let slack = SLACK.max(4.0 * f64::EPSILON * nearest);
+            if (event - steps.end).abs() <= slack * steps.step {
+                made.events.push(steps.end);
+            } else if event > steps.end {
+                made.events.push(event);
+            } else if nearest >= 1.0 && (ratio - nearest).abs() <= slack {
                 made.events.push(steps.tick(nearest as u64).t);
             } else {
-                if event < steps.end {
-                    let within = (ratio as u64).min(steps.count - 1);
-                    made.divided.push((within + made.divided.len() as u64 + 1, event));
-                }
+                let within = (ratio as u64).min(steps.count - 1);
+                made.divided.push((within + made.divided.len() as u64 + 1, event));
                 made.events.push(event);
             }
         }
@@ -193,5 +196,7 @@ mod tests {
         let plain = EventSteps::new(FixedSteps::new(0.1, 1.0), &[0.3]);
         assert_eq!((plain.count(), plain.events()), (10, &[3.0 * 0.1][..]));
         assert!((1..=10).all(|k| plain.tick(k) == FixedSteps::new(0.1, 1.0).tick(k)));
+        let beyond = EventSteps::new(FixedSteps::new(0.3, 1.0), &[1.0, 1.2, 2.0]);
+        assert_eq!((beyond.count(), beyond.events()), (4, &[1.0, 1.2, 2.0][..]), "events beyond the end wait there");
     }
 }

@@ -3,10 +3,12 @@
 //! ```text
 //! kinetic + elastic + gravity - external_work + dissipated + numerical = its value at t = 0
 //! ```
-//! Work of a force over a step is 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n), unless the scheme integrates it itself (the
-//! Runge-Kutta and PEC schemes) and resolves its dashpots. Where a program changes rest lengths or gravity, the energy
-//! that springs and weight gain at once is external work too. The energy of springs that are cut is dissipated.
-//! `numerical` is the remainder: the energy that the scheme itself lost (above 0) or made (below 0).
+//! Work of a force over a step is 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n), and that of a change of rest lengths by a
+//! factor s -1/2 (G_n + G_{n+1}) (s_{n+1} - s_n) with G the sum of T l0, which is external; unless the scheme
+//! integrates it itself (the Runge-Kutta and PEC schemes) and resolves its dashpots. Where a program changes rest
+//! lengths or gravity, the energy that springs and weight gain at once is external work too, and so is that of held
+//! masses whose support changes its velocity. The energy of springs that are cut is dissipated. `numerical` is the
+//! remainder: the energy that the scheme itself lost (above 0) or made (below 0).
 
 use super::observer::LedgerRow;
 use crate::integrate::{StageWork, StepReport};
@@ -23,6 +25,15 @@ const ROUNDED_A_STEP: f64 = 0.25;
 
 /// [-] Share of the exchanged energy above which rounding could look like an error.
 const VISIBLE: f64 = 1e-6;
+
+/// What becomes of elastic energy that changes between two steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Elastic {
+    /// it is work from outside: a program has changed rest lengths
+    FromOutside,
+    /// it is lost, as that of a line that is cut and recoils
+    Dissipated,
+}
 
 /// Energy account of a run, up to the present step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -59,8 +70,10 @@ impl Ledger {
         let kinetic = system.kinetic_energy(&to.state.v);
         let way = [&from.state.x, &to.state.x].map(Vec::as_slice);
         let work = |f: [&[f64]; 2]| system.work(f, way);
+        let times = [from.state.t, to.state.t];
+        let reeled = reeling_work(system, times, [&from.forces.tallies, &to.forces.tallies]);
         let ends = || StageWork {
-            external: work([&from.forces.external, &to.forces.external]),
+            external: work([&from.forces.external, &to.forces.external]) + reeled,
             dissipated: -work([&from.forces.dissipative, &to.forces.dissipative]),
         };
         let (work, by_stages) = match report.work {
@@ -83,26 +96,26 @@ impl Ledger {
         (self.close(system, kinetic, &to.forces.tallies), by_stages)
     }
 
-    /// The same for the summary of a step in a block.
-    pub fn close_with(&mut self, system: &dyn System, end: &StepSummary) -> LedgerRow {
-        self.work.external += end.nodes.work.external;
+    /// The same for the summary of a step in a block, which began at a time [s] with these tallies.
+    pub fn close_with(&mut self, system: &dyn System, start: (f64, &[Tally]), end: &StepSummary) -> LedgerRow {
+        let reeled = reeling_work(system, [start.0, end.t], [start.1, &end.tallies]);
+        self.work.external += end.nodes.work.external + reeled;
         self.work.dissipated -= end.nodes.work.dissipative;
         self.close(system, end.nodes.kinetic, &end.tallies)
     }
 
-    /// Accounts for forces that a program has changed between two steps: energy that they gained or lost while nothing
-    /// moved is work done from outside. `at` has the forces as they are now, `before` is the account until then.
-    pub fn changed(&mut self, system: &dyn System, at: &Point, before: &LedgerRow) -> LedgerRow {
-        let now = self.row(system, before.kinetic, &at.forces.tallies);
-        self.work.external += (now.elastic - before.elastic) + (now.gravity - before.gravity);
-        self.close(system, before.kinetic, &at.forces.tallies)
-    }
-
-    /// Accounts for springs that are cut: their energy is lost, as that of a line that recoils.
-    pub fn cut(&mut self, system: &dyn System, at: &Point, before: &LedgerRow) -> LedgerRow {
-        let now = self.row(system, before.kinetic, &at.forces.tallies);
-        self.work.dissipated += before.elastic - now.elastic;
-        self.close(system, before.kinetic, &at.forces.tallies)
+    /// Accounts for forces, and velocities of supports, that were changed between two steps: what weight and held
+    /// masses gained or lost at once is work done from outside, and of elastic energy `elastic` says what became. `at`
+    /// is the state as it is now, `before` the account until then.
+    pub fn changed(&mut self, system: &dyn System, at: &Point, before: &LedgerRow, elastic: Elastic) -> LedgerRow {
+        let kinetic = if system.moved().is_empty() { before.kinetic } else { system.kinetic_energy(&at.state.v) };
+        let now = self.row(system, kinetic, &at.forces.tallies);
+        self.work.external += (now.kinetic - before.kinetic) + (now.gravity - before.gravity);
+        match elastic {
+            Elastic::FromOutside => self.work.external += now.elastic - before.elastic,
+            Elastic::Dissipated => self.work.dissipated += before.elastic - now.elastic,
+        }
+        self.close(system, kinetic, &at.forces.tallies)
     }
 
     fn close(&mut self, system: &dyn System, kinetic: f64, tallies: &[Tally]) -> LedgerRow {
@@ -155,6 +168,12 @@ impl Ledger {
                 - row.dissipated;
         row
     }
+}
+
+/// [J] Work of changes of rest lengths over a step between two times [s], from the tallies at its ends.
+fn reeling_work(system: &dyn System, times: [f64; 2], tallies: [&[Tally]; 2]) -> f64 {
+    let [start, end] = tallies.map(|tallies| system.reeling_power(times, tallies));
+    0.5 * (times[1] - times[0]) * (start + end)
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ mod step_block;
 use super::clock::Tick;
 use super::error::RunError;
 use super::failure::Failure;
-use super::ledger::Ledger;
+use super::ledger::{Elastic, Ledger};
 use super::observer::{LedgerRow, Observer, Occasion, Resumable};
 use super::outcome::{Outcome, RunSpec, Status};
 use super::snapshot::Snapshot;
@@ -130,8 +130,7 @@ impl Run<'_> {
         self.state.policy.next(self.state.steps, self.state.from.state.t)
     }
 
-    /// Passes the events that the accepted state has reached, and restarts the scheme and adaptive steps there. A
-    /// snapshot is always of the state after them.
+    /// Passes the events that the accepted state has reached. A snapshot is always of the state after them.
     fn pass_events(&mut self, stepper: &mut Stepper<'_>) -> Result<(), RunError> {
         let (scene, state) = (self.scene, &mut *self.state);
         if state.passed == scene.events().len() {
@@ -142,18 +141,9 @@ impl Run<'_> {
             return Ok(());
         }
         state.passed = passed;
-        scene.pass_events(passed);
-        state.counters.evaluate(scene, state.from.state.as_ref(), &mut state.from.forces);
-        state.row = state.ledger.cut(scene, &state.from, &state.row);
-        if let StepPolicy::Adaptive(policy) = &mut state.policy {
-            policy.forget_history();
-            policy.recount(scene);
-        }
-        state.watch.scene_changed(scene);
-        state.scene_limits = SceneLimits::of(scene);
-        stepper.start(&state.from)?;
-        stepper.restart(&state.from);
-        Ok(())
+        let changed = if scene.pass_events(passed) { Changed::Phase } else { Changed::Motion };
+        scene.put_supports(&mut state.from.state);
+        Ok(state.refresh(scene, stepper, changed)?)
     }
 
     /// Whether a scene of this extent [m] counts as diverged.
@@ -171,18 +161,22 @@ pub(crate) struct Run<'a> {
     pub state: &'a mut RunState,
 }
 
-/// What a program has changed since the last step.
+/// What a program or an event has changed since the last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Changed {
     /// nothing
     #[default]
     Nothing,
+    /// velocities of held nodes: tangents stay the same
+    Motion,
     /// forces that do not depend on the state: tangents stay the same
     Values,
     /// how forces depend on the state
     Laws,
     /// also the nodes that forces depend on: the matrix has another pattern
     Pattern,
+    /// what is held, or which springs carry force: an event of the scene
+    Phase,
 }
 
 /// The state of a run. After a step, `from` is the accepted point and `to` the one before it. The struct borrows
@@ -307,22 +301,32 @@ impl RunState {
         self.resumable(Occasion::Step, stepper).snapshot()
     }
 
-    /// Evaluates the forces at the present state again, after a program has changed some, and restarts the scheme and
-    /// adaptive steps there.
+    /// Evaluates the forces at the present state again, after a program or an event has changed some, corrects the
+    /// ledger, and restarts the scheme and adaptive steps there.
     pub fn refresh(&mut self, scene: &dyn Scene, stepper: &mut Stepper<'_>, changed: Changed) -> Result<(), StepError> {
         self.counters.evaluate(scene, self.from.state.as_ref(), &mut self.from.forces);
-        self.row = self.ledger.changed(scene, &self.from, &self.row);
+        let fate = if changed == Changed::Phase { Elastic::Dissipated } else { Elastic::FromOutside };
+        self.row = self.ledger.changed(scene, &self.from, &self.row, fate);
         if let StepPolicy::Adaptive(policy) = &mut self.policy {
             policy.forget_history();
+            if changed == Changed::Phase {
+                policy.recount(scene);
+            }
         }
         match changed {
             Changed::Nothing => {}
-            Changed::Values => stepper.restart(&self.from),
+            Changed::Motion | Changed::Values => stepper.restart(&self.from),
             Changed::Laws => {
                 self.watch.loads_changed(scene);
                 stepper.forces_changed(&self.from)?;
             }
             Changed::Pattern => stepper.start(&self.from)?,
+            Changed::Phase => {
+                self.watch.scene_changed(scene);
+                self.scene_limits = SceneLimits::of(scene);
+                stepper.start(&self.from)?;
+                stepper.restart(&self.from);
+            }
         }
         Ok(())
     }

@@ -373,10 +373,11 @@ impl Watch {
     }
 }
 
-/// [W] Power of the external forces.
-pub(super) fn power_of(scene: &dyn Scene, tallies: &[Tally]) -> f64 {
+/// [W] Power of the external forces, and of changes of rest lengths, at an end of a step between two times [s].
+pub(super) fn power_of(scene: &dyn Scene, times: [f64; 2], tallies: &[Tally]) -> f64 {
     let external = |(term, _): &(&TermInfo, _)| term.role == Role::External;
-    scene.terms().iter().zip(tallies).filter(external).map(|(_, tally)| tally.power).sum()
+    let forces: f64 = scene.terms().iter().zip(tallies).filter(external).map(|(_, tally)| tally.power).sum();
+    forces + scene.reeling_power(times, tallies)
 }
 
 /// [J] 1/2 h^2 sum f^2/m of the loads in a state: the kinetic energy they give to resting masses in a step h [s].

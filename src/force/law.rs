@@ -4,6 +4,7 @@ pub mod air;
 pub mod atmosphere;
 pub mod axial_flow;
 pub mod bar_law;
+pub mod base_acceleration;
 pub mod canopy;
 pub mod cavity;
 pub mod damped_springs;

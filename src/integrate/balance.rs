@@ -1,5 +1,5 @@
 //! The loops of an implicit step's equations over all degrees of freedom. Slices are `[n_dof]`. Fixed degrees of
-//! freedom have z = 0, and their results are not used.
+//! freedom have z = 0, or h v where a support moves them, and their results are not used.
 
 use super::stage::StageMap;
 use crate::model::lanes::{LANES, Lanes};

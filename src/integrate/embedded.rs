@@ -98,11 +98,11 @@ impl Integrator<dyn System> for Embedded {
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
         let (n, Tableau { stages, b, .. }) = (&from.state, self.tableau);
-        let mut work = StageWork::default();
+        let (mut work, times) = (StageWork::default(), [n.t, t_next]);
         if let Some(first) = self.slopes.first_mut() {
             first.x.copy_from_slice(&n.v);
             acceleration(system, &mut first.v, &from.forces.total);
-            work.add(h * b.first().copied().unwrap_or(0.0), power(system, &from.forces));
+            work.add(h * b.first().copied().unwrap_or(0.0), power(system, times, &from.forces));
         }
         for (i, Stage { c, a }) in (1..).zip(*stages) {
             let (before, rest) = self.slopes.split_at_mut(i);
@@ -112,7 +112,7 @@ impl Integrator<dyn System> for Embedded {
             let t = if *c == 1.0 { t_next } else { n.t + c * h };
             counters.evaluate(system, StateRef { t, x: &self.x, v: &slope.x }, &mut self.forces);
             acceleration(system, &mut slope.v, &self.forces.total);
-            work.add(h * b.get(i).copied().unwrap_or(0.0), power(system, &self.forces));
+            work.add(h * b.get(i).copied().unwrap_or(0.0), power(system, times, &self.forces));
         }
         to.state.t = t_next;
         advance(&mut to.state.x, &n.x, h, b, &self.slopes, |k| &k.x);

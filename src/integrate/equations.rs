@@ -185,8 +185,14 @@ impl NonlinearProblem for Equations<'_> {
         for (&dof, z) in dof.iter().zip(z) {
             residual[dof as usize] = *z;
         }
+        for &dof in self.system.moved() {
+            residual[dof as usize] = self.start.h * from.state.v[dof as usize];
+        }
         let (workers, start) = (self.system.workers(), Start { x: &from.state.x, v: &from.state.v, a: self.start.a });
         displace(workers, map, residual, start, (&mut self.to.state.x, &mut self.to.state.v));
+        for &dof in self.system.moved() {
+            self.to.state.v[dof as usize] = from.state.v[dof as usize];
+        }
         self.counters.evaluate(self.system, self.to.state.as_ref(), &mut self.to.forces);
         let forces = Forces { f_n: &from.forces.total, f: &self.to.forces.total, mass: &dofs.mass };
         unbalanced(workers, map, start, forces, (a_next, residual));

@@ -44,7 +44,7 @@ impl Integrator<dyn System> for EulerRichardson {
         let in_the_middle = Slopes { u: &m.v, f: &self.forces.total };
         follow(system, (&mut to.state.x, &mut to.state.v), from_n, h, in_the_middle);
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
-        let work = weigh([(h, power(system, &self.forces))]);
+        let work = weigh([(h, power(system, [n.t, t_next], &self.forces))]);
         Ok(StepReport { work: Some(work), forces_at_end: true, ..Default::default() })
     }
 }

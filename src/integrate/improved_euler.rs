@@ -45,7 +45,8 @@ impl Integrator<dyn System> for ImprovedEuler {
         let at_end = Slopes { u: &p.v, f: &self.forces.total };
         accumulate_slopes(system, (&mut to.state.x, &mut to.state.v), 0.5 * h, at_end);
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
-        let work = weigh([(0.5 * h, power(system, &from.forces)), (0.5 * h, power(system, &self.forces))]);
+        let [p1, p2] = [&from.forces, &self.forces].map(|forces| power(system, [n.t, t_next], forces));
+        let work = weigh([(0.5 * h, p1), (0.5 * h, p2)]);
         Ok(StepReport { work: Some(work), forces_at_end: true, ..Default::default() })
     }
 }

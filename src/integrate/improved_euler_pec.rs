@@ -9,7 +9,7 @@
 //! On linear problems the predicted states follow Adams-Bashforth 2 exactly. The forces at the corrected state are
 //! never evaluated by the scheme.
 
-use super::updates::{acceleration, accumulate, add_scaled, power, weigh};
+use super::updates::{acceleration, accumulate, add_scaled, power_of_forces, weigh};
 use super::{CarriedState, Counters, Integrator, StageWork, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::state::State;
@@ -35,7 +35,7 @@ impl Integrator<dyn System> for ImprovedEulerPec {
     fn start(&mut self, system: &dyn System, at: &Point) -> Result<(), StepError> {
         let mut a = vec![0.0; at.state.v.len()];
         acceleration(system, &mut a, &at.forces.total);
-        self.now = Derivative { x: at.state.v.clone(), v: a, power: power(system, &at.forces) };
+        self.now = Derivative { x: at.state.v.clone(), v: a, power: power_of_forces(system, &at.forces) };
         self.next = self.now.clone();
         self.predicted = at.state.clone();
         Ok(())
@@ -54,14 +54,17 @@ impl Integrator<dyn System> for ImprovedEulerPec {
         counters.evaluate(system, p.as_ref(), &mut to.forces);
         self.next.x.copy_from_slice(&p.v);
         acceleration(system, &mut self.next.v, &to.forces.total);
-        self.next.power = power(system, &to.forces);
+        self.next.power = power_of_forces(system, &to.forces);
 
         to.state.t = t_next;
         add_scaled(&mut to.state.x, &n.x, 0.5 * h, &self.now.x);
         accumulate(&mut to.state.x, 0.5 * h, &self.next.x);
         add_scaled(&mut to.state.v, &n.v, 0.5 * h, &self.now.v);
         accumulate(&mut to.state.v, 0.5 * h, &self.next.v);
-        let work = weigh([(0.5 * h, self.now.power), (0.5 * h, self.next.power)]);
+        let mut work = weigh([(0.5 * h, self.now.power), (0.5 * h, self.next.power)]);
+        for forces in [&from.forces, &to.forces] {
+            work.external += 0.5 * h * system.reeling_power([n.t, t_next], &forces.tallies);
+        }
         Ok(StepReport { work: Some(work), forces_at_end: false, ..Default::default() })
     }
 
@@ -72,7 +75,7 @@ impl Integrator<dyn System> for ImprovedEulerPec {
     fn restart(&mut self, system: &dyn System, at: &Point) {
         self.now.x.copy_from_slice(&at.state.v);
         acceleration(system, &mut self.now.v, &at.forces.total);
-        self.now.power = power(system, &at.forces);
+        self.now.power = power_of_forces(system, &at.forces);
     }
 
     fn save(&self) -> CarriedState {

@@ -42,11 +42,11 @@ impl Integrator<dyn System> for Rk4 {
     ) -> Result<StepReport, StepError> {
         let n = &from.state;
         to.state.t = t_next;
-        let (x_n, v_n) = (n.x.as_slice(), n.v.as_slice());
+        let (x_n, v_n, times) = (n.x.as_slice(), n.v.as_slice(), [n.t, t_next]);
         let first = Slopes { u: v_n, f: &from.forces.total };
         follow(system, (&mut to.state.x, &mut to.state.v), (x_n, v_n), h / 6.0, first);
         let mut powers =
-            [power(system, &from.forces), StageWork::default(), StageWork::default(), StageWork::default()];
+            [power(system, times, &from.forces), StageWork::default(), StageWork::default(), StageWork::default()];
 
         for (i, (c, b)) in STAGES.into_iter().enumerate() {
             let s = &mut self.stage;
@@ -58,7 +58,7 @@ impl Integrator<dyn System> for Rk4 {
             counters.evaluate(system, s.as_ref(), &mut self.forces);
             let slopes = Slopes { u: &s.v, f: &self.forces.total };
             accumulate_slopes(system, (&mut to.state.x, &mut to.state.v), b * h, slopes);
-            powers[i + 1] = power(system, &self.forces);
+            powers[i + 1] = power(system, times, &self.forces);
         }
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
         let [p1, p2, p3, p4] = powers;

@@ -116,8 +116,15 @@ pub(super) fn accumulate_product(out: &mut [f64], h: f64, p: Product<'_>) {
     }
 }
 
-/// [W] external and dissipated power of a force pass.
-pub(super) fn power<S: System + ?Sized>(system: &S, forces: &Forces) -> StageWork {
+/// [W] external and dissipated power of a force pass in a step between two times [s].
+pub(super) fn power<S: System + ?Sized>(system: &S, times: [f64; 2], forces: &Forces) -> StageWork {
+    let mut sum = power_of_forces(system, forces);
+    sum.external += system.reeling_power(times, &forces.tallies);
+    sum
+}
+
+/// [W] The same without changes of rest lengths, which belong to a step.
+pub(super) fn power_of_forces<S: System + ?Sized>(system: &S, forces: &Forces) -> StageWork {
     let mut sum = StageWork::default();
     for (term, tally) in system.terms().iter().zip(&forces.tallies) {
         match term.role {

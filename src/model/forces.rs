@@ -18,7 +18,8 @@ pub enum Role {
 pub struct Tally {
     /// [J] stored energy, for a term whose role is [`Role::Elastic`] or [`Role::Gravity`]; else 0
     pub energy: f64,
-    /// [W] power f·v, for a term whose role is [`Role::External`] or [`Role::Dissipative`]; else 0
+    /// [W] power f·v, for a term whose role is [`Role::External`] or [`Role::Dissipative`]. For springs whose rest
+    /// lengths are times a factor s, sum of T l0 [J]: their energy changes by minus this times ds. Else 0
     pub power: f64,
 }
 

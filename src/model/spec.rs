@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 use crate::mesh::Mesh;
 use std::f64::consts::TAU;
 
+mod over_time;
+pub use over_time::{MotionSpec, RestScaleSpec, Series, support_velocity};
+
 /// The force law of a spring in tension and compression. `e` is the elongation l - l0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub enum Slack {
@@ -89,31 +92,6 @@ pub struct ReleaseSpec {
     pub t: f64,
     /// the nodes, with those of x, y, z that become free
     pub nodes: Vec<(u32, [bool; 3])>,
-}
-
-/// A factor or vector over time, linear between its rows, held constant outside them.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Series<T> {
-    /// [s] strictly increasing times; at least one
-    pub t: Vec<f64>,
-    /// one value per time
-    pub value: Vec<T>,
-}
-
-impl<const N: usize> Series<[f64; N]> {
-    /// The value at time `t` [s] of a table with at least one row and increasing times.
-    pub fn at(&self, t: f64) -> [f64; N] {
-        let after = self.t.partition_point(|&s| s <= t);
-        match after {
-            0 => self.value[0],
-            n if n == self.t.len() => self.value[n - 1],
-            n => {
-                let (t0, t1) = (self.t[n - 1], self.t[n]);
-                let s = (t - t0) / (t1 - t0);
-                std::array::from_fn(|i| self.value[n - 1][i] * (1.0 - s) + self.value[n][i] * s)
-            }
-        }
-    }
 }
 
 /// The air: pressure jump dp = linear v_n + quadratic v_n |v_n| over the cloth, acting along the relative wind.
@@ -346,14 +324,20 @@ pub struct NetworkSpec {
     pub fixed: Vec<[bool; 3]>,
     /// what becomes free later
     pub releases: Vec<ReleaseSpec>,
+    /// what supports move; no direction of a node twice
+    pub motions: Vec<MotionSpec>,
     /// springs that are cut
     pub cuts: Vec<CutSpec>,
+    /// rest lengths that change over time, at most once a group
+    pub rest_scales: Vec<RestScaleSpec>,
     /// springs by rule
     pub springs: Vec<SpringGroup>,
     /// strengths of groups, for reports only
     pub strengths: Vec<StrengthSpec>,
     /// [m/s^2] gravity, if any
     pub gravity: Option<[f64; 3]>,
+    /// [m/s^2] acceleration of the base over time, if it moves: positions and velocities are then relative to it
+    pub base_acceleration: Option<Series<[f64; 3]>>,
     /// the air that blows through cloth, if any
     pub air: Option<AirSpec>,
     /// the stream for canopies and drag, which need one; its wind then replaces that of `air`
@@ -372,7 +356,8 @@ pub struct NetworkSpec {
     pub rayleigh: Option<RayleighSpec>,
     /// [m] initial displacement of every node; empty = zero
     pub displacement: Vec<[f64; 3]>,
-    /// [m/s] initial velocity of every node, zero at fixed degrees of freedom; empty = zero
+    /// [m/s] initial velocity of every node, zero at fixed degrees of freedom, which have those of their motion; empty
+    /// = zero
     pub velocity: Vec<[f64; 3]>,
 }
 
@@ -385,12 +370,22 @@ impl NetworkSpec {
     }
 
     /// [s] The times of all releases and cuts, ascending.
+    pub fn divisions(&self) -> Vec<f64> {
+        let cuts = self.cuts.iter().map(|cut| cut.t);
+        ascending(self.releases.iter().map(|release| release.t).chain(cuts).collect())
+    }
+
+    /// [s] The same and the times at which a support's velocity changes, ascending.
     pub fn events(&self) -> Vec<f64> {
-        let mut times: Vec<f64> =
-            self.releases.iter().map(|release| release.t).chain(self.cuts.iter().map(|cut| cut.t)).collect();
-        times.sort_by(f64::total_cmp);
-        times.dedup();
-        times
+        let mut times = self.divisions();
+        times.extend(self.motions.iter().flat_map(|motion| motion.displacement.bends()));
+        ascending(times)
+    }
+
+    /// [-] Factor of the rest lengths of a group at t = 0.
+    pub fn rest_scale_at_start(&self, group: usize) -> f64 {
+        let scale = self.rest_scales.iter().find(|scale| scale.group == group);
+        scale.map_or(1.0, |scale| scale.factor.rows().at(0.0)[0])
     }
 
     /// [m/s] A bound on the speed of the wind.
@@ -404,6 +399,12 @@ impl NetworkSpec {
             (None, air) => air.as_ref().map_or(0.0, |air| fastest(&air.wind)),
         }
     }
+}
+
+fn ascending(mut times: Vec<f64>) -> Vec<f64> {
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    times
 }
 
 fn speed([x, y, z]: &[f64; 3]) -> f64 {

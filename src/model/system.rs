@@ -4,7 +4,7 @@
 //! M a = f(t, x, v)        K = -df/dx        C = -df/dv        W = cm M + cc C + ck K
 //! ```
 
-use super::forces::{Forces, Role};
+use super::forces::{Forces, Role, Tally};
 use super::point::Point;
 use super::state::{State, StateRef};
 use super::step_block::{KickDriftScheme, StepStart, StepSummary};
@@ -78,6 +78,11 @@ pub trait System: Send + Sync {
     /// [1/kg] diagonal of M^-1 for every degree of freedom, 0 where it is fixed.
     fn inverse_mass(&self) -> &[f64];
 
+    /// The fixed degrees of freedom that supports move, each with a constant velocity through a step.
+    fn moved(&self) -> &[u32] {
+        &[]
+    }
+
     /// `out = M a` (lumped mass: one product per degree of freedom; zero at fixed ones).
     fn mass_times(&self, a: &[f64], out: &mut [f64]);
 
@@ -101,6 +106,13 @@ pub trait System: Send + Sync {
     fn work(&self, [f_n, f_n1]: [&[f64]; 2], [x_n, x_n1]: [&[f64]; 2]) -> f64 {
         let way = x_n.iter().zip(x_n1).map(|(x_n, x_n1)| x_n1 - x_n);
         f_n.iter().zip(f_n1).zip(way).map(|((f_n, f_n1), d)| 0.5 * (f_n + f_n1) * d).sum()
+    }
+
+    /// [W] Power of changes of rest lengths within a step between two times [s], with the tallies of a state in it: of
+    /// factors s that are linear within the step, sum of -T l0 ds/dt.
+    fn reeling_power(&self, times: [f64; 2], tallies: &[Tally]) -> f64 {
+        let _ = (times, tallies);
+        0.0
     }
 
     /// The threads that loops over the degrees of freedom may use.

@@ -1,15 +1,15 @@
 //! Springs that go slack or taut within a step.
 //!
-//! Along a step, g = l - l0 - threshold (plus c/k dl/dt with an axial dashpot) is interpolated by the cubic through its
-//! values and rates at both ends, in Bernstein form. A spring whose four coefficients have one sign keeps its law. The
-//! others' tension is k max(g, 0): k times the area above zero is the impulse added by a spring that is slack at the
-//! start, and k times the area below zero is the impulse missing from a taut one.
+//! Along a step, g = l - s l0 - threshold (plus c/k dl/dt with an axial dashpot) is interpolated by the cubic through
+//! its values and rates at both ends, in Bernstein form. A spring whose four coefficients have one sign keeps its law.
+//! The others' tension is k max(g, 0): k times the area above zero is the impulse added by a spring that is slack at
+//! the start, and k times the area below zero is the impulse missing from a taut one.
 
-use super::network::{Network, SpringBatch, by_node};
+use super::network::{Network, SpringBatch, node_state};
+use crate::force::NodeState;
 use crate::force::law::slack::clamped;
 use crate::model::state::StateRef;
 use crate::model::unit_vector::unit_vector;
-use nalgebra::Vector3;
 
 /// Number of intervals of a step for the areas.
 const PARTS: u32 = 16;
@@ -22,37 +22,32 @@ const HALVINGS: u32 = 30;
 #[derive(Clone, Copy)]
 struct ElongationCubic([f64; 4]);
 
-/// Positions and velocities of all nodes at one end of a step.
-#[derive(Clone, Copy)]
-struct StepEnd<'a> {
-    x: &'a [Vector3<f64>],
-    v: &'a [Vector3<f64>],
-}
-
 /// A spring with a one-sided law.
 #[derive(Clone, Copy)]
 struct OneSidedSpring {
     nodes: [u32; 2],
-    /// [m] length at which it goes slack
-    limit: f64,
+    /// [m] length at which it goes slack, at both ends of the step
+    limit: [f64; 2],
     /// [s] c/k of its dashpot
     lag: f64,
 }
 
 impl OneSidedSpring {
     /// l - limit [m] and dl/dt [m/s].
-    fn gap_at(&self, end: StepEnd<'_>) -> [f64; 2] {
+    fn gap_at(&self, end: NodeState<'_>, limit: f64) -> [f64; 2] {
         let [a, b] = self.nodes.map(|node| node as usize);
         let (d, v) = (end.x[b] - end.x[a], end.v[b] - end.v[a]);
         let length = d.norm();
-        [length - self.limit, if length > 0.0 { d.dot(&v) / length } else { 0.0 }]
+        [length - limit, if length > 0.0 { d.dot(&v) / length } else { 0.0 }]
     }
 
-    fn gap(&self, h: f64, ends: [StepEnd<'_>; 2]) -> ElongationCubic {
-        let [[g0, r0], [g1, r1]] = ends.map(|end| self.gap_at(end));
-        let b = [g0, g0 + h * r0 / 3.0, g1 - h * r1 / 3.0, g1];
+    fn gap(&self, h: f64, ends: [NodeState<'_>; 2]) -> ElongationCubic {
+        let [[g0, r0], [g1, r1]] = [0, 1].map(|end| self.gap_at(ends[end], self.limit[end]));
+        // The limit changes linearly through the step; a dashpot is moved by the length alone.
+        let reeled = self.limit[1] - self.limit[0];
+        let b = [g0, g0 + (h * r0 - reeled) / 3.0, g1 - (h * r1 - reeled) / 3.0, g1];
         // The rate is the quadratic 3 (b_{i+1} - b_i)/h, raised to a cubic.
-        let q = [0, 1, 2].map(|i| 3.0 * (b[i + 1] - b[i]) * self.lag / h);
+        let q = [0, 1, 2].map(|i| (3.0 * (b[i + 1] - b[i]) + reeled) * self.lag / h);
         ElongationCubic([b[0] + q[0], b[1] + (q[0] + 2.0 * q[1]) / 3.0, b[2] + (2.0 * q[1] + q[2]) / 3.0, b[3] + q[2]])
     }
 }
@@ -121,15 +116,16 @@ impl ElongationCubic {
     }
 }
 
-/// Springs of a batch that can go slack, with their stiffnesses [N/m].
-fn lines(batch: &SpringBatch) -> impl Iterator<Item = (OneSidedSpring, f64)> {
+/// Springs of a batch that can go slack, with their stiffnesses [N/m], in a step between two times [s].
+fn lines(batch: &SpringBatch, times: [f64; 2]) -> impl Iterator<Item = (OneSidedSpring, f64)> {
     let law = clamped(batch.data.slack);
     let nodes = law.map_or(&[][..], |_| &batch.data.nodes[..]);
     let threshold = law.map_or(0.0, |law| law.threshold);
+    let scales = times.map(|t| batch.data.rest_scale_at(t));
     nodes.iter().enumerate().map(move |(i, &nodes)| {
         let k = batch.data.stiffness.at(i);
         let lag = if batch.axial && k > 0.0 { batch.dashpot.at(i) / k } else { 0.0 };
-        (OneSidedSpring { nodes, limit: batch.data.rest_length[i] + threshold, lag }, k)
+        (OneSidedSpring { nodes, limit: scales.map(|s| s * batch.data.rest_length[i] + threshold), lag }, k)
     })
 }
 
@@ -142,9 +138,9 @@ impl Network {
     /// See [`super::Scene::branch_changes`].
     pub(super) fn branch_changes_of(&self, step: [StateRef<'_>; 2], impulse: &mut [f64]) -> Option<f64> {
         let h = step[1].t - step[0].t;
-        let ends = step.map(|at| StepEnd { x: by_node(at.x), v: by_node(at.v) });
+        let ends = step.map(node_state);
         let mut largest: Option<(f64, ElongationCubic, f64)> = None;
-        for (line, k) in self.carrying().flat_map(lines) {
+        for (line, k) in self.carrying().flat_map(|batch| lines(batch, step.map(|at| at.t))) {
             let gap = line.gap(h, ends);
             if gap.keeps_its_sign() {
                 continue;

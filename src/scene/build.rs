@@ -13,6 +13,7 @@ use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::air::{Air, AirData};
 use crate::force::law::axial_flow::CanopyAxis;
 use crate::force::law::bar_law::{BarData, Bars, LawBars};
+use crate::force::law::base_acceleration::BaseAcceleration;
 use crate::force::law::canopy::{Canopy, CanopyData};
 use crate::force::law::cavity::Cavity;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
@@ -22,13 +23,14 @@ use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::law::gravity::Gravity;
 use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
 use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
-use crate::force::law::series::{LoadFactor, SampledTable, Scale, scalar};
+use crate::force::law::series::{LoadFactor, SampledTable, Scale, Table, scalar};
 use crate::force::law::spring::{Coefficient, Cut, SpringData};
 use crate::force::law::stream::Stream;
 use crate::force::law::triangle::AreaVector;
 use crate::force::schedule::threads::Threads;
 use crate::model::spec::{
-    CavitySpec, DashpotKind, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, Series, SpringGroup, StreamSpec,
+    CavitySpec, DashpotKind, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, RestScaleSpec, Series, SpringGroup,
+    StreamSpec, support_velocity,
 };
 use crate::model::unit_vector::unit_vector;
 use crate::startup::{Phase, timed};
@@ -82,6 +84,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     builder.springs_and_dashpots();
     bars.iter().for_each(|bars| builder.bars(bars));
     builder.gravity(&fixed, &mass, &start);
+    builder.base(&fixed, &mass);
     builder.air();
     builder.canopies(&start, &reference)?;
     builder.drag();
@@ -89,12 +92,8 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     builder.rayleigh(&mass, &reference);
     let Builder { terms, springs, loads, mut tables, stream, shapes: canopies, pressures, apparent, .. } = builder;
     tables.extend(stream.clone().map(|stream| stream as Arc<dyn SampledTable>));
-    // What is held stands still: its velocity is 0, and here it loses a sign that steps of different kinds would treat
-    // differently.
-    let velocity_of = |node: usize| -> [f64; 3] {
-        std::array::from_fn(|i| if spec.fixed[node][i] { 0.0 } else { spec.velocity[node][i] })
-    };
-    let velocity = if spec.velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity_of(at(i))).collect() };
+    let velocity = initial_velocity(&spec);
+    let velocity = if velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity[at(i)]).collect() };
     let gravity = spec.gravity.map_or(Vector3::zeros(), Vector3::from);
     let winds = spec.air.iter().map(|air| &air.wind).chain(spec.stream.iter().map(|stream| &stream.wind));
     let gusts = spec.stream.iter().flat_map(|stream| &stream.gusts);
@@ -102,11 +101,13 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let factors = spec.pressures.iter().map(|p| &p.factor).chain(spec.forces.iter().map(|f| &f.factor));
     let fillings = spec.canopies.iter().flat_map(|canopy| &canopy.filling);
     let fillings = fillings.flat_map(|filling| [filling.start, filling.start + filling.duration]);
-    let tabled = winds.flat_map(|wind| &wind.t).chain(factors.flatten().flat_map(|s| &s.t)).copied();
+    let tabled = winds.chain(&spec.base_acceleration).flat_map(|table| &table.t);
+    let scales = spec.rest_scales.iter().map(|scale| &scale.factor);
+    let tabled = tabled.chain(factors.flatten().chain(scales).flat_map(|s| &s.t)).copied();
     let mut corners: Vec<f64> = tabled.chain(gusts).chain(fillings).chain(spec.events()).collect();
     corners.sort_by(f64::total_cmp);
     corners.dedup();
-    let phases = Phases::new(&spec, &mass, &numbering.user);
+    let phases = Phases::new(&spec, &mass, &numbering);
     Ok(Network::assemble_parts(super::network::Parts {
         numbering,
         phases,
@@ -144,6 +145,24 @@ fn cavity(
     Ok(Cavity { enclosure, mouth, spec })
 }
 
+/// [m/s] Velocity of every node at t = 0, `[n_nodes][3]`; empty if all stand still.
+fn initial_velocity(spec: &NetworkSpec) -> Vec<[f64; 3]> {
+    let mut velocity = spec.velocity.clone();
+    if !spec.motions.is_empty() {
+        velocity.resize(spec.mesh.nodes.len(), [0.0; 3]);
+    }
+    // What is held stands still: its velocity is 0, and here it loses a sign that steps of different kinds would treat
+    // differently.
+    for (velocity, fixed) in velocity.iter_mut().zip(&spec.fixed) {
+        velocity.iter_mut().zip(fixed).filter(|(_, held)| **held).for_each(|(v, _)| *v = 0.0);
+    }
+    let of_supports = support_velocity(&spec.motions, velocity.len());
+    for (v, of_support) in velocity.as_flattened_mut().iter_mut().zip(of_supports.as_flattened()) {
+        *v += of_support;
+    }
+    velocity
+}
+
 struct Builder<'a> {
     spec: &'a NetworkSpec,
     numbering: &'a Numbering,
@@ -169,8 +188,14 @@ impl Builder<'_> {
     }
 
     fn springs_and_dashpots(&mut self) {
-        for group in self.spec.springs.iter().filter(|g| !g.edges.is_empty()) {
-            let batch = self.spring_batch(group);
+        for (number, group) in self.spec.springs.iter().enumerate().filter(|(_, g)| !g.edges.is_empty()) {
+            let mut batch = self.spring_batch(group);
+            if let Some(RestScaleSpec { factor, .. }) = self.spec.rest_scales.iter().find(|scale| scale.group == number)
+            {
+                let table = scalar(factor);
+                self.tables.push(table.clone());
+                batch.data.rest_scale = Some(table);
+            }
             let coefficient = batch.dashpot.clone();
             let dashpots = group.dashpot.as_ref().map(|dashpot| Dashpots { kind: dashpot.kind, coefficient });
             let springs = DampedSprings::new(batch.data.clone(), dashpots).cut_with(batch.cut.clone());
@@ -201,6 +226,7 @@ impl Builder<'_> {
             rest_length: pick(&group.rest_length).into(),
             stiffness: Coefficient::from_values(&pick(&group.stiffness)),
             slack: group.slack,
+            rest_scale: None,
         };
         let (dashpot, in_filter) = match &group.dashpot {
             None => (Coefficient::Uniform(0.0), false),
@@ -220,6 +246,14 @@ impl Builder<'_> {
         let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
         let scale = self.scale(Load::Gravity);
         self.terms.push(Box::new(Gravity::new((Vector3::from(g), scale), mass, start.clone())));
+    }
+
+    fn base(&mut self, fixed: &[[bool; 3]], mass: &[f64]) {
+        let Some(table) = &self.spec.base_acceleration else { return };
+        let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
+        let acceleration = Table::new(table.clone());
+        self.tables.push(acceleration.clone());
+        self.terms.push(Box::new(BaseAcceleration::new(acceleration, mass)));
     }
 
     fn air(&mut self) {

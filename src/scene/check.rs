@@ -3,8 +3,8 @@
 use crate::force::law::bar_law::Bars;
 use crate::mesh::Mesh;
 use crate::model::spec::{
-    AtmosphereSpec, CavitySpec, ClothSpec, FillingSpec, GustSpec, NetworkSpec, PressureKind, Series, Slack,
-    SpringGroup, StreamSpec,
+    AtmosphereSpec, CavitySpec, ClothSpec, FillingSpec, GustSpec, MotionSpec, NetworkSpec, PressureKind, RestScaleSpec,
+    Series, Slack, SpringGroup, StreamSpec,
 };
 
 /// Why a scene cannot be built from a specification. The case reader finds these faults first, with more precise
@@ -82,8 +82,16 @@ pub enum BuildError {
         /// what is wrong
         reason: &'static str,
     },
+    /// A motion of what is not held.
+    #[error("node {node} is moved along {axis} and not held there")]
+    NotHeld {
+        /// user's number
+        node: u32,
+        /// x, y or z
+        axis: char,
+    },
     /// A support has a velocity.
-    #[error("node {node} is held along {axis} and has a velocity there; what is held stands still")]
+    #[error("node {node} is held along {axis} and has a velocity there; what is held stands still or has a motion")]
     MovingSupport {
         /// user's number
         node: u32,
@@ -105,6 +113,7 @@ pub(super) fn check(spec: &NetworkSpec) -> Result<(), BuildError> {
     }
     spec.springs.iter().try_for_each(|group| springs(group, spec.mesh.edges.len()))?;
     loads(spec)?;
+    tables(spec)?;
     masses(spec)?;
     stands_still(spec)
 }
@@ -297,6 +306,37 @@ fn masses(spec: &NetworkSpec) -> Result<(), BuildError> {
         None => Ok(()),
         Some((node, (&mass, _))) => Err(BuildError::Mass { node: node as u32, mass }),
     }
+}
+
+/// Motions, rest lengths over time, and the base.
+fn tables(spec: &NetworkSpec) -> Result<(), BuildError> {
+    for MotionSpec { nodes, displacement } in &spec.motions {
+        times("motion", displacement)?;
+        vectors("motion", &displacement.value)?;
+        if displacement.at(0.0) != [0.0; 3] {
+            return Err(BuildError::Table { what: "motion", reason: "does not begin at 0" });
+        }
+        for (node, moved) in nodes {
+            below("node", &[*node], spec.mesh.nodes.len())?;
+            let held = spec.fixed.get(*node as usize).into_iter().flatten();
+            if let Some((_, axis)) = held.zip(moved).zip(['x', 'y', 'z']).find(|((held, moved), _)| **moved && !**held)
+            {
+                return Err(BuildError::NotHeld { node: *node, axis });
+            }
+        }
+    }
+    for RestScaleSpec { group, factor } in &spec.rest_scales {
+        below("group of springs", &[*group as u32], spec.springs.len())?;
+        times("rest_scale", factor)?;
+        finite("rest_scale", &factor.value)?;
+        if factor.value.iter().any(|s| *s <= 0.0) {
+            return Err(BuildError::Table { what: "rest_scale", reason: "has a factor that is not above 0" });
+        }
+    }
+    spec.base_acceleration.iter().try_for_each(|table| {
+        times("base acceleration", table)?;
+        vectors("base acceleration", &table.value)
+    })
 }
 
 /// Schemes that move nodes by their velocity alone would move the support too.

@@ -1,7 +1,10 @@
-//! Events: supports that are released and springs that are cut. Between two events a scene is in one phase.
+//! Events: supports that are released, supports whose velocity changes ([`super::motion`]), and springs that are cut.
+//! Supports and springs stay what they are through a phase, which may hold several changes of velocity.
 
 use super::graph::Graph;
+use super::motion::{Moved, Support};
 use super::network::{Network, SpringBatch};
+use super::numbering::Numbering;
 use crate::model::spec::NetworkSpec;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,10 +12,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// The phases of a scene, in order; the first begins at t = 0.
 #[derive(Debug)]
 pub(super) struct Phases {
-    /// [s] when each but the first begins, ascending
+    /// [s] events, ascending
     times: Vec<f64>,
+    /// number of the phase after each number of events
+    phase: Vec<usize>,
     all: Vec<Phase>,
-    current: AtomicUsize,
+    /// events that are passed
+    passed: AtomicUsize,
 }
 
 /// What holds between two events.
@@ -26,20 +32,22 @@ pub(super) struct Phase {
     pub released: Vec<bool>,
     /// which batches of springs are cut; empty if none is
     cut: Vec<bool>,
+    /// supports that move at some time, and hold their nodes now
+    pub moved: Moved,
     /// made when a scheme first asks for it
     pub graph: OnceLock<Graph>,
 }
 
 impl Phases {
-    /// Those of a specification; `mass` [kg] and `user` numbers are by internal node. Groups without edges have no
-    /// batch.
-    pub fn new(spec: &NetworkSpec, mass: &[f64], user: &[u32]) -> Self {
-        let times = spec.events();
-        let mut all: Vec<Phase> = Vec::with_capacity(times.len() + 1);
-        for begun in std::iter::once(0.0).chain(times.iter().copied()) {
+    /// Those of a specification; `mass` [kg] is by internal node. Groups without edges have no batch.
+    pub fn new(spec: &NetworkSpec, mass: &[f64], numbering: &Numbering) -> Self {
+        let (times, divisions) = (spec.events(), spec.divisions());
+        let mut all: Vec<Phase> = Vec::with_capacity(divisions.len() + 1);
+        let supports = Support::all(spec, numbering);
+        for begun in std::iter::once(0.0).chain(divisions.iter().copied()) {
             let mut of_user = spec.fixed.clone();
             spec.releases.iter().filter(|release| release.t <= begun).for_each(|release| release.apply(&mut of_user));
-            let fixed: Vec<[bool; 3]> = user.iter().map(|&node| of_user[node as usize]).collect();
+            let fixed: Vec<[bool; 3]> = numbering.user.iter().map(|&node| of_user[node as usize]).collect();
             let inverse = fixed.iter().zip(mass).flat_map(|(f, &m)| f.map(|f| if f { 0.0 } else { 1.0 / m }));
             let inverse_mass = inverse.collect();
             let released = all.first().map(|first| {
@@ -50,19 +58,45 @@ impl Phases {
             let is_cut = |group: usize| spec.cuts.iter().any(|cut| cut.group == group && cut.t <= begun);
             let cut = if spec.cuts.is_empty() { Vec::new() } else { groups.map(|(group, _)| is_cut(group)).collect() };
             let (released, graph) = (released.unwrap_or_default(), OnceLock::new());
-            all.push(Phase { fixed, inverse_mass, released, cut, graph });
+            let moved = Moved::new(&supports, &fixed, all.first().map_or(&fixed, |first| &first.fixed));
+            all.push(Phase { fixed, inverse_mass, released, cut, moved, graph });
         }
-        Phases { times, all, current: AtomicUsize::new(0) }
+        let begun = |t: &f64| divisions.partition_point(|division| division <= t);
+        let phase = std::iter::once(0).chain(times.iter().map(begun)).collect();
+        Phases { times, phase, all, passed: AtomicUsize::new(0) }
     }
 
-    /// [s] When each phase but the first begins.
+    /// [s] The events.
     pub fn times(&self) -> &[f64] {
         &self.times
     }
 
+    /// [s] The events that begin another phase.
+    pub fn divisions(&self) -> impl Iterator<Item = f64> {
+        let pairs = self.times.iter().zip(self.phase.windows(2));
+        pairs.filter(|(_, phases)| phases[0] != phases[1]).map(|(t, _)| *t)
+    }
+
+    /// Whether supports move at some time.
+    pub fn move_supports(&self) -> bool {
+        self.all.iter().any(|phase| !phase.moved.dofs.is_empty())
+    }
+
+    /// Number of events that are passed, at most all.
+    fn passed(&self) -> usize {
+        self.passed.load(Ordering::Relaxed).min(self.times.len())
+    }
+
+    /// [s] The last event that is passed, and the next; infinite where there is none.
+    pub fn around(&self) -> [f64; 2] {
+        let passed = self.passed();
+        let before = passed.checked_sub(1).and_then(|last| self.times.get(last));
+        [before.map_or(f64::NEG_INFINITY, |t| *t), self.times.get(passed).map_or(f64::INFINITY, |t| *t)]
+    }
+
     /// The present one.
     pub fn current(&self) -> &Phase {
-        &self.all[self.current.load(Ordering::Relaxed).min(self.all.len() - 1)]
+        &self.all[self.phase[self.passed()]]
     }
 }
 
@@ -76,12 +110,14 @@ impl Network {
         self.springs.iter().filter(|batch| !batch.cut.get())
     }
 
-    /// Begins the phase after `passed` events.
-    pub(super) fn begin_phase(&self, passed: usize) {
-        self.phases.current.store(passed.min(self.phases.times.len()), Ordering::Relaxed);
+    /// Begins the phase after `passed` events. Returns whether it is another than before.
+    pub(super) fn begin_phase(&self, passed: usize) -> bool {
+        let before = self.phases.phase[self.phases.passed()];
+        self.phases.passed.store(passed, Ordering::Relaxed);
         let cut = &self.phase().cut;
         for (i, batch) in self.springs.iter().enumerate() {
             batch.cut.set(cut.get(i).copied().unwrap_or(false));
         }
+        before != self.phases.phase[self.phases.passed()]
     }
 }

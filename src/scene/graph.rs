@@ -1,6 +1,6 @@
 //! A network's springs as a graph, for schemes that filter along it.
 
-use super::network::{Network, SpringBatch, by_node};
+use super::network::{Network, SpringBatch, node_state};
 use crate::force::kernel::coefficient::Coefficient;
 use crate::force::kernel::neighbours::Neighbours;
 use crate::force::law::one_sided::OneSided;
@@ -86,7 +86,7 @@ impl SpringGraph for Network {
 
 impl StepFilter for OneSided {
     fn select(&mut self, from: StateRef<'_>, h: f64) -> bool {
-        self.select(by_node(from.x), by_node(from.v), h)
+        self.select(node_state(from), h)
     }
 
     fn stiffness_sums(&self, out: &mut [f64]) {

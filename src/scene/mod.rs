@@ -13,6 +13,7 @@ mod check;
 mod events;
 mod external;
 mod graph;
+mod motion;
 pub mod network;
 pub mod numbering;
 mod pendulum;
@@ -84,15 +85,30 @@ pub trait Scene: TangentSystem + Observables {
         let _ = factors;
     }
 
-    /// [s] Times at which supports are released or springs are cut, ascending. A run ends a step there.
+    /// [s] Times at which supports are released or change their velocity, or springs are cut, ascending. A run ends a
+    /// step there.
     fn events(&self) -> &[f64] {
         &[]
     }
 
-    /// Changes to the state of affairs after this many events. Forces, masses and tangents found before do not fit any
-    /// more. Two runs of one scene cannot overlap.
-    fn pass_events(&self, passed: usize) {
+    /// Changes to the state of affairs after this many events. Returns whether forces, masses and tangents found
+    /// before do not fit any more. Two runs of one scene cannot overlap.
+    fn pass_events(&self, passed: usize) -> bool {
         let _ = passed;
+        false
+    }
+
+    /// [s] Times after 0 from which the tangent is another at the same positions, ascending: of releases, of cuts, and
+    /// where rest lengths that change are shortest.
+    fn changes(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Puts what supports move where it is at the time of a state, with the velocity that it then has. Returns whether
+    /// they move anything.
+    fn put_supports(&self, state: &mut State) -> bool {
+        let _ = state;
+        false
     }
 
     /// The forces from outside, once they are enabled.
@@ -107,7 +123,8 @@ pub trait Scene: TangentSystem + Observables {
     }
 
     /// The state at time `t` [s] with these positions [m] and velocities [m/s], each `[n_nodes][3]` in the user's
-    /// numbering; velocities of held directions are 0. `None` if the scene has no such state.
+    /// numbering; held directions have the velocity of their support, and what a support moves is where it moves it.
+    /// `None` if the scene has no such state.
     fn state_of(&self, t: f64, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Option<State> {
         let _ = (t, positions, velocities);
         None

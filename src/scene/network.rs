@@ -6,6 +6,7 @@ use super::apparent::ApparentMass;
 use super::canopy_shape::CanopyShape;
 use super::events::Phases;
 use super::external::ExternalForces;
+use super::motion::SUPPORTS;
 use super::numbering::Numbering;
 use crate::force::kernel::batch::{BlockForces, PARTS};
 use crate::force::law::series::{SampledTable, Scale};
@@ -55,8 +56,8 @@ pub struct Network {
     pub(super) canopies: Vec<CanopyShape>,
     /// pressures of the air, for pictures
     pub(super) pressures: Vec<AirPressure>,
-    /// whether steps are made one by one: a force depends on all others, or in a scene of several blocks on nodes of
-    /// the whole scene
+    /// whether steps are made one by one: supports move, a force depends on all others, or in a scene of several
+    /// blocks on nodes of the whole scene
     couples_blocks: bool,
     /// air that canopies take along
     pub(super) apparent: Vec<ApparentMass>,
@@ -157,8 +158,10 @@ impl Network {
             self.terms.iter_mut().map(|t| &mut **t as &mut dyn BlockForces).collect();
         self.sweep = Sweep::new(self.mass.len(), &mut forces);
         let couples = self.terms.iter().any(|term| term.scene_numbers().is_some());
-        self.couples_blocks = !self.apparent.is_empty() || couples && !self.sweep.is_single_block();
-        self.infos = self.terms.iter().flat_map(|term| term.parts()).copied().chain(self.law_info()).collect();
+        let moves = self.phases.move_supports();
+        self.couples_blocks = moves || !self.apparent.is_empty() || couples && !self.sweep.is_single_block();
+        let own = self.terms.iter().flat_map(|term| term.parts()).copied();
+        self.infos = own.chain(self.law_info()).chain(moves.then_some(SUPPORTS)).collect();
         let mut tallies = 0..;
         let mut part = |info: &TermInfo| Some(PartTarget { sum: sum_of_role(info.role), tally: tallies.next()? });
         let parts = self.terms.iter().map(|term| {
@@ -340,9 +343,12 @@ impl System for Network {
             let (own, outside) = tallies.split_at_mut(self.tallies());
             let sums = [&mut *total, &mut *external, dissipative];
             self.sweep.pass((self, node_state(at)), &self.threads, sums, own);
-            outside.fill(self.add_laws(at, [&mut *total, &mut *external]));
+            if let Some(tally) = outside.first_mut() {
+                *tally = self.add_laws(at, [&mut *total, &mut *external]);
+            }
             self.add_apparent(node_state(at), [total, external], own);
         });
+        self.add_supports(at, out);
     }
 
     fn longest_block(&self) -> usize {
@@ -365,6 +371,10 @@ impl System for Network {
 
     fn inverse_mass(&self) -> &[f64] {
         &self.phase().inverse_mass
+    }
+
+    fn moved(&self) -> &[u32] {
+        &self.phase().moved.dofs
     }
 
     fn mass_times(&self, a: &[f64], out: &mut [f64]) {
@@ -391,6 +401,16 @@ impl System for Network {
             let [begun, ended] = step_block::work::<3, 2>(forces, &x_n[dofs.clone()], &x_n1[dofs]);
             0.5 * (begun + ended)
         })
+    }
+
+    fn reeling_power(&self, [t0, t1]: [f64; 2], tallies: &[Tally]) -> f64 {
+        // Springs are the first terms, one a batch.
+        let changes = self.springs.iter().zip(&self.parts).filter_map(|(batch, [part, _])| {
+            let table = batch.data.rest_scale.as_ref()?;
+            let rate = (table.at(t1)[0] - table.at(t0)[0]) / (t1 - t0);
+            Some(-rate * tallies.get((*part)?.tally)?.power)
+        });
+        changes.sum()
     }
 
     fn workers(&self) -> &Workers {

@@ -66,7 +66,7 @@ impl Observables for Network {
         }
         for batch in self.carrying() {
             let (places, tension, strain) = (&batch.edges[..], &mut *tension, &mut *strain);
-            batch.data.carried(by_node(at.x), SpringOutput { places, tension, strain });
+            batch.data.carried(batch.data.at(at.t, by_node(at.x)), SpringOutput { places, tension, strain });
         }
     }
 
@@ -80,7 +80,7 @@ impl Observables for Network {
 
     fn max_strain(&self, at: StateRef<'_>) -> f64 {
         let x = by_node(at.x);
-        strain_of(self.carrying().map(|b| b.data.largest_stretch(x)).fold(f64::NEG_INFINITY, f64::max))
+        strain_of(self.carrying().map(|b| b.data.largest_stretch(b.data.at(at.t, x))).fold(f64::NEG_INFINITY, f64::max))
     }
 
     fn max_speed(&self, at: StateRef<'_>) -> f64 {
@@ -119,7 +119,8 @@ impl Observables for Network {
             return 0.0;
         }
         let (data, i) = (&batch.data, number as usize);
-        let elastic = tension(data.slack, data.stiffness.at(i), data.stretch(by_node(at.x), i).elongation).force;
+        let elastic =
+            tension(data.slack, data.stiffness.at(i), data.stretch(data.at(at.t, by_node(at.x)), i).elongation).force;
         if batch.axial { elastic + axial_force(data, node_state(at), i, batch.dashpot.at(i)) } else { elastic }
     }
 
@@ -136,12 +137,13 @@ impl Network {
     /// The same where several springs are on one edge: their tensions add up, and the largest strain counts.
     fn edge_sums(&self, at: StateRef<'_>, tension: &mut [f64], strain: &mut [f64]) {
         for batch in self.carrying() {
+            let springs = batch.data.at(at.t, by_node(at.x));
             for (i, &edge) in batch.edges.iter().enumerate() {
                 let (of_edge, largest) = (&mut tension[edge as usize], &mut strain[edge as usize]);
-                let own = batch.data.tension(by_node(at.x), i);
+                let own = batch.data.tension(springs, i);
                 *of_edge = if of_edge.is_nan() { own } else { *of_edge + own };
                 // NaN stands for "no spring yet", which max ignores.
-                *largest = largest.max(batch.data.strain(by_node(at.x), i));
+                *largest = largest.max(batch.data.strain(springs, i));
             }
         }
     }

@@ -44,8 +44,20 @@ impl Scene for Network {
         self.phases.times()
     }
 
-    fn pass_events(&self, passed: usize) {
-        self.begin_phase(passed);
+    fn pass_events(&self, passed: usize) -> bool {
+        self.begin_phase(passed)
+    }
+
+    fn changes(&self) -> Vec<f64> {
+        let shortest = self.springs.iter().filter_map(|batch| batch.data.rest_scale.as_ref()?.lowest_at());
+        let mut times: Vec<f64> = self.phases.divisions().chain(shortest.filter(|t| *t > 0.0)).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+
+    fn put_supports(&self, state: &mut State) -> bool {
+        self.put_moved(state)
     }
 
     fn external(&self) -> Option<&ExternalForces> {
@@ -67,7 +79,9 @@ impl Scene for Network {
         let (x, mut v) = (own(positions), own(velocities));
         let held = v.iter_mut().zip(self.phase().fixed.as_flattened()).filter(|(_, held)| **held);
         held.for_each(|(v, _)| *v = 0.0);
-        Some(State { t, x, v })
+        let mut state = State { t, x, v };
+        self.put_moved(&mut state);
+        Some(state)
     }
 
     fn has_branches(&self) -> bool {
@@ -101,7 +115,7 @@ impl Scene for Network {
         }
         Suspect {
             node: Some(self.numbering.user[node]),
-            spring: self.most_strained_at(node as u32, by_node(at.x)),
+            spring: self.most_strained_at(node as u32, at),
             term: strongest.1,
         }
     }
@@ -171,11 +185,12 @@ impl Scene for Network {
 }
 
 impl Network {
-    fn most_strained_at(&self, node: u32, x: &[Vector3<f64>]) -> Option<u32> {
+    fn most_strained_at(&self, node: u32, at: StateRef<'_>) -> Option<u32> {
         let mut worst: Option<(f64, u32)> = None;
         for batch in self.carrying() {
+            let springs = batch.data.at(at.t, by_node(at.x));
             for (i, nodes) in batch.data.nodes.iter().enumerate().filter(|(_, n)| n.contains(&node)) {
-                let strain = batch.data.strain(x, i).abs();
+                let strain = batch.data.strain(springs, i).abs();
                 if worst.is_none_or(|(w, _)| strain > w || strain.is_nan()) {
                     worst = Some((strain, batch.edges[i]));
                 }

@@ -3,6 +3,7 @@
 use super::{Arc, Changed, NodalForce, RunState, Simulation, SimulationError};
 use crate::checksum::{self, ChecksumError, RunningChecksum};
 use crate::drive::Snapshot;
+use crate::drive::ledger::Elastic;
 use crate::drive::observer::{LedgerRow, Point};
 use crate::force::law::series::Scale;
 use crate::integrate::Counters;
@@ -115,7 +116,7 @@ impl Simulation {
         let mut at = Point { state: self.state.from.state.clone(), forces: self.scene.new_forces() };
         self.scene.evaluate(at.state.as_ref(), &mut at.forces);
         let mut ledger = self.state.ledger;
-        ledger.changed(&*self.scene, &at, &self.state.row)
+        ledger.changed(&*self.scene, &at, &self.state.row, Elastic::FromOutside)
     }
 
     /// Work done so far.

@@ -1,5 +1,6 @@
 //! What the README promises exists: the table of methods agrees with the registry, and the files it names are there.
 
+use crate::common::run::asset;
 use canopy_fem::integrate::registry::methods;
 use std::path::Path;
 
@@ -37,4 +38,25 @@ fn the_files_it_names_are_there() {
         count += 1;
     }
     assert!(count >= 6, "only {count} files are named");
+}
+
+/// The tables over time that it shows are read, each at its place in a case.
+#[test]
+fn the_tables_it_shows_are_read() {
+    let text = readme();
+    let shown = |key: &str| {
+        let opening = format!("`\"{key}\": ");
+        let found = text.split(&opening).nth(1).and_then(|rest| rest.split('`').next());
+        found.unwrap_or_else(|| panic!("no {key}")).to_owned()
+    };
+    for (key, place) in [
+        ("rest_scale", "system.network.springs.0.rest_scale"),
+        ("motion", "system.network.supports.0.motion"),
+        ("base_acceleration", "system.network.base_acceleration"),
+    ] {
+        let value = shown(key);
+        assert!(value.contains("table"), "{key}: {value}");
+        let case = asset("oscillator", &[(place, &value)]);
+        assert!(case.problem().time.end > 0.0, "{key}");
+    }
 }

@@ -292,9 +292,14 @@ fn held_directions_stay_where_they_are() {
 }
 
 /// Forces that a sheet can have besides springs and weight: keys of `system.network`.
-fn forces() -> [(&'static str, Value); 7] {
+fn forces() -> [(&'static str, Value); 9] {
     let springs =
         |dashpot: Value| json!([{"on": "all", "stiffness": 300.0, "slack": "tension-only", "dashpot": dashpot}]);
+    let reeled = |dashpot: Value| {
+        let mut rule = springs(dashpot);
+        rule[0]["rest_scale"] = json!({"table": [[0.0, 1.0], [0.0113, 0.9], [0.03, 0.95]]});
+        rule
+    };
     let table = json!([[0.0, 0.0], [0.011, 1.0], [0.023, 0.3]]);
     [
         ("springs", springs(json!({"relative": {"coefficient": 0.05}}))),
@@ -313,6 +318,8 @@ fn forces() -> [(&'static str, Value); 7] {
                 }}
             }),
         ),
+        ("springs", reeled(json!({"axial": {"coefficient": 0.05}}))),
+        ("base_acceleration", json!({"table": [[0.0, 0.0, 1.0, 2.0], [0.02, 0.0, 0.0, 9.0]]})),
     ]
 }
 
@@ -320,14 +327,15 @@ fn forces() -> [(&'static str, Value); 7] {
 /// corrected.
 #[test]
 fn all_forces_work_in_blocks() {
-    let all = forces().into_iter().enumerate().filter(|(i, _)| ![1, 3, 5].contains(i)).map(|(_, force)| force);
+    let all = forces().into_iter().enumerate().filter(|(i, _)| ![1, 3, 5, 8].contains(i)).map(|(_, force)| force);
     let scenes = forces().map(|force| vec![force]).into_iter().chain([all.collect()]);
     for (number, forces) in scenes.enumerate() {
         for (size, method) in SIZES.into_iter().flat_map(|size| STRIDING.map(|method| (size, method))) {
             let (mut scene, mut external, mut dissipates) = (sheet_of(size), false, false);
             for (key, force) in &forces {
                 scene["system"]["network"][*key] = force.clone();
-                external |= ["loads", "aero"].contains(key);
+                external |=
+                    ["loads", "aero", "base_acceleration"].contains(key) || force[0].get("rest_scale").is_some();
                 dissipates |= ["springs", "damping"].contains(key);
             }
             let threads = 1 + number % 2;
@@ -346,7 +354,7 @@ fn all_forces_work_in_blocks() {
 #[test]
 #[ignore = "long"]
 fn a_divergence_by_dashpots_and_air_is_found_at_its_step() {
-    let [(_, dashpots), _, _, _, _, _, (_, air)] = forces();
+    let [(_, dashpots), _, _, _, _, _, (_, air), ..] = forces();
     let small = [("1e-3", "0.9"), ("1e-3", "1.4"), ("1e-3", "3"), ("2.8e-3", "0.05")];
     let runs = small.into_iter().flat_map(|run| STRIDING.map(|method| (SIZES[1], method, run)));
     for (size, method, (step, coefficient)) in runs.chain([(SIZES[0], STRIDING[0], small[1])]) {
@@ -379,7 +387,7 @@ fn a_large_sheet_with_dashpots_and_air() {
     large["system"]["network"]["mesh"]["rectangle"]["columns"] = json!(299);
     large["system"]["network"]["mesh"]["rectangle"]["rows"] = json!(329);
     large["system"]["network"]["mass"]["areal_density"] = json!(100.0);
-    let [(_, dashpots), _, _, _, (_, pressure), _, (_, air)] = forces();
+    let [(_, dashpots), _, _, _, (_, pressure), _, (_, air), ..] = forces();
     large["system"]["network"]["springs"] = dashpots;
     large["system"]["network"]["loads"] = pressure;
     large["system"]["network"]["aero"] = air;

@@ -78,6 +78,47 @@ fn every_tangent_equals_its_finite_difference() {
     assert!(compared > 100_000, "only {compared} entries were compared");
 }
 
+/// Springs of one of two groups are cut, and a support lets go: before and after.
+#[test]
+fn tangents_before_and_after_events() {
+    let mut spec = scenes().into_iter().find(|(name, _)| *name == "reeled, tension-only").expect("listed").1;
+    let all = spec.springs[0].clone();
+    let some = |group: &SpringGroup, first: bool| {
+        let keep: Vec<usize> = (0..group.edges.len()).filter(|i| (i % 3 == 0) == first).collect();
+        let pick = |values: &[f64]| keep.iter().map(|&i| values[i]).collect::<Vec<f64>>();
+        let dashpot = group.dashpot.as_ref().map(|d| DashpotSpec { coefficient: pick(&d.coefficient), ..d.clone() });
+        SpringGroup {
+            edges: keep.iter().map(|&i| group.edges[i]).collect(),
+            stiffness: pick(&group.stiffness),
+            rest_length: pick(&group.rest_length),
+            slack: group.slack,
+            dashpot,
+        }
+    };
+    spec.springs = vec![some(&all, true), some(&all, false)];
+    spec.rayleigh = Some(RayleighSpec { mass: 0.0, stiffness: 0.02 });
+    spec.cuts = vec![CutSpec { t: 0.3, group: 0 }];
+    spec.releases = vec![ReleaseSpec { t: 0.4, nodes: vec![(0, [true, false, true])] }];
+    let scene = build(spec);
+    let mut products = Vec::new();
+    for passed in 0..=2 {
+        scene.pass_events(passed);
+        let free = scene.inverse_mass().iter().filter(|m| **m > 0.0).count();
+        for seed in 0..4 {
+            let sample = Sample::new(&scene, seed);
+            compare(&format!("after {passed} events"), &scene, &sample, seed);
+            let p: Vec<f64> = (0..scene.n_dof()).map(|i| (0.7 * i as f64).sin()).collect();
+            let mut y = vec![0.0; scene.n_dof()];
+            // Rayleigh damping acts along slack springs too.
+            scene.tangent_times(sample.at(), Weights { m: 0.0, c: 1.0, k: 1.0 }, &p, &mut y);
+            products.push((free, y));
+        }
+    }
+    assert_eq!([0, 4, 8].map(|i| products[i].0), [23, 23, 25], "two directions become free");
+    assert!((0..4).all(|seed| products[seed].1 != products[4 + seed].1), "the cut changes the tangent");
+    scene.pass_events(0);
+}
+
 fn compare(name: &str, scene: &Network, sample: &Sample, seed: u64) -> usize {
     let n = scene.n_dof();
     let mut product = vec![0.0; n];

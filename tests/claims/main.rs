@@ -32,6 +32,7 @@ mod lattice;
 mod linear_theory;
 mod linearised;
 mod membrane;
+mod motion;
 mod net;
 mod newton_cases;
 mod newton_rate;
@@ -41,6 +42,7 @@ mod oscillator;
 mod parachute;
 mod pendulum;
 mod recurrence;
+mod reeling;
 mod rich_net;
 mod rich_power;
 mod rigid_payload;
@@ -100,6 +102,8 @@ const GROUPS: &[Group] = &[
     ("parachute, cavity that fills", cavity::filling),
     ("parachute, line in a cross wind", parachute::line),
     ("events", events::claims),
+    ("moving supports and bases", motion::claims),
+    ("winches and reefing", reeling::claims),
     ("kang", kang::claims),
     ("table 4 of the thesis", thesis::table_4),
     ("remarks of the thesis", thesis::remarks),

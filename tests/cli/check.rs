@@ -337,3 +337,47 @@ fn adaptive_steps_that_change_along_the_run_are_told_as_doubtful() {
         (number(&row(&report, "euler-cromer")["run"], "steps"), number(&bench.results().summary(), "steps"));
     assert!(told <= 3.0 * counted && counted <= 3.0 * told, "{told} told, {counted} counted");
 }
+
+/// A line of light nodes that is short of tension until it is reeled in, and a support that lets go of a light node:
+/// the critical step afterwards is told, and a warning where the step is above it.
+#[test]
+fn the_critical_step_after_an_event_is_told() {
+    let case = serde_json::json!({
+        "name": "later",
+        "system": {"network": {
+            "mesh": {"explicit": {"nodes": [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "springs": [[0, 1], [1, 2]]}},
+            "mass": {"nodal": [1.0, 1.0, 0.01]},
+            "springs": [{"on": "all", "stiffness": 100.0}],
+            "supports": [{"on": {"ids": [0]}, "fix": "xyz"}, {"on": {"ids": [2]}, "fix": "xyz", "until": 0.5}]
+        }},
+        "time": {"end": 1.0, "method": "velocity-verlet", "step": 0.05},
+        "output": {"frames": {"every": 0.5}}
+    });
+    let bench = Bench::new();
+    std::fs::write(bench.path("later.json"), case.to_string()).expect("a case");
+    let report = checked(&bench, &["later.json"]);
+    let later = &report["later_critical_step"];
+    assert_eq!(number(later, "from"), 0.5);
+    // Two springs on 1 kg and a free 0.01 kg: w^2 is the larger root of w^4 - (200 + 1e4) w^2 + 1e6 = 0.
+    let square = 5100.0 + (5100.0_f64 * 5100.0 - 1e6).sqrt();
+    let limit = number(later, "critical_step");
+    assert!((limit / (2.0 / square.sqrt()) - 1.0).abs() < 0.02, "{limit}");
+    let warned = report["warnings"].as_array().expect("warnings").iter().filter_map(Value::as_str);
+    assert!(warned.clone().any(|text| text.contains("from t = 0.5 s on")), "{:?}", report["warnings"]);
+    let ended = bench.run(&["check", "later.json"]);
+    assert!(ended.stdout.contains("from t = 0.5 s on"), "{}", ended.stdout);
+    let text = case.to_string().replace(",\"until\":0.5", "");
+    assert_ne!(text, case.to_string());
+    std::fs::write(bench.path("never.json"), text).expect("a case");
+    assert!(checked(&bench, &["never.json"])["later_critical_step"].is_null());
+    // Reeled in to a fifth, a line resists motion across it, which it did not at rest: w^2 = 2 T/(l m).
+    let mut reeled = case;
+    reeled["system"]["network"]["springs"][0]["rest_scale"] = serde_json::json!({"table": [[0, 1.0], [0.4, 0.2]]});
+    reeled["system"]["network"]["supports"] =
+        serde_json::json!([{"on": {"ids": [0, 2]}, "fix": "xyz"}, {"on": {"ids": [1]}, "fix": "x"}]);
+    std::fs::write(bench.path("reeled.json"), reeled.to_string()).expect("a case");
+    let later = checked(&bench, &["reeled.json"])["later_critical_step"].clone();
+    let expected = 2.0 / (2.0 * 100.0 * 0.8_f64).sqrt();
+    assert_eq!(number(&later, "from"), 0.4);
+    assert!((number(&later, "critical_step") / expected - 1.0).abs() < 0.02, "{later}");
+}

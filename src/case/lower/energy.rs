@@ -20,8 +20,12 @@ pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, fau
         faults.add_value(&at.key("initial").key("velocity"), value, ALLOWED, None);
     }
     let length = |edge: u32| geometry.start_length(edge, &spec.displacement).unwrap_or_default();
-    let springs = spec.springs.iter().flat_map(|g| g.edges.iter().zip(g.stiffness.iter().zip(&g.rest_length)));
-    let springs: Vec<_> = springs.map(|(&edge, (&k, &rest))| (edge, k, rest)).collect();
+    let springs = spec.springs.iter().enumerate().flat_map(|(number, g)| {
+        let scale = spec.rest_scale_at_start(number);
+        let values = g.edges.iter().zip(g.stiffness.iter().zip(&g.rest_length));
+        values.map(move |(&edge, (&k, &rest))| (edge, k, scale * rest))
+    });
+    let springs: Vec<_> = springs.collect();
     let elastic = springs.iter().map(|&(edge, k, rest)| 0.5 * k * (length(edge) - rest).powi(2));
     if let Some(&(edge, k, rest)) = first_overflow(elastic).and_then(|i| springs.get(i)) {
         let value = format!(

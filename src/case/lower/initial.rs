@@ -18,6 +18,8 @@ pub(super) struct Network<'a> {
     pub geometry: &'a Geometry,
     /// which of x, y, z is fixed, `[n_nodes][3]`
     pub fixed: &'a [[bool; 3]],
+    /// [m/s] velocity of supports at t = 0, `[n_nodes][3]`; empty if none moves
+    pub moved: &'a [[f64; 3]],
     /// springs, whose ends must not meet
     pub springs: &'a [SpringGroup],
     /// folder from which files are found
@@ -55,9 +57,9 @@ pub(super) fn initial(
     check_lengths(&at.key("displacement"), &start.displacement, network, faults);
     if let Some(vectors) = velocity {
         let at = at.key("velocity");
-        let given = each(&at, vectors, network.fixed, faults);
+        let mut given = each(&at, vectors, network.fixed, faults);
         if let Vectors::Each(_) = vectors {
-            check_held(&at, &given, network.fixed, faults);
+            check_held(&at, &mut given, network, faults);
         }
         start.velocity = sum(given, &start.velocity);
     }
@@ -85,15 +87,22 @@ fn each(at: &Pointer, vectors: &Vectors, fixed: &[[bool; 3]], faults: &mut Fault
     }
 }
 
-fn check_held(at: &Pointer, velocity: &[[f64; 3]], fixed: &[[bool; 3]], faults: &mut Faults<'_>) {
-    for (i, (v, f)) in velocity.iter().zip(fixed).enumerate() {
-        if (0..3).any(|c| f[c] && v[c] != 0.0) {
+/// Velocities that are held must be those of the supports; they become 0.
+fn check_held(at: &Pointer, velocity: &mut [[f64; 3]], network: &Network<'_>, faults: &mut Faults<'_>) {
+    for (i, (v, fixed)) in velocity.iter_mut().zip(network.fixed).enumerate() {
+        let support = network.moved.get(i).copied().unwrap_or_default();
+        let differs = |c: usize| fixed[c] && (v[c] - support[c]).abs() > SAME_SPEED * support[c].abs();
+        if (0..3).any(differs) && support == [0.0; 3] {
             faults.add_hint(
                 &at.index(i),
                 "0 in the directions in which the node is held",
                 "a support holds its node at rest; set the component to 0 or free it in the supports section",
             );
+        } else if let Some(c) = (0..3).find(|c| differs(*c)) {
+            let allowed = format!("{} m/s in {}, the velocity of its support", support[c], ["x", "y", "z"][c]);
+            faults.add_hint(&at.index(i), allowed, "the motion of the support says how fast the node is at t = 0");
         }
+        v.iter_mut().zip(fixed).filter(|(_, held)| **held).for_each(|(v, _)| *v = 0.0);
     }
 }
 
@@ -111,6 +120,9 @@ fn check_lengths(at: &Pointer, displacement: &[[f64; 3]], network: &Network<'_>,
         faults.add_value(at, value, "a displacement after which every spring has a length", Some(hint));
     }
 }
+
+/// [-] Relative difference of velocities that count as the same.
+const SAME_SPEED: f64 = 1e-9;
 
 /// Largest distance between the nodes of two meshes that count as the same, as a share of their largest coordinate.
 ///

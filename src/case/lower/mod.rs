@@ -17,6 +17,7 @@ mod plausible;
 mod select;
 mod springs;
 mod stiffness;
+mod supports;
 mod tables;
 mod time;
 mod wind;

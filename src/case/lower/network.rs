@@ -3,15 +3,16 @@
 use super::air::{self, Flow};
 use super::geometry::Geometry;
 use super::initial::{self, initial};
-use super::numbers::{not_negative, positive};
+use super::numbers::{not_negative, series};
 use super::springs::SpringSections;
-use super::{canopy, digits, energy, loads, mass, plausible, select, springs};
+use super::supports::{Supports, supports};
+use super::{canopy, digits, energy, loads, mass, plausible, springs};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Damping, Network, Support};
+use crate::case::schema::{Damping, Network, VectorTable, vectors};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
-use crate::model::spec::{NetworkSpec, RayleighSpec, ReleaseSpec};
+use crate::model::spec::{NetworkSpec, RayleighSpec, Series, support_velocity};
 use crate::preflight;
 use crate::warning::WarningCode;
 use std::path::Path;
@@ -28,14 +29,15 @@ pub(super) fn network(
     let before = faults.count();
     let mut masses =
         geometry.map(|g| mass::mass(&at.key("mass"), network.mass.as_ref(), g, faults)).unwrap_or_default();
-    let Supports { fixed, releases } = supports(&at.key("supports"), &network.supports, geometry, faults);
-    let SpringSections { groups, strengths, cuts } =
+    let Supports { fixed, releases, motions } = supports(&at.key("supports"), &network.supports, geometry, faults);
+    let SpringSections { groups, strengths, cuts, rest_scales } =
         springs::springs(&at.key("springs"), &network.springs, geometry, step, &mut masses, faults);
     let readable = |keys: &[&str], faults: &Faults<'_>| keys.iter().all(|key| faults.readable(&at.key(key)));
     let masses_known = faults.count() == before && readable(&["mass", "supports", "springs"], faults);
     let rayleigh = rayleigh(&at.key("damping"), network.damping.as_ref(), faults);
     let Flow { air, stream, canopies, line_drag, node_drag } =
         air::flow(&at.key("aero"), network.aero.as_ref(), base, geometry, faults);
+    let base_acceleration = base_acceleration(at, network, faults);
     let loads = loads::loads(&at.key("loads"), &network.loads, geometry, faults);
     let geometry = geometry?;
     // A faulty mass, support or spring section would be reported a second time as massless nodes.
@@ -56,7 +58,8 @@ pub(super) fn network(
         );
     }
     let start = if readable(&["supports", "springs"], faults) {
-        let against = initial::Network { geometry, fixed: &fixed, springs: &groups, base };
+        let moved = &support_velocity(&motions, fixed.len());
+        let against = initial::Network { geometry, fixed: &fixed, moved, springs: &groups, base };
         initial(&at.key("initial"), network.initial.as_ref(), &against, faults)
     } else {
         initial::InitialState::default()
@@ -66,10 +69,13 @@ pub(super) fn network(
         mass: masses,
         fixed,
         releases,
+        motions,
         springs: groups,
         strengths,
         cuts,
+        rest_scales,
         gravity: network.gravity,
+        base_acceleration,
         air,
         stream,
         canopies,
@@ -100,44 +106,15 @@ pub(super) fn network(
     Some(spec)
 }
 
-/// What supports hold.
-struct Supports {
-    /// which of x, y, z is held at the start, `[n_nodes][3]`
-    fixed: Vec<[bool; 3]>,
-    /// what becomes free later, in the order of time
-    releases: Vec<ReleaseSpec>,
-}
-
-/// Which directions are held, and until when. Several supports of a node add up: the last to let go counts.
-fn supports(at: &Pointer, list: &[Support], geometry: Option<&Geometry>, faults: &mut Faults<'_>) -> Supports {
-    // [s] until when each direction is held; 0 where it is free.
-    let mut until = vec![[0.0_f64; 3]; geometry.map_or(0, Geometry::nodes)];
-    for (i, support) in list.iter().enumerate() {
-        let at = at.index(i);
-        let directions = directions(&support.fix);
-        if directions.is_none() {
-            faults.add(&at.key("fix"), "one or more of the letters x, y and z, each once, such as \"xyz\" or \"z\"");
-        }
-        let end = support.until.map_or(Some(f64::INFINITY), |t| positive(&at.key("until"), t, faults).then_some(t));
-        let nodes = geometry.and_then(|g| select::nodes(&at.key("on"), &support.on, g, faults));
-        if let (Some(directions), Some(nodes)) = (directions, nodes) {
-            // A stand-in for a faulty time.
-            let end = end.unwrap_or(f64::INFINITY);
-            for node in nodes {
-                let held = until.get_mut(node as usize).into_iter().flatten();
-                held.zip(directions).filter(|(_, more)| *more).for_each(|(held, _)| *held = held.max(end));
-            }
-        }
+/// [m/s^2] The acceleration of the base.
+fn base_acceleration(at: &Pointer, network: &Network, faults: &mut Faults<'_>) -> Option<Series<[f64; 3]>> {
+    let VectorTable { table } = network.base_acceleration.as_ref()?;
+    let at = at.key("base_acceleration");
+    if network.aero.is_some() {
+        let hint = "velocities are relative to the base, and the air does not move with it; give the supports a motion";
+        faults.add_value(&at, "an accelerated base in air", "only without aero", Some(hint.to_owned()));
     }
-    let mut times: Vec<f64> = until.as_flattened().iter().copied().filter(|t| *t > 0.0 && t.is_finite()).collect();
-    times.sort_by(f64::total_cmp);
-    times.dedup();
-    let release = |t: f64| {
-        let free = (0_u32..).zip(&until).map(|(node, ends)| (node, ends.map(|end| end == t)));
-        ReleaseSpec { t, nodes: free.filter(|(_, free)| free.contains(&true)).collect() }
-    };
-    let releases = times.into_iter().map(release).collect();
-    Supports { fixed: until.iter().map(|ends| ends.map(|end| end > 0.0)).collect(), releases }
+    series(&at.key("table"), vectors(table), faults)
 }
 
 /// Events must lie within the run, which ends at `end` [s].
@@ -151,18 +128,6 @@ pub(super) fn check_events(at: &Pointer, network: &Network, end: f64, faults: &m
             faults.add(&at, format!("a time before the end of the run, {end} s"));
         }
     }
-}
-
-fn directions(fix: &str) -> Option<[bool; 3]> {
-    let mut held = [false; 3];
-    for letter in fix.chars() {
-        let flag = &mut held["xyz".find(letter)?];
-        if *flag {
-            return None;
-        }
-        *flag = true;
-    }
-    held.contains(&true).then_some(held)
 }
 
 fn rayleigh(at: &Pointer, section: Option<&Damping>, faults: &mut Faults<'_>) -> Option<RayleighSpec> {

@@ -89,11 +89,12 @@ fn speed(at: &Pointer, what: &str, speed: f64, faults: &mut Faults<'_>) {
 }
 
 fn strain(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
-    let springs = spec.springs.iter().flat_map(|group| {
+    let springs = spec.springs.iter().enumerate().flat_map(|(number, group)| {
+        let scale = spec.rest_scale_at_start(number);
         let tension_only = matches!(group.slack, Slack::TensionOnly | Slack::DeadZone { .. });
-        group.edges.iter().zip(&group.rest_length).map(move |(edge, rest)| (edge, rest, tension_only))
+        group.edges.iter().zip(&group.rest_length).map(move |(edge, rest)| (edge, scale * rest, tension_only))
     });
-    let strained = springs.filter_map(|(&edge, &rest, tension_only)| {
+    let strained = springs.filter_map(|(&edge, rest, tension_only)| {
         let l = geometry.start_length(edge, &spec.displacement)?;
         // A spring without rest length has no strain.
         let strain = if rest > 0.0 { (l - rest) / rest } else { 0.0 };

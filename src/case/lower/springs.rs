@@ -2,15 +2,15 @@
 
 use super::geometry::Geometry;
 use super::mass;
-use super::numbers::{not_negative, positive};
+use super::numbers::{not_negative, positive, series};
 use super::select;
 use super::stiffness::{Springs, Stiffness, dashpot, dashpot_number, rest_lengths, stiffness};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{EdgeSelection, SlackRule, SpringRule};
+use crate::case::schema::{EdgeSelection, Factor, FactorTable, SlackRule, SpringRule};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
-use crate::model::spec::{CutSpec, Slack, SpringGroup, StrengthSpec};
+use crate::model::spec::{CutSpec, RestScaleSpec, Series, Slack, SpringGroup, StrengthSpec};
 use crate::warning::WarningCode;
 
 /// The springs of a case.
@@ -22,6 +22,8 @@ pub(super) struct SpringSections {
     pub strengths: Vec<StrengthSpec>,
     /// when groups are cut
     pub cuts: Vec<CutSpec>,
+    /// how rest lengths of groups change
+    pub rest_scales: Vec<RestScaleSpec>,
 }
 
 /// Groups of springs in the order of the rules; adds the springs' own mass to `mass` `[n_nodes]`.
@@ -40,6 +42,7 @@ pub(super) fn springs(
     for (i, rule) in rules.iter().enumerate() {
         let at = at.index(i);
         let values = values(&at, rule, faults);
+        let factor = rest_factor(&at.key("rest_scale"), rule, faults);
         // The edges of an unreadable rule are not known, so those of the next rules are not known either.
         geometry = geometry.filter(|_| faults.readable(&at.key("on")));
         let Some(geometry) = geometry else { continue };
@@ -62,6 +65,7 @@ pub(super) fn springs(
                 sections.strengths.push(StrengthSpec { group: number, name, strength });
             }
             sections.cuts.extend(rule.cut.map(|t| CutSpec { t, group: number }));
+            sections.rest_scales.extend(factor.map(|factor| RestScaleSpec { group: number, factor }));
             sections.groups.push(group);
         }
     }
@@ -102,6 +106,17 @@ fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Ru
     };
     let dashpot = rule.dashpot.is_none_or(|d| dashpot_number(&at.key("dashpot"), d, faults));
     Some(RuleValues { stiffness: stiffness?, slack: slack? }).filter(|_| dashpot)
+}
+
+/// The factor of the rest lengths over time; `None` if it is constant, or faulty.
+fn rest_factor(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Series<f64>> {
+    let Some(Factor::Table(FactorTable { table })) = &rule.rest_scale else { return None };
+    let at = at.key("table");
+    let before = faults.count();
+    for (i, [_, factor]) in table.iter().enumerate() {
+        positive(&at.index(i).index(1), *factor, faults);
+    }
+    series(&at, table.iter().map(|[t, factor]| (*t, *factor)), faults).filter(|_| faults.count() == before)
 }
 
 /// The edges that have a spring so far.

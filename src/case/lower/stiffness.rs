@@ -4,7 +4,7 @@ use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::{not_negative, positive};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Dashpot, DashpotRule, SpringRule};
+use crate::case::schema::{Dashpot, DashpotRule, Factor, SpringRule};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
 use crate::model::spec::{DashpotKind, DashpotSpec};
@@ -50,7 +50,8 @@ pub(super) fn stiffness(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>
     }
 }
 
-/// [m] Rest lengths of the edges, by the rule's `rest_length` or `rest_scale`.
+/// [m] Rest lengths of the edges, by the rule's `rest_length` or `rest_scale`; those at the factor 1 where this is a
+/// table.
 pub(super) fn rest_lengths(
     at: &Pointer,
     rule: &SpringRule,
@@ -59,13 +60,13 @@ pub(super) fn rest_lengths(
     faults: &mut Faults<'_>,
 ) -> Option<Vec<f64>> {
     let initial = edges.iter().filter_map(|&e| geometry.length.get(e as usize).copied());
-    match (rule.rest_length, rule.rest_scale) {
-        (Some(_), Some(_)) => {
+    match (rule.rest_length, &rule.rest_scale) {
+        (Some(_), Some(Factor::Constant(_))) => {
             let hint = "rest_length is absolute, rest_scale a factor of the initial length; keep one";
             faults.add_hint(&at.key("rest_scale"), "not together with rest_length", hint);
             None
         }
-        (Some(length), None) => {
+        (Some(length), None | Some(Factor::Table(_))) => {
             let at = at.key("rest_length");
             if length == 0.0
                 && let Some(needs) = needs_rest_length(rule)
@@ -79,10 +80,10 @@ pub(super) fn rest_lengths(
             }
             not_negative(&at, length, faults).then(|| vec![length; edges.len()])
         }
-        (None, scale) => {
-            let scale = scale.unwrap_or(1.0);
-            positive(&at.key("rest_scale"), scale, faults).then(|| initial.map(|l| scale * l).collect())
+        (None, Some(Factor::Constant(scale))) => {
+            positive(&at.key("rest_scale"), *scale, faults).then(|| initial.map(|l| scale * l).collect())
         }
+        (None, None | Some(Factor::Table(_))) => Some(initial.collect()),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::wind;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Network, WindPart};
+use crate::case::schema::{Factor, FactorTable, Network, VectorTable, WindPart};
 use crate::format_number::figures;
 use crate::warning::WarningCode;
 
@@ -23,20 +23,30 @@ pub(super) struct StepTimes {
     pub end: f64,
 }
 
-/// Warns once per table: about the first pulse of a load or of the wind that is shorter than two steps and does not
-/// begin and end with steps.
+/// Warns once per table: about the first pulse of a load, of the base, of a rest length or of the wind that is shorter
+/// than two steps and does not begin and end with steps.
 pub(super) fn warn_of_short_pulses(at: &Pointer, network: &Network, steps: StepTimes, faults: &mut Faults<'_>) {
     let loads = network.loads.iter().enumerate();
     for (i, table) in loads.filter_map(|(i, load)| Some((i, load.table.as_ref()?))) {
         let at = at.key("loads").index(i).key("table");
         warn(&at, "impulse", pulses(table.iter().copied(), steps), steps, faults);
     }
+    let vector = |rows: &[[f64; 4]]| {
+        let component = |c: usize| pulses(rows.iter().map(move |row| [row[0], row[c]]), steps);
+        [1, 2, 3].map(component).into_iter().max_by_key(|found| found.count).unwrap_or_default()
+    };
+    if let Some(VectorTable { table }) = &network.base_acceleration {
+        warn(&at.key("base_acceleration").key("table"), "impulse", vector(table), steps, faults);
+    }
+    for (i, rule) in network.springs.iter().enumerate() {
+        let Some(Factor::Table(FactorTable { table })) = &rule.rest_scale else { continue };
+        let at = at.key("springs").index(i).key("rest_scale").key("table");
+        warn(&at, "mean", pulses(table.iter().copied(), steps), steps, faults);
+    }
     let wind = network.aero.as_ref().and_then(|aero| aero.wind.as_ref());
     for (at, part) in wind.into_iter().flat_map(|wind| wind::parts(&at.key("aero").key("wind"), wind)) {
         let WindPart::Table { table } = part else { continue };
-        let component = |c: usize| pulses(table.iter().map(move |row| [row[0], row[c]]), steps);
-        let worst = [1, 2, 3].map(component).into_iter().max_by_key(|found| found.count).unwrap_or_default();
-        warn(&at.key("table"), "mean", worst, steps, faults);
+        warn(&at.key("table"), "mean", vector(table), steps, faults);
     }
 }
 

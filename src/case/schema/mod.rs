@@ -12,6 +12,7 @@ pub mod per_node;
 pub mod select;
 pub mod solver;
 pub mod springs;
+pub mod table;
 pub mod time;
 pub mod wind;
 
@@ -32,6 +33,7 @@ pub use per_node::{PerNode, Vectors};
 pub use select::{Ball, EdgeSelection, NodeOrEdgeSelection, NodeSelection};
 pub use solver::{Newton, Solver};
 pub use springs::{Dashpot, DashpotRule, Membrane, SlackRule, SpringRule};
+pub use table::{Factor, FactorTable, VectorTable, vectors};
 pub use time::{Study, Time};
 pub use wind::{Atmosphere, ExponentialAtmosphere, Gust, Wind, WindPart, WindSum};
 

@@ -9,6 +9,7 @@ use super::loads::Load;
 use super::per_node::{PerNode, Vectors};
 use super::select::NodeSelection;
 use super::springs::SpringRule;
+use super::table::VectorTable;
 use crate::mesh::source::MeshSource;
 use crate::model::spec::RayleighSpec;
 
@@ -28,6 +29,11 @@ pub struct Network {
     pub supports: Vec<Support>,
     /// [m/s^2] Gravity, e.g. [0, 0, -9.81].
     pub gravity: Option<[f64; 3]>,
+    /// [m/s^2] Acceleration of the base over time, such as an earthquake's: `{"table": [[t, ax, ay, az], ...]}`. It
+    /// shakes all supports alike (uniform excitation): positions, velocities and accelerations are relative to the
+    /// base, and on every free mass acts the force -m a. Not together with `aero`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base_acceleration: Option<VectorTable>,
     /// The air; it acts on all triangles.
     pub aero: Option<Aero>,
     /// Given pressures and forces.
@@ -69,7 +75,7 @@ pub struct PointMass {
     pub total: Option<f64>,
 }
 
-/// Nodes that are held where the initial displacement puts them.
+/// Nodes that are held where the initial displacement puts them, or are moved from there.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Support {
@@ -83,6 +89,11 @@ pub struct Support {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub until: Option<f64>,
+    /// [m] How the support moves: `{"table": [[t, dx, dy, dz], ...]}`, the displacement from where its nodes are at t
+    /// = 0. It is 0 at t = 0, and in directions that are not held. The velocity is constant between two rows and jumps
+    /// at a row; a step ends there. No other support may hold the same direction of a node.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion: Option<VectorTable>,
 }
 
 /// Damping of the network as a whole.
@@ -96,13 +107,15 @@ pub struct Damping {
 /// Initial displacements and velocities of the nodes.
 ///
 /// One vector acts on the free degrees of freedom only. A list with one vector per node may move supports too: a
-/// support holds its node where the initial displacement puts it. A velocity at a held degree of freedom must be 0.
+/// support holds its node where the initial displacement puts it. A velocity at a held degree of freedom must be 0, or
+/// that with which its support begins to move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Initial {
     /// Where the run begins: the last state of another run on the same mesh, by its folder of results, or a frame of
     /// one (`{"frame": "x.vtu"}`). Paths count from the folder of the case. Time begins at 0 again; what is held
-    /// stands still where it is then. It replaces the displacement that the mesh itself starts with.
+    /// stands still where it is then, unless its support moves. It replaces the displacement that the mesh itself
+    /// starts with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<InitialFrom>,
     /// [m] Displacement from the mesh as given; it adds to the displacement that the mesh itself starts with, and to

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::select::EdgeSelection;
+use super::table::Factor;
 
 /// Springs on some edges. An edge that no rule selects has no spring. A rule for a group adds its springs to all edges
 /// of the group, beside those of other rules: a tape along the edges of a cloth. Of the other rules an edge follows
@@ -25,9 +26,11 @@ pub struct SpringRule {
     /// the edge on the mesh as given.
     #[schemars(range(min = 0))]
     pub rest_length: Option<f64>,
-    /// [-] The rest length as a factor of the edge's length on the mesh as given; not together with `rest_length`.
+    /// [-] The rest length as a factor of the edge's length on the mesh as given; not together with `rest_length`. Or
+    /// `{"table": [[t, s], ...]}`: the rest length, from `rest_length` or the edge, times a factor s(t), for a winch
+    /// or a reefing line. The stiffness stays what it is at s = 1. The work -T l0 ds of the change is `external_work`.
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub rest_scale: Option<f64>,
+    pub rest_scale: Option<Factor>,
     /// [kg/m] Mass per metre of edge on the mesh as given, half of it to each end; adds to the `mass` section.
     #[schemars(range(min = 0))]
     pub linear_density: Option<f64>,

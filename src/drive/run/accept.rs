@@ -110,7 +110,8 @@ impl Run<'_> {
             return WatchReport::Diverged(DivergenceKind::NotFinite);
         }
         let (scene, from, to, before) = (self.scene, &self.state.from, &self.state.to, &self.state.row);
-        let (step, power) = (self.state.steps + 1, [from, to].map(|at| power_of(scene, &at.forces.tallies)));
+        let times = [from.state.t, to.state.t];
+        let (step, power) = (self.state.steps + 1, [from, to].map(|at| power_of(scene, times, &at.forces.tallies)));
         let seen =
             self.state.watch.step(WatchedStep { scene, from, to, before, after, by_stages, power, step, h: tick.h });
         match (seen, left) {

@@ -101,7 +101,9 @@ impl Run<'_> {
                 summary.stretch_wanted |= strain;
             }
             match states {
-                States::None if clock.events().contains(&t) => return (coming, made + 1),
+                States::None if clock.events().binary_search_by(|event| event.total_cmp(&t)).is_ok() => {
+                    return (coming, made + 1);
+                }
                 States::None => {}
                 States::End => return (coming, made + 1),
                 States::BothEnds => return (coming, made),
@@ -113,9 +115,9 @@ impl Run<'_> {
     /// Adds the steps of a block to the account; `false` if one of them is not credible.
     fn record_block(&mut self, coming: &[UpcomingStep], blocks: &mut StepBlocks) -> bool {
         let (mut before, mut way) = (self.state.row, 0.0);
-        let mut power_before = power_of(self.scene, &self.state.from.forces.tallies);
+        let mut tallies_before = self.state.from.forces.tallies.as_slice();
         for ((step, summary), row) in coming.iter().zip(&blocks.summaries).zip(&mut blocks.rows) {
-            let after = self.state.ledger.close_with(self.scene, summary);
+            let after = self.state.ledger.close_with(self.scene, (step.from, tallies_before), summary);
             // Bounds the extent of the states before the last by the way that nodes can have moved; doubled, because
             // speeds within a step may exceed those at its ends.
             way += 2.0 * step.h() * summary.max_speed();
@@ -123,7 +125,8 @@ impl Run<'_> {
                 return false;
             }
             let (scene, from, to) = (self.scene, &self.state.from, &self.state.to);
-            let (h, power) = (step.h(), [power_before, power_of(scene, &summary.tallies)]);
+            let ends = [tallies_before, &summary.tallies];
+            let (h, power) = (step.h(), ends.map(|tallies| power_of(scene, [step.from, step.t], tallies)));
             // Schemes that integrate work by stages make their steps one by one.
             let (by_stages, step_number) = (false, step.step);
             let watched =
@@ -131,7 +134,7 @@ impl Run<'_> {
             if !self.state.watch.unseen_step(watched) || !self.state.scene_limits.allows(summary.max_speed(), h) {
                 return false;
             }
-            (*row, before, power_before) = (after, after, power[1]);
+            (*row, before, tallies_before) = (after, after, &summary.tallies);
         }
         true
     }

@@ -29,6 +29,8 @@ pub(in crate::force) trait AxialLaw {
     const ELASTIC: bool;
     /// whether there is a damping force
     const DAMPED: bool;
+    /// whether there is a power to sum up
+    const POWER: bool = Self::DAMPED;
 
     /// Elements by their three numbers; `#[inline(always)]`.
     fn axial_force<R: Real>(&self, numbers: [R; 3], measured: Measured<R>) -> AxialForce<R>;
@@ -52,7 +54,7 @@ pub(in crate::force) struct AxialForce<R> {
     pub energy: R,
     /// [N/m] s'
     pub damping: R,
-    /// [W] power of s' d
+    /// [W] power of s' d, or what the law sums up in its place
     pub power: R,
 }
 
@@ -149,6 +151,8 @@ impl<L: AxialLaw, const N: usize> Pass for Stars<'_, L, N> {
                     energy[j] = energy[j] + axial_force.energy;
                     if L::DAMPED {
                         kept.damping[j] = axial_force.damping.numbers();
+                    }
+                    if L::POWER {
                         power[j] = power[j] + axial_force.power;
                     }
                 }

@@ -13,7 +13,7 @@ use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::star_batches::{AxialForce, AxialLaw, Measured};
 use crate::force::law::dashpot::{self, Damping};
 use crate::force::law::slack::{Tension, TensionLaw, tension, with_law};
-use crate::force::law::spring::{Coefficient, Cut, SpringData, Stretch};
+use crate::force::law::spring::{Coefficient, Cut, SpringData, SpringsAt, Stretch};
 use crate::force::law::stretch::{InLocalBuffer, SpringLengths, largest};
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
@@ -75,6 +75,29 @@ impl DampedSprings {
         self.dashpots.as_ref().map(|dashpots| dashpots.kind)
     }
 
+    /// Adds the forces of the parts, one after the other, where rest lengths are times a factor. Returns also dE/ds,
+    /// negative [J].
+    fn reeled_force<L: TensionLaw>(
+        &self,
+        (law, s): (L, f64),
+        block: &ElementBlock<'_>,
+        [elastic, damping]: [Option<&mut Records>; 2],
+    ) -> [f64; 3] {
+        let Some(bars) = self.batch.bars(block.number) else { return [0.0; 3] };
+        let power = match (damping, self.kind()) {
+            (Some(f), Some(DashpotKind::Relative)) => self.differences.add(block.number, block.v, f),
+            (damping @ Some(_), Some(DashpotKind::Axial)) => {
+                bars.axial_force(&Reeled::<L, false, true>(law, s), block, [None, damping])[1]
+            }
+            _ => 0.0,
+        };
+        let [energy, pull] = match elastic {
+            Some(_) => bars.axial_force(&Reeled::<L, true, false>(law, s), block, [elastic, None]),
+            None => [0.0; 2],
+        };
+        [energy, power, pull]
+    }
+
     /// Adds the forces of both parts, or of one of them.
     fn axial_force<L: TensionLaw>(
         &self,
@@ -128,6 +151,27 @@ impl<L: TensionLaw, const ELASTIC: bool, const DAMPED: bool> AxialLaw for BarLaw
     }
 }
 
+/// The same with rest lengths times a factor s. The elastic part sums T l0 = -dE/ds [J] in place of a power.
+struct Reeled<L, const ELASTIC: bool, const DAMPED: bool>(L, f64);
+
+impl<L: TensionLaw, const ELASTIC: bool, const DAMPED: bool> AxialLaw for Reeled<L, ELASTIC, DAMPED> {
+    const ELASTIC: bool = ELASTIC;
+    const DAMPED: bool = DAMPED;
+    const POWER: bool = true;
+
+    #[inline(always)]
+    fn axial_force<R: Real>(&self, [k, given, c]: [R; 3], measured: Measured<R>) -> AxialForce<R> {
+        let &Reeled(law, s) = self;
+        let l0 = given * k.all(s);
+        let axial_force = BarLaw::<L, ELASTIC, DAMPED>(law).axial_force([k, l0, c], measured);
+        if DAMPED {
+            return axial_force;
+        }
+        let pull = law.at(k, measured.square.sqrt() - l0).force;
+        AxialForce { power: pull * given, ..axial_force }
+    }
+}
+
 impl BlockForces for DampedSprings {
     fn elements(&self) -> usize {
         self.springs.nodes.len()
@@ -157,6 +201,11 @@ impl BlockForces for DampedSprings {
         if self.cut.get() {
             return [Tally::default(); 2];
         }
+        if let Some(table) = &self.springs.rest_scale {
+            let s = table.at(block.t)[0];
+            let [energy, power, pull] = with_law!(self.springs.slack, law => self.reeled_force((law, s), block, sums));
+            return [Tally { energy, power: pull }, Tally { energy: 0.0, power }];
+        }
         let [energy, power] = with_law!(self.springs.slack, law => self.axial_force(law, block, sums));
         [Tally { energy, power: 0.0 }, Tally { energy: 0.0, power }]
     }
@@ -164,7 +213,8 @@ impl BlockForces for DampedSprings {
     fn largest_stretch(&self, block: &ElementBlock<'_>) -> f64 {
         let Some(bars) = self.batch.bars(block.number).filter(|_| !self.cut.get()) else { return f64::NEG_INFINITY };
         let rest_length = self.batch.each_number(block.number, 1);
-        largest(SpringLengths { ends: bars.ends, rest_length, at: InLocalBuffer(block.x) })
+        let rest_scale = self.springs.rest_scale_at(block.t);
+        largest(SpringLengths { ends: bars.ends, rest_length, rest_scale, at: InLocalBuffer(block.x) })
     }
 }
 
@@ -194,12 +244,12 @@ fn axial_state(
 
 /// [N] Force that the dashpot along spring `i` adds to its elastic tension; `c` [N s/m] is its coefficient.
 pub fn axial_force(springs: &SpringData, at: NodeState<'_>, i: usize, c: f64) -> f64 {
-    axial_state(springs, elastic_state(springs, at.x, i), at.v, (i, c)).damping.force
+    axial_state(springs, elastic_state(springs, springs.at(at.t, at.x), i), at.v, (i, c)).damping.force
 }
 
-/// Stretch and elastic tension of spring `i` at positions `x` [m] `[n_nodes]`.
-fn elastic_state(springs: &SpringData, x: &[Vector3<f64>], i: usize) -> (Stretch, Tension) {
-    let stretch = springs.stretch(x, i);
+/// Stretch and elastic tension of spring `i`.
+fn elastic_state(springs: &SpringData, at: SpringsAt<'_>, i: usize) -> (Stretch, Tension) {
+    let stretch = springs.stretch(at, i);
     (stretch, tension(springs.slack, springs.stiffness.at(i), stretch.elongation))
 }
 
@@ -241,8 +291,9 @@ impl ForceTerm for DampedSprings {
             // The pattern of the matrix stays.
             return springs.nodes.iter().for_each(|&nodes| sink.edge(nodes, Matrix3::zeros()));
         }
+        let springs_at = springs.at(at.t, at.x);
         for (i, &nodes) in springs.nodes.iter().enumerate() {
-            let elastic @ (stretch, t) = elastic_state(springs, at.x, i);
+            let elastic @ (stretch, t) = elastic_state(springs, springs_at, i);
             let force = if form.convex { t.force.max(0.0) } else { t.force };
             let mut block = stretch.block(force, t.slope) * w.k;
             if let Some(Dashpots { kind, coefficient }) = &self.dashpots {

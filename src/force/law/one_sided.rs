@@ -7,6 +7,7 @@
 //!   the step makes no energy, at any h^2 k/m. Without the second rule the step would pass the threshold without
 //!   braking and make 1/2 k (h v)^2.
 
+use crate::force::NodeState;
 use crate::force::kernel::neighbours::{Neighbours, WeightSlot};
 use crate::force::law::slack::{Clamped, clamped};
 use crate::force::law::spring::{Coefficient, SpringData};
@@ -61,18 +62,18 @@ impl OneSided {
         Some(OneSided { batches, slots, inside, neighbours, correction: vec![Vector3::zeros(); n], corrected })
     }
 
-    /// Finds the springs that are in the filter of a step of `h` [s] from positions `x` [m] and velocities `v` [m/s],
-    /// both `[n_nodes]`, and the difference of their forces from those of a force pass at `x`. Returns whether the
-    /// springs in the filter have changed.
-    pub fn select(&mut self, x: &[Vector3<f64>], v: &[Vector3<f64>], h: f64) -> bool {
+    /// Finds the springs that are in the filter of a step of `h` [s] from a state, and the difference of their forces
+    /// from those of a force pass there. Returns whether the springs in the filter have changed.
+    pub fn select(&mut self, NodeState { t, x, v }: NodeState<'_>, h: f64) -> bool {
         let Self { batches, slots, inside, neighbours, correction, corrected } = self;
         corrected.drain(..).for_each(|node| correction[node as usize] = Vector3::zeros());
         let mut changed = false;
         let mut springs = slots.iter().zip(inside);
         for (data, law) in batches {
+            let at = data.at(t, x);
             for ((i, &[a, b]), (slots, inside)) in data.nodes.iter().enumerate().zip(springs.by_ref()) {
                 let along = |of: &[Vector3<f64>]| of[b as usize] - of[a as usize];
-                let (d, limit) = (along(x), data.rest_length[i] + law.threshold);
+                let (d, limit) = (along(x), data.rest_length_at(at, i) + law.threshold);
                 let square = limit.max(0.0).powi(2);
                 // A spring that is taut by rounding only carries no force.
                 let taut = d.norm_squared() > square * (1.0 + TAUT);
@@ -84,7 +85,7 @@ impl OneSided {
                     slots.iter().for_each(|slot| neighbours.set(*slot, k));
                 }
                 if caught {
-                    let stretch = data.stretch(x, i);
+                    let stretch = data.stretch(at, i);
                     let axial_force = stretch.n * (data.stiffness.at(i) * (stretch.length - limit).min(0.0));
                     correction[a as usize] += axial_force;
                     correction[b as usize] -= axial_force;

@@ -32,6 +32,12 @@ impl<const N: usize> Table<N> {
         self.replaced.write().unwrap_or_else(PoisonError::into_inner).held = value;
     }
 
+    /// [s] The first row with the lowest first value.
+    pub fn lowest_at(&self) -> Option<f64> {
+        let rows = self.given.t.iter().zip(&self.given.value);
+        rows.min_by(|a, b| a.1[0].total_cmp(&b.1[0])).map(|(t, _)| *t)
+    }
+
     /// The value at time `t` [s].
     pub fn at(&self, t: f64) -> [f64; N] {
         let replaced = self.replaced.read().unwrap_or_else(PoisonError::into_inner);
@@ -92,7 +98,7 @@ impl LoadFactor {
 
 /// A table with one number per row.
 pub fn scalar(series: &Series<f64>) -> Arc<Table<1>> {
-    Table::new(Series { t: series.t.clone(), value: series.value.iter().map(|&v| [v]).collect() })
+    Table::new(series.rows())
 }
 
 #[cfg(test)]

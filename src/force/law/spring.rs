@@ -1,12 +1,17 @@
 //! Linear springs, slack or not (thesis Eq. 3, 52 and 67; Provot 1995).
 //!
 //! ```text
-//! e = l - l0,  n = (xb - xa)/l      force on a = T(e) n,  on b = -T(e) n      energy = integral of T de
+//! e = l - s l0,  n = (xb - xa)/l    force on a = T(e) n,  on b = -T(e) n      energy = integral of T de
 //! -df/dx = [[B, -B], [-B, B]],      B = (T/l)(I - n n^T) + (dT/dl) n n^T      -df/dv = 0
 //! ```
-//! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are 0.
+//! s is a factor of all rest lengths of a batch over time, 1 without one. Its change does the work -T l0 ds on a
+//! spring.
+//!
+//! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are
+//! 0.
 
 pub use crate::force::kernel::coefficient::Coefficient;
+use crate::force::law::series::Table;
 use crate::force::law::slack::{tension, with_law};
 use crate::force::law::stretch::{SpringLengths, WholeScene, largest, strain_base};
 pub use crate::force::law::tension::SpringOutput;
@@ -47,45 +52,72 @@ pub struct SpringData {
     pub stiffness: Coefficient,
     /// slack kind of the batch
     pub slack: Slack,
+    /// [-] factor s of the rest lengths over time; absent means 1
+    pub rest_scale: Option<Arc<Table<1>>>,
+}
+
+/// Positions of all nodes, with the rest lengths of a batch at the same time.
+#[derive(Clone, Copy, Debug)]
+pub struct SpringsAt<'a> {
+    /// [m] `[n_nodes]`
+    pub x: &'a [Vector3<f64>],
+    /// [-] factor s of the rest lengths
+    pub rest_scale: f64,
 }
 
 impl SpringData {
-    /// Vector from a to b, length, and elongation of spring `i` at positions `x` [m] `[n_nodes]`.
+    /// [-] The factor s of the rest lengths at time `t` [s].
+    pub fn rest_scale_at(&self, t: f64) -> f64 {
+        self.rest_scale.as_ref().map_or(1.0, |table| table.at(t)[0])
+    }
+
+    /// These springs at positions `x` [m] `[n_nodes]` and time `t` [s].
+    pub fn at<'a>(&self, t: f64, x: &'a [Vector3<f64>]) -> SpringsAt<'a> {
+        SpringsAt { x, rest_scale: self.rest_scale_at(t) }
+    }
+
+    /// [m] Rest length of spring `i` times s.
+    pub fn rest_length_at(&self, at: SpringsAt<'_>, i: usize) -> f64 {
+        self.rest_length[i] * at.rest_scale
+    }
+
+    /// Vector from a to b, length, and elongation of spring `i`.
     #[inline]
-    pub(crate) fn stretch(&self, x: &[Vector3<f64>], i: usize) -> Stretch {
+    pub(crate) fn stretch(&self, at: SpringsAt<'_>, i: usize) -> Stretch {
         let [a, b] = self.nodes[i];
-        let d = x[b as usize] - x[a as usize];
+        let d = at.x[b as usize] - at.x[a as usize];
         let length = d.norm();
         let n = if length > 0.0 { d * length.recip() } else { Vector3::zeros() };
-        Stretch { n, length, elongation: length - self.rest_length[i] }
+        Stretch { n, length, elongation: length - self.rest_length_at(at, i) }
     }
 
     /// [N] elastic tension of spring `i`.
-    pub fn tension(&self, x: &[Vector3<f64>], i: usize) -> f64 {
-        tension(self.slack, self.stiffness.at(i), self.elongation(x, i)).force
+    pub fn tension(&self, at: SpringsAt<'_>, i: usize) -> f64 {
+        tension(self.slack, self.stiffness.at(i), self.elongation(at, i)).force
     }
 
-    /// Writes elastic tension and strain of every spring at positions `x` [m] `[n_nodes]` to its index in `to.places`
-    /// `[n_springs]`; other entries keep their values.
+    /// Writes elastic tension and strain of every spring to its index in `to.places` `[n_springs]`; other entries keep
+    /// their values.
     ///
     /// # Panics
     /// When an index is beyond the end of `to.tension` or `to.strain`.
-    pub fn carried(&self, x: &[Vector3<f64>], to: SpringOutput<'_>) {
+    pub fn carried(&self, at: SpringsAt<'_>, to: SpringOutput<'_>) {
         let data = self;
-        with_law!(self.slack, law => quad::run(TensionPass { data, law, x, to }))
+        with_law!(self.slack, law => quad::run(TensionPass { data, law, at, to }))
     }
 
-    /// [m] Elongation of spring `i`, without its direction, at positions `x` [m] `[n_nodes]`.
-    fn elongation(&self, x: &[Vector3<f64>], i: usize) -> f64 {
+    /// [m] Elongation of spring `i`, without its direction.
+    fn elongation(&self, at: SpringsAt<'_>, i: usize) -> f64 {
         let [a, b] = self.nodes[i];
-        (x[b as usize] - x[a as usize]).norm() - self.rest_length[i]
+        (at.x[b as usize] - at.x[a as usize]).norm() - self.rest_length_at(at, i)
     }
 
-    /// [-] Largest l^2/l0^2 of all springs, -inf without any; at positions `x` [m] `[n_nodes]`.
-    pub fn largest_stretch(&self, x: &[Vector3<f64>]) -> f64 {
+    /// [-] Largest l^2/l0^2 of all springs, -inf without any.
+    pub fn largest_stretch(&self, SpringsAt { x, rest_scale }: SpringsAt<'_>) -> f64 {
         largest(SpringLengths {
             ends: &self.nodes,
             rest_length: &self.rest_length,
+            rest_scale,
             at: WholeScene(bytemuck::cast_slice(x)),
         })
     }
@@ -95,9 +127,9 @@ impl SpringData {
         turns_over(self, from, to)
     }
 
-    /// [-] Strain (l - l0)/l0 of spring `i` at positions `x` [m] `[n_nodes]`; 0 without a rest length.
-    pub fn strain(&self, x: &[Vector3<f64>], i: usize) -> f64 {
-        self.elongation(x, i) / strain_base(self.rest_length[i])
+    /// [-] Strain (l - l0)/l0 of spring `i`; 0 without a rest length.
+    pub fn strain(&self, at: SpringsAt<'_>, i: usize) -> f64 {
+        self.elongation(at, i) / strain_base(self.rest_length_at(at, i))
     }
 }
 

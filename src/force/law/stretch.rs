@@ -15,6 +15,8 @@ pub(in crate::force) struct SpringLengths<'a, E, P> {
     pub ends: &'a [[E; 2]],
     /// [m]
     pub rest_length: &'a [f64],
+    /// [-] factor of all rest lengths
+    pub rest_scale: f64,
     pub at: P,
 }
 
@@ -83,7 +85,7 @@ impl<E: Copy, P: Positions<E>> SpringLengths<'_, E, P> {
         for (d, &[a, b]) in d.iter_mut().zip(ends) {
             *d = unit.quad(self.at.of(b)) - unit.quad(self.at.of(a));
         }
-        let (d, l0) = (U::Quad::columns(d), unit.quad(l0.map(strain_base)));
+        let (d, l0) = (U::Quad::columns(d), unit.quad(l0.map(strain_base)) * unit.splat(self.rest_scale));
         (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / (l0 * l0)
     }
 }

@@ -2,10 +2,9 @@
 
 use crate::force::kernel::coefficient::Coefficient;
 use crate::force::law::slack::TensionLaw;
-use crate::force::law::spring::SpringData;
+use crate::force::law::spring::{SpringData, SpringsAt};
 use crate::force::law::stretch::{Positions, WholeScene, strain_base};
 use crate::model::quad::{Pass, Quad, Real, VectorUnit};
-use nalgebra::Vector3;
 
 /// The output arrays for the values of springs.
 #[derive(Debug)]
@@ -22,8 +21,7 @@ pub struct SpringOutput<'a> {
 pub(in crate::force) struct TensionPass<'a, L> {
     pub data: &'a SpringData,
     pub law: L,
-    /// [m]
-    pub x: &'a [Vector3<f64>],
+    pub at: SpringsAt<'a>,
     pub to: SpringOutput<'a>,
 }
 
@@ -68,15 +66,16 @@ impl<L: TensionLaw> TensionPass<'_, L> {
     /// Writes the values of springs that have an index.
     #[inline(always)]
     fn four<U: VectorUnit>(&mut self, unit: U, springs: &FourSprings, places: &[u32]) {
-        let at = WholeScene(bytemuck::cast_slice(self.x));
+        let at = WholeScene(bytemuck::cast_slice(self.at.x));
         let mut d = [unit.splat(0.0); 4];
         for (d, &[a, b]) in d.iter_mut().zip(&springs.ends) {
             *d = unit.quad(at.of(b)) - unit.quad(at.of(a));
         }
-        let (d, l0) = (U::Quad::columns(d), unit.quad(springs.rest_length));
+        let (d, scale) = (U::Quad::columns(d), unit.splat(self.at.rest_scale));
+        let l0 = unit.quad(springs.rest_length) * scale;
         let e = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt() - l0;
         let tension = self.law.at(unit.quad(springs.stiffness), e).force;
-        let base = unit.quad(springs.rest_length.map(strain_base));
+        let base = unit.quad(springs.rest_length.map(strain_base)) * scale;
         let (tension, strain) = (tension.numbers(), (e / base).numbers());
         for ((&place, tension), strain) in places.iter().zip(tension).zip(strain) {
             self.to.tension[place as usize] = tension;
@@ -90,6 +89,7 @@ mod tests {
     use super::*;
     use crate::force::law::slack::tension;
     use crate::model::spec::Slack;
+    use nalgebra::Vector3;
 
     /// Each spring's values are k-law and strain of its own length, at its own place; of batches that fill no four too.
     #[test]
@@ -105,10 +105,14 @@ mod tests {
                     rest_length: (0..n).map(|i| 4.0 + 3.0 * i as f64).collect(),
                     stiffness: Coefficient::from_values(&stiffness),
                     slack,
+                    rest_scale: None,
                 };
                 let places: Vec<u32> = (0..n as u32).map(|i| 11 - i).collect();
                 let (mut tensions, mut strains) = ([7.0; 12], [8.0; 12]);
-                data.carried(&x, SpringOutput { places: &places, tension: &mut tensions, strain: &mut strains });
+                data.carried(
+                    data.at(0.0, &x),
+                    SpringOutput { places: &places, tension: &mut tensions, strain: &mut strains },
+                );
                 for place in 0..12 {
                     let spring = 11 - place;
                     let expected = if spring < n {

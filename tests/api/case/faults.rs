@@ -18,12 +18,14 @@ const ALL: &str = r#"{
     }},
     "mass": {"areal_density": 3.0, "nodal": [0.5, 0.5, 0.5, 0.5, 0.5]},
     "springs": [
-      {"on": "lines", "stiffness": 5.0, "rest_length": 0.9, "slack": {"dead_zone": 0.1}},
+      {"on": "lines", "stiffness": 5.0, "rest_length": 0.9, "slack": {"dead_zone": 0.1},
+       "rest_scale": {"table": [[0, 1], [1, 0.9]]}},
       {"on": {"ids": [2]}, "axial_rigidity": 100.0, "rest_scale": 1.1, "dashpot": {"axial": {"time": 0.001}}},
       {"on": "all", "membrane": {"modulus": 1e6, "thickness": 1e-4}, "linear_density": 0.1, "slack": "tension-only",
        "dashpot": {"relative": "step"}}
     ],
-    "supports": [{"on": {"ids": [0]}, "fix": "xyz"}, {"on": {"sphere": {"center": [1, 0, 0], "radius": 0.1}}, "fix": "z"}],
+    "supports": [{"on": {"ids": [0]}, "fix": "xyz", "motion": {"table": [[0, 0, 0, 0], [1, 2, 0, 0]]}},
+                 {"on": {"sphere": {"center": [1, 0, 0], "radius": 0.1}}, "fix": "z"}],
     "gravity": [0, 0, -9.81],
     "aero": {"wind": {"table": [[0, 0, 0, 5], [1, 0, 0, 6]]},
              "law": {"permeable": {"a": 400.0, "b": 100.0, "thickness": 1e-3}}},
@@ -31,7 +33,7 @@ const ALL: &str = r#"{
               {"on": {"box": [[0, 0, 0], [1, 1, 1]]}, "force": [0, 0, -1], "table": [[0, 0], [1, 1]]}],
     "damping": {"rayleigh": {"mass": 0.1, "stiffness": 0.001}},
     "initial": {"displacement": [0, 0, 0.01],
-                "velocity": [[0, 0, 0], [1, 0, 0], [1, 0, 0], [1, 0, 0], [1, 0, 0]]}
+                "velocity": [[2, 0, 0], [1, 0, 0], [1, 0, 0], [1, 0, 0], [1, 0, 0]]}
   }},
   "time": {"end": 1.0, "method": {"hht": {"alpha": -0.1}}, "step": 0.01},
   "solver": {"newton": {"relative": 1e-8, "max_iterations": 20, "strategy": "full"}, "linear": "auto"},

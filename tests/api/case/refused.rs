@@ -377,3 +377,88 @@ fn gauges_and_events() {
         ("system.network.supports.0.until=1", "/system/network/supports/0/until", "before the end of the run, 1 s"),
     ]);
 }
+
+/// Motions of supports, bases, and rest lengths over time.
+#[test]
+fn motions() {
+    refuses(&[
+        ("system.network.supports.0.motion=[0,1]", "/system/network/supports/0/motion", "an object"),
+        (
+            "system.network.supports.0.motion={\"tabel\":[[0,0,0,0]]}",
+            "/system/network/supports/0/motion/tabel",
+            "did you mean \"table\"",
+        ),
+        (
+            "system.network.supports.0.motion={\"table\":[]}",
+            "/system/network/supports/0/motion/table",
+            "at least one row",
+        ),
+        (
+            "system.network.supports.0.motion={\"table\":[[0,0,0,0],[1,1,0,0],[1,2,0,0]]}",
+            "/system/network/supports/0/motion/table/2",
+            "strictly increasing",
+        ),
+        (
+            "system.network.supports.0.motion={\"table\":[[0,1,0,0],[1,1,0,0]]}",
+            "/system/network/supports/0/motion/table",
+            "no displacement at t = 0",
+        ),
+        (
+            "system.network.supports.0.fix=xy;system.network.supports.0.motion={\"table\":[[0,0,0,0],[1,0,0,2]]}",
+            "/system/network/supports/0/motion/table/1/3",
+            "0 in z, a direction that this support does not hold",
+        ),
+        (
+            "system.network.supports=[{\"on\":{\"ids\":[0,1]},\"fix\":\"xyz\"},{\"on\":{\"ids\":[1]},\"fix\":\"z\",\"motion\":{\"table\":[[0,0,0,0],[1,0,0,1]]}}]",
+            "/system/network/supports/1",
+            "nodes 1 are held by supports[0] too",
+        ),
+        (
+            "system.network.supports.0.motion={\"table\":[[0,0,0,0],[1,2,0,0]]};system.network.initial={\"velocity\":[[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0]]}",
+            "/system/network/initial/velocity/0",
+            "2 m/s in x, the velocity of its support",
+        ),
+        (
+            "system.network.base_acceleration={\"table\":[[0,0,0,0],[0,1,0,0]]}",
+            "/system/network/base_acceleration/table/1",
+            "strictly increasing",
+        ),
+        ("system.network.base_acceleration={\"table\":[[0,0,0]]}", "/system/network/base_acceleration/table/0", "4"),
+        (
+            "system.network.base_acceleration={\"table\":[[0,0,0,1]]};system.network.aero={\"wind\":[0,0,9],\"law\":{\"pressure_coefficient\":{\"cp\":1,\"air_density\":1.2}}}",
+            "/system/network/base_acceleration",
+            "only without aero",
+        ),
+        (
+            "system.network.springs.0.rest_scale={\"table\":[]}",
+            "/system/network/springs/0/rest_scale/table",
+            "at least one row",
+        ),
+        (
+            "system.network.springs.0.rest_scale={\"table\":[[0,1],[1,0]]}",
+            "/system/network/springs/0/rest_scale/table/1/1",
+            "above 0",
+        ),
+        (
+            "system.network.springs.0.rest_scale={\"table\":[[1,1],[0,2]]}",
+            "/system/network/springs/0/rest_scale/table/1",
+            "strictly increasing",
+        ),
+        ("system.network.springs.0.rest_scale=short", "/system/network/springs/0/rest_scale", "a number"),
+    ]);
+}
+
+/// Their values at the start are those of the tables, and what is right is accepted.
+#[test]
+fn motions_that_are_right() {
+    let motion = r#"{"table":[[-1,-2,0,0],[1,2,0,0]]}"#;
+    let velocity = r#"{"velocity":[[2,0,0],[0,0,0],[0,0,1],[0,0,0],[0,0,0]]}"#;
+    let sets = [
+        ("system.network.supports.0.motion", motion),
+        ("system.network.initial", velocity),
+        ("system.network.springs.0.rest_length", "0.5"),
+        ("system.network.springs.0.rest_scale", r#"{"table":[[0,2],[1,1]]}"#),
+        ("system.network.base_acceleration", r#"{"table":[[0,0,0,1]]}"#),
+    ];
+    base_with(&sets).expect("all of it is right");
+}

@@ -110,6 +110,15 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
         list.push((name, with_springs(slack)));
         list.push((name, with_dashpots(slack, DashpotKind::Axial)));
     }
+    for (name, slack, kind) in [
+        ("reeled", Slack::None, None),
+        ("reeled, tension-only", Slack::TensionOnly, Some(DashpotKind::Axial)),
+        ("reeled, compression limit", Slack::CompressionLimit { eps: 0.13 }, Some(DashpotKind::Relative)),
+    ] {
+        let spec = kind.map_or_else(|| with_springs(slack), |kind| with_dashpots(slack, kind));
+        let factor = Series { t: vec![0.0, 1.0], value: vec![0.8, 1.15] };
+        list.push((name, NetworkSpec { rest_scales: vec![RestScaleSpec { group: 0, factor }], ..spec }));
+    }
     list.push(("relative dashpots", with_dashpots(Slack::TensionOnly, DashpotKind::Relative)));
     let rayleigh = Some(RayleighSpec { mass: 0.7, stiffness: 0.02 });
     list.push(("rayleigh", NetworkSpec { rayleigh, ..with_springs(Slack::TensionOnly) }));
@@ -120,6 +129,8 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
     list.push(("follower pressure", pressure(PressureKind::Follower)));
     list.push(("dead pressure along a direction", pressure(PressureKind::Dead(Some([0.0, 0.6, 0.8])))));
     list.push(("dead pressure along the first normal", pressure(PressureKind::Dead(None))));
+    let base_acceleration = Some(Series { t: vec![0.0, 1.0], value: vec![[1.0, -2.0, 4.0], [3.0, 0.5, -6.0]] });
+    list.push(("base acceleration", NetworkSpec { base_acceleration, ..patch() }));
     let forces = vec![NodalLoad { nodes: vec![3, 8], force: [1.0, 2.0, 3.0], factor: None }];
     list.push(("nodal forces", NetworkSpec { forces, ..patch() }));
     let air = |spec: NetworkSpec| NetworkSpec { stream: Some(stream()), ..spec };

@@ -400,6 +400,35 @@ fn checkpoints_are_kept_when_asked_for() {
     assert!(checkpoint(plain.path()).is_none());
 }
 
+/// Supports that move, a base that shakes, and rest lengths that change.
+#[test]
+fn every_method_resumes_over_motion() {
+    let mut scene = calm();
+    let network = &mut scene["system"]["network"];
+    let rule = network["springs"][0].clone();
+    network["springs"] = json!([rule.clone(), rule]);
+    network["springs"][0]["on"] = json!({"ids": [0, 1]});
+    network["springs"][0]["rest_scale"] = json!({"table": [[0.0, 1.0], [0.1, 1.1], [0.3317, 0.9]]});
+    network["supports"] = json!([
+        {"on": {"ids": [0]}, "fix": "xyz", "motion": {"table": [[0, 0, 0, 0], [0.1213, 0.1, 0, 0.05], [0.3, 0, 0, 0]]}},
+        {"on": {"ids": [3]}, "fix": "xz", "until": 0.2511, "motion": {"table": [[-1, 0.4, 0, 0], [1, -0.4, 0, 0]]}}
+    ]);
+    network["base_acceleration"] = json!({"table": [[0, 0, 0, 1], [0.1503, 1, 2, -3], [0.4, 0, 0, 0]]});
+    scene["output"]["gauges"] = json!([{"name": "hold", "on": {"ids": [0, 3]}, "of": "reaction", "every": 4}]);
+    let case = case_of(&scene, &[]);
+    for method in methods() {
+        let case = changed(&case, &[("time.method", method.name)]);
+        for stops in [[7, 15], [13, 26], [21, 33]] {
+            assert_resumes(&case, stops, &format!("{} over motion, stopped at {stops:?}", method.name));
+        }
+    }
+    scene["time"] = json!({"end": 0.497, "method": "newmark", "tolerance": {"relative": 1e-4, "absolute": 1e-5}});
+    for method in ["newmark", "hht", "velocity-verlet", "dormand-prince", "kang"] {
+        let case = changed(&case_of(&scene, &[]), &[("time.method", method)]);
+        assert_resumes(&case, [5, 30], &format!("{method} over motion, adaptive"));
+    }
+}
+
 /// Supports that are released, springs that are cut, and gauges: a run that is interrupted before, between and after
 /// the events has the bytes of one in one piece, on any number of threads.
 #[test]

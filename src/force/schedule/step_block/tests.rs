@@ -52,7 +52,13 @@ impl Kernel<2> for LinkData {
 
 fn springs(nodes: Vec<[u32; 2]>) -> SpringData {
     let rest_length = vec![0.3; nodes.len()].into();
-    SpringData { rest_length, nodes: nodes.into(), stiffness: Coefficient::Uniform(5.0), slack: Slack::None }
+    SpringData {
+        rest_length,
+        nodes: nodes.into(),
+        stiffness: Coefficient::Uniform(5.0),
+        slack: Slack::None,
+        rest_scale: None,
+    }
 }
 
 /// Dashpots of 2 N s/m as the second part of springs.

@@ -1,0 +1,147 @@
+//! Supports: what they hold, until when, and how they move it.
+
+use super::geometry::Geometry;
+use super::numbers::{positive, series};
+use super::select;
+use crate::case::diagnostics::Faults;
+use crate::case::pointer::Pointer;
+use crate::case::schema::{Support, VectorTable, vectors};
+use crate::format_number::{figures, first_few};
+use crate::model::spec::{MotionSpec, ReleaseSpec, Series};
+
+/// What supports hold.
+pub(super) struct Supports {
+    /// which of x, y, z is held at the start, `[n_nodes][3]`
+    pub fixed: Vec<[bool; 3]>,
+    /// what becomes free later, in the order of time
+    pub releases: Vec<ReleaseSpec>,
+    /// what is moved
+    pub motions: Vec<MotionSpec>,
+}
+
+/// What holds a direction of a node.
+#[derive(Clone, Copy, Default)]
+struct Hold {
+    /// [s] until when; 0 where it is free
+    until: f64,
+    /// number of the first support that holds it, and whether that moves it
+    first: Option<(usize, bool)>,
+}
+
+/// Which directions are held, and until when. Several supports of a node add up: the last to let go counts. One that
+/// moves a direction is alone.
+pub(super) fn supports(
+    at: &Pointer,
+    list: &[Support],
+    geometry: Option<&Geometry>,
+    faults: &mut Faults<'_>,
+) -> Supports {
+    let mut holds = vec![[Hold::default(); 3]; geometry.map_or(0, Geometry::nodes)];
+    let mut motions = Vec::new();
+    for (i, support) in list.iter().enumerate() {
+        let at = at.index(i);
+        let directions = directions(&support.fix);
+        if directions.is_none() {
+            faults.add(&at.key("fix"), "one or more of the letters x, y and z, each once, such as \"xyz\" or \"z\"");
+        }
+        let end = support.until.map_or(Some(f64::INFINITY), |t| positive(&at.key("until"), t, faults).then_some(t));
+        let displacement =
+            support.motion.as_ref().and_then(|table| motion(&at.key("motion"), table, directions, faults));
+        let nodes = geometry.and_then(|g| select::nodes(&at.key("on"), &support.on, g, faults));
+        if let (Some(directions), Some(nodes)) = (directions, nodes) {
+            let moves = support.motion.is_some();
+            // A stand-in may be for any nodes and directions.
+            let known = faults.readable(&at.key("on")) && faults.readable(&at.key("fix"));
+            let this = Hold { until: end.unwrap_or(f64::INFINITY), first: known.then_some((i, moves)) };
+            hold(&at, &mut holds, (&nodes, directions), this, faults);
+            motions.extend(displacement.map(|displacement| {
+                let nodes = nodes.into_iter().map(|node| (node, directions)).collect();
+                MotionSpec { nodes, displacement }
+            }));
+        }
+    }
+    let fixed = holds.iter().map(|node| node.map(|hold| hold.until > 0.0)).collect();
+    Supports { fixed, releases: releases(&holds), motions }
+}
+
+/// Adds a support to what holds these nodes.
+fn hold(
+    at: &Pointer,
+    holds: &mut [[Hold; 3]],
+    (nodes, directions): (&[u32], [bool; 3]),
+    this: Hold,
+    faults: &mut Faults<'_>,
+) {
+    let mut shared: Vec<u32> = Vec::new();
+    let mut other = None;
+    for &node in nodes {
+        let held = holds.get_mut(node as usize).into_iter().flatten();
+        for (held, _) in held.zip(directions).filter(|(_, more)| *more) {
+            if let (Some((number, moves)), Some((_, moves_now))) = (held.first, this.first)
+                && (moves || moves_now)
+            {
+                shared.push(node);
+                other.get_or_insert(number);
+            }
+            *held = Hold { until: held.until.max(this.until), first: held.first.or(this.first) };
+        }
+    }
+    shared.dedup();
+    if let Some(other) = other {
+        let value = format!("nodes {} are held by supports[{other}] too", first_few(&shared));
+        let allowed = "one support for each direction of a node where it moves";
+        faults.add_value(at, value, allowed, Some("leave them out of one of the two".to_owned()));
+    }
+}
+
+/// [m] The displacement over time.
+fn motion(
+    at: &Pointer,
+    VectorTable { table }: &VectorTable,
+    directions: Option<[bool; 3]>,
+    faults: &mut Faults<'_>,
+) -> Option<Series<[f64; 3]>> {
+    let at = at.key("table");
+    let before = faults.count();
+    for (i, row) in table.iter().enumerate() {
+        for (axis, held) in directions.unwrap_or([true; 3]).iter().enumerate() {
+            if !held && row[axis + 1] != 0.0 {
+                let allowed = format!("0 in {}, a direction that this support does not hold", ["x", "y", "z"][axis]);
+                faults.add_hint(&at.index(i).index(axis + 1), allowed, "name the direction in \"fix\"");
+            }
+        }
+    }
+    let displacement = series(&at, vectors(table), faults)?;
+    let start = displacement.at(0.0);
+    if start != [0.0; 3] {
+        let [x, y, z] = start.map(|d| figures(d, 4));
+        let value = format!("a displacement of ({x}, {y}, {z}) m at t = 0");
+        let hint = "displacements count from t = 0; where a node begins is said by initial.displacement".to_owned();
+        faults.add_value(&at, value, "no displacement at t = 0", Some(hint));
+    }
+    (faults.count() == before).then_some(displacement)
+}
+
+fn releases(holds: &[[Hold; 3]]) -> Vec<ReleaseSpec> {
+    let ends = || holds.as_flattened().iter().map(|hold| hold.until);
+    let mut times: Vec<f64> = ends().filter(|t| *t > 0.0 && t.is_finite()).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let release = |t: f64| {
+        let free = (0_u32..).zip(holds).map(|(node, holds)| (node, holds.map(|hold| hold.until == t)));
+        ReleaseSpec { t, nodes: free.filter(|(_, free)| free.contains(&true)).collect() }
+    };
+    times.into_iter().map(release).collect()
+}
+
+fn directions(fix: &str) -> Option<[bool; 3]> {
+    let mut held = [false; 3];
+    for letter in fix.chars() {
+        let flag = &mut held["xyz".find(letter)?];
+        if *flag {
+            return None;
+        }
+        *flag = true;
+    }
+    held.contains(&true).then_some(held)
+}
