@@ -66,7 +66,7 @@ fn a_cavity_without_a_meaning_is_refused() {
             "aero/canopy",
             "a canopy with table and schedule and cavity",
         ),
-        (vec![(format!("{CANOPY}.skirt"), "{\"ids\": [1, 2]}")], "canopy/cavity", "a skirt on one closed loop"),
+        (vec![(format!("{CANOPY}.skirt"), "{\"ids\": [1, 2]}")], "canopy/skirt", "one closed loop"),
     ];
     for (sets, pointer, words) in rows {
         let sets: Vec<(String, String)> = sets.into_iter().map(|(k, v)| (k, v.to_owned())).collect();

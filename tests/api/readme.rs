@@ -1,18 +1,20 @@
-//! What the README promises exists: the table of methods agrees with the registry, and the files it names are there.
+//! What README and docs promise exists: the table of methods agrees with the registry, and the files that are named are
+//! there.
 
 use crate::common::run::asset;
 use canopy_fem::integrate::registry::methods;
 use std::path::Path;
 
-fn readme() -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
-    std::fs::read_to_string(path).expect("the README is there")
+fn document(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
+    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 #[test]
 fn the_table_of_methods_is_the_registry() {
-    let text = readme();
-    let section = text.split("## Methods").nth(1).and_then(|s| s.split("\n## ").next()).expect("a section on methods");
+    let text = document("docs/methods.md");
+    let section = text.split("## The fourteen methods").nth(1).and_then(|s| s.split("\n## ").next());
+    let section = section.expect("a section on methods");
     let rows: Vec<(String, u32)> = section
         .lines()
         .filter(|line| line.starts_with("| `"))
@@ -28,7 +30,7 @@ fn the_table_of_methods_is_the_registry() {
 #[test]
 fn the_files_it_names_are_there() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let text = readme();
+    let text = document("README.md");
     let named = text
         .split(|c: char| c.is_whitespace() || "()[]`'\"".contains(c))
         .filter(|word| ["assets/", "docs/", "tests/"].iter().any(|folder| word.starts_with(folder)));
@@ -43,7 +45,7 @@ fn the_files_it_names_are_there() {
 /// The tables over time that it shows are read, each at its place in a case.
 #[test]
 fn the_tables_it_shows_are_read() {
-    let text = readme();
+    let text = document("docs/using.md");
     let shown = |key: &str| {
         let opening = format!("`\"{key}\": ");
         let found = text.split(&opening).nth(1).and_then(|rest| rest.split('`').next());

@@ -142,8 +142,8 @@ pub struct FillingSchedule {
     /// [s] When the stage begins: line stretch, or the cut of a reefing line; 0 if not given. Later in each stage.
     #[serde(default)]
     pub start: f64,
-    /// [m/s] Speed v_s at the start of the stage, for `filling_constant`. Of the first stage it may be left out: then it
-    /// is the axial air speed at the start of the run.
+    /// [m/s] Speed v_s at the start of the stage, for `filling_constant`. Of the first stage it may be left out: then
+    /// it is the axial air speed at the start of the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub speed: Option<f64>,

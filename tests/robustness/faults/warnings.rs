@@ -349,14 +349,15 @@ fn shipped_cases_are_checked_without_a_warning() {
     }
 }
 
-/// Commands of the README that solve a shipped case, made short, and the case that `init` writes.
+/// Commands of README and docs that solve a shipped case, made short, and the case that `init` writes.
 #[test]
-fn the_readme_and_init_lead_to_no_warning() {
+fn the_documents_and_init_lead_to_no_warning() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folder = tempfile::tempdir().expect("a folder");
     std::os::unix::fs::symlink(root.join("assets"), folder.path().join("assets")).expect("a link");
-    let readme = std::fs::read_to_string(root.join("README.md")).expect("the README");
-    let blocks = readme.split("```sh").skip(1).filter_map(|rest| rest.split("```").next());
+    let text = |name: &str| std::fs::read_to_string(root.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let shown = text("README.md") + &text("docs/using.md");
+    let blocks = shown.split("```sh").skip(1).filter_map(|rest| rest.split("```").next());
     let commands = blocks.flat_map(str::lines).filter_map(|line| line.split_once("solve assets/cases/"));
     let mut count = 0;
     for (_, rest) in commands {
