@@ -1,5 +1,5 @@
-//! The shipped parachutes from their start to the end: without a word of warning, to the loads and speeds that are known
-//! of them.
+//! The shipped parachutes from their start to the end: without a word of warning, to the loads and speeds that are
+//! known of them.
 
 use crate::bench::Bench;
 use serde_json::Value;
@@ -42,8 +42,8 @@ fn braked(mass: f64) -> f64 {
     most
 }
 
-/// sqrt(2 m g/(rho CdS)) with the drag areas of canopy and payload, the cloth's and the lines' weight; lines add a little
-/// drag.
+/// sqrt(2 m g/(rho CdS)) with the drag areas of canopy and payload, the cloth's and the lines' weight; lines add a
+/// little drag.
 #[test]
 fn a_c9_opens_and_falls() {
     let (summary, text) = flown("c9-drop");
