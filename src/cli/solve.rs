@@ -292,7 +292,7 @@ fn report(
         );
     }
     if !failed {
-        summary.peaks.iter().filter_map(|one| peak(one, &summary.peaks)).for_each(|line| text.push_str(&line));
+        summary.peaks.iter().filter_map(peak).for_each(|line| text.push_str(&line));
     }
     let _ = writeln!(text, "  results         {}", results.display());
     if outcome.status == Status::Interrupted {
@@ -303,33 +303,29 @@ fn report(
     text
 }
 
-/// A line of the report for a value that a reader looks for first: opening load, speed of descent, largest loads. A sum
-/// of tensions is left out where it is that of one spring, or of lines whose strength is given.
-fn peak(one: &Peak, all: &[Peak]) -> Option<String> {
+/// A line of the report for a value that a reader looks for first: opening load, speed of descent, largest loads.
+/// The drag of a canopy that starts full is no opening load.
+fn peak(one: &Peak) -> Option<String> {
     let Peak { name, quantity, unit, value, t, last, steady, strength, safety_factor } = one;
-    let tension = all.iter().find(|other| other.name == *name && other.quantity == "tension_max");
-    let alone = tension.is_some_and(|tension| tension.value == *value || tension.strength.is_some());
-    if quantity == "tension_sum" && alone {
-        return None;
-    }
+    let drag = if *t > 0.0 { "opening load" } else { "largest drag" };
     let [value, t, last] = [value, t, last].map(|number| figures(*number, 4));
     let line = match (quantity.as_str(), strength, safety_factor) {
-        ("drag", ..) => format!("  opening load    {value} {unit} at t = {t} s ({name}, drag)"),
+        ("drag", ..) => format!("  {drag}    {value} {unit} at t = {t} s ({name}, drag)"),
         ("axial_speed", ..) => {
             let steady = if *steady { "steady" } else { "at the end, still changing" };
             format!("  speed           {last} {unit} {steady} ({name}, against the air)")
         }
         (_, Some(strength), Some(factor)) => format!(
-            "  line load       {value} {unit} at t = {t} s ({name}), strength {} {unit}: safety factor {}",
+            "  line load       {value} {unit} at t = {t} s ({name}), strength {} {unit}: safety factor {}{}",
             figures(*strength, 4),
-            figures(*factor, 3)
+            figures(*factor, 3),
+            if *factor < 1.0 { ", it would break" } else { "" }
         ),
-        ("tension_sum" | "tension_max" | "force_max" | "reaction_max" | "acceleration_max", ..) => {
+        ("tension_max" | "force_total" | "reaction_total" | "acceleration_max", ..) => {
             let what = match quantity.as_str() {
-                "tension_sum" => "sum of tensions",
                 "tension_max" => "tension",
-                "force_max" => "force",
-                "reaction_max" => "reaction",
+                "force_total" => "force",
+                "reaction_total" => "reaction",
                 _ => "acceleration",
             };
             format!("  peak            {value} {unit} at t = {t} s ({name}, {what})")

@@ -178,8 +178,10 @@ pub struct ClusterParameters {
     pub canopies: usize,
 }
 
-/// A reefing line: a ring of edges from line to line along the skirt. Their springs get their rest length, pi times the
-/// diameter over the number of gores, from the rule for the group `reefing`.
+/// A reefing line: a ring of edges from line to line along the skirt. A spring rule for the group `reefing` gives it
+/// stiffness; without one no line acts, and the diameter is that of the start `inflated` alone. The rest length of each
+/// edge is pi times the diameter over the number of gores, unless the rule gives another. In a case whose mesh is a file
+/// the rule must give it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReefingParameters {
@@ -352,7 +354,7 @@ impl ParachuteParameters {
             lines.push(("inner lines", format!("{} of {:.6} m", self.gores, inner / count as f64)));
         }
         if let Some(ReefingParameters { diameter }) = self.reefing {
-            let rest = PI * diameter / self.gores as f64;
+            let rest = self.reefing_length().unwrap_or_default();
             lines.push((
                 "reefing",
                 format!("diameter {diameter:.6} m; rest length of each edge in \"reefing\" {rest:.9} m"),
@@ -392,6 +394,13 @@ impl ParachuteParameters {
             payload::hang(&mut mesh, payload);
         }
         Ok(mesh)
+    }
+}
+
+impl ParachuteParameters {
+    /// [m] Rest length of each edge of the reefing line.
+    pub fn reefing_length(&self) -> Option<f64> {
+        self.reefing.map(|reefing| PI * reefing.diameter / self.gores as f64)
     }
 }
 

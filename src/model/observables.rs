@@ -31,11 +31,11 @@ pub enum NodeQuantity {
 pub enum GaugeQuantity {
     /// Tension of the springs on the selected edges with their axial dashpots, N: `tension_sum`, `tension_max`.
     Tension,
-    /// Net force on the selected nodes, N: the sum `force_x`, `force_y`, `force_z` and the largest on a node
-    /// `force_max`.
+    /// Net force on the selected nodes, N: the sum `force_x`, `force_y`, `force_z` with its size `force_total`, and the
+    /// largest on a node `force_max`.
     Force,
-    /// Reaction of the supports on the selected nodes, N: the sum `reaction_x`, `reaction_y`, `reaction_z` and the
-    /// largest on a node `reaction_max`.
+    /// Reaction of the supports on the selected nodes, N, their own weight included: the sum `reaction_x`, `reaction_y`,
+    /// `reaction_z` with its size `reaction_total`, and the largest on a node `reaction_max`.
     Reaction,
     /// Acceleration of the selected nodes, m/s^2: the mean `acceleration_x`, `acceleration_y`, `acceleration_z` and the
     /// largest `acceleration_max`.

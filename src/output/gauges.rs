@@ -117,10 +117,16 @@ pub(super) struct Gauges {
 fn quantities(of: GaugeQuantity) -> &'static [(&'static str, &'static str)] {
     match of {
         GaugeQuantity::Tension => &[("tension_sum", "N"), ("tension_max", "N")],
-        GaugeQuantity::Force => &[("force_x", "N"), ("force_y", "N"), ("force_z", "N"), ("force_max", "N")],
-        GaugeQuantity::Reaction => {
-            &[("reaction_x", "N"), ("reaction_y", "N"), ("reaction_z", "N"), ("reaction_max", "N")]
+        GaugeQuantity::Force => {
+            &[("force_x", "N"), ("force_y", "N"), ("force_z", "N"), ("force_total", "N"), ("force_max", "N")]
         }
+        GaugeQuantity::Reaction => &[
+            ("reaction_x", "N"),
+            ("reaction_y", "N"),
+            ("reaction_z", "N"),
+            ("reaction_total", "N"),
+            ("reaction_max", "N"),
+        ],
         GaugeQuantity::Acceleration => &[
             ("acceleration_x", "m/s^2"),
             ("acceleration_y", "m/s^2"),
@@ -339,7 +345,9 @@ fn nodal(picture: &dyn Observables, (of, nodes): (GaugeQuantity, &[u32]), at: &P
     let [x, y, z] = sum;
     match of {
         GaugeQuantity::Speed | GaugeQuantity::Displacement => to.copy_from_slice(&[share * norms, most]),
-        GaugeQuantity::Force | GaugeQuantity::Reaction | GaugeQuantity::Tension => to.copy_from_slice(&[x, y, z, most]),
+        GaugeQuantity::Force | GaugeQuantity::Reaction | GaugeQuantity::Tension => {
+            to.copy_from_slice(&[x, y, z, (x * x + y * y + z * z).sqrt(), most]);
+        }
         GaugeQuantity::Acceleration => to.copy_from_slice(&[share * x, share * y, share * z, most]),
         GaugeQuantity::Velocity | GaugeQuantity::Position => to.copy_from_slice(&[share * x, share * y, share * z]),
     }

@@ -83,7 +83,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     };
     builder.springs_and_dashpots();
     bars.iter().for_each(|bars| builder.bars(bars));
-    builder.gravity(&fixed, &mass, &start);
+    builder.gravity(&mass, &start);
     builder.base(&fixed, &mass);
     builder.air();
     builder.canopies(&start, &reference)?;
@@ -241,11 +241,10 @@ impl Builder<'_> {
         SpringBatch { data, given, edges, dashpot, axial, in_filter, cut }
     }
 
-    fn gravity(&mut self, fixed: &[[bool; 3]], mass: &[f64], start: &Arc<[Vector3<f64>]>) {
+    fn gravity(&mut self, mass: &[f64], start: &Arc<[Vector3<f64>]>) {
         let Some(g) = self.spec.gravity else { return };
-        let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
         let scale = self.scale(Load::Gravity);
-        self.terms.push(Box::new(Gravity::new((Vector3::from(g), scale), mass, start.clone())));
+        self.terms.push(Box::new(Gravity::new((Vector3::from(g), scale), mass.iter().copied(), start.clone())));
     }
 
     fn base(&mut self, fixed: &[[bool; 3]], mass: &[f64]) {

@@ -19,7 +19,7 @@ use std::sync::Arc;
 pub struct Gravity {
     /// [m/s^2] acceleration of free fall
     g: Vector3<f64>,
-    /// [kg] mass of every node, 0 where it is held in all directions
+    /// [kg] mass of every node; the weight of what is held is a part of the reaction
     mass: Vec<f64>,
     /// [m] node positions of zero energy
     origin: Arc<[Vector3<f64>]>,
