@@ -53,6 +53,9 @@ fn of_page(page: &Page) -> Vec<(String, Value)> {
         match &block.comment[..] {
             [kind, name] if kind == "shown" => {
                 let value: Value = serde_json::from_str(&block.body).unwrap_or_else(|e| panic!("{place}: {e}"));
+                let file = Path::new(ROOT).join("docs/guide/cases").join(name);
+                let same = std::fs::read_to_string(file).map_or(true, |text| text == block.body);
+                assert!(same, "{place}: docs/guide/cases/{name} differs");
                 shown.insert(name.clone(), value.clone());
                 found.push((place, value));
             }

@@ -191,7 +191,7 @@ fn default(node: &Value, meaning: &str) -> String {
     let text = line(meaning);
     let told = ["if not given", "if absent"].iter().find_map(|end| {
         let before = &text[..text.find(end)?];
-        let start = before.rfind([';', '.', '_']).map_or(0, |i| i + 1);
+        let start = ["; ", ", ", ". "].iter().filter_map(|mark| before.rfind(mark)).max().map_or(0, |i| i + 2);
         Some(before[start..].trim().to_owned()).filter(|told| !told.is_empty() && told.len() < 30)
     });
     told.unwrap_or_else(|| "–".to_owned())
@@ -346,5 +346,6 @@ fn every_key_has_an_example() {
 fn units_and_defaults_are_read_from_descriptions() {
     assert_eq!(unit("[m/s^2] Gravity."), ("m/s^2", "Gravity."));
     assert_eq!(default(&Value::Null, "Exponent of the growth; 2 if not given."), "2");
+    assert_eq!(default(&Value::Null, "Steps per row of `gauges.csv`, 1 if not given; more."), "1");
     assert_eq!(default(&Value::Null, "Which edges."), "–");
 }
