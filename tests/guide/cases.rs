@@ -4,8 +4,8 @@
 //!
 //! ```text
 //! <!-- ci: shown flag.json -->                a whole case, which the commands of the page also read
-//! <!-- ci: part flag.json system.network -->  members of an object of another case: of a block of the page, of a
-//!                                             shipped case, or of docs/guide/cases
+//! <!-- ci: part flag.json system.network -->  members of an object of another case (without a path: of the case): of
+//!                                             a block of the page, of a shipped case, or of docs/guide/cases
 //! ```
 
 use crate::pages::{Page, ROOT, pages};
@@ -59,11 +59,11 @@ fn of_page(page: &Page) -> Vec<(String, Value)> {
                 shown.insert(name.clone(), value.clone());
                 found.push((place, value));
             }
-            [kind, name, path] if kind == "part" => {
+            [kind, name, path @ ..] if kind == "part" && path.len() < 2 => {
                 let members: Map<String, Value> =
                     serde_json::from_str(&format!("{{{}}}", block.body)).unwrap_or_else(|e| panic!("{place}: {e}"));
                 let mut case = case_file(name, &shown);
-                let object = at(&mut case, path);
+                let object = at(&mut case, path.first().map_or("", String::as_str));
                 members.into_iter().for_each(|(key, value)| object[key] = value);
                 found.push((place, case));
             }
@@ -107,4 +107,47 @@ fn what_the_guide_shows_is_accepted() {
     let (good, bad) = accepted();
     assert!(bad.is_empty(), "{}", bad.join("\n\n"));
     assert!(good.iter().filter(|case| case.name.contains(".md:")).count() > 10, "few cases are shown");
+}
+
+/// The page on messages has a row for every warning that a case can acknowledge, and no other.
+#[test]
+fn every_warning_has_its_remedy() {
+    let pages = pages();
+    let page = pages.iter().find(|page| page.name == "troubleshooting.md").expect("the page");
+    let table = page.text.split("| code | cause | remedy |").nth(1).and_then(|rest| rest.split("\n\n").next());
+    let rows = table.expect("the table of codes").lines().filter_map(|line| line.strip_prefix("| `"));
+    let told: Vec<&str> = rows.filter_map(|row| row.split('`').next()).collect();
+    let schema = canopy_fem::case::json_schema();
+    let codes = schema["$defs"]["WarningCode"]["oneOf"].as_array().expect("the codes");
+    let codes: Vec<&str> = codes.iter().filter_map(|code| code["const"].as_str()).collect();
+    assert_eq!(told, codes);
+}
+
+/// All sources of the program, with line breaks and their indentation as single spaces.
+fn sources(folder: &Path, into: &mut String) {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            sources(&path, into);
+        } else {
+            let text = std::fs::read_to_string(&path).unwrap_or_default();
+            into.push_str(&text.split_whitespace().collect::<Vec<_>>().join(" "));
+        }
+    }
+}
+
+/// The messages in the tables of the page are messages of the program.
+#[test]
+fn messages_are_those_of_the_program() {
+    let mut text = String::new();
+    sources(&Path::new(ROOT).join("src"), &mut text);
+    let pages = pages();
+    let page = pages.iter().find(|page| page.name == "troubleshooting.md").expect("the page");
+    let table = page.text.split("| message | cause | remedy |").nth(1).and_then(|rest| rest.split("\n\n").next());
+    let messages = table.expect("the table").lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
+    let messages: Vec<&str> = messages.map(|message| message.trim_end_matches(" ...").trim_end_matches(':')).collect();
+    assert!(messages.len() > 8, "{messages:?}");
+    for message in messages {
+        assert!(text.contains(message), "no message of the program has the words {message:?}");
+    }
 }
