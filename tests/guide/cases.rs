@@ -77,8 +77,10 @@ fn of_page(page: &Page) -> Vec<(String, Value)> {
 fn of_files() -> Vec<(PathBuf, Value)> {
     let mut found = Vec::new();
     for folder in ["assets/cases", "assets/cases/parachute", "docs/guide/cases"] {
-        let mut paths: Vec<PathBuf> =
-            std::fs::read_dir(Path::new(ROOT).join(folder)).expect(folder).map(|e| e.expect("an entry").path()).collect();
+        let mut paths: Vec<PathBuf> = std::fs::read_dir(Path::new(ROOT).join(folder))
+            .expect(folder)
+            .map(|e| e.expect("an entry").path())
+            .collect();
         paths.retain(|path| path.extension().is_some_and(|ext| ext == "json"));
         paths.sort();
         for path in paths {

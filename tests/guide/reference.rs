@@ -105,6 +105,10 @@ impl Reference {
     /// Sections in the order in which a reader meets them: the path and the definition.
     fn sections(&self) -> Vec<(String, String)> {
         let mut found: Vec<(String, String)> = Vec::new();
+        // What moves, and how it is integrated, before how results are written.
+        for key in ["system", "time", "solver", "output", "study"] {
+            self.enter(key, strip(&self.schema["properties"][key]), &mut found);
+        }
         self.visit("", &self.schema, &mut found);
         found
     }
@@ -154,8 +158,12 @@ impl Reference {
             kind => kind.as_str().unwrap_or(""),
         };
         match (kind, node["minItems"].as_u64().filter(|n| node["maxItems"].as_u64() == Some(*n))) {
-            ("array", Some(n)) => format!("{n} of: {}", self.kind(&node["items"], anchors)),
-            ("array", None) => format!("list of: {}", self.kind(&node["items"], anchors)),
+            ("array", count) => {
+                let inner = self.kind(&node["items"], anchors);
+                let many =
+                    if inner == "number" || inner == "integer" { format!("{inner}s") } else { format!("({inner})") };
+                count.map_or_else(|| format!("list of {many}"), |n| format!("{n} {many}"))
+            }
             ("string", _) => "text".to_owned(),
             ("boolean", _) => "true or false".to_owned(),
             (kind, _) => kind.to_owned(),
@@ -163,12 +171,13 @@ impl Reference {
     }
 
     /// A row: key, unit, default, range, example, type and meaning.
-    fn row(&self, owner: &str, key: &str, node: &Value, needed: bool, anchors: &BTreeMap<String, String>) -> String {
+    fn row(&self, owner: &str, key: &str, node: &Value, need: &str, anchors: &BTreeMap<String, String>) -> String {
         let description = node["description"].as_str().unwrap_or("");
         let (unit, meaning) = unit(description);
         let example = self.examples.get(&(owner.to_owned(), key.to_owned())).map_or(String::new(), |e| shorten(e));
-        let default = if needed { "needed".to_owned() } else { default(node, meaning) };
-        let kind = self.kind(node, anchors);
+        let default = if need.is_empty() { default(node, meaning) } else { need.to_owned() };
+        let kind = Some(self.kind(node, anchors)).filter(|kind| kind.matches(" or ").count() < 4);
+        let kind = kind.unwrap_or_else(|| "see the meaning".to_owned());
         format!("| `{key}` | {unit} | {default} | {} | {example} | {kind} | {} |", range(node), line(meaning))
     }
 }
@@ -207,8 +216,9 @@ fn range(node: &Value) -> String {
 
 const HEAD: &str = "| key | unit | default | range | example | value | meaning |\n|---|---|---|---|---|---|---|\n";
 
-fn required(node: &Value, key: &str) -> bool {
-    list(node, "required").iter().any(|r| r == key)
+/// What stands in place of a default: `needed`, or nothing.
+fn need(node: &Value, key: &str) -> &'static str {
+    if list(node, "required").iter().any(|r| r == key) { "needed" } else { "" }
 }
 
 impl Reference {
@@ -221,9 +231,9 @@ impl Reference {
         }
         let _ = write!(page, "{}\n\n", line(node["description"].as_str().unwrap_or("")));
         let rows: String =
-            properties(node).map(|(key, value)| self.row(name, key, value, required(node, key), anchors) + "\n").collect();
+            properties(node).map(|(key, value)| self.row(name, key, value, need(node, key), anchors) + "\n").collect();
         if !rows.is_empty() {
-            let _ = write!(page, "{HEAD}{rows}\n");
+            let _ = writeln!(page, "{HEAD}{rows}");
         }
         page + &self.choices(name, node, anchors)
     }
@@ -241,16 +251,16 @@ impl Reference {
                 if value["properties"].as_object().is_some_and(Object::is_empty) {
                     continue;
                 }
-                let inner = properties(value).map(|(key, value)| self.row(name, key, value, false, anchors) + "\n");
+                let inner = properties(value).map(|(key, value)| self.row(name, key, value, "", anchors) + "\n");
                 let inner: String = inner.collect();
                 if inner.is_empty() {
                     let mut value = value.clone();
                     if value["description"].is_null() || name_only(&value) {
                         value["description"] = choice["description"].clone();
                     }
-                    objects += &(self.row(name, key, &value, true, anchors) + "\n");
+                    objects += &(self.row(name, key, &value, "one of these", anchors) + "\n");
                 } else {
-                    let _ = write!(words, "| `{{\"{key}\": {{...}}}}` | parameters below |\n");
+                    let _ = writeln!(words, "| `{{\"{key}\": {{...}}}}` | parameters below |");
                     objects += &inner;
                 }
             }
@@ -260,7 +270,7 @@ impl Reference {
             let _ = write!(page, "| choice | meaning |\n|---|---|\n{words}\n");
         }
         if !objects.is_empty() {
-            let _ = write!(page, "{HEAD}{objects}\n");
+            let _ = writeln!(page, "{HEAD}{objects}");
         }
         page
     }
@@ -302,15 +312,16 @@ fn name_only(node: &Value) -> bool {
     node["$ref"].is_string() && node["description"].is_null()
 }
 
-const INTRODUCTION: &str = "# Case reference
+const INTRODUCTION: &str = r#"# Case reference
 
 This page is made from the JSON Schema that `canopy-fem schema` prints. Examples are from cases that the program accepts. Do not edit
 this page: `GUIDE_WRITE=1 cargo test --release --test guide` writes it anew.
 
-All values are SI. An unknown key is a fault. A key with the default \"–\" may be left out, and what it describes is then not modelled,
+<!-- ci: skip "canopy-fem (tradeoff|stability)" "names of commands" -->
+All values are SI. An unknown key is a fault. A key with the default "–" may be left out, and what it describes is then not modelled,
 or is chosen by the program as its description says.
 
-";
+"#;
 
 fn reference() -> Reference {
     let mut reference = Reference { schema: canopy_fem::case::json_schema(), examples: BTreeMap::new() };

@@ -30,7 +30,8 @@ fn sentences(lines: &[(usize, &str)]) -> Vec<(usize, String)> {
 
 /// What counts as a word holds a letter or a digit; code in backticks is one word.
 fn words(sentence: &str) -> usize {
-    let prose: String = sentence.split('`').enumerate().map(|(i, part)| if i % 2 == 0 { part } else { "code" }).collect();
+    let prose: String =
+        sentence.split('`').enumerate().map(|(i, part)| if i % 2 == 0 { part } else { "code" }).collect();
     prose.split_whitespace().filter(|word| word.contains(char::is_alphanumeric)).count()
 }
 
