@@ -1,6 +1,6 @@
 //! Cases and parts of cases that the guide shows are accepted by the program.
 //!
-//! A ```` ```json ```` block of a page has a comment directly above it:
+//! A block of JSON on a page has a comment directly above it:
 //!
 //! ```text
 //! <!-- ci: shown flag.json -->                a whole case, which the commands of the page also read
