@@ -4,13 +4,14 @@ use crate::pages::pages;
 
 const LONGEST: usize = 30;
 
-/// The sentences of a text: paragraphs, list items and table cells, cut after full stops, colons and semicolons stay.
+/// The sentences of a text: paragraphs, list items and table cells, cut after full stops.
 fn sentences(lines: &[(usize, &str)]) -> Vec<(usize, String)> {
     let mut parts: Vec<(usize, String)> = Vec::new();
     let mut open = false;
     for (number, line) in lines {
         let text = line.trim();
-        let starts = text.starts_with(['#', '|', '*', '-', '>', '!']) || text.starts_with(|c: char| c.is_ascii_digit());
+        let number_first = text.split_once(". ").is_some_and(|(first, _)| first.parse::<u32>().is_ok());
+        let starts = ["#", "|", "* ", "- ", "> ", "!["].iter().any(|mark| text.starts_with(mark)) || number_first;
         if text.starts_with('|') {
             parts.extend(text.split('|').map(|cell| (*number, cell.to_owned())));
         } else if open && !starts && !text.is_empty() {
