@@ -16,6 +16,9 @@ A command that is too long, or ends with a status of its own, says so in an HTML
     <!-- ci: step "cargo test --release" -->            not run here, but a step of .ci/run, word for word
     <!-- ci: file bad.json                              a file that the commands read
     {...} -->
+    <!-- ci: shown flag.json -->                        the ```json block directly below is such a file
+
+Parts of cases (`<!-- ci: part ... -->`) are checked by tests/guide.
 """
 
 import os
@@ -62,14 +65,17 @@ def read(path):
         words = shlex.split(head)
         if words[0] == "file":
             found.files[words[1]] = body
-        else:
+        elif words[0] not in ("shown", "part"):
             found.rules.append([*words, 0])
-    fence, block, start = None, [], 0
+    fence, block, start, above, name = None, [], 0, "", None
     for number, line in enumerate(text.split("\n"), 1):
         if line.startswith("```"):
             if fence is None:
                 fence, block, start = line[3:].strip(), [], number + 1
+                name = re.fullmatch(r"<!-- ci: shown (\S+) -->", above)
             else:
+                if fence == "json" and name:
+                    found.files[name[1]] = "\n".join(block) + "\n"
                 if fence == "sh":
                     script(found, block, start, setting)
                 elif fence == "text":
@@ -80,6 +86,7 @@ def read(path):
         else:
             for inline in re.findall(r"`((?:cargo|canopy-fem|python3?) [^`]+)`", line):
                 found.commands.append(Command(number, inline, list(setting)))
+        above = line
     return found
 
 
