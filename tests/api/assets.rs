@@ -27,6 +27,18 @@ fn fits(method: &MethodInfo, case: &Case) -> bool {
     !(method.family == Family::MatrixFree && matches!(case.problem().system, SystemSpec::Pendulum(_)))
 }
 
+/// The springs of a reefing line are as long as the line, not as the edges of the pattern.
+#[test]
+fn a_reefing_line_has_its_own_length() {
+    let case = asset("parachute/g12-reefed", &[]);
+    let SystemSpec::Network(spec) = &case.problem().system else { panic!("a network") };
+    let cut = spec.cuts.first().expect("a cut");
+    let springs = &spec.springs[cut.group];
+    assert_eq!(springs.rest_length.len(), 64);
+    let own = std::f64::consts::PI * 6.8 / 64.0;
+    assert!(springs.rest_length.iter().all(|length| (length / own - 1.0).abs() < 1e-12), "{:?}", springs.rest_length);
+}
+
 /// The big annuli ask for the nodes they are named after, and are one sheet at every size: with as many nodes they are
 /// one case.
 #[test]

@@ -24,7 +24,7 @@ pub(crate) struct Geometry {
     pub mesh: Mesh,
     /// boundary loops and the triangles at every edge
     pub topology: Topology,
-    /// [m] length of every edge on the mesh as given, and of a reefing line its own
+    /// [m] length of every edge on the mesh as given
     pub length: Vec<f64>,
     /// [m^2] area of every triangle on the mesh as given
     pub area: Vec<f64>,
@@ -35,15 +35,18 @@ impl Geometry {
         let Imported { mesh, notes } = imported;
         let topology = Topology::new(&mesh)?;
         let at = |node: u32| mesh.nodes.get(node as usize).map_or(Vector3::repeat(f64::NAN), |p| Vector3::from(*p));
-        let mut length: Vec<f64> = mesh.edges.iter().map(|&[a, b]| (at(a) - at(b)).norm()).collect();
-        if let (MeshSource::Parachute(parachute), Some(reefing)) = (source, mesh.groups.get("reefing"))
-            && let Some(own) = parachute.reefing_length()
-        {
-            reefing.edges.iter().for_each(|&edge| length[edge as usize] = own);
-        }
+        let length = mesh.edges.iter().map(|&[a, b]| (at(a) - at(b)).norm()).collect();
         let area = mesh.triangles.iter().map(|&[a, b, c]| 0.5 * (at(b) - at(a)).cross(&(at(c) - at(a))).norm());
         let area = area.collect();
         Ok(Self { source: source.clone(), notes, mesh, topology, length, area })
+    }
+
+    /// [m] Rest length of the edges of a generated parachute's reefing line.
+    pub fn reefing_length(&self) -> Option<f64> {
+        match &self.source {
+            MeshSource::Parachute(parachute) => parachute.reefing_length(),
+            _ => None,
+        }
     }
 
     /// Number of nodes.

@@ -4,7 +4,7 @@ use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::{not_negative, positive};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Dashpot, DashpotRule, Factor, SpringRule};
+use crate::case::schema::{Dashpot, DashpotRule, EdgeSelection, Factor, SpringRule};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
 use crate::model::spec::{DashpotKind, DashpotSpec};
@@ -83,8 +83,16 @@ pub(super) fn rest_lengths(
         (None, Some(Factor::Constant(scale))) => {
             positive(&at.key("rest_scale"), *scale, faults).then(|| initial.map(|l| scale * l).collect())
         }
-        (None, None | Some(Factor::Table(_))) => Some(initial.collect()),
+        (None, None | Some(Factor::Table(_))) => {
+            let of_reefing = geometry.reefing_length().filter(|_| is_reefing(&rule.on));
+            Some(of_reefing.map_or_else(|| initial.collect(), |length| vec![length; edges.len()]))
+        }
     }
+}
+
+/// Whether a rule is for the reefing line of a parachute, or of one of a cluster.
+fn is_reefing(on: &EdgeSelection) -> bool {
+    matches!(on, EdgeSelection::Group(group) if group == "reefing" || group.starts_with("reefing-"))
 }
 
 /// The key of a rule that has no value at a rest length of 0.
