@@ -179,9 +179,9 @@ pub struct ClusterParameters {
 }
 
 /// A reefing line: a ring of edges from line to line along the skirt. A spring rule for the group `reefing` gives it
-/// stiffness; without one no line acts, and the diameter is that of the start `inflated` alone. The rest length of each
-/// edge is pi times the diameter over the number of gores, unless the rule gives another. In a case whose mesh is a file
-/// the rule must give it.
+/// stiffness; without one no line acts, and the diameter is that of the start `inflated` alone. The rest length of
+/// each edge is pi times the diameter over the number of gores, unless the rule gives another. In a case whose mesh is
+/// a file the rule must give it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReefingParameters {

@@ -34,8 +34,8 @@ pub enum GaugeQuantity {
     /// Net force on the selected nodes, N: the sum `force_x`, `force_y`, `force_z` with its size `force_total`, and the
     /// largest on a node `force_max`.
     Force,
-    /// Reaction of the supports on the selected nodes, N, their own weight included: the sum `reaction_x`, `reaction_y`,
-    /// `reaction_z` with its size `reaction_total`, and the largest on a node `reaction_max`.
+    /// Reaction of the supports on the selected nodes, N, their own weight included: the sum `reaction_x`,
+    /// `reaction_y`, `reaction_z` with its size `reaction_total`, and the largest on a node `reaction_max`.
     Reaction,
     /// Acceleration of the selected nodes, m/s^2: the mean `acceleration_x`, `acceleration_y`, `acceleration_z` and the
     /// largest `acceleration_max`.
