@@ -1,26 +1,28 @@
 //! `canopy-fem solve`: runs a case and writes its results.
 
 use super::interrupt::stop_on_interrupt;
-use super::progress::{Display, LONG_START, Progress};
+use super::progress::{Display, Progress};
+use super::report::{RunNotes, already_done, describe, report};
 use super::resume::{self, EarlierRun};
+use super::terminal::interject;
 use super::warnings::{check_solver, of_scene, planned};
 use super::{CliError, CommandOutput, SolveArgs, complain};
 use crate::analysis::critical::{CriticalStep, has_limit};
-use crate::analysis::warnings::{limit_at_start, worth};
+use crate::analysis::warnings::limit_at_start;
 use crate::assembly::write_matrix_market;
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::Problem;
-use crate::drive::critical_step_monitor::{CriticalStepMonitor, LeastStep, Monitored};
+use crate::drive::critical_step_monitor::{CriticalStepMonitor, Monitored};
 use crate::drive::max_displacement::MaxDisplacement;
 use crate::drive::observer::{LedgerRow, Observer};
-use crate::drive::{Failure, Outcome, Status};
+use crate::drive::{Outcome, Status};
 use crate::format_number::figures;
 use crate::model::group_totals::GroupTotals;
 use crate::model::stop::Stop;
 use crate::output::checkpoint::Checkpoint;
-use crate::output::folder::{CHECKPOINT, ResultFolder, SUMMARY};
-use crate::output::gauges::Peak;
+use crate::output::csv::write_fault;
+use crate::output::folder::{ResultFolder, SUMMARY};
 use crate::output::recorder::{CheckpointSpec, Recorder, RecorderSpec};
 use crate::output::sanitize::file_stem;
 use crate::output::summary::Summary;
@@ -30,8 +32,6 @@ use crate::simulation::{RunSettings, Simulation, bind, build_scene};
 use crate::startup::{Phase, StartupTimer, timed};
 use crate::warning::{Warning, WarningCode};
 use std::collections::BTreeMap;
-use std::fmt::Write;
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -51,7 +51,11 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     let fingerprint = Fingerprint::of(&problem)?;
     let earlier = args.resume.then(|| resume::find_earlier_run(&out, &problem, &fingerprint)).transpose()?;
     if let Some(EarlierRun::Done(summary)) = &earlier {
-        let text = if args.quiet { String::new() } else { already_done(summary, &problem, &out) };
+        let text = match (args.json, args.quiet) {
+            (true, _) => json(summary, &out)?,
+            (false, true) => String::new(),
+            (false, false) => already_done(summary, &problem, &out),
+        };
         return Ok(CommandOutput { text, code: 0 });
     }
     let groups = problem.group_totals();
@@ -87,7 +91,11 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     if let Some(failure) = &outcome.failure {
         complain(&describe(failure, outcome.status));
     }
-    let text = if args.quiet { String::new() } else { report(&problem, &outcome, &summary, &folder, &seen) };
+    let text = match (args.json, args.quiet) {
+        (true, _) => json(&summary, folder.dir())?,
+        (false, true) => String::new(),
+        (false, false) => report(&problem, &outcome, &summary, &folder, &seen),
+    };
     let code = match outcome.status {
         Status::Completed => 0,
         // The summary has its failure, with the cause as far as it is known.
@@ -107,15 +115,6 @@ struct PreparedRun<'a> {
     limit: CriticalStep,
     account: StartupTimer,
     groups: BTreeMap<String, GroupTotals>,
-}
-
-/// Data of a run for the report, besides its results.
-struct RunNotes<'a> {
-    limit: CriticalStep,
-    least: Option<LeastStep>,
-    farthest: MaxDisplacement<'a>,
-    /// [s] time of the last frame
-    last_frame: Option<f64>,
 }
 
 impl<'a> PreparedRun<'a> {
@@ -150,10 +149,8 @@ impl<'a> PreparedRun<'a> {
             MaxDisplacement::new(scene),
         );
         let tell = |text: &str| {
-            // Overwrites the rest of a progress line.
-            let clear = if std::io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
             if !unwatched {
-                complain(&format!("{clear}warning: {text}"));
+                interject(&format!("warning: {text}"));
             }
         };
         // Adaptive steps become smaller where a scene stiffens, so no monitor is needed.
@@ -210,154 +207,7 @@ fn dissipated_share(at: &LedgerRow) -> f64 {
     at.dissipated / (at.dissipated + at.kinetic + at.elastic)
 }
 
-fn report(
-    problem: &Problem,
-    outcome: &Outcome,
-    summary: &Summary,
-    folder: &ResultFolder,
-    seen: &RunNotes<'_>,
-) -> String {
-    let status = match outcome.status {
-        Status::Completed => "completed",
-        Status::Diverged => "diverged",
-        Status::NotConverged => "not converged",
-        Status::Interrupted => "interrupted",
-    };
-    let c = outcome.counters;
-    let mut text = String::new();
-    let _ = writeln!(
-        text,
-        "{}: {status} at t = {} s after {} steps of {}",
-        problem.name,
-        figures(outcome.t_end, 12),
-        outcome.steps,
-        problem.method.info.name
-    );
-    if let Some(t) = summary.resumed_from {
-        let _ = writeln!(text, "  resumed         from t = {} s", figures(t, 12));
-    }
-    let cpu = summary.cpu_seconds.map_or_else(|| "unknown".to_owned(), |s| format!("{s:.2} s"));
-    let _ = writeln!(text, "  cost            {cpu} CPU, {:.2} s wall", summary.wall_seconds);
-    if summary.startup.wall_seconds > LONG_START {
-        let _ = writeln!(text, "  start-up        {}", summary.startup.text());
-    }
-    let work = [
-        (c.force_evaluations, "force passes"),
-        (c.factorizations, "factorisations"),
-        (c.newton_iterations, "Newton iterations"),
-        (c.cg_iterations, "iterations of conjugate gradients"),
-    ];
-    let work: Vec<String> = work.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
-    let _ = writeln!(text, "  work            {}", work.join(", "));
-    let failed = outcome.failure.is_some();
-    if !failed {
-        let _ = writeln!(text, "  energy error    {:.2e} of the largest energy exchanged", outcome.energy_error);
-    }
-    // For adaptive steps, their average.
-    let fixed = problem.time.step.fixed().map(|step| step.min(problem.time.end));
-    let step = fixed.unwrap_or(outcome.t_end / outcome.steps.max(1) as f64);
-    if let Some(tolerance) = problem.time.step.tolerance() {
-        let _ = writeln!(
-            text,
-            "  adaptive        tolerance {:e} of the motion and {}; {:.2e} s a step on average, {} attempts dropped",
-            tolerance.relative,
-            figures(tolerance.absolute, 3),
-            step,
-            outcome.rejected_steps
-        );
-    }
-    let results = folder.dir().join(format!("{}.pvd", folder.stem()));
-    if failed {
-        // After a divergence, error, displacement and share of the critical step have no meaning.
-        if let Some(t) = seen.last_frame {
-            let _ = writeln!(text, "  last frame      t = {} s", figures(t, 12));
-        }
-    } else {
-        if summary.critical_step == Some(0.0) {
-            let _ = writeln!(text, "  critical step   none: the method's energy grows at every step here");
-        } else if let Some(critical) = summary.critical_step {
-            let later = seen.least.map_or_else(String::new, |least| {
-                format!(", about {:.2e} s at t = {} s", least.step, figures(least.t, 4))
-            });
-            let (known, used) = (worth(seen.limit), step / critical);
-            let _ = writeln!(
-                text,
-                "  critical step   {critical:.2e} s at the start ({known}; {used:.2} of it used){later}"
-            );
-        }
-        let _ = writeln!(
-            text,
-            "  displacement    {:.6} m at most at the end, node {}",
-            seen.farthest.distance, seen.farthest.node
-        );
-    }
-    if !failed {
-        summary.peaks.iter().filter_map(|one| peak(one, &summary.peaks)).for_each(|line| text.push_str(&line));
-    }
-    let _ = writeln!(text, "  results         {}", results.display());
-    if outcome.status == Status::Interrupted {
-        let path = folder.file(CHECKPOINT);
-        let _ =
-            writeln!(text, "  checkpoint      {}; the same command with --resume goes on from there", path.display());
-    }
-    text
-}
-
-/// A line of the report for a value that a reader looks for first: opening load, speed of descent, largest loads. A sum
-/// of tensions is left out where it is that of one spring, or of lines whose strength is given.
-fn peak(one: &Peak, all: &[Peak]) -> Option<String> {
-    let Peak { name, quantity, unit, value, t, last, steady, strength, safety_factor } = one;
-    let tension = all.iter().find(|other| other.name == *name && other.quantity == "tension_max");
-    let alone = tension.is_some_and(|tension| tension.value == *value || tension.strength.is_some());
-    if quantity == "tension_sum" && alone {
-        return None;
-    }
-    let [value, t, last] = [value, t, last].map(|number| figures(*number, 4));
-    let line = match (quantity.as_str(), strength, safety_factor) {
-        ("drag", ..) => format!("  opening load    {value} {unit} at t = {t} s ({name}, drag)"),
-        ("axial_speed", ..) => {
-            let steady = if *steady { "steady" } else { "at the end, still changing" };
-            format!("  speed           {last} {unit} {steady} ({name}, against the air)")
-        }
-        (_, Some(strength), Some(factor)) => format!(
-            "  line load       {value} {unit} at t = {t} s ({name}), strength {} {unit}: safety factor {}",
-            figures(*strength, 4),
-            figures(*factor, 3)
-        ),
-        ("tension_sum" | "tension_max" | "force_max" | "reaction_max" | "acceleration_max", ..) => {
-            let what = match quantity.as_str() {
-                "tension_sum" => "sum of tensions",
-                "tension_max" => "tension",
-                "force_max" => "force",
-                "reaction_max" => "reaction",
-                _ => "acceleration",
-            };
-            format!("  peak            {value} {unit} at t = {t} s ({name}, {what})")
-        }
-        _ => return None,
-    };
-    Some(line + "\n")
-}
-
-fn already_done(summary: &Summary, problem: &Problem, out: &Path) -> String {
-    let t = figures(summary.t_end, 12);
-    format!("{}: already completed at t = {t} s, in {}; nothing is left to resume\n", problem.name, out.display())
-}
-
-fn describe(failure: &Failure, status: Status) -> String {
-    let what = if status == Status::NotConverged { "could not be solved" } else { "diverged" };
-    let mut text = format!("error: step {} ending at t = {:.6e} s {what}\n", failure.step, failure.time);
-    let named = |what: &str, number: Option<u32>| number.map(|n| format!("{what} {n}"));
-    let term = failure.term.as_ref().map(|t| format!("most force from {t}"));
-    let elements = [named("node", failure.node), named("spring", failure.spring), named("triangle", failure.triangle)];
-    let place: Vec<String> = elements.into_iter().chain([term]).flatten().collect();
-    if !place.is_empty() {
-        let _ = writeln!(text, "  where   {}", place.join(", "));
-    }
-    if let Some(grew) = &failure.grew {
-        let _ = writeln!(text, "  grew    {grew}, most of all energies in this step");
-    }
-    let _ = writeln!(text, "  cause   {}", failure.cause);
-    let _ = writeln!(text, "  advice  {}", failure.advice);
-    text
+/// The summary for standard output, as it is in the file.
+fn json(summary: &Summary, folder: &Path) -> Result<String, CliError> {
+    Ok(summary.to_json().map_err(|e| write_fault(&folder.join(SUMMARY), e.into()))?)
 }

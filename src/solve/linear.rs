@@ -264,6 +264,11 @@ pub fn solver_for(
     choice: LinearChoice,
     workers: &Workers,
 ) -> Result<Box<dyn LinearSolver>, LinearError> {
+    log::info!(
+        "matrix of {} columns, symmetric: {}; linear solver asked for: {choice:?}",
+        pattern.n(),
+        pattern.symmetric
+    );
     match (choice, pattern.symmetric) {
         (LinearChoice::Cholesky, false) => Err(LinearError::NotSymmetric),
         (LinearChoice::Cg, _) => Ok(Box::new(ConjugateGradients::new(pattern, workers)?)),
