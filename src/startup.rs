@@ -94,9 +94,9 @@ impl Phase {
         }
     }
 
-    /// Factorisations are part of steps, so there may be many.
+    /// Factorisations are part of steps, so there may be many; searches for critical steps make many small ones.
     fn level(self) -> log::Level {
-        if self == Phase::Factorization { log::Level::Debug } else { log::Level::Info }
+        if matches!(self, Phase::Symbolic | Phase::Factorization) { log::Level::Debug } else { log::Level::Info }
     }
 }
 

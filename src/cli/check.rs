@@ -201,7 +201,7 @@ fn candidates(problem: &Problem, scene: &dyn Scene, limits: &mut Limits<'_>) -> 
 
 /// Counts and mass in a line.
 fn describe_size(system: &SystemSpec, mass: f64) -> String {
-    let mass = figures(mass, 7);
+    let mass = figures(mass, 4);
     match system {
         SystemSpec::Pendulum(p) => {
             format!("  size            a pendulum of {} m and {mass} kg\n", figures(p.length, 7))
@@ -298,12 +298,12 @@ fn describe_limits(
     candidates: &[Candidate],
 ) {
     describe_rates(text, scene, limits);
-    let _ =
-        writeln!(text, "\n  method                critical step [s]   this step / critical   known by          set by");
+    text.push_str("\n  critical steps [s], and the case's step over them:\n");
+    text.push_str("  method             critical  step/critical  known by        set by\n");
     for Candidate { method, limit } in candidates {
         let name = method.info.name;
         if method.info.family == Family::MatrixFree && scene.interfaces().graph.is_none() {
-            let _ = writeln!(text, "  {name:<20}  needs a network");
+            let _ = writeln!(text, "  {name:<19}needs a network");
             continue;
         }
         let mark = if name == problem.method.info.name { '*' } else { ' ' };
@@ -311,7 +311,7 @@ fn describe_limits(
             Some(limit) => describe_limit(*limit, problem.time.step, scene),
             None => "none for springs; air, dashpots and loads that turn are outside the filter: not known".to_owned(),
         };
-        let _ = writeln!(text, "{mark} {name:<20}  {limit}");
+        let _ = writeln!(text, "{mark} {name:<19}{limit}");
     }
     text.push_str(
         "  (* the method of this case; all at t = 0; certified: proved to be at most the true limit, and below it by no more than the width)\n\n",
@@ -364,15 +364,15 @@ fn describe_limit(limit: CriticalStep, step: Step, scene: &dyn Scene) -> String 
         return "none found".to_owned();
     }
     if limit.step == 0.0 {
-        return format!("{:<18}  grows at every step without damping", "0");
+        return "0: grows at every step without damping".to_owned();
     }
     let known = match (limit.confidence, limit.width()) {
-        (Confidence::Certified { .. }, Some(width)) => format!("certified, {:.2} %", 100.0 * width),
+        (Confidence::Certified { .. }, Some(width)) => format!("certified {:.1} %", 100.0 * width),
         _ => "estimate".to_owned(),
     };
     let used = step.fixed().map_or_else(
         || "adaptive".to_owned(),
-        |step| format!("{:.3}{}", step / limit.step, if step > limit.step { "  too large" } else { "" }),
+        |step| figures(step / limit.step, 3) + if step > limit.step { " too large" } else { "" },
     );
-    format!("{:<18.3e}  {used:<21}  {known:<16}  {}", limit.step, place_of(scene, limit.dof))
+    format!("{:<9.3e} {used:<14} {known:<15} {}", limit.step, place_of(scene, limit.dof))
 }

@@ -83,6 +83,9 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     }
     let job = PreparedRun { args, problem: &problem, scene: &scene, folder: &folder, limit, account, groups };
     let (outcome, summary, seen) = job.integrate(fingerprint, checkpoint, &stop)?;
+    if let Some(linear) = &summary.linear {
+        log::info!("linear solver at the end: {}, {}", linear.solver, linear.reason);
+    }
     if !args.quiet {
         let found = [energy_made(&outcome), energy_dissipated(&problem, &outcome)].into_iter().flatten();
         let (_, warnings) = problem.sort_out(found);

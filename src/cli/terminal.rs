@@ -102,7 +102,7 @@ fn hanging(line: &str) -> usize {
     let indent = line.len() - line.trim_start().len();
     let text = line.trim_start();
     let behind = text.find("  ").map(|gap| indent + gap + text[gap..].len() - text[gap..].trim_start().len());
-    behind.unwrap_or(indent + 2)
+    behind.unwrap_or(if indent > 4 { indent } else { indent + 2 })
 }
 
 /// [characters] Length as shown, without sequences for colour.

@@ -10,8 +10,9 @@ fn check_answers_first() {
     let bench = Bench::new();
     let short = bench.run(&["check", "sail.json"]).stdout;
     let label = |line: &str| line.get(2..18).unwrap_or(line).trim().to_owned();
-    let labels: Vec<String> = short.lines().skip(1).map(label).collect();
-    assert_eq!(short.lines().next(), Some("sail: no faults"));
+    let answer = short.lines().skip(1).filter(|line| !line.starts_with("warning: "));
+    let labels: Vec<String> = answer.map(label).collect();
+    assert_eq!(short.lines().next(), Some("sail: no faults, 1 warning below"));
     assert_eq!(labels, ["take", "compared", "known", "this case", "stable", "size", "more"], "{short}");
     assert!(short.contains("  this case       velocity-verlet, step 0.01 s: 100 steps, about "), "{short}");
     assert!(short.contains("  stable          yes: the step is "), "{short}");
@@ -19,7 +20,7 @@ fn check_answers_first() {
     let all = bench.run(&["check", "sail.json", "--all"]).stdout;
     let (answer, tables) = all.split_once("\n\n").expect("an answer and tables");
     assert!(answer.lines().count() < 9 && answer.contains("  stable ") && !answer.contains("  more "), "{answer}");
-    for words in ["  network         6 nodes", "  forces          springs", "critical step [s]", "* velocity-verlet"] {
+    for words in ["  network         6 nodes", "  forces          springs", "critical steps [s]", "* velocity-verlet"] {
         assert!(tables.contains(words), "no {words} in {tables}");
     }
 }
@@ -43,7 +44,7 @@ fn check_says_whether_the_step_is_stable() {
         assert!(line.contains(words), "{more:?}: {line}");
     }
     let above = bench.run(&["check", "sail.json", "--step", "0.5"]).stdout;
-    assert!(above.starts_with("sail: no faults, 1 warning below\n"), "{above}");
+    assert!(above.starts_with("sail: no faults, 2 warnings below\n"), "{above}");
     assert!(above.contains("  this case       velocity-verlet is not stable with its step; with "), "{above}");
 }
 
@@ -59,13 +60,13 @@ fn one_and_many_are_told_apart() {
     assert!(!many.contains(" 1 attempts"), "{many}");
 }
 
-/// A bob that swings with ever longer steps: good, doubtful, wrong, as the thresholds say.
+/// A bob that swings with ever longer steps of a method that damps: good, doubtful, wrong, as the thresholds say.
 #[test]
 fn the_energy_error_has_a_verdict() {
     let bench = Bench::new();
     let case = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/cases/pendulum.json");
     let mut seen = Vec::new();
-    for step in ["0.005", "0.05", "0.1", "0.2", "0.3"] {
+    for step in ["0.0001", "0.0005", "0.005"] {
         let ended =
             bench.run(&["solve", case, "--method", "backward-euler", "--step", step, "--force", "--out", "out"]);
         assert_eq!(ended.code, Some(0), "{}", ended.stderr);
@@ -85,7 +86,7 @@ fn the_energy_error_has_a_verdict() {
     }
     let kept = bench.run(&["solve", case, "--step", "0.01", "--force", "--out", "out"]);
     assert!(kept.stdout.contains(": good (below 1 %)"), "{}", kept.stdout);
-    assert!(seen.contains(&"doubtful") && seen.contains(&"wrong"), "{seen:?}");
+    assert_eq!(seen, ["good", "doubtful", "wrong"]);
 }
 
 fn refused(bench: &Bench, change: (&str, Value)) -> String {

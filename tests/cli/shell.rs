@@ -163,7 +163,8 @@ fn json_is_the_whole_output() {
     let mesh = json(&done(&bench, &["mesh", "inspect", "m.vtu", "--json"]));
     assert_eq!((&mesh["nodes"], &mesh["triangles"], &mesh["edges"]["boundary"]), (&15.into(), &16.into(), &12.into()));
     assert_eq!((&mesh["area"]["all"], &mesh["loops"][0]["nodes"]), (&Value::from(2.0), &12.into()));
-    assert_eq!((mesh["notes"].as_array().map(Vec::len), mesh["angle"]["max"].as_f64()), (Some(0), Some(90.0)));
+    let right = mesh["angle"]["max"].as_f64().expect("an angle");
+    assert!(mesh["notes"].as_array().is_some_and(Vec::is_empty) && (right - 90.0).abs() < 1e-9, "{mesh}");
 }
 
 /// Colour only where it is asked for, and never with `NO_COLOR`; the words are the same.
@@ -239,12 +240,19 @@ fn the_log_tells_phases_and_solvers() {
     let silent = bench.solve(&newmark);
     let once = bench.solve(&[&newmark[..], &["-v"]].concat());
     let twice = bench.solve(&[&newmark[..], &["-vv"]].concat());
-    assert_eq!(silent.stderr, "");
-    for words in ["case read in ", "scene built in ", "first force pass in ", "matrix of ", "matrix pattern found in "]
-    {
+    let log =
+        |text: &str| text.lines().filter(|line| !line.starts_with("warning: ")).map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(log(&silent.stderr), Vec::<String>::new());
+    for words in [
+        "case read in ",
+        "scene built in ",
+        "first force pass in ",
+        "matrix pattern found in ",
+        "linear solver at the end: ",
+    ] {
         assert!(once.stderr.contains(words), "no {words} in {}", once.stderr);
     }
-    assert!(once.stderr.lines().all(|line| line.starts_with('[') && line.contains(" s] ")), "{}", once.stderr);
+    assert!(log(&once.stderr).iter().all(|line| line.starts_with('[') && line.contains(" s] ")), "{}", once.stderr);
     let count = |text: &str| text.lines().filter(|line| line.contains("] factorisation in ")).count();
     assert!(count(&once.stderr) == 0 && count(&twice.stderr) > 0, "{}", twice.stderr);
     let words = |text: &str| text.lines().find(|line| line.contains("energy error")).map(str::to_owned);
