@@ -93,11 +93,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let own = candidates.iter().find(|candidate| candidate.method.info.name == problem.method.info.name);
     let stable = Stability { step: plan.step, limit: own.and_then(|own| own.limit), later, slack }.describe();
     let mut text = heading(&problem, &warnings) + &describe_answer(&problem, &forecast, &stable)? + &size;
-    if !args.all {
-        text.push_str("  more            --all: the model, its cost, and every method with its critical step\n");
-    }
-    acknowledged.iter().for_each(|warning| text.push_str(&format!("acknowledged: {warning}\n")));
-    warnings.iter().for_each(|warning| text.push_str(&format!("warning: {warning}\n")));
+    text.push_str(&notes(args, &acknowledged, &warnings));
     if args.all {
         tables.push_str(&describe(&problem, &forecast)?);
         describe_limits(&mut tables, &problem, scene, &limits, &candidates);
@@ -105,6 +101,15 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
         let _ = writeln!(text, "\n{}", tables.trim_end());
     }
     Ok(text)
+}
+
+/// What `--all` adds if it is not given, and the warnings.
+fn notes(args: &CheckArgs, acknowledged: &[String], warnings: &[String]) -> String {
+    let more = "  more            --all: the model, its cost, and every method with its critical step\n";
+    let mut text = if args.all { String::new() } else { more.to_owned() };
+    acknowledged.iter().for_each(|warning| text.push_str(&format!("acknowledged: {warning}\n")));
+    warnings.iter().for_each(|warning| text.push_str(&format!("warning: {warning}\n")));
+    text
 }
 
 /// The first line.

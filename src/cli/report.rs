@@ -62,7 +62,7 @@ pub(super) fn report(
     if let Some(tolerance) = problem.time.step.tolerance() {
         let _ = writeln!(
             text,
-            "  adaptive        tolerance {:e} of the motion and {} m; {step:.2e} s a step on average, {} dropped",
+            "  adaptive        tolerance {:e} of the motion and {}; {step:.2e} s a step on average, {} dropped",
             tolerance.relative,
             figures(tolerance.absolute, 3),
             counted(outcome.rejected_steps, "attempt", "attempts")

@@ -51,11 +51,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     let fingerprint = Fingerprint::of(&problem)?;
     let earlier = args.resume.then(|| resume::find_earlier_run(&out, &problem, &fingerprint)).transpose()?;
     if let Some(EarlierRun::Done(summary)) = &earlier {
-        let text = match (args.json, args.quiet) {
-            (true, _) => json(summary, &out)?,
-            (false, true) => String::new(),
-            (false, false) => already_done(summary, &problem, &out),
-        };
+        let text = printed(args, summary, &out, || already_done(summary, &problem, &out))?;
         return Ok(CommandOutput { text, code: 0 });
     }
     let groups = problem.group_totals();
@@ -94,11 +90,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     if let Some(failure) = &outcome.failure {
         complain(&describe(failure, outcome.status));
     }
-    let text = match (args.json, args.quiet) {
-        (true, _) => json(&summary, folder.dir())?,
-        (false, true) => String::new(),
-        (false, false) => report(&problem, &outcome, &summary, &folder, &seen),
-    };
+    let text = printed(args, &summary, folder.dir(), || report(&problem, &outcome, &summary, &folder, &seen))?;
     let code = match outcome.status {
         Status::Completed => 0,
         // The summary has its failure, with the cause as far as it is known.
@@ -210,7 +202,16 @@ fn dissipated_share(at: &LedgerRow) -> f64 {
     at.dissipated / (at.dissipated + at.kinetic + at.elastic)
 }
 
-/// The summary for standard output, as it is in the file.
-fn json(summary: &Summary, folder: &Path) -> Result<String, CliError> {
-    Ok(summary.to_json().map_err(|e| write_fault(&folder.join(SUMMARY), e.into()))?)
+/// What goes to standard output: the summary as it is in the file, the report, or nothing.
+fn printed(
+    args: &SolveArgs,
+    summary: &Summary,
+    folder: &Path,
+    report: impl FnOnce() -> String,
+) -> Result<String, CliError> {
+    match (args.json, args.quiet) {
+        (true, _) => Ok(summary.to_json().map_err(|e| write_fault(&folder.join(SUMMARY), e.into()))?),
+        (false, true) => Ok(String::new()),
+        (false, false) => Ok(report()),
+    }
 }

@@ -1,5 +1,7 @@
 //! Names by which people know the methods, for hints; a case takes only those of the table.
 
+use super::methods;
+
 /// A method under another name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OtherName {
@@ -17,13 +19,12 @@ impl OtherName {
     }
 }
 
-/// The method that people also call `name`, whatever its case and separators.
+/// The method that people also call `name`, or that differs from it by capitals and separators only.
 pub fn other_name(name: &str) -> Option<OtherName> {
-    let plain = plain(name);
-    OTHER_NAMES
-        .iter()
-        .find(|(names, ..)| names.contains(&plain.as_str()))
-        .map(|&(_, method, note)| OtherName { method, note })
+    let plain_name = plain(name);
+    let spelt = methods().iter().find(|m| plain(m.name) == plain_name).map(|m| OtherName { method: m.name, note: "" });
+    let other = || OTHER_NAMES.iter().find(|(names, ..)| names.contains(&plain_name.as_str()));
+    spelt.or_else(|| other().map(|&(_, method, note)| OtherName { method, note }))
 }
 
 /// In small letters, without separators.
@@ -88,7 +89,6 @@ static OTHER_NAMES: &[(&[&str], &str, &str)] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrate::registry::methods;
 
     /// Every entry leads to a method of the table, no name is listed twice, and none is a method's own.
     #[test]
@@ -102,6 +102,7 @@ mod tests {
                 seen.push(name);
             }
         }
-        assert_eq!(other_name("Runge-Kutta").map(|found| found.method), Some("rk4"));
+        assert_eq!(["Runge-Kutta", "RK4"].map(|name| other_name(name).map(|found| found.method)), [Some("rk4"); 2]);
+        assert_eq!(other_name("sail"), None);
     }
 }
