@@ -81,8 +81,8 @@ pub enum Command {
     Schema,
     /// Write a commented example case
     ///
-    /// The file names a JSON Schema for editors, which is written beside it as case.schema.json: they then complete keys
-    /// and show what these mean.
+    /// The file names a JSON Schema for editors, which is written beside it as case.schema.json: they then complete
+    /// keys and show what these mean.
     Init(InitArgs),
     /// Print a script for a shell that completes commands and options
     ///

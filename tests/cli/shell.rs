@@ -1,5 +1,5 @@
-//! What a shell, an editor and a terminal get: completions, manual pages, templates with their schema, JSON, colour, the
-//! width of lines, and the log.
+//! What a shell, an editor and a terminal get: completions, manual pages, templates with their schema, JSON, colour,
+//! lines of a width, and the log.
 
 use crate::bench::{Bench, Ended};
 use canopy_fem::integrate::registry::methods;
