@@ -91,7 +91,10 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
         .to_json();
     }
     let own = candidates.iter().find(|candidate| candidate.method.info.name == problem.method.info.name);
-    let stable = Stability { step: plan.step, limit: own.and_then(|own| own.limit), later, slack }.describe();
+    let own_run = forecast.methods.iter().find(|row| row.method == problem.method.info.name);
+    // A run that was too expensive to try is not one that fails.
+    let fails = own_run.and_then(|row| row.refused.as_deref()).is_some_and(|why| why.starts_with("fails "));
+    let stable = Stability { step: plan.step, limit: own.and_then(|own| own.limit), later, slack, fails }.describe();
     let mut text = heading(&problem, &warnings) + &describe_answer(&problem, &forecast, &stable)? + &size;
     text.push_str(&notes(args, &acknowledged, &warnings));
     if args.all {
@@ -130,6 +133,8 @@ struct Stability {
     later: Option<LaterLimit>,
     /// whether slack springs hide a smaller limit
     slack: bool,
+    /// whether the trial of the case's own run failed
+    fails: bool,
 }
 
 impl Stability {
@@ -141,7 +146,12 @@ impl Stability {
             return "no: the method's energy grows at every step where nothing damps".to_owned();
         }
         if critical.is_infinite() {
-            return "yes: no largest stable step was found for this method".to_owned();
+            return if self.fails {
+                "no: the trial run fails"
+            } else {
+                "yes: no largest stable step was found for this method"
+            }
+            .to_owned();
         }
         let later = self.later.map(|LaterLimit { t, limit }| (limit.step, format!("from t = {} s on", figures(t, 4))));
         let (least, when) = match later {
@@ -150,9 +160,13 @@ impl Stability {
         };
         let least_text = format!("the critical step, {} s {when}", figures(least, 3));
         let text = match self.step {
+            None if self.fails => format!("no: the trial run fails; {least_text}"),
             None => format!("yes: adaptive steps stay below {least_text}"),
             Some(step) if step > least => format!("no: the step is {} times {least_text}", figures(step / least, 3)),
-            Some(step) => format!("yes: the step is {} % of {least_text}", figures(100.0 * step / least, 2)),
+            Some(step) => {
+                let answer = if self.fails { "no, the trial run fails, although" } else { "yes:" };
+                format!("{answer} the step is {} % of {least_text}", figures(100.0 * step / least, 2))
+            }
         };
         if self.slack { text + ", but slack springs hide a smaller one: see the warning" } else { text }
     }
