@@ -27,6 +27,16 @@ pub fn two_digits(step: f64) -> f64 {
     format!("{rounded:.1e}").parse().unwrap_or(step)
 }
 
+/// A number with its noun: "1 step", "2 steps".
+///
+/// ```
+/// use canopy_fem::format_number::counted;
+/// assert_eq!([0, 1, 2].map(|n| counted(n, "step", "steps")), ["0 steps", "1 step", "2 steps"]);
+/// ```
+pub fn counted(n: u64, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
 /// Items for a message: the first few, and their number.
 pub fn first_few(items: &[u32]) -> String {
     let shown: Vec<String> = items.iter().take(5).map(u32::to_string).collect();

@@ -76,6 +76,30 @@ pub struct Startup {
     pub factorization: f64,
 }
 
+impl Phase {
+    fn name(self) -> &'static str {
+        match self {
+            Phase::Parse => "case read",
+            Phase::Mesh => "mesh made",
+            Phase::Topology => "topology found",
+            Phase::Numbering => "nodes numbered",
+            Phase::Scene => "scene built",
+            Phase::CriticalStep => "critical step searched",
+            Phase::Files => "files opened",
+            Phase::Forces => "first force pass",
+            Phase::Pattern => "matrix pattern found",
+            Phase::Ordering => "matrix ordered",
+            Phase::Symbolic => "symbolic factorisation",
+            Phase::Factorization => "factorisation",
+        }
+    }
+
+    /// Factorisations are part of steps, so there may be many; searches for critical steps make many small ones.
+    fn level(self) -> log::Level {
+        if matches!(self, Phase::Symbolic | Phase::Factorization) { log::Level::Debug } else { log::Level::Info }
+    }
+}
+
 impl Startup {
     fn of(&mut self, phase: Phase) -> &mut f64 {
         match phase {
@@ -175,8 +199,17 @@ thread_local! {
 }
 
 /// Runs `work` and adds its time to the timer of this thread, if there is one. Of factorisations only the first counts;
-/// matrices of the search for the largest stable step belong to that phase.
+/// matrices of the search for the largest stable step belong to that phase. The log gets every phase.
 pub fn timed<T>(phase: Phase, work: impl FnOnce() -> T) -> T {
+    let began = log::log_enabled!(phase.level()).then(Instant::now);
+    let done = counted(phase, work);
+    if let Some(began) = began {
+        log::log!(phase.level(), "{} in {:.3} ms", phase.name(), 1e3 * began.elapsed().as_secs_f64());
+    }
+    done
+}
+
+fn counted<T>(phase: Phase, work: impl FnOnce() -> T) -> T {
     let outside = BOOK.with_borrow_mut(|book| {
         let first = |b: &PhaseTimes| phase != Phase::Factorization || b.found.factorization == 0.0;
         let book = book.as_mut().filter(|b| !b.whole && first(b))?;

@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use super::pointer::Pointer;
 use super::span::Location;
+use crate::integrate::registry::other_name;
 use crate::warning::{Warning, WarningCode};
 
 /// Longest excerpt of a value in a message, in characters.
@@ -35,6 +36,8 @@ pub struct Fault {
     pub part: FaultTarget,
     /// the value there, shortened
     pub value: String,
+    /// what is wrong with it, where that is more than being out of range: "expected a number, found text"
+    pub wrong: Option<String>,
     /// what is allowed there, as part of a sentence: "a number above 0"
     pub allowed: String,
     /// advice, if any
@@ -53,10 +56,11 @@ impl Fault {
         }
     }
 
-    /// The last lines of a message: what is allowed, and advice.
+    /// The last lines of a message: what is wrong, what is allowed, and advice.
     pub fn advice(&self) -> String {
+        let wrong = self.wrong.as_ref().map(|wrong| format!("  wrong: {wrong}\n")).unwrap_or_default();
         let hint = self.hint.as_ref().map(|hint| format!("\n  hint: {hint}")).unwrap_or_default();
-        format!("  allowed: {}{hint}", self.allowed)
+        format!("{wrong}  allowed: {}{hint}", self.allowed)
     }
 }
 
@@ -100,9 +104,12 @@ pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
     (best.0 >= ALIKE).then_some(best.1)
 }
 
-/// "did you mean" with the known name that is most similar to `name`, if any is similar.
-pub(crate) fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    nearest(name, known).map(|k| format!("did you mean \"{k}\"?"))
+/// "did you mean" with the method that is also called so, else with the known name that is most similar to `name`, if
+/// any is similar.
+pub(crate) fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> Option<String> {
+    // First, because "implicit-euler" differs from "explicit-euler" by two letters.
+    let other = other_name(name).filter(|other| known.clone().into_iter().any(|known| known == other.method));
+    other.map(|other| other.hint()).or_else(|| nearest(name, known).map(|k| format!("did you mean \"{k}\"?")))
 }
 
 /// Collects the faults and warnings of one pass over a case.
@@ -153,7 +160,7 @@ impl<'a> Faults<'a> {
             return;
         }
         let hint = hint.filter(|text| !text.is_empty());
-        self.found.note(|| Fault { pointer: at.as_str().to_owned(), part, value, allowed, hint, place: None });
+        self.found.note(|| Fault { pointer: at.as_str().to_owned(), part, value, allowed, hint, ..Fault::default() });
     }
 
     /// Whether the case has something at `at`.

@@ -9,7 +9,7 @@
 use serde_json::{Map, Value, json};
 
 use super::diagnostics::FaultList;
-use super::diagnostics::{Fault, FaultTarget, did_you_mean, excerpt, nearest, one_of};
+use super::diagnostics::{Fault, FaultTarget, did_you_mean, excerpt, nearest, one_of, shorten};
 use super::pointer::Pointer;
 use super::schema::json_schema;
 
@@ -47,7 +47,9 @@ impl<'a> SchemaCheck<'a> {
 
     /// Adds a fault for the whole value, and replaces it by a stand-in.
     fn refuse(&mut self, schema: &Value, value: &mut Value, at: &Pointer, allowed: String) {
-        self.note(at, FaultTarget::Value, value, allowed, None);
+        let (pointer, shown) = (at.as_str().to_owned(), excerpt(value));
+        let wrong = wrong_type(kind(schema), value);
+        self.findings.note(|| Fault { pointer, value: shown, wrong, allowed, ..Fault::default() });
         self.replace(schema, value, at);
     }
 
@@ -58,7 +60,7 @@ impl<'a> SchemaCheck<'a> {
 
     fn note(&mut self, at: &Pointer, part: FaultTarget, value: &Value, allowed: String, hint: Option<String>) {
         let pointer = at.as_str().to_owned();
-        self.findings.note(|| Fault { pointer, part, value: excerpt(value), allowed, hint, place: None });
+        self.findings.note(|| Fault { pointer, part, value: excerpt(value), allowed, hint, ..Fault::default() });
     }
 
     fn object(&mut self, schema: &'a Value, map: &mut Map<String, Value>, at: &Pointer) {
@@ -72,8 +74,19 @@ impl<'a> SchemaCheck<'a> {
         let unknown: Vec<String> = map.keys().filter(|key| !names.contains(&key.as_str())).cloned().collect();
         for key in unknown {
             let Some(value) = map.remove(&key) else { continue };
-            let hint = did_you_mean(&key, names.iter().copied());
-            self.note(&at.key(&key), FaultTarget::Key, &value, one_of("known keys here", &names), hint);
+            let (below, hint) = (at.key(&key), did_you_mean(&key, names.iter().copied()));
+            let (pointer, allowed) = (below.as_str().to_owned(), one_of("known keys here", &names));
+            let wrong = Some(format!("there is no key \"{}\" here", shorten(&key)));
+            let (part, value_shown) = (FaultTarget::Key, excerpt(&value));
+            self.findings.note(|| Fault {
+                pointer,
+                part,
+                value: value_shown,
+                wrong,
+                allowed,
+                hint,
+                ..Fault::default()
+            });
             match nearest(&key, names.iter().copied()).filter(|near| !map.contains_key(*near)) {
                 Some(near) => {
                     self.findings.rename(&at.key(near), &at.key(&key));
@@ -296,6 +309,37 @@ fn describe(root: &Value, schema: &Value) -> String {
         ("boolean", _) => "true or false".to_owned(),
         (other, _) => other.to_owned(),
     }
+}
+
+/// "expected a number, found a text": where a value has another type than its schema, whose type is `expected`.
+fn wrong_type(expected: &str, value: &Value) -> Option<String> {
+    let wanted = match expected {
+        "object" => "an object",
+        "array" => "a list",
+        "number" => "a number",
+        "integer" => "a whole number",
+        "string" => "a text",
+        "boolean" => "true or false",
+        _ => return None,
+    };
+    let found = match value {
+        Value::Null => "null",
+        Value::Bool(_) => "true or false",
+        Value::Number(number) if expected == "integer" && number.is_f64() => "one with a fraction",
+        Value::Number(number) if expected == "integer" && number.is_i64() && !number.is_u64() => "a negative one",
+        Value::Number(_) if expected == "integer" => "one that is too large",
+        Value::Number(_) => "a number",
+        Value::String(text) if matches!(expected, "number" | "integer") && text.trim().parse::<f64>().is_ok() => {
+            "a text in double quotes"
+        }
+        Value::String(_) => "a text",
+        Value::Array(list) if expected == "array" => {
+            return Some(format!("the list has {} entries", list.len()));
+        }
+        Value::Array(_) => "a list",
+        Value::Object(_) => "an object",
+    };
+    Some(format!("expected {wanted}, found {found}"))
 }
 
 /// A value of the right type, so that the rest of the case can be read; its range need not be right.

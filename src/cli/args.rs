@@ -1,17 +1,37 @@
 //! The arguments of the command line.
 
 use super::init::InitArgs;
-use super::mesh::MeshArgs;
+use super::mesh::{MeshArgs, MeshCommand};
+use super::methods::MethodsArgs;
 use super::plot::PlotArgs;
+use super::shell::{CompletionsArgs, ManArgs};
 use super::stability::StabilityArgs;
 use super::tradeoff::TradeoffArgs;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 
+/// Printed below the help of commands that can fail in more than one way.
+const EXIT_STATUS: &str = "\
+Exit status:
+  0    done
+  1    input, output or internal failure
+  2    bad usage or bad case
+  3    the integration diverged, or an implicit step could not be solved
+  130  interrupted; `solve` keeps a checkpoint";
+
 /// Parachute canopies and cloth as mass-spring networks, integrated the way a finite-element code would.
 #[derive(Debug, Parser)]
-#[command(name = "canopy-fem", version, about, arg_required_else_help = true)]
+#[command(
+    name = "canopy-fem",
+    version = env!("CANOPY_FEM_VERSION"),
+    about,
+    arg_required_else_help = true,
+    after_help = EXIT_STATUS
+)]
 pub struct Args {
+    /// Log to standard error: phases and their times, solvers, events of the scene; -vv: every factorisation too
+    #[arg(long, short, global = true, action = clap::ArgAction::Count)]
+    pub verbose: u8,
     /// the command
     #[command(subcommand)]
     pub command: Command,
@@ -21,12 +41,18 @@ pub struct Args {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Integrate a case and write ParaView frames, history, probes and a summary
+    ///
+    /// The report judges the energy error, the largest energy that the method itself lost or made over the largest that
+    /// was exchanged: good below 1 % (no speed is then off by more than half a per cent of the largest by it), doubtful
+    /// up to 10 %, wrong above. A good one does not prove a run accurate: `canopy-fem check` and `tradeoff` tell how
+    /// long a step may be.
+    #[command(after_help = EXIT_STATUS)]
     Solve(SolveArgs),
-    /// Check a case without solving it: faults, model, cost, each method's critical step and run, and which method to
-    /// take
+    /// Check a case without solving it: faults, which method and step to take, what it costs, whether it is stable
     ///
     /// The predictions come from a few seconds of trial steps. The command writes no files. `canopy-fem tradeoff`
     /// measures what it predicts.
+    #[command(after_help = EXIT_STATUS)]
     Check(CheckArgs),
     /// Measure what accuracy costs: run methods and steps against a reference whose own error is known
     ///
@@ -34,11 +60,13 @@ pub enum Command {
     /// default, the steps of explicit methods are chosen around their critical step, and those of implicit methods
     /// around the periods of the scene. A study that was stopped continues when the same command is given again;
     /// finished runs are not repeated.
+    #[command(after_help = EXIT_STATUS)]
     Tradeoff(TradeoffArgs),
     /// Measure the largest stable step of every method on this scene, and compare it with the predicted one
     ///
     /// Finds the limit by bisection with real runs. Writes stability.csv, stability.json and stability.svg (the
     /// stability regions and the motions of the scene in them).
+    #[command(after_help = EXIT_STATUS)]
     Stability(StabilityArgs),
     /// Plot displacement, phase and energy of finished runs as SVG, several runs overlaid
     ///
@@ -48,11 +76,36 @@ pub enum Command {
     /// Make, convert or inspect a mesh
     Mesh(MeshArgs),
     /// List the methods with order and stability
-    Methods,
+    Methods(MethodsArgs),
     /// Print the JSON Schema of the case file
     Schema,
     /// Write a commented example case
+    ///
+    /// The file names a JSON Schema for editors, which is written beside it as case.schema.json: they then complete
+    /// keys and show what these mean.
     Init(InitArgs),
+    /// Print a script for a shell that completes commands and options
+    ///
+    /// For bash: canopy-fem completions bash > ~/.local/share/bash-completion/completions/canopy-fem
+    Completions(CompletionsArgs),
+    /// Write a manual page for each command
+    ///
+    /// For a user: canopy-fem man ~/.local/share/man/man1
+    Man(ManArgs),
+}
+
+impl Command {
+    /// Whether its output is for programs, and printed byte for byte.
+    pub(super) fn prints_data(&self) -> bool {
+        match self {
+            Command::Solve(args) => args.json,
+            Command::Check(args) => args.json,
+            Command::Methods(args) => args.json,
+            Command::Mesh(MeshArgs { command: MeshCommand::Inspect(args) }) => args.json,
+            Command::Schema | Command::Completions(_) => true,
+            _ => false,
+        }
+    }
 }
 
 /// A case with changes to it.
@@ -87,8 +140,11 @@ pub struct CheckArgs {
     /// tolerance, else 1e-3]
     #[arg(long, value_name = "A", value_parser = accuracy, allow_hyphen_values = true)]
     pub accuracy: Option<f64>,
+    /// Print the model, its cost, and what is predicted of every method, too
+    #[arg(long, short)]
+    pub all: bool,
     /// Print everything as JSON
-    #[arg(long)]
+    #[arg(long, conflicts_with = "all")]
     pub json: bool,
 }
 
@@ -120,6 +176,9 @@ pub struct SolveArgs {
     /// No progress, no warnings, no report
     #[arg(long, short)]
     pub quiet: bool,
+    /// Print the summary as JSON in place of the report, as in summary.json
+    #[arg(long)]
+    pub json: bool,
 }
 
 impl CaseArgs {

@@ -1,5 +1,6 @@
-//! `canopy-fem check`: lists all faults, the model and its cost, each method's critical step and predicted run, and
-//! recommends a method for an accuracy, by trial runs. It writes no files.
+//! `canopy-fem check`: lists all faults, or recommends a method for an accuracy, by trial runs, and says what the case
+//! itself costs and whether it is stable; with `--all` the model, each method's critical step and predicted run, too.
+//! It writes no files.
 
 use super::check_json::{Report, Totals};
 use super::warnings::{check_solver, of_scene, planned};
@@ -10,7 +11,7 @@ use crate::analysis::spectrum::Spectrum;
 use crate::case::Case;
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::clock::{Step, Tolerance};
-use crate::format_number::figures;
+use crate::format_number::{counted, figures};
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::mesh::canopy::Canopy;
 use crate::mesh::group::describe_groups;
@@ -24,8 +25,8 @@ use crate::scene::{Scene, place_of};
 use crate::simulation::build_scene;
 use crate::study::forecast::memory::Baseline;
 use crate::study::forecast::nominal::Budget;
-use crate::study::forecast::{Candidate, ForecastSpec, describe, forecast};
-use crate::warning::Warning;
+use crate::study::forecast::{Candidate, ForecastSpec, describe, describe_answer, forecast};
+use crate::warning::{Warning, WarningCode};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -39,17 +40,18 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let groups = problem.group_totals();
     let system = problem.take_system();
     let totals = Totals::of(&system);
-    let mut text = format!("{}: no faults\n", problem.name);
-    describe_system(&mut text, &system, &groups);
-    describe_parachute(&mut text, &problem, &system);
-    totals.canopies.iter().for_each(|(name, sizes)| text.push_str(&format!("  {name:<16}{sizes}\n")));
+    let size = describe_size(&system, totals.mass);
+    let mut tables = String::new();
+    describe_system(&mut tables, &system, &groups);
+    describe_parachute(&mut tables, &problem, &system);
+    totals.canopies.iter().for_each(|(name, sizes)| tables.push_str(&format!("  {name:<16}{sizes}\n")));
     // From here on the scene owns the data of the network.
     let scene = build_scene(system, 1)?;
     let baseline = Baseline::now();
     let scene = &*scene;
     check_solver(&problem, scene, source)?;
-    describe_terms(&mut text, scene);
-    describe_method(&mut text, &problem);
+    describe_terms(&mut tables, scene);
+    describe_method(&mut tables, &problem);
     let state = scene.initial_state();
     let budget = &Budget::of(scene, &problem);
     let mut limits = Limits::of(scene, &state, budget);
@@ -69,6 +71,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let out = PathBuf::from("out").join(file_stem(&problem.name));
     let mut found = of_scene(plan, &problem, limit, &out);
     found.extend(later_warning(plan, limit, later));
+    let slack = found.iter().any(|warning| warning.code == WarningCode::SlackSprings);
     let (acknowledged, warnings) = problem.sort_out(found);
     let words = |early: &[Warning], late: &[Warning]| early.iter().chain(late).map(Warning::to_string).collect();
     let acknowledged: Vec<String> = words(&problem.acknowledged, &acknowledged);
@@ -87,12 +90,86 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
         }
         .to_json();
     }
-    text.push_str(&describe(&problem, &forecast)?);
-    describe_limits(&mut text, &problem, scene, &limits, &candidates);
-    describe_later(&mut text, &problem, scene, later);
+    let own = candidates.iter().find(|candidate| candidate.method.info.name == problem.method.info.name);
+    let own_run = forecast.methods.iter().find(|row| row.method == problem.method.info.name);
+    // A run that was too expensive to try is not one that fails.
+    let fails = own_run.and_then(|row| row.refused.as_deref()).is_some_and(|why| why.starts_with("fails "));
+    let stable = Stability { step: plan.step, limit: own.and_then(|own| own.limit), later, slack, fails }.describe();
+    let mut text = heading(&problem, &warnings) + &describe_answer(&problem, &forecast, &stable)? + &size;
+    text.push_str(&notes(args, &acknowledged, &warnings));
+    if args.all {
+        tables.push_str(&describe(&problem, &forecast)?);
+        describe_limits(&mut tables, &problem, scene, &limits, &candidates);
+        describe_later(&mut tables, &problem, scene, later);
+        let _ = writeln!(text, "\n{}", tables.trim_end());
+    }
+    Ok(text)
+}
+
+/// What `--all` adds if it is not given, and the warnings.
+fn notes(args: &CheckArgs, acknowledged: &[String], warnings: &[String]) -> String {
+    let more = "  more            --all: the model, its cost, and every method with its critical step\n";
+    let mut text = if args.all { String::new() } else { more.to_owned() };
     acknowledged.iter().for_each(|warning| text.push_str(&format!("acknowledged: {warning}\n")));
     warnings.iter().for_each(|warning| text.push_str(&format!("warning: {warning}\n")));
-    Ok(text)
+    text
+}
+
+/// The first line.
+fn heading(problem: &Problem, warnings: &[String]) -> String {
+    let found = match warnings.len() {
+        0 => String::new(),
+        n => format!(", {} below", counted(n as u64, "warning", "warnings")),
+    };
+    format!("{}: no faults{found}\n", problem.name)
+}
+
+/// What is known of the stability of the case's step.
+struct Stability {
+    /// [s] `None` for adaptive steps
+    step: Option<f64>,
+    /// at the start; `None` where it is not known
+    limit: Option<CriticalStep>,
+    later: Option<LaterLimit>,
+    /// whether slack springs hide a smaller limit
+    slack: bool,
+    /// whether the trial of the case's own run failed
+    fails: bool,
+}
+
+impl Stability {
+    fn describe(&self) -> String {
+        let Some(CriticalStep { step: critical, .. }) = self.limit else {
+            return "not known: air, dashpots and loads that turn are outside the method's filter".to_owned();
+        };
+        if critical == 0.0 {
+            return "no: the method's energy grows at every step where nothing damps".to_owned();
+        }
+        if critical.is_infinite() {
+            return if self.fails {
+                "no: the trial run fails"
+            } else {
+                "yes: no largest stable step was found for this method"
+            }
+            .to_owned();
+        }
+        let later = self.later.map(|LaterLimit { t, limit }| (limit.step, format!("from t = {} s on", figures(t, 4))));
+        let (least, when) = match later {
+            Some((step, when)) if step < critical => (step, when),
+            _ => (critical, "at the start".to_owned()),
+        };
+        let least_text = format!("the critical step, {} s {when}", figures(least, 3));
+        let text = match self.step {
+            None if self.fails => format!("no: the trial run fails; {least_text}"),
+            None => format!("yes: adaptive steps stay below {least_text}"),
+            Some(step) if step > least => format!("no: the step is {} times {least_text}", figures(step / least, 3)),
+            Some(step) => {
+                let answer = if self.fails { "no, the trial run fails, although" } else { "yes:" };
+                format!("{answer} the step is {} % of {least_text}", figures(100.0 * step / least, 2))
+            }
+        };
+        if self.slack { text + ", but slack springs hide a smaller one: see the warning" } else { text }
+    }
 }
 
 impl Totals {
@@ -139,6 +216,27 @@ fn candidates(problem: &Problem, scene: &dyn Scene, limits: &mut Limits<'_>) -> 
     };
     let mut limit = |method: &MethodChoice| known(method).then(|| limits.critical_step(method));
     problem.method.among_all().map(|method| Candidate { limit: limit(&method), method }).collect()
+}
+
+/// Counts and mass in a line.
+fn describe_size(system: &SystemSpec, mass: f64) -> String {
+    let mass = figures(mass, 4);
+    match system {
+        SystemSpec::Pendulum(p) => {
+            format!("  size            a pendulum of {} m and {mass} kg\n", figures(p.length, 7))
+        }
+        SystemSpec::Network(spec) => {
+            let NetworkSpec { mesh, fixed, springs, .. } = &**spec;
+            let held = fixed.as_flattened().iter().filter(|f| **f).count();
+            let counts = [
+                counted(mesh.nodes.len() as u64, "node", "nodes"),
+                counted(springs.iter().map(|group| group.edges.len() as u64).sum(), "spring", "springs"),
+                counted(mesh.triangles.len() as u64, "triangle", "triangles"),
+                counted((3 * fixed.len() - held) as u64, "unknown", "unknowns"),
+            ];
+            format!("  size            {}, {mass} kg\n", counts.join(", "))
+        }
+    }
 }
 
 fn describe_system(text: &mut String, system: &SystemSpec, groups: &BTreeMap<String, GroupTotals>) {
@@ -188,8 +286,12 @@ fn describe_parachute(text: &mut String, problem: &Problem, system: &SystemSpec)
 }
 
 fn describe_terms(text: &mut String, scene: &dyn Scene) {
-    let mut names: Vec<&str> = scene.terms().iter().map(|t| t.name).collect();
-    names.dedup();
+    let mut names: Vec<&str> = Vec::new();
+    for term in scene.terms() {
+        if !names.contains(&term.name) {
+            names.push(term.name);
+        }
+    }
     let _ = writeln!(text, "  forces          {}", names.join(", "));
 }
 
@@ -215,12 +317,12 @@ fn describe_limits(
     candidates: &[Candidate],
 ) {
     describe_rates(text, scene, limits);
-    let _ =
-        writeln!(text, "\n  method                critical step [s]   this step / critical   known by          set by");
+    text.push_str("\n  critical steps [s], and the case's step over them:\n");
+    text.push_str("  method             critical  step/critical  known by        set by\n");
     for Candidate { method, limit } in candidates {
         let name = method.info.name;
         if method.info.family == Family::MatrixFree && scene.interfaces().graph.is_none() {
-            let _ = writeln!(text, "  {name:<20}  needs a network");
+            let _ = writeln!(text, "  {name:<19}needs a network");
             continue;
         }
         let mark = if name == problem.method.info.name { '*' } else { ' ' };
@@ -228,7 +330,7 @@ fn describe_limits(
             Some(limit) => describe_limit(*limit, problem.time.step, scene),
             None => "none for springs; air, dashpots and loads that turn are outside the filter: not known".to_owned(),
         };
-        let _ = writeln!(text, "{mark} {name:<20}  {limit}");
+        let _ = writeln!(text, "{mark} {name:<19}{limit}");
     }
     text.push_str(
         "  (* the method of this case; all at t = 0; certified: proved to be at most the true limit, and below it by no more than the width)\n\n",
@@ -281,15 +383,15 @@ fn describe_limit(limit: CriticalStep, step: Step, scene: &dyn Scene) -> String 
         return "none found".to_owned();
     }
     if limit.step == 0.0 {
-        return format!("{:<18}  grows at every step without damping", "0");
+        return "0: grows at every step without damping".to_owned();
     }
     let known = match (limit.confidence, limit.width()) {
-        (Confidence::Certified { .. }, Some(width)) => format!("certified, {:.2} %", 100.0 * width),
+        (Confidence::Certified { .. }, Some(width)) => format!("certified {:.1} %", 100.0 * width),
         _ => "estimate".to_owned(),
     };
     let used = step.fixed().map_or_else(
         || "adaptive".to_owned(),
-        |step| format!("{:.3}{}", step / limit.step, if step > limit.step { "  too large" } else { "" }),
+        |step| figures(step / limit.step, 3) + if step > limit.step { " too large" } else { "" },
     );
-    format!("{:<18.3e}  {used:<21}  {known:<16}  {}", limit.step, place_of(scene, limit.dof))
+    format!("{:<9.3e} {used:<14} {known:<15} {}", limit.step, place_of(scene, limit.dof))
 }

@@ -1,5 +1,6 @@
 //! `canopy-fem mesh`: makes, converts and inspects meshes.
 
+use super::mesh_json::to_json;
 use super::parachute::ParachuteArgs;
 use crate::mesh::annulus::{AnnulusParameters, DiscParameters};
 use crate::mesh::canopy::Canopy;
@@ -169,6 +170,9 @@ pub struct ConvertArgs {
 pub struct InspectArgs {
     /// Mesh file to read
     pub file: PathBuf,
+    /// Print everything as JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Why `canopy-fem mesh` failed.
@@ -240,7 +244,7 @@ pub fn run(args: &MeshArgs) -> Result<String, MeshCliError> {
         }
         MeshCommand::Inspect(a) => {
             let Imported { mesh, notes } = read_mesh(&a.file).map_err(MeshCliError::Input)?;
-            describe(&mesh, &notes)
+            if a.json { to_json(&mesh, &notes) } else { describe(&mesh, &notes) }
         }
     }
 }
@@ -314,13 +318,20 @@ fn describe(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliError> {
         lines.push("angle histogram (degrees, count)".to_owned());
     }
     let mut text = lines.join("\n") + "\n" + &quality.histogram_text();
-    let doubts = [topology.check_manifold().err(), topology.check_orientation(mesh).err()];
-    let mut canopy: Vec<String> =
-        canopies.values().filter_map(|found| Some(found.as_ref().err()?.to_string())).collect();
-    canopy.dedup();
-    for note in notes.iter().cloned().chain(doubts.into_iter().flatten().map(|e| e.to_string())).chain(canopy) {
+    for note in doubts(mesh, &topology, notes) {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "note: {note}");
     }
     Ok(text)
+}
+
+/// What the reader changed, and what is wrong with the mesh for a simulation.
+pub(super) fn doubts(mesh: &Mesh, topology: &Topology, notes: &[String]) -> Vec<String> {
+    let sheet = [topology.check_manifold().err(), topology.check_orientation(mesh).err()];
+    let canopies = Canopy::of_groups(mesh);
+    let mut canopy: Vec<String> =
+        canopies.values().filter_map(|found| Some(found.as_ref().err()?.to_string())).collect();
+    canopy.dedup();
+    let sheet = sheet.into_iter().flatten().map(|error| error.to_string());
+    notes.iter().cloned().chain(sheet).chain(canopy).collect()
 }

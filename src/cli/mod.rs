@@ -7,24 +7,28 @@ mod error;
 pub mod init;
 mod interrupt;
 pub mod mesh;
+mod mesh_json;
 mod methods;
 mod parachute;
 pub mod plot;
 pub mod progress;
+mod report;
 mod resume;
 pub mod schema;
+mod shell;
 mod solve;
 pub mod stability;
+mod terminal;
 pub mod tradeoff;
+mod verbose;
 mod warnings;
 
 pub use args::{Args, CaseArgs, CheckArgs, Command, SolveArgs};
 pub use error::CliError;
 
 use clap::Parser;
-use std::io::Write;
-use std::path::Path;
 use std::process::ExitCode;
+use terminal::complain;
 
 /// Parses the command line, runs the command, prints its result, and gives the exit status: 0 done, 1 input/output or
 /// internal failure, 2 bad usage or bad case, 3 diverged or not solvable, 130 interrupted.
@@ -32,10 +36,11 @@ pub fn main() -> ExitCode {
     interrupt::outlive_full_files();
     interrupt::catch_interrupts();
     let args = Args::parse();
+    verbose::start(args.verbose);
     match dispatch(&args.command) {
         Ok(CommandOutput { text, code }) => {
-            let mut out = std::io::stdout().lock();
-            match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+            let written = if args.command.prints_data() { terminal::print_data(&text) } else { terminal::print(&text) };
+            match written {
                 // A closed pipe (`canopy-fem methods | head`) is not a failure.
                 Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
                     complain(&format!("error: standard output: {e}"));
@@ -49,11 +54,6 @@ pub fn main() -> ExitCode {
             ExitCode::from(error.exit_code())
         }
     }
-}
-
-/// Writes a line to standard error, if it is open: `eprintln!` would panic on a closed one.
-fn complain(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", line.trim_end());
 }
 
 /// The result of a command: text for standard output, and its exit status.
@@ -71,11 +71,10 @@ fn dispatch(command: &Command) -> Result<CommandOutput, CliError> {
         Command::Mesh(args) => Ok(done(mesh::run(args)?)),
         Command::Tradeoff(args) => tradeoff::run(args),
         Command::Plot(args) => plot::run(args).map(done),
-        Command::Methods => Ok(done(methods::run())),
+        Command::Methods(args) => Ok(done(methods::run(args))),
         Command::Schema => Ok(done(schema::run() + "\n")),
-        Command::Init(args) => {
-            let path = init::run(args, Path::new(""))?;
-            Ok(done(format!("{0} written; try: canopy-fem check {0}\n", path.display())))
-        }
+        Command::Init(args) => Ok(done(init::run(args)?)),
+        Command::Completions(args) => Ok(done(shell::completions(args))),
+        Command::Man(args) => shell::man(args).map(done),
     }
 }

@@ -1,26 +1,28 @@
 //! `canopy-fem solve`: runs a case and writes its results.
 
 use super::interrupt::stop_on_interrupt;
-use super::progress::{Display, LONG_START, Progress};
+use super::progress::{Display, Progress};
+use super::report::{RunNotes, already_done, describe, report};
 use super::resume::{self, EarlierRun};
+use super::terminal::interject;
 use super::warnings::{check_solver, of_scene, planned};
 use super::{CliError, CommandOutput, SolveArgs, complain};
 use crate::analysis::critical::{CriticalStep, has_limit};
-use crate::analysis::warnings::{limit_at_start, worth};
+use crate::analysis::warnings::limit_at_start;
 use crate::assembly::write_matrix_market;
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::Problem;
-use crate::drive::critical_step_monitor::{CriticalStepMonitor, LeastStep, Monitored};
+use crate::drive::critical_step_monitor::{CriticalStepMonitor, Monitored};
 use crate::drive::max_displacement::MaxDisplacement;
 use crate::drive::observer::{LedgerRow, Observer};
-use crate::drive::{Failure, Outcome, Status};
+use crate::drive::{Outcome, Status};
 use crate::format_number::figures;
 use crate::model::group_totals::GroupTotals;
 use crate::model::stop::Stop;
 use crate::output::checkpoint::Checkpoint;
-use crate::output::folder::{CHECKPOINT, ResultFolder, SUMMARY};
-use crate::output::gauges::Peak;
+use crate::output::csv::write_fault;
+use crate::output::folder::{ResultFolder, SUMMARY};
 use crate::output::recorder::{CheckpointSpec, Recorder, RecorderSpec};
 use crate::output::sanitize::file_stem;
 use crate::output::summary::Summary;
@@ -30,8 +32,6 @@ use crate::simulation::{RunSettings, Simulation, bind, build_scene};
 use crate::startup::{Phase, StartupTimer, timed};
 use crate::warning::{Warning, WarningCode};
 use std::collections::BTreeMap;
-use std::fmt::Write;
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -51,7 +51,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     let fingerprint = Fingerprint::of(&problem)?;
     let earlier = args.resume.then(|| resume::find_earlier_run(&out, &problem, &fingerprint)).transpose()?;
     if let Some(EarlierRun::Done(summary)) = &earlier {
-        let text = if args.quiet { String::new() } else { already_done(summary, &problem, &out) };
+        let text = printed(args, summary, &out, || already_done(summary, &problem, &out))?;
         return Ok(CommandOutput { text, code: 0 });
     }
     let groups = problem.group_totals();
@@ -79,6 +79,9 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     }
     let job = PreparedRun { args, problem: &problem, scene: &scene, folder: &folder, limit, account, groups };
     let (outcome, summary, seen) = job.integrate(fingerprint, checkpoint, &stop)?;
+    if let Some(linear) = &summary.linear {
+        log::info!("linear solver at the end: {}, {}", linear.solver, linear.reason);
+    }
     if !args.quiet {
         let found = [energy_made(&outcome), energy_dissipated(&problem, &outcome)].into_iter().flatten();
         let (_, warnings) = problem.sort_out(found);
@@ -87,7 +90,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     if let Some(failure) = &outcome.failure {
         complain(&describe(failure, outcome.status));
     }
-    let text = if args.quiet { String::new() } else { report(&problem, &outcome, &summary, &folder, &seen) };
+    let text = printed(args, &summary, folder.dir(), || report(&problem, &outcome, &summary, &folder, &seen))?;
     let code = match outcome.status {
         Status::Completed => 0,
         // The summary has its failure, with the cause as far as it is known.
@@ -107,15 +110,6 @@ struct PreparedRun<'a> {
     limit: CriticalStep,
     account: StartupTimer,
     groups: BTreeMap<String, GroupTotals>,
-}
-
-/// Data of a run for the report, besides its results.
-struct RunNotes<'a> {
-    limit: CriticalStep,
-    least: Option<LeastStep>,
-    farthest: MaxDisplacement<'a>,
-    /// [s] time of the last frame
-    last_frame: Option<f64>,
 }
 
 impl<'a> PreparedRun<'a> {
@@ -150,10 +144,8 @@ impl<'a> PreparedRun<'a> {
             MaxDisplacement::new(scene),
         );
         let tell = |text: &str| {
-            // Overwrites the rest of a progress line.
-            let clear = if std::io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
             if !unwatched {
-                complain(&format!("{clear}warning: {text}"));
+                interject(&format!("warning: {text}"));
             }
         };
         // Adaptive steps become smaller where a scene stiffens, so no monitor is needed.
@@ -210,150 +202,16 @@ fn dissipated_share(at: &LedgerRow) -> f64 {
     at.dissipated / (at.dissipated + at.kinetic + at.elastic)
 }
 
-fn report(
-    problem: &Problem,
-    outcome: &Outcome,
+/// What goes to standard output: the summary as it is in the file, the report, or nothing.
+fn printed(
+    args: &SolveArgs,
     summary: &Summary,
-    folder: &ResultFolder,
-    seen: &RunNotes<'_>,
-) -> String {
-    let status = match outcome.status {
-        Status::Completed => "completed",
-        Status::Diverged => "diverged",
-        Status::NotConverged => "not converged",
-        Status::Interrupted => "interrupted",
-    };
-    let c = outcome.counters;
-    let mut text = String::new();
-    let _ = writeln!(
-        text,
-        "{}: {status} at t = {} s after {} steps of {}",
-        problem.name,
-        figures(outcome.t_end, 12),
-        outcome.steps,
-        problem.method.info.name
-    );
-    if let Some(t) = summary.resumed_from {
-        let _ = writeln!(text, "  resumed         from t = {} s", figures(t, 12));
+    folder: &Path,
+    report: impl FnOnce() -> String,
+) -> Result<String, CliError> {
+    match (args.json, args.quiet) {
+        (true, _) => Ok(summary.to_json().map_err(|e| write_fault(&folder.join(SUMMARY), e.into()))?),
+        (false, true) => Ok(String::new()),
+        (false, false) => Ok(report()),
     }
-    let cpu = summary.cpu_seconds.map_or_else(|| "unknown".to_owned(), |s| format!("{s:.2} s"));
-    let _ = writeln!(text, "  cost            {cpu} CPU, {:.2} s wall", summary.wall_seconds);
-    if summary.startup.wall_seconds > LONG_START {
-        let _ = writeln!(text, "  start-up        {}", summary.startup.text());
-    }
-    let work = [
-        (c.force_evaluations, "force passes"),
-        (c.factorizations, "factorisations"),
-        (c.newton_iterations, "Newton iterations"),
-        (c.cg_iterations, "iterations of conjugate gradients"),
-    ];
-    let work: Vec<String> = work.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
-    let _ = writeln!(text, "  work            {}", work.join(", "));
-    let failed = outcome.failure.is_some();
-    if !failed {
-        let _ = writeln!(text, "  energy error    {:.2e} of the largest energy exchanged", outcome.energy_error);
-    }
-    // For adaptive steps, their average.
-    let fixed = problem.time.step.fixed().map(|step| step.min(problem.time.end));
-    let step = fixed.unwrap_or(outcome.t_end / outcome.steps.max(1) as f64);
-    if let Some(tolerance) = problem.time.step.tolerance() {
-        let _ = writeln!(
-            text,
-            "  adaptive        tolerance {:e} of the motion and {}; {:.2e} s a step on average, {} attempts dropped",
-            tolerance.relative,
-            figures(tolerance.absolute, 3),
-            step,
-            outcome.rejected_steps
-        );
-    }
-    let results = folder.dir().join(format!("{}.pvd", folder.stem()));
-    if failed {
-        // After a divergence, error, displacement and share of the critical step have no meaning.
-        if let Some(t) = seen.last_frame {
-            let _ = writeln!(text, "  last frame      t = {} s", figures(t, 12));
-        }
-    } else {
-        if summary.critical_step == Some(0.0) {
-            let _ = writeln!(text, "  critical step   none: the method's energy grows at every step here");
-        } else if let Some(critical) = summary.critical_step {
-            let later = seen.least.map_or_else(String::new, |least| {
-                format!(", about {:.2e} s at t = {} s", least.step, figures(least.t, 4))
-            });
-            let (known, used) = (worth(seen.limit), step / critical);
-            let _ = writeln!(
-                text,
-                "  critical step   {critical:.2e} s at the start ({known}; {used:.2} of it used){later}"
-            );
-        }
-        let _ = writeln!(
-            text,
-            "  displacement    {:.6} m at most at the end, node {}",
-            seen.farthest.distance, seen.farthest.node
-        );
-    }
-    if !failed {
-        summary.peaks.iter().filter_map(peak).for_each(|line| text.push_str(&line));
-    }
-    let _ = writeln!(text, "  results         {}", results.display());
-    if outcome.status == Status::Interrupted {
-        let path = folder.file(CHECKPOINT);
-        let _ =
-            writeln!(text, "  checkpoint      {}; the same command with --resume goes on from there", path.display());
-    }
-    text
-}
-
-/// A line of the report for a value that a reader looks for first: opening load, speed of descent, largest loads.
-/// The drag of a canopy that starts full is no opening load.
-fn peak(one: &Peak) -> Option<String> {
-    let Peak { name, quantity, unit, value, t, last, steady, strength, safety_factor } = one;
-    let drag = if *t > 0.0 { "opening load" } else { "largest drag" };
-    let [value, t, last] = [value, t, last].map(|number| figures(*number, 4));
-    let line = match (quantity.as_str(), strength, safety_factor) {
-        ("drag", ..) => format!("  {drag}    {value} {unit} at t = {t} s ({name}, drag)"),
-        ("axial_speed", ..) => {
-            let steady = if *steady { "steady" } else { "at the end, still changing" };
-            format!("  speed           {last} {unit} {steady} ({name}, against the air)")
-        }
-        (_, Some(strength), Some(factor)) => format!(
-            "  line load       {value} {unit} at t = {t} s ({name}), strength {} {unit}: safety factor {}{}",
-            figures(*strength, 4),
-            figures(*factor, 3),
-            if *factor < 1.0 { ", it would break" } else { "" }
-        ),
-        ("tension_max" | "force_total" | "reaction_total" | "acceleration_max", ..) => {
-            let what = match quantity.as_str() {
-                "tension_max" => "tension",
-                "force_total" => "force",
-                "reaction_total" => "reaction",
-                _ => "acceleration",
-            };
-            format!("  peak            {value} {unit} at t = {t} s ({name}, {what})")
-        }
-        _ => return None,
-    };
-    Some(line + "\n")
-}
-
-fn already_done(summary: &Summary, problem: &Problem, out: &Path) -> String {
-    let t = figures(summary.t_end, 12);
-    format!("{}: already completed at t = {t} s, in {}; nothing is left to resume\n", problem.name, out.display())
-}
-
-fn describe(failure: &Failure, status: Status) -> String {
-    let what = if status == Status::NotConverged { "could not be solved" } else { "diverged" };
-    let mut text = format!("error: step {} ending at t = {:.6e} s {what}\n", failure.step, failure.time);
-    let named = |what: &str, number: Option<u32>| number.map(|n| format!("{what} {n}"));
-    let term = failure.term.as_ref().map(|t| format!("most force from {t}"));
-    let elements = [named("node", failure.node), named("spring", failure.spring), named("triangle", failure.triangle)];
-    let place: Vec<String> = elements.into_iter().chain([term]).flatten().collect();
-    if !place.is_empty() {
-        let _ = writeln!(text, "  where   {}", place.join(", "));
-    }
-    if let Some(grew) = &failure.grew {
-        let _ = writeln!(text, "  grew    {grew}, most of all energies in this step");
-    }
-    let _ = writeln!(text, "  cause   {}", failure.cause);
-    let _ = writeln!(text, "  advice  {}", failure.advice);
-    text
 }

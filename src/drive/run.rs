@@ -140,6 +140,7 @@ impl Run<'_> {
         if passed == state.passed {
             return Ok(());
         }
+        log::info!("t = {:.6e} s: event {passed} of {} passed", state.from.state.t, scene.events().len());
         state.passed = passed;
         let changed = if scene.pass_events(passed) { Changed::Phase } else { Changed::Motion };
         scene.put_supports(&mut state.from.state);

@@ -20,8 +20,10 @@ use super::velocity_verlet::VELOCITY_VERLET;
 use super::{dop853, dormand_prince};
 
 mod method;
+mod other_names;
 
 pub use method::{Family, MethodChoice, MethodError, MethodInfo, ParameterInfo};
+pub use other_names::{OtherName, other_name};
 
 /// All methods, in the order `canopy-fem methods` prints them.
 pub fn methods() -> &'static [MethodInfo] {

@@ -223,6 +223,7 @@ impl LinearSolver for AutoSolver {
     }
 
     fn choose(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        let before = (self.iterates, self.prediction.is_some());
         (self.iterates, self.factored) = (false, false);
         if self.cg.factor(values)? == Inertia::Indefinite {
             return Ok(Inertia::Indefinite);
@@ -232,6 +233,14 @@ impl LinearSolver for AutoSolver {
             found => self.prediction = found?,
         }
         self.iterates = self.prediction.is_some_and(|p| p.cg_converged);
+        if let Some(Prediction { cholesky_work, cg_work, .. }) = self.prediction {
+            let level = if before == (self.iterates, true) { log::Level::Debug } else { log::Level::Info };
+            let name = if self.iterates { "conjugate gradients" } else { "Cholesky" };
+            log::log!(
+                level,
+                "linear solver {name}: counted work {cg_work:.2e} by gradients, {cholesky_work:.2e} by Cholesky"
+            );
+        }
         Ok(Inertia::Unknown)
     }
 

@@ -264,6 +264,8 @@ pub fn solver_for(
     choice: LinearChoice,
     workers: &Workers,
 ) -> Result<Box<dyn LinearSolver>, LinearError> {
+    let (columns, symmetric) = (pattern.n(), pattern.symmetric);
+    log::debug!("matrix of {columns} columns, symmetric: {symmetric}; linear solver asked for: {choice:?}");
     match (choice, pattern.symmetric) {
         (LinearChoice::Cholesky, false) => Err(LinearError::NotSymmetric),
         (LinearChoice::Cg, _) => Ok(Box::new(ConjugateGradients::new(pattern, workers)?)),

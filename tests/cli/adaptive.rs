@@ -42,7 +42,7 @@ fn a_tolerance_replaces_the_step() {
 #[test]
 fn flags_of_adaptive_steps() {
     let bench = Bench::new();
-    let ended = bench.run(&["check", "sail.json", "--tolerance", "1e-3"]);
+    let ended = bench.run(&["check", "sail.json", "--all", "--tolerance", "1e-3"]);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     assert!(ended.stdout.contains("adaptive steps, tolerance 1e-3 of the motion and 1e-5"), "{}", ended.stdout);
     for (value, words) in [("2", "below 1"), ("0", "1e-13"), ("fine", "number")] {

@@ -162,7 +162,7 @@ fn every_method_has_a_row() {
     assert_eq!(names, known);
     let kang = row(&report, "kang");
     assert!(kang["run"].is_null() && kang["refused"].as_str().is_some_and(|why| why.contains("network")), "{kang}");
-    let text = bench.run(&["check", case]).stdout;
+    let text = bench.run(&["check", case, "--all"]).stdout;
     for name in known {
         assert!(
             text.lines().filter(|line| line.trim_start_matches(['*', ' ']).starts_with(name)).count() >= 2,
@@ -184,7 +184,7 @@ fn a_scene_without_air_shows_no_air() {
         if let Some(air) = air {
             assert!(number(air, "elements") == 242.0 && number(air, "seconds") > 0.0, "{air}");
         }
-        let text = bench.run(&["check", case]).stdout;
+        let text = bench.run(&["check", case, "--all"]).stdout;
         assert!(text.contains("    springs") && text.contains("    air") == wind, "{text}");
     }
 }

@@ -282,7 +282,8 @@ fn refused_solvers_lead_to_ones_that_solve() {
 #[test]
 fn check_shows_small_numbers() {
     let bench = Bench::new();
-    let ended = bench.run(&["check", "sail.json", "--step", "1e-12", "--set", "system.network.mass.nodal=1e-9"]);
+    let ended =
+        bench.run(&["check", "sail.json", "--all", "--step", "1e-12", "--set", "system.network.mass.nodal=1e-9"]);
     assert!(ended.stdout.contains("step 1e-12 s") && ended.stdout.contains("  6e-9 kg"), "{}", ended.stdout);
     let ended = bench.run(&["check", "sail.json", "--step", "1e-17"]);
     assert!(ended.stderr.contains("at least 1e-15, which makes 1e15 steps until the end"), "{}", ended.stderr);

@@ -52,7 +52,7 @@ fn a_parachute_is_made_inspected_and_used() {
         "time": {"end": 0.01, "method": "velocity-verlet", "step": 1e-4}
     });
     std::fs::write(bench.path("held.json"), case.to_string()).expect("a case");
-    let checked = bench.run(&["check", "held.json"]);
+    let checked = bench.run(&["check", "held.json", "--all"]);
     assert_eq!(checked.code, Some(0), "{}", checked.stderr);
     assert!(checked.stdout.contains("group           canopy: 336 triangles"), "{}", checked.stdout);
     let report = bench.run(&["check", "held.json", "--json"]);
@@ -93,7 +93,7 @@ fn check_tells_the_sizes_of_a_parachute() {
         "time": {"end": 0.01, "method": "velocity-verlet", "step": 1e-4}
     });
     std::fs::write(bench.path("ring.json"), case.to_string()).expect("a case");
-    let checked = bench.run(&["check", "ring.json"]);
+    let checked = bench.run(&["check", "ring.json", "--all"]);
     assert!(checked.stdout.contains("  nominal         D0 2.000000 m, S0 3.141593 m^2"), "{}", checked.stdout);
 }
 

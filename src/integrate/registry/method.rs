@@ -1,6 +1,6 @@
 //! An entry of the table, and a method chosen from it with its parameters.
 
-use super::methods;
+use super::{methods, other_name};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::linear_step::LinearStep;
 use crate::integrate::stepper::Scheme;
@@ -73,7 +73,7 @@ pub struct MethodChoice {
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
 pub enum MethodError {
     /// No such method.
-    #[error("there is no method \"{name}\"; the methods are {known}")]
+    #[error("there is no method \"{name}\"; {}the methods are {known}", hint(name))]
     Unknown {
         /// the name given
         name: String,
@@ -102,6 +102,11 @@ pub enum MethodError {
         /// e.g. "[-0.3333, 0]"
         range: String,
     },
+}
+
+/// The method that is also called so.
+fn hint(name: &str) -> String {
+    other_name(name).map(|other| format!("{}; ", other.hint())).unwrap_or_default()
 }
 
 impl ParameterInfo {

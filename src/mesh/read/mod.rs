@@ -61,10 +61,37 @@ fn reader(path: &Path) -> Result<Reader, MeshError> {
         "obj" => Ok(obj::read),
         "stl" => Ok(stl::read),
         _ => {
-            let reason =
-                format!("the extension \"{extension}\" is not a mesh format; use .vtu, .vtp, .vtk, .msh, .obj or .stl");
+            let reason = match extension.as_str() {
+                "" => "the name has no extension that says its format".to_owned(),
+                other => format!("files \".{other}\" are not read"),
+            };
+            let reason = format!("{reason}; use .vtu, .vtp, .vtk, .msh, .obj or .stl{}", converter(path, &extension));
             Err(MeshError::File { path: path.to_owned(), reason })
         }
+    }
+}
+
+/// The program that writes a file of this extension as one that is read, and its command.
+fn converter(path: &Path, extension: &str) -> String {
+    let to = |ending: &str| path.with_extension(ending).display().to_string();
+    let from = path.display();
+    match extension {
+        // Readers of meshio 5.
+        "inp" | "avs" | "bdf" | "nas" | "fem" | "med" | "e" | "exo" | "ex2" | "xdmf" | "xmf" | "ply" | "off"
+        | "mesh" | "meshb" | "dat" | "tec" | "su2" | "vol" | "xml" | "node" | "ele" | "f3grid" | "post" | "ugrid"
+        | "mdpa" | "h5m" | "wkt" | "cgns" => format!(": `meshio convert {from} {}` writes one", to("vtu")),
+        "geo" | "step" | "stp" | "iges" | "igs" | "brep" => {
+            format!(": `gmsh -2 {from} -o {}` makes a mesh of its surfaces", to("msh"))
+        }
+        "unv" | "p3d" => format!(": `gmsh -save {from} -o {}` writes one", to("msh")),
+        "gltf" | "glb" | "fbx" | "dae" | "3ds" | "blend" | "x3d" | "wrl" => {
+            ": open it in Blender, and export it as .obj or .stl".to_owned()
+        }
+        "dxf" | "dwg" | "sldprt" | "fcstd" | "3dm" => {
+            ": open it in a CAD program such as FreeCAD, and export it as .obj or .stl".to_owned()
+        }
+        "k" | "key" | "dyn" => ": open it in LS-PrePost, and export it as .stl".to_owned(),
+        _ => String::new(),
     }
 }
 

@@ -192,7 +192,16 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
     Forecast { force, tangent, tangent_refused, output, seen, methods, advice }
 }
 
-/// The text of a forecast: costs of force passes and tangents, runs of all methods, and what is recommended.
+/// The answer of a forecast: what is recommended, and what the case's own run costs. `stable` says whether its step is.
+///
+/// # Errors
+/// What the template engine refuses.
+pub fn describe_answer(problem: &Problem, forecast: &Forecast, stable: &str) -> Result<String, StudyError> {
+    let context = context! { forecast, own => problem.method.info.name, stable };
+    render("check_answer.txt", include_str!("../../../assets/report/check_answer.txt"), &context)
+}
+
+/// The tables of a forecast: costs of force passes and tangents, and runs of all methods.
 ///
 /// # Errors
 /// What the template engine refuses.

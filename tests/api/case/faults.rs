@@ -187,6 +187,7 @@ fn a_message_shows_all_faults_at_their_places() {
   |
 3 |   "system": {"pendulum": {"length": -1, "mass": 1, "gravity": 9.81 "angel": 0.1, }},
   |                                                                    ^^^^^^^
+  wrong: there is no key "angel" here
   allowed: known keys here: angle, damping, gravity, length, mass, rate
   hint: did you mean "angle"?
 
@@ -210,6 +211,7 @@ fn a_message_shows_all_faults_at_their_places() {
   |
 4 |     "time": {"end": 0, "method": "newmrk", "step": "fast"}
   |                                                    ^^^^^^
+  wrong: expected a number, found a text
   allowed: a number
 
 /output/frames/every: 0

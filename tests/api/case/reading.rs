@@ -102,20 +102,21 @@ fn comments_and_relative_paths() {
 /// The command's example is a good case, named as asked, and nothing is overwritten by chance.
 #[test]
 fn init_writes_a_good_case_once() {
-    use canopy_fem::cli::init::{InitArgs, InitError, run};
+    use canopy_fem::cli::init::{InitArgs, InitError, Template, write};
     let folder = tempfile::tempdir().expect("folder");
-    let args = |name: &str, force| InitArgs { name: name.to_owned(), force };
-    let path = run(&args("my-canopy", false), folder.path()).expect("written");
+    let args =
+        |name: &str, force| InitArgs { name: Some(name.to_owned()), template: Template::default(), list: false, force };
+    let path = write(&args("my-canopy", false), folder.path()).expect("written");
     assert_eq!(path, folder.path().join("my-canopy.json"));
     let case = Case::from_file(&path, &[]).expect("the example is good");
     assert_eq!(case.problem().name, "my-canopy");
     assert!(case.warnings().is_empty(), "{:?}", case.warnings());
     std::fs::write(&path, "mine").expect("written");
-    assert!(matches!(run(&args("my-canopy", false), folder.path()), Err(InitError::Exists { .. })));
+    assert!(matches!(write(&args("my-canopy", false), folder.path()), Err(InitError::Exists { .. })));
     assert_eq!(std::fs::read_to_string(&path).expect("read"), "mine");
-    run(&args("my-canopy.json", true), folder.path()).expect("forced");
+    write(&args("my-canopy.json", true), folder.path()).expect("forced");
     for name in ["", "../x", ".x", "a b", "-x", "a\"b", "a/b"] {
-        assert!(matches!(run(&args(name, true), folder.path()), Err(InitError::Name { .. })), "{name}");
+        assert!(matches!(write(&args(name, true), folder.path()), Err(InitError::Name { .. })), "{name}");
     }
 }
 

@@ -1,0 +1,194 @@
+//! The report of `canopy-fem solve` on a finished run, and what it says of a failed one.
+
+use super::progress::LONG_START;
+use super::terminal::coloured;
+use crate::analysis::critical::CriticalStep;
+use crate::analysis::warnings::worth;
+use crate::case::spec::Problem;
+use crate::drive::critical_step_monitor::LeastStep;
+use crate::drive::max_displacement::MaxDisplacement;
+use crate::drive::{Failure, Outcome, Status};
+use crate::format_number::{counted, figures};
+use crate::output::folder::{CHECKPOINT, ResultFolder};
+use crate::output::gauges::Peak;
+use crate::output::summary::Summary;
+use anstyle::AnsiColor;
+use std::fmt::Write;
+use std::path::Path;
+
+/// [-] Energy error below which a run is called good. Speeds go with the root of the kinetic energy, so none of them is
+/// off by more than half a per cent of the largest by what the scheme did to the energy.
+const GOOD: f64 = 0.01;
+/// [-] Energy error from which a run is called wrong: speeds may be off by a twentieth, and where it is energy that the
+/// scheme made, a part of the motion is not the scene's.
+const WRONG: f64 = 0.1;
+
+/// Data of a run for the report, besides its results.
+pub(super) struct RunNotes<'a> {
+    pub limit: CriticalStep,
+    pub least: Option<LeastStep>,
+    pub farthest: MaxDisplacement<'a>,
+    /// [s] time of the last frame
+    pub last_frame: Option<f64>,
+}
+
+pub(super) fn report(
+    problem: &Problem,
+    outcome: &Outcome,
+    summary: &Summary,
+    folder: &ResultFolder,
+    seen: &RunNotes<'_>,
+) -> String {
+    let status = match outcome.status {
+        Status::Completed => "completed",
+        Status::Diverged => "diverged",
+        Status::NotConverged => "not converged",
+        Status::Interrupted => "interrupted",
+    };
+    let failed = outcome.failure.is_some();
+    let t = figures(outcome.t_end, 12);
+    let steps = counted(outcome.steps, "step", "steps");
+    let mut text = format!("{}: {status} at t = {t} s after {steps} of {}\n", problem.name, problem.method.info.name);
+    if let Some(t) = summary.resumed_from {
+        let _ = writeln!(text, "  resumed         from t = {} s", figures(t, 12));
+    }
+    describe_cost(&mut text, outcome, summary);
+    if !failed {
+        let _ = writeln!(text, "  energy error    {}", energy_verdict(outcome));
+    }
+    // For adaptive steps, their average.
+    let fixed = problem.time.step.fixed().map(|step| step.min(problem.time.end));
+    let step = fixed.unwrap_or(outcome.t_end / outcome.steps.max(1) as f64);
+    if let Some(tolerance) = problem.time.step.tolerance() {
+        let _ = writeln!(
+            text,
+            "  adaptive        tolerance {:e} of the motion and {}; {step:.2e} s a step on average, {} dropped",
+            tolerance.relative,
+            figures(tolerance.absolute, 3),
+            counted(outcome.rejected_steps, "attempt", "attempts")
+        );
+    }
+    if failed {
+        // After a divergence, error, displacement and share of the critical step have no meaning.
+        if let Some(t) = seen.last_frame {
+            let _ = writeln!(text, "  last frame      t = {} s", figures(t, 12));
+        }
+    } else {
+        describe_motion(&mut text, summary, seen, step);
+    }
+    let results = folder.dir().join(format!("{}.pvd", folder.stem()));
+    let _ = writeln!(text, "  results         {}", results.display());
+    if outcome.status == Status::Interrupted {
+        let path = folder.file(CHECKPOINT);
+        let _ =
+            writeln!(text, "  checkpoint      {}; the same command with --resume goes on from there", path.display());
+    }
+    text
+}
+
+fn describe_cost(text: &mut String, outcome: &Outcome, summary: &Summary) {
+    let cpu = summary.cpu_seconds.map_or_else(|| "unknown".to_owned(), |s| format!("{s:.2} s"));
+    let _ = writeln!(text, "  cost            {cpu} CPU, {:.2} s wall", summary.wall_seconds);
+    if summary.startup.wall_seconds > LONG_START {
+        let _ = writeln!(text, "  start-up        {}", summary.startup.text());
+    }
+    let c = outcome.counters;
+    let work = [
+        (c.force_evaluations, "force pass", "force passes"),
+        (c.factorizations, "factorisation", "factorisations"),
+        (c.newton_iterations, "Newton iteration", "Newton iterations"),
+        (c.cg_iterations, "iteration of conjugate gradients", "iterations of conjugate gradients"),
+    ];
+    let work = work.iter().filter(|(n, ..)| *n > 0).map(|(n, one, many)| counted(*n, one, many));
+    let _ = writeln!(text, "  work            {}", work.collect::<Vec<_>>().join(", "));
+}
+
+/// Critical step, displacement and peaks of a run that did not fail; `step` [s] is that of the run.
+fn describe_motion(text: &mut String, summary: &Summary, seen: &RunNotes<'_>, step: f64) {
+    if summary.critical_step == Some(0.0) {
+        let _ = writeln!(text, "  critical step   none: the method's energy grows at every step here");
+    } else if let Some(critical) = summary.critical_step {
+        let later = seen
+            .least
+            .map_or_else(String::new, |least| format!(", about {:.2e} s at t = {} s", least.step, figures(least.t, 4)));
+        let (known, used) = (worth(seen.limit), figures(100.0 * step / critical, 2));
+        let _ = writeln!(text, "  critical step   {critical:.2e} s at the start ({known}; {used} % of it used){later}");
+    }
+    let MaxDisplacement { distance, node, .. } = seen.farthest;
+    let _ = writeln!(text, "  displacement    {distance:.6} m at the end, the largest, of node {node}");
+    summary.peaks.iter().filter_map(peak).for_each(|line| text.push_str(&line));
+}
+
+/// What the energy error says of a run. Whether energy was lost or made is told by the account at the end, so it is
+/// "lost or made" where the two had cancelled by then.
+fn energy_verdict(outcome: &Outcome) -> String {
+    let error = outcome.energy_error;
+    let at_end = outcome.ledger.numerical;
+    let did = match (outcome.energy_made > GOOD, at_end > 0.0) {
+        (true, _) => "the scheme made energy of its own",
+        (false, true) => "the scheme took energy from the motion",
+        (false, false) => "energy comes and goes with the steps",
+    };
+    let (word, colour, why) = match error {
+        good if good < GOOD => ("good", AnsiColor::Green, "below 1 %".to_owned()),
+        fair if fair < WRONG => ("doubtful", AnsiColor::Yellow, format!("above 1 %: {did}; take shorter steps")),
+        _ => ("wrong", AnsiColor::Red, format!("above 10 %: {did}; take much shorter steps, or another method")),
+    };
+    format!("{error:.2e} of the energy that was exchanged: {} ({why})", coloured(word, colour))
+}
+
+/// A line of the report for a value that a reader looks for first: opening load, speed of descent, largest loads.
+/// The drag of a canopy that starts full is no opening load.
+fn peak(one: &Peak) -> Option<String> {
+    let Peak { name, quantity, unit, value, t, last, steady, strength, safety_factor } = one;
+    let drag = if *t > 0.0 { "opening load" } else { "largest drag" };
+    let [value, t, last] = [value, t, last].map(|number| figures(*number, 4));
+    let line = match (quantity.as_str(), strength, safety_factor) {
+        ("drag", ..) => format!("  {drag}    {value} {unit} at t = {t} s ({name}, drag)"),
+        ("axial_speed", ..) => {
+            let steady = if *steady { "steady" } else { "at the end, still changing" };
+            format!("  speed           {last} {unit} {steady} ({name}, against the air)")
+        }
+        (_, Some(strength), Some(factor)) => format!(
+            "  line load       {value} {unit} at t = {t} s ({name}), strength {} {unit}: safety factor {}{}",
+            figures(*strength, 4),
+            figures(*factor, 3),
+            if *factor < 1.0 { ", it would break" } else { "" }
+        ),
+        ("tension_max" | "force_total" | "reaction_total" | "acceleration_max", ..) => {
+            let what = match quantity.as_str() {
+                "tension_max" => "tension",
+                "force_total" => "force",
+                "reaction_total" => "reaction",
+                _ => "acceleration",
+            };
+            format!("  peak            {value} {unit} at t = {t} s ({name}, {what})")
+        }
+        _ => return None,
+    };
+    Some(line + "\n")
+}
+
+pub(super) fn already_done(summary: &Summary, problem: &Problem, out: &Path) -> String {
+    let t = figures(summary.t_end, 12);
+    format!("{}: already completed at t = {t} s, in {}; nothing is left to resume\n", problem.name, out.display())
+}
+
+/// What went wrong, for standard error.
+pub(super) fn describe(failure: &Failure, status: Status) -> String {
+    let what = if status == Status::NotConverged { "could not be solved" } else { "diverged" };
+    let mut text = format!("error: step {} ending at t = {:.6e} s {what}\n", failure.step, failure.time);
+    let named = |what: &str, number: Option<u32>| number.map(|n| format!("{what} {n}"));
+    let term = failure.term.as_ref().map(|t| format!("most force from {t}"));
+    let elements = [named("node", failure.node), named("spring", failure.spring), named("triangle", failure.triangle)];
+    let place: Vec<String> = elements.into_iter().chain([term]).flatten().collect();
+    if !place.is_empty() {
+        let _ = writeln!(text, "  where   {}", place.join(", "));
+    }
+    if let Some(grew) = &failure.grew {
+        let _ = writeln!(text, "  grew    {grew}, most of all energies in this step");
+    }
+    let _ = writeln!(text, "  cause   {}", failure.cause);
+    let _ = writeln!(text, "  advice  {}", failure.advice);
+    text
+}
