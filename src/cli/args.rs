@@ -4,6 +4,7 @@ use super::init::InitArgs;
 use super::mesh::MeshArgs;
 use super::plot::PlotArgs;
 use super::stability::StabilityArgs;
+use super::sweep::SweepArgs;
 use super::tradeoff::TradeoffArgs;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
@@ -35,10 +36,19 @@ pub enum Command {
     /// around the periods of the scene. A study that was stopped continues when the same command is given again;
     /// finished runs are not repeated.
     Tradeoff(TradeoffArgs),
+    /// Run a case over values of its keys, and gather what its gauges measured
+    ///
+    /// Writes sweep.csv, .json, .svg and .html. A row of sweep.csv is a run: `run`, the keys that vary, `status`,
+    /// `t_end` [s], `displacement_end` [m] (largest, at the end), `max_speed` [m/s], `max_strain`, `energy_error`,
+    /// `cpu_seconds` [s], counted work, and for every quantity of a gauge the columns GAUGE.QUANTITY.peak, .peak_time
+    /// [s], .last (the value at the end) and .steady (whether it changed by less than 1 % over the last tenth of the
+    /// run), then `note`. Runs that failed are rows without these values; `note` says why. A sweep that was stopped
+    /// continues when the same command is given again.
+    Sweep(SweepArgs),
     /// Measure the largest stable step of every method on this scene, and compare it with the predicted one
     ///
-    /// Finds the limit by bisection with real runs. Writes stability.csv, stability.json and stability.svg (the
-    /// stability regions and the motions of the scene in them).
+    /// Finds the limit by bisection with real runs. Writes stability.csv, .json, .html and .svg (the stability
+    /// regions and the motions of the scene in them).
     Stability(StabilityArgs),
     /// Plot displacement, phase and energy of finished runs as SVG, several runs overlaid
     ///

@@ -15,6 +15,7 @@ mod resume;
 pub mod schema;
 mod solve;
 pub mod stability;
+pub mod sweep;
 pub mod tradeoff;
 mod warnings;
 
@@ -70,6 +71,7 @@ fn dispatch(command: &Command) -> Result<CommandOutput, CliError> {
         Command::Stability(args) => stability::run(args),
         Command::Mesh(args) => Ok(done(mesh::run(args)?)),
         Command::Tradeoff(args) => tradeoff::run(args),
+        Command::Sweep(args) => sweep::run(args),
         Command::Plot(args) => plot::run(args).map(done),
         Command::Methods => Ok(done(methods::run())),
         Command::Schema => Ok(done(schema::run() + "\n")),
