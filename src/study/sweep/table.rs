@@ -24,8 +24,9 @@ enum Source {
     Steady(String, String),
 }
 
-/// Numbers of a gauge: the end of the column's name, its unit if not that of the quantity, the number.
-const OF_GAUGE: [(&str, Option<&str>, fn(&Peak) -> f64); 3] =
+/// A number of a gauge: the end of the column's name, its unit if not that of the quantity, the number.
+type OfGauge = (&'static str, Option<&'static str>, fn(&Peak) -> f64);
+const OF_GAUGE: [OfGauge; 3] =
     [("peak", None, |peak| peak.value), ("peak_time", Some("s"), |peak| peak.t), ("last", None, |peak| peak.last)];
 
 impl Quantity {
