@@ -116,9 +116,9 @@ fn a_grid_of_static_deflections() {
     let columns = ["system.network.mass.nodal", STIFFNESS, "way.displacement_max.last"].map(|name| table.column(name));
     assert_eq!(columns[0], [1.0, 1.0, 1.0, 2.0, 2.0, 2.0]);
     assert_eq!(columns[1], [100.0, 200.0, 300.0, 100.0, 200.0, 300.0]);
-    for i in 0..6 {
-        let expected = 10.0 * columns[0][i] / columns[1][i];
-        assert!((columns[2][i] - expected).abs() < 1e-4 * expected, "run {i}: {}, not {expected}", columns[2][i]);
+    for ((mass, stiffness), found) in columns[0].iter().zip(&columns[1]).zip(&columns[2]) {
+        let expected = 10.0 * mass / stiffness;
+        assert!((found - expected).abs() < 1e-4 * expected, "{mass} kg on {stiffness} N/m: {found}, not {expected}");
     }
     let out = Results(bench.path("out"));
     let told: Value = serde_json::from_str(&out.text("sweep.json")).expect("JSON");
