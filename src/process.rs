@@ -24,6 +24,7 @@ impl Cost {
 #[derive(Clone, Copy, Debug)]
 pub struct Stopwatch {
     before: Cost,
+    clock: fn() -> Option<f64>,
     cpu: Option<f64>,
     wall: Instant,
 }
@@ -42,12 +43,17 @@ impl Stopwatch {
 
     /// Starts now.
     pub fn start(before: Cost) -> Self {
-        Self { before, cpu: cpu_seconds(), wall: Instant::now() }
+        Self { before, clock: cpu_seconds, cpu: cpu_seconds(), wall: Instant::now() }
+    }
+
+    /// Starts now, and measures the processor time of the calling thread alone: several runs may share the process.
+    pub fn of_thread(before: Cost) -> Self {
+        Self { before, clock: thread_seconds, cpu: thread_seconds(), wall: Instant::now() }
     }
 
     /// The cost until now.
     pub fn read(&self) -> Cost {
-        let now = || Some(cpu_seconds()? - self.cpu?);
+        let now = || Some((self.clock)()? - self.cpu?);
         // A run without earlier parts begins at zero, even if the system reports nothing.
         let before = if self.before == Cost::default() { Some(0.0) } else { self.before.cpu };
         Cost {
@@ -62,6 +68,17 @@ pub fn cpu_seconds() -> Option<f64> {
     #[cfg(unix)]
     {
         let spent = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+        Some(spent.tv_sec as f64 + spent.tv_nsec as f64 * 1e-9)
+    }
+    #[cfg(not(unix))]
+    None
+}
+
+/// [s] Processor time of the calling thread; `None` if the system does not report it.
+pub fn thread_seconds() -> Option<f64> {
+    #[cfg(unix)]
+    {
+        let spent = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
         Some(spent.tv_sec as f64 + spent.tv_nsec as f64 * 1e-9)
     }
     #[cfg(not(unix))]

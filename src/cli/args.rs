@@ -6,6 +6,7 @@ use super::methods::MethodsArgs;
 use super::plot::PlotArgs;
 use super::shell::{CompletionsArgs, ManArgs};
 use super::stability::StabilityArgs;
+use super::sweep::SweepArgs;
 use super::tradeoff::TradeoffArgs;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
@@ -62,10 +63,19 @@ pub enum Command {
     /// finished runs are not repeated.
     #[command(after_help = EXIT_STATUS)]
     Tradeoff(TradeoffArgs),
+    /// Run a case over values of its keys, and gather what its gauges measured
+    ///
+    /// Writes sweep.csv, .json, .svg and .html. A row of sweep.csv is a run: `run`, the keys that vary, `status`,
+    /// `t_end` [s], `displacement_end` [m] (largest, at the end), `max_speed` [m/s], `max_strain`, `energy_error`,
+    /// `cpu_seconds` [s], counted work, and for every quantity of a gauge the columns GAUGE.QUANTITY.peak, .peak_time
+    /// [s], .last (the value at the end) and .steady (whether it changed by less than 1 % over the last tenth of the
+    /// run), then `note`. Runs that failed are rows without these values; `note` says why. A sweep that was stopped
+    /// continues when the same command is given again.
+    Sweep(SweepArgs),
     /// Measure the largest stable step of every method on this scene, and compare it with the predicted one
     ///
-    /// Finds the limit by bisection with real runs. Writes stability.csv, stability.json and stability.svg (the
-    /// stability regions and the motions of the scene in them).
+    /// Finds the limit by bisection with real runs. Writes stability.csv, .json, .html and .svg (the stability
+    /// regions and the motions of the scene in them).
     #[command(after_help = EXIT_STATUS)]
     Stability(StabilityArgs),
     /// Plot displacement, phase and energy of finished runs as SVG, several runs overlaid

@@ -18,6 +18,7 @@ pub mod schema;
 mod shell;
 mod solve;
 pub mod stability;
+pub mod sweep;
 mod terminal;
 pub mod tradeoff;
 mod verbose;
@@ -70,6 +71,7 @@ fn dispatch(command: &Command) -> Result<CommandOutput, CliError> {
         Command::Stability(args) => stability::run(args),
         Command::Mesh(args) => Ok(done(mesh::run(args)?)),
         Command::Tradeoff(args) => tradeoff::run(args),
+        Command::Sweep(args) => sweep::run(args),
         Command::Plot(args) => plot::run(args).map(done),
         Command::Methods(args) => Ok(done(methods::run(args))),
         Command::Schema => Ok(done(schema::run() + "\n")),

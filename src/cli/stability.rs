@@ -29,7 +29,7 @@ pub struct StabilityArgs {
     /// no limit]
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub budget: Option<f64>,
-    /// Folder for stability.csv, stability.json and stability.svg [default: out/NAME]
+    /// Folder for stability.csv, .json, .svg and .html [default: out/NAME]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace an earlier study in the folder

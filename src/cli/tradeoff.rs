@@ -78,7 +78,7 @@ pub enum Budget {
     Unlimited,
 }
 
-fn budget(text: &str) -> Result<Budget, String> {
+pub(super) fn budget(text: &str) -> Result<Budget, String> {
     match text.trim() {
         "none" => Ok(Budget::Unlimited),
         time => duration(time).map(Budget::Seconds).map_err(|expected| expected + ", or none"),
@@ -113,7 +113,7 @@ struct Command<'a> {
 
 impl Command<'_> {
     fn run(&self, case: Option<(&Path, Case)>) -> Result<CommandOutput, CliError> {
-        let store = Store::in_folder(&self.out);
+        let store = Store::<Plan>::in_folder(&self.out);
         if self.args.force {
             store.clear()?;
             report::clear(&self.out)?;
@@ -130,7 +130,7 @@ impl Command<'_> {
                 self.nothing_lost()?;
                 self.plan(path, &case, &store, &line)?
             }
-            (None, _) => return Err(StudyError::NoPlan(self.out.clone()).into()),
+            (None, _) => return Err(Store::<Plan>::no_plan(&self.out).into()),
         };
         if self.args.plan {
             return Ok(done(if self.args.quiet { String::new() } else { report::planned(&plan, &store)? }));
@@ -264,12 +264,12 @@ fn done(text: String) -> CommandOutput {
 }
 
 /// The progress line on a terminal.
-struct ProgressLine {
-    bar: ProgressBar,
+pub(super) struct ProgressLine {
+    pub(super) bar: ProgressBar,
 }
 
 impl ProgressLine {
-    fn new(quiet: bool) -> Self {
+    pub(super) fn new(quiet: bool) -> Self {
         let hidden = quiet || !std::io::stderr().is_terminal();
         let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
         let bar = ProgressBar::with_draw_target(None, target);
@@ -280,16 +280,16 @@ impl ProgressLine {
         ProgressLine { bar }
     }
 
-    fn tell(&self, what: &str) {
+    pub(super) fn tell(&self, what: &str) {
         self.bar.set_message(what.to_owned());
     }
 
-    fn run(&self, number: usize, all: usize, what: &str) {
+    pub(super) fn run(&self, number: usize, all: usize, what: &str) {
         self.tell(&format!("run {number} of {all}: {what}"));
     }
 }
 
 /// The arguments as typed; bytes that are not UTF-8 are replaced.
-fn typed() -> impl Iterator<Item = String> {
+pub(super) fn typed() -> impl Iterator<Item = String> {
     std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned())
 }

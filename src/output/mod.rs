@@ -17,6 +17,7 @@ pub mod frame;
 pub(crate) mod frame_files;
 pub mod gauges;
 pub mod hermite;
+pub mod largest;
 pub(crate) mod pvd;
 pub mod recorder;
 mod request;

@@ -22,7 +22,11 @@ pub(super) const FINE_GRID: Ink = "#F1F1F1";
 
 /// Colours that colour-blind people can distinguish (Okabe & Ito 2008), without the yellow, which is too pale for lines
 /// on white.
-const PALETTE: [Ink; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"];
+/// After black, colours for pictures with more curves than these seven: of Tol's muted scheme (2021), and grey.
+const PALETTE: [Ink; 15] = [
+    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#882255", "#117733", "#332288",
+    "#999933", "#AA4499", "#661100", "#44AA99", "#888888",
+];
 
 /// [px] Size of marks; corners are given in it.
 const MARK: f64 = 9.0;
@@ -95,23 +99,43 @@ pub(super) enum Anchor {
 /// A picture that is being drawn.
 pub(super) struct Canvas {
     svg: String,
+    /// whether elements say to which series and run they belong
+    tagged: bool,
 }
 
 impl Canvas {
-    /// A white picture.
-    pub(super) fn new(Size { width, height }: Size) -> Self {
+    /// A white picture; in a `tagged` one elements say to which series and run they belong.
+    pub(super) fn new(Size { width, height }: Size, tagged: bool) -> Self {
+        let mut canvas = Self::plain(Size { width, height });
+        let [w, h] = [width, height].map(|length| fine(f64::from(length)));
+        canvas.element("rect", format_args!("x=\"0\" y=\"0\" width=\"{w}\" height=\"{h}\" fill=\"#FFFFFF\""));
+        canvas.tagged = tagged;
+        canvas
+    }
+
+    /// A picture without a ground.
+    pub(super) fn plain(Size { width, height }: Size) -> Self {
         let [w, h] = [width, height].map(|length| fine(f64::from(length)));
         let svg = format!(
             "<svg width=\"{width}\" height=\"{height}\" stroke-linejoin=\"round\" stroke-linecap=\"round\" \
-             viewBox=\"0 0 {w} {h}\" xmlns=\"http://www.w3.org/2000/svg\">\n\
-             <rect x=\"0\" y=\"0\" width=\"{w}\" height=\"{h}\" fill=\"#FFFFFF\"/>\n"
+             viewBox=\"0 0 {w} {h}\" xmlns=\"http://www.w3.org/2000/svg\">\n"
         );
-        Canvas { svg }
+        Canvas { svg, tagged: false }
     }
 
     /// The picture.
     pub(super) fn finish(self) -> String {
         self.svg + "</svg>\n"
+    }
+
+    /// Draws something that belongs to a series or a run: `kind` says which, `name` is empty for what belongs to none.
+    pub(super) fn tag(&mut self, kind: &str, name: &str, draw: impl FnOnce(&mut Self)) {
+        if !self.tagged || name.is_empty() {
+            return draw(self);
+        }
+        let _ = writeln!(self.svg, "<g data-{kind}=\"{}\">", xml_attribute(name));
+        draw(self);
+        self.svg.push_str("</g>\n");
     }
 
     /// An element without content. Writing to a String cannot fail.

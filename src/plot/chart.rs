@@ -14,7 +14,7 @@
 //! ```
 
 use super::PlotError;
-pub use super::layout::svg_grid;
+pub use super::layout::{Sample, legend_samples, svg_grid, svg_page};
 
 /// A chart: two axes and lines on them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -85,7 +85,7 @@ pub enum PanelSide {
 }
 
 /// A mark in a margin panel.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PanelMark {
     /// its value along the axis of the panel; beyond the ends of the axis it is drawn at the end. `None`: drawn in a
     /// separate part at the lower end
@@ -94,6 +94,10 @@ pub struct PanelMark {
     pub marker: Marker,
     /// number in the palette
     pub color: usize,
+    /// for pages: as [`Line::series`]
+    pub series: String,
+    /// for pages: as an entry of [`Line::runs`]
+    pub run: String,
 }
 
 /// Width and height of a picture.
@@ -140,6 +144,10 @@ pub struct Line {
     /// number in the palette. `None`: the next free one for a line with a label; a line without a label has the colour
     /// of the line before it
     pub color: Option<usize>,
+    /// for pages: what is hidden and shown together; empty = always shown
+    pub series: String,
+    /// for pages: the run of each point, for what its mark tells; empty = marks tell nothing
+    pub runs: Vec<String>,
 }
 
 /// How points are joined.

@@ -39,6 +39,44 @@ struct AxisScales {
 /// # Errors
 /// Nothing to draw, or a range that is none.
 pub fn svg_grid(charts: &[Chart], columns: usize) -> Result<String, PlotError> {
+    drawn(charts, columns, false)
+}
+
+/// The same for a page that has a legend of its own: without one, and elements say to which series and run they belong.
+///
+/// # Errors
+/// As [`svg_grid`].
+pub fn svg_page(charts: &[Chart], columns: usize) -> Result<String, PlotError> {
+    drawn(charts, columns, true)
+}
+
+/// An entry of the legend of a page.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Sample {
+    /// its text
+    pub label: String,
+    /// what it hides and shows; empty = nothing
+    pub series: String,
+    /// a sample of the line; empty = a heading
+    pub svg: String,
+}
+
+/// The legend of some lines, for a page.
+pub fn legend_samples(lines: &[Line]) -> Vec<Sample> {
+    let (width, height) = (34, 16);
+    let (from, to, y) = (1.5, f64::from(width) - 1.5, 0.5 * f64::from(height));
+    let sample = |(line, look): (&Line, LineStyle)| {
+        let mut canvas = Canvas::plain(Size { width, height });
+        canvas.line(&[PixelPoint { x: from, y }, PixelPoint { x: to, y }], look);
+        canvas.mark(PixelPoint { x: f64::midpoint(from, to), y }, look);
+        let heading = look.stroke == Stroke::None && look.marker == Marker::None;
+        let svg = if heading { String::new() } else { canvas.finish() };
+        Sample { label: line.label.clone(), series: line.series.clone(), svg }
+    };
+    lines.iter().zip(looks(lines)).filter(|(line, _)| !line.label.is_empty()).map(sample).collect()
+}
+
+fn drawn(charts: &[Chart], columns: usize, page: bool) -> Result<String, PlotError> {
     let Some(first) = charts.first() else { return Err(PlotError::NothingToDraw { title: String::new() }) };
     let columns = columns.clamp(1, charts.len());
     let rows = charts.len().div_ceil(columns);
@@ -46,10 +84,10 @@ pub fn svg_grid(charts: &[Chart], columns: usize) -> Result<String, PlotError> {
     let size = Size { width: grown(first.size.width, columns), height: grown(first.size.height, rows) };
     let (width, height) = (f64::from(size.width), f64::from(size.height));
     let looks = looks(&first.lines);
-    let entries = first.lines.iter().zip(&looks).filter(|(line, _)| !line.label.is_empty());
+    let entries = first.lines.iter().zip(&looks).filter(|(line, _)| !page && !line.label.is_empty());
     let legend = Legend::new(entries.map(|(line, look)| Entry { label: &line.label, look: *look }).collect(), size);
     let cell = PixelPoint { x: (width - legend.width()) / columns as f64, y: height / rows as f64 };
-    let mut canvas = Canvas::new(size);
+    let mut canvas = Canvas::new(size, page);
     for (i, chart) in charts.iter().enumerate() {
         let from = PixelPoint { x: (i % columns) as f64 * cell.x, y: (i / columns) as f64 * cell.y };
         draw_chart(&mut canvas, chart, Field { from, to: PixelPoint { x: from.x + cell.x, y: from.y + cell.y } })?;
@@ -72,7 +110,7 @@ fn draw_chart(canvas: &mut Canvas, chart: &Chart, cell: Field) -> Result<(), Plo
     draw_axes(canvas, chart, scales, field);
     let area = PlotArea { scales, field, share: MOST_POINTS_OF_ALL / chart.lines.len().max(1) };
     for (line, look) in chart.lines.iter().zip(looks(&chart.lines)) {
-        draw_line(canvas, line, look, &area);
+        canvas.tag("series", &line.series, |canvas| draw_line(canvas, line, look, &area));
     }
     for note in &chart.notes {
         draw_note(canvas, note, &area);
@@ -183,9 +221,16 @@ fn draw_line(canvas: &mut Canvas, line: &Line, look: LineStyle, area: &PlotArea)
         }
     }
     if look.marker != Marker::None {
+        let most = MOST_POINTS.min(area.share);
         let within: Vec<UnitPoint> = places().flatten().filter(|p| inside(*p)).collect();
-        for place in thin(&within, MOST_POINTS.min(area.share)) {
-            canvas.mark(area.spot(place), look);
+        if line.runs.is_empty() || within.len() > most {
+            thin(&within, most).into_iter().for_each(|place| canvas.mark(area.spot(place), look));
+            return;
+        }
+        for (place, run) in places().zip(&line.runs) {
+            if let Some(place) = place.filter(|p| inside(*p)) {
+                canvas.tag("run", run, |canvas| canvas.mark(area.spot(place), look));
+            }
         }
     }
 }

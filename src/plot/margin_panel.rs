@@ -95,7 +95,9 @@ impl<'a> PanelLayout<'a> {
                 None => lower.free_place(0.0),
             };
             let look = LineStyle { color: mark.color, stroke: Stroke::None, marker: mark.marker, width: 1.0 };
-            canvas.mark(spot(along, lane), look);
+            canvas.tag("series", &mark.series, |canvas| {
+                canvas.tag("run", &mark.run, |canvas| canvas.mark(spot(along, lane), look));
+            });
         }
     }
 }

@@ -65,8 +65,21 @@ pub enum StudyError {
         found: &'static str,
     },
     /// No plan.
-    #[error("{0} holds no plan of a study; make it first: canopy-fem tradeoff CASE --plan --out DIR")]
-    NoPlan(PathBuf),
+    #[error("{folder} holds no plan of a study; make it first: canopy-fem {command} CASE --plan --out DIR")]
+    NoPlan {
+        /// the folder
+        folder: PathBuf,
+        /// the command of the study
+        command: &'static str,
+    },
+    /// A value of a sweep makes a bad case.
+    #[error("--vary {values}: {source}")]
+    Varied {
+        /// the keys of the run with their values
+        values: String,
+        /// what is wrong with the case
+        source: CaseError,
+    },
     /// A file of the study cannot be used.
     #[error("{path}: {what}; remove it, and what it held is computed again")]
     BadFile {
@@ -95,7 +108,7 @@ impl StudyError {
     /// 1 for the system, 2 for what a person can set right, 130 for an interrupt.
     pub fn exit_status(&self) -> u8 {
         match self {
-            StudyError::Case(error) => error.exit_status(),
+            StudyError::Case(error) | StudyError::Varied { source: error, .. } => error.exit_status(),
             StudyError::System { .. } | StudyError::Fingerprint(_) | StudyError::Page(_) => 1,
             StudyError::Setup(SetupError::Threads(_)) => 1,
             StudyError::Plot(e) => e.exit_status(),

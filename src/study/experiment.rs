@@ -127,16 +127,29 @@ impl<'a> Experiment<'a> {
         frames: Option<&mut Sampler<'_>>,
         on_event: &mut dyn FnMut(Event<'_>, Distance) -> bool,
     ) -> Result<Outcome, RunError> {
+        let stop = AtomicBool::new(false);
+        let (single_steps, frames_every, made) = (self.single_steps, self.frames_every, 0);
+        let mut monitor = Monitor { frames, frames_every, single_steps, made, stop: &stop, on_event };
+        self.observed(stepper, start, &mut [&mut monitor], &stop)
+    }
+
+    /// Makes the run with these observers; it is interrupted when `stop` is set.
+    ///
+    /// # Errors
+    /// As [`Experiment::run`].
+    pub fn observed(
+        &self,
+        stepper: &mut Stepper<'_>,
+        start: Start,
+        observers: &mut [&mut dyn Observer],
+        stop: &AtomicBool,
+    ) -> Result<Outcome, RunError> {
         let Experiment { scene, method, step, end, frames_every, keep_going, explain, interrupt, .. } = *self;
         let spec = RunSpec { end, step, frames_every, keep_going, explain, interrupt, method };
-        let stop = AtomicBool::new(false);
-        let (single_steps, made) = (self.single_steps, 0);
-        let observers: &mut [&mut dyn Observer] =
-            &mut [&mut Monitor { frames, frames_every, single_steps, made, stop: &stop, on_event }];
         match start {
-            Start::Initial => drive::run(scene, stepper, spec, observers, &stop),
-            Start::State(state) => drive::run_from(scene, stepper, spec, state, observers, &stop),
-            Start::Snapshot(snapshot) => drive::resume(scene, stepper, spec, *snapshot, observers, &stop),
+            Start::Initial => drive::run(scene, stepper, spec, observers, stop),
+            Start::State(state) => drive::run_from(scene, stepper, spec, state, observers, stop),
+            Start::Snapshot(snapshot) => drive::resume(scene, stepper, spec, *snapshot, observers, stop),
         }
     }
 }

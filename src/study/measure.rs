@@ -6,23 +6,16 @@ use std::time::{Duration, Instant};
 use super::error::StudyError;
 use super::experiment::{Event, Experiment, ExperimentError, Start};
 use super::frames::Sampler;
+use super::keeper::{Course, Keeper};
 use super::prepared_case::{PreparedCase, choice};
 use super::reference::Reference;
 use super::row::{Job, RowStatus, RunResult, StepSetting};
 use super::runner::Runner;
 use super::store::Unfinished;
-use crate::drive::observer::Occasion;
 use crate::drive::{Outcome, RunError, Status};
 use crate::format_number::figures;
 use crate::model::stop::Stop;
 use crate::process::{Cost, Stopwatch};
-
-/// An unfinished run is saved this often, so that a kill costs no more.
-const SAVED_EVERY: Duration = Duration::from_secs(20);
-/// The clock is read once in so many steps of scenes with fewer than so many degrees of freedom: reading it takes as
-/// long as a step of a pendulum.
-const CLOCK_EVERY: u32 = 64;
-const SMALL: usize = 1000;
 
 /// A variant of the case, ready to run.
 pub(super) struct PreparedVariant {
@@ -53,45 +46,25 @@ impl Runner<'_> {
             let end = case.end();
             return Ok(refused(format!("the step of {} s is longer than the run of {end} s", figures(h, 4))));
         }
-        let earlier = self.store.unfinished(job);
+        let earlier: Option<Unfinished> = self.store.unfinished(job);
         let (from, spent) = earlier.as_ref().map_or((0.0, 0.0), |e| (e.snapshot.t, e.spent));
-        let so_far = earlier.as_ref().map(|e| e.distance).unwrap_or_default();
+        let so_far = earlier.as_ref().map(|e| e.measured).unwrap_or_default();
         let before = Cost { cpu: (spent > 0.0).then_some(spent), wall: Duration::from_secs_f64(spent) };
         let watch = Stopwatch::start(before);
         let mut sampler = Sampler::comparing(&*case.scene, case.every, &reference.frames, (from, so_far));
         let start = earlier.map_or(Start::Initial, |earlier| Start::Snapshot(Box::new(earlier.snapshot)));
-        let between = if case.scene.n_dof() < SMALL { CLOCK_EVERY } else { 0 };
-        let (mut countdown, mut saved, mut failed) = (0, Instant::now(), None);
+        let mut keeper = Keeper::new(case.scene.n_dof(), self.interrupt, *deadline);
         let interrupt = Stop::on(self.interrupt);
         let experiment = Experiment { interrupt, single_steps: 0, ..case.experiment(&method, job.setting.step()) };
         let run = experiment.run(start, Some(&mut sampler), &mut |event, distance| {
             let Event::Boundary(run) = event else { return false };
-            let mut save = || {
-                let unfinished = Unfinished { snapshot: run.snapshot(), distance, spent: watch.seconds() };
-                failed = self.store.keep_unfinished(job, &unfinished).err();
-                failed.is_some()
-            };
-            if run.occasion == Occasion::Interrupted {
-                return save();
-            }
-            let interrupted = self.interrupt.load(Ordering::Relaxed);
-            if countdown > 0 {
-                countdown -= 1;
-                return interrupted;
-            }
-            countdown = between;
-            let now = Instant::now();
-            let over = deadline.is_some_and(|deadline| now >= deadline);
-            if interrupted || over || now.duration_since(saved) < SAVED_EVERY {
-                return interrupted || over;
-            }
-            saved = now;
-            save()
+            keeper.goes_on(run.occasion, || {
+                let unfinished = Unfinished { snapshot: run.snapshot(), measured: distance, spent: watch.seconds() };
+                self.store.keep_unfinished(job, &unfinished)
+            }) == Course::Ends
         });
         let cost = watch.read();
-        if let Some(failed) = failed {
-            return Err(failed);
-        }
+        keeper.done()?;
         let outcome = match run {
             Ok(outcome) => outcome,
             Err(ExperimentError::Method(why)) => return Ok(refused(why.to_string())),
@@ -115,7 +88,8 @@ fn refused(note: String) -> RunEnd {
     RunEnd::Done(RunResult { status: RowStatus::Refused, note, ..RunResult::default() })
 }
 
-fn measured(outcome: &Outcome, errors: Option<[f64; 2]>, seconds: f64) -> RunResult {
+/// What is kept of a run that was made.
+pub(super) fn measured(outcome: &Outcome, errors: Option<[f64; 2]>, seconds: f64) -> RunResult {
     let status = match outcome.status {
         Status::Completed => RowStatus::Completed,
         Status::Diverged => RowStatus::Diverged,

@@ -13,6 +13,7 @@ mod error;
 pub mod experiment;
 pub(crate) mod forecast;
 pub mod frames;
+mod keeper;
 mod measure;
 pub mod options;
 pub mod pareto;
@@ -26,6 +27,7 @@ mod runner;
 pub mod stability;
 mod step_grid;
 pub mod store;
+pub mod sweep;
 mod template;
 
 pub use error::StudyError;

@@ -39,7 +39,8 @@ impl std::str::FromStr for Shard {
 }
 
 impl Shard {
-    fn has(self, number: usize) -> bool {
+    /// Whether run `number`, from 0, belongs to this share.
+    pub(super) fn has(self, number: usize) -> bool {
         number % self.of == self.part - 1
     }
 }
@@ -136,7 +137,7 @@ impl Runner<'_> {
     /// Builds the scene of a variant and reads its reference.
     fn prepare(&self, number: usize, deadline: Option<Instant>) -> Result<PreparedVariant, StudyError> {
         let folder = self.store.plan_path();
-        let variant = self.plan.variants.get(number).ok_or_else(|| StudyError::NoPlan(folder.clone()))?;
+        let variant = self.plan.variants.get(number).ok_or_else(|| Store::<Plan>::no_plan(&folder))?;
         let case = self.plan.case()?.with(&variant.overrides)?;
         let prepared = PreparedCase::of(case.into_problem(), self.threads)?;
         if let Some(differences) = variant.fingerprint.differences(&prepared.fingerprint) {

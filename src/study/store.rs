@@ -1,7 +1,7 @@
 //! The files of a study: its plan, its references, and one file a run, so that any number of processes may work on it.
 //!
 //! ```text
-//! DIR/tradeoff/plan.json               the list of runs
+//! DIR/tradeoff/plan.json               the list of runs; that of a sweep is DIR/sweep/plan.json
 //! DIR/tradeoff/reference-0.bin         frames of the reference of variant 0
 //! DIR/tradeoff/runs/ID.json            result of a run
 //! DIR/tradeoff/runs/ID.part            snapshot of an unfinished run
@@ -11,6 +11,7 @@
 
 use std::fs;
 use std::io;
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
@@ -26,38 +27,94 @@ use crate::drive::Snapshot;
 use crate::input_file;
 use crate::output::atomic::{Durability, replace_shared};
 
+/// The plan of a study as its files need it.
+pub trait StudyPlan: Serialize + DeserializeOwned {
+    /// the command, and the folder of the study's files
+    const COMMAND: &'static str;
+    /// a run before it is made
+    type Job: StudyJob;
+    /// what comes of a run
+    type Result: Clone + Serialize + DeserializeOwned;
+
+    /// Layout of the file, and version of the program.
+    fn made_by(&self) -> (u32, &str);
+
+    /// All runs.
+    fn jobs(&self) -> &[Self::Job];
+
+    /// Whether both plans have the same runs of the same cases.
+    fn same_runs(&self, other: &Self) -> bool;
+}
+
+/// A run before it is made.
+pub trait StudyJob: Clone + PartialEq + Serialize + DeserializeOwned {
+    /// Name of its files.
+    fn id(&self) -> &str;
+}
+
+impl StudyPlan for Plan {
+    const COMMAND: &'static str = "tradeoff";
+    type Job = Job;
+    type Result = RunResult;
+
+    fn made_by(&self) -> (u32, &str) {
+        (self.format, &self.program)
+    }
+
+    fn jobs(&self) -> &[Job] {
+        &self.jobs
+    }
+
+    fn same_runs(&self, other: &Self) -> bool {
+        let cases = |plan: &Self| plan.variants.iter().map(|v| v.fingerprint.clone()).collect::<Vec<_>>();
+        self.jobs == other.jobs && cases(self) == cases(other)
+    }
+}
+
+impl StudyJob for Job {
+    fn id(&self) -> &str {
+        &self.id
+    }
+}
+
 /// A study's folder.
 #[derive(Clone, Debug)]
-pub struct Store {
+pub struct Store<P = Plan> {
     dir: PathBuf,
+    plan: PhantomData<P>,
 }
 
 /// An unfinished run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Unfinished {
+pub struct Unfinished<D = Distance> {
     /// the run
     pub snapshot: Snapshot,
-    /// how far its frames are from the reference so far
-    pub distance: Distance,
+    /// what the study has measured of it: in a tradeoff, how far its frames are from the reference so far
+    pub measured: D,
     /// [s] processor time so far
     pub spent: f64,
 }
 
 /// The result of a run, with what it belongs to.
 #[derive(Serialize, Deserialize)]
-struct Finished {
+struct Finished<J, R> {
     format: u32,
     program: String,
     #[serde(flatten)]
-    job: Job,
+    job: J,
     #[serde(flatten)]
-    measured: RunResult,
+    measured: R,
 }
 
-impl Store {
+impl<P: StudyPlan> Store<P> {
     /// In `out`.
     pub fn in_folder(out: &Path) -> Self {
-        Store { dir: out.join("tradeoff") }
+        Store { dir: out.join(P::COMMAND), plan: PhantomData }
+    }
+
+    /// The error for a folder without a plan.
+    pub(crate) fn no_plan(folder: &Path) -> StudyError {
+        StudyError::NoPlan { folder: folder.to_owned(), command: P::COMMAND }
     }
 
     /// Path of the plan.
@@ -65,25 +122,21 @@ impl Store {
         self.dir.join("plan.json")
     }
 
-    fn reference_path(&self, variant: usize) -> PathBuf {
-        self.dir.join(format!("reference-{variant}.bin"))
-    }
-
-    fn run_path(&self, job: &Job, ending: &str) -> PathBuf {
-        self.dir.join("runs").join(format!("{}.{ending}", job.id))
+    fn run_path(&self, job: &P::Job, ending: &str) -> PathBuf {
+        self.dir.join("runs").join(format!("{}.{ending}", job.id()))
     }
 
     /// The plan, if there is one.
     ///
     /// # Errors
     /// A file that is no plan of this program.
-    pub fn plan(&self) -> Result<Option<Plan>, StudyError> {
+    pub fn plan(&self) -> Result<Option<P>, StudyError> {
         let path = self.plan_path();
         let Some(bytes) = read(&path)? else { return Ok(None) };
         let bad = |what: String| StudyError::BadFile { path: path.clone(), what };
-        let plan: Plan = serde_json::from_slice(&bytes).map_err(|e| bad(format!("this is no plan: {e}")))?;
-        if plan.format != FORMAT || plan.program != PROGRAM {
-            let Plan { format, program, .. } = plan;
+        let plan: P = serde_json::from_slice(&bytes).map_err(|e| bad(format!("this is no plan: {e}")))?;
+        if plan.made_by() != (FORMAT, PROGRAM) {
+            let (format, program) = plan.made_by();
             return Err(bad(format!(
                 "it was made by version {program} (format {format}), this is version {PROGRAM} (format {FORMAT})"
             )));
@@ -92,7 +145,7 @@ impl Store {
     }
 
     /// Stores the plan, after its references.
-    pub(crate) fn keep_plan(&self, plan: &Plan) -> Result<(), StudyError> {
+    pub(crate) fn keep_plan(&self, plan: &P) -> Result<(), StudyError> {
         self.write_json(&self.plan_path(), plan)
     }
 
@@ -101,27 +154,12 @@ impl Store {
         gone(&self.dir, fs::remove_dir_all(&self.dir))
     }
 
-    /// Stores the reference of a variant.
-    pub(crate) fn keep_reference(&self, variant: usize, reference: &Reference) -> Result<(), StudyError> {
-        self.write_binary(&self.reference_path(variant), reference)
-    }
-
-    /// The reference of a variant.
-    pub(super) fn reference(&self, variant: usize) -> Result<Reference, StudyError> {
-        let path = self.reference_path(variant);
-        let bytes = read(&path)?.ok_or_else(|| StudyError::NoPlan(self.dir.clone()))?;
-        decode(&bytes).ok_or_else(|| StudyError::BadFile {
-            path: self.plan_path(),
-            what: format!("its {} is damaged", path.file_name().unwrap_or_default().display()),
-        })
-    }
-
     /// The result of a run, if it was made; a file of another run is an error.
-    pub(super) fn measured(&self, job: &Job) -> Result<Option<RunResult>, StudyError> {
+    pub(super) fn measured(&self, job: &P::Job) -> Result<Option<P::Result>, StudyError> {
         let path = self.run_path(job, "json");
         let Some(bytes) = read(&path)? else { return Ok(None) };
         let bad = |what: String| StudyError::BadFile { path: path.clone(), what };
-        let found: Finished =
+        let found: Finished<P::Job, P::Result> =
             serde_json::from_slice(&bytes).map_err(|e| bad(format!("this is no result of a run: {e}")))?;
         if found.format != FORMAT || found.program != PROGRAM || found.job != *job {
             return Err(bad("it belongs to another study".to_owned()));
@@ -130,7 +168,7 @@ impl Store {
     }
 
     /// Stores the result of a run and removes what was kept of its unfinished part.
-    pub(super) fn keep_measured(&self, job: &Job, measured: &RunResult) -> Result<(), StudyError> {
+    pub(super) fn keep_measured(&self, job: &P::Job, measured: &P::Result) -> Result<(), StudyError> {
         let finished =
             Finished { format: FORMAT, program: PROGRAM.to_owned(), job: job.clone(), measured: measured.clone() };
         self.write_json(&self.run_path(job, "json"), &finished)?;
@@ -138,25 +176,27 @@ impl Store {
     }
 
     /// Where an earlier process left a run; `None` if it was not begun, or by another program, or is damaged.
-    pub(super) fn unfinished(&self, job: &Job) -> Option<Unfinished> {
+    pub(super) fn unfinished<D: DeserializeOwned>(&self, job: &P::Job) -> Option<Unfinished<D>> {
         decode(&read(&self.run_path(job, "part")).ok()??)
     }
 
     /// Stores where a run has come to.
-    pub(super) fn keep_unfinished(&self, job: &Job, unfinished: &Unfinished) -> Result<(), StudyError> {
+    pub(super) fn keep_unfinished<D: Serialize>(
+        &self,
+        job: &P::Job,
+        unfinished: &Unfinished<D>,
+    ) -> Result<(), StudyError> {
         self.write_binary(&self.run_path(job, "part"), unfinished)
     }
 
     /// Copies the finished runs of the same study from another folder; another study there is an error.
-    pub(crate) fn take_from(&self, other: &Store, plan: &Plan) -> Result<(), StudyError> {
-        let theirs = other.plan()?.ok_or_else(|| StudyError::NoPlan(other.dir.clone()))?;
-        if theirs.jobs != plan.jobs
-            || theirs.variants.iter().map(|v| &v.fingerprint).ne(plan.variants.iter().map(|v| &v.fingerprint))
-        {
+    pub(crate) fn take_from(&self, other: &Self, plan: &P) -> Result<(), StudyError> {
+        let theirs = other.plan()?.ok_or_else(|| Self::no_plan(&other.dir))?;
+        if !theirs.same_runs(plan) {
             let difference = "its runs are not those of the plan".to_owned();
             return Err(StudyError::OtherStudy { folder: other.dir.clone(), difference });
         }
-        for job in &plan.jobs {
+        for job in plan.jobs() {
             if let (None, Some(measured)) = (self.measured(job)?, other.measured(job)?) {
                 self.keep_measured(job, &measured)?;
             }
@@ -180,6 +220,27 @@ impl Store {
         let folder = path.parent().unwrap_or(&self.dir);
         fs::create_dir_all(folder).map_err(|e| system(folder, e))?;
         replace_shared(path, bytes, Durability::Synced).map_err(|e| system(path, e))
+    }
+}
+
+impl Store {
+    fn reference_path(&self, variant: usize) -> PathBuf {
+        self.dir.join(format!("reference-{variant}.bin"))
+    }
+
+    /// Stores the reference of a variant.
+    pub(crate) fn keep_reference(&self, variant: usize, reference: &Reference) -> Result<(), StudyError> {
+        self.write_binary(&self.reference_path(variant), reference)
+    }
+
+    /// The reference of a variant.
+    pub(super) fn reference(&self, variant: usize) -> Result<Reference, StudyError> {
+        let path = self.reference_path(variant);
+        let bytes = read(&path)?.ok_or_else(|| Self::no_plan(&self.dir))?;
+        decode(&bytes).ok_or_else(|| StudyError::BadFile {
+            path: self.plan_path(),
+            what: format!("its {} is damaged", path.file_name().unwrap_or_default().display()),
+        })
     }
 }
 

@@ -8,6 +8,17 @@ use super::error::StudyError;
 use crate::format_number::figures;
 use crate::output::sanitize::csv_field;
 
+/// A figure of a page, drawn for wide and for narrow screens.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(super) struct PageFigure {
+    /// what it shows
+    pub caption: String,
+    /// the picture for wide screens
+    pub wide: String,
+    /// the picture for narrow ones
+    pub narrow: String,
+}
+
 /// Fills in a template. What is put into one whose name ends in `.html` is escaped; lines of other ones that hold only
 /// a statement leave nothing behind.
 ///
@@ -21,6 +32,10 @@ pub(super) fn render(name: &str, template: &str, context: &impl Serialize) -> Re
         templates.set_trim_blocks(blocks);
         templates.set_lstrip_blocks(blocks);
         templates.set_keep_trailing_newline(blocks);
+        templates
+            .add_global("page_style", Value::from_safe_string(include_str!("../../assets/report/page.css").to_owned()));
+        templates
+            .add_global("page_script", Value::from_safe_string(include_str!("../../assets/report/page.js").to_owned()));
         templates.add_filter("figures", figures);
         templates.add_filter("short", short);
         templates.add_filter("fixed", |value: f64, digits: usize| format!("{value:.digits$}"));
@@ -34,6 +49,10 @@ pub(super) fn render(name: &str, template: &str, context: &impl Serialize) -> Re
         templates.add_filter("seconds", seconds);
         templates.add_filter("sentence", sentence);
         templates.add_filter("json", |value: Value| serde_json::to_string(&value).unwrap_or_default());
+        // Within a script element no text may end it.
+        templates.add_filter("embedded", |value: Value| {
+            Value::from_safe_string(serde_json::to_string(&value).unwrap_or_default().replace('<', "\\u003c"))
+        });
         templates.add_filter("left", |text: String, width: usize| format!("{text:<width$}"));
         templates.add_filter("right", |text: String, width: usize| format!("{text:>width$}"));
         templates.template_from_named_str(name, template)?.render(context)

@@ -111,7 +111,10 @@ fn every_status_is_a_row_and_a_mark() {
     let (table, page) = (report.text("tradeoff.csv"), report.text("tradeoff.html"));
     for status in FAILURES {
         assert_eq!(table.matches(&format!(",{},", status.word())).count(), 2, "{table}");
-        assert_eq!(page.matches(&format!("because of {}", status.word())).count(), 2);
+        let noted = format!("<td class=\"note\">because of {}", status.word());
+        assert_eq!(page.matches(&noted).count(), 2);
+        let reasons = page.split("<h2>Notes on runs</h2>").nth(1).and_then(|rest| rest.split("</dl>").next());
+        assert!(reasons.is_some_and(|text| text.contains(&format!("ecause of {}", status.word()))), "{status:?}");
     }
     for file in ["tradeoff.svg", "work.svg"] {
         let picture = report.picture(file);
@@ -171,11 +174,12 @@ fn names_survive() {
         let inside = if markup == "{{" { page.matches("{{ e }}").count() } else { 0 };
         assert_eq!(page.matches(markup).count(), inside, "{markup}");
     }
-    assert_eq!(page.matches("</script>").count(), 1, "the page's own");
+    assert_eq!(page.matches("</script>").count(), 2, "the page's own: what marks tell, and the script");
     assert!(page.contains("a &lt;b&gt;&amp;amp; &quot;c&quot;"), "the name in full");
 }
 
-/// One page that needs nothing beside it, with the figures of the files, and the same bytes for the same study.
+/// One page that needs nothing beside it, with the figures for wide and narrow screens, and the same bytes for the same
+/// study. Every run that has a mark tells its numbers, and every method has a switch.
 #[test]
 fn the_page_stands_alone_and_repeats() {
     let study = study("cloth", &[1.0], &laws(), None);
@@ -188,12 +192,34 @@ fn the_page_stands_alone_and_repeats() {
     );
     let page = report.text("tradeoff.html");
     for file in ["tradeoff.svg", "work.svg", "convergence.svg"] {
-        assert!(page.contains(&report.text(file)), "{file} is in the page");
+        assert!(page.contains(&format!("href=\"{file}\"")), "the page leads to {file}");
     }
+    assert_eq!(page.matches("class=\"wide\"><svg").count(), 3);
+    assert_eq!(page.matches("class=\"narrow\"><svg").count(), 3);
     let outside = page.replace("http://www.w3.org/2000/svg", "");
-    for word in ["http:", "https:", "src=", "href=", "url(", "@import"] {
+    for word in ["http:", "https:", "src=", "url(", "@import"] {
         assert!(!outside.contains(word), "{word}");
     }
+    assert_eq!(page.matches("href=").count(), 5, "to the files beside it");
+    let told = page.split("id=\"told\">").nth(1).and_then(|rest| rest.split("</script>").next()).expect("there");
+    let told: serde_json::Value = serde_json::from_str(told).expect("JSON");
+    for row in &study.rows {
+        let pairs: Vec<(&str, &str)> = told[&row.job.id]
+            .as_array()
+            .expect("a run")
+            .iter()
+            .map(|pair| (pair[0].as_str().expect("a name"), pair[1].as_str().expect("a text")))
+            .collect();
+        let method = label(&row.job.method);
+        assert!(pairs.contains(&("method", method.as_str())), "{pairs:?}");
+        if let Some(error) = row.measured.error {
+            let text = pairs.iter().find(|pair| pair.0 == "error [-]").expect("an error").1;
+            assert!((text.parse::<f64>().expect("a number") / error - 1.0).abs() < 5e-3, "{text} is not {error}");
+        }
+        assert!(page.contains(&format!("data-run=\"{}\"", row.job.id)), "{} has a mark", row.job.id);
+    }
+    let switches = study.rows.iter().map(|row| label(&row.job.method)).collect::<std::collections::BTreeSet<_>>();
+    assert_eq!(page.matches("data-switch=").count(), switches.len());
     for answer in &Recommendations::of(&study.plan, &study.rows).expect("answers").targets {
         assert!(page.contains(&answer.sentence["for ".len()..]), "{}", answer.sentence);
     }

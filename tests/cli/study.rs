@@ -1,8 +1,10 @@
-//! `canopy-fem tradeoff`: what it says is true, and it comes to the same however it is made.
+//! `canopy-fem tradeoff` and `sweep`: what they say is true, and comes to the same however it is made.
 
 mod hyperqueue;
+mod page;
 mod refusals;
 mod sharing;
 mod sweep;
 mod table;
 mod truth;
+mod vary;

@@ -47,10 +47,12 @@ pub(super) fn chart(study: &Study, styles: &[Style], number: usize) -> Chart {
     }
     for style in styles {
         let own = rows(study, number).filter(|row| row.job.method == style.method);
-        let mut points: Vec<(f64, f64)> = own.filter_map(place).map(|(h, error)| (h, y.held(error))).collect();
-        points.sort_by(|a, b| b.0.total_cmp(&a.0));
-        if !points.is_empty() {
-            lines.push(style.line(StepSetting::Step(0.0), points));
+        let mut runs: Vec<((f64, f64), &Row)> =
+            own.filter_map(|row| place(row).map(|(h, error)| ((h, y.held(error)), row))).collect();
+        runs.sort_by(|a, b| b.0.0.total_cmp(&a.0.0));
+        if !runs.is_empty() {
+            let (points, of) = runs.into_iter().map(|(at, row)| (at, row.job.id.clone())).unzip();
+            lines.push(Line { runs: of, ..style.line(StepSetting::Step(0.0), points) });
         }
     }
     if y.has(bound) {
@@ -60,10 +62,10 @@ pub(super) fn chart(study: &Study, styles: &[Style], number: usize) -> Chart {
         let text = format!("reference {}", figures(bound, 2));
         notes.push(Note { at: (high, bound), text, align: Align::Left });
     }
-    for (number, (color, limit)) in limits.iter().filter(|(_, limit)| x.has(*limit)).enumerate() {
+    for (number, (style, limit)) in limits.iter().filter(|(_, limit)| x.has(*limit)).enumerate() {
         let label = if number == 0 { "stability limit" } else { "" };
-        let points = vec![(*limit, y.ends().0)];
-        lines.push(Line { points, color: Some(*color), ..entry(label, Stroke::None, Marker::Tick) });
+        let (points, color, series) = (vec![(*limit, y.ends().0)], Some(style.color), style.label());
+        lines.push(Line { points, color, series, ..entry(label, Stroke::None, Marker::Tick) });
     }
     Chart {
         title: title(study, variant, "error against step"),
@@ -79,10 +81,10 @@ pub(super) fn chart(study: &Study, styles: &[Style], number: usize) -> Chart {
     }
 }
 
-/// Colour and critical step of every method that has one.
-fn limits(variant: Option<&Variant>, styles: &[Style]) -> Vec<(usize, f64)> {
+/// Style and critical step of every method that has one.
+fn limits<'s>(variant: Option<&Variant>, styles: &'s [Style]) -> Vec<(&'s Style, f64)> {
     let limit = |style: &Style| variant?.critical_steps.get(&style.label()).copied();
-    styles.iter().filter_map(|style| Some((style.color, limit(style).filter(|h| *h > 0.0)?))).collect()
+    styles.iter().filter_map(|style| Some((style, limit(style).filter(|h| *h > 0.0)?))).collect()
 }
 
 /// Straight lines of whole orders through the upper right corner, with their names where they leave the picture.

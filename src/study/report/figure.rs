@@ -4,7 +4,8 @@ use super::style::{BLACK, Style, entry, failure, legend, styles};
 use super::{convergence, stiffness};
 use crate::format_number::figures;
 use crate::plot::chart::{
-    Align, Axis, Chart, Line, MarginPanel, Marker, Note, PanelMark, PanelSide, Scale, Size, Stroke, svg_grid,
+    Align, Axis, Chart, Line, MarginPanel, Marker, Note, PanelMark, PanelSide, Sample, Scale, Size, Stroke,
+    legend_samples, svg_grid, svg_page,
 };
 use crate::study::error::StudyError;
 use crate::study::plan::Variant;
@@ -18,8 +19,17 @@ pub(super) struct Figure {
     /// name of its file
     pub file: &'static str,
     /// the picture
+    #[serde(skip)]
     pub svg: String,
+    /// the picture of the page, for wide screens
+    pub wide: String,
+    /// the picture of the page, for narrow screens
+    pub narrow: String,
 }
+
+/// [px] Charts of the page: a single one, several side by side, and on narrow screens.
+const PAGE: [Size; 3] =
+    [Size { width: 1000, height: 600 }, Size { width: 560, height: 460 }, Size { width: 460, height: 440 }];
 
 /// What a range of an axis leaves free at either end, in decades, at least.
 const MARGIN: f64 = 0.15;
@@ -45,17 +55,36 @@ pub(super) fn all(study: &Study, answers: &Recommendations) -> Result<Vec<Figure
         of: |row| Some(row.measured.counters.force_evaluations as f64).filter(|n| *n > 0.0),
     };
     let mut made = vec![
-        Figure { file: "tradeoff.svg", svg: picture(study, &styles, |v| work_precision(study, &styles, v, &cpu))? },
-        Figure { file: "work.svg", svg: picture(study, &styles, |v| work_precision(study, &styles, v, &force))? },
+        figure("tradeoff.svg", study, &styles, |v| work_precision(study, &styles, v, &cpu))?,
+        figure("work.svg", study, &styles, |v| work_precision(study, &styles, v, &force))?,
     ];
     if convergence::has_runs(study) {
-        let svg = picture(study, &styles, |v| convergence::chart(study, &styles, v))?;
-        made.push(Figure { file: "convergence.svg", svg });
+        made.push(figure("convergence.svg", study, &styles, |v| convergence::chart(study, &styles, v))?);
     }
     if study.plan.variants.len() > 1 {
-        made.push(Figure { file: "stiffness.svg", svg: stiffness::picture(study, answers)? });
+        let svg = stiffness::picture(study, answers)?;
+        made.push(Figure { file: "stiffness.svg", wide: svg.clone(), narrow: svg.clone(), svg });
     }
     Ok(made)
+}
+
+/// The legend of the page: every method, and what marks mean.
+pub(super) fn page_legend(study: &Study) -> Vec<Sample> {
+    legend_samples(&legend(study, &styles(study)))
+}
+
+/// A figure as a file and for the page.
+fn figure(
+    file: &'static str,
+    study: &Study,
+    styles: &[Style],
+    chart: impl Fn(usize) -> Chart,
+) -> Result<Figure, StudyError> {
+    let count = study.plan.variants.len().max(1);
+    let charts = |size: Size| -> Vec<Chart> { (0..count).map(|v| Chart { size, ..chart(v) }).collect() };
+    let [one, several, narrow] = PAGE;
+    let wide = svg_page(&charts(if count == 1 { one } else { several }), count.min(2))?;
+    Ok(Figure { file, svg: picture(study, styles, &chart)?, wide, narrow: svg_page(&charts(narrow), 1)? })
 }
 
 /// One chart a variant, side by side, with the legend of all.
@@ -110,13 +139,14 @@ fn work_precision(study: &Study, styles: &[Style], number: usize, cost: &Cost) -
     let mut lines = Vec::new();
     for style in styles {
         for setting in [StepSetting::Step(0.0), StepSetting::Tolerance(0.0)] {
-            let mut runs: Vec<(f64, (f64, f64))> = rows(study, number)
+            let mut runs: Vec<(f64, (f64, f64), &Row)> = rows(study, number)
                 .filter(|row| row.job.method == style.method)
-                .filter_map(|row| Some((same_kind(row.job.setting, setting)?, at(place(row)?))))
+                .filter_map(|row| Some((same_kind(row.job.setting, setting)?, at(place(row)?), row)))
                 .collect();
             runs.sort_by(|a, b| b.0.total_cmp(&a.0));
             if !runs.is_empty() {
-                lines.push(style.line(setting, runs.into_iter().map(|run| run.1).collect()));
+                let (points, of) = runs.into_iter().map(|(_, at, row)| (at, row.job.id.clone())).unzip();
+                lines.push(Line { runs: of, ..style.line(setting, points) });
             }
         }
     }
@@ -191,7 +221,8 @@ pub(super) fn margin_panel(
     let mark = |row: &Row| {
         let color = styles.iter().find(|s| s.method == row.job.method).map_or(BLACK, |s| s.color);
         let marker = failure(row.measured.status).unwrap_or(Marker::Cross);
-        Some(PanelMark { at: at(row)?.filter(|at| *at > 0.0), marker, color })
+        let (series, run) = (row.label(), row.job.id.clone());
+        Some(PanelMark { at: at(row)?.filter(|at| *at > 0.0), marker, color, series, run })
     };
     let marks: Vec<PanelMark> = rows(study, number).filter_map(mark).collect();
     (!marks.is_empty()).then(|| MarginPanel { side, label: "no result".to_owned(), marks })

@@ -7,8 +7,9 @@ mod convergence;
 mod figure;
 mod machine;
 mod stiffness;
-mod style;
+pub(super) mod style;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use minijinja::{Value, context};
@@ -19,10 +20,11 @@ pub use machine::{Machine, Rerun};
 use super::error::StudyError;
 use super::plan::{PROGRAM, Plan};
 use super::recommendations::{Recommendations, unfinished};
-use super::row::{Row, StepSetting};
+use super::row::{Row, RunResult, StepSetting};
 use super::runner::Study;
 use super::store::{Store, remove, write_files};
 use super::template::render;
+use crate::format_number::figures;
 
 /// All files a report may have; those that a study has nothing for are removed, so that none is left of an earlier one.
 pub const FILES: [&str; 8] = [
@@ -83,9 +85,40 @@ fn html(
     let (Study { plan, rows }, Rerun { command, machine }) = (study, how);
     let case_json = serde_json::to_string_pretty(&plan.case).map_err(|e| StudyError::Page(e.to_string()))?;
     let (failures, noted) = (unfinished(rows), rows.iter().any(|row| !row.measured.note.is_empty()));
+    let (told, legend) = (told(study), figure::page_legend(study));
     let (version, rows) = (PROGRAM, sorted(rows));
-    let page = context! { version, command, machine, plan, case_json, failures, noted, rows, answers, figures };
+    let page = context! {
+        version, command, machine, plan, case_json, failures, noted, rows, answers, figures, told, legend,
+    };
     render("tradeoff.html", include_str!("../../../assets/report/tradeoff.html"), &page)
+}
+
+/// What the mark of a run tells, by the run's identifier.
+fn told(study: &Study) -> BTreeMap<&str, Vec<[String; 2]>> {
+    let of = |row: &Row| {
+        let number = |x: Option<f64>, digits: usize| x.map(|x| figures(x, digits)).unwrap_or_default();
+        let (setting, size) = match row.job.setting {
+            StepSetting::Step(h) => ("step [s]", h),
+            StepSetting::Tolerance(tolerance) => ("tolerance [-]", tolerance),
+        };
+        let RunResult { status, error, error_max, energy_error, counters, note, .. } = &row.measured;
+        let factor = study.plan.variant_of(&row.job).map(|v| v.stiffness_factor);
+        let all = [
+            ("method", row.label()),
+            ("stiffness [-]", number(factor.filter(|_| study.plan.variants.len() > 1), 4)),
+            (setting, figures(size, 5)),
+            ("status", status.word().replace('-', " ")),
+            ("error [-]", number(*error, 3)),
+            ("largest error [-]", number(*error_max, 3)),
+            ("energy error [-]", number(*energy_error, 3)),
+            ("CPU [s]", number(row.cpu_seconds, 3)),
+            ("force evaluations", number(Some(counters.force_evaluations as f64).filter(|n| *n > 0.0), 12)),
+            ("factorisations", number(Some(counters.factorizations as f64).filter(|n| *n > 0.0), 12)),
+            ("note", note.clone()),
+        ];
+        all.into_iter().filter(|(_, text)| !text.is_empty()).map(|(name, text)| [name.to_owned(), text]).collect()
+    };
+    study.rows.iter().map(|row| (row.job.id.as_str(), of(row))).collect()
 }
 
 /// All runs: variant by variant, method by method, fixed steps before adaptive ones, the largest first.

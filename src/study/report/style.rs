@@ -10,10 +10,19 @@ use crate::plot::chart::{Line, Marker, Stroke};
 use crate::study::row::{RowStatus, StepSetting, label};
 use crate::study::runner::Study;
 
-/// Colours of the palette that methods take in turn; the last one, black, is left for what is no method.
-const COLORS: usize = 6;
+/// Number of colours that methods take, each its own as long as they suffice: those of the palette without black, which
+/// is left for what is no method.
+const COLORS: usize = 14;
 /// Black.
 pub(super) const BLACK: usize = 6;
+/// Methods of a family that have the same shape of marks.
+const SHAPE: usize = 6;
+
+/// The colour of a method or curve by its number.
+pub(in crate::study) fn method_color(number: usize) -> usize {
+    let color = number % COLORS;
+    if color < BLACK { color } else { color + 1 }
+}
 /// All families, in the order of the legend.
 const FAMILIES: [(Family, &str); 3] =
     [(Family::Explicit, "explicit"), (Family::MatrixFree, "matrix-free"), (Family::Implicit, "implicit")];
@@ -40,7 +49,7 @@ impl Style {
             StepSetting::Step(_) => (Stroke::Normal, self.markers[0]),
             StepSetting::Tolerance(_) => (Stroke::Dashed, self.markers[1]),
         };
-        Line { points, stroke, marker, color: Some(self.color), ..Line::default() }
+        Line { points, stroke, marker, color: Some(self.color), series: self.label(), ..Line::default() }
     }
 }
 
@@ -51,16 +60,16 @@ pub(super) fn styles(study: &Study) -> Vec<Style> {
         let first = styles.len();
         for row in study.rows.iter().filter(|row| row.family == family) {
             if styles.iter().all(|style| style.method != row.job.method) {
-                let (number, turn) = (styles.len(), (styles.len() - first) / COLORS);
+                let (number, turn) = (styles.len(), (styles.len() - first) / SHAPE);
                 let method = row.job.method.clone();
-                styles.push(Style { method, family, color: number % COLORS, markers: markers(family, turn) });
+                styles.push(Style { method, family, color: method_color(number), markers: markers(family, turn) });
             }
         }
     }
     styles
 }
 
-/// A family has as many shapes as it takes turns through the colours.
+/// A family takes another shape after every six methods.
 fn markers(family: Family, turn: usize) -> [Marker; 2] {
     let explicit = [
         [Marker::Dot, Marker::Ring],
@@ -77,7 +86,7 @@ fn markers(family: Family, turn: usize) -> [Marker; 2] {
 }
 
 /// The mark of a run without a result. `None` for one that has a result.
-pub(super) fn failure(status: RowStatus) -> Option<Marker> {
+pub(in crate::study) fn failure(status: RowStatus) -> Option<Marker> {
     match status {
         RowStatus::Completed => None,
         RowStatus::Diverged => Some(Marker::Cross),

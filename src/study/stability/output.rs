@@ -12,7 +12,7 @@ use minijinja::context;
 use std::path::{Path, PathBuf};
 
 /// The files, in the order they are written: the last one only when the others are there.
-pub const FILES: [&str; 3] = ["stability.csv", "stability.svg", "stability.json"];
+pub const FILES: [&str; 4] = ["stability.csv", "stability.svg", "stability.html", "stability.json"];
 
 /// A folder that can take a study.
 #[derive(Clone, Debug)]
@@ -43,9 +43,11 @@ impl Folder {
         methods: &[MethodChoice],
         study: &Stability,
     ) -> Result<Vec<PathBuf>, StudyError> {
-        let json = serde_json::to_string_pretty(study).map_err(|e| system(&self.0.join(FILES[2]), e.into()))? + "\n";
-        let mut made = vec![(FILES[0], csv(&study.methods)?), (FILES[2], json)];
-        made.extend(regions(scene, methods, study)?.map(|picture| (FILES[1], picture)));
+        let json = serde_json::to_string_pretty(study).map_err(|e| system(&self.0.join(FILES[3]), e.into()))? + "\n";
+        let picture = regions(scene, methods, study)?;
+        let page = html(study, picture.as_deref())?;
+        let mut made = vec![(FILES[0], csv(&study.methods)?), (FILES[2], page), (FILES[3], json)];
+        made.extend(picture.map(|picture| (FILES[1], picture)));
         write_files(&self.0, &FILES, &made)
     }
 }
@@ -59,6 +61,14 @@ impl Folder {
 /// What the template engine refuses.
 pub fn csv(methods: &[Row]) -> Result<String, StudyError> {
     render("stability.csv", include_str!("../../../assets/report/stability.csv"), &context! { methods })
+}
+
+/// `stability.html`: one page that needs nothing beside it.
+fn html(study: &Stability, picture: Option<&str>) -> Result<String, StudyError> {
+    let Stability { name, end, unknowns, methods, case, version } = study;
+    let case_json = serde_json::to_string_pretty(case).map_err(|e| StudyError::Page(e.to_string()))?;
+    let page = context! { name, end, unknowns, methods, case_json, version, picture };
+    render("stability.html", include_str!("../../../assets/report/stability.html"), &page)
 }
 
 /// The table for standard output, and a sentence for every method whose limits differ.

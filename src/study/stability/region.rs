@@ -108,6 +108,7 @@ fn panel(method: &MethodChoice, row: &Row, motions: &[Rates]) -> Chart {
         stroke: Stroke::None,
         marker,
         color: Some(color),
+        ..Line::default()
     };
     let region =
         Line { label: "stable".to_owned(), points: closed, stroke: Stroke::Filled, color: Some(0), ..Line::default() };

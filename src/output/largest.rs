@@ -1,0 +1,104 @@
+//! The largest values of a run, measured without any file.
+
+use serde::{Deserialize, Serialize};
+
+use super::gauges::{ChannelPeak, Gauges, Peak};
+use super::schedule::Schedule;
+use crate::case::spec::OutputSpec;
+use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, States, UpcomingStep, Wants};
+use crate::model::observables::Observables;
+
+/// What is kept from step to step; part of a snapshot.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LargestSoFar {
+    /// [m/s] largest speed of a node
+    pub speed: f64,
+    /// [-] largest strain of a spring
+    pub strain: f64,
+    /// those of the gauges
+    peaks: Vec<ChannelPeak>,
+}
+
+/// The observer that measures the gauges of a case, the largest speed and the largest strain. Only credible states
+/// count.
+pub struct LargestValues<'a> {
+    picture: &'a dyn Observables,
+    gauges: Gauges,
+    /// the frames of the case, at which a run may be saved
+    frames: Schedule,
+    frames_every: Option<f64>,
+    speed: f64,
+    strain: f64,
+    failed: bool,
+}
+
+impl<'a> LargestValues<'a> {
+    /// Of a run to `end` [s]; `so_far` is what an earlier part of it has measured.
+    pub fn new(picture: &'a dyn Observables, output: &OutputSpec, end: f64, so_far: Option<&LargestSoFar>) -> Self {
+        let mut gauges = Gauges::new(picture, &output.gauges, output.history_every, end);
+        let LargestSoFar { speed, strain, peaks } = so_far.cloned().unwrap_or_default();
+        gauges.take_up(&peaks);
+        let frames_every = output.frames_every;
+        let frames = Schedule::new(frames_every, 0.0);
+        LargestValues { picture, gauges, frames, frames_every, speed, strain, failed: false }
+    }
+
+    /// What was measured so far.
+    pub fn so_far(&self) -> LargestSoFar {
+        LargestSoFar { speed: self.speed, strain: self.strain, peaks: self.gauges.kept() }
+    }
+
+    /// The peaks of the gauges.
+    pub fn peaks(&self) -> Vec<Peak> {
+        self.gauges.peaks()
+    }
+
+    fn note(&mut self, speed: f64, strain: f64) {
+        self.speed = self.speed.max(speed);
+        self.strain = self.strain.max(strain);
+    }
+}
+
+impl Observer for LargestValues<'_> {
+    fn started(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        let state = at.state.as_ref();
+        self.note(self.picture.max_speed(state), self.picture.max_strain(state));
+        self.gauges.skip(state.t);
+        self.gauges.step(self.picture, (0, at, true), |_| Ok(()))
+    }
+
+    fn resumed(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        self.frames = Schedule::new(self.frames_every, at.state.t);
+        self.gauges.skip(at.state.t);
+        Ok(())
+    }
+
+    fn wants(&self, step: UpcomingStep) -> Wants {
+        let frame = self.frames.states(step) != States::None;
+        let measured = self.gauges.wants(step.step, [step.from, step.t]);
+        Wants { strain: true, ..Wants::end_if(frame || measured) }
+    }
+
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        while self.frames.next_in(step.from, step.t).is_some() {}
+        if step.credible {
+            self.note(step.max_speed(self.picture), step.max_strain(self.picture));
+        }
+        match step.end.filter(|_| !self.gauges.is_empty()) {
+            Some(end) => self.gauges.step(self.picture, (step.step, end, step.credible), |_| Ok(())),
+            None => Ok(()),
+        }
+    }
+
+    fn failed(&mut self) -> Result<(), ObserveError> {
+        self.failed = true;
+        Ok(())
+    }
+
+    fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
+        if self.gauges.is_empty() {
+            return Ok(());
+        }
+        self.gauges.last(self.picture, (last, !self.failed), |_| Ok(()))
+    }
+}

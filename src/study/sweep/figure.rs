@@ -1,0 +1,200 @@
+//! Quantities over what varies: a curve, or a family of curves for several keys.
+
+use super::plan::{SweepPlan, plain};
+use super::run::SweepRow;
+use super::table::Quantity;
+use super::vary::Vary;
+use crate::format_number::figures;
+use crate::plot::chart::{Align, Axis, Chart, Line, MarginPanel, Marker, Note, PanelMark, PanelSide, Scale, Size};
+use crate::study::error::StudyError;
+use crate::study::report::style::{failure, method_color};
+use crate::study::row::RowStatus;
+
+/// Quantities that are drawn if nobody asks for others.
+const SHOWN: usize = 4;
+/// Ratio of the largest to the smallest number above which an axis is logarithmic.
+const WIDE: f64 = 100.0;
+/// Longest name of a curve.
+const LONGEST: usize = 40;
+
+/// The quantities that are drawn: those asked for, else the peaks of the gauges, else motion and speed.
+///
+/// # Errors
+/// A name that is no column of numbers.
+pub(super) fn chosen<'q>(
+    all: &'q [Quantity],
+    rows: &[SweepRow],
+    asked: &[String],
+) -> Result<Vec<&'q Quantity>, StudyError> {
+    let named = |name: &String| {
+        let found = all.iter().find(|quantity| quantity.name == *name);
+        found.ok_or_else(|| {
+            let names: Vec<&str> = all.iter().map(|quantity| quantity.name.as_str()).collect();
+            StudyError::Usage(format!("--plot {name}: there is no such column; there are {}", names.join(", ")))
+        })
+    };
+    if !asked.is_empty() {
+        return asked.iter().map(named).collect();
+    }
+    let peaks = || all.iter().filter(|quantity| quantity.name.ends_with(".peak"));
+    // Sum and mean of a single spring or node are its largest value.
+    let column = |quantity: &Quantity| rows.iter().map(|row| quantity.of(row)).collect::<Vec<_>>();
+    let repeats = |quantity: &Quantity| {
+        let largest = quantity.name.replace("_sum.", "_max.").replace("_mean.", "_max.");
+        largest != quantity.name && peaks().any(|other| other.name == largest && column(other) == column(quantity))
+    };
+    let peaks: Vec<&Quantity> = peaks().filter(|quantity| !repeats(quantity)).take(SHOWN).collect();
+    let plain = ["displacement_end", "max_speed"];
+    Ok(if peaks.is_empty() { all.iter().filter(|q| plain.contains(&q.name.as_str())).collect() } else { peaks })
+}
+
+/// The key along the horizontal axis: that with the most numbers; the first one where none has numbers.
+pub(super) fn across(plan: &SweepPlan) -> Option<&Vary> {
+    let numeric = plan.vary.iter().filter(|vary| vary.numbers().is_some());
+    // The first of those with as many values.
+    numeric.rev().max_by_key(|vary| vary.values.len()).or_else(|| plan.vary.first())
+}
+
+/// The other keys of a run with their values: the name of its curve.
+pub(super) fn curve(plan: &SweepPlan, row: &SweepRow) -> String {
+    let x = across(plan).map_or("", |vary| vary.key.as_str());
+    let others = plan.vary.iter().filter(|vary| vary.key != x);
+    let words =
+        others.filter_map(|vary| Some(format!("{} = {}", short(&vary.key), plain(row.job.values.get(&vary.key)?))));
+    let name: String = words.collect::<Vec<_>>().join(", ");
+    match name.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", name.get(..end).unwrap_or_default()),
+        None => name,
+    }
+}
+
+/// The end of a key, from its last word on that is no number of an entry.
+fn short(key: &str) -> &str {
+    let word = key.rsplit('.').find(|word| word.parse::<usize>().is_err()).unwrap_or(key);
+    key.rfind(word).and_then(|at| key.get(at..)).unwrap_or(key)
+}
+
+/// One chart a quantity.
+pub(super) fn charts(plan: &SweepPlan, rows: &[SweepRow], shown: &[&Quantity], size: Size) -> Vec<Chart> {
+    let Some(vary) = across(plan) else { return Vec::new() };
+    shown.iter().map(|quantity| chart(&Picture { plan, rows, vary, quantity }, size)).collect()
+}
+
+struct Picture<'a> {
+    plan: &'a SweepPlan,
+    rows: &'a [SweepRow],
+    vary: &'a Vary,
+    quantity: &'a Quantity,
+}
+
+impl Picture<'_> {
+    /// The place of a run along the axis: its value, or the number of a value that is no number.
+    fn place(&self, row: &SweepRow) -> f64 {
+        let value = row.job.values.get(&self.vary.key);
+        let number = || self.vary.values.iter().position(|v| Some(v) == value).map_or(f64::NAN, |i| i as f64);
+        match self.vary.numbers() {
+            Some(_) => value.and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN),
+            None => number(),
+        }
+    }
+
+    fn axis(&self) -> Axis {
+        match self.vary.numbers() {
+            Some(numbers) => Axis { label: self.vary.key.clone(), scale: scale(&numbers, self.vary.log), range: None },
+            None => {
+                let names = self.vary.values.iter().enumerate().map(|(i, v)| format!("{i} = {}", plain(v)));
+                Axis::linear(format!("{}: {}", self.vary.key, names.collect::<Vec<_>>().join(", ")))
+            }
+        }
+    }
+}
+
+/// Logarithmic if the numbers are above 0 and wide apart.
+fn scale(numbers: &[f64], asked: bool) -> Scale {
+    let (low, high) = numbers.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)));
+    if low > 0.0 && (asked || high > WIDE * low) { Scale::Log } else { Scale::Linear }
+}
+
+fn chart(picture: &Picture<'_>, size: Size) -> Chart {
+    let &Picture { plan, rows, quantity, .. } = picture;
+    let mut names: Vec<String> = Vec::new();
+    let mut curves: Vec<Vec<(f64, f64, &SweepRow)>> = Vec::new();
+    let mut marks = Vec::new();
+    for row in rows {
+        let name = curve(plan, row);
+        let number = names.iter().position(|other| *other == name).unwrap_or_else(|| {
+            names.push(name);
+            curves.push(Vec::new());
+            names.len() - 1
+        });
+        let x = picture.place(row);
+        let y = quantity.of(row).filter(|_| row.result.status == RowStatus::Completed);
+        if y.is_none() {
+            let marker = failure(row.result.status).unwrap_or(Marker::Cross);
+            let (color, series) = (method_color(number), names.get(number).cloned().unwrap_or_default());
+            marks.push(PanelMark { at: Some(x), marker, color, series, run: row.job.id.clone() });
+        }
+        // A run without a result interrupts its curve.
+        if let Some(curve) = curves.get_mut(number) {
+            curve.push((x, y.unwrap_or(f64::NAN), row));
+        }
+    }
+    let found: Vec<f64> = rows.iter().filter_map(|row| quantity.of(row)).collect();
+    let lines = names.into_iter().zip(curves).enumerate().map(|(number, (name, mut curve))| {
+        curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Line {
+            series: name.clone(),
+            label: name,
+            points: curve.iter().map(|(x, y, _)| (*x, *y)).collect(),
+            runs: curve.iter().map(|(_, _, row)| row.job.id.clone()).collect(),
+            marker: Marker::Dot,
+            color: Some(method_color(number)),
+            ..Line::default()
+        }
+    });
+    let x = picture.axis();
+    let nothing = Note { at: middle(picture, x.scale), text: "no run has this number".to_owned(), align: Align::Above };
+    Chart {
+        title: format!("{}: {}", plan.name, quantity.name),
+        lines: lines.collect(),
+        y: Axis { label: quantity.label(), scale: scale(&found, false), range: found.is_empty().then_some((0.0, 1.0)) },
+        notes: if found.is_empty() { vec![nothing] } else { Vec::new() },
+        margin_panel: (!marks.is_empty()).then(|| MarginPanel {
+            side: PanelSide::Top,
+            label: "no result".to_owned(),
+            marks,
+        }),
+        x: Axis { range: ends(picture, x.scale), ..x },
+        size,
+        ..Chart::default()
+    }
+}
+
+/// The ends of the axis, with a margin: runs without a result count too.
+fn ends(picture: &Picture<'_>, scale: Scale) -> Option<(f64, f64)> {
+    let places: Vec<f64> = picture.rows.iter().map(|row| picture.place(row)).collect();
+    let (low, high) = places.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+    if !low.is_finite() || !high.is_finite() {
+        return None;
+    }
+    Some(match scale {
+        Scale::Log => {
+            let margin = (high / low).powf(0.04).max(1.05);
+            (low / margin, high * margin)
+        }
+        Scale::Linear => {
+            let margin = if high > low { 0.04 * (high - low) } else { 0.05 * low.abs().max(1.0) };
+            (low - margin, high + margin)
+        }
+    })
+}
+
+fn middle(picture: &Picture<'_>, scale: Scale) -> (f64, f64) {
+    let (low, high) = ends(picture, scale).unwrap_or((0.0, 1.0));
+    (if scale == Scale::Log { (low * high).sqrt() } else { f64::midpoint(low, high) }, 0.5)
+}
+
+/// A number for a table to read.
+pub(super) fn told(x: Option<f64>) -> String {
+    x.map(|x| figures(x, 5)).unwrap_or_default()
+}

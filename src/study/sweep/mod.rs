@@ -1,0 +1,19 @@
+//! A case over values of its keys: what the gauges say of every run.
+//!
+//! ```text
+//! case + --vary --plan--> list of runs --run--> one file a run --table--> columns --report--> csv json svg html
+//! ```
+//! The files, shards and merges are those of a tradeoff study ([`super::store`]), with the plan of a sweep. Runs are
+//! made on several threads, one run a thread; a run itself is that of `canopy-fem solve`, without its files.
+
+mod figure;
+mod plan;
+mod report;
+mod run;
+mod table;
+mod vary;
+
+pub use plan::{SweepJob, SweepPlan, SweepPlanner};
+pub use report::{FILES, SweepReport, clear, planned};
+pub use run::{SweepResult, SweepRow, SweepRunner, rows_of};
+pub use vary::Vary;

@@ -1,0 +1,178 @@
+//! What a sweep leaves for its reader: a table, a JSON file, a figure, one page with all of it, and what is printed.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use minijinja::{Value, context};
+use serde::Serialize;
+
+use super::figure::{across, charts, chosen, told};
+use super::plan::{SweepPlan, plain};
+use super::run::SweepRow;
+use super::table::{Quantity, cells, header, quantities};
+use crate::plot::chart::{Size, legend_samples, svg_grid, svg_page};
+use crate::study::error::StudyError;
+use crate::study::plan::PROGRAM;
+use crate::study::report::{Machine, Rerun};
+use crate::study::row::RowStatus;
+use crate::study::store::{Store, remove, write_files};
+use crate::study::template::{PageFigure, render};
+
+/// All files a report has.
+pub const FILES: [&str; 4] = ["sweep.csv", "sweep.json", "sweep.svg", "sweep.html"];
+/// Rows that are printed.
+const PRINTED: usize = 40;
+
+/// A sweep and how it is shown.
+pub struct SweepReport<'a> {
+    /// the plan
+    pub plan: &'a SweepPlan,
+    /// all runs, in its order
+    pub rows: &'a [SweepRow],
+    /// columns that are drawn; empty: the first peaks
+    pub plot: &'a [String],
+    /// how it was made
+    pub how: &'a Rerun,
+}
+
+impl SweepReport<'_> {
+    /// Writes the files into a folder; returns what the command prints.
+    ///
+    /// # Errors
+    /// A column that is not there, a picture or a page that cannot be made, or the system's answer.
+    pub fn write(&self, out: &Path) -> Result<String, StudyError> {
+        let &SweepReport { plan, rows, .. } = self;
+        let all = quantities(rows);
+        let shown = chosen(&all, rows, self.plot)?;
+        let table: Vec<Vec<String>> = rows.iter().map(|row| cells(plan, &all, row)).collect();
+        let head = header(plan, &all);
+        let csv = context! { head, rows => table };
+        let drawn = charts(plan, rows, &shown, Size { width: if shown.len() > 1 { 640 } else { 900 }, height: 440 });
+        let made = [
+            ("sweep.csv", render("sweep.csv", include_str!("../../../assets/report/sweep.csv"), &csv)?),
+            ("sweep.json", self.json(&all)?),
+            ("sweep.svg", svg_grid(&drawn, 2)?),
+            ("sweep.html", self.html(&all, &shown, &head, &table)?),
+        ];
+        let files = write_files(out, &FILES, &made)?;
+        self.text(&shown, &files)
+    }
+
+    /// `sweep.json`: all that is known of a sweep.
+    fn json(&self, all: &[Quantity]) -> Result<String, StudyError> {
+        #[derive(Serialize)]
+        struct Json<'a> {
+            version: &'a str,
+            command: &'a str,
+            plan: &'a SweepPlan,
+            units: BTreeMap<&'a str, &'a str>,
+            rows: &'a [SweepRow],
+            machine: &'a Machine,
+        }
+        let &SweepReport { plan, rows, how: Rerun { command, machine }, .. } = self;
+        let units = all.iter().filter(|q| !q.unit.is_empty()).map(|q| (q.name.as_str(), q.unit.as_str())).collect();
+        let text = serde_json::to_string_pretty(&Json { version: PROGRAM, command, plan, units, rows, machine });
+        Ok(text.map_err(|e| StudyError::Page(format!("sweep.json: {e}")))? + "\n")
+    }
+
+    /// `sweep.html`: one page that needs nothing beside it.
+    fn html(
+        &self,
+        all: &[Quantity],
+        shown: &[&Quantity],
+        head: &[String],
+        table: &[Vec<String>],
+    ) -> Result<String, StudyError> {
+        let &SweepReport { plan, rows, how: Rerun { command, machine }, .. } = self;
+        let mut figures = Vec::new();
+        for quantity in shown {
+            let wide = charts(plan, rows, &[quantity], Size { width: 900, height: 480 });
+            let narrow = charts(plan, rows, &[quantity], Size { width: 460, height: 420 });
+            let caption = format!("{} over {}.", quantity.name, across(plan).map_or("", |vary| &vary.key));
+            figures.push(PageFigure { caption, wide: svg_page(&wide, 1)?, narrow: svg_page(&narrow, 1)? });
+        }
+        let first = charts(plan, rows, shown.get(..1).unwrap_or_default(), Size::default());
+        let legend = first.first().map(|chart| legend_samples(&chart.lines)).unwrap_or_default();
+        let case_json = serde_json::to_string_pretty(&plan.case).map_err(|e| StudyError::Page(e.to_string()))?;
+        let hover = self.hover(all, shown);
+        let units: Vec<&str> = all.iter().map(|quantity| quantity.unit.as_str()).collect();
+        let failures = self.failures();
+        let failed: Vec<bool> = rows.iter().map(|row| row.result.status != RowStatus::Completed).collect();
+        let page = context! {
+            version => PROGRAM, command, machine, plan, case_json, hover, figures, legend, head, table, units, failures,
+            failed,
+        };
+        render("sweep.html", include_str!("../../../assets/report/sweep.html"), &page)
+    }
+
+    /// What a mark of a run shows, by the run's identifier.
+    fn hover(&self, all: &[Quantity], shown: &[&Quantity]) -> BTreeMap<&str, Vec<[String; 2]>> {
+        let of = |row: &SweepRow| {
+            let values = row.job.values.iter().map(|(key, value)| [key.clone(), plain(value)]);
+            let status = ["status".to_owned(), row.result.status.word().to_owned()];
+            let numbers = shown.iter().map(|quantity| [quantity.label(), told(quantity.of(row))]);
+            let always = ["energy_error", "cpu_seconds"].map(|name| all.iter().find(|quantity| quantity.name == name));
+            let always = always.into_iter().flatten().filter(|one| shown.iter().all(|other| other.name != one.name));
+            let more = always.map(|quantity| [quantity.label(), told(quantity.of(row))]);
+            let note = ["note".to_owned(), row.result.note.clone()];
+            let every = values.chain([status]).chain(numbers).chain(more).chain([note]);
+            every.filter(|[_, text]| !text.is_empty()).collect()
+        };
+        self.rows.iter().map(|row| (row.job.id.as_str(), of(row))).collect()
+    }
+
+    /// How many runs have no result, and why.
+    fn failures(&self) -> String {
+        let count = |status: RowStatus| self.rows.iter().filter(|row| row.result.status == status).count();
+        let kinds = [RowStatus::Diverged, RowStatus::NotConverged, RowStatus::Refused, RowStatus::NotRun];
+        let words = kinds.into_iter().map(|s| (count(s), s)).filter(|(n, _)| *n > 0);
+        words.map(|(n, s)| format!("{n} {}", s.word())).collect::<Vec<_>>().join(", ")
+    }
+
+    fn text(&self, shown: &[&Quantity], files: &[PathBuf]) -> Result<String, StudyError> {
+        let &SweepReport { plan, rows, .. } = self;
+        let columns = |row: &SweepRow| -> Vec<String> {
+            let values = plan.vary.iter().map(|vary| row.job.values.get(&vary.key).map(plain).unwrap_or_default());
+            let status = [row.result.status.word().to_owned()];
+            values.chain(status).chain(shown.iter().map(|quantity| told(quantity.of(row)))).collect()
+        };
+        let keys = plan.vary.iter().map(|vary| vary.key.clone());
+        let head: Vec<String> =
+            keys.chain(["status".to_owned()]).chain(shown.iter().map(|quantity| quantity.label())).collect();
+        let mut table = vec![head];
+        table.extend(rows.iter().take(PRINTED).map(columns));
+        let width = |column: usize| table.iter().filter_map(|row| Some(row.get(column)?.chars().count())).max();
+        let widths: Vec<usize> = (0..table.first().map_or(0, Vec::len)).filter_map(width).collect();
+        let notes: Vec<Value> = rows
+            .iter()
+            .filter(|row| row.result.status != RowStatus::Completed && !row.result.note.is_empty())
+            .take(PRINTED)
+            .map(|row| context! { run => row.job.described(), note => row.result.note })
+            .collect();
+        let more = rows.len().saturating_sub(PRINTED);
+        let failures = self.failures();
+        text(context! { stage => "done", plan, table, widths, notes, more, failures, files })
+    }
+}
+
+/// What the command prints of a plan.
+///
+/// # Errors
+/// What the template engine refuses.
+pub fn planned(plan: &SweepPlan, store: &Store<SweepPlan>) -> Result<String, StudyError> {
+    let path = store.plan_path();
+    let out = path.parent().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
+    text(context! { stage => "planned", plan, path, out })
+}
+
+fn text(context: Value) -> Result<String, StudyError> {
+    render("sweep.txt", include_str!("../../../assets/report/sweep.txt"), &context)
+}
+
+/// Removes the report of an earlier sweep.
+///
+/// # Errors
+/// The system's answer.
+pub fn clear(out: &Path) -> Result<(), StudyError> {
+    FILES.iter().try_for_each(|file| remove(&out.join(file)))
+}
