@@ -44,7 +44,8 @@ fn array<'py>(
 pub fn rows(value: &Bound<'_, PyAny>, what: &str, needed: Option<usize>) -> PyResult<Vec<[f64; 3]>> {
     if let Ok(array) = value.cast::<PyArray2<f64>>() {
         let read = array.try_readonly().map_err(|error| PyValueError::new_err(format!("{what}: {error}")))?;
-        if let Ok(numbers) = read.as_slice()
+        if array.is_c_contiguous()
+            && let Ok(numbers) = read.as_slice()
             && array.shape()[1] == 3
             && needed.is_none_or(|n| n == array.shape()[0])
         {
@@ -62,10 +63,6 @@ pub fn rows(value: &Bound<'_, PyAny>, what: &str, needed: Option<usize>) -> PyRe
     let read: PyReadonlyArray2<'_, f64> = plain.extract()?;
     let numbers = read.as_slice().map_err(|error| PyValueError::new_err(error.to_string()))?;
     Ok(numbers.as_chunks::<3>().0.to_vec())
-}
-
-fn contiguous<'py>(array: &Bound<'py, PyUntypedArray>, dtype: &str) -> PyResult<Bound<'py, PyAny>> {
-    array.py().import("numpy")?.call_method1("ascontiguousarray", (array, dtype))
 }
 
 /// Numbers, one or `needed` of them.
@@ -122,6 +119,11 @@ fn whole(array: &Bound<'_, PyUntypedArray>, what: &str) -> PyResult<Vec<u32>> {
     list.extract().map_err(|_| PyValueError::new_err(format!("{what} must be numbers from 0 to {}", u32::MAX)))
 }
 
+/// The same numbers in a row, in C's order and aligned.
+fn contiguous<'py>(array: &Bound<'py, PyUntypedArray>, dtype: &str) -> PyResult<Bound<'py, PyAny>> {
+    array.py().import("numpy")?.call_method1("require", (array, dtype, ["C", "A"]))
+}
+
 /// Fills `out`, or a new array, with `n` rows that `fill` writes.
 ///
 /// # Errors
@@ -143,8 +145,11 @@ pub fn filled<'py>(
         let found = array.shape();
         return Err(PyValueError::new_err(format!("out must have the shape ({n}, 3), and has {found:?}")));
     }
+    if !array.is_c_contiguous() {
+        return Err(PyValueError::new_err("out must be C-contiguous"));
+    }
     let mut write = array.try_readwrite().map_err(|error| PyValueError::new_err(format!("out: {error}")))?;
     let place = write.as_slice_mut();
-    fill(place.map_err(|_| PyValueError::new_err("out must be C-contiguous"))?.as_chunks_mut::<3>().0)?;
+    fill(place.map_err(|_| PyValueError::new_err("out must be aligned"))?.as_chunks_mut::<3>().0)?;
     Ok(array.clone())
 }
