@@ -4,6 +4,25 @@ from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
+from typing_extensions import Self, disjoint_base
+
+__all__ = [
+    "__version__",
+    "Case",
+    "Mesh",
+    "Network",
+    "Simulation",
+    "Step",
+    "Energies",
+    "Rollout",
+    "schema",
+    "methods",
+    "generate",
+    "read",
+    "record",
+    "rollout",
+    "_panic",
+]
 
 __version__: str
 
@@ -31,6 +50,7 @@ class Case:
     def warnings(self) -> list[str]: ...
     def to_dict(self) -> dict[str, Any]: ...
 
+@disjoint_base
 class Mesh:
     def __new__(
         cls,
@@ -39,7 +59,7 @@ class Mesh:
         edges: npt.ArrayLike | None = None,
         triangles: npt.ArrayLike | None = None,
         groups: Mapping[str, Mapping[str, npt.ArrayLike]] | None = None,
-    ) -> Mesh: ...
+    ) -> Self: ...
     @property
     def nodes(self) -> _Rows: ...
     @property
@@ -55,10 +75,11 @@ class Mesh:
     def quality(self) -> dict[str, float]: ...
     def write(self, path: _Path, *, replace: bool = False) -> None: ...
 
+@disjoint_base
 class Network:
     def __new__(
         cls, mesh: Mesh | npt.ArrayLike, *, mass: npt.ArrayLike, gravity: npt.ArrayLike | None = None
-    ) -> Network: ...
+    ) -> Self: ...
     def springs(
         self,
         pairs: npt.ArrayLike | None = None,
@@ -71,10 +92,9 @@ class Network:
     ) -> None: ...
     def hold(self, nodes: npt.ArrayLike, directions: str = "xyz") -> None: ...
     def force(self, nodes: npt.ArrayLike, force: npt.ArrayLike) -> None: ...
-    def initial(
-        self, *, displacement: npt.ArrayLike | None = None, velocity: npt.ArrayLike | None = None
-    ) -> None: ...
+    def initial(self, *, displacement: npt.ArrayLike | None = None, velocity: npt.ArrayLike | None = None) -> None: ...
 
+@disjoint_base
 class Simulation:
     def __new__(
         cls,
@@ -83,7 +103,7 @@ class Simulation:
         threads: int = 1,
         keep_going: bool = False,
         settings: Mapping[str, Any] | None = None,
-    ) -> Simulation: ...
+    ) -> Self: ...
     def step(self, n: int = 1) -> Step: ...
     def advance(self, duration: float) -> Step: ...
     def run_until(self, t: float) -> Step: ...

@@ -12,10 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from . import _core
+from ._core import Case as CoreCase
+from ._core import Mesh as CoreMesh
 from .errors import CaseError, Fault
 
-__all__ = ["Case", "CaseLike", "as_case"]
+__all__ = ["Case", "as_case"]
 
 Overrides = Mapping[str, Any]
 _DEEPEST = 60
@@ -42,6 +43,11 @@ class Case:
 
     __slots__ = ("_base", "_core", "_file", "_overrides")
 
+    _core: CoreCase
+    _file: Path | None
+    _base: Path
+    _overrides: list[tuple[str, str]]
+
     def __init__(
         self,
         source: str | os.PathLike[str] | Mapping[str, Any] | Case,
@@ -50,7 +56,7 @@ class Case:
         base: str | os.PathLike[str] | None = None,
     ) -> None:
         changes = _assignments(overrides)
-        self._file: Path | None = None
+        self._file = None
         self._overrides = changes
         if isinstance(source, Case):
             self._core = source._core.with_overrides(changes)
@@ -59,11 +65,11 @@ class Case:
         elif isinstance(source, Mapping):
             self._base = Path(base if base is not None else ".")
             text = json.dumps(plain(source))
-            self._core = _core.Case.from_text(text, "case", self._base, changes)
+            self._core = CoreCase.from_text(text, "case", self._base, changes)
         elif isinstance(source, (str, os.PathLike)):
             self._file = Path(os.fspath(source))
             self._base = self._file.parent
-            self._core = _core.Case.from_file(self._file, changes)
+            self._core = CoreCase.from_file(self._file, changes)
         else:
             raise TypeError(f"a case is a file, a dictionary or a Case, not {type(source).__name__}")
 
@@ -113,9 +119,6 @@ class Case:
         return f"<b>{html.escape(repr(self))}</b><details><summary>case</summary><pre>{text}</pre></details>"
 
 
-CaseLike = "Case | str | os.PathLike[str] | Mapping[str, Any]"
-
-
 def as_case(source: Any) -> Case:
     """The case itself, or one made of a file or dictionary."""
     return source if isinstance(source, Case) else Case(source)
@@ -152,7 +155,7 @@ def plain(value: Any, at: str = "", depth: int = 0) -> Any:
         return float(value)
     if isinstance(value, os.PathLike):
         return os.fspath(value)
-    if isinstance(value, _core.Mesh):
+    if isinstance(value, CoreMesh):
         return {"explicit": _explicit(value)}
     if isinstance(value, np.ndarray):
         return _list_of(value, at)
@@ -174,7 +177,7 @@ def _list_of(array: np.ndarray[Any, Any], at: str) -> Any:
     return array.tolist()
 
 
-def _explicit(mesh: _core.Mesh) -> dict[str, Any]:
+def _explicit(mesh: CoreMesh) -> dict[str, Any]:
     groups = {
         name: {kind: numbers.tolist() for kind, numbers in members.items()} for name, members in mesh.groups.items()
     }

@@ -158,7 +158,9 @@ def from_pyvista(data: Any) -> Mesh:
     """
     surface = data if hasattr(data, "faces") else data.extract_surface(pass_pointid=False, pass_cellid=False)
     lines = _lines(np.asarray(surface.lines))
-    faces = np.asarray(surface.triangulate().faces).reshape(-1, 4)[:, 1:] if len(surface.faces) else np.empty((0, 3), int)
+    faces = (
+        np.asarray(surface.triangulate().faces).reshape(-1, 4)[:, 1:] if len(surface.faces) else np.empty((0, 3), int)
+    )
     return Mesh(np.asarray(surface.points, dtype=float), edges=_with_sides(lines, faces), triangles=faces)
 
 

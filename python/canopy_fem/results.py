@@ -74,7 +74,9 @@ def run(
     result = Result(folder, summary, keeper)
     if check and summary["failure"] is not None:
         failure = summary["failure"]
-        error = Diverged(f"{summary['status']} at t = {failure['time']} s: {failure['cause']}; {failure['advice']}", failure)
+        error = Diverged(
+            f"{summary['status']} at t = {failure['time']} s: {failure['cause']}; {failure['advice']}", failure
+        )
         error.result = result
         raise error
     return result
@@ -123,7 +125,8 @@ class Result:
 
     @property
     def history(self) -> npt.NDArray[Any]:
-        """A row a step or every n: t [s], step, energies [J], newton_iterations, residual, max_speed [m/s], max_strain."""
+        """A row a step or every n: t [s], step, energies [J], newton_iterations, residual, max_speed [m/s],
+        max_strain [-]."""
         return self._table("history")
 
     @property

@@ -6,7 +6,7 @@ import html
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, MutableMapping
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,17 +15,20 @@ from . import _core
 from .case import as_case
 from .errors import CaseError
 
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
 __all__ = ["Motion", "Network", "Simulation"]
 
-Array = npt.NDArray[np.float64]
+_Array = npt.NDArray[np.float64]
 
 
 class Motion(NamedTuple):
     """Where nodes are and how they move."""
 
-    positions: Array
+    positions: _Array
     """[m] (n, 3)"""
-    velocities: Array
+    velocities: _Array
     """[m/s] (n, 3)"""
 
 
@@ -61,7 +64,7 @@ class Simulation(_core.Simulation):
         threads: threads of scenes above 2,000 nodes; results do not depend on it.
         keep_going: go on past a divergence until a value is not finite.
         method, step, tolerance, end: of a network: a method as in a case (``"newmark"`` or
-            ``{"hht": {"alpha": -0.1}}``), the fixed step [s] or the relative tolerance of adaptive ones, and the end [s].
+            ``{"hht": {"alpha": -0.1}}``), the fixed step [s] or the relative tolerance of adaptive steps, the end [s].
 
     Raises:
         CaseError: a case with faults, a network that cannot be simulated, a method that does not fit.
@@ -80,7 +83,7 @@ class Simulation(_core.Simulation):
         step: float | None = None,
         tolerance: float | None = None,
         end: float | None = None,
-    ) -> Simulation:
+    ) -> Self:
         how = {"method": method, "step": step, "tolerance": tolerance, "end": end}
         if not isinstance(source, _core.Network):
             given = [name for name, value in how.items() if value is not None]
@@ -113,7 +116,7 @@ class Simulation(_core.Simulation):
                 tell(self.time, end)
         return step
 
-    def attempt(self) -> Motion:  # type: ignore[override]
+    def attempt(self) -> Motion:
         """Computes the next step without accepting it, and shows its end. `accept` or `drop` must follow.
 
         For implicit coupling, where the forces of a step depend on its end.
@@ -128,8 +131,8 @@ class Simulation(_core.Simulation):
         """Forces from outside by name: arrays [N], (n, 3), or functions ``f(t, x, v)`` that return one.
 
         An array acts from now on until it is set again, in every step alike. A function is called several times a step
-        with the interpreter, which takes some ten microseconds a call: slow, and steps are then made one by one. It must
-        return the same values for the same arguments. What it raises ends the step, and comes out of it.
+        with the interpreter, which takes some ten microseconds a call: slow, and steps are then made one by one. It
+        must return the same values for the same arguments. What it raises ends the step, and comes out of it.
 
         >>> sim.forces["wake"] = f                    # doctest: +SKIP
         >>> sim.forces["thrust"] = lambda t, x, v: f  # doctest: +SKIP
@@ -213,7 +216,7 @@ class Forces(MutableMapping[str, Any]):
             self._known[name] = force
 
     def add(
-        self, name: str, function: Callable[[float, Array, Array], npt.ArrayLike], *, velocity_dependent: bool = True
+        self, name: str, function: Callable[[float, _Array, _Array], npt.ArrayLike], *, velocity_dependent: bool = True
     ) -> None:
         """Sets a force that a function computes. One that does not depend on velocities costs velocity Verlet one call
         a step less."""
@@ -248,9 +251,10 @@ class RestScales:
         """Sets the factor of a group, or of edges by number, from now on."""
         self._sim.set_rest_scale(self._edges(key), factor)
 
-    def __getitem__(self, key: Any) -> Array:
+    def __getitem__(self, key: Any) -> _Array:
         """The factors of these edges, (k,)."""
-        return self._sim.rest_scales()[self._edges(key)]
+        factors: _Array = self._sim.rest_scales()[self._edges(key)]
+        return factors
 
 
 class Loads(MutableMapping[str, float]):

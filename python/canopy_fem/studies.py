@@ -31,8 +31,8 @@ def rollout(
     nodes: Sequence[int] | npt.NDArray[Any] | None = None,
     every: float | None = None,
 ) -> list[_core.Rollout]:
-    """Runs cases at once on a pool of threads, one case a thread, in memory. The order is that of the cases, and results
-    do not depend on the number of threads.
+    """Runs cases at once on a pool of threads, one case a thread, in memory. The order is that of the cases; results do
+    not depend on the number of threads.
 
     Args:
         cases: cases, case files or dictionaries. `Case.with_overrides` makes variants of one case without making its

@@ -12,9 +12,9 @@ import canopy_fem as cf
 
 REFUSED = (cf.CaseError, ValueError, TypeError, KeyError, OverflowError)
 VALUES = [
-    None, True, -1, 0, 1e308, -1e-320, 2**70, float("nan"), float("inf"), "", "x" * 5000, "\0", "\ud800", [], [[]], {}, b"bytes",
-    object(), {"a": {}}, [1, 2, 3], np.zeros(3), np.array(["a"]), np.zeros((3, 3), complex), {1: 2}, set(), 1j, range(3),
-    np.datetime64("2020-01-01"), np.float32("nan"), -0.0, [None], {"": ""}, lambda: 0,
+    None, True, -1, 0, 1e308, -1e-320, 2**70, float("nan"), float("inf"), "", "x" * 5000, "\0", "\ud800", [], [[]], {},
+    b"bytes",     object(), {"a": {}}, [1, 2, 3], np.zeros(3), np.array(["a"]), np.zeros((3, 3), complex),
+    {1: 2}, set(), 1j, range(3),    np.datetime64("2020-01-01"), np.float32("nan"), -0.0, [None], {"": ""}, lambda: 0,
 ]  # fmt: skip
 
 

@@ -24,7 +24,9 @@ def test_generators_and_quality():
 def test_files_keep_a_mesh(tmp_path):
     """A mesh with groups comes back from .vtu as it was; an existing file is kept unless it may be replaced."""
     nodes = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
-    mesh = cf.mesh.Mesh(nodes, triangles=[[0, 1, 2], [0, 2, 3]], groups={"cut": {"edges": [1]}, "foot": {"nodes": [0, 1]}})
+    mesh = cf.mesh.Mesh(
+        nodes, triangles=[[0, 1, 2], [0, 2, 3]], groups={"cut": {"edges": [1]}, "foot": {"nodes": [0, 1]}}
+    )
     assert mesh.edges.tolist() == [[0, 1], [0, 2], [0, 3], [1, 2], [2, 3]]
     path = tmp_path / "square.vtu"
     mesh.write(path)

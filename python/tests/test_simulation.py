@@ -201,7 +201,7 @@ def test_out_must_fit(sim, out, error):
 
 
 def test_divergence_has_its_report(small):
-    """A step far above the critical one diverges: the exception tells node, cause and advice, and the state is finite."""
+    """A step far above the critical one diverges: the exception tells cause and advice, and the state is finite."""
     small["time"]["step"] = 0.05
     small["time"]["end"] = 10.0
     sim = cf.Simulation(small)
