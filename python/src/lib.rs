@@ -1,6 +1,6 @@
-//! The Python module of canopy-fem: thin classes around the engine's door for programs (`canopy_fem::simulation`), for
-//! `python/canopy_fem`, which gives them their conveniences. The engine itself has no `unsafe`; what pyo3 needs of it is
-//! in pyo3.
+//! The Python module of canopy-fem: thin classes around the engine's door for programs
+//! (`canopy_fem::simulation`), for `python/canopy_fem`, which gives them their conveniences. The engine itself has no
+//! `unsafe`; what pyo3 needs of it is in pyo3.
 //!
 //! Every call gives the interpreter free while the engine works. Panics become `InternalError`.
 
