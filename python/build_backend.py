@@ -15,6 +15,10 @@ from maturin import build_wheel as build_module
 
 PROGRAM = "canopy-fem.exe" if sys.platform == "win32" else "canopy-fem"
 
+# maturin wants the folder of the program in every hook, also before there is a program.
+SCRIPTS = Path.cwd() / "canopy_fem.data" / "scripts"
+SCRIPTS.mkdir(parents=True, exist_ok=True)
+
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     """As PEP 517 has it."""
@@ -24,7 +28,5 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     subprocess.run(build, cwd=workspace, check=True)
     ask = ["cargo", "metadata", "--format-version", "1", "--no-deps"]
     metadata = json.loads(subprocess.run(ask, cwd=workspace, check=True, capture_output=True).stdout)
-    scripts = here / "canopy_fem.data" / "scripts"
-    scripts.mkdir(parents=True, exist_ok=True)
-    shutil.copy2(Path(metadata["target_directory"]) / "release" / PROGRAM, scripts / PROGRAM)
+    shutil.copy2(Path(metadata["target_directory"]) / "release" / PROGRAM, SCRIPTS / PROGRAM)
     return build_module(wheel_directory, config_settings, metadata_directory)
