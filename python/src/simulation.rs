@@ -31,6 +31,8 @@ pub struct Simulation {
 }
 
 type Rows<'py> = PyResult<Bound<'py, PyArray2<f64>>>;
+/// Positions and velocities.
+type Motion<'py> = PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)>;
 
 /// How a network of arrays moves: the keywords of `canopy_fem.Simulation`.
 #[derive(FromPyObject)]
@@ -131,7 +133,7 @@ impl Simulation {
     }
 
     /// Computes the next step without accepting it: its positions and velocities, each (n, 3).
-    fn attempt<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+    fn attempt<'py>(&self, py: Python<'py>) -> Motion<'py> {
         let motion = self.with(py, |sim| sim.attempt().map(|()| sim.attempted()))?;
         let motion = motion.ok_or_else(|| SimulationError::new_err("the step has no end"))?;
         Ok((of_rows(py, motion.positions)?, of_rows(py, motion.velocities)?))
