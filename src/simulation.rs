@@ -24,9 +24,11 @@
 //! |---|---|
 //! | make a scene in code | [`NetworkBuilder`], [`Simulation::new`] |
 //! | take scene, method and step of a case file | [`Simulation::from_case`], or [`follow`] to run it to its end |
+//! | write the files of `canopy-fem solve` | [`record`] |
 //! | only its scene, another method | [`build_scene`], [`RunSettings::of_case`], [`Simulation::of_scene`] |
 //! | choose method, steps, threads | [`RunSettings::fixed`], [`RunSettings::adaptive`], [`RunSettings::of`] |
 //! | make steps | [`Simulation::step`], [`Simulation::advance`], [`Simulation::run_until`] |
+//! | stop on the way | [`Simulation::run_until_or`] |
 //! | look at a step first | [`Simulation::attempt`]; [`Simulation::accept`] or [`Simulation::drop_attempt`] |
 //! | read nodes | [`Simulation::positions`], [`Simulation::velocities`], [`Simulation::reactions`] |
 //! | read springs and energies | [`Simulation::tensions`], [`Simulation::energies`] |
@@ -53,6 +55,7 @@ mod builder;
 mod derivative;
 mod error;
 mod follow;
+mod record;
 mod state;
 
 pub use crate::force::law::bar_law::{BarForce, BarLaw, Bars};
@@ -61,6 +64,7 @@ pub use builder::{NetworkBuilder, RunSettings, SpringLaw};
 pub use derivative::{DerivativeError, derivative_error};
 pub use error::{SetupError, SimulationError};
 pub use follow::{FollowSpec, FollowedState, follow};
+pub use record::{EarlierResults, RecordError, RecordSettings, Recorded, record};
 pub use state::NodeMotion;
 
 use crate::case::spec::{Problem, SystemSpec};
@@ -223,7 +227,7 @@ impl Simulation {
     /// As [`Simulation::step`]; the steps before a failed one are made.
     pub fn advance(&mut self, n: u64) -> Result<StepInfo, SimulationError> {
         let last = self.state.steps.saturating_add(n);
-        self.go(StopAt { step: last, t: f64::INFINITY }, &mut [])
+        self.go(StopAt { step: last, t: f64::INFINITY }, &mut [], &mut || false)
     }
 
     /// Makes steps up to the first that ends at time `t` [s] or later, up to rounding of the time; none where that is
@@ -244,10 +248,33 @@ impl Simulation {
         if !t.is_finite() {
             return Err(SimulationError::NotFinite { what: "time [s]", row: 0 });
         }
-        self.go(StopAt { step: u64::MAX, t }, observers)
+        self.go(StopAt { step: u64::MAX, t }, observers, &mut || false)
     }
 
-    fn go(&mut self, until: StopAt, observers: &mut [&mut dyn Observer]) -> Result<StepInfo, SimulationError> {
+    /// Makes steps up to step number `step` or to the first that ends at time `t` [s] or later, whichever comes first,
+    /// or until `pause` says so, which is asked after every step or block of steps. [`StepInfo`] tells where it is; the
+    /// same call goes on from there, with the bits of a run without a pause.
+    ///
+    /// # Errors
+    /// As [`Simulation::run_until`], but `t` may be infinite.
+    pub fn run_until_or(
+        &mut self,
+        step: u64,
+        t: f64,
+        mut pause: impl FnMut() -> bool,
+    ) -> Result<StepInfo, SimulationError> {
+        if t.is_nan() {
+            return Err(SimulationError::NotFinite { what: "time [s]", row: 0 });
+        }
+        self.go(StopAt { step, t }, &mut [], &mut pause)
+    }
+
+    fn go(
+        &mut self,
+        until: StopAt,
+        observers: &mut [&mut dyn Observer],
+        pause: &mut dyn FnMut() -> bool,
+    ) -> Result<StepInfo, SimulationError> {
         self.idle()?;
         let mut limit = until;
         let mut all: Vec<&mut dyn Observer> = observers.iter_mut().map(|o| &mut **o as &mut dyn Observer).collect();
@@ -268,6 +295,7 @@ impl Simulation {
             match made {
                 None => return Err(SimulationError::Ended { t: self.time() }),
                 Some(Err(_)) => return Err(self.failed()),
+                Some(Ok(())) if pause() => break,
                 Some(Ok(())) => {}
             }
         }

@@ -81,6 +81,26 @@ impl Simulation {
         self.nodes(&self.state.from).velocities
     }
 
+    /// Writes positions [m] and velocities [m/s] into slices of the program, each `[n_nodes][3]`.
+    ///
+    /// # Errors
+    /// Slices of another length.
+    pub fn read_nodes(&self, positions: &mut [[f64; 3]], velocities: &mut [[f64; 3]]) -> Result<(), SimulationError> {
+        let needed = self.node_count();
+        for (what, found) in [("positions", positions.len()), ("velocities", velocities.len())] {
+            if found != needed {
+                return Err(SimulationError::Shape { what, found, needed });
+            }
+        }
+        self.scene.trace(self.state.from.state.as_ref(), positions, velocities);
+        Ok(())
+    }
+
+    /// [s] End of the run.
+    pub fn end(&self) -> f64 {
+        self.settings.end
+    }
+
     /// Positions and velocities at the end of the attempted step; `None` without one.
     pub fn attempted(&self) -> Option<NodeMotion> {
         self.pending.as_ref().map(|pending| match pending {

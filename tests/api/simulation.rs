@@ -224,3 +224,34 @@ fn a_step_that_diverges_is_refused() {
     assert!(matches!(&error, SimulationError::Failed(failure) if failure.step == sim.step_count() + 1), "{error}");
     assert!(sim.positions().as_flattened().iter().all(|x| x.is_finite()));
 }
+
+/// A run that pauses after every step or block of steps has the bits of one that does not; it stops at a step number,
+/// at a time, or where the program says so.
+#[test]
+fn pauses_change_nothing() {
+    for (mut paused, mut whole) in all().into_iter().zip(all()) {
+        let mut pauses = 0;
+        while paused.run_until_or(u64::MAX, 0.3, || true).expect("it goes on").t < 0.3 - 1e-12 {
+            pauses += 1;
+        }
+        assert!(pauses > 2, "{pauses}");
+        whole.run_until(0.3).expect("it goes on");
+        assert_same(&paused, &whole);
+        let step = paused.step_count();
+        assert_eq!(paused.run_until_or(step + 7, f64::INFINITY, || false).expect("it goes on").step, step + 7);
+        assert!(matches!(paused.run_until_or(0, f64::NAN, || false), Err(SimulationError::NotFinite { .. })));
+    }
+}
+
+/// Positions and velocities are written into slices of the program, if they have a row for each node.
+#[test]
+fn nodes_are_read_into_slices() {
+    let mut sim = falling("newmark");
+    sim.advance(20).expect("it goes on");
+    let (mut x, mut v) = ([[0.0; 3]; 6], [[0.0; 3]; 6]);
+    sim.read_nodes(&mut x, &mut v).expect("six nodes");
+    assert_eq!((x.to_vec(), v.to_vec()), (sim.positions(), sim.velocities()));
+    let refused = sim.read_nodes(&mut x, &mut v[..5]);
+    assert!(matches!(refused, Err(SimulationError::Shape { what: "velocities", found: 5, needed: 6 })), "{refused:?}");
+    assert_eq!(sim.end(), 1.0);
+}

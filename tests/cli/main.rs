@@ -16,6 +16,7 @@ mod matrices;
 mod mesh;
 mod parachutes;
 mod plot;
+mod record;
 mod refusals;
 mod report;
 mod results;

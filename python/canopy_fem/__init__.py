@@ -1,0 +1,53 @@
+"""Parachute canopies and cloth as mass-spring networks, integrated the way a finite-element code would.
+
+The engine of the program ``canopy-fem``. Units are SI; nodes, edges and triangles count from 0, as in the mesh.
+
+=================================  ===================================================================
+`Case`                             a case: a file or a dictionary, with other values
+`run`, `load`, `Result`            a whole run with the files of ``canopy-fem solve``; its tables
+`Simulation`                       a scene in motion: step by step, with forces and changes from outside
+`Network`                          masses and springs from arrays
+`rollout`                          many runs at once, on a pool of threads
+`check`, `tradeoff`, `stability`   studies
+`mesh`                             generators, files, meshio, pyvista
+`CaseError`, `Diverged`, …         exceptions
+=================================  ===================================================================
+"""
+
+from . import mesh
+from ._core import Energies, Rollout, Step, __version__, methods, schema
+from .case import Case
+from .errors import CanopyError, CaseError, Diverged, Ended, Fault, InternalError, SimulationError
+from .results import CaseWarning, Result, load, run
+from .simulation import Motion, Network, Simulation
+from .studies import check, program, rollout, stability, tradeoff
+
+__all__ = [
+    "CanopyError",
+    "Case",
+    "CaseError",
+    "CaseWarning",
+    "Diverged",
+    "Ended",
+    "Energies",
+    "Fault",
+    "InternalError",
+    "Motion",
+    "Network",
+    "Result",
+    "Rollout",
+    "Simulation",
+    "SimulationError",
+    "Step",
+    "__version__",
+    "check",
+    "load",
+    "mesh",
+    "methods",
+    "program",
+    "rollout",
+    "run",
+    "schema",
+    "stability",
+    "tradeoff",
+]

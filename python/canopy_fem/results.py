@@ -1,0 +1,254 @@
+"""Runs that write files, and what the files hold."""
+
+from __future__ import annotations
+
+import csv
+import html
+import json
+import os
+import tempfile
+import warnings as python_warnings
+import xml.etree.ElementTree as xml
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from .case import as_case
+from .errors import CanopyError, Diverged
+from .simulation import teller
+
+__all__ = ["CaseWarning", "Result", "load", "run"]
+
+_WHOLE = {"step", "newton_iterations", "node"}
+_TEXT = {"name", "quantity"}
+
+
+class CaseWarning(UserWarning):
+    """Something doubtful about a case or a run."""
+
+
+def run(
+    case: Any,
+    out: str | os.PathLike[str] | None = None,
+    *,
+    threads: int = 1,
+    replace: bool = False,
+    resume: bool = False,
+    keep_going: bool = False,
+    progress: bool | Callable[[float, float], object] = False,
+    check: bool = True,
+) -> Result:
+    """Runs a case to its end and writes the files of ``canopy-fem solve``, byte for byte.
+
+    Args:
+        case: a `Case`, a case file or a dictionary.
+        out: folder for the files; a temporary one, which the result removes with itself, if left out.
+        threads: threads of scenes above 2,000 nodes; results do not depend on it.
+        replace: replace earlier results in the folder.
+        resume: go on from the checkpoint in the folder.
+        keep_going: go on past a divergence until a value is not finite.
+        progress: True for a line on standard error, or a function of time [s] and end [s], called ten times a second.
+        check: raise Diverged for a run that fails; its ``result`` has the files up to there.
+
+    Raises:
+        CaseError: a case with faults.
+        Diverged: a run that diverged or could not be solved.
+        OSError: a folder with earlier results, or files that cannot be written.
+        KeyboardInterrupt: Ctrl-C; the folder then has a checkpoint.
+    """
+    case = as_case(case)
+    if replace and resume:
+        raise ValueError("give either replace or resume")
+    keeper = tempfile.TemporaryDirectory(prefix="canopy-fem-") if out is None else None
+    folder = Path(os.fspath(out)) if out is not None else Path(keeper.name if keeper else "") / "results"
+    earlier = "resume" if resume else "replace" if replace else "keep"
+    summary, found = _core.record(
+        case._core, folder, earlier=earlier, threads=threads, keep_going=keep_going, progress=teller(progress)
+    )
+    for warning in found:
+        python_warnings.warn(warning, CaseWarning, stacklevel=2)
+    result = Result(folder, summary, keeper)
+    if check and summary["failure"] is not None:
+        failure = summary["failure"]
+        error = Diverged(
+            f"{summary['status']} at t = {failure['time']} s: {failure['cause']}; {failure['advice']}", failure
+        )
+        error.result = result
+        raise error
+    return result
+
+
+def load(folder: str | os.PathLike[str]) -> Result:
+    """The results in a folder, of this module or of ``canopy-fem solve``.
+
+    Raises:
+        OSError: no folder, or no summary in it.
+        ValueError: a summary that cannot be read.
+    """
+    path = Path(os.fspath(folder))
+    return Result(path, json.loads((path / "summary.json").read_text(encoding="utf-8")))
+
+
+class Result:
+    """A finished run: its folder, its summary, and its tables.
+
+    `history`, `probes` and `gauges` are numpy structured arrays with the columns of the files, read when first asked
+    for; columns are e.g. ``result.history["kinetic"]`` [J].
+    """
+
+    def __init__(self, folder: Path, summary: dict[str, Any], keeper: Any = None) -> None:
+        self.folder = folder
+        """where the files are"""
+        self.summary = summary
+        """what summary.json holds"""
+        self._keeper = keeper
+        self._tables: dict[str, npt.NDArray[Any]] = {}
+
+    @property
+    def status(self) -> str:
+        """``"completed"``, ``"diverged"``, ``"not-converged"`` or ``"interrupted"``."""
+        return str(self.summary["status"])
+
+    @property
+    def failure(self) -> dict[str, Any] | None:
+        """The post-mortem of a run that failed: cause, advice, time [s], node, …"""
+        return self.summary.get("failure")
+
+    @property
+    def peaks(self) -> dict[str, float]:
+        """Largest values of the gauges, by ``"name quantity"``."""
+        return {f"{peak['name']} {peak['quantity']}": peak["value"] for peak in self.summary.get("peaks", [])}
+
+    @property
+    def history(self) -> npt.NDArray[Any]:
+        """A row a step or every n: t [s], step, energies [J], newton_iterations, residual, max_speed [m/s],
+        max_strain [-]."""
+        return self._table("history")
+
+    @property
+    def probes(self) -> npt.NDArray[Any]:
+        """A row a node and frame time: t [s], name, node, x, y, z [m], vx, vy, vz [m/s]."""
+        return self._table("probes")
+
+    @property
+    def gauges(self) -> npt.NDArray[Any]:
+        """A row a value: t [s], name, quantity, value in its SI unit."""
+        return self._table("gauges")
+
+    def gauge(self, name: str, quantity: str | None = None) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
+        """Times [s] and values of one gauge.
+
+        Raises:
+            KeyError: no such gauge, or several quantities and none named.
+        """
+        rows = self.gauges[self.gauges["name"] == name]
+        known = sorted(set(rows["quantity"]))
+        if quantity is None and len(known) == 1:
+            quantity = known[0]
+        if quantity not in known:
+            names = sorted({f"{row['name']} {row['quantity']}" for row in self.gauges})
+            raise KeyError(f"no gauge {name!r} with quantity {quantity!r}; there are: {', '.join(names)}")
+        rows = rows[rows["quantity"] == quantity]
+        return rows["t"], rows["value"]
+
+    @property
+    def times(self) -> npt.NDArray[np.float64]:
+        """[s] Times of the frames."""
+        return np.array([t for t, _ in self._frames()])
+
+    def frame(self, t: float | None = None) -> Path:
+        """The .vtu file of the frame nearest to a time [s]; of the last one if left out."""
+        frames = self._frames()
+        if not frames:
+            raise CanopyError(f"{self.folder} has no frames")
+        return frames[-1][1] if t is None else min(frames, key=lambda frame: abs(frame[0] - t))[1]
+
+    def to_pandas(self, table: str = "history") -> Any:
+        """A table, ``"history"``, ``"probes"`` or ``"gauges"``, as a pandas DataFrame.
+
+        Raises:
+            ImportError: pandas is not installed.
+        """
+        import pandas
+
+        return pandas.DataFrame(self._table(table))
+
+    def to_pyvista(self, t: float | None = None) -> Any:
+        """The frame nearest to a time [s], or the last one, as a pyvista.UnstructuredGrid with all its fields.
+
+        Raises:
+            ImportError: pyvista is not installed.
+        """
+        import pyvista
+
+        return pyvista.read(self.frame(t))
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draws the energies over time with matplotlib; the axes.
+
+        Raises:
+            ImportError: matplotlib is not installed.
+        """
+        if axes is None:
+            from matplotlib import pyplot
+
+            axes = pyplot.subplots(layout="constrained")[1]
+        for name in ("kinetic", "elastic", "gravity", "external_work", "dissipated", "numerical"):
+            if np.any(self.history[name]):
+                axes.plot(self.history["t"], self.history[name], label=name.replace("_", " "))
+        axes.set_xlabel("time [s]")
+        axes.set_ylabel("energy [J]")
+        axes.legend()
+        return axes
+
+    def __repr__(self) -> str:
+        run = self.summary
+        return f"<Result: {run['status']} at t = {run['t_end']:g} s after {run['steps']} steps of {run['method']}>"
+
+    def _repr_html_(self) -> str:
+        rows = [("status", self.status), ("steps", self.summary["steps"]), ("end [s]", f"{self.summary['t_end']:g}")]
+        rows += [("energy error", f"{self.summary['energy_error']:.2e}"), ("folder", self.folder)]
+        rows += [(name, f"{value:.6g}") for name, value in self.peaks.items() if value is not None]
+        cells = "".join(f"<tr><td>{html.escape(str(a))}</td><td>{html.escape(str(b))}</td></tr>" for a, b in rows)
+        return f"<b>{html.escape(repr(self))}</b><table>{cells}</table>"
+
+    def _table(self, name: str) -> npt.NDArray[Any]:
+        if name not in ("history", "probes", "gauges"):
+            raise KeyError(f"no table {name!r}; there are history, probes and gauges")
+        if name not in self._tables:
+            self._tables[name] = _read(self.folder / f"{name}.csv", name)
+        return self._tables[name]
+
+    def _frames(self) -> list[tuple[float, Path]]:
+        lists = sorted(self.folder.glob("*.pvd"))
+        if not lists:
+            return []
+        entries = xml.parse(lists[0]).getroot().iter("DataSet")
+        return [(float(entry.attrib["timestep"]), self.folder / entry.attrib["file"]) for entry in entries]
+
+
+_HEADERS = {"probes": "t,name,node,x,y,z,vx,vy,vz", "gauges": "t,name,quantity,value"}
+
+
+def _read(path: Path, table: str) -> npt.NDArray[Any]:
+    """A .csv file as a structured array; an empty one where the case asked for none."""
+    if not path.exists() and table in _HEADERS:
+        names, rows = _HEADERS[table].split(","), []
+    else:
+        with path.open(encoding="utf-8", newline="") as file:
+            names, *rows = csv.reader(file)
+    columns = {name: [row[place] for row in rows] for place, name in enumerate(names)}
+
+    def kind(name: str) -> str:
+        if name in _TEXT:
+            return f"U{max((len(text) for text in columns[name]), default=1)}"
+        return "i8" if name in _WHOLE else "f8"
+
+    made = np.empty(len(rows), dtype=[(name, kind(name)) for name in names])
+    for name, values in columns.items():
+        made[name] = np.array(values, dtype=made.dtype[name]) if values else []
+    return made

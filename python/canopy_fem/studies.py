@@ -1,0 +1,163 @@
+"""Studies, by the program that is part of the wheel, and many runs at once."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy.typing as npt
+
+from . import _core
+from .case import Case, as_case
+from .errors import CanopyError, CaseError
+
+__all__ = ["check", "program", "rollout", "stability", "tradeoff"]
+
+
+def rollout(
+    cases: Iterable[Any],
+    *,
+    threads: int | None = None,
+    nodes: Sequence[int] | npt.NDArray[Any] | None = None,
+    every: float | None = None,
+) -> list[_core.Rollout]:
+    """Runs cases at once on a pool of threads, one case a thread, in memory. The order is that of the cases; results do
+    not depend on the number of threads.
+
+    Args:
+        cases: cases, case files or dictionaries. `Case.with_overrides` makes variants of one case without making its
+            mesh again.
+        threads: number of threads; that of the processors if left out.
+        nodes: nodes to keep, (k,); all if left out.
+        every: [s] keep the state at the end of the first step that reaches each multiple of it; only the first and the
+            last state if left out.
+
+    Raises:
+        CaseError: a case with faults.
+        ValueError, TypeError: nodes that do not exist, and other arguments out of range.
+
+    A run that diverges or cannot be solved is no exception here: its `status` and `failure` say so.
+    """
+    if isinstance(cases, (str, Case)):
+        raise TypeError("cases are a list of cases")
+    made = [as_case(case)._core for case in cases]
+    numbers = None if nodes is None else [int(node) for node in _whole(nodes)]
+    return _core.rollout(made, threads=threads or os.cpu_count() or 1, nodes=numbers, every=every)
+
+
+def _whole(nodes: Any) -> Any:
+    import numpy as np
+
+    array = np.asarray(nodes)
+    if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
+        raise TypeError(f"nodes are whole numbers, (k,), not an array of {array.dtype} with shape {array.shape}")
+    if array.size and (array.min() < 0 or array.max() >= 2**32):
+        raise ValueError("nodes are numbers from 0 to 4294967295")
+    return array
+
+
+def check(case: Any, *, accuracy: float | None = None) -> dict[str, Any]:
+    """What ``canopy-fem check --json`` prints: the model, critical steps of all methods, predicted costs, a recommended
+    method and step for an accuracy, warnings.
+
+    Raises:
+        CaseError: the case has faults.
+    """
+    given = [] if accuracy is None else ["--accuracy", repr(float(accuracy))]
+    with _file_of(as_case(case)) as arguments:
+        return dict(json.loads(_call(["check", *arguments, "--json", *given])))
+
+
+def tradeoff(
+    case: Any, out: str | os.PathLike[str] | None = None, *, arguments: Sequence[str] = (), replace: bool = False
+) -> list[dict[str, Any]]:
+    """The study of ``canopy-fem tradeoff``: a dictionary a run, with the columns of tradeoff.csv.
+
+    Args:
+        case: a `Case`, a case file or a dictionary.
+        out: folder for tradeoff.csv, .json, .svg and .html; they are not kept if left out.
+        arguments: further arguments of the command, e.g. ``["--methods", "rk4,newmark", "--budget", "30s"]``.
+        replace: replace an earlier study in the folder.
+
+    Raises:
+        CaseError: the case has faults, or the arguments do not fit.
+    """
+    return _study("tradeoff", case, out, arguments, replace)
+
+
+def stability(
+    case: Any, out: str | os.PathLike[str] | None = None, *, arguments: Sequence[str] = (), replace: bool = False
+) -> list[dict[str, Any]]:
+    """The study of ``canopy-fem stability``: a dictionary a method with its predicted and measured largest stable step
+    [s], None where there is no limit. Arguments and exceptions are those of `tradeoff`."""
+    return _study("stability", case, out, arguments, replace)
+
+
+def _study(command: str, case: Any, out: Any, more: Sequence[str], replace: bool) -> list[dict[str, Any]]:
+    with tempfile.TemporaryDirectory(prefix="canopy-fem-") as scratch, _file_of(as_case(case)) as arguments:
+        folder = Path(scratch) / command if out is None else Path(os.fspath(out))
+        force = ["--force"] if replace else []
+        _call([command, *arguments, "--out", str(folder), "--quiet", *force, *map(str, more)])
+        with (folder / f"{command}.csv").open(encoding="utf-8", newline="") as file:
+            return [{name: _value(text) for name, text in row.items()} for row in csv.DictReader(file)]
+
+
+def _value(text: str) -> Any:
+    if text in ("", "true", "false"):
+        return {"": None, "true": True, "false": False}[text]
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            pass
+    return text
+
+
+def program() -> Path:
+    """The program ``canopy-fem`` of this installation.
+
+    Raises:
+        CanopyError: it is not there.
+    """
+    name = "canopy-fem.exe" if sys.platform == "win32" else "canopy-fem"
+    schemes = [sysconfig.get_path("scripts")]
+    schemes += [sysconfig.get_path("scripts", scheme) for scheme in sysconfig.get_scheme_names() if "user" in scheme]
+    # Next to a folder that pip was given with --target.
+    folders = [*map(Path, schemes), Path(__file__).parent.parent / "bin"]
+    found = next((folder / name for folder in folders if (folder / name).exists()), None) or shutil.which(name)
+    if found is None:
+        raise CanopyError(f"the program {name} is not in {', '.join(map(str, folders))}; install canopy-fem again")
+    return Path(found)
+
+
+@contextmanager
+def _file_of(case: Case) -> Iterator[list[str]]:
+    """The case as arguments of a command. A case without a file is written next to the files that it names."""
+    if case._file is not None:
+        yield [str(case._file), *(f"--set={key}={value}" for key, value in case._overrides)]
+        return
+    handle, name = tempfile.mkstemp(prefix=".canopy-fem-", suffix=".json", dir=case._base)
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            json.dump(case.to_dict(), file)
+        yield [name]
+    finally:
+        os.unlink(name)
+
+
+def _call(arguments: Sequence[str]) -> str:
+    done = subprocess.run([program(), *arguments], capture_output=True, text=True, encoding="utf-8", check=False)
+    if done.returncode == 0:
+        return done.stdout
+    message = done.stderr.strip().removeprefix("error: ")
+    raise (CaseError if done.returncode == 2 else CanopyError)(message)

@@ -1,0 +1,108 @@
+//! Cases.
+
+use crate::errors::{engine, of_case};
+use crate::values::from_json;
+use canopy_fem::case;
+use canopy_fem::integrate::registry::{Family, methods as registry};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A case that was read and has no faults.
+#[pyclass(module = "canopy_fem._core", frozen)]
+pub struct Case {
+    /// shared with runs
+    pub case: Arc<case::Case>,
+}
+
+type Overrides = Vec<(String, String)>;
+
+#[pymethods]
+impl Case {
+    /// Reads a case file.
+    #[staticmethod]
+    fn from_file(py: Python<'_>, path: PathBuf, overrides: Overrides) -> PyResult<Self> {
+        Self::of(py, move || case::Case::from_file(&path, &overrides))
+    }
+
+    /// Reads a case from its text; paths in it are relative to `base`.
+    #[staticmethod]
+    fn from_text(py: Python<'_>, text: String, name: String, base: PathBuf, overrides: Overrides) -> PyResult<Self> {
+        Self::of(py, move || case::Case::from_text(text, &name, base, &overrides))
+    }
+
+    /// The same case with other values.
+    fn with_overrides(&self, py: Python<'_>, overrides: Overrides) -> PyResult<Self> {
+        let known = self.case.clone();
+        Self::of(py, move || known.with(&overrides))
+    }
+
+    /// Its name.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.case.problem().name
+    }
+
+    /// Name of its method.
+    #[getter]
+    fn method(&self) -> &str {
+        self.case.problem().method.info.name
+    }
+
+    /// [s] its end
+    #[getter]
+    fn end(&self) -> f64 {
+        self.case.problem().time.end
+    }
+
+    /// [s] its fixed step; `None` if steps are adaptive
+    #[getter]
+    fn step(&self) -> Option<f64> {
+        self.case.problem().time.step.fixed()
+    }
+
+    /// Warnings that it does not acknowledge.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.case.warnings().iter().map(ToString::to_string).collect()
+    }
+
+    /// The case as it is run, overrides included.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        from_json(py, &self.case.problem().case_json)
+    }
+}
+
+impl Case {
+    fn of(py: Python<'_>, read: impl FnOnce() -> Result<case::Case, case::CaseError> + Send) -> PyResult<Self> {
+        let case = engine(py, read)?.map_err(|error| of_case(py, error))?;
+        Ok(Case { case: Arc::new(case) })
+    }
+}
+
+/// The JSON Schema of a case, as a dictionary.
+#[pyfunction]
+pub fn schema(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+    from_json(py, &case::json_schema())
+}
+
+/// The methods: a list of dictionaries with name, order, needs, stability and source.
+#[pyfunction]
+pub fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
+    let entry = |method: &canopy_fem::integrate::registry::MethodInfo| {
+        let needs = match method.family {
+            Family::Explicit => "forces",
+            Family::MatrixFree => "springs",
+            Family::Implicit => "tangent",
+        };
+        let entry = PyDict::new(py);
+        entry.set_item("name", method.name)?;
+        entry.set_item("order", method.order.to_string())?;
+        entry.set_item("needs", needs)?;
+        entry.set_item("stability", method.stability.to_string())?;
+        entry.set_item("source", method.source)?;
+        Ok(entry)
+    };
+    registry().iter().map(entry).collect()
+}

@@ -1,0 +1,64 @@
+//! Forces that a Python function computes.
+
+use crate::arrays::{of_rows, rows};
+use canopy_fem::simulation::NodalForce;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Where an exception of a force waits until the step has ended.
+pub type Raised = Arc<Mutex<Option<PyErr>>>;
+
+/// Takes the waiting exception.
+pub fn raised(slot: &Raised) -> Option<PyErr> {
+    slot.lock().unwrap_or_else(PoisonError::into_inner).take()
+}
+
+/// A force `function(t, x, v)` -> (n, 3).
+pub struct PythonForce {
+    /// what the program calls it
+    pub name: String,
+    /// the function
+    pub function: Py<PyAny>,
+    /// whether it depends on velocities
+    pub velocity_dependent: bool,
+    /// where its exceptions go
+    pub raised: Raised,
+}
+
+impl PythonForce {
+    fn call(&self, py: Python<'_>, t: f64, x: &[[f64; 3]], v: &[[f64; 3]]) -> PyResult<Vec<[f64; 3]>> {
+        let nodes = (t, of_rows(py, x.to_vec())?, of_rows(py, v.to_vec())?);
+        let force = self.function.bind(py).call1(nodes)?;
+        let what = format!("the result of force \"{}\"", self.name);
+        let force = rows(&force, &what, Some(x.len()))?;
+        match force.iter().position(|row| row.iter().any(|value| !value.is_finite())) {
+            Some(row) => Err(PyValueError::new_err(format!("{what}: row {row} is not finite at t = {t} s"))),
+            None => Ok(force),
+        }
+    }
+}
+
+impl NodalForce for PythonForce {
+    fn add(&self, t: f64, x: &[[f64; 3]], v: &[[f64; 3]], f: &mut [[f64; 3]]) {
+        let mut slot = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
+        let force = match *slot {
+            // The step has failed already.
+            Some(_) => None,
+            None => Python::attach(|py| self.call(py, t, x, v)).map_err(|error| *slot = Some(error)).ok(),
+        };
+        match force {
+            Some(force) => {
+                for (sum, force) in f.as_flattened_mut().iter_mut().zip(force.as_flattened()) {
+                    *sum += force;
+                }
+            }
+            // Forces that are not finite make the step fail, and its state is dropped.
+            None => f.as_flattened_mut().fill(f64::NAN),
+        }
+    }
+
+    fn velocity_dependent(&self) -> bool {
+        self.velocity_dependent
+    }
+}

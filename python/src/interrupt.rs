@@ -1,0 +1,54 @@
+//! Long work that Ctrl-C ends.
+
+use crate::errors::panicked;
+use pyo3::prelude::*;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+/// Time between two looks at signals.
+pub const LOOK: Duration = Duration::from_millis(10);
+
+/// Runs `work` on a thread of its own, while this one looks at signals and calls `meanwhile`. If one of them raises,
+/// the flag is set that `work` gets, and its exception is raised once `work` has ended.
+///
+/// # Errors
+/// A signal's exception, such as `KeyboardInterrupt`; one of `meanwhile`; a panic.
+pub fn watched<R: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&AtomicBool) -> R + Send,
+    mut meanwhile: impl FnMut(Python<'_>) -> PyResult<()> + Send,
+) -> PyResult<R> {
+    let stop = AtomicBool::new(false);
+    let mut raised = None;
+    let done = py.detach(|| {
+        let (sender, receiver) = channel();
+        std::thread::scope(|scope| {
+            let stop = &stop;
+            scope.spawn(move || {
+                let done = catch_unwind(AssertUnwindSafe(|| work(stop)));
+                // The receiver waits for it.
+                let _ = sender.send(done);
+            });
+            loop {
+                match receiver.recv_timeout(LOOK) {
+                    Ok(done) => return Some(done),
+                    Err(RecvTimeoutError::Disconnected) => return None,
+                    Err(RecvTimeoutError::Timeout) if raised.is_some() => {}
+                    Err(RecvTimeoutError::Timeout) => {
+                        let looked = Python::attach(|py| py.check_signals().and_then(|()| meanwhile(py)));
+                        raised = looked.err();
+                        stop.store(raised.is_some(), Ordering::Relaxed);
+                    }
+                }
+            }
+        })
+    });
+    let done = done.unwrap_or_else(|| Err(Box::new("a thread ended without a result")));
+    match (raised, done) {
+        (Some(error), _) => Err(error),
+        (None, Ok(done)) => Ok(done),
+        (None, Err(panic)) => Err(panicked(&*panic)),
+    }
+}

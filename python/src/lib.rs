@@ -1,0 +1,40 @@
+//! The Python module of canopy-fem: thin classes around the engine's door for programs
+//! (`canopy_fem::simulation`), for `python/canopy_fem`, which gives them their conveniences. The engine itself has no
+//! `unsafe`; what pyo3 needs of it is in pyo3.
+//!
+//! Every call gives the interpreter free while the engine works. Panics become `InternalError`.
+
+mod arrays;
+mod case;
+mod errors;
+mod forces;
+mod interrupt;
+mod mesh;
+mod network;
+mod record;
+mod rollout;
+mod simulation;
+mod values;
+
+use pyo3::prelude::*;
+
+/// The compiled part of canopy_fem. Use the names of canopy_fem itself.
+#[pymodule(gil_used = false)]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<case::Case>()?;
+    module.add_class::<mesh::Mesh>()?;
+    module.add_class::<network::Network>()?;
+    module.add_class::<simulation::Simulation>()?;
+    module.add_class::<values::Step>()?;
+    module.add_class::<values::Energies>()?;
+    module.add_class::<rollout::Rollout>()?;
+    module.add_function(wrap_pyfunction!(case::schema, module)?)?;
+    module.add_function(wrap_pyfunction!(case::methods, module)?)?;
+    module.add_function(wrap_pyfunction!(mesh::generate, module)?)?;
+    module.add_function(wrap_pyfunction!(mesh::read, module)?)?;
+    module.add_function(wrap_pyfunction!(record::record, module)?)?;
+    module.add_function(wrap_pyfunction!(rollout::rollout, module)?)?;
+    module.add_function(wrap_pyfunction!(errors::_panic, module)?)?;
+    Ok(())
+}

@@ -1,0 +1,159 @@
+//! Networks from arrays, without JSON.
+
+use crate::arrays::{index_rows, indices, numbers, rows, vector};
+use crate::errors::{CaseError, of_mesh};
+use crate::mesh::Mesh;
+use canopy_fem::mesh;
+use canopy_fem::model::spec::{DashpotKind, DashpotSpec, NetworkSpec, NodalLoad, Slack, SpringGroup};
+use canopy_fem::simulation::NetworkBuilder;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use std::sync::Mutex;
+
+/// Masses and springs from arrays.
+#[pyclass(module = "canopy_fem._core", frozen, subclass)]
+pub struct Network {
+    builder: Mutex<NetworkBuilder>,
+}
+
+#[pymethods]
+impl Network {
+    /// mesh: a Mesh, or positions [m] of nodes, (n, 3). mass: [kg], a number for each node or one for all.
+    #[new]
+    #[pyo3(signature = (mesh, *, mass, gravity=None))]
+    fn new(mesh: &Bound<'_, PyAny>, mass: &Bound<'_, PyAny>, gravity: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let mesh = match mesh.cast::<Mesh>() {
+            Ok(mesh) => (*mesh.get().mesh).clone(),
+            Err(_) => mesh::Mesh { nodes: rows(mesh, "nodes", None)?, ..mesh::Mesh::default() },
+        };
+        let mass = numbers(mass, "mass", mesh.nodes.len())?;
+        let mut builder = NetworkBuilder::of_mesh(mesh).masses(mass);
+        builder.spec.gravity = gravity.map(|given| vector(given, "gravity")).transpose()?;
+        Ok(Network { builder: Mutex::new(builder) })
+    }
+
+    /// Adds springs between pairs of nodes, (m, 2), or on all edges of the mesh if pairs is None. stiffness [N/m],
+    /// rest_length [m] (default: the distance as given) and dashpot [N s/m] are a number each or one for all. slack:
+    /// "none" or "tension-only"; dashpot_kind: "axial" or "relative".
+    #[pyo3(signature = (pairs=None, *, stiffness, rest_length=None, slack="none", dashpot=None, dashpot_kind="axial"))]
+    fn springs(
+        &self,
+        pairs: Option<&Bound<'_, PyAny>>,
+        stiffness: &Bound<'_, PyAny>,
+        rest_length: Option<&Bound<'_, PyAny>>,
+        slack: &str,
+        dashpot: Option<&Bound<'_, PyAny>>,
+        dashpot_kind: &str,
+    ) -> PyResult<()> {
+        let mut builder = self.builder()?;
+        let mesh = &builder.spec.mesh;
+        let pairs = pairs.map(|given| index_rows::<2>(given, "pairs")).transpose()?;
+        let first = mesh.edges.len() as u32;
+        let (edges, pairs): (Vec<u32>, Vec<[u32; 2]>) = match pairs {
+            Some(pairs) => ((first..).take(pairs.len()).collect(), pairs),
+            None => ((0..first).collect(), mesh.edges.clone()),
+        };
+        let n = edges.len();
+        let stiffness = numbers(stiffness, "stiffness", n)?;
+        let rest_length = match rest_length {
+            Some(given) => numbers(given, "rest_length", n)?,
+            None => lengths(mesh, &pairs)?,
+        };
+        let slack = match slack {
+            "none" => Slack::None,
+            "tension-only" => Slack::TensionOnly,
+            _ => return Err(PyValueError::new_err(format!("slack is \"{slack}\": give \"none\" or \"tension-only\""))),
+        };
+        let kind = match dashpot_kind {
+            "axial" => DashpotKind::Axial,
+            "relative" => DashpotKind::Relative,
+            _ => {
+                let text = format!("dashpot_kind is \"{dashpot_kind}\": give \"axial\" or \"relative\"");
+                return Err(PyValueError::new_err(text));
+            }
+        };
+        let coefficient = dashpot.map(|given| numbers(given, "dashpot", n)).transpose()?;
+        let dashpot = coefficient.map(|coefficient| DashpotSpec { kind, coefficient, from_step: false });
+        if edges.last().is_some_and(|last| *last >= first) {
+            builder.spec.mesh.edges.extend_from_slice(&pairs);
+        }
+        builder.spec.springs.push(SpringGroup { edges, stiffness, rest_length, slack, dashpot });
+        Ok(())
+    }
+
+    /// Holds nodes in x, y and z, or in those directions that are named.
+    #[pyo3(signature = (nodes, directions="xyz"))]
+    fn hold(&self, nodes: &Bound<'_, PyAny>, directions: &str) -> PyResult<()> {
+        if directions.is_empty() || directions.chars().any(|c| !"xyz".contains(c)) {
+            return Err(PyValueError::new_err(format!("directions is \"{directions}\": give letters of \"xyz\"")));
+        }
+        let mut builder = self.builder()?;
+        let nodes = existing(&builder.spec, indices(nodes, "nodes")?)?;
+        for node in nodes {
+            for (held, name) in builder.spec.fixed[node as usize].iter_mut().zip(["x", "y", "z"]) {
+                *held |= directions.contains(name);
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds a constant force [N], a vector, on each of these nodes.
+    fn force(&self, nodes: &Bound<'_, PyAny>, force: &Bound<'_, PyAny>) -> PyResult<()> {
+        let mut builder = self.builder()?;
+        let mut nodes = existing(&builder.spec, indices(nodes, "nodes")?)?;
+        nodes.sort_unstable();
+        nodes.dedup();
+        let force = vector(force, "force")?;
+        builder.spec.forces.push(NodalLoad { nodes, force, factor: None });
+        Ok(())
+    }
+
+    /// Starts displaced [m] and moving [m/s]: each (n, 3) or left out.
+    #[pyo3(signature = (*, displacement=None, velocity=None))]
+    fn initial(&self, displacement: Option<&Bound<'_, PyAny>>, velocity: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let mut builder = self.builder()?;
+        let n = Some(builder.spec.mesh.nodes.len());
+        if let Some(given) = displacement {
+            builder.spec.displacement = rows(given, "displacement", n)?;
+        }
+        if let Some(given) = velocity {
+            builder.spec.velocity = rows(given, "velocity", n)?;
+        }
+        Ok(())
+    }
+}
+
+impl Network {
+    fn builder(&self) -> PyResult<std::sync::MutexGuard<'_, NetworkBuilder>> {
+        self.builder.lock().map_err(|_| CaseError::new_err("the network was left unfinished by a failure"))
+    }
+
+    /// The specification so far.
+    ///
+    /// # Errors
+    /// A mesh that contradicts itself.
+    pub fn spec(&self) -> PyResult<NetworkSpec> {
+        self.builder()?.clone().build().map_err(|error| of_mesh(&error))
+    }
+}
+
+/// [m] distances of pairs of nodes
+fn lengths(mesh: &mesh::Mesh, pairs: &[[u32; 2]]) -> PyResult<Vec<f64>> {
+    let n = mesh.nodes.len();
+    let length = |pair: &[u32; 2]| {
+        let [a, b] = pair.map(|node| mesh.nodes.get(node as usize));
+        let (Some(a), Some(b)) = (a, b) else {
+            return Err(PyValueError::new_err(format!("pairs has {pair:?}; nodes are numbered 0 to {}", n - 1)));
+        };
+        Ok(a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt())
+    };
+    pairs.iter().map(length).collect()
+}
+
+fn existing(spec: &NetworkSpec, nodes: Vec<u32>) -> PyResult<Vec<u32>> {
+    let n = spec.mesh.nodes.len();
+    match nodes.iter().find(|node| **node as usize >= n) {
+        Some(node) => Err(PyValueError::new_err(format!("node {node} does not exist: there are {n}, counted from 0"))),
+        None => Ok(nodes),
+    }
+}

@@ -1,0 +1,223 @@
+//! Many runs at once, in memory.
+
+use crate::arrays::of_rows;
+use crate::case::Case;
+use crate::errors::of_simulation;
+use crate::interrupt::watched;
+use crate::record::checked_threads;
+use crate::values::{Energies, from_json};
+use canopy_fem::case::Case as EngineCase;
+use canopy_fem::drive::Outcome;
+use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
+use canopy_fem::scene::Scene;
+use canopy_fem::simulation::{RunSettings, Simulation, SimulationError, build_scene};
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A run of a rollout: what was seen of it, and how it ended.
+#[pyclass(module = "canopy_fem", frozen)]
+pub struct Rollout {
+    seen: Seen,
+    outcome: Outcome,
+}
+
+/// What is kept of a run.
+#[derive(Default)]
+struct Seen {
+    /// [s] `[n_times]`
+    t: Vec<f64>,
+    /// [m], [m/s] `[n_times * n_nodes][3]`
+    positions: Vec<[f64; 3]>,
+    velocities: Vec<[f64; 3]>,
+    nodes: usize,
+}
+
+#[pymethods]
+impl Rollout {
+    /// [s] times of the states that were kept, (k,)
+    #[getter]
+    fn t<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.seen.t)
+    }
+
+    /// [m] positions then, (k, n, 3)
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        of_rows(py, self.seen.positions.clone())?.reshape([self.seen.t.len(), self.seen.nodes, 3])
+    }
+
+    /// [m/s] velocities then, (k, n, 3)
+    #[getter]
+    fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        of_rows(py, self.seen.velocities.clone())?.reshape([self.seen.t.len(), self.seen.nodes, 3])
+    }
+
+    /// "completed", "diverged" or "not-converged"
+    #[getter]
+    fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        from_json(py, &self.outcome.status)
+    }
+
+    /// accepted steps
+    #[getter]
+    fn steps(&self) -> u64 {
+        self.outcome.steps
+    }
+
+    /// [s] time of the last state
+    #[getter]
+    fn t_end(&self) -> f64 {
+        self.outcome.t_end
+    }
+
+    /// energy account at the end
+    #[getter]
+    fn energies(&self) -> Energies {
+        self.outcome.ledger.into()
+    }
+
+    /// [-] energy that the scheme made or lost, over the largest energy exchanged
+    #[getter]
+    fn energy_error(&self) -> f64 {
+        self.outcome.energy_error
+    }
+
+    /// what went wrong, as a dictionary; None if nothing did
+    #[getter]
+    fn failure<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.outcome.failure.as_ref().map(|failure| from_json(py, failure)).transpose()
+    }
+
+    fn __repr__(&self) -> String {
+        let Outcome { status, steps, t_end, .. } = &self.outcome;
+        format!("<Rollout: {status:?} at t = {t_end} s after {steps} steps, {} states>", self.seen.t.len())
+    }
+}
+
+/// Keeps states of some nodes.
+struct Keeper<'a> {
+    scene: &'a dyn Scene,
+    /// all if empty
+    nodes: &'a [u32],
+    /// [s]
+    every: Option<f64>,
+    /// number of the next multiple of `every`
+    next: f64,
+    positions: Vec<[f64; 3]>,
+    velocities: Vec<[f64; 3]>,
+    seen: Seen,
+}
+
+impl Keeper<'_> {
+    fn keep(&mut self, at: &Point) {
+        let Keeper { scene, nodes, positions, velocities, seen, .. } = self;
+        scene.trace(at.state.as_ref(), positions, velocities);
+        let wanted = |all: &[[f64; 3]]| -> Vec<[f64; 3]> {
+            if nodes.is_empty() { all.to_vec() } else { nodes.iter().map(|&node| all[node as usize]).collect() }
+        };
+        seen.t.push(at.state.t);
+        seen.positions.extend(wanted(positions));
+        seen.velocities.extend(wanted(velocities));
+    }
+
+    /// Whether a step that ends at `t` [s] reaches the next multiple, up to rounding.
+    fn due(&self, t: f64) -> bool {
+        self.every.is_some_and(|every| t >= self.next * every * (1.0 - 1e-12))
+    }
+}
+
+impl Observer for Keeper<'_> {
+    fn started(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        self.keep(at);
+        Ok(())
+    }
+
+    fn wants(&self, next: UpcomingStep) -> Wants {
+        Wants::end_if(self.due(next.t))
+    }
+
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        if let (true, Some(end), Some(every)) = (self.due(step.t), step.end, self.every) {
+            self.keep(end);
+            self.next = (step.t / every * (1.0 + 1e-12)).floor() + 1.0;
+        }
+        Ok(())
+    }
+
+    fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
+        if self.seen.t.last().is_none_or(|t| *t != last.state.t) {
+            self.keep(last);
+        }
+        Ok(())
+    }
+}
+
+/// What to keep of every run.
+#[derive(Clone, Copy)]
+struct Kept<'a> {
+    nodes: &'a [u32],
+    every: Option<f64>,
+}
+
+fn run(case: &EngineCase, kept: Kept<'_>, stop: &AtomicBool) -> Result<Rollout, SimulationError> {
+    let problem = case.problem();
+    let scene: Arc<dyn Scene> = build_scene(problem.system.clone(), 1)?.into();
+    let n = scene.reference().len();
+    if let Some((place, &node)) = kept.nodes.iter().enumerate().find(|(_, node)| **node as usize >= n) {
+        return Err(SimulationError::NoNode { what: "nodes: place", place, node, nodes: n });
+    }
+    let mut simulation = Simulation::of_scene(scene.clone(), RunSettings::of_case(problem, 1))?;
+    let Kept { nodes, every } = kept;
+    let seen = Seen { nodes: if nodes.is_empty() { n } else { nodes.len() }, ..Seen::default() };
+    let (positions, velocities) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+    let mut keeper = Keeper { scene: &*scene, nodes, every, next: 1.0, positions, velocities, seen };
+    let outcome = simulation.run(&mut [&mut keeper], stop)?;
+    Ok(Rollout { seen: keeper.seen, outcome })
+}
+
+/// Runs cases on a pool of threads, one case a thread.
+#[pyfunction]
+#[pyo3(signature = (cases, *, threads, nodes, every))]
+pub fn rollout(
+    py: Python<'_>,
+    cases: Vec<Bound<'_, Case>>,
+    threads: usize,
+    nodes: Option<Vec<u32>>,
+    every: Option<f64>,
+) -> PyResult<Vec<Rollout>> {
+    let threads = checked_threads(threads)?.min(cases.len().max(1));
+    if every.is_some_and(|every| !(every > 0.0 && every.is_finite())) {
+        return Err(PyValueError::new_err("every must be a time [s] above 0"));
+    }
+    if nodes.as_ref().is_some_and(Vec::is_empty) {
+        return Err(PyValueError::new_err("nodes is empty: name nodes, or give None for all"));
+    }
+    let cases: Vec<Arc<EngineCase>> = cases.iter().map(|case| case.get().case.clone()).collect();
+    let (nodes, next) = (nodes.unwrap_or_default(), AtomicUsize::new(0));
+    let kept = Kept { nodes: &nodes, every };
+    let mut done: Vec<(usize, Result<Rollout, SimulationError>)> = watched(
+        py,
+        |stop| {
+            let done = Mutex::new(Vec::new());
+            let work = || {
+                while let Some((number, case)) = take(&next, &cases, stop) {
+                    let result = run(case, kept, stop);
+                    done.lock().unwrap_or_else(PoisonError::into_inner).push((number, result));
+                }
+            };
+            std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
+            done.into_inner().unwrap_or_else(PoisonError::into_inner)
+        },
+        |_| Ok(()),
+    )?;
+    done.sort_by_key(|(number, _)| *number);
+    done.into_iter().map(|(_, result)| result.map_err(|error| of_simulation(py, error))).collect()
+}
+
+fn take<'a, T>(next: &AtomicUsize, cases: &'a [T], stop: &AtomicBool) -> Option<(usize, &'a T)> {
+    let number = next.fetch_add(1, Ordering::Relaxed);
+    cases.get(number).filter(|_| !stop.load(Ordering::Relaxed)).map(|case| (number, case))
+}

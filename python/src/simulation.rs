@@ -1,0 +1,419 @@
+//! The simulation that a program drives.
+
+use crate::arrays::{filled, indices, of_numbers, of_rows, rows, vector};
+use crate::case::Case;
+use crate::errors::{CaseError, SimulationError, engine, of_simulation};
+use crate::forces::{PythonForce, Raised, raised};
+use crate::interrupt::LOOK;
+use crate::network::Network;
+use crate::record::checked_threads;
+use crate::values::{Energies, Step, from_json};
+use canopy_fem::drive::clock::{self, Tolerance};
+use canopy_fem::integrate::registry::MethodChoice;
+use canopy_fem::mesh::{Mesh, Topology};
+use canopy_fem::simulation::{self as door, Load, RunSettings, SimulationError as Refusal, StepInfo};
+use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::time::Instant;
+
+/// A scene in motion.
+#[pyclass(module = "canopy_fem._core", subclass, frozen)]
+pub struct Simulation {
+    sim: Mutex<door::Simulation>,
+    /// exceptions of forces
+    raised: Raised,
+    /// what does not change, in the numbering of the mesh
+    mesh: Mesh,
+}
+
+type Rows<'py> = PyResult<Bound<'py, PyArray2<f64>>>;
+/// Positions and velocities.
+type Motion<'py> = PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)>;
+
+/// How a network of arrays moves: the keywords of `canopy_fem.Simulation`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Settings {
+    method: String,
+    parameters: BTreeMap<String, f64>,
+    /// [s]
+    step: Option<f64>,
+    /// [-] relative
+    tolerance: Option<f64>,
+    /// [s]
+    end: f64,
+}
+
+impl Settings {
+    fn run(self) -> PyResult<RunSettings> {
+        let method = MethodChoice::new(&self.method, &self.parameters);
+        let method = method.map_err(|error| CaseError::new_err(error.to_string()))?;
+        let step = match (self.step, self.tolerance) {
+            (Some(step), None) => clock::Step::Fixed(step),
+            (None, Some(relative)) => clock::Step::Adaptive(Tolerance { relative, absolute: 0.01 * relative }),
+            _ => return Err(PyTypeError::new_err("a network needs either step or tolerance")),
+        };
+        Ok(RunSettings::of(method, step, self.end))
+    }
+}
+
+#[pymethods]
+impl Simulation {
+    /// A case, or a network with its settings, at t = 0.
+    #[new]
+    #[pyo3(signature = (source, *, threads=1, keep_going=false, settings=None))]
+    fn new(
+        py: Python<'_>,
+        source: &Bound<'_, PyAny>,
+        threads: usize,
+        keep_going: bool,
+        settings: Option<Settings>,
+    ) -> PyResult<Self> {
+        let threads = checked_threads(threads)?;
+        let made = match (source.cast::<Case>(), source.cast::<Network>(), settings) {
+            (Ok(case), ..) => {
+                let case = case.get().case.clone();
+                engine(py, move || {
+                    let problem = case.problem();
+                    let settings = RunSettings { keep_going, ..RunSettings::of_case(problem, threads) };
+                    let scene = door::build_scene(problem.system.clone(), threads)?;
+                    door::Simulation::of_scene(scene.into(), settings)
+                })?
+            }
+            (_, Ok(network), Some(settings)) => {
+                let settings = RunSettings { threads, keep_going, ..settings.run()? };
+                let spec = network.get().spec()?;
+                engine(py, move || door::Simulation::new(spec, settings))?
+            }
+            _ => return Err(PyTypeError::new_err("a simulation is made of a case or of a network")),
+        };
+        let sim = made.map_err(|error| of_simulation(py, error))?;
+        let scene = sim.scene();
+        let mesh = Mesh {
+            nodes: scene.reference().to_vec(),
+            edges: scene.edges().to_vec(),
+            triangles: scene.triangles().to_vec(),
+            groups: scene.groups().clone(),
+            ..Mesh::default()
+        };
+        Ok(Simulation { sim: Mutex::new(sim), raised: Raised::default(), mesh })
+    }
+
+    /// Makes n steps; the last one.
+    ///
+    /// Raises Diverged if a step diverges or cannot be solved: the state is that before it. Raises Ended at the end.
+    #[pyo3(signature = (n=1))]
+    fn step(&self, py: Python<'_>, n: u64) -> PyResult<Step> {
+        if n == 1 {
+            return self.with(py, |sim| sim.step()).map(Step::from);
+        }
+        let last = self.with(py, |sim| Ok(sim.step_count()))?.saturating_add(n);
+        self.until(py, last, f64::INFINITY)
+    }
+
+    /// Makes steps for a time [s].
+    fn advance(&self, py: Python<'_>, duration: f64) -> PyResult<Step> {
+        if !(duration >= 0.0 && duration.is_finite()) {
+            return Err(PyValueError::new_err(format!("duration is {duration}: give a time [s] of 0 or more")));
+        }
+        let t = self.time()? + duration;
+        self.until(py, u64::MAX, t)
+    }
+
+    /// Makes steps up to the first that ends at time t [s] or later.
+    fn run_until(&self, py: Python<'_>, t: f64) -> PyResult<Step> {
+        if !t.is_finite() {
+            return Err(PyValueError::new_err(format!("t is {t}: give a time [s]")));
+        }
+        self.until(py, u64::MAX, t)
+    }
+
+    /// Computes the next step without accepting it: its positions and velocities, each (n, 3).
+    fn attempt<'py>(&self, py: Python<'py>) -> Motion<'py> {
+        let motion = self.with(py, |sim| sim.attempt().map(|()| sim.attempted()))?;
+        let motion = motion.ok_or_else(|| SimulationError::new_err("the step has no end"))?;
+        Ok((of_rows(py, motion.positions)?, of_rows(py, motion.velocities)?))
+    }
+
+    /// Accepts the attempted step.
+    fn accept(&self, py: Python<'_>) -> PyResult<Step> {
+        self.with(py, |sim| sim.accept()).map(Step::from)
+    }
+
+    /// Drops the attempted step.
+    fn drop(&self, py: Python<'_>) -> PyResult<()> {
+        self.with(py, |sim| sim.drop_attempt())
+    }
+
+    /// The whole state as bytes, with forces, factors and wind that were set.
+    fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        Ok(PyBytes::new(py, &self.with(py, |sim| sim.snapshot())?))
+    }
+
+    /// Goes on from the bytes of a snapshot.
+    fn restore(&self, py: Python<'_>, state: &[u8]) -> PyResult<()> {
+        let state = state.to_vec();
+        self.with(py, move |sim| sim.restore(&state))
+    }
+
+    /// Replaces positions [m] and velocities [m/s], each (n, 3).
+    fn set_state(&self, py: Python<'_>, positions: &Bound<'_, PyAny>, velocities: &Bound<'_, PyAny>) -> PyResult<()> {
+        let n = Some(self.mesh.nodes.len());
+        let (x, v) = (rows(positions, "positions", n)?, rows(velocities, "velocities", n)?);
+        self.with(py, move |sim| sim.set_state(&x, &v))
+    }
+
+    /// Sets a force from outside: an array [N], (n, 3).
+    fn set_force(&self, py: Python<'_>, name: &str, force: &Bound<'_, PyAny>) -> PyResult<()> {
+        let force = rows(force, "force", Some(self.mesh.nodes.len()))?;
+        self.with(py, |sim| sim.set_nodal_force(name, &force))
+    }
+
+    /// Sets a force that function(t, x, v) computes [N], (n, 3).
+    #[pyo3(signature = (name, function, *, velocity_dependent=true))]
+    fn set_force_function(
+        &self,
+        py: Python<'_>,
+        name: String,
+        function: Py<PyAny>,
+        velocity_dependent: bool,
+    ) -> PyResult<()> {
+        if !function.bind(py).is_callable() {
+            return Err(PyTypeError::new_err("a force is an array or a function of t, x, v"));
+        }
+        let raised = self.raised.clone();
+        let law = PythonForce { name: name.clone(), function, velocity_dependent, raised };
+        self.with(py, move |sim| sim.set_nodal_law(&name, Arc::new(law)))
+    }
+
+    /// Removes a force; False if there is none of this name.
+    fn remove_force(&self, py: Python<'_>, name: &str) -> PyResult<bool> {
+        self.with(py, |sim| sim.remove_nodal_force(name))
+    }
+
+    /// Replaces the wind by a constant velocity [m/s], or goes back to that of the case with None.
+    fn set_wind(&self, py: Python<'_>, wind: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let wind = wind.map(|given| vector(given, "wind")).transpose()?;
+        self.with(py, move |sim| sim.set_wind(wind))
+    }
+
+    /// Multiplies the rest lengths of the springs on some edges by a factor [-] above 0.
+    fn set_rest_scale(&self, py: Python<'_>, edges: &Bound<'_, PyAny>, factor: f64) -> PyResult<()> {
+        let edges = indices(edges, "edges")?;
+        self.with(py, move |sim| sim.set_rest_length_factor(&edges, factor))
+    }
+
+    /// [-] factors of the rest lengths of all edges, (m,)
+    fn rest_scales<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_vec(py, self.with(py, |sim| Ok(sim.rest_length_factors()))?))
+    }
+
+    /// Multiplies a load by a factor [-]: "gravity", "pressure 0", "force 0", … in the order of the case.
+    fn set_load_factor(&self, py: Python<'_>, name: &str, factor: f64) -> PyResult<()> {
+        let loads = self.with(py, |sim| Ok(sim.load_factors()))?;
+        let Some((load, _)) = loads.iter().find(|(load, _)| load_name(*load) == name) else {
+            let known: Vec<String> = loads.iter().map(|(load, _)| load_name(*load)).collect();
+            let text = format!("there is no load \"{name}\"; the scene has: {}", known.join(", "));
+            return Err(PyKeyError::new_err(text));
+        };
+        self.with(py, |sim| sim.set_load_factor(*load, factor))
+    }
+
+    /// [-] factors of all loads, by name
+    fn load_factors(&self, py: Python<'_>) -> PyResult<Vec<(String, f64)>> {
+        let loads = self.with(py, |sim| Ok(sim.load_factors()))?;
+        Ok(loads.into_iter().map(|(load, factor)| (load_name(load), factor)).collect())
+    }
+
+    /// Numbers of a group, or of "all", "boundary", "outer", "inner": of "nodes", "edges" or "triangles".
+    #[pyo3(signature = (name, kind="nodes"))]
+    fn select<'py>(&self, py: Python<'py>, name: &str, kind: &str) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        Ok(PyArray1::from_vec(py, self.selected(name, kind)?))
+    }
+
+    /// Names of the groups.
+    #[getter]
+    fn group_names(&self) -> Vec<String> {
+        self.mesh.groups.keys().cloned().collect()
+    }
+
+    /// [s] time of the present state
+    #[getter]
+    fn time(&self) -> PyResult<f64> {
+        Ok(self.lock()?.time())
+    }
+
+    /// [s] end of the run
+    #[getter]
+    fn end(&self) -> PyResult<f64> {
+        Ok(self.lock()?.end())
+    }
+
+    /// accepted steps so far
+    #[getter]
+    fn step_count(&self) -> PyResult<u64> {
+        Ok(self.lock()?.step_count())
+    }
+
+    /// number of nodes
+    #[getter]
+    fn node_count(&self) -> usize {
+        self.mesh.nodes.len()
+    }
+
+    /// [m] positions, (n, 3); a copy
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> Rows<'py> {
+        of_rows(py, self.lock()?.positions())
+    }
+
+    /// [m/s] velocities, (n, 3); a copy
+    #[getter]
+    fn velocities<'py>(&self, py: Python<'py>) -> Rows<'py> {
+        of_rows(py, self.lock()?.velocities())
+    }
+
+    /// [m] positions, (n, 3), written into out: a C-contiguous array of float64. Returns out.
+    #[pyo3(signature = (out=None))]
+    fn read_positions<'py>(&self, py: Python<'py>, out: Option<&Bound<'py, PyAny>>) -> Rows<'py> {
+        let (sim, n) = (self.lock()?, self.mesh.nodes.len());
+        let mut other = vec![[0.0; 3]; n];
+        filled(py, n, out, |place| sim.read_nodes(place, &mut other).map_err(|error| of_simulation(py, error)))
+    }
+
+    /// [m/s] velocities, (n, 3), likewise.
+    #[pyo3(signature = (out=None))]
+    fn read_velocities<'py>(&self, py: Python<'py>, out: Option<&Bound<'py, PyAny>>) -> Rows<'py> {
+        let (sim, n) = (self.lock()?, self.mesh.nodes.len());
+        let mut other = vec![[0.0; 3]; n];
+        filled(py, n, out, |place| sim.read_nodes(&mut other, place).map_err(|error| of_simulation(py, error)))
+    }
+
+    /// [N] what supports exert on the scene, (n, 3), at the end of the last step; a copy
+    #[getter]
+    fn reactions<'py>(&self, py: Python<'py>) -> Rows<'py> {
+        of_rows(py, self.lock()?.reactions())
+    }
+
+    /// [N] tension of every edge, (m,), with its axial dashpot; NaN where an edge has no spring; a copy
+    #[getter]
+    fn tension<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_vec(py, self.lock()?.tensions()))
+    }
+
+    /// energy account of the present state
+    #[getter]
+    fn energies(&self, py: Python<'_>) -> PyResult<Energies> {
+        self.with(py, |sim| Ok(sim.energies())).map(Energies::from)
+    }
+
+    /// counted work so far
+    #[getter]
+    fn counters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let counters = self.lock()?.counters();
+        from_json(py, &counters)
+    }
+
+    /// [m] positions before any displacement, (n, 3); a copy
+    #[getter]
+    fn reference<'py>(&self, py: Python<'py>) -> Rows<'py> {
+        of_rows(py, self.mesh.nodes.clone())
+    }
+
+    /// pairs of nodes, (m, 2); a copy
+    #[getter]
+    fn edges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        of_numbers(py, &self.mesh.edges)
+    }
+
+    /// triples of nodes, (k, 3); a copy
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        of_numbers(py, &self.mesh.triangles)
+    }
+}
+
+impl Simulation {
+    fn lock(&self) -> PyResult<MutexGuard<'_, door::Simulation>> {
+        match self.sim.try_lock() {
+            Ok(sim) => Ok(sim),
+            // After a panic the engine says itself what it refuses.
+            Err(TryLockError::Poisoned(sim)) => Ok(sim.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(SimulationError::new_err(
+                "the simulation is at work: another thread uses it, or a force of its own does",
+            )),
+        }
+    }
+
+    /// Calls the engine without the interpreter; exceptions of forces come first.
+    fn with<R: Send>(
+        &self,
+        py: Python<'_>,
+        act: impl FnOnce(&mut door::Simulation) -> Result<R, Refusal> + Send,
+    ) -> PyResult<R> {
+        let mut guard = self.lock()?;
+        let sim = &mut *guard;
+        let done = engine(py, move || act(sim))?;
+        match raised(&self.raised) {
+            Some(error) => Err(error),
+            None => done.map_err(|error| of_simulation(py, error)),
+        }
+    }
+
+    /// Makes steps, with a look at signals in between.
+    fn until(&self, py: Python<'_>, step: u64, t: f64) -> PyResult<Step> {
+        loop {
+            let done: StepInfo = self.with(py, |sim| {
+                let start = Instant::now();
+                sim.run_until_or(step, t, || start.elapsed() > LOOK)
+            })?;
+            // As the engine says when a time is reached.
+            if done.step >= step || done.t >= t - 8.0 * f64::EPSILON * t.abs() {
+                return Ok(done.into());
+            }
+            py.check_signals()?;
+        }
+    }
+
+    fn selected(&self, name: &str, kind: &str) -> PyResult<Vec<u32>> {
+        let mesh = &self.mesh;
+        let all = match kind {
+            "nodes" => mesh.nodes.len(),
+            "edges" => mesh.edges.len(),
+            "triangles" => mesh.triangles.len(),
+            _ => return Err(PyValueError::new_err(format!("kind is \"{kind}\": give nodes, edges or triangles"))),
+        };
+        if let Some(group) = mesh.groups.get(name) {
+            return Ok(match kind {
+                "nodes" => group.select_nodes(mesh),
+                "edges" => group.select_edges(mesh),
+                _ => group.triangles.clone(),
+            });
+        }
+        let topology = || Topology::new(mesh).map_err(|error| crate::errors::of_mesh(&error));
+        match (name, kind) {
+            ("all", _) => Ok((0..all as u32).collect()),
+            ("boundary", "nodes") => Ok(topology()?.boundary_nodes().to_vec()),
+            ("outer", "nodes") => Ok(topology()?.outer_nodes().to_vec()),
+            ("inner", "nodes") => Ok(topology()?.inner_nodes().to_vec()),
+            _ => {
+                let known: Vec<&str> = mesh.groups.keys().map(String::as_str).collect();
+                let text = format!("there are no {kind} of \"{name}\"; groups here: {}", known.join(", "));
+                Err(PyKeyError::new_err(text))
+            }
+        }
+    }
+}
+
+/// "gravity", "pressure 0", "force 0".
+fn load_name(load: Load) -> String {
+    match load {
+        Load::Gravity => "gravity".to_owned(),
+        Load::Pressure(place) => format!("pressure {place}"),
+        Load::Forces(place) => format!("force {place}"),
+    }
+}

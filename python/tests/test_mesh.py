@@ -1,0 +1,65 @@
+"""Meshes: generators, arrays, files, other packages."""
+
+import numpy as np
+import pytest
+
+import canopy_fem as cf
+
+
+def test_generators_and_quality():
+    ring = cf.mesh.annulus(inner_radius=0.1, outer_radius=1.0, nodes=200, boundary_nodes=60)
+    assert len(ring.nodes) == 200 and ring.quality()["total_area"] == pytest.approx(np.pi * 0.99, rel=0.02)
+    assert len(cf.mesh.disc(radius=1.0, nodes=100).nodes) == 100
+    chain = cf.mesh.chain(start=[0, 0, 0], end=[0, 0, -2], segments=4)
+    assert chain.edges.tolist() == [[0, 1], [1, 2], [2, 3], [3, 4]] and chain.nodes[-1].tolist() == [0, 0, -2]
+    canopy = cf.mesh.parachute(type="flat-circular", nominal_diameter=8.5, gores=12, vent_diameter=0.8,
+                               radial_segments=6, gore_segments=1, lines={"length": 7.0, "segments": 2})  # fmt: skip
+    assert {"canopy", "lines", "payload"} <= set(canopy.groups)
+    with pytest.raises(cf.CaseError, match="columns"):
+        cf.mesh.generate("rectangle", width=1, height=1, colums=2, rows=2)
+    with pytest.raises(cf.CaseError, match="width"):
+        cf.mesh.rectangle(width=-1, height=1, columns=2, rows=2)
+
+
+def test_files_keep_a_mesh(tmp_path):
+    """A mesh with groups comes back from .vtu as it was; an existing file is kept unless it may be replaced."""
+    nodes = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
+    mesh = cf.mesh.Mesh(
+        nodes, triangles=[[0, 1, 2], [0, 2, 3]], groups={"cut": {"edges": [1]}, "foot": {"nodes": [0, 1]}}
+    )
+    assert mesh.edges.tolist() == [[0, 1], [0, 2], [0, 3], [1, 2], [2, 3]]
+    path = tmp_path / "square.vtu"
+    mesh.write(path)
+    again = cf.mesh.read(path)
+    assert (again.nodes == nodes).all() and (again.triangles == mesh.triangles).all()
+    assert again.groups["cut"]["edges"].tolist() == [1] and again.groups["foot"]["nodes"].tolist() == [0, 1]
+    with pytest.raises(OSError, match="exists already"):
+        mesh.write(path)
+    mesh.write(path, replace=True)
+    with pytest.raises(OSError, match="none.vtu"):
+        cf.mesh.read(tmp_path / "none.vtu")
+
+
+def test_meshio_there_and_back():
+    pytest.importorskip("meshio")
+    mesh = cf.mesh.Mesh(
+        [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 2, 0]],
+        edges=[[3, 4], [0, 1], [0, 2], [0, 3], [1, 2], [2, 3]],
+        triangles=[[0, 1, 2], [0, 2, 3]],
+        groups={"line": {"edges": [0]}, "cloth": {"triangles": [0, 1]}, "end": {"nodes": [4]}},
+    )
+    again = cf.mesh.from_meshio(cf.mesh.to_meshio(mesh))
+    for name in ("nodes", "edges", "triangles"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(mesh, name))
+    groups = {name: {kind: list(n) for kind, n in group.items()} for name, group in again.groups.items()}
+    assert groups == {"line": {"edges": [0]}, "cloth": {"triangles": [0, 1]}, "end": {"nodes": [4]}}
+
+
+def test_pyvista_there_and_back():
+    pytest.importorskip("pyvista")
+    mesh = cf.mesh.rectangle(width=1, height=1, columns=2, rows=2)
+    data = cf.mesh.to_pyvista(mesh, mesh.nodes + 1.0)
+    assert data.n_points == 9 and data.bounds[0] == 1.0
+    again = cf.mesh.from_pyvista(cf.mesh.to_pyvista(mesh))
+    assert {tuple(sorted(pair)) for pair in again.edges.tolist()} == {tuple(sorted(p)) for p in mesh.edges.tolist()}
+    np.testing.assert_array_equal(again.triangles, mesh.triangles)

@@ -1,0 +1,134 @@
+"""Whole runs: the same files as the program writes, and what is read of them."""
+
+import json
+import subprocess
+
+import numpy as np
+import pytest
+from conftest import CASES, cloth
+
+import canopy_fem as cf
+
+COSTS = {"cpu_seconds", "wall_seconds", "peak_memory_bytes", "startup"}
+
+
+def files(folder):
+    """All result files by name, with the summary without costs."""
+    found = {}
+    for path in sorted(folder.rglob("*")):
+        if path.is_file() and path.name != "checkpoint.bin":
+            data = path.read_bytes()
+            if path.name == "summary.json":
+                data = {key: value for key, value in json.loads(data).items() if key not in COSTS}
+            found[str(path.relative_to(folder))] = data
+    return found
+
+
+@pytest.mark.parametrize("method", [method["name"] for method in cf.methods()])
+def test_same_bytes_as_the_program(method, tmp_path):
+    """A run of every method writes what `canopy-fem solve` writes, byte for byte but for costs."""
+    case = cloth(time={"end": 0.1, "method": method, "step": 1e-3})
+    case["output"]["gauges"] = [{"name": "top", "on": {"ids": [0, 1]}, "of": "reaction"}]
+    path = tmp_path / "square.json"
+    path.write_text(json.dumps(case))
+    cf.run(path, tmp_path / "python", check=False)
+    subprocess.run([cf.program(), "solve", path, "--out", tmp_path / "program", "--quiet"], check=False)
+    ours, theirs = files(tmp_path / "python"), files(tmp_path / "program")
+    assert list(ours) == list(theirs) and len(ours) >= 7
+    for name, data in theirs.items():
+        assert ours[name] == data, name
+
+
+def test_a_case_of_the_project_has_the_same_bytes(tmp_path):
+    """So does the opening of a C-9, with overrides on both sides."""
+    path = CASES / "parachute" / "c9-drop.json"
+    cf.run(cf.Case(path, {"time.end": 0.05}), tmp_path / "python")
+    call = [cf.program(), "solve", path, "--set", "time.end=0.05", "--out", tmp_path / "program", "--quiet"]
+    subprocess.run(call, check=True)
+    assert files(tmp_path / "python") == files(tmp_path / "program")
+
+
+def test_tables(small, tmp_path):
+    """The tables have the columns of the files, with numbers that are numbers."""
+    small["output"]["gauges"] = [{"name": "top", "on": {"ids": [0]}, "of": "reaction"}]
+    result = cf.run(small, tmp_path / "out")
+    history = result.history
+    assert history["t"][-1] == 0.2 and history["step"].tolist() == list(range(201))
+    total = history["kinetic"] + history["elastic"] + history["gravity"] - history["external_work"]
+    total = total + history["dissipated"] + history["numerical"]
+    np.testing.assert_allclose(total, total[0], atol=1e-9)
+    assert result.probes["name"].tolist() == ["corner"] * 5 and result.probes["node"][0] == 48
+    t, values = result.gauge("top", "reaction_z")
+    assert t[-1] == 0.2 and values.shape == t.shape
+    with pytest.raises(KeyError, match="reaction_max"):
+        result.gauge("top")
+    np.testing.assert_allclose(result.times, [0, 0.05, 0.1, 0.15, 0.2], atol=1e-12)
+    assert cf.mesh.read(result.frame(0.1)).nodes.shape == (49, 3)
+    assert "reaction_max" in " ".join(result.peaks)
+    assert "completed" in result._repr_html_() and "&lt;Result" in result._repr_html_()
+    again = cf.load(tmp_path / "out")
+    assert again.summary == json.loads((tmp_path / "out" / "summary.json").read_text())
+
+
+def test_absent_tables_are_empty(small):
+    del small["output"]
+    result = cf.run(small)
+    assert len(result.gauges) == 0 and "value" in result.gauges.dtype.names and len(result.probes) == 0
+    folder = result.folder
+    assert folder.exists()
+    del result
+    assert not folder.exists()
+
+
+def test_earlier_results_are_kept(small, tmp_path):
+    """A folder with results is refused, replaced or gone on from, as asked."""
+    small["output"]["checkpoint"] = {"every": 0.05}
+    whole = cf.run(small, tmp_path / "whole")
+    with pytest.raises(OSError, match="whole"):
+        cf.run(small, tmp_path / "whole")
+    cf.run(small, tmp_path / "whole", replace=True)
+    cf.run(small, tmp_path / "part")
+    resumed = cf.run(cf.Case(small, {"time.end": 0.3}), tmp_path / "part", resume=True)
+    assert 0.15 <= resumed.summary["resumed_from"] <= 0.2 and resumed.history["t"][-1] == pytest.approx(0.3)
+    np.testing.assert_array_equal(resumed.history["kinetic"][:201], whole.history["kinetic"])
+
+
+def test_a_failed_run_raises_and_has_files(small, tmp_path):
+    small["time"] = {"end": 10.0, "method": "velocity-verlet", "step": 0.05}
+    with pytest.warns(cf.CaseWarning), pytest.raises(cf.Diverged) as caught:
+        cf.run(small, tmp_path / "out")
+    assert caught.value.result.failure["cause"] == caught.value.report["cause"]
+    assert (tmp_path / "out" / "history.csv").exists()
+    with pytest.warns(cf.CaseWarning):
+        assert cf.run(small, check=False).status == "diverged"
+
+
+def test_progress_is_told(tmp_path):
+    """The function of a run hears of growing times; an exception of it ends the run."""
+    case = cf.Case(CASES / "cloth-k1000.json", {"time.end": 100.0, "output": None})
+    seen = []
+
+    def enough(t, end):
+        seen.append(t)
+        assert end == 100.0
+        if len(seen) == 3:
+            raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        cf.run(case, tmp_path / "out", progress=enough)
+    assert 0.0 < seen[1] < seen[2]
+
+
+def test_other_packages(small):
+    """Tables go to pandas, frames to pyvista, energies to matplotlib, where these are installed."""
+    result = cf.run(small)
+    pandas = pytest.importorskip("pandas")
+    frame = result.to_pandas()
+    assert isinstance(frame, pandas.DataFrame) and frame["t"].iloc[-1] == 0.2
+    pytest.importorskip("pyvista")
+    grid = result.to_pyvista(0.2)
+    assert grid.n_points == 49 and "velocity" in grid.point_data
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    axes = result.plot()
+    assert axes.get_ylabel() == "energy [J]" and len(axes.lines) >= 3

@@ -1,0 +1,65 @@
+"""Studies by the program, and rollouts."""
+
+import numpy as np
+import pytest
+from conftest import cloth
+
+import canopy_fem as cf
+
+
+def test_check_reports(small):
+    report = cf.check(small, accuracy=1e-2)
+    assert report["nodes"] == 49 and report["method"] == "velocity-verlet"
+    steps = {entry["method"]: entry["critical_step"] for entry in report["critical_steps"]}
+    assert 1e-3 < steps["velocity-verlet"] < 0.1 and steps["newmark"] is None
+    with pytest.raises(cf.CaseError, match="accuracy"):
+        cf.check(small, accuracy=2.0)
+
+
+def test_studies_have_rows(small, tmp_path):
+    rows = cf.stability(small, tmp_path / "stability", arguments=["--methods", "velocity-verlet,rk4"])
+    assert [row["method"] for row in rows] == ["velocity-verlet", "rk4"]
+    assert all(abs(row["measured"] / row["predicted"] - 1) < 0.1 for row in rows)
+    arguments = ["--methods", "velocity-verlet,newmark", "--steps", "2e-3,4e-3", "--budget", "20s"]
+    rows = cf.tradeoff(small, arguments=arguments)
+    assert len(rows) == 4 and all(row["status"] == "completed" and row["error"] < 0.1 for row in rows)
+    assert (tmp_path / "stability" / "stability.svg").exists()
+
+
+def test_rollout_is_the_same_for_every_number_of_threads(small):
+    """Variants of one case run at once; each is the run of a simulation, in the order given."""
+    base = cf.Case(small)
+    stiffness = [100.0, 200.0, 400.0, 800.0]
+    cases = [base.with_overrides({"system.network.springs.0.stiffness": k}) for k in stiffness]
+    one = cf.rollout(cases, threads=1, nodes=[48, 3], every=0.05)
+    two = cf.rollout(cases, threads=2, nodes=np.array([48, 3], dtype=np.uint8), every=0.05)
+    for case, a, b in zip(cases, one, two, strict=True):
+        assert a.status == "completed" and a.steps == 200
+        np.testing.assert_allclose(a.t, [0, 0.05, 0.1, 0.15, 0.2], atol=1e-12)
+        assert a.positions.shape == (5, 2, 3) and a.positions.tobytes() == b.positions.tobytes()
+        sim = cf.Simulation(case)
+        sim.run()
+        assert (a.positions[-1] == sim.positions[[48, 3]]).all()
+        assert (a.velocities[-1] == sim.velocities[[48, 3]]).all()
+    assert len({a.positions[-1].tobytes() for a in one}) == 4
+
+
+def test_failures_in_a_rollout_are_told(small):
+    bad = cf.Case(small, {"time.step": 0.05, "time.end": 10})
+    good, failed = cf.rollout([small, bad])
+    assert good.failure is None and good.positions.shape == (2, 49, 3)
+    assert failed.status == "diverged" and "cause" in failed.failure
+    with pytest.raises(ValueError, match="49"):
+        cf.rollout([small], nodes=[49])
+    with pytest.raises(ValueError, match="every"):
+        cf.rollout([small], every=0.0)
+    with pytest.raises(TypeError):
+        cf.rollout([small], nodes=[0.5])
+    assert cf.rollout([]) == []
+
+
+def test_kept_times_follow_adaptive_steps():
+    """With adaptive steps the kept states are ends of steps, at or after the multiples."""
+    case = cloth(time={"end": 0.2, "method": "newmark", "tolerance": {"relative": 1e-3, "absolute": 1e-5}})
+    (run,) = cf.rollout([case], every=0.05)
+    assert len(run.t) == 5 and (run.t >= np.arange(5) * 0.05 - 1e-12).all() and run.t[-1] == 0.2
