@@ -53,8 +53,8 @@ fn texts(table: &Table, column: usize) -> Vec<&str> {
     table.rows.iter().map(|row| row[column].as_str()).collect()
 }
 
-/// Amplitude v / w, its time an odd quarter of a period, tension k v / w and speed v of an undamped oscillator with w^2 = k/m,
-/// over the stiffness. The peak is that of a step, which is within half a step of the quarter; the frequency of the
+/// Amplitude v / w, its time an odd quarter of a period, tension k v / w and speed v of an undamped oscillator with
+/// w^2 = k/m, over the stiffness. The peak is that of a step, which is within half a step of the quarter; the frequency of the
 /// scheme is off by (w h)^2 / 24: together less than (w h)^2.
 #[test]
 fn an_oscillator_over_its_stiffness() {
@@ -97,7 +97,8 @@ fn an_oscillator_over_its_stiffness() {
     assert_eq!(column("energy_error")[3], alone["energy_error"].as_f64().expect("a number"));
 }
 
-/// A weight on a damped spring comes to rest m g / k below: a static deflection over two keys, in the order of the grid.
+/// A weight on a damped spring comes to rest m g / k below: a static deflection over two keys, in the order of the
+/// grid.
 #[test]
 fn a_grid_of_static_deflections() {
     let bench = oscillator();
