@@ -54,8 +54,8 @@ fn texts(table: &Table, column: usize) -> Vec<&str> {
 }
 
 /// Amplitude v / w, its time an odd quarter of a period, tension k v / w and speed v of an undamped oscillator with
-/// w^2 = k/m, over the stiffness. The peak is that of a step, which is within half a step of the quarter; the frequency of the
-/// scheme is off by (w h)^2 / 24: together less than (w h)^2.
+/// w^2 = k/m, over the stiffness. The peak is that of a step, which is within half a step of the quarter; the
+/// frequency of the scheme is off by (w h)^2 / 24: together less than (w h)^2.
 #[test]
 fn an_oscillator_over_its_stiffness() {
     let bench = oscillator();
