@@ -27,6 +27,8 @@ pub enum WarningCode {
     EnergyDissipated,
     /// Energy that the time-integration scheme itself has made.
     EnergyMade,
+    /// A support that would let go, or springs that would be cut, only after the end of the run.
+    EventBeyondEnd,
     /// A model whose results are of the right size only in part.
     ExperimentalModel,
     /// Springs that start far from their rest length.

@@ -29,13 +29,13 @@ pub fn least_later(
     at_start: CriticalStep,
     search: Option<&dyn Fn() -> bool>,
 ) -> Option<LaterLimit> {
-    let Planned { scene, method, stop, .. } = planned;
+    let Planned { scene, method, end, stop, .. } = planned;
     if !has_limit(method) {
         return None;
     }
     let mut state = scene.initial_state();
     let mut least: Option<LaterLimit> = None;
-    for t in scene.changes().into_iter().take(MOST) {
+    for t in scene.changes().into_iter().filter(|t| *t < end).take(MOST) {
         state.t = t;
         scene.pass_events(scene.events().partition_point(|event| *event <= t));
         let limit = match search {

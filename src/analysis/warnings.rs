@@ -23,6 +23,8 @@ pub struct Planned<'a> {
     pub method: &'a MethodChoice,
     /// [s] the fixed step, no longer than the run; `None` for adaptive steps, which find the limit themselves
     pub step: Option<f64>,
+    /// [s] end of the run
+    pub end: f64,
     /// stops the searches
     pub stop: Stop<'a>,
 }
@@ -33,7 +35,7 @@ pub fn limit_at_start(planned: Planned<'_>) -> CriticalStep {
     limit_at(planned, planned.scene.initial_state().as_ref())
 }
 
-fn limit_at(Planned { scene, method, step, stop }: Planned<'_>, at: StateRef<'_>) -> CriticalStep {
+fn limit_at(Planned { scene, method, step, stop, .. }: Planned<'_>, at: StateRef<'_>) -> CriticalStep {
     if !has_limit(method) {
         return CriticalStep::none();
     }
@@ -50,7 +52,7 @@ fn limit_at(Planned { scene, method, step, stop }: Planned<'_>, at: StateRef<'_>
 /// A warning if springs that are slack at the start hide a limit below the step, or if all are slack, so that the limit
 /// at the start says nothing about springs.
 pub fn slack_warning(planned: Planned<'_>, limit: CriticalStep) -> Option<Warning> {
-    let Planned { scene, method, step, stop } = planned;
+    let Planned { scene, method, step, stop, .. } = planned;
     let step = step.filter(|_| has_limit(method) && !stop.asked())?;
     let start = scene.initial_state();
     let slack = slack(scene, start.as_ref())?;

@@ -71,6 +71,7 @@ pub enum Command {
     /// [s], .last (the value at the end) and .steady (whether it changed by less than 1 % over the last tenth of the
     /// run), then `note`. Runs that failed are rows without these values; `note` says why. A sweep that was stopped
     /// continues when the same command is given again.
+    #[command(after_help = EXIT_STATUS)]
     Sweep(SweepArgs),
     /// Measure the largest stable step of every method on this scene, and compare it with the predicted one
     ///

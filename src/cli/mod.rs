@@ -18,6 +18,7 @@ pub mod schema;
 mod shell;
 mod solve;
 pub mod stability;
+mod study;
 pub mod sweep;
 mod terminal;
 pub mod tradeoff;

@@ -1,10 +1,9 @@
 //! `canopy-fem tradeoff`: what accuracy costs, on the user's own scene.
 
-use super::args::{duration, key_value};
 use super::interrupt::stop_on_interrupt;
-use super::{CliError, CommandOutput, complain};
+use super::study::{Budget, ProgressLine, StudyArgs, nothing_lost, typed};
+use super::{CliError, CommandOutput};
 use crate::case::Case;
-use crate::output::sanitize::file_stem;
 use crate::study::difference::differences;
 use crate::study::options::{StudyOptions, TypedOptions};
 use crate::study::plan::{Plan, Planner};
@@ -12,15 +11,13 @@ use crate::study::prepared_case::fingerprint_of;
 use crate::study::recommendations::Recommendations;
 use crate::study::reference::ALLOWANCE;
 use crate::study::report::{self, Rerun};
-use crate::study::row::{Row, RowStatus};
+use crate::study::row::RowStatus;
 use crate::study::store::Store;
-use crate::study::{Runner, Shard, Study, StudyError, rows_of};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use crate::study::{Runner, Study, StudyError, rows_of};
 use std::collections::BTreeMap;
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// [s] Default budget of a study on one machine.
 const BUDGET: f64 = 120.0;
@@ -30,95 +27,39 @@ const FOR_REFERENCES: f64 = 0.5;
 /// `tradeoff`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct TradeoffArgs {
-    /// Case file (JSON; // comments and trailing commas are allowed); not needed where --out holds a plan
-    #[arg(required_unless_present_any = ["shard", "merge"])]
-    pub case: Option<PathBuf>,
+    /// case, folder and shares
+    #[command(flatten)]
+    pub study: StudyArgs,
     /// what to try
     #[command(flatten)]
     pub options: TypedOptions,
-    /// Time limit of the study: 60s, 5min, 2h or none. Runs that are left out are marked; the same command makes them
-    /// when it is given again [default: 2min; none for --plan and --shard]
-    #[arg(long, value_name = "TIME", value_parser = budget)]
-    pub budget: Option<Budget>,
-    /// Make the references and the list of runs only
-    #[arg(long, conflicts_with_all = ["shard", "merge"])]
-    pub plan: bool,
-    /// Make one share of the planned runs, e.g. 3/8; shares are counted from 1
-    #[arg(long, value_name = "I/N", conflicts_with = "merge")]
-    pub shard: Option<Shard>,
-    /// Merge the results of the shards in --out, and in these folders if shards ran elsewhere
-    #[arg(long, value_name = "DIR", num_args = 0..)]
-    pub merge: Option<Vec<PathBuf>>,
-    /// Folder for the results [default: out/NAME]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// End of the simulated time [s]
-    #[arg(long, allow_negative_numbers = true)]
-    pub end: Option<String>,
-    /// Replace any value of the case, e.g. system.network.springs.0.stiffness=500
-    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
-    pub set: Vec<(String, String)>,
     /// Threads for the force passes of scenes above 2,000 nodes; counted work and errors are the same for every number
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: u16,
-    /// Replace an earlier study in the folder
-    #[arg(long, conflicts_with_all = ["shard", "merge"])]
-    pub force: bool,
-    /// No progress, no warnings, no report
-    #[arg(long, short)]
-    pub quiet: bool,
-}
-
-/// [s] Time limit of a study.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Budget {
-    /// so many seconds
-    Seconds(f64),
-    /// as long as it takes
-    Unlimited,
-}
-
-pub(super) fn budget(text: &str) -> Result<Budget, String> {
-    match text.trim() {
-        "none" => Ok(Budget::Unlimited),
-        time => duration(time).map(Budget::Seconds).map_err(|expected| expected + ", or none"),
-    }
 }
 
 pub(super) fn run(args: &TradeoffArgs) -> Result<CommandOutput, CliError> {
-    let overrides: Vec<(String, String)> =
-        args.set.iter().cloned().chain(args.end.clone().map(|end| ("time.end".to_owned(), end))).collect();
-    let case =
-        args.case.as_deref().map(|path| Ok::<_, CliError>((path, Case::from_file(path, &overrides)?))).transpose()?;
-    let out = match (&args.out, &case) {
-        (Some(out), _) => out.clone(),
-        (None, Some((_, case))) => PathBuf::from("out").join(file_stem(&case.problem().name)),
-        (None, None) => {
-            return Err(StudyError::Usage("give the case, or the folder of its study with --out".to_owned()).into());
-        }
-    };
-    if case.is_none() && !overrides.is_empty() {
-        return Err(StudyError::Usage("--set and --end change a case: give the case too".to_owned()).into());
-    }
-    let command = Command { args, out, store_stop: stop_on_interrupt(), started: Instant::now() };
+    let (case, out) = args.study.case_and_folder()?;
+    let command = Command { args, out, stop: stop_on_interrupt(), started: Instant::now() };
     command.run(case)
 }
 
 struct Command<'a> {
     args: &'a TradeoffArgs,
     out: PathBuf,
-    store_stop: std::sync::Arc<AtomicBool>,
+    stop: std::sync::Arc<AtomicBool>,
     started: Instant,
 }
 
 impl Command<'_> {
     fn run(&self, case: Option<(&Path, Case)>) -> Result<CommandOutput, CliError> {
+        let asked = &self.args.study;
         let store = Store::<Plan>::in_folder(&self.out);
-        if self.args.force {
+        if asked.force {
             store.clear()?;
             report::clear(&self.out)?;
         }
-        let line = ProgressLine::new(self.args.quiet);
+        let line = ProgressLine::new(asked.quiet);
         let known = store.plan()?;
         let plan = match (known, case) {
             (Some(plan), Some((path, case))) => {
@@ -126,28 +67,22 @@ impl Command<'_> {
                 plan
             }
             (Some(plan), None) => plan,
-            (None, Some((path, case))) if self.args.shard.is_none() && self.args.merge.is_none() => {
-                self.nothing_lost()?;
+            (None, Some((path, case))) if !asked.follows_a_plan() => {
+                nothing_lost(&self.out, &report::FILES)?;
                 self.plan(path, &case, &store, &line)?
             }
             (None, _) => return Err(Store::<Plan>::no_plan(&self.out).into()),
         };
-        if self.args.plan {
-            return Ok(done(if self.args.quiet { String::new() } else { report::planned(&plan, &store)? }));
+        if asked.plan {
+            return Ok(done(asked.unless_quiet(report::planned(&plan, &store)?)));
         }
-        let mut left = BTreeMap::new();
-        match &self.args.merge {
-            Some(folders) => {
-                for folder in folders {
-                    store.take_from(&Store::in_folder(folder), &plan)?;
-                }
-            }
-            None => left = self.make_runs(&plan, &store, &line)?,
-        }
+        let merged = asked.merge_into(&store, &plan)?;
+        let left = if merged { BTreeMap::new() } else { self.make_runs(&plan, &store, &line)? };
         line.bar.finish_and_clear();
         let rows = rows_of(&plan, &store, &left)?;
-        if let Some(shard) = self.args.shard {
-            return Ok(done(if self.args.quiet { String::new() } else { self.shard_done(shard, &rows) }));
+        if let Some(shard) = asked.shard {
+            let finished = rows.iter().filter(|r| r.measured.status != RowStatus::NotRun).count();
+            return Ok(done(asked.shard_done(shard, finished, rows.len(), &self.out)));
         }
         let answers = Recommendations::of(&plan, &rows)?;
         let study = Study { plan, rows };
@@ -156,26 +91,7 @@ impl Command<'_> {
         let command = if study.plan.command.is_empty() { here.command } else { study.plan.command.clone() };
         let how = Rerun { command, ..here };
         let files = report::write(&self.out, &study, &answers, &how)?;
-        let text = if self.args.quiet { String::new() } else { report::summary(&study, &answers, &files)? };
-        Ok(done(text))
-    }
-
-    fn shard_done(&self, Shard { part, of }: Shard, rows: &[Row]) -> String {
-        let finished = rows.iter().filter(|r| r.measured.status != RowStatus::NotRun).count();
-        let (all, out) = (rows.len(), self.out.display());
-        format!("shard {part}/{of} done; {finished} of {all} runs of the study are finished in {out}\n")
-    }
-
-    /// Refuses to overwrite results of a study without its plan.
-    fn nothing_lost(&self) -> Result<(), StudyError> {
-        let there = report::FILES.iter().find(|name| !self.args.force && self.out.join(name).exists());
-        match there {
-            Some(name) => Err(StudyError::OtherStudy {
-                folder: self.out.clone(),
-                difference: format!("{name} exists without the plan that it came from"),
-            }),
-            None => Ok(()),
-        }
+        Ok(done(asked.unless_quiet(report::summary(&study, &answers, &files)?)))
     }
 
     fn options(&self, case: &Case) -> Result<StudyOptions, StudyError> {
@@ -183,23 +99,21 @@ impl Command<'_> {
     }
 
     /// [s] time limit of the study
-    fn budget(&self, section: Option<f64>) -> Option<f64> {
-        let shared = self.args.plan || self.args.shard.is_some();
-        match self.args.budget {
-            Some(Budget::Seconds(seconds)) => Some(seconds),
-            Some(Budget::Unlimited) => None,
-            None => section.or((!shared).then_some(BUDGET)),
-        }
+    fn budget(&self, section: Option<f64>) -> Budget {
+        let shared = self.args.study.plan || self.args.study.shard.is_some();
+        let default = section.or((!shared).then_some(BUDGET)).map_or(Budget::Unlimited, Budget::Seconds);
+        self.args.study.budget.unwrap_or(default)
     }
 
     fn plan(&self, path: &Path, case: &Case, store: &Store, line: &ProgressLine) -> Result<Plan, CliError> {
-        if !self.args.quiet {
-            case.warnings().iter().for_each(|warning| complain(&format!("warning: {warning}")));
-        }
+        self.args.study.warn(case);
         let options = self.options(case)?;
         let section = case.file().study.as_ref().and_then(|study| study.budget_seconds);
         let variants = options.stiffness_sweep.len().max(1) as f64;
-        let allowance = self.budget(section).map_or(ALLOWANCE, |budget| FOR_REFERENCES * budget / variants);
+        let allowance = match self.budget(section) {
+            Budget::Seconds(budget) => FOR_REFERENCES * budget / variants,
+            Budget::Unlimited => ALLOWANCE,
+        };
         let planner = Planner {
             case,
             case_file: path,
@@ -207,7 +121,7 @@ impl Command<'_> {
             command: Rerun::here(typed()).command,
             threads: usize::from(self.args.threads),
             allowance,
-            stop: &self.store_stop,
+            stop: &self.stop,
             tell: &|what| line.tell(what),
         };
         let plan = planner.make(|variant, reference| store.keep_reference(variant, reference))?;
@@ -231,8 +145,7 @@ impl Command<'_> {
             }
         }
         // A shard or a merge follows the plan and its options.
-        let asks = self.args.shard.is_none() && self.args.merge.is_none();
-        if asks && plan.asked != self.options(case)? {
+        if !self.args.study.follows_a_plan() && plan.asked != self.options(case)? {
             return Err(other("other methods, steps, tolerances, repeats or stiffnesses were asked for".to_owned()));
         }
         Ok(())
@@ -245,14 +158,13 @@ impl Command<'_> {
         line: &ProgressLine,
     ) -> Result<BTreeMap<String, String>, StudyError> {
         let section = plan.case.pointer("/study/budget_seconds").and_then(serde_json::Value::as_f64);
-        let deadline = self.budget(section).map(|seconds| self.started + Duration::from_secs_f64(seconds.min(1e9)));
         let runner = Runner {
             plan,
             store,
-            shard: self.args.shard,
+            shard: self.args.study.shard,
             threads: usize::from(self.args.threads),
-            deadline,
-            interrupt: &self.store_stop,
+            deadline: self.budget(section).deadline(self.started),
+            interrupt: &self.stop,
             on_run: &|number, all, what| line.run(number, all, what),
         };
         runner.run()
@@ -261,35 +173,4 @@ impl Command<'_> {
 
 fn done(text: String) -> CommandOutput {
     CommandOutput { text, code: 0 }
-}
-
-/// The progress line on a terminal.
-pub(super) struct ProgressLine {
-    pub(super) bar: ProgressBar,
-}
-
-impl ProgressLine {
-    pub(super) fn new(quiet: bool) -> Self {
-        let hidden = quiet || !std::io::stderr().is_terminal();
-        let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
-        let bar = ProgressBar::with_draw_target(None, target);
-        if let Ok(style) = ProgressStyle::with_template("{elapsed:>4} {wide_msg}") {
-            bar.set_style(style);
-        }
-        bar.enable_steady_tick(Duration::from_millis(500));
-        ProgressLine { bar }
-    }
-
-    pub(super) fn tell(&self, what: &str) {
-        self.bar.set_message(what.to_owned());
-    }
-
-    pub(super) fn run(&self, number: usize, all: usize, what: &str) {
-        self.tell(&format!("run {number} of {all}: {what}"));
-    }
-}
-
-/// The arguments as typed; bytes that are not UTF-8 are replaced.
-pub(super) fn typed() -> impl Iterator<Item = String> {
-    std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned())
 }

@@ -46,7 +46,7 @@ fn unsuitable_solver(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpe
 /// The method of a case on its scene.
 pub(super) fn planned<'a>(problem: &'a Problem, scene: &'a dyn Scene, stop: Stop<'a>) -> Planned<'a> {
     let step = problem.time.step.fixed().map(|step| step.min(problem.time.end));
-    Planned { scene, method: &problem.method, step, stop }
+    Planned { scene, method: &problem.method, step, end: problem.time.end, stop }
 }
 
 /// All warnings that need the built scene; `limit` is the critical step at its start.

@@ -101,7 +101,7 @@ pub fn record(
     bind(problem, &*scene)?;
     let (folder, checkpoint) = folder(problem, how, &fingerprint)?;
     let step = problem.time.step.fixed().map(|step| step.min(problem.time.end));
-    let plan = Planned { scene: &*scene, method: &problem.method, step, stop: Stop::on(stop) };
+    let plan = Planned { scene: &*scene, method: &problem.method, step, end: problem.time.end, stop: Stop::on(stop) };
     let limit = limit_at_start(plan);
     let found = [step_warning(plan, limit), slack_warning(plan, limit)].into_iter().flatten();
     let warnings = problem.warnings.iter().cloned().chain(problem.sort_out(found).1).collect();

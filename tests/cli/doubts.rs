@@ -118,6 +118,28 @@ fn springs_that_are_slack_at_the_start_are_told() {
     assert!(!told("1.2", &["--method", "newmark"])[0].iter().any(|w| w.contains("slack")));
 }
 
+/// Events after the end of a run are told and do not happen: the run is that of a case without them.
+#[test]
+fn events_after_the_end_are_told() {
+    let bench = Bench::new();
+    let probes = |arguments: &[&str]| {
+        let [checked, solved] = both(&bench, arguments);
+        assert_eq!(checked, solved, "{arguments:?}");
+        (checked, bench.results().text("probes.csv"))
+    };
+    let (none, plain) = probes(&LIGHT);
+    let cut = format!("{N}springs.0.cut=2");
+    let until = format!("{N}supports.0.until=1");
+    for (event, at) in [(&cut, "springs/0/cut"), (&until, "supports/0/until")] {
+        let (told, same) = probes(&[&LIGHT[..], &["--set", event]].concat());
+        assert_eq!(told.len(), none.len() + 1, "{told:?}");
+        assert!(told.iter().any(|w| w.contains(at) && w.contains("the run ends at 1 s")), "{told:?}");
+        assert!(same == plain, "{event}");
+        let (reached, other) = probes(&[&LIGHT[..], &["--set", event, "--end", "2.5"]].concat());
+        assert!(reached.len() == none.len() && other != plain, "{event}: {reached:?}");
+    }
+}
+
 /// The size of a frame is known before it is written.
 #[test]
 fn frames_have_the_size_that_was_foretold() {

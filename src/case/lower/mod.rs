@@ -66,7 +66,7 @@ pub(crate) fn build(
             let geometry = geometry::geometry(&at.key("mesh"), &network.mesh, base, known, faults);
             let step = timing.as_ref().map(|t| t.spec.step);
             if let Some(timing) = &timing {
-                network::check_events(&at, network, timing.spec.end, faults);
+                network::warn_of_events(&at, network, timing.spec.end, faults);
             }
             let spec = network::network(&at, network, (base, geometry.as_deref()), step, faults);
             if let (Some(_), Some(spec), Some(h)) = (&spec, timing.as_ref().map(|t| t.spec), step.and_then(Step::fixed))

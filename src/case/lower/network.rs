@@ -117,15 +117,16 @@ fn base_acceleration(at: &Pointer, network: &Network, faults: &mut Faults<'_>) -
     series(&at.key("table"), vectors(table), faults)
 }
 
-/// Events must lie within the run, which ends at `end` [s].
-pub(super) fn check_events(at: &Pointer, network: &Network, end: f64, faults: &mut Faults<'_>) {
+/// Warns of events that a run until `end` [s] does not reach.
+pub(super) fn warn_of_events(at: &Pointer, network: &Network, end: f64, faults: &mut Faults<'_>) {
     let supports = network.supports.iter().enumerate();
     let supports = supports.map(|(i, support)| (at.key("supports").index(i).key("until"), support.until));
     let springs = network.springs.iter().enumerate();
     let springs = springs.map(|(i, rule)| (at.key("springs").index(i).key("cut"), rule.cut));
     for (at, t) in supports.chain(springs) {
-        if t.is_some_and(|t| t >= end) {
-            faults.add(&at, format!("a time before the end of the run, {end} s"));
+        if t.is_some_and(|t| t.is_finite() && t >= end) {
+            let text = format!("{at}: the run ends at {end} s, before this happens");
+            faults.warn(WarningCode::EventBeyondEnd, text);
         }
     }
 }

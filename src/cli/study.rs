@@ -1,0 +1,169 @@
+//! What the studies that can be divided among machines, `tradeoff` and `sweep`, have in common on the command line.
+
+use super::args::{duration, key_value};
+use super::{CliError, complain};
+use crate::case::Case;
+use crate::output::sanitize::file_stem;
+use crate::study::store::{Store, StudyPlan};
+use crate::study::{Shard, StudyError};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// The case of a study, and how its runs are divided and kept.
+#[derive(Clone, Debug, clap::Args)]
+pub struct StudyArgs {
+    /// Case file (JSON; // comments and trailing commas are allowed); not needed where --out holds a plan
+    #[arg(required_unless_present_any = ["shard", "merge"])]
+    pub case: Option<PathBuf>,
+    /// Time limit: 60s, 5min, 2h or none. Runs that are left out are marked; the same command makes them when it is
+    /// given again [default: none; for tradeoff 2min, but none with --plan and --shard]
+    #[arg(long, value_name = "TIME", value_parser = budget)]
+    pub budget: Option<Budget>,
+    /// Make the list of runs only, for `tradeoff` with the references
+    #[arg(long, conflicts_with_all = ["shard", "merge"])]
+    pub plan: bool,
+    /// Make one share of the planned runs, e.g. 3/8; shares are counted from 1
+    #[arg(long, value_name = "I/N", conflicts_with = "merge")]
+    pub shard: Option<Shard>,
+    /// Merge the results of the shards in --out, and in these folders if shards ran elsewhere
+    #[arg(long, value_name = "DIR", num_args = 0..)]
+    pub merge: Option<Vec<PathBuf>>,
+    /// Folder for the results [default: out/NAME]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// End of the simulated time [s]
+    #[arg(long, allow_negative_numbers = true)]
+    pub end: Option<String>,
+    /// Replace any value of the case, e.g. system.network.springs.0.stiffness=500
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub set: Vec<(String, String)>,
+    /// Replace earlier results in the folder
+    #[arg(long, conflicts_with_all = ["shard", "merge"])]
+    pub force: bool,
+    /// No progress, no warnings, no report
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// [s] Time limit of a study.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Budget {
+    /// so many seconds
+    Seconds(f64),
+    /// as long as it takes
+    Unlimited,
+}
+
+fn budget(text: &str) -> Result<Budget, String> {
+    match text.trim() {
+        "none" => Ok(Budget::Unlimited),
+        time => duration(time).map(Budget::Seconds).map_err(|expected| expected + ", or none"),
+    }
+}
+
+impl Budget {
+    /// When a study that began at `started` has to stop.
+    pub(super) fn deadline(self, started: Instant) -> Option<Instant> {
+        match self {
+            Budget::Seconds(seconds) => Some(started + Duration::from_secs_f64(seconds.min(1e9))),
+            Budget::Unlimited => None,
+        }
+    }
+}
+
+impl StudyArgs {
+    /// The case, if one is given, and the folder of the study.
+    pub(super) fn case_and_folder(&self) -> Result<(Option<(&Path, Case)>, PathBuf), CliError> {
+        let end = self.end.clone().map(|end| ("time.end".to_owned(), end));
+        let overrides: Vec<(String, String)> = self.set.iter().cloned().chain(end).collect();
+        let read = |path| Ok::<_, CliError>((path, Case::from_file(path, &overrides)?));
+        let case = self.case.as_deref().map(read).transpose()?;
+        let out = match (&self.out, &case) {
+            (Some(out), _) => out.clone(),
+            (None, Some((_, case))) => PathBuf::from("out").join(file_stem(&case.problem().name)),
+            (None, None) => {
+                let why = "give the case, or the folder of its study with --out".to_owned();
+                return Err(StudyError::Usage(why).into());
+            }
+        };
+        if case.is_none() && !overrides.is_empty() {
+            return Err(StudyError::Usage("--set and --end change a case: give the case too".to_owned()).into());
+        }
+        Ok((case, out))
+    }
+
+    /// Whether the command is a part of a study that was planned before.
+    pub(super) fn follows_a_plan(&self) -> bool {
+        self.shard.is_some() || self.merge.is_some()
+    }
+
+    pub(super) fn warn(&self, case: &Case) {
+        if !self.quiet {
+            case.warnings().iter().for_each(|warning| complain(&format!("warning: {warning}")));
+        }
+    }
+
+    /// Takes the results of shards that ran elsewhere; `false` if nothing is to be merged.
+    pub(super) fn merge_into<P: StudyPlan>(&self, store: &Store<P>, plan: &P) -> Result<bool, StudyError> {
+        for folder in self.merge.iter().flatten() {
+            store.take_from(&Store::in_folder(folder), plan)?;
+        }
+        Ok(self.merge.is_some())
+    }
+
+    /// What a command that made a share of the runs prints.
+    pub(super) fn shard_done(&self, Shard { part, of }: Shard, finished: usize, all: usize, out: &Path) -> String {
+        let out = out.display();
+        self.unless_quiet(format!(
+            "shard {part}/{of} done; {finished} of {all} runs of the study are finished in {out}\n"
+        ))
+    }
+
+    pub(super) fn unless_quiet(&self, text: String) -> String {
+        if self.quiet { String::new() } else { text }
+    }
+}
+
+/// Refuses to overwrite results whose plan is not there.
+pub(super) fn nothing_lost(out: &Path, files: &[&str]) -> Result<(), StudyError> {
+    match files.iter().find(|name| out.join(name).exists()) {
+        Some(name) => Err(StudyError::OtherStudy {
+            folder: out.to_owned(),
+            difference: format!("{name} exists without the plan that it came from"),
+        }),
+        None => Ok(()),
+    }
+}
+
+/// The progress line on a terminal.
+pub(super) struct ProgressLine {
+    pub(super) bar: ProgressBar,
+}
+
+impl ProgressLine {
+    pub(super) fn new(quiet: bool) -> Self {
+        let hidden = quiet || !std::io::stderr().is_terminal();
+        let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
+        let bar = ProgressBar::with_draw_target(None, target);
+        if let Ok(style) = ProgressStyle::with_template("{elapsed:>4} {wide_msg}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(500));
+        ProgressLine { bar }
+    }
+
+    pub(super) fn tell(&self, what: &str) {
+        self.bar.set_message(what.to_owned());
+    }
+
+    pub(super) fn run(&self, number: usize, all: usize, what: &str) {
+        self.tell(&format!("run {number} of {all}: {what}"));
+    }
+}
+
+/// The arguments as typed; bytes that are not UTF-8 are replaced.
+pub(super) fn typed() -> impl Iterator<Item = String> {
+    std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned())
+}
