@@ -5,18 +5,34 @@
 /// A point in the frame, horizontal and vertical.
 pub(super) type UnitPoint = (f64, f64);
 
+/// A point of a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Node {
+    /// its place
+    pub at: UnitPoint,
+    /// inner control points of the cubic that leads to it, which is inside the frame; `None` if it is a straight line
+    pub via: Option<[UnitPoint; 2]>,
+}
+
+impl From<UnitPoint> for Node {
+    fn from(at: UnitPoint) -> Self {
+        Node { at, via: None }
+    }
+}
+
 /// The parts of a line inside the frame. A missing point interrupts the line.
-pub(super) fn cut(places: impl IntoIterator<Item = Option<UnitPoint>>) -> Vec<Vec<UnitPoint>> {
-    let mut pieces: Vec<Vec<UnitPoint>> = Vec::new();
+pub(super) fn cut(nodes: impl IntoIterator<Item = Option<Node>>) -> Vec<Vec<Node>> {
+    let mut pieces: Vec<Vec<Node>> = Vec::new();
     let mut open = false;
-    let mut last = None;
-    for place in places {
-        if let (Some(from), Some(to)) = (last, place) {
+    let mut last: Option<Node> = None;
+    for node in nodes {
+        if let (Some(Node { at: from, .. }), Some(Node { at: to, via })) = (last, node) {
             match segment(from, to) {
                 Some((enters, leaves)) => {
+                    let end = Node { at: leaves, via };
                     match pieces.last_mut().filter(|_| open && enters == from) {
-                        Some(piece) => piece.push(leaves),
-                        None => pieces.push(vec![enters, leaves]),
+                        Some(piece) => piece.push(end),
+                        None => pieces.push(vec![enters.into(), end]),
                     }
                     open = leaves == to;
                 }
@@ -25,7 +41,7 @@ pub(super) fn cut(places: impl IntoIterator<Item = Option<UnitPoint>>) -> Vec<Ve
         } else {
             open = false;
         }
-        last = place;
+        last = node;
     }
     pieces
 }
@@ -112,14 +128,18 @@ mod tests {
     /// too.
     #[test]
     fn lines_are_cut_at_the_frame() {
+        let places = |pieces: Vec<Vec<Node>>| -> Vec<Vec<UnitPoint>> {
+            pieces.into_iter().map(|piece| piece.into_iter().map(|node| node.at).collect()).collect()
+        };
+        let cut = |line: &[Option<UnitPoint>]| places(cut(line.iter().map(|place| place.map(Node::from))));
         let line = [(0.0, 0.5), (0.25, 0.5), (0.5, 1.5), (0.75, 0.5), (1.0, 0.5)].map(Some);
-        let pieces = cut(line);
+        let pieces = cut(&line);
         assert_eq!(pieces, [[(0.0, 0.5), (0.25, 0.5), (0.375, 1.0)], [(0.625, 1.0), (0.75, 0.5), (1.0, 0.5)]]);
-        let parted = cut([Some((0.1, 0.1)), Some((0.2, 0.2)), None, Some((0.3, 0.3)), Some((0.4, 0.4))]);
+        let parted = cut(&[Some((0.1, 0.1)), Some((0.2, 0.2)), None, Some((0.3, 0.3)), Some((0.4, 0.4))]);
         assert_eq!(parted, [[(0.1, 0.1), (0.2, 0.2)], [(0.3, 0.3), (0.4, 0.4)]]);
-        let outside = cut([Some((2.0, 0.0)), Some((3.0, 1.0))]);
+        let outside = cut(&[Some((2.0, 0.0)), Some((3.0, 1.0))]);
         assert!(outside.is_empty());
-        let across = cut([Some((-1.0, 0.5)), Some((2.0, 0.5))]);
+        let across = cut(&[Some((-1.0, 0.5)), Some((2.0, 0.5))]);
         assert_eq!(across.len(), 1);
         assert!(across[0].iter().all(|p| inside(*p)));
     }
