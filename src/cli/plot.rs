@@ -27,7 +27,7 @@ pub struct PlotArgs {
     /// Folders with results, as `canopy-fem solve` writes them
     #[arg(required = true, value_name = "OUT")]
     pub runs: Vec<PathBuf>,
-    /// Folder for the pictures [default: the run's folder; for several runs, the current folder]
+    /// Folder for the pictures [default: the run's folder; for several runs or a difference, the current folder]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// What to plot; may be given several times [default: all that the results hold]

@@ -294,6 +294,11 @@ pub(super) fn width_of(text: &str, size: f64) -> f64 {
     0.54 * size * text.chars().count() as f64
 }
 
+/// [px] The size of letters, at most `size`, with which a text fits into `room` [px], if they remain readable.
+pub(super) fn fitting(text: &str, size: f64, room: f64) -> f64 {
+    size * (room / width_of(text, size).max(1.0)).clamp(0.6, 1.0)
+}
+
 /// Pixels in drawing units.
 fn fine(pixels: f64) -> i64 {
     (pixels * FINE).round() as i64

@@ -118,7 +118,7 @@ pub(super) fn panels(results: &Results, view: &View, kind: Kind) -> Result<Vec<P
         let unit = series.unit.replace("^2", "²").replace("^3", "³");
         let value = [series.quantity.as_str(), &format!("[{unit}]")][..1 + usize::from(!unit.is_empty())].join(" ");
         let axes = ["time t [s]".to_owned(), results.axis(&value)];
-        panels.push((&series.quantity, Panel { title, axes, plane: Plane::Time, curves: vec![curve] }));
+        panels.push((&series.quantity, Panel { title, axes, plane: Plane::Time, cubic: true, curves: vec![curve] }));
     }
     match (panels.is_empty(), results.runs.first()) {
         (true, Some(first)) => read(first).map(|_| Vec::new()),

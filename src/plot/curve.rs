@@ -99,8 +99,9 @@ impl Curve {
         Some((low.max(start - SHOWN * typical), high.min(start + SHOWN * typical)))
     }
 
-    /// The curve as a line: cubics where the rates are known.
-    pub(super) fn line(&self, plane: Plane) -> Line {
+    /// The curve as a line; a `cubic` one where the rates are known.
+    pub(super) fn line(&self, plane: Plane, cubic: bool) -> Line {
+        let cubic = cubic && !self.samples.iter().all(|s| s.rate.is_nan());
         let pairs = self.samples.windows(2).map(|pair| match pair {
             [a, b] => plane.tangents(a, b),
             _ => [(f64::NAN, f64::NAN); 2],
@@ -109,7 +110,7 @@ impl Curve {
             label: self.label.clone(),
             points: self.samples.iter().map(|s| plane.point(s)).collect(),
             stroke: self.stroke,
-            tangents: if self.samples.iter().all(|s| s.rate.is_nan()) { Vec::new() } else { pairs.collect() },
+            tangents: if cubic { pairs.collect() } else { Vec::new() },
             color: Some(self.color),
             ..Line::default()
         }

@@ -74,15 +74,27 @@ fn segment(from: UnitPoint, to: UnitPoint) -> Option<(UnitPoint, UnitPoint)> {
 
 /// At most about `most` points that look the same: the extremes of every section of the line in both directions, and
 /// both ends. For a curve over time these are the first, last, smallest and largest (M4: Jugel, Jerzak, Hackenbroich &
-/// Markl 2014).
+/// Markl 2014). Its sections are equally wide in the picture, also where the axis is logarithmic; those of a line that
+/// turns back have equal numbers of points.
 pub(super) fn thin(points: &[UnitPoint], most: usize) -> Vec<UnitPoint> {
     if points.len() <= most {
         return points.to_vec();
     }
-    let stretch = points.len().div_ceil((most / 4).max(1));
+    let sections = (most / 4).max(1);
+    let begin = points.first().map_or(0.0, |p| p.0);
+    let width = points.last().map_or(0.0, |p| p.0) - begin;
+    let rises = width > 0.0 && points.is_sorted_by(|a, b| a.0 <= b.0);
+    let section = |i: usize| match rises {
+        true => ((points[i].0 - begin) / width * sections as f64) as usize,
+        false => i * sections / points.len(),
+    };
     let mut kept = Vec::with_capacity(most + 2);
     kept.extend(points.first());
-    for part in points.chunks(stretch) {
+    let mut next = 0;
+    while next < points.len() {
+        let start = next;
+        next += (start..points.len()).take_while(|i| section(*i) == section(start)).count();
+        let part = &points[start..next];
         let mut extremes = [0; 4];
         for (i, p) in part.iter().enumerate() {
             let [left, right, lowest, highest] = extremes.map(|best: usize| part[best]);
@@ -115,6 +127,15 @@ mod tests {
         assert!(thin.contains(&points[54_321]) && thin.contains(&points[54_322]));
         assert_eq!((thin.first(), thin.last()), (points.first(), points.last()));
         assert!(thin.windows(2).all(|w| w[0].0 < w[1].0), "the order of time is kept");
+    }
+
+    /// On a logarithmic axis, the few points of the first decades stay, and thousands at the end are decimated.
+    #[test]
+    fn sections_are_equally_wide() {
+        let points: Vec<UnitPoint> = (1..10_000_u16).map(|i| (f64::from(i).log10() / 4.0, f64::from(i % 2))).collect();
+        let thin = thin(&points, 400);
+        assert_eq!(thin[..5], points[..5]);
+        assert!(thin.len() <= 406, "{}", thin.len());
     }
 
     /// Decimation does not change short lines.

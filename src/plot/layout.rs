@@ -2,7 +2,7 @@
 
 use super::PlotError;
 use super::axis::AxisScale;
-use super::canvas::{Anchor, Canvas, FINE_GRID, GRID, LETTERS, LineStyle, PixelPoint};
+use super::canvas::{Anchor, Canvas, FINE_GRID, GRID, LETTERS, LineStyle, PixelPoint, fitting};
 use super::chart::{Align, Axis, Chart, Line, Marker, Note, Scale, Size, Stroke};
 use super::decimate::{UnitPoint, inside, thin};
 use super::legend::{Entry, Legend};
@@ -135,7 +135,9 @@ impl<'a> ChartLayout<'a> {
     fn draw(&self, canvas: &mut Canvas, looks: &[LineStyle]) {
         let (chart, whole, area) = (self.chart, self.whole, self.area());
         let middle = f64::midpoint(whole.from.x, whole.to.x);
-        canvas.write(&chart.title, LETTERS[0], PixelPoint { x: middle, y: whole.from.y - 10.0 }, Anchor::Above);
+        // A little into the margins of the chart, and not into its neighbours.
+        let letters = fitting(&chart.title, LETTERS[0], whole.to.x - whole.from.x + 30.0);
+        canvas.write(&chart.title, letters, PixelPoint { x: middle, y: whole.from.y - 10.0 }, Anchor::Above);
         draw_axes(canvas, chart, self.scales, self.field);
         for (line, look) in chart.lines.iter().zip(looks) {
             canvas.tag("series", &line.series, |canvas| draw_line(canvas, line, *look, &area));
@@ -216,7 +218,8 @@ fn draw_axes(canvas: &mut Canvas, chart: &Chart, scales: AxisScales, field: Fiel
     };
     canvas.write(&counted(&chart.x.label, ticks_x.origin), LETTERS[1], below, Anchor::Below);
     let beside = PixelPoint { x: from.x - 64.0, y: f64::midpoint(from.y, to.y) };
-    canvas.write(&counted(&chart.y.label, ticks_y.origin), LETTERS[1], beside, Anchor::Upwards);
+    let label = counted(&chart.y.label, ticks_y.origin);
+    canvas.write(&label, fitting(&label, LETTERS[1], down + 70.0), beside, Anchor::Upwards);
 }
 
 fn draw_line(canvas: &mut Canvas, line: &Line, look: LineStyle, area: &PlotArea) {

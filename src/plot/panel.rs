@@ -12,6 +12,8 @@ pub(super) struct Panel {
     pub axes: [String; 2],
     /// what is drawn over what
     pub plane: Plane,
+    /// whether curves with rates are cubics between their points
+    pub cubic: bool,
     /// the curves
     pub curves: Vec<Curve>,
 }
@@ -37,7 +39,7 @@ impl Panel {
     /// # Errors
     /// No point above 0 on a logarithmic axis.
     pub(super) fn chart(self, scales: [Scale; 2]) -> Result<PanelChart, PlotError> {
-        let Panel { title, axes: [x, y], plane, curves } = self;
+        let Panel { title, axes: [x, y], plane, cubic, curves } = self;
         let across = match plane {
             Plane::Time => times(&curves),
             Plane::Phase => limits(&curves, plane, |p| p.0),
@@ -53,7 +55,7 @@ impl Panel {
         // A mark at the edge of a phase diagram would be at a state that the run never had.
         let held = y.range.filter(|_| plane == Plane::Time);
         let marks = curves.iter().filter_map(|curve| curve.end_mark(plane, held));
-        let lines: Vec<Line> = curves.iter().map(|curve| curve.line(plane)).chain(marks).collect();
+        let lines: Vec<Line> = curves.iter().map(|curve| curve.line(plane, cubic)).chain(marks).collect();
         let points = || curves.iter().flat_map(|c| &c.samples).map(|s| plane.point(s));
         let finite = || points().filter(|(x, y)| x.is_finite() && y.is_finite());
         let shown =

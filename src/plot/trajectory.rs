@@ -48,7 +48,10 @@ pub(super) fn panel(results: &Results, view: &View, plane: Plane) -> Result<Pane
         Plane::Time => ["time t [s]".to_owned(), value],
         Plane::Phase => [value, rate],
     };
-    Ok(Panel { title, axes, plane, curves })
+    // The derivative of a difference between its points would mostly show how far the velocities of a scheme are from
+    // the derivatives of its positions.
+    let cubic = plane == Plane::Time || results.base.is_none();
+    Ok(Panel { title, axes, plane, cubic, curves })
 }
 
 /// The path of the same node in another run.
