@@ -111,8 +111,8 @@ pub(super) fn panels(results: &Results, view: &View, kind: Kind) -> Result<Vec<P
             panel.curves.push(curve);
             continue;
         }
-        let sharing = all().filter(|other| other.quantity == series.quantity);
-        let alone = sharing.fold(true, |alone, other| alone && other.name == series.name);
+        let mut sharing = all().filter(|other| other.quantity == series.quantity);
+        let alone = sharing.all(|other| other.name == series.name);
         let subject = if alone { own(series) } else { String::new() };
         let title = results.title(format!("{subject} {}", series.quantity).trim_start());
         let unit = series.unit.replace("^2", "²").replace("^3", "³");

@@ -71,8 +71,7 @@ impl PlotArea {
         let mut nodes = Vec::with_capacity(line.points.len());
         for (i, &to) in line.points.iter().enumerate() {
             let end = self.place(to);
-            let before = i.checked_sub(1).and_then(|i| Some((*line.points.get(i)?, *line.tangents.get(i)?)));
-            let cubic = before.map(|(from, tangents)| Cubic { ends: [from, to], tangents }).filter(Cubic::is_finite);
+            let cubic = i.checked_sub(1).and_then(|i| Cubic::of(line, i));
             let Some(cubic) = cubic else {
                 nodes.push(end.map(Node::from));
                 continue;
@@ -119,8 +118,12 @@ struct Cubic {
 }
 
 impl Cubic {
-    fn is_finite(&self) -> bool {
-        self.ends.iter().chain(&self.tangents).all(|(x, y)| x.is_finite() && y.is_finite())
+    /// The piece of a line after a point, if it is one.
+    fn of(line: &Line, i: usize) -> Option<Self> {
+        let ends = [*line.points.get(i)?, *line.points.get(i + 1)?];
+        let tangents = *line.tangents.get(i)?;
+        let finite = ends.iter().chain(&tangents).all(|(x, y)| x.is_finite() && y.is_finite());
+        finite.then_some(Cubic { ends, tangents })
     }
 
     /// Its inner control points in the form of Bézier.
@@ -144,11 +147,7 @@ impl Cubic {
 
 /// All points that the range of an axis should include: those of a line, and points on its cubics.
 pub(super) fn shown_points(line: &Line) -> impl Iterator<Item = (f64, f64)> {
-    let cubic = |(ends, tangents): (&[(f64, f64)], &[(f64, f64); 2])| match ends {
-        [from, to] => Some(Cubic { ends: [*from, *to], tangents: *tangents }).filter(Cubic::is_finite),
-        _ => None,
-    };
-    let cubics = line.points.windows(2).zip(&line.tangents).filter_map(cubic);
+    let cubics = (0..line.tangents.len()).filter_map(|i| Cubic::of(line, i));
     line.points.iter().copied().chain(cubics.flat_map(|cubic| cubic.inner(STRAIGHTS / 2)))
 }
 
