@@ -51,25 +51,30 @@ pub(super) fn inside(place: UnitPoint) -> bool {
     (0.0..=1.0).contains(&place.0) && (0.0..=1.0).contains(&place.1)
 }
 
-/// The part of a straight line inside the frame (Liang & Barsky 1984). Ends inside the frame keep their bits.
+/// The part of a straight line inside the frame (Liang & Barsky 1984). Ends inside the frame keep their bits. Ends on an
+/// edge are on it exactly, also if the line comes from so far away that its crossings of two edges differ by rounding.
 fn segment(from: UnitPoint, to: UnitPoint) -> Option<(UnitPoint, UnitPoint)> {
-    let along = (to.0 - from.0, to.1 - from.1);
-    let (mut enters, mut leaves) = (0.0_f64, 1.0_f64);
-    for (start, step) in [(from.0, along.0), (from.1, along.1)] {
+    let (start, end) = ([from.0, from.1], [to.0, to.1]);
+    let (mut enters, mut leaves) = ((0.0, None), (1.0, None));
+    for (axis, (&start, &end)) in start.iter().zip(&end).enumerate() {
+        let step = end - start;
         if step == 0.0 {
             if !(0.0..=1.0).contains(&start) {
                 return None;
             }
             continue;
         }
-        let (a, b) = ((0.0 - start) / step, (1.0 - start) / step);
-        enters = enters.max(a.min(b));
-        leaves = leaves.min(a.max(b));
+        let edges = if step > 0.0 { [0.0, 1.0] } else { [1.0, 0.0] };
+        let [first, last] = edges.map(|edge| ((edge - start) / step, Some((axis, edge))));
+        enters = if first.0 > enters.0 { first } else { enters };
+        leaves = if last.0 < leaves.0 { last } else { leaves };
     }
-    let at = |s: f64| (from.0 + s * along.0, from.1 + s * along.1);
-    let start = if enters > 0.0 { at(enters) } else { from };
-    let end = if leaves < 1.0 { at(leaves) } else { to };
-    (enters <= leaves).then_some((start, end))
+    let at = |(share, edge): (f64, Option<(usize, f64)>), whole: UnitPoint| {
+        let Some((axis, edge)) = edge else { return whole };
+        let along = |start: f64, end: f64| (start + share * (end - start)).clamp(0.0, 1.0);
+        if axis == 0 { (edge, along(from.1, to.1)) } else { (along(from.0, to.0), edge) }
+    };
+    (enters.0 <= leaves.0).then(|| (at(enters, from), at(leaves, to)))
 }
 
 /// At most about `most` points that look the same: the extremes of every section of the line in both directions, and
@@ -160,6 +165,8 @@ mod tests {
         assert_eq!(parted, [[(0.1, 0.1), (0.2, 0.2)], [(0.3, 0.3), (0.4, 0.4)]]);
         let outside = cut(&[Some((2.0, 0.0)), Some((3.0, 1.0))]);
         assert!(outside.is_empty());
+        let far = cut(&[Some((0.25, -1e18)), Some((0.75, 1e18)), Some((1.0, -1e18))]);
+        assert_eq!(far, [[(0.5, 0.0), (0.5, 1.0)], [(0.875, 1.0), (0.875, 0.0)]]);
         let across = cut(&[Some((-1.0, 0.5)), Some((2.0, 0.5))]);
         assert_eq!(across.len(), 1);
         assert!(across[0].iter().all(|p| inside(*p)));
