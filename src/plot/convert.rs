@@ -1,5 +1,5 @@
 //! SVG pictures in other formats, in a program that was built with the feature `pictures`: its crates take two minutes
-//! of processor time to compile. Texts are in DejaVu Sans, which is part of such a program, so that the pictures are the
+//! of processor time to compile. Texts are in DejaVu Sans, which is part of such a program, so that pictures are the
 //! same on all machines.
 
 use super::PlotError;

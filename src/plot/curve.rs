@@ -57,8 +57,8 @@ impl Plane {
         }
     }
 
-    /// Derivatives at the ends of the piece between two samples, which lasts h, by its share of h. Its value is the cubic
-    /// with the values and rates of both; its rate in a phase diagram is the derivative of that cubic.
+    /// Derivatives at the ends of the piece between two samples, which lasts h, by its share of h. Its value is the
+    /// cubic with the values and rates of both; its rate in a phase diagram is the derivative of that cubic.
     fn tangents(self, a: &Sample, b: &Sample) -> [(f64, f64); 2] {
         let (h, d) = (b.t - a.t, b.value - a.value);
         match self {

@@ -51,8 +51,9 @@ pub(super) fn inside(place: UnitPoint) -> bool {
     (0.0..=1.0).contains(&place.0) && (0.0..=1.0).contains(&place.1)
 }
 
-/// The part of a straight line inside the frame (Liang & Barsky 1984). Ends inside the frame keep their bits. Ends on an
-/// edge are on it exactly, also if the line comes from so far away that its crossings of two edges differ by rounding.
+/// The part of a straight line inside the frame (Liang & Barsky 1984). Ends inside the frame keep their bits. Ends on
+/// an edge are on it exactly, also if the line comes from so far away that its crossings of two edges differ by
+/// rounding only.
 fn segment(from: UnitPoint, to: UnitPoint) -> Option<(UnitPoint, UnitPoint)> {
     let (start, end) = ([from.0, from.1], [to.0, to.1]);
     let (mut enters, mut leaves) = ((0.0, None), (1.0, None));

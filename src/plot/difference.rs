@@ -8,8 +8,8 @@ use crate::output::hermite::interpolate;
 const ROUNDING: f64 = 1e-9;
 
 /// The first quantity minus the second one, at the times of the first that both have. The second one is interpolated by
-/// cubics: with its rates, which leaves an error of h^4 x''''/384; where it has none, with those of the parabola through
-/// three values, whose error h^2 x'''/6 leaves one of 0.016 h^3 x'''.
+/// cubics. With its rates these leave an error of h^4 x''''/384. Where it has none, the rates are those of the parabola
+/// through three values, whose error h^2 x'''/6 leaves one of 0.016 h^3 x'''.
 pub(super) fn minus(first: Vec<Sample>, second: &[Sample]) -> Vec<Sample> {
     let (Some(start), Some(end)) = (second.first(), second.last()) else { return Vec::new() };
     let margin = ROUNDING * (end.t - start.t);

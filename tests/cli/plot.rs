@@ -270,7 +270,7 @@ fn a_diverged_run_is_drawn() {
     let both = desk.picture("displacement.svg");
     let legend = "explicit-euler, diverged at 27 s";
     assert!(both.says(legend) && both.says("velocity-verlet"), "{:?}", both.words());
-    // The title's place ends 42 px below the top, where the frame begins; no line is above it, from however far it came.
+    // The frame begins 42 px below the top, under the title; no line is above it, from however far it came.
     let highest = both.lines.iter().flat_map(|(_, points)| points).map(|p| p.1).fold(f64::INFINITY, f64::min);
     assert!(highest >= 420.0, "a line at {highest} tenths of a pixel");
     let good = largest(both.curves(VERMILLION)[0].iter().map(|p| p.1));

@@ -26,8 +26,8 @@ fn curves_are_cubics_between_frames() {
 }
 
 /// Two gauges of the oscillator: the rows of the table are the points of the curves, and both are the closed form of
-/// the spring's force, k x0 = 6 N, and of the speed, x0 w0. A quantity is a chart, with its unit; a gauge has its colour
-/// in all of them; one can be chosen.
+/// the spring's force, k x0 = 6 N, and of the speed, x0 w0. A quantity is a chart, with its unit; a gauge has its
+/// colour in all of them; one can be chosen.
 #[test]
 fn gauges_are_drawn() {
     let desk = Desk::new();
