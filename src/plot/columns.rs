@@ -62,21 +62,67 @@ struct Columns {
 
 /// The panels of a kind: one for every quantity. Colours and labels are the same in all of them.
 pub(super) fn panels(results: &Results, view: &View, kind: Kind) -> Result<Vec<Panel>, PlotError> {
+    let tables = tables(results, view, kind)?;
+    let all = || tables.iter().flatten();
+    let several = all().any(|series| all().next().is_some_and(|first| first.name != series.name));
+    let own = |series: &Series| if several { series.name.clone() } else { String::new() };
+    let (mut known, mut panels): (Vec<String>, Vec<(&str, Panel)>) = (Vec::new(), Vec::new());
+    for ((table, run), ended) in tables.iter().zip(&results.runs).zip(results.labels()) {
+        for series in table {
+            let label = joined(&own(series), &ended);
+            let color = known.iter().position(|known| *known == label).unwrap_or(known.len());
+            if color == known.len() {
+                known.push(label.clone());
+            }
+            let (color, samples) = (series.color.unwrap_or(color), series.samples.clone());
+            let curve = Curve { ending: run.ending, label, color, stroke: Stroke::Normal, marked: true, samples };
+            if let Some((_, panel)) = panels.iter_mut().find(|(quantity, _)| *quantity == series.quantity) {
+                panel.curves.push(curve);
+                continue;
+            }
+            let mut sharing = all().filter(|other| other.quantity == series.quantity);
+            let alone = sharing.all(|other| other.name == series.name);
+            let subject = if alone { own(series) } else { String::new() };
+            let title = results.title(format!("{subject} {}", series.quantity).trim_start());
+            let axes = ["time t [s]".to_owned(), results.axis(&series.label())];
+            panels
+                .push((&series.quantity, Panel { title, axes, plane: Plane::Time, cubic: true, curves: vec![curve] }));
+        }
+    }
+    Ok(panels.into_iter().map(|(_, panel)| panel).collect())
+}
+
+impl Series {
+    /// The quantity with its unit.
+    fn label(&self) -> String {
+        let unit = self.unit.replace("^2", "²").replace("^3", "³");
+        if unit.is_empty() { self.quantity.clone() } else { format!("{} [{unit}]", self.quantity) }
+    }
+}
+
+/// What each run holds of a kind at the times of a view, less what the run to subtract holds.
+fn tables(results: &Results, view: &View, kind: Kind) -> Result<Vec<Vec<Series>>, PlotError> {
     let entries = shown(&results.runs, view);
-    let all = || results.runs.iter().chain(&results.base).flat_map(|run| &run.history);
-    let steps = STEPS.into_iter().filter(|(entry, _)| all().any(|row| (entry.of)(row) != 0.0)).collect();
+    let rows = || results.runs.iter().chain(&results.base).flat_map(|run| &run.history);
+    let steps = STEPS.into_iter().filter(|(entry, _)| rows().any(|row| (entry.of)(row) != 0.0)).collect();
     let history = Columns { entries, one_chart: results.runs.len() == 1, steps };
-    let read = |run: &Run| series(run, view, kind, &history);
     let mut tables = Vec::new();
+    let mut missing = None;
     for run in &results.runs {
-        match read(run) {
-            // Another run may hold something of it.
-            Err(PlotError::NotHeld { .. }) if results.runs.len() > 1 => tables.push(Vec::new()),
+        match series(run, view, kind, &history) {
+            Err(error @ PlotError::NotHeld { .. }) => {
+                missing = Some(error);
+                tables.push(Vec::new());
+            }
             table => tables.push(table?),
         }
     }
+    // Where some run holds something of it, the others may lack it.
+    if let Some(error) = missing.filter(|_| tables.iter().all(Vec::is_empty)) {
+        return Err(error);
+    }
     if let Some(base) = &results.base {
-        let table = read(base)?;
+        let table = series(base, view, kind, &history)?;
         for series in tables.iter_mut().flatten() {
             let same = |other: &&Series| other.name == series.name && other.quantity == series.quantity;
             let other = table.iter().find(same).ok_or_else(|| unmatched(base, series, &table))?;
@@ -86,44 +132,7 @@ pub(super) fn panels(results: &Results, view: &View, kind: Kind) -> Result<Vec<P
     for series in tables.iter_mut().flatten() {
         series.samples.retain(|sample| view.sees(sample.t));
     }
-    let labels = results.labels();
-    let all = || tables.iter().flatten();
-    let mut names: Vec<&str> = all().map(|series| series.name.as_str()).collect();
-    names.sort_unstable();
-    names.dedup();
-    let own = |series: &Series| if names.len() > 1 { series.name.clone() } else { String::new() };
-    let mut known: Vec<String> = Vec::new();
-    let mut panels: Vec<(&str, Panel)> = Vec::new();
-    for (series, run, label) in tables
-        .iter()
-        .zip(&results.runs)
-        .zip(&labels)
-        .flat_map(|((table, run), label)| table.iter().map(move |series| (series, run, label)))
-    {
-        let label = joined(&own(series), label);
-        let color = known.iter().position(|known| *known == label).unwrap_or(known.len());
-        if color == known.len() {
-            known.push(label.clone());
-        }
-        let (color, samples) = (series.color.unwrap_or(color), series.samples.clone());
-        let curve = Curve { ending: run.ending, label, color, stroke: Stroke::Normal, marked: true, samples };
-        if let Some((_, panel)) = panels.iter_mut().find(|(quantity, _)| *quantity == series.quantity) {
-            panel.curves.push(curve);
-            continue;
-        }
-        let mut sharing = all().filter(|other| other.quantity == series.quantity);
-        let alone = sharing.all(|other| other.name == series.name);
-        let subject = if alone { own(series) } else { String::new() };
-        let title = results.title(format!("{subject} {}", series.quantity).trim_start());
-        let unit = series.unit.replace("^2", "²").replace("^3", "³");
-        let value = [series.quantity.as_str(), &format!("[{unit}]")][..1 + usize::from(!unit.is_empty())].join(" ");
-        let axes = ["time t [s]".to_owned(), results.axis(&value)];
-        panels.push((&series.quantity, Panel { title, axes, plane: Plane::Time, cubic: true, curves: vec![curve] }));
-    }
-    match (panels.is_empty(), results.runs.first()) {
-        (true, Some(first)) => read(first).map(|_| Vec::new()),
-        _ => Ok(panels.into_iter().map(|(_, panel)| panel).collect()),
-    }
+    Ok(tables)
 }
 
 fn unmatched(base: &Run, series: &Series, table: &[Series]) -> PlotError {
