@@ -79,10 +79,13 @@ pub enum Command {
     /// regions and the motions of the scene in them).
     #[command(after_help = EXIT_STATUS)]
     Stability(StabilityArgs),
-    /// Plot displacement, phase and energy of finished runs as SVG, several runs overlaid
+    /// Plot motion, energies, steps and gauges of finished runs, several runs overlaid, or the difference of two
     ///
-    /// Writes displacement.svg, phase.svg and energy.svg, replacing earlier ones, and prints their names. Displacements
-    /// are measured from the position before the initial displacement; a pendulum shows its angle.
+    /// Writes a picture for each kind, such as displacement.svg, replacing earlier ones, and prints their names.
+    /// Displacements are measured from the position before the initial displacement; a pendulum shows its angle.
+    /// Motion between two frames is the cubic with their positions and velocities. A curve that coincides with an
+    /// earlier one is dashed.
+    #[command(after_help = super::plot::EXAMPLES)]
     Plot(PlotArgs),
     /// Make, convert or inspect a mesh
     Mesh(MeshArgs),

@@ -1,12 +1,25 @@
-//! `canopy-fem plot OUT...`: displacement, phase and energy of finished runs as SVG.
+//! `canopy-fem plot OUT...`: charts of finished runs.
 
 use super::CliError;
+use super::terminal::complain;
 use crate::output::atomic::{Durability, replace};
 use crate::plot::PlotError;
+use crate::plot::chart::Scale;
+use crate::plot::convert::{Format, convert};
 use crate::plot::results::Run;
-use crate::plot::view::{Direction, Kind, View, picture};
+use crate::plot::view::{Direction, Kind, Picture, Results, View, picture};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+
+/// Examples of the command, for its help.
+pub const EXAMPLES: &str = "\
+Examples:
+  canopy-fem plot out/c9-drop                                   all that the results hold
+  canopy-fem plot out/c9-drop --kind gauges --gauge riser       one gauge
+  canopy-fem plot out/c9-drop --kind ledger --log y             small entries of the energy account
+  canopy-fem plot out/rk4 out/newmark --out out/plots           two runs in the same charts
+  canopy-fem plot out/rk4 --minus out/newmark --out out/plots   the difference of two runs
+  canopy-fem plot out/c9-drop --format png,pdf                  for slides and for print";
 
 /// `plot`.
 #[derive(Clone, Debug, clap::Args)]
@@ -14,11 +27,11 @@ pub struct PlotArgs {
     /// Folders with results, as `canopy-fem solve` writes them
     #[arg(required = true, value_name = "OUT")]
     pub runs: Vec<PathBuf>,
-    /// Folder for the pictures [default: the run's folder; for several runs, the current folder]
+    /// Folder for the pictures [default: the run's folder; for several runs or a difference, the current folder]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// What to plot; may be given several times [default: all that the results hold]
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, value_delimiter = ',')]
     pub kind: Vec<Kind>,
     /// Direction of motion; for a bob, measured from its lowest point [default: direction of the largest motion; the
     /// angle of a pendulum]
@@ -30,12 +43,38 @@ pub struct PlotArgs {
     /// Nodes among the probed ones, e.g. 3,7 or 650..702 with both ends [default: all]
     #[arg(long, value_parser = nodes, value_name = "LIST")]
     pub nodes: Option<Nodes>,
+    /// Gauge by name; may be given several times [default: all]
+    #[arg(long, value_name = "NAME")]
+    pub gauge: Vec<String>,
+    /// Subtract this run from each of the others, at their times; between its times it is a cubic
+    #[arg(long, value_name = "OUT")]
+    pub minus: Option<PathBuf>,
+    /// Axes that are logarithmic; points that are not above 0 are left out
+    #[arg(long, value_enum, value_name = "AXES")]
+    pub log: Option<LogAxes>,
     /// Plot from this time on [s]
     #[arg(long, value_parser = seconds, allow_negative_numbers = true, value_name = "TIME")]
     pub from: Option<f64>,
     /// Plot up to this time [s]
     #[arg(long, value_parser = seconds, allow_negative_numbers = true, value_name = "TIME")]
     pub to: Option<f64>,
+    /// Formats of the pictures, separated by commas; png and pdf need a program built with `--features pictures`
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "svg")]
+    pub format: Vec<Format>,
+    /// Pixels of a PNG per pixel of the SVG
+    #[arg(long, value_parser = scale, default_value = "2", value_name = "FACTOR")]
+    pub scale: f32,
+}
+
+/// Axes that are logarithmic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum LogAxes {
+    /// the horizontal one
+    X,
+    /// the vertical one
+    Y,
+    /// both
+    Xy,
 }
 
 /// A list of nodes.
@@ -48,43 +87,77 @@ pub(super) fn run(args: &PlotArgs) -> Result<String, CliError> {
     {
         return Err(PlotError::NotThere(format!("--from {from} is not before --to {to}")).into());
     }
-    let runs = args.runs.iter().map(|folder| Run::read(folder)).collect::<Result<Vec<_>, _>>()?;
-    let view = View {
-        axis: args.axis,
-        probes: args.probe.clone(),
-        nodes: args.nodes.clone().map(|n| n.0).unwrap_or_default(),
-        from: args.from,
-        to: args.to,
+    args.format.iter().try_for_each(|format| format.check())?;
+    let results = Results {
+        runs: args.runs.iter().map(|folder| Run::read(folder)).collect::<Result<_, _>>()?,
+        base: args.minus.as_deref().map(Run::read).transpose()?,
     };
     // All charts are made before the first is written.
-    let pictures = kinds(args, &runs).into_iter().map(|kind| Ok((kind.file(), picture(&runs, &view, kind)?)));
-    let pictures = pictures.collect::<Result<Vec<_>, PlotError>>()?;
+    let mut files = Vec::new();
+    for (stem, Picture { svg, remarks }) in pictures(args, &results)? {
+        remarks.iter().for_each(|remark| complain(&format!("warning: {remark}")));
+        for (i, format) in args.format.iter().enumerate() {
+            if !args.format[..i].contains(format) {
+                let name = format!("{stem}.{}", format.ending());
+                files.push((name, convert(&svg, *format, args.scale)?.into_owned()));
+            }
+        }
+    }
     let folder = match (&args.out, args.runs.as_slice()) {
         (Some(out), _) => out.as_path(),
-        (None, [only]) => only.as_path(),
+        (None, [only]) if args.minus.is_none() => only.as_path(),
         _ => Path::new(""),
     };
     let mut text = String::new();
     if !folder.as_os_str().is_empty() {
         std::fs::create_dir_all(folder).map_err(|source| PlotError::System { path: folder.to_owned(), source })?;
     }
-    for (file, svg) in pictures {
-        let path = folder.join(file);
-        replace(&path, svg.as_bytes(), Durability::Visible)
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        replace(&path, &bytes, Durability::Visible)
             .map_err(|source| PlotError::System { path: path.clone(), source })?;
         let _ = writeln!(text, "{}", path.display());
     }
     Ok(text)
 }
 
-/// The requested kinds, each once. By default all kinds, but without those of motion if no run has probes.
-fn kinds(args: &PlotArgs, runs: &[Run]) -> Vec<Kind> {
-    let probed = runs.iter().any(|run| !run.tracks.is_empty());
-    let wanted = |kind: &Kind| match args.kind.as_slice() {
-        [] => probed || *kind == Kind::Energy,
-        kinds => kinds.contains(kind),
+/// The pictures with the stems of their files: of the requested kinds, each once; by default of all kinds that the
+/// results hold something of.
+fn pictures(args: &PlotArgs, results: &Results) -> Result<Vec<(&'static str, Picture)>, PlotError> {
+    let log = |axes: [LogAxes; 2]| match args.log {
+        Some(log) if axes.contains(&log) => Scale::Log,
+        _ => Scale::Linear,
     };
-    Kind::ALL.into_iter().filter(wanted).collect()
+    let view = View {
+        axis: args.axis,
+        probes: args.probe.clone(),
+        nodes: args.nodes.clone().map(|n| n.0).unwrap_or_default(),
+        gauges: args.gauge.clone(),
+        scales: [log([LogAxes::X, LogAxes::Xy]), log([LogAxes::Y, LogAxes::Xy])],
+        from: args.from,
+        to: args.to,
+    };
+    let wanted = |kind: &Kind| if args.kind.is_empty() { kind.adds(&results.runs) } else { args.kind.contains(kind) };
+    let (mut made, mut refused) = (Vec::new(), None);
+    for kind in Kind::ALL.into_iter().filter(wanted) {
+        match picture(results, &view, kind) {
+            Err(PlotError::NotHeld { .. }) if args.kind.is_empty() => {}
+            Err(error @ PlotError::NothingPositive { .. }) if args.kind.is_empty() => {
+                complain(&format!("warning: no {}: {error}", kind.stem()));
+                refused.get_or_insert(error);
+            }
+            picture => made.push((kind.stem(), picture?)),
+        }
+    }
+    match refused {
+        Some(error) if made.is_empty() => Err(error),
+        _ => Ok(made),
+    }
+}
+
+fn scale(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|scale: &f32| (0.1..=20.0).contains(scale));
+    number.ok_or_else(|| "expected a number from 0.1 to 20".to_owned())
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -6,6 +6,8 @@ use super::chart::Scale;
 const MARGIN: f64 = 0.04;
 /// [-] A range narrower than this share of its numbers is rounding, not motion; it is drawn as a constant.
 const ROUNDING: f64 = 1e-12;
+/// Letters of the longest label beside an axis; numbers that need more are counted from one of them.
+const LONGEST: usize = 9;
 /// Larger numbers count as not finite: a diverging run exceeds them within a step or two, and differences of smaller
 /// numbers are finite.
 const FARTHEST: f64 = 1e150;
@@ -18,6 +20,15 @@ pub(super) struct AxisScale {
     low: f64,
     /// upper end, likewise
     high: f64,
+}
+
+/// The ticks of an axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Ticks {
+    /// the ticks
+    pub ticks: Vec<Tick>,
+    /// what is to be added to the numbers at the ticks; 0 but where they differ in their last digits only
+    pub origin: f64,
 }
 
 /// A tick of an axis.
@@ -75,28 +86,40 @@ impl AxisScale {
     }
 
     /// At most about `most` labelled ticks, and the lines of the fine grid between them.
-    pub(super) fn ticks(&self, most: usize) -> Vec<Tick> {
+    pub(super) fn ticks(&self, most: usize) -> Ticks {
         match self.scale {
             Scale::Linear => self.even_ticks(self.low, self.high, most),
             // Less than a decade has too few powers of ten for readable labels.
             Scale::Log if self.span() < 1.0 => self.even_ticks(10f64.powf(self.low), 10f64.powf(self.high), most),
-            Scale::Log => self.decade_ticks(most),
+            Scale::Log => Ticks { ticks: self.decade_ticks(most), origin: 0.0 },
         }
     }
 
     /// Multiples of 1, 2 or 5 times a power of ten.
-    fn even_ticks(&self, low: f64, high: f64, most: usize) -> Vec<Tick> {
+    fn even_ticks(&self, low: f64, high: f64, most: usize) -> Ticks {
         let rough = (high - low) / most.max(2) as f64;
         let power = 10f64.powf(rough.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= rough).unwrap_or(10.0 * power);
-        let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
-        let size = low.abs().max(high.abs());
+        let steps = [0.5, 1.0, 2.0, 5.0, 10.0].map(|m| m * power);
+        let ends = |step: f64| ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
+        let fits = (1..steps.len()).find(|i| steps[*i] >= rough).unwrap_or(steps.len() - 1);
+        // Two numbers tell little of an axis that has room for more.
+        let (first, last) = ends(steps[fits]);
+        let step = steps[if most > 3 && last - first < 2.0 { fits - 1 } else { fits }];
+        let (first, last) = ends(step);
         let count = (last - first).clamp(0.0, 100.0) as usize;
-        let tick = |i: usize| {
-            let value = (first + i as f64) * step;
-            Some(Tick { at: self.place(value)?, label: number(value, Digits { step, size }) })
+        let counted_from = |origin: f64| {
+            let size = (low - origin).abs().max((high - origin).abs());
+            // Whole steps from the origin, so that no digits are lost.
+            let begin = first - (origin / step).round();
+            let tick = |i: usize| {
+                let label = number((begin + i as f64) * step, Digits { step, size });
+                Some(Tick { at: self.place((first + i as f64) * step)?, label })
+            };
+            Ticks { ticks: (0..=count).filter_map(tick).collect(), origin }
         };
-        (0..=count).filter_map(tick).collect()
+        let ticks = counted_from(0.0);
+        let too_long = |tick: &Tick| tick.label.chars().count() > LONGEST;
+        if ticks.ticks.iter().any(too_long) { counted_from(shortest(low, high, step)) } else { ticks }
     }
 
     /// Powers of ten; 2 … 9 times them as a fine grid while there is room, 2 and 5 with numbers on short axes.
@@ -121,6 +144,14 @@ impl AxisScale {
         }
         ticks
     }
+}
+
+/// The number between two others that has the fewest digits, and is a multiple of a step.
+fn shortest(low: f64, high: f64, step: f64) -> f64 {
+    let tenfold = std::iter::successors(Some(step), |unit| Some(unit * 10.0)).take(20);
+    let inside = tenfold.map(|unit| (low / unit).ceil() * unit).take_while(|multiple| *multiple <= high);
+    // Twelve digits: the products above are not exact.
+    inside.last().and_then(|multiple| format!("{multiple:.11e}").parse().ok()).unwrap_or(0.0)
 }
 
 /// The data for the number of digits of a tick label.
@@ -161,7 +192,7 @@ mod tests {
     use super::*;
 
     fn labels(scale: AxisScale, most: usize) -> Vec<String> {
-        scale.ticks(most).into_iter().map(|t| t.label).filter(|l| !l.is_empty()).collect()
+        scale.ticks(most).ticks.into_iter().map(|t| t.label).filter(|l| !l.is_empty()).collect()
     }
 
     /// Round numbers with as many digits as they need, in everyday and in tiny units, and powers of ten on logarithmic
@@ -173,7 +204,11 @@ mod tests {
         assert_eq!(labels(linear(-2.1, 2.1), 5), ["-2", "-1", "0", "1", "2"]);
         assert_eq!(labels(linear(0.0, 0.31), 4), ["0.0", "0.1", "0.2", "0.3"]);
         assert_eq!(labels(linear(0.0, 3.5e-11), 4), ["0", "1·10⁻¹¹", "2·10⁻¹¹", "3·10⁻¹¹"]);
-        assert_eq!(labels(linear(1e6, 1e6 + 2.0), 2), ["1.000000·10⁶", "1.000001·10⁶", "1.000002·10⁶"]);
+        assert_eq!(labels(linear(1e6, 1e6 + 2.0), 2), ["0", "1", "2"]);
+        assert_eq!(linear(1e6, 1e6 + 2.0).ticks(2).origin, 1e6);
+        assert_eq!(labels(linear(6.0 - 5e-10, 6.0 + 3e-11), 4), ["-4·10⁻¹⁰", "-2·10⁻¹⁰", "0"]);
+        assert_eq!(linear(6.0 - 5e-10, 6.0 + 3e-11).ticks(4).origin, 6.0);
+        assert_eq!(labels(linear(-8e4, 3e3), 4), ["-80000", "-60000", "-40000", "-20000", "0"]);
         assert_eq!(labels(log(1e-4, 1e-1), 8), ["10⁻⁴", "10⁻³", "10⁻²", "10⁻¹"]);
         assert_eq!(labels(log(0.9, 11.0), 8), ["10⁰", "2·10⁰", "5·10⁰", "10¹"]);
         assert_eq!(labels(log(1e-12, 1.0), 4), ["10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "10⁰"]);

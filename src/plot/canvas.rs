@@ -28,6 +28,9 @@ const PALETTE: [Ink; 15] = [
     "#999933", "#AA4499", "#661100", "#44AA99", "#888888",
 ];
 
+/// Length of a dash and a gap of lines that coincide with others, in drawing units.
+const COVERING: u32 = 220;
+
 /// [px] Size of marks; corners are given in it.
 const MARK: f64 = 9.0;
 /// Looks as large as the disc, like all marks with corners.
@@ -60,6 +63,8 @@ pub(super) struct LineStyle {
     pub marker: Marker,
     /// [px] width of the usual line
     pub width: f64,
+    /// number of earlier lines that this one coincides with: it is dashed, so that they are seen between its dashes
+    pub covered: u32,
 }
 
 impl LineStyle {
@@ -67,8 +72,21 @@ impl LineStyle {
         PALETTE[self.color % PALETTE.len()]
     }
 
-    fn dashed(&self) -> bool {
-        self.stroke == Stroke::Dashed || (self.stroke == Stroke::Normal && self.color / PALETTE.len() % 2 == 1)
+    /// Whether both have the same colour, stroke and marks.
+    pub(super) fn shows_as(&self, other: LineStyle) -> bool {
+        (self.color, self.stroke, self.marker) == (other.color, other.stroke, other.marker)
+    }
+
+    /// Lengths of dashes and gaps. Where several lines coincide, each has half the dashes of the one below it, from the
+    /// same points on.
+    fn dashes(&self) -> String {
+        let beyond_palette = self.stroke == Stroke::Normal && self.color / PALETTE.len() % 2 == 1;
+        let (dash, gap) = match self.covered {
+            0 if self.stroke != Stroke::Dashed && !beyond_palette => return String::new(),
+            0 => (80, 50),
+            n => (COVERING >> n.min(4), COVERING - (COVERING >> n.min(4))),
+        };
+        format!(" stroke-dasharray=\"{dash} {gap}\"")
     }
 }
 
@@ -164,8 +182,9 @@ impl Canvas {
         self.polyline(&corners.map(|(x, y)| PixelPoint { x, y }), INK, 1.0, "");
     }
 
-    /// A piece of a line.
-    pub(super) fn line(&mut self, points: &[PixelPoint], look: LineStyle) {
+    /// A piece of a line; `via` has the control points of the cubic that leads to each of its points but the first, or
+    /// is empty.
+    pub(super) fn line(&mut self, points: &[PixelPoint], via: &[Option<[PixelPoint; 2]>], look: LineStyle) {
         let width = match look.stroke {
             Stroke::None => return,
             Stroke::Thin => 0.7,
@@ -174,8 +193,21 @@ impl Canvas {
             Stroke::Normal | Stroke::Filled => look.width,
         };
         let pale = if look.stroke == Stroke::Thin { " opacity=\"0.6\"" } else { "" };
-        let dashes = if look.dashed() { " stroke-dasharray=\"80 50\"" } else { "" };
-        self.polyline(points, look.ink(), width, &format!("{pale}{dashes}"));
+        let more = format!("{pale}{}", look.dashes());
+        if via.iter().all(Option::is_none) {
+            return self.polyline(points, look.ink(), width, &more);
+        }
+        let mut path = String::new();
+        for (i, point) in points.iter().enumerate() {
+            let end = listed(&[*point]);
+            let _ = match i.checked_sub(1).map(|before| via.get(before)) {
+                None => write!(path, "M {end}"),
+                Some(Some(Some(controls))) => write!(path, "C {}{end}", listed(controls)),
+                Some(_) => write!(path, "L {end}"),
+            };
+        }
+        let stroke = stroke(look.ink(), width);
+        self.element("path", format_args!("fill=\"none\" {stroke}{more} d=\"{path}\""));
     }
 
     /// A pale area inside a closed line.
@@ -260,6 +292,11 @@ fn listed(points: &[PixelPoint]) -> String {
 /// [px] Approximate width of a text; the font is that of the viewer.
 pub(super) fn width_of(text: &str, size: f64) -> f64 {
     0.54 * size * text.chars().count() as f64
+}
+
+/// [px] The size of letters, at most `size`, with which a text fits into `room` [px], if they remain readable.
+pub(super) fn fitting(text: &str, size: f64, room: f64) -> f64 {
+    size * (room / width_of(text, size).max(1.0)).clamp(0.6, 1.0)
 }
 
 /// Pixels in drawing units.

@@ -139,6 +139,9 @@ pub struct Line {
     pub points: Vec<(f64, f64)>,
     /// how points are joined
     pub stroke: Stroke,
+    /// derivatives of the piece from each point to the next, at its start and at its end, by a parameter that goes from
+    /// 0 to 1: the piece is the cubic with these ends. It is straight where a derivative is not finite or not given
+    pub tangents: Vec<[(f64, f64); 2]>,
     /// the mark at each point
     pub marker: Marker,
     /// number in the palette. `None`: the next free one for a line with a label; a line without a label has the colour
@@ -159,7 +162,7 @@ pub enum Stroke {
     Thin,
     /// a solid line, thinner than usual: for fronts and guides
     Fine,
-    /// the usual line
+    /// the usual line; dashed where it would hide an earlier one that it coincides with
     #[default]
     Normal,
     /// the usual line, dashed: references and bounds

@@ -5,18 +5,34 @@
 /// A point in the frame, horizontal and vertical.
 pub(super) type UnitPoint = (f64, f64);
 
+/// A point of a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Node {
+    /// its place
+    pub at: UnitPoint,
+    /// inner control points of the cubic that leads to it, which is inside the frame; `None` if it is a straight line
+    pub via: Option<[UnitPoint; 2]>,
+}
+
+impl From<UnitPoint> for Node {
+    fn from(at: UnitPoint) -> Self {
+        Node { at, via: None }
+    }
+}
+
 /// The parts of a line inside the frame. A missing point interrupts the line.
-pub(super) fn cut(places: impl IntoIterator<Item = Option<UnitPoint>>) -> Vec<Vec<UnitPoint>> {
-    let mut pieces: Vec<Vec<UnitPoint>> = Vec::new();
+pub(super) fn cut(nodes: impl IntoIterator<Item = Option<Node>>) -> Vec<Vec<Node>> {
+    let mut pieces: Vec<Vec<Node>> = Vec::new();
     let mut open = false;
-    let mut last = None;
-    for place in places {
-        if let (Some(from), Some(to)) = (last, place) {
+    let mut last: Option<Node> = None;
+    for node in nodes {
+        if let (Some(Node { at: from, .. }), Some(Node { at: to, via })) = (last, node) {
             match segment(from, to) {
                 Some((enters, leaves)) => {
+                    let end = Node { at: leaves, via };
                     match pieces.last_mut().filter(|_| open && enters == from) {
-                        Some(piece) => piece.push(leaves),
-                        None => pieces.push(vec![enters, leaves]),
+                        Some(piece) => piece.push(end),
+                        None => pieces.push(vec![enters.into(), end]),
                     }
                     open = leaves == to;
                 }
@@ -25,7 +41,7 @@ pub(super) fn cut(places: impl IntoIterator<Item = Option<UnitPoint>>) -> Vec<Ve
         } else {
             open = false;
         }
-        last = place;
+        last = node;
     }
     pieces
 }
@@ -35,38 +51,56 @@ pub(super) fn inside(place: UnitPoint) -> bool {
     (0.0..=1.0).contains(&place.0) && (0.0..=1.0).contains(&place.1)
 }
 
-/// The part of a straight line inside the frame (Liang & Barsky 1984). Ends inside the frame keep their bits.
+/// The part of a straight line inside the frame (Liang & Barsky 1984). Ends inside the frame keep their bits. Ends on
+/// an edge are on it exactly, also if the line comes from so far away that its crossings of two edges differ by
+/// rounding only.
 fn segment(from: UnitPoint, to: UnitPoint) -> Option<(UnitPoint, UnitPoint)> {
-    let along = (to.0 - from.0, to.1 - from.1);
-    let (mut enters, mut leaves) = (0.0_f64, 1.0_f64);
-    for (start, step) in [(from.0, along.0), (from.1, along.1)] {
+    let (start, end) = ([from.0, from.1], [to.0, to.1]);
+    let (mut enters, mut leaves) = ((0.0, None), (1.0, None));
+    for (axis, (&start, &end)) in start.iter().zip(&end).enumerate() {
+        let step = end - start;
         if step == 0.0 {
             if !(0.0..=1.0).contains(&start) {
                 return None;
             }
             continue;
         }
-        let (a, b) = ((0.0 - start) / step, (1.0 - start) / step);
-        enters = enters.max(a.min(b));
-        leaves = leaves.min(a.max(b));
+        let edges = if step > 0.0 { [0.0, 1.0] } else { [1.0, 0.0] };
+        let [first, last] = edges.map(|edge| ((edge - start) / step, Some((axis, edge))));
+        enters = if first.0 > enters.0 { first } else { enters };
+        leaves = if last.0 < leaves.0 { last } else { leaves };
     }
-    let at = |s: f64| (from.0 + s * along.0, from.1 + s * along.1);
-    let start = if enters > 0.0 { at(enters) } else { from };
-    let end = if leaves < 1.0 { at(leaves) } else { to };
-    (enters <= leaves).then_some((start, end))
+    let at = |(share, edge): (f64, Option<(usize, f64)>), whole: UnitPoint| {
+        let Some((axis, edge)) = edge else { return whole };
+        let along = |start: f64, end: f64| (start + share * (end - start)).clamp(0.0, 1.0);
+        if axis == 0 { (edge, along(from.1, to.1)) } else { (along(from.0, to.0), edge) }
+    };
+    (enters.0 <= leaves.0).then(|| (at(enters, from), at(leaves, to)))
 }
 
 /// At most about `most` points that look the same: the extremes of every section of the line in both directions, and
 /// both ends. For a curve over time these are the first, last, smallest and largest (M4: Jugel, Jerzak, Hackenbroich &
-/// Markl 2014).
+/// Markl 2014). Its sections are equally wide in the picture, also where the axis is logarithmic; those of a line that
+/// turns back have equal numbers of points.
 pub(super) fn thin(points: &[UnitPoint], most: usize) -> Vec<UnitPoint> {
     if points.len() <= most {
         return points.to_vec();
     }
-    let stretch = points.len().div_ceil((most / 4).max(1));
+    let sections = (most / 4).max(1);
+    let begin = points.first().map_or(0.0, |p| p.0);
+    let width = points.last().map_or(0.0, |p| p.0) - begin;
+    let rises = width > 0.0 && points.is_sorted_by(|a, b| a.0 <= b.0);
+    let section = |i: usize| match rises {
+        true => ((points[i].0 - begin) / width * sections as f64) as usize,
+        false => i * sections / points.len(),
+    };
     let mut kept = Vec::with_capacity(most + 2);
     kept.extend(points.first());
-    for part in points.chunks(stretch) {
+    let mut next = 0;
+    while next < points.len() {
+        let start = next;
+        next += (start..points.len()).take_while(|i| section(*i) == section(start)).count();
+        let part = &points[start..next];
         let mut extremes = [0; 4];
         for (i, p) in part.iter().enumerate() {
             let [left, right, lowest, highest] = extremes.map(|best: usize| part[best]);
@@ -101,6 +135,15 @@ mod tests {
         assert!(thin.windows(2).all(|w| w[0].0 < w[1].0), "the order of time is kept");
     }
 
+    /// On a logarithmic axis, the few points of the first decades stay, and thousands at the end are decimated.
+    #[test]
+    fn sections_are_equally_wide() {
+        let points: Vec<UnitPoint> = (1..10_000_u16).map(|i| (f64::from(i).log10() / 4.0, f64::from(i % 2))).collect();
+        let thin = thin(&points, 400);
+        assert_eq!(thin[..5], points[..5]);
+        assert!(thin.len() <= 406, "{}", thin.len());
+    }
+
     /// Decimation does not change short lines.
     #[test]
     fn short_lines_stay() {
@@ -112,14 +155,20 @@ mod tests {
     /// too.
     #[test]
     fn lines_are_cut_at_the_frame() {
+        let places = |pieces: Vec<Vec<Node>>| -> Vec<Vec<UnitPoint>> {
+            pieces.into_iter().map(|piece| piece.into_iter().map(|node| node.at).collect()).collect()
+        };
+        let cut = |line: &[Option<UnitPoint>]| places(cut(line.iter().map(|place| place.map(Node::from))));
         let line = [(0.0, 0.5), (0.25, 0.5), (0.5, 1.5), (0.75, 0.5), (1.0, 0.5)].map(Some);
-        let pieces = cut(line);
+        let pieces = cut(&line);
         assert_eq!(pieces, [[(0.0, 0.5), (0.25, 0.5), (0.375, 1.0)], [(0.625, 1.0), (0.75, 0.5), (1.0, 0.5)]]);
-        let parted = cut([Some((0.1, 0.1)), Some((0.2, 0.2)), None, Some((0.3, 0.3)), Some((0.4, 0.4))]);
+        let parted = cut(&[Some((0.1, 0.1)), Some((0.2, 0.2)), None, Some((0.3, 0.3)), Some((0.4, 0.4))]);
         assert_eq!(parted, [[(0.1, 0.1), (0.2, 0.2)], [(0.3, 0.3), (0.4, 0.4)]]);
-        let outside = cut([Some((2.0, 0.0)), Some((3.0, 1.0))]);
+        let outside = cut(&[Some((2.0, 0.0)), Some((3.0, 1.0))]);
         assert!(outside.is_empty());
-        let across = cut([Some((-1.0, 0.5)), Some((2.0, 0.5))]);
+        let far = cut(&[Some((0.25, -1e18)), Some((0.75, 1e18)), Some((1.0, -1e18))]);
+        assert_eq!(far, [[(0.5, 0.0), (0.5, 1.0)], [(0.875, 1.0), (0.875, 0.0)]]);
+        let across = cut(&[Some((-1.0, 0.5)), Some((2.0, 0.5))]);
         assert_eq!(across.len(), 1);
         assert!(across[0].iter().all(|p| inside(*p)));
     }

@@ -49,6 +49,57 @@ pub enum PlotError {
     /// The requested data are not in the results.
     #[error("{0}")]
     NotThere(String),
+    /// The results hold nothing of a kind.
+    #[error("{folder}: {what}; add {add} to the output section of the case")]
+    NotHeld {
+        /// the folder
+        folder: PathBuf,
+        /// what is missing
+        what: &'static str,
+        /// the key that makes a run write it
+        add: &'static str,
+    },
+    /// A logarithmic axis has nothing to show.
+    #[error(
+        "\"{title}\": none of the {points} points is above 0 on the logarithmic axis \"{axis}\"; the largest is \
+         {largest:e}. Leave that axis out of --log"
+    )]
+    NothingPositive {
+        /// title of the chart
+        title: String,
+        /// label of the axis
+        axis: String,
+        /// number of points
+        points: usize,
+        /// largest of them on this axis
+        largest: f64,
+    },
+    /// The run of --minus lacks a curve.
+    #[error("{folder} has no {missing} to subtract; it has: {}. Choose what both runs have by {choose}", there.join(", "))]
+    Unmatched {
+        /// folder of the run to subtract
+        folder: PathBuf,
+        /// what it lacks
+        missing: String,
+        /// what it has
+        there: Vec<String>,
+        /// the options for it
+        choose: &'static str,
+    },
+    /// The program was built without a format.
+    #[error(
+        "this program was built without --format {0}, whose libraries take long to compile. Take --format svg, or build \
+         it in the folder of its sources with: cargo install --path . --features pictures"
+    )]
+    NoFormat(&'static str),
+    /// A picture could not be converted.
+    #[error("cannot make a {format}: {what}")]
+    Convert {
+        /// the format
+        format: &'static str,
+        /// why
+        what: String,
+    },
     /// The system's answer.
     #[error("{path}: {source}")]
     System {

@@ -60,7 +60,7 @@ impl<'a> Legend<'a> {
                 let corners = [(left, y - half), (right, y - half), (right, y + half), (left, y + half)];
                 canvas.area(&corners.map(|(x, y)| PixelPoint { x, y }), *look);
             }
-            canvas.line(&[PixelPoint { x: from.x, y }, PixelPoint { x: from.x + SAMPLE, y }], sample);
+            canvas.line(&[PixelPoint { x: from.x, y }, PixelPoint { x: from.x + SAMPLE, y }], &[], sample);
             if look.marker != Marker::None {
                 canvas.mark(PixelPoint { x: from.x + 0.5 * SAMPLE, y }, sample);
             }

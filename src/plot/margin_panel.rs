@@ -94,7 +94,8 @@ impl<'a> PanelLayout<'a> {
                 Some(share) => upper.free_place(share.clamp(0.0, 1.0) * length),
                 None => lower.free_place(0.0),
             };
-            let look = LineStyle { color: mark.color, stroke: Stroke::None, marker: mark.marker, width: 1.0 };
+            let look =
+                LineStyle { color: mark.color, stroke: Stroke::None, marker: mark.marker, width: 1.0, covered: 0 };
             canvas.tag("series", &mark.series, |canvas| {
                 canvas.tag("run", &mark.run, |canvas| canvas.mark(spot(along, lane), look));
             });

@@ -3,16 +3,15 @@
 use super::PlotError;
 use super::table::rows;
 use crate::drive::Status;
-use crate::drive::observer::LedgerRow;
-use crate::output::files::{FRAMES, HISTORY, PROBES};
+use crate::output::files::{FRAMES, GAUGES, HISTORY, PROBES};
 use crate::output::folder::SUMMARY;
-use crate::output::rows::{HISTORY_HEADER, HistoryRow, PROBES_HEADER};
+use crate::output::rows::{GAUGES_HEADER, HISTORY_HEADER, HistoryRow, PROBES_HEADER};
 use crate::output::sanitize::file_stem;
 use crate::vtk::read::{named_array, piece_content, read as read_vtk};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use vtkio::model::DataSet;
+use vtkio::model::{DataSet, UnstructuredGridPiece};
 
 /// The data of a run for charts.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,8 +30,12 @@ pub struct Run {
     pub ending: RunEnd,
     /// whether it is a simple pendulum, whose bob is node 0 around the origin
     pub pendulum: bool,
-    /// time [s] and energies [J], one row per step or per n steps
-    pub energies: Vec<(f64, LedgerRow)>,
+    /// one row per step or per n steps
+    pub history: Vec<HistoryRow>,
+    /// one for every quantity of every gauge, in the order of the file
+    pub gauges: Vec<GaugePath>,
+    /// names of the fields in its frames, beside displacement and velocity
+    pub fields: Vec<String>,
     /// one for every node of every probe, in the order of the file
     pub tracks: Vec<ProbePath>,
 }
@@ -44,6 +47,19 @@ pub struct RunEnd {
     pub status: Status,
     /// [s] when divergence was found, or else the time of the last state
     pub time: f64,
+}
+
+/// What a gauge measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GaugePath {
+    /// its name
+    pub name: String,
+    /// what it measures, as in the file
+    pub quantity: String,
+    /// its unit, or empty
+    pub unit: String,
+    /// time [s] and value
+    pub values: Vec<(f64, f64)>,
 }
 
 /// The path of a node.
@@ -81,16 +97,50 @@ impl Run {
         }
         let mut run = read_summary(folder)?;
         let path = folder.join(HISTORY);
-        run.energies = read_history(&path, &text(folder, HISTORY, "")?)?;
+        run.history = rows(&path, &text(folder, HISTORY, "")?, HISTORY_HEADER)?;
+        // A run without probes or gauges has no such file.
         let path = folder.join(PROBES);
-        // A run without probes has no such file.
         if path.exists() {
             run.tracks = read_probes(&path, &text(folder, PROBES, "")?)?;
+        }
+        let path = folder.join(GAUGES);
+        if path.exists() {
+            read_gauges(&path, &text(folder, GAUGES, "")?, &mut run.gauges)?;
         }
         if !run.tracks.is_empty() {
             place(&mut run)?;
         }
         Ok(run)
+    }
+}
+
+impl Run {
+    /// The times [s] of the frames and what `measure` finds in an array of each, which is on points or on cells.
+    ///
+    /// # Errors
+    /// No list of frames, a missing or damaged frame, or one without this array.
+    pub(super) fn over_frames<T>(
+        &self,
+        array: &str,
+        measure: impl Fn(&[f64]) -> T,
+    ) -> Result<Vec<(f64, T)>, PlotError> {
+        let stem = file_stem(&self.name);
+        let list = format!("{stem}.pvd");
+        let collection = text(&self.folder, &list, "; it lists the frames")?;
+        let mut found = Vec::new();
+        // The frames of the list are numbered from 0.
+        for (i, entry) in collection.split("timestep=\"").skip(1).enumerate() {
+            let time = entry.split('"').next().and_then(|t| t.parse().ok());
+            let t = time.ok_or_else(|| bad(&self.folder.join(&list), format!("has no time of frame {i}")))?;
+            let file = format!("{FRAMES}/{stem}_{i:06}.vtu");
+            let frame = bytes(&self.folder, &file, "; it is in the list of frames")?;
+            let values = frame_piece(&frame).and_then(|piece| {
+                let on_points = named_array(piece.data.point, array);
+                on_points.or_else(|| named_array(piece.data.cell, array)).ok_or(format!("has no array \"{array}\""))
+            });
+            found.push((t, measure(&values.map_err(|what| bad(&self.folder.join(&file), what))?)));
+        }
+        Ok(found)
     }
 }
 
@@ -126,6 +176,7 @@ fn read_summary(folder: &Path) -> Result<Run, PlotError> {
     let number = |key: &str| json.pointer(key).and_then(Value::as_f64);
     let status = json.get("status").cloned().and_then(|s| serde_json::from_value(s).ok());
     // A run that continued after a divergence is drawn up to the divergence.
+    let fields = json.pointer("/case/output/fields").and_then(Value::as_array);
     let ended = number("/failure/blow_up_time").or_else(|| number("/failure/time")).or_else(|| number("/t_end"));
     Ok(Run {
         folder: folder.to_owned(),
@@ -138,14 +189,38 @@ fn read_summary(folder: &Path) -> Result<Run, PlotError> {
             time: ended.ok_or_else(|| missing("/t_end"))?,
         },
         pendulum: json.pointer("/case/system/pendulum").is_some_and(|p| !p.is_null()),
-        energies: Vec::new(),
+        history: Vec::new(),
+        gauges: units(&json),
+        fields: fields.into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect(),
         tracks: Vec::new(),
     })
 }
 
-fn read_history(path: &Path, text: &str) -> Result<Vec<(f64, LedgerRow)>, PlotError> {
-    let rows: Vec<HistoryRow> = rows(path, text, HISTORY_HEADER)?;
-    Ok(rows.into_iter().map(|row| (row.t, row.ledger)).collect())
+/// The quantities of gauges with their units, from the peaks of a summary; still without values.
+fn units(summary: &Value) -> Vec<GaugePath> {
+    let peaks = summary.get("peaks").and_then(Value::as_array).into_iter().flatten();
+    let gauge = |peak: &Value| {
+        let word = |key: &str| peak.get(key).and_then(Value::as_str).unwrap_or_default().to_owned();
+        GaugePath { name: word("name"), quantity: word("quantity"), unit: word("unit"), values: Vec::new() }
+    };
+    peaks.map(gauge).collect()
+}
+
+/// Reads `gauges.csv` into the quantities of the summary, and those that it does not know.
+fn read_gauges(path: &Path, text: &str, gauges: &mut Vec<GaugePath>) -> Result<(), PlotError> {
+    let key = |gauge: &GaugePath| (gauge.name.clone(), gauge.quantity.clone());
+    let mut known: HashMap<(String, String), usize> = gauges.iter().map(key).zip(0..).collect();
+    for (t, name, quantity, value) in rows::<(f64, String, String, f64)>(path, text, GAUGES_HEADER)? {
+        let at = *known.entry((name.clone(), quantity.clone())).or_insert_with(|| {
+            gauges.push(GaugePath { name, quantity, unit: String::new(), values: Vec::new() });
+            gauges.len() - 1
+        });
+        if let Some(gauge) = gauges.get_mut(at) {
+            gauge.values.push((t, value));
+        }
+    }
+    gauges.retain(|gauge| !gauge.values.is_empty());
+    Ok(())
 }
 
 /// A row of `probes.csv`: time [s], probe, node, position [m] and velocity [m/s].
@@ -187,15 +262,18 @@ fn place(run: &mut Run) -> Result<(), PlotError> {
     Ok(())
 }
 
+fn frame_piece(frame: &[u8]) -> Result<UnstructuredGridPiece, String> {
+    let DataSet::UnstructuredGrid { pieces, .. } = read_vtk(frame)? else { return Err("is no frame".to_owned()) };
+    piece_content(pieces.into_iter().next().ok_or("has no points")?)
+}
+
 /// [m] `[n_nodes]` Positions of nodes before the initial displacement, from a frame: its points minus its
 /// displacements.
 ///
 /// `probes.csv` has positions, and a run may begin displaced, so its first row is not enough. The case would be enough,
 /// but making its mesh again takes long and needs the mesh file at its place.
 fn reference_positions(frame: &[u8]) -> Result<Vec<[f64; 3]>, String> {
-    let DataSet::UnstructuredGrid { pieces, .. } = read_vtk(frame)? else { return Err("is no frame".to_owned()) };
-    let piece = pieces.into_iter().next().ok_or("has no points")?;
-    let piece = piece_content(piece)?;
+    let piece = frame_piece(frame)?;
     let points: Vec<f64> = piece.points.cast_into().ok_or("has points that are no numbers")?;
     let displacement = named_array(piece.data.point, "displacement").ok_or("has no array \"displacement\"")?;
     let reference: Vec<f64> = points.iter().zip(&displacement).map(|(x, u)| x - u).collect();

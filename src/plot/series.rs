@@ -2,7 +2,7 @@
 
 use super::PlotError;
 use super::results::{ProbePath, Run, RunEnd};
-use super::view::{Direction, View};
+use super::view::{Direction, Results, View};
 use crate::drive::Status;
 use std::collections::BTreeSet;
 
@@ -23,12 +23,15 @@ pub(super) struct Group<'a> {
 ///
 /// # Errors
 /// Probes or nodes that do not exist.
-pub(super) fn groups<'a>(runs: &'a [Run], view: &View) -> Result<Vec<Group<'a>>, PlotError> {
-    let labels = labels(runs);
+pub(super) fn groups<'a>(results: &'a Results, view: &View) -> Result<Vec<Group<'a>>, PlotError> {
     let mut groups = Vec::new();
-    for (run, label) in runs.iter().zip(labels) {
+    let probed = results.runs.iter().any(|run| !run.tracks.is_empty());
+    for (run, label) in results.runs.iter().zip(results.labels()) {
+        if probed && run.tracks.is_empty() {
+            continue;
+        }
         let tracks = tracks(run, view)?;
-        if runs.len() > 1 {
+        if results.runs.len() > 1 {
             groups.push(Group { run, label, tracks });
             continue;
         }
@@ -78,9 +81,11 @@ pub(super) fn subject(groups: &[Group<'_>]) -> String {
 fn tracks<'a>(run: &'a Run, view: &View) -> Result<Vec<&'a ProbePath>, PlotError> {
     let folder = run.folder.display();
     if run.tracks.is_empty() {
-        return Err(PlotError::NotThere(format!(
-            "{folder}: no node was probed, so no motion can be plotted; add probes to the output section of the case"
-        )));
+        return Err(PlotError::NotHeld {
+            folder: run.folder.clone(),
+            what: "no node was probed, so no motion can be plotted",
+            add: "probes",
+        });
     }
     let probed: BTreeSet<&str> = run.tracks.iter().map(|t| t.probe.as_str()).collect();
     if let Some(name) = view.probes.iter().find(|name| !probed.contains(name.as_str())) {
@@ -120,10 +125,10 @@ pub(super) fn main_direction(groups: &[Group<'_>], view: &View) -> Direction {
     best.0
 }
 
-/// One label per run: case, method and step if the runs differ in these, or their folders if they do not; and how a run
-/// ended, if it failed. A single run has no label, because the title names it.
-pub(super) fn labels(runs: &[Run]) -> Vec<String> {
-    let differ = |of: &dyn Fn(&Run) -> String| runs.iter().map(of).collect::<BTreeSet<_>>().len() > 1;
+/// One name per run: case, method and step if the runs differ in these, or their folders if they do not. A single run
+/// has none, because the title names it.
+pub(super) fn names(runs: &[&Run]) -> Vec<String> {
+    let differ = |of: &dyn Fn(&Run) -> String| runs.iter().map(|run| of(run)).collect::<BTreeSet<_>>().len() > 1;
     let step = |run: &Run| match (run.step, run.tolerance) {
         (Some(h), _) => format!("h = {} s", short(h)),
         (None, Some(relative)) => format!("tolerance {}", short(relative)),
@@ -135,30 +140,54 @@ pub(super) fn labels(runs: &[Run]) -> Vec<String> {
         let words = [names.then(|| run.name.clone()), methods.then(|| run.method.clone()), steps.then(|| step(run))];
         words.into_iter().flatten().collect::<Vec<_>>().join(", ")
     };
-    let distinct = runs.iter().map(labelled).collect::<BTreeSet<_>>().len() == runs.len();
+    let distinct = runs.iter().map(|run| labelled(run)).collect::<BTreeSet<_>>().len() == runs.len();
     let folder = |run: &Run| {
         let last = run.folder.file_name().map(|n| n.to_string_lossy().into_owned());
         last.unwrap_or_else(|| run.folder.display().to_string())
     };
     let folders_differ = differ(&folder);
-    let name = |run: &Run| match (runs.len(), distinct, folders_differ) {
+    let name = |run: &&Run| match (runs.len(), distinct, folders_differ) {
         (0 | 1, _, _) => String::new(),
         (_, true, _) => labelled(run),
         (_, false, true) => folder(run),
         (_, false, false) => run.folder.display().to_string(),
     };
-    runs.iter().map(|run| joined(&name(run), &ending(run.ending))).collect()
+    runs.iter().map(name).collect()
+}
+
+impl Results {
+    /// All names, that of the run which is subtracted last.
+    fn names(&self) -> Vec<String> {
+        names(&self.runs.iter().chain(&self.base).collect::<Vec<_>>())
+    }
+
+    /// One label per run: its name if there are several, and how it ended, if it failed.
+    pub(super) fn labels(&self) -> Vec<String> {
+        let name = |name: String| if self.runs.len() > 1 { name } else { String::new() };
+        self.runs.iter().zip(self.names()).map(|(run, own)| joined(&name(own), &ending(run.ending))).collect()
+    }
+
+    /// A title: what the runs have in common, the quantity shown, and what is subtracted.
+    pub(super) fn title(&self, what: &str) -> String {
+        let name = self.runs.first().map_or("", |run| run.name.as_str());
+        let one = self.runs.iter().chain(&self.base).all(|run| run.name == name);
+        let title = if one { format!("{name}: {what}") } else { what.to_owned() };
+        match (self.base.is_some(), self.names().as_slice()) {
+            (true, [own, base]) => format!("{title}, {own} minus {base}"),
+            (true, [.., base]) => format!("{title}, minus {base}"),
+            _ => title,
+        }
+    }
+
+    /// The label of an axis.
+    pub(super) fn axis(&self, label: &str) -> String {
+        if self.base.is_some() { format!("Δ {label}") } else { label.to_owned() }
+    }
 }
 
 /// Joins words, without empty ones.
 pub(super) fn joined(first: &str, second: &str) -> String {
     [first, second].into_iter().filter(|s| !s.is_empty()).collect::<Vec<_>>().join(", ")
-}
-
-/// A title: what the runs have in common, and the quantity shown.
-pub(super) fn title(runs: &[Run], what: &str) -> String {
-    let name = runs.first().map_or("", |run| run.name.as_str());
-    if runs.iter().all(|run| run.name == name) { format!("{name}: {what}") } else { what.to_owned() }
 }
 
 /// How a run ended; empty if it reached its end.

@@ -5,27 +5,17 @@
 //! = atan2(x, -z), and theta' = (x vz - z vx)/(x^2 + z^2).
 
 use super::PlotError;
-use super::chart::{Axis, Chart, Stroke};
-use super::curve::{AxisLimits, Curve, TimedPoint, limits, times};
+use super::chart::Stroke;
+use super::curve::{Curve, Plane, Sample};
+use super::difference::minus;
+use super::panel::Panel;
 use super::results::{ProbePath, ProbeSample, Run};
-use super::series::title;
 use super::series::{Group, groups, main_direction, subject};
-use super::view::{Direction, View};
+use super::view::{Direction, Results, View};
 use std::f64::consts::TAU;
 
 /// Up to this many node paths of a group are drawn as usual lines; more are drawn as hair lines.
 const FEW: usize = 4;
-
-/// The motion of a quantity over time.
-#[derive(Clone, Copy, Debug)]
-struct Sample {
-    /// [s]
-    t: f64,
-    /// [m] or [rad]
-    value: f64,
-    /// [m/s] or [rad/s]
-    rate: f64,
-}
 
 /// The quantity taken from a sample.
 #[derive(Clone, Copy, Debug)]
@@ -34,31 +24,51 @@ enum Quantity {
     Angle,
 }
 
-/// Displacement over time.
-pub(super) fn displacement(runs: &[Run], view: &View) -> Result<Chart, PlotError> {
-    let groups = groups(runs, view)?;
+/// Displacement over time, or rate over displacement.
+pub(super) fn panel(results: &Results, view: &View, plane: Plane) -> Result<Panel, PlotError> {
+    let groups = groups(results, view)?;
     let quantity = Quantity::of(&groups, view);
-    let drawn = GroupedCurves::new(&groups, |track| {
-        quantity.samples(track, view).map(|s| TimedPoint { t: s.t, at: (s.t, s.value) }).collect()
-    });
-    let limits = AxisLimits { x: times(&drawn.curves), y: limits(&drawn.curves, |p| p.1) };
-    let title = title(runs, &format!("{}{}", quantity.name(), quantity.subject(&groups)));
-    let axes = [Axis::linear("time t [s]"), Axis::linear(quantity.label())];
-    drawn.chart(title, axes, limits, limits.y)
+    let mut curves = Vec::new();
+    for (color, group) in groups.iter().enumerate() {
+        let stroke = if group.tracks.len() > FEW { Stroke::Thin } else { Stroke::Normal };
+        for (i, track) in group.tracks.iter().enumerate() {
+            let samples = quantity.samples(track, view);
+            let samples = match &results.base {
+                Some(base) => minus(samples, &quantity.samples(same_node(base, track)?, &View::default())),
+                None => samples,
+            };
+            let label = if i == 0 { group.label.clone() } else { String::new() };
+            curves.push(Curve { ending: group.run.ending, label, color, stroke, marked: i < FEW, samples });
+        }
+    }
+    let word = if plane == Plane::Phase { "phase" } else { quantity.name() };
+    let title = results.title(&format!("{word}{}", quantity.subject(&groups)));
+    let (value, rate) = (results.axis(&quantity.label()), results.axis(&quantity.rate_label()));
+    let axes = match plane {
+        Plane::Time => ["time t [s]".to_owned(), value],
+        Plane::Phase => [value, rate],
+    };
+    // The derivative of a difference between its points would mostly show how far the velocities of a scheme are from
+    // the derivatives of its positions.
+    let cubic = plane == Plane::Time || results.base.is_none();
+    Ok(Panel { title, axes, plane, cubic, curves })
 }
 
-/// Rate over displacement.
-pub(super) fn phase(runs: &[Run], view: &View) -> Result<Chart, PlotError> {
-    let groups = groups(runs, view)?;
-    let quantity = Quantity::of(&groups, view);
-    let drawn = GroupedCurves::new(&groups, |track| {
-        quantity.samples(track, view).map(|s| TimedPoint { t: s.t, at: (s.value, s.rate) }).collect()
-    });
-    let limits = AxisLimits { x: limits(&drawn.curves, |p| p.0), y: limits(&drawn.curves, |p| p.1) };
-    let title = title(runs, &format!("phase{}", quantity.subject(&groups)));
-    let axes = [Axis::linear(quantity.label()), Axis::linear(quantity.rate_label())];
-    // A mark at the edge of a phase diagram would be at a state that the run never had.
-    drawn.chart(title, axes, limits, None)
+/// The path of the same node in another run.
+fn same_node<'a>(base: &'a Run, track: &ProbePath) -> Result<&'a ProbePath, PlotError> {
+    let same = |other: &&ProbePath| other.node == track.node && other.probe == track.probe;
+    // Another name for the probe of a node makes no other node.
+    let found = base.tracks.iter().find(same).or_else(|| base.tracks.iter().find(|other| other.node == track.node));
+    found.ok_or_else(|| {
+        let mut there: Vec<String> = base.tracks.iter().map(|t| t.node.to_string()).collect();
+        there.dedup();
+        PlotError::Unmatched {
+            folder: base.folder.clone(),
+            missing: format!("probed node {}", track.node),
+            there,
+            choose: "--nodes or --probe",
+        }
+    })
 }
 
 impl Quantity {
@@ -100,7 +110,7 @@ impl Quantity {
     }
 
     /// This quantity along a node path, at the times of the view.
-    fn samples(self, track: &ProbePath, view: &View) -> impl Iterator<Item = Sample> {
+    fn samples(self, track: &ProbePath, view: &View) -> Vec<Sample> {
         let mut turns = 0.0;
         let mut before: Option<f64> = None;
         let sample = move |m: &ProbeSample| match self {
@@ -118,48 +128,7 @@ impl Quantity {
                 Sample { t: m.t, value: angle + turns * TAU, rate: (x * vz - z * vx) / (x * x + z * z) }
             }
         };
-        let samples: Vec<Sample> = track.moments.iter().map(sample).filter(|s| view.sees(s.t)).collect();
-        samples.into_iter()
-    }
-}
-
-/// Curves in the order of their groups.
-struct GroupedCurves<'a> {
-    groups: &'a [Group<'a>],
-    curves: Vec<Curve>,
-}
-
-impl<'a> GroupedCurves<'a> {
-    fn new(groups: &'a [Group<'a>], points: impl Fn(&ProbePath) -> Vec<TimedPoint>) -> Self {
-        let of_group = |g: &'a Group<'a>| {
-            g.tracks.iter().map(|t| Curve { ending: g.run.ending, points: points(t) }).collect::<Vec<_>>()
-        };
-        GroupedCurves { groups, curves: groups.iter().flat_map(of_group).collect() }
-    }
-
-    /// `held` is the range for marks of ends, see [`Curve::end_mark`].
-    fn chart(
-        self,
-        title: String,
-        [x, y]: [Axis; 2],
-        limits: AxisLimits,
-        held: Option<(f64, f64)>,
-    ) -> Result<Chart, PlotError> {
-        let (mut lines, mut marks) = (Vec::new(), Vec::new());
-        let mut curves = self.curves.iter();
-        for (color, group) in self.groups.iter().enumerate() {
-            let stroke = if group.tracks.len() > FEW { Stroke::Thin } else { Stroke::Normal };
-            for (i, curve) in curves.by_ref().take(group.tracks.len()).enumerate() {
-                lines.push(curve.line(if i == 0 { &group.label } else { "" }, color, stroke));
-                marks.extend(curve.end_mark(color, held).filter(|_| i < FEW));
-            }
-        }
-        lines.extend(marks);
-        if lines.iter().all(|l| l.points.is_empty()) {
-            return Err(PlotError::NotThere("no frame of the runs is within --from and --to".to_owned()));
-        }
-        let (x, y) = (Axis { range: limits.x, ..x }, Axis { range: limits.y, ..y });
-        Ok(Chart { title, x, y, lines, ..Chart::default() })
+        track.moments.iter().map(sample).filter(|s| view.sees(s.t)).collect()
     }
 }
 

@@ -1,8 +1,13 @@
 //! The selected part of finished runs, and its charts.
 
-use super::chart::{Chart, svg_grid};
+use super::chart::{Chart, Scale, Size, svg_grid};
+use super::curve::Plane;
+use super::panel::{Panel, PanelChart};
 use super::results::Run;
-use super::{PlotError, energy, trajectory};
+use super::{PlotError, columns, trajectory};
+
+/// Size of a chart if there are several [px].
+const PANEL: Size = Size { width: 640, height: 360 };
 
 /// The kind of a chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -11,8 +16,18 @@ pub enum Kind {
     Displacement,
     /// velocity over displacement, or a pendulum's angular velocity over its angle
     Phase,
-    /// the energy account over time
+    /// the energy account over time: one chart for one run, one per entry for several
     Energy,
+    /// each entry of the energy account in a chart of its own
+    Ledger,
+    /// step size, Newton iterations, largest speed and largest strain over time
+    Steps,
+    /// what gauges measured: one chart per quantity
+    Gauges,
+    /// gauges of tension, and the largest tension of all springs in the frames
+    Tension,
+    /// gauges of reactions, and the sum and the largest of all supports in the frames
+    Reaction,
 }
 
 /// A direction in space.
@@ -26,6 +41,24 @@ pub enum Direction {
     Z,
 }
 
+/// Finished runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Results {
+    /// the runs to draw
+    pub runs: Vec<Run>,
+    /// the run to subtract from each
+    pub base: Option<Run>,
+}
+
+/// A picture of some charts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// SVG text
+    pub svg: String,
+    /// what it does not show
+    pub remarks: Vec<String>,
+}
+
 /// The selected part of the results.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct View {
@@ -35,6 +68,10 @@ pub struct View {
     pub probes: Vec<String>,
     /// nodes; empty = all probed nodes
     pub nodes: Vec<u32>,
+    /// gauges by name; empty = all
+    pub gauges: Vec<String>,
+    /// scales of the horizontal and of the vertical axis
+    pub scales: [Scale; 2],
     /// [s] first time to show
     pub from: Option<f64>,
     /// [s] last time to show
@@ -43,14 +80,40 @@ pub struct View {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Kind; 3] = [Kind::Displacement, Kind::Phase, Kind::Energy];
+    pub const ALL: [Kind; 8] = [
+        Kind::Displacement,
+        Kind::Phase,
+        Kind::Energy,
+        Kind::Ledger,
+        Kind::Steps,
+        Kind::Gauges,
+        Kind::Tension,
+        Kind::Reaction,
+    ];
 
-    /// The name of its file.
-    pub fn file(self) -> &'static str {
+    /// The stem of its file.
+    pub fn stem(self) -> &'static str {
         match self {
-            Kind::Displacement => "displacement.svg",
-            Kind::Phase => "phase.svg",
-            Kind::Energy => "energy.svg",
+            Kind::Displacement => "displacement",
+            Kind::Phase => "phase",
+            Kind::Energy => "energy",
+            Kind::Ledger => "ledger",
+            Kind::Steps => "steps",
+            Kind::Gauges => "gauges",
+            Kind::Tension => "tension",
+            Kind::Reaction => "reaction",
+        }
+    }
+
+    /// Whether it adds something to the pictures of the other kinds, for the default.
+    pub fn adds(self, runs: &[Run]) -> bool {
+        let drawn = |field| runs.iter().any(|run| run.fields.iter().any(|f| f == field));
+        match self {
+            Kind::Ledger => runs.len() == 1,
+            // Gauges of these are among the gauges.
+            Kind::Tension => drawn("tension"),
+            Kind::Reaction => drawn("reaction"),
+            _ => true,
         }
     }
 }
@@ -76,23 +139,43 @@ impl View {
     }
 }
 
-/// The charts of some runs: one for motion or for the energy of one run; for the energy of several runs, one per entry
-/// of the account.
+/// The picture of a kind.
 ///
 /// # Errors
-/// Probes or nodes that do not exist, or no selected time.
-pub fn charts(runs: &[Run], view: &View, kind: Kind) -> Result<Vec<Chart>, PlotError> {
-    match kind {
-        Kind::Displacement => Ok(vec![trajectory::displacement(runs, view)?]),
-        Kind::Phase => Ok(vec![trajectory::phase(runs, view)?]),
-        Kind::Energy => energy::charts(runs, view),
+/// Probes, nodes or gauges that do not exist, results that hold nothing of this kind, no selected time, nothing above 0
+/// on a logarithmic axis, or a run to subtract that lacks a curve.
+pub fn picture(results: &Results, view: &View, kind: Kind) -> Result<Picture, PlotError> {
+    let (panels, file) = match kind {
+        Kind::Displacement => (vec![trajectory::panel(results, view, Plane::Time)?], "frame"),
+        Kind::Phase => (vec![trajectory::panel(results, view, Plane::Phase)?], "frame"),
+        _ => (columns::panels(results, view, kind)?, "row"),
+    };
+    if panels.iter().all(Panel::is_empty) {
+        let no_times = if results.base.is_some() { ", and no time is in both runs" } else { "" };
+        return Err(PlotError::NotThere(format!("no {file} of the runs is within --from and --to{no_times}")));
     }
-}
-
-/// The charts as an SVG picture.
-///
-/// # Errors
-/// Those of [`charts`].
-pub fn picture(runs: &[Run], view: &View, kind: Kind) -> Result<String, PlotError> {
-    svg_grid(&charts(runs, view, kind)?, 2)
+    let several = panels.len() > 1;
+    let (mut charts, mut remarks, mut refused) = (Vec::new(), Vec::new(), None);
+    let (mut left_out, mut all) = (0, 0);
+    for panel in panels.into_iter().filter(|panel| !panel.is_empty()) {
+        match panel.chart(view.scales) {
+            Ok(PanelChart { chart, left_out: without, all: points }) => {
+                left_out += without;
+                all += points;
+                charts.push(if several { Chart { size: PANEL, ..chart } } else { chart });
+            }
+            Err(error) => {
+                remarks.push(error.to_string());
+                refused.get_or_insert(error);
+            }
+        }
+    }
+    if left_out > 0 {
+        let stem = kind.stem();
+        remarks.push(format!("{stem}: {left_out} of {all} points are not above 0 and not on the logarithmic axis"));
+    }
+    match refused {
+        Some(error) if charts.is_empty() => Err(error),
+        _ => Ok(Picture { svg: svg_grid(&charts, 2)?, remarks }),
+    }
 }

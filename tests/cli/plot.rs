@@ -1,5 +1,8 @@
 //! `canopy-fem plot` as a user meets it: cases are run, plotted, and the pictures read back.
 
+#[cfg(feature = "pictures")]
+mod formats;
+mod kinds;
 mod refused;
 mod svg;
 
@@ -11,6 +14,9 @@ const BLUE: &str = "#0072B2";
 const VERMILLION: &str = "#D55E00";
 const GREEN: &str = "#009E73";
 const BLACK: &str = "#000000";
+
+/// What the results of the oscillator hold.
+const KINDS: [&str; 6] = ["displacement", "phase", "energy", "ledger", "steps", "tension"];
 
 /// A folder in which cases are run and plotted.
 struct Desk(TempDir);
@@ -45,10 +51,10 @@ impl Desk {
     }
 
     /// Plots and expects files of these names, in this order, and nothing else.
-    fn plot(&self, arguments: &[&str], files: &[&str]) {
+    fn plot(&self, arguments: &[&str], files: &[impl AsRef<str>]) {
         let ended = self.run(&[&["plot"], arguments].concat());
         assert_eq!((ended.code, ended.stderr.as_str()), (Some(0), ""));
-        assert_eq!(ended.stdout.lines().collect::<Vec<_>>(), files);
+        assert_eq!(ended.stdout.lines().collect::<Vec<_>>(), files.iter().map(AsRef::as_ref).collect::<Vec<_>>());
     }
 
     /// A column of a table by its name.
@@ -60,7 +66,11 @@ impl Desk {
     }
 
     fn picture(&self, file: &str) -> Picture {
-        Picture::read(&std::fs::read_to_string(self.path(file)).expect("written"))
+        Picture::read(&self.text(file))
+    }
+
+    fn text(&self, file: &str) -> String {
+        std::fs::read_to_string(self.path(file)).expect("written")
     }
 }
 
@@ -75,7 +85,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 fn the_oscillator_is_drawn_as_it_moves() {
     let desk = Desk::new();
     assert_eq!(desk.solve("oscillator", "out", &[]), Some(0));
-    desk.plot(&["out"], &["out/displacement.svg", "out/phase.svg", "out/energy.svg"]);
+    desk.plot(&["out"], &KINDS.map(|kind| format!("out/{kind}.svg")));
     let w0 = 1.5_f64.sqrt();
 
     let displacement = desk.picture("out/displacement.svg");
@@ -242,7 +252,7 @@ fn a_diverged_run_is_drawn() {
     let wild = ["--method", "explicit-euler", "--step", "0.9", "--end", "200", "--keep-going"];
     assert_eq!(desk.solve("oscillator", "wild", &wild), Some(3));
     assert_eq!(desk.solve("oscillator", "good", &["--step", "0.9"]), Some(0));
-    desk.plot(&["wild"], &["wild/displacement.svg", "wild/phase.svg", "wild/energy.svg"]);
+    desk.plot(&["wild"], &KINDS.map(|kind| format!("wild/{kind}.svg")));
     let alone = desk.picture("wild/displacement.svg");
     // Growth of sqrt(1 + (0.9 w0)^2) a step passes 1e4 times the scene's 10 m in the 30th: 2 m 1.488^30 = 3e5 m.
     assert!(alone.says("diverged at 27 s"), "{:?}", alone.words());
@@ -260,6 +270,9 @@ fn a_diverged_run_is_drawn() {
     let both = desk.picture("displacement.svg");
     let legend = "explicit-euler, diverged at 27 s";
     assert!(both.says(legend) && both.says("velocity-verlet"), "{:?}", both.words());
+    // The frame begins 42 px below the top, under the title; no line is above it, from however far it came.
+    let highest = both.lines.iter().flat_map(|(_, points)| points).map(|p| p.1).fold(f64::INFINITY, f64::min);
+    assert!(highest >= 420.0, "a line at {highest} tenths of a pixel");
     let good = largest(both.curves(VERMILLION)[0].iter().map(|p| p.1));
     let wild = largest(both.curves(BLUE).iter().flatten().map(|p| p.1));
     // The sound one swings over 4 m; the frame leaves as much again to either side, and 4 % of the 12 m. The other is
@@ -279,11 +292,11 @@ fn long_runs_without_probes() {
     let desk = Desk::new();
     let bare = ["--set", "output.probes=null", "--step", "0.001", "--set", "output.history.every=1"];
     assert_eq!(desk.solve("oscillator", "out", &bare), Some(0));
-    desk.plot(&["out"], &["out/energy.svg"]);
+    desk.plot(&["out"], &KINDS[2..].iter().map(|kind| format!("out/{kind}.svg")).collect::<Vec<_>>());
     let curves = desk.picture("out/energy.svg").curves(VERMILLION);
     assert_eq!(curves.len(), 1);
-    // 20001 rows are 488 stretches of 41; each leaves its extremes in both directions, which are two to four points.
-    assert!((976..=1954).contains(&curves[0].len()), "20001 rows became {} points", curves[0].len());
+    // 20001 rows are 500 sections of 40; each leaves its extremes in both directions, which are two to four points.
+    assert!((1000..=2002).contains(&curves[0].len()), "20001 rows became {} points", curves[0].len());
     let extreme = largest(curves[0].iter().map(|p| p.1));
     assert!((extreme - 6.0).abs() < 0.01, "{extreme} J");
 }

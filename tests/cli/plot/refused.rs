@@ -68,6 +68,54 @@ fn what_is_not_in_the_results() {
     refusal(bare, &["out", "--kind", "phase"], &["no node was probed", "add probes"]);
 }
 
+/// Nothing above 0 on a logarithmic axis is a fault with the largest number, for what was named; by default the others
+/// are drawn.
+#[test]
+fn logarithmic_axes_with_nothing_to_show() {
+    let fallen = |d: &Desk| {
+        assert_eq!(d.solve("oscillator", "out", &["--end", "0.5", "--force"]), Some(0));
+        // The mass swings towards its rest position: its velocities are below 0.
+    };
+    let words = ["none of the", "above 0", "velocity in x [m/s]", "the largest is 0e0", "--log"];
+    refusal(fallen, &["out", "--kind", "phase", "--log", "y"], &words);
+    refusal(|_| {}, &["out", "--log", "z"], &["x", "y", "xy"]);
+    let desk = Desk::new();
+    assert_eq!(desk.solve("oscillator", "out", &["--end", "0.5"]), Some(0));
+    let ended = desk.run(&["plot", "out", "--log", "y"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(ended.stderr.contains("warning: no phase: "), "{}", ended.stderr);
+    assert!(ended.stdout.contains("out/displacement.svg") && !ended.stdout.contains("phase"), "{}", ended.stdout);
+}
+
+/// A difference needs the same nodes and gauges in both runs; the fault names what is missing, and what there is.
+#[test]
+fn differences_of_other_scenes() {
+    let other = |changes: &'static [&'static str]| {
+        move |d: &Desk| assert_eq!(d.solve("oscillator", "other", &[&["--end", "1"], changes].concat()), Some(0))
+    };
+    let node_0 = other(&["--set", r#"output.probes=[{"name": "anchor", "on": {"ids": [0]}}]"#]);
+    let words = ["other has no probed node 1 to subtract", "it has: 0", "--nodes"];
+    refusal(node_0, &["out", "--minus", "other"], &words);
+    let gauges = |d: &Desk| {
+        let gauge = |name: &str| format!(r#"output.gauges=[{{"name": "{name}", "on": "all", "of": "speed"}}]"#);
+        let run = |out, name| d.solve("oscillator", out, &["--end", "1", "--force", "--set", &gauge(name)]);
+        assert_eq!((run("out", "a"), run("other", "b")), (Some(0), Some(0)));
+    };
+    let words = ["other has no \"a, speed_mean\" to subtract", "it has: b, speed_mean, b, speed_max", "--gauge"];
+    refusal(gauges, &["out", "--minus", "other"], &words);
+    refusal(gauges, &["out", "--gauge", "c"], &["no gauge is called \"c\"", "there are: a"]);
+    refusal(|_| {}, &["out", "--kind", "gauges"], &["nothing was measured", "add gauges"]);
+    refusal(|_| {}, &["out", "--minus", "nowhere"], &["nowhere is no folder"]);
+}
+
+/// A program without other formats says how to get them, before it reads or writes anything.
+#[cfg(not(feature = "pictures"))]
+#[test]
+fn formats_that_were_not_built() {
+    let words = ["without --format png", "cargo install --path . --features pictures", "--format svg"];
+    refusal(|_| {}, &["out", "--format", "svg,png"], &words);
+}
+
 /// What the system refuses is no fault of usage.
 #[test]
 fn pictures_that_cannot_be_written() {
