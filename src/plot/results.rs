@@ -197,7 +197,7 @@ fn reference_positions(frame: &[u8]) -> Result<Vec<[f64; 3]>, String> {
     let piece = pieces.into_iter().next().ok_or("has no points")?;
     let piece = piece_content(piece)?;
     let points: Vec<f64> = piece.points.cast_into().ok_or("has points that are no numbers")?;
-    let displacement = named_array(piece.data.point, "displacement").ok_or("has no array \"displacement\"")?;
+    let displacement = named_array(&piece.data.point, "displacement").ok_or("has no array \"displacement\"")?;
     let reference: Vec<f64> = points.iter().zip(&displacement).map(|(x, u)| x - u).collect();
     match reference.as_chunks() {
         (positions, []) if points.len() == displacement.len() => Ok(positions.to_vec()),
