@@ -11,7 +11,8 @@ use std::path::Path;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
-    /// Name of the file; a relative path counts from the case file's folder. `canopy-fem mesh --help` lists the formats.
+    /// Name of the file; a relative path counts from the case file's folder. `canopy-fem mesh --help` lists the
+    /// formats.
     pub file: String,
     /// [-] Factor on all coordinates: 0.001 for a file in millimetres. 1 if not given.
     #[serde(default = "one", skip_serializing_if = "is_one")]

@@ -1,5 +1,5 @@
-//! Mesh files as other programs write them, against numbers known from elsewhere: by hand for the squares, from VTK's and
-//! meshio's own readers for the others.
+//! Mesh files as other programs write them, against numbers known from elsewhere: by hand for the squares, from VTK's
+//! and meshio's own readers for the others.
 
 use canopy_fem::mesh::file::{Axes, Diagonals};
 use canopy_fem::mesh::read::{Imported, mesh_from_bytes};

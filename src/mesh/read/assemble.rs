@@ -253,7 +253,8 @@ impl FacePieces {
     fn drop_flat(&mut self, first: usize, nodes: &[[f64; 3]], face: usize, collapsed: &mut Vec<u32>) {
         let mut at = first;
         while let Some(corners) = self.triangles.get(at) {
-            if flat(corners.map(|node| Vector3::from(nodes[node as usize]))).is_some() {
+            // One whose area overflows is refused later.
+            if flat(corners.map(|node| Vector3::from(nodes[node as usize]))).is_some_and(|[area, _]| area.is_finite()) {
                 self.triangles.remove(at);
                 collapsed.push(face as u32);
             } else {

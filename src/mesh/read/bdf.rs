@@ -1,5 +1,5 @@
-//! Nastran .bdf, .dat and .nas: GRID, CTRIA3, CTRIAR, CQUAD4, CQUADR, CROD, CBAR, CBEAM, CTUBE, CONROD and PLOTEL, in small,
-//! large and free fields. Properties are groups.
+//! Nastran .bdf, .dat and .nas: GRID, CTRIA3, CTRIAR, CQUAD4, CQUADR, CROD, CBAR, CBEAM, CTUBE, CONROD and PLOTEL, in
+//! small, large and free fields. Properties are groups.
 
 use super::cells::Cells;
 use super::labels::{Labelled, not_read};

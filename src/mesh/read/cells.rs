@@ -41,8 +41,8 @@ pub(super) struct Numbers {
 }
 
 impl Cells {
-    /// Cells of a format that gives every face corners of its own, mostly in single precision: what its rounding divided is
-    /// joined.
+    /// Cells of a format that gives every face corners of its own, mostly in single precision: what its rounding
+    /// divided is joined.
     pub fn of_corners() -> Self {
         Cells { resolution: Some(RESOLUTION), ..Self::default() }
     }
@@ -115,8 +115,8 @@ impl Cells {
     }
 }
 
-/// [-] Share of the extent within which corners are one node. Programs that compute in single precision leave some units
-/// of its seventh digit between them.
+/// [-] Share of the extent within which corners are one node. Programs that compute in single precision leave some
+/// units of its seventh digit between them.
 pub(super) const RESOLUTION: f64 = 1e-5;
 
 /// Cells that have no meaning for a network.

@@ -1,5 +1,5 @@
-//! Drawing exchange .dxf in text: 3DFACE, LINE, POLYLINE (open, closed, meshes of faces, grids) and LWPOLYLINE. Layers are
-//! groups. Corners at one place become one node.
+//! Drawing exchange .dxf in text: 3DFACE, LINE, POLYLINE (open, closed, meshes of faces, grids) and LWPOLYLINE. Layers
+//! are groups. Corners at one place become one node.
 //!
 //! Read by hand: the crate `dxf` brings decoders of pictures and a calendar along.
 

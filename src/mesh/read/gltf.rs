@@ -1,5 +1,5 @@
-//! glTF 2.0, .glb and .gltf with its data inside, by `gltf`: triangles and lines of all meshes, moved by their nodes. Nodes,
-//! meshes and materials with names are groups. Corners at one place become one node.
+//! glTF 2.0, .glb and .gltf with its data inside, by `gltf`: triangles and lines of all meshes, moved by their nodes.
+//! Nodes, meshes and materials with names are groups. Corners at one place become one node.
 
 use super::cells::{Cells, IGNORED};
 use base64::Engine as _;

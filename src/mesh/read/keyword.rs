@@ -1,5 +1,5 @@
-//! LS-DYNA .k: *NODE, *ELEMENT_SHELL, _BEAM, _DISCRETE and _SEATBELT, *PART and sets of nodes and shells. Parts and sets
-//! are groups, by their titles, else by their numbers.
+//! LS-DYNA .k: *NODE, *ELEMENT_SHELL, _BEAM, _DISCRETE and _SEATBELT, *PART and sets of nodes and shells. Parts and
+//! sets are groups, by their titles, else by their numbers.
 
 use super::cells::{Cells, IGNORED};
 use super::labels::{Labelled, not_read};

@@ -1,8 +1,9 @@
 //! Mesh files in, one file a format. A frame of a run is a mesh too: its nodes have their positions at that time.
 //!
 //! Line cells become edges first, in file order; the triangles' edges that are not among them follow, sorted by their
-//! nodes. Quads are cut along their first diagonal, or the second where the first is not inside. Nodes that no line or triangle uses (such as Gmsh's arc centres)
-//! are dropped, and the rest keep their order: a node without mass could not move.
+//! nodes. Quads are cut along their first diagonal, or the second where the first is not inside. Nodes that no line or
+//! triangle uses (such as Gmsh's arc centres) are dropped, and the rest keep their order: a node without mass could not
+//! move.
 //!
 //! Named parts of the file become groups; a line on the side of a triangle names that edge.
 

@@ -1,4 +1,5 @@
-//! Stanford .ply, text and binary, by `ply-rs-bw`. Whole numbers of faces, edges and vertices, except colours, are groups.
+//! Stanford .ply, text and binary, by `ply-rs-bw`. Whole numbers of faces, edges and vertices, except colours, are
+//! groups.
 
 use super::cells::{Cells, IGNORED};
 use super::marks::Marks;

@@ -21,7 +21,8 @@ pub(super) struct Cutter {
 pub(super) enum Pieces {
     /// a triangle
     Whole,
-    /// a quad, cut along the diagonal between its corners 0 and 2, or 1 and 3; `both` if the other diagonal lies in it too
+    /// a quad, cut along the diagonal between its corners 0 and 2, or 1 and 3; `both` if the other diagonal lies in it
+    /// too
     Quad { first: bool, both: bool },
     /// more corners
     Polygon(Vec<[usize; 3]>),

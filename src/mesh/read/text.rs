@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-/// The text of a file without a byte-order mark, its lines ended by "\n" or "\r\n". UTF-16 needs its mark; bytes that are
-/// no UTF-8 are taken as Latin-1.
+/// The text of a file without a byte-order mark, its lines ended by "\n" or "\r\n". UTF-16 needs its mark; bytes that
+/// are no UTF-8 are taken as Latin-1.
 pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
     let wide = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
         String::from_utf16_lossy(&bytes.as_chunks().0.iter().map(|pair| unit(*pair)).collect::<Vec<_>>())

@@ -13,8 +13,8 @@ use crate::vtk::write::{Cells, FixedArrays, VtuError, inline_grid};
 use std::io::Write as _;
 use std::path::Path;
 
-/// Writes a mesh; the format follows from the name's extension. An existing file is replaced only with `replace`. Returns
-/// a sentence for what the format does not hold.
+/// Writes a mesh; the format follows from the name's extension. An existing file is replaced only with `replace`.
+/// Returns a sentence for what the format does not hold.
 ///
 /// # Errors
 /// [`MeshError::Target`] for an unknown extension or an existing file, [`MeshError::File`] for errors of the system.
