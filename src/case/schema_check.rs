@@ -137,6 +137,10 @@ impl<'a> SchemaCheck<'a> {
 
     /// Visits an object whose only key is a name of the `oneOf`. Returns whether the rest of it can be read.
     fn tagged(&mut self, choice: &OneOf<'a>, map: &mut Map<String, Value>, at: &Pointer) -> bool {
+        if let Some(branch) = choice.record(map) {
+            self.object(branch, map, at);
+            return true;
+        }
         let mut keys = map.keys().cloned();
         let (Some(key), None) = (keys.next(), keys.next()) else {
             let allowed =
@@ -176,6 +180,8 @@ struct OneOf<'a> {
     words: Vec<&'a str>,
     /// objects with one key: `{"ids": [...]}`
     tags: Vec<(&'a str, &'a Value)>,
+    /// objects with several keys, by the first that they need: `{"file": ..., "scale": ...}`
+    records: Vec<(&'a str, &'a Value)>,
     /// numbers, objects with several keys, and lists
     others: Vec<&'a Value>,
 }
@@ -183,30 +189,41 @@ struct OneOf<'a> {
 impl<'a> OneOf<'a> {
     /// The `oneOf` of a schema, if it has one.
     fn new(root: &'a Value, schema: &'a Value) -> Option<Self> {
-        let mut choice = Self { words: Vec::new(), tags: Vec::new(), others: Vec::new() };
+        let mut choice = Self { words: Vec::new(), tags: Vec::new(), records: Vec::new(), others: Vec::new() };
         for branch in schema.get("oneOf")?.as_array()? {
             let branch = meant(root, branch);
             let key = branch.get("required").and_then(Value::as_array).and_then(|keys| keys.first()?.as_str());
             // An object with several keys is known by its type.
             let several = branch.get("properties").and_then(Value::as_object).is_some_and(|keys| keys.len() > 1);
-            let key = key.filter(|_| !several);
             match (branch.get("const").and_then(Value::as_str), key) {
                 (Some(word), _) => choice.words.push(word),
-                (None, Some(key)) => choice.tags.push((key, branch)),
-                (None, None) => choice.others.push(branch),
+                (None, Some(key)) if !several => choice.tags.push((key, branch)),
+                (None, key) => {
+                    choice.others.push(branch);
+                    choice.records.extend(key.map(|key| (key, branch)));
+                }
             }
+        }
+        // Without objects of one key beside them they are known by their type.
+        if choice.tags.is_empty() {
+            choice.records.clear();
         }
         Some(choice)
     }
 
     /// The branch of an object with this key.
     fn tag(&self, key: &str) -> Option<&'a Value> {
-        self.tags.iter().find(|(tag, _)| *tag == key).map(|(_, branch)| *branch)
+        self.tags.iter().chain(&self.records).find(|(tag, _)| *tag == key).map(|(_, branch)| *branch)
+    }
+
+    /// The branch of an object with several keys that has the one it needs.
+    fn record(&self, map: &Map<String, Value>) -> Option<&'a Value> {
+        self.records.iter().find(|(key, _)| map.contains_key(*key)).map(|(_, branch)| *branch)
     }
 
     /// The keys of the objects.
     fn tag_names(&self) -> Vec<&'a str> {
-        self.tags.iter().map(|(tag, _)| *tag).collect()
+        self.tags.iter().chain(&self.records).map(|(tag, _)| *tag).collect()
     }
 
     /// All names, of words and of objects, each once.

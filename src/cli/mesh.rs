@@ -5,11 +5,12 @@ use super::parachute::ParachuteArgs;
 use crate::mesh::annulus::{AnnulusParameters, DiscParameters};
 use crate::mesh::canopy::Canopy;
 use crate::mesh::chain::ChainParameters;
+use crate::mesh::file::{Axes, Diagonals, repairs};
 use crate::mesh::group::describe_groups;
-use crate::mesh::read::{Imported, read_mesh};
+use crate::mesh::read::Imported;
 use crate::mesh::rectangle::{RectangleParameters, RectanglePattern};
 use crate::mesh::write::write_mesh;
-use crate::mesh::{EdgeKind, Mesh, MeshError, MeshSource, Quality, Topology};
+use crate::mesh::{EdgeKind, Mesh, MeshError, MeshFile, MeshSource, Quality, Topology};
 use clap::{Args, Subcommand, ValueEnum};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -35,7 +36,9 @@ pub enum MeshCommand {
     Chain(ChainArgs),
     /// Make a rigged parachute: canopy, lines, riser and payload, as named groups
     Parachute(Box<ParachuteArgs>),
-    /// Read a mesh file and write it as .vtu or .obj
+    /// Read a mesh file, repair it if asked, and write it as .vtu, .msh, .obj, .ply or .stl
+    ///
+    /// Reads .vtu, .vtp, .vtk, .msh, .obj, .stl, .ply, .off, .inp, .k, .bdf, .mdpa, .dxf, .gltf and .glb.
     Convert(ConvertArgs),
     /// Print counts, boundary loops and quality of a mesh file
     Inspect(InspectArgs),
@@ -44,7 +47,7 @@ pub enum MeshCommand {
 /// The output of a generated mesh.
 #[derive(Clone, Debug, Args)]
 pub struct OutputArgs {
-    /// File to write, .vtu or .obj; without it, the command only describes the mesh
+    /// File to write, .vtu, .msh, .obj, .ply or .stl; without it, the command only describes the mesh
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Replace the file if it exists
@@ -153,12 +156,53 @@ pub struct ChainArgs {
     pub output: OutputArgs,
 }
 
+/// A mesh file, placed and repaired in the order axes, scale, translate, merge, orient.
+#[derive(Clone, Debug, Args)]
+pub struct FileArgs {
+    /// Mesh file to read
+    pub input: PathBuf,
+    /// Factor on all coordinates, e.g. 0.001 for a file in millimetres
+    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", allow_negative_numbers = true)]
+    pub scale: f64,
+    /// Axis of the file that points up
+    #[arg(long, value_enum, default_value_t)]
+    pub axes: Axes,
+    /// [m] Added to all coordinates, after --scale
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
+    pub translate: Option<Vec<f64>>,
+    /// [m] Join nodes at most this far apart, and the ends of lines with them
+    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true)]
+    pub merge: Option<f64>,
+    /// Turn triangles so that all normals of a part are on one side
+    #[arg(long)]
+    pub orient: bool,
+    /// Diagonals of quads that become edges
+    #[arg(long, value_enum, default_value_t)]
+    pub diagonals: Diagonals,
+}
+
+impl FileArgs {
+    fn read(&self) -> Result<Imported, MeshCliError> {
+        let file = MeshFile {
+            file: self.input.display().to_string(),
+            scale: self.scale,
+            axes: self.axes,
+            translate: self.translate.as_deref().and_then(|list| list.try_into().ok()).unwrap_or_default(),
+            merge: self.merge,
+            orient: self.orient,
+            diagonals: self.diagonals,
+        };
+        file.read(Path::new("")).map_err(MeshCliError::Input)
+    }
+}
+
 /// Arguments of `mesh convert`.
 #[derive(Clone, Debug, Args)]
 pub struct ConvertArgs {
-    /// Mesh file to read
-    pub input: PathBuf,
-    /// File to write, .vtu or .obj
+    /// the mesh
+    #[command(flatten)]
+    pub mesh: FileArgs,
+    /// File to write: .vtu, .msh, .obj, .ply or .stl
     pub output: PathBuf,
     /// Replace the file if it exists
     #[arg(long)]
@@ -168,8 +212,9 @@ pub struct ConvertArgs {
 /// Arguments of `mesh inspect`.
 #[derive(Clone, Debug, Args)]
 pub struct InspectArgs {
-    /// Mesh file to read
-    pub file: PathBuf,
+    /// the mesh
+    #[command(flatten)]
+    pub mesh: FileArgs,
     /// Print everything as JSON
     #[arg(long)]
     pub json: bool,
@@ -238,12 +283,11 @@ pub fn run(args: &MeshArgs) -> Result<String, MeshCliError> {
             Ok(lines.collect::<String>() + &finish(&mesh, &a.output)?)
         }
         MeshCommand::Convert(a) => {
-            let Imported { mesh, notes } = read_mesh(&a.input).map_err(MeshCliError::Input)?;
-            write_mesh(&mesh, &a.output, a.force).map_err(MeshCliError::Output)?;
-            Ok(describe(&mesh, &notes)? + &written(&a.output))
+            let Imported { mesh, notes } = a.mesh.read()?;
+            Ok(describe(&mesh, &notes)? + &write(&mesh, &a.output, a.force)?)
         }
         MeshCommand::Inspect(a) => {
-            let Imported { mesh, notes } = read_mesh(&a.file).map_err(MeshCliError::Input)?;
+            let Imported { mesh, notes } = a.mesh.read()?;
             if a.json { to_json(&mesh, &notes) } else { describe(&mesh, &notes) }
         }
     }
@@ -257,16 +301,15 @@ fn make(source: &MeshSource, output: &OutputArgs) -> Result<String, MeshCliError
 fn finish(mesh: &Mesh, output: &OutputArgs) -> Result<String, MeshCliError> {
     let text = describe(mesh, &[])?;
     match &output.output {
-        Some(path) => {
-            write_mesh(mesh, path, output.force).map_err(MeshCliError::Output)?;
-            Ok(text + &written(path))
-        }
+        Some(path) => Ok(text + &write(mesh, path, output.force)?),
         None => Ok(text),
     }
 }
 
-fn written(path: &Path) -> String {
-    format!("written to {}\n", path.display())
+fn write(mesh: &Mesh, path: &Path, replace: bool) -> Result<String, MeshCliError> {
+    let notes = write_mesh(mesh, path, replace).map_err(MeshCliError::Output)?;
+    let notes: String = notes.iter().map(|note| format!("note: {note}\n")).collect();
+    Ok(format!("{notes}written to {}\n", path.display()))
 }
 
 /// Counts, loops, quality, histogram, and faults that matter for a simulation.
@@ -333,5 +376,5 @@ pub(super) fn doubts(mesh: &Mesh, topology: &Topology, notes: &[String]) -> Vec<
         canopies.values().filter_map(|found| Some(found.as_ref().err()?.to_string())).collect();
     canopy.dedup();
     let sheet = sheet.into_iter().flatten().map(|error| error.to_string());
-    notes.iter().cloned().chain(sheet).chain(canopy).collect()
+    notes.iter().cloned().chain(sheet).chain(canopy).chain(repairs(mesh, topology)).collect()
 }

@@ -102,18 +102,23 @@ impl Mesh {
                 return Err(MeshError::ZeroLengthEdge { edge, a, b });
             }
         }
-        for (triangle, &[a, b, c]) in self.triangles.iter().enumerate() {
-            let (u, v, w) =
-                (self.point(b) - self.point(a), self.point(c) - self.point(a), self.point(c) - self.point(b));
-            let longest = u.norm().max(v.norm()).max(w.norm());
-            let area = 0.5 * u.cross(&v).norm();
-            // In this form an overflow to NaN or infinity is a fault too.
-            if !(area > LEAST_FLATNESS * longest * longest && area.is_finite()) {
+        for (triangle, corners) in self.triangles.iter().enumerate() {
+            if let Some([area, longest]) = flat(corners.map(|node| self.point(node))) {
                 return Err(MeshError::DegenerateTriangle { triangle, area, longest });
             }
         }
         Ok(())
     }
+}
+
+/// Area [m^2] and longest edge [m] of a triangle without a normal; `None` if it has one.
+pub(super) fn flat([a, b, c]: [Vector3<f64>; 3]) -> Option<[f64; 2]> {
+    let (u, v, w) = (b - a, c - a, c - b);
+    let longest = u.norm().max(v.norm()).max(w.norm());
+    let area = 0.5 * u.cross(&v).norm();
+    // In this form an overflow to NaN or infinity is a fault too.
+    let sound = area > LEAST_FLATNESS * longest * longest && area.is_finite();
+    (!sound).then_some([area, longest])
 }
 
 fn sorted<const N: usize>(mut corners: [u32; N]) -> [u32; N] {

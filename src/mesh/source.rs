@@ -6,17 +6,20 @@ use super::explicit::ExplicitMesh;
 use super::parachute::ParachuteParameters;
 use super::read::Imported;
 use super::rectangle::RectangleParameters;
-use super::{Mesh, MeshError, read};
+use super::{Mesh, MeshError, MeshFile};
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{DeserializeSeed, Error as _, IntoDeserializer, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::path::Path;
 
 /// [-] largest number of nodes of any source; a larger number counts as a mistake.
 pub const MAX_NODES: usize = 50_000_000;
 
 /// Where the mesh of a network comes from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(transform = one_of)]
 pub enum MeshSource {
     /// A flat ring in the x-y plane around the origin, normal +z.
     Annulus(AnnulusParameters),
@@ -28,10 +31,80 @@ pub enum MeshSource {
     Chain(ChainParameters),
     /// A rigged parachute with its axis along z and the payload below; its parts are groups.
     Parachute(Box<ParachuteParameters>),
-    /// A mesh file (.vtu, .vtk, .msh, .obj, .stl); a relative path counts from the case file's folder.
-    File(String),
     /// Nodes, springs and triangles listed in the case.
     Explicit(ExplicitMesh),
+    /// A mesh file; its keys stand beside its name.
+    #[serde(untagged)]
+    File(MeshFile),
+}
+
+/// An object with the key of exactly one source; the keys of a file are all there may be beside it.
+impl<'de> Deserialize<'de> for MeshSource {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_map(SourceVisitor)
+    }
+}
+
+struct SourceVisitor;
+
+impl<'de> Visitor<'de> for SourceVisitor {
+    type Value = MeshSource;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("an object with the source of a mesh as its key")
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<MeshSource, M::Error> {
+        let key: String = map.next_key()?.ok_or_else(|| M::Error::custom("a mesh needs a source"))?;
+        let source = match key.as_str() {
+            "annulus" => MeshSource::Annulus(map.next_value()?),
+            "disc" => MeshSource::Disc(map.next_value()?),
+            "rectangle" => MeshSource::Rectangle(map.next_value()?),
+            "chain" => MeshSource::Chain(map.next_value()?),
+            "parachute" => MeshSource::Parachute(map.next_value()?),
+            "explicit" => MeshSource::Explicit(map.next_value()?),
+            known if MeshFile::KEYS.contains(&known) => {
+                return MeshFile::deserialize(MapAccessDeserializer::new(Again { key: Some(key), map }))
+                    .map(MeshSource::File);
+            }
+            other => return Err(M::Error::unknown_variant(other, &SOURCES)),
+        };
+        match map.next_key::<String>()? {
+            None => Ok(source),
+            Some(second) => Err(M::Error::custom(format!("a mesh has one source, not \"{key}\" and \"{second}\""))),
+        }
+    }
+}
+
+/// Names of the sources.
+const SOURCES: [&str; 7] = ["annulus", "disc", "rectangle", "chain", "parachute", "explicit", "file"];
+
+/// A map whose first key was read already.
+struct Again<M> {
+    key: Option<String>,
+    map: M,
+}
+
+impl<'de, M: MapAccess<'de>> MapAccess<'de> for Again<M> {
+    type Error = M::Error;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, M::Error> {
+        match self.key.take() {
+            Some(key) => seed.deserialize(key.into_deserializer()).map(Some),
+            None => self.map.next_key_seed(seed),
+        }
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, M::Error> {
+        self.map.next_value_seed(seed)
+    }
+}
+
+/// The choices exclude each other, which schemars does not say of one without a key of its own.
+fn one_of(schema: &mut schemars::Schema) {
+    if let Some(choices) = schema.remove("anyOf") {
+        schema.insert("oneOf".to_owned(), choices);
+    }
 }
 
 /// Receives faults: JSON pointer below the mesh section, value, what is allowed, hint.
@@ -47,11 +120,7 @@ impl MeshSource {
             Self::Chain(p) => p.check("/chain", faults),
             Self::Parachute(p) => p.check("/parachute", faults),
             Self::Explicit(p) => p.check("/explicit", faults),
-            Self::File(name) => {
-                if name.is_empty() {
-                    faults("/file", "\"\"".into(), "a file name".into(), "name a mesh file".into());
-                }
-            }
+            Self::File(file) => file.check(faults),
         }
     }
 
@@ -85,7 +154,7 @@ impl MeshSource {
             Self::Parachute(p) => p.build()?,
             Self::Explicit(p) => p.build()?,
             // The reader of the file has checked it.
-            Self::File(name) => return read::read_mesh(&base.join(name)),
+            Self::File(file) => return file.read(base),
         };
         mesh.check()?;
         Ok(Imported { mesh, notes: Vec::new() })

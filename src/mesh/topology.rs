@@ -29,7 +29,7 @@ pub(super) struct Sides {
 }
 
 impl Sides {
-    fn new(triangles: &[[u32; 3]]) -> Self {
+    pub(super) fn new(triangles: &[[u32; 3]]) -> Self {
         let mut keys = Vec::with_capacity(3 * triangles.len());
         for (t, corners) in triangles.iter().enumerate() {
             keys.extend((0..3).map(|side| (edge_key(corners[side], corners[(side + 1) % 3]), t as u32, side)));

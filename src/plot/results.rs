@@ -135,8 +135,8 @@ impl Run {
             let file = format!("{FRAMES}/{stem}_{i:06}.vtu");
             let frame = bytes(&self.folder, &file, "; it is in the list of frames")?;
             let values = frame_piece(&frame).and_then(|piece| {
-                let on_points = named_array(piece.data.point, array);
-                on_points.or_else(|| named_array(piece.data.cell, array)).ok_or(format!("has no array \"{array}\""))
+                let on_points = named_array(&piece.data.point, array);
+                on_points.or_else(|| named_array(&piece.data.cell, array)).ok_or(format!("has no array \"{array}\""))
             });
             found.push((t, measure(&values.map_err(|what| bad(&self.folder.join(&file), what))?)));
         }
@@ -275,7 +275,7 @@ fn frame_piece(frame: &[u8]) -> Result<UnstructuredGridPiece, String> {
 fn reference_positions(frame: &[u8]) -> Result<Vec<[f64; 3]>, String> {
     let piece = frame_piece(frame)?;
     let points: Vec<f64> = piece.points.cast_into().ok_or("has points that are no numbers")?;
-    let displacement = named_array(piece.data.point, "displacement").ok_or("has no array \"displacement\"")?;
+    let displacement = named_array(&piece.data.point, "displacement").ok_or("has no array \"displacement\"")?;
     let reference: Vec<f64> = points.iter().zip(&displacement).map(|(x, u)| x - u).collect();
     match reference.as_chunks() {
         (positions, []) if points.len() == displacement.len() => Ok(positions.to_vec()),

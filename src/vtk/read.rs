@@ -7,7 +7,7 @@ use std::io::Read;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use vtkio::model::{Attribute, DataSet, Piece};
+use vtkio::model::{Attribute, DataSet, IOBuffer, Piece};
 
 /// The content of a file.
 ///
@@ -19,7 +19,7 @@ pub fn read(bytes: &[u8]) -> Result<DataSet, String> {
             vtkio::Vtk::parse_xml(&*all_inline(bytes)?)
         } else {
             // Binary legacy files are big-endian; in text the order does not matter.
-            vtkio::Vtk::parse_legacy_be(bytes)
+            vtkio::Vtk::parse_legacy_be(&*without_field(bytes))
         };
         vtk.map(|vtk| vtk.data).map_err(|error| format!("is not a VTK file that can be read: {error}"))
     };
@@ -39,12 +39,26 @@ pub fn piece_content<P>(piece: Piece<P>) -> Result<P, String> {
     }
 }
 
-/// The numbers of a named array, if it exists.
-pub fn named_array(attributes: Vec<Attribute>, name: &str) -> Option<Vec<f64>> {
-    attributes.into_iter().find_map(|attribute| match attribute {
-        Attribute::DataArray(array) if array.name == name => array.data.cast_into(),
-        _ => None,
+/// All arrays: their names, numbers a member, and data. Legacy files collect some in fields.
+fn arrays(attributes: &[Attribute]) -> impl Iterator<Item = (&str, u32, &IOBuffer)> {
+    attributes.iter().flat_map(|attribute| match attribute {
+        Attribute::DataArray(array) => vec![(array.name.as_str(), array.num_comp() as u32, &array.data)],
+        Attribute::Field { data_array, .. } => {
+            data_array.iter().map(|array| (array.name.as_str(), array.elem, &array.data)).collect()
+        }
     })
+}
+
+/// The numbers of a named array, if it exists.
+pub fn named_array(attributes: &[Attribute], name: &str) -> Option<Vec<f64>> {
+    arrays(attributes).find(|(known, ..)| *known == name).and_then(|(_, _, data)| data.clone().cast_into())
+}
+
+/// The arrays with one whole number a member.
+pub fn whole_numbers(attributes: &[Attribute]) -> Vec<(String, Vec<i64>)> {
+    let whole = arrays(attributes)
+        .filter(|(_, count, data)| *count == 1 && !matches!(data, IOBuffer::F32(_) | IOBuffer::F64(_)));
+    whole.filter_map(|(name, _, data)| Some((name.to_owned(), data.clone().cast_into()?))).collect()
 }
 
 /// What a frame of a run says of its points, `[n_points][3]`.
@@ -72,7 +86,7 @@ pub fn frame_points(bytes: &[u8]) -> Result<FramePoints, String> {
     let piece = piece_content(piece)?;
     let values: Vec<f64> = piece.points.cast_into().ok_or("has points that are no numbers")?;
     let vectors = |values: Vec<f64>| values.as_chunks().0.to_vec();
-    let array = |name| named_array(piece.data.point.clone(), name).map(vectors);
+    let array = |name| named_array(&piece.data.point, name).map(vectors);
     let (displacement, velocities) = (array("displacement"), array("velocity"));
     let positions = vectors(values);
     for list in [&displacement, &velocities].into_iter().flatten() {
@@ -84,6 +98,57 @@ pub fn frame_points(bytes: &[u8]) -> Result<FramePoints, String> {
         return Err("has numbers that are not finite".into());
     }
     Ok(FramePoints { positions, displacements: displacement, velocities })
+}
+
+/// A legacy file without the field that writers put before the points, which the library does not expect there.
+fn without_field(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let line_at = |from: usize| {
+        let rest = bytes.get(from..)?;
+        let end = rest.iter().position(|byte| *byte == b'\n')?;
+        Some((std::str::from_utf8(rest.get(..end)?).ok()?.trim(), from + end + 1))
+    };
+    let skipped = || {
+        let mut at = 0;
+        let mut binary = false;
+        // Title, format and kind of the data come first.
+        let (begin, mut at, count) = loop {
+            let (line, next) = line_at(at)?;
+            binary |= line == "BINARY";
+            let mut words = line.split_ascii_whitespace();
+            match words.next().map(str::to_ascii_uppercase).as_deref() {
+                Some("FIELD") => break (at, next, words.nth(1)?.parse::<usize>().ok()?),
+                Some("POINTS") => return None,
+                _ => at = next,
+            }
+        };
+        for _ in 0..count {
+            let (line, next) = line_at(at)?;
+            let [_, components, tuples, kind] = line.split_ascii_whitespace().collect::<Vec<_>>()[..] else {
+                return None;
+            };
+            let numbers = components.parse::<usize>().ok()?.checked_mul(tuples.parse().ok()?)?;
+            at = next;
+            if binary {
+                let width = match kind {
+                    "double" | "long" | "unsigned_long" | "vtktypeint64" | "vtkIdType" => 8,
+                    "float" | "int" | "unsigned_int" => 4,
+                    "short" | "unsigned_short" => 2,
+                    "char" | "unsigned_char" => 1,
+                    _ => return None,
+                };
+                at = at.checked_add(numbers.checked_mul(width)?)?.checked_add(1)?;
+            } else {
+                let mut left = numbers;
+                while left > 0 {
+                    let (line, next) = line_at(at)?;
+                    left = left.saturating_sub(line.split_ascii_whitespace().count());
+                    at = next;
+                }
+            }
+        }
+        Some([bytes.get(..begin)?, bytes.get(at..)?].concat())
+    };
+    skipped().map_or(Cow::Borrowed(bytes), Cow::Owned)
 }
 
 /// The whole numbers of the arrays that an XML file has as a whole (`FieldData`), which the library leaves out; arrays
@@ -145,12 +210,12 @@ fn all_inline(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     // The data follow an underscore.
     let mark = section.iter().skip(section_tag.len()).position(|byte| *byte == b'_');
     let layout = Layout {
-        zlib: match attribute(root, "compressor") {
-            None => false,
-            Some("vtkZLibDataCompressor") => true,
-            Some(_) => {
-                return Err("is compressed with another method than zlib; save it uncompressed or with zlib".into());
-            }
+        packing: match attribute(root, "compressor") {
+            None => None,
+            Some("vtkZLibDataCompressor") => Some(Packing::Zlib),
+            Some("vtkLZ4DataCompressor") => Some(Packing::Lz4),
+            Some("vtkLZMADataCompressor") => Some(Packing::Xz),
+            Some(other) => return Err(format!("is compressed by {other}, which is not known; save it with zlib")),
         },
         ..Layout::of(root)
     };
@@ -168,7 +233,7 @@ fn all_inline(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
                 let bytes = appended.get(offset..).ok_or_else(damaged)?;
                 Some(layout.decode(Section { bytes, base64: appended_as_text })?)
             }
-            Some("binary") if layout.zlib && !content.trim().is_empty() => {
+            Some("binary") if layout.packing.is_some() && !content.trim().is_empty() => {
                 Some(layout.decode(Section { bytes: content.trim().as_bytes(), base64: true })?)
             }
             _ => None,
@@ -216,10 +281,61 @@ fn attribute<'a>(tag: &'a str, key: &str) -> Option<&'a str> {
 
 /// The layout of the arrays of a file.
 struct Layout {
-    zlib: bool,
+    packing: Option<Packing>,
     /// [byte] size of a number in the header of an array
     word: usize,
     big_endian: bool,
+}
+
+/// How blocks of an array are compressed.
+#[derive(Clone, Copy)]
+enum Packing {
+    Zlib,
+    Lz4,
+    Xz,
+}
+
+impl Packing {
+    /// The bytes of a block, if there are as many as its header says.
+    fn unpack(self, block: &[u8], expected: usize) -> Option<Vec<u8>> {
+        // No more is read than that: a block of a kilobyte may expand to a megabyte.
+        let mut out = Vec::new();
+        match self {
+            Packing::Zlib => {
+                flate2::read::ZlibDecoder::new(block).take(expected as u64).read_to_end(&mut out).ok()?;
+            }
+            Packing::Lz4 => {
+                // LZ4 makes at most 255 bytes of one.
+                (expected <= block.len().saturating_mul(256)).then_some(())?;
+                out = lz4_flex::block::decompress(block, expected).ok()?;
+            }
+            Packing::Xz => {
+                let mut bounded = Bounded { out: &mut out, most: expected };
+                lzma_rs::xz_decompress(&mut &*block, &mut bounded).ok()?;
+            }
+        }
+        (out.len() == expected).then_some(out)
+    }
+}
+
+/// Takes so many bytes and refuses more.
+struct Bounded<'a> {
+    out: &'a mut Vec<u8>,
+    most: usize,
+}
+
+impl std::io::Write for Bounded<'_> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        if self.out.len() + bytes.len() > self.most {
+            return Err(std::io::ErrorKind::InvalidData.into());
+        }
+        self.out.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
 }
 
 /// The start of an array.
@@ -248,7 +364,7 @@ impl Layout {
     /// The layout of a file without compression, by the tag of its root.
     fn of(root: &str) -> Self {
         Layout {
-            zlib: false,
+            packing: None,
             word: if attribute(root, "header_type") == Some("UInt64") { 8 } else { 4 },
             big_endian: attribute(root, "byte_order") == Some("BigEndian"),
         }
@@ -267,7 +383,10 @@ impl Layout {
 
     /// The data of an array.
     fn decode(&self, section: Section<'_>) -> Result<Vec<u8>, String> {
-        let data = if self.zlib { self.unpacked(section) } else { self.plain(section) };
+        let data = match self.packing {
+            Some(packing) => self.unpacked(packing, section),
+            None => self.plain(section),
+        };
         data.ok_or_else(damaged)
     }
 
@@ -279,7 +398,7 @@ impl Layout {
     }
 
     /// The number of blocks, their size, the size of a last partial one, the packed size of each; then the blocks.
-    fn unpacked(&self, section: Section<'_>) -> Option<Vec<u8>> {
+    fn unpacked(&self, packing: Packing, section: Section<'_>) -> Option<Vec<u8>> {
         let &[blocks, size, partial] = self.numbers(section, 3)?.first_chunk()?;
         let sizes = self.numbers(section, blocks.checked_add(3)?)?;
         let (_, packed) = section.take(sizes.len() * self.word)?;
@@ -290,10 +409,7 @@ impl Layout {
         for (i, length) in lengths.iter().enumerate() {
             let (block, rest) = packed.split_at_checked(*length)?;
             let expected = if i + 1 == blocks && partial > 0 { partial } else { size };
-            let before = out.len();
-            // Not more than the size in the header: a block of a kilobyte may expand to a megabyte.
-            flate2::read::ZlibDecoder::new(block).take(expected as u64).read_to_end(&mut out).ok()?;
-            (out.len() - before == expected).then_some(())?;
+            out.extend(packing.unpack(block, expected)?);
             packed = rest;
         }
         Some(out)

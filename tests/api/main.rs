@@ -20,6 +20,7 @@ mod linear;
 mod mesh;
 mod mesh_files;
 mod mesh_groups;
+mod mesh_table;
 mod newton;
 mod output;
 mod parachute;

@@ -203,10 +203,11 @@ fn unreadable_files_are_named() {
     let bomb = format!("{}////AACAAAAAAAAA{}", &ZLIB_VTU[..first], &ZLIB_VTU[first + NO_BLOCKS.len()..]);
     let cases = [
         (folder.path().join("none.vtu"), "cannot be read"),
-        (write(&folder, "mesh.xyz", b""), "are not read; use .vtu"),
-        (write(&folder, "b2.msh", MSH_2.replace("2.2 0 8", "2.2 1 8").as_bytes()), "binary file of version 2"),
+        (write(&folder, "mesh.xyz", b""), "are not read; read are .vtu"),
+        (write(&folder, "mesh.fbx", b""), "mesh.glb` writes one"),
+        (write(&folder, "b2.msh", MSH_2.replace("2.2 0 8", "2.2 1 8").as_bytes()), "not little-endian"),
         (write(&folder, "solid.msh", tetra.as_bytes()), "type 4"),
-        (write(&folder, "five.obj", OBJ.replace("f 1/1 2/1 3/1", "f 1 2 3 4 1").as_bytes()), "5 corners"),
+        (write(&folder, "bow.obj", OBJ.replace("f 1/1 2/1 3/1", "f 1 2 4 3").as_bytes()), "crosses itself"),
         (
             write(&folder, "nine.obj", b"v 0 0 0\nv 1 0 0\nf 1 2 3\nv 1 1 0\nf 1 2 9\n"),
             "line 5: there is no vertex 9; the file has 3",

@@ -1,22 +1,22 @@
-//! Points, lines and faces, which all formats have, and the mesh made of them.
+//! Points, lines and faces, which all formats have. `assemble` makes the mesh of them.
 
-use super::Imported;
-use crate::mesh::{Group, Groups, Mesh, topology};
 use std::collections::{BTreeMap, HashMap};
 
 /// Points and cells of a file.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cells {
     pub points: Vec<[f64; 3]>,
-    lines: Vec<[u64; 2]>,
+    pub(super) lines: Vec<[u64; 2]>,
     /// for each line, whether it is on a seam
-    seam: Vec<bool>,
-    faces: Vec<[u64; 3]>,
-    quads: usize,
-    /// cells without meaning here, such as single points
-    pub ignored: usize,
+    pub(super) seam: Vec<bool>,
+    /// corners of all faces, one face after the other
+    corners: Vec<u64>,
+    /// where the corners of each face end
+    ends: Vec<usize>,
+    /// what the reader left out or changed: how often, and a sentence without its number
+    pub remarks: BTreeMap<&'static str, usize>,
     /// number of the groups of each point, line and face; a list may end early: 0 = in no group
-    numbers: Numbers,
+    pub(super) numbers: Numbers,
     /// for each such number, the names of its groups; of lines and faces, and of points
     pub cell_groups: BTreeMap<i64, Vec<String>>,
     /// number of each set of groups that [`Cells::name_cells`] was given
@@ -26,19 +26,27 @@ pub(super) struct Cells {
     pub named_points: BTreeMap<String, Vec<u64>>,
     /// whether a face that is listed again means that it is in several groups
     pub repeats_faces: bool,
+    /// [-] distance, as a share of the mesh's extent, within which the format itself does not tell points apart
+    pub resolution: Option<f64>,
     /// [m] displacement of each point at the start; empty = none
     pub displacement: Vec<[f64; 3]>,
 }
 
 /// Numbers of groups.
 #[derive(Clone, Debug, Default)]
-struct Numbers {
-    points: Vec<i64>,
-    lines: Vec<i64>,
-    faces: Vec<i64>,
+pub(super) struct Numbers {
+    pub points: Vec<i64>,
+    pub lines: Vec<i64>,
+    pub faces: Vec<i64>,
 }
 
 impl Cells {
+    /// Cells of a format that gives every face corners of its own, mostly in single precision: what its rounding
+    /// divided is joined.
+    pub fn of_corners() -> Self {
+        Cells { resolution: Some(RESOLUTION), ..Self::default() }
+    }
+
     /// Adds a line through two or more nodes.
     pub fn add_line(&mut self, nodes: &[u64], seam: bool) {
         for pair in nodes.windows(2) {
@@ -47,26 +55,39 @@ impl Cells {
         }
     }
 
-    /// Adds a triangle or a quad, which is cut in two.
-    pub fn add_face(&mut self, nodes: &[u64]) -> Result<(), String> {
-        match *nodes {
-            [a, b, c] => self.faces.push([a, b, c]),
-            [a, b, c, d] => {
-                self.faces.extend([[a, b, c], [a, c, d]]);
-                self.quads += 1;
-            }
-            _ => {
-                let face = self.faces.len();
-                return Err(format!("face {face} has {} corners; split it into triangles or quads", nodes.len()));
-            }
+    /// Adds a face with its corners in order around it.
+    pub fn add_face(&mut self, corners: &[u64]) {
+        self.corners.extend_from_slice(corners);
+        self.ends.push(self.corners.len());
+    }
+
+    /// Adds a strip of triangles, of which every second one turns the other way.
+    pub fn add_strip(&mut self, nodes: &[u64]) {
+        for (i, t) in nodes.windows(3).enumerate() {
+            self.add_face(&if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] });
         }
-        Ok(())
+    }
+
+    /// The corners of all faces.
+    pub(super) fn faces(&self) -> impl ExactSizeIterator<Item = &[u64]> {
+        let start = |face: usize| if face == 0 { 0 } else { self.ends[face - 1] };
+        self.ends.iter().enumerate().map(move |(face, end)| &self.corners[start(face)..*end])
+    }
+
+    /// The points that lines and faces name.
+    pub(super) fn used_points(&self) -> impl Iterator<Item = u64> {
+        self.lines.as_flattened().iter().chain(&self.corners).copied()
+    }
+
+    /// Counts something that the reader left out or changed; `what` is a sentence without its number.
+    pub fn remark(&mut self, what: &'static str) {
+        *self.remarks.entry(what).or_default() += 1;
     }
 
     /// Gives the lines and faces that were added since the last call a number of groups.
     pub fn number_cells(&mut self, number: i64) {
         self.numbers.lines.resize(self.lines.len(), number);
-        self.numbers.faces.resize(self.faces.len(), number);
+        self.numbers.faces.resize(self.ends.len(), number);
     }
 
     /// Puts the lines and faces that were added since the last call into groups.
@@ -92,158 +113,11 @@ impl Cells {
         self.numbers.points.extend(numbers);
         self.numbers.points.resize(self.points.len(), 0);
     }
-
-    /// Names the groups of lines and faces by their numbers, where the file has no names.
-    pub fn name_cell_groups(&mut self) {
-        let numbers = self.numbers.lines.iter().chain(&self.numbers.faces);
-        self.cell_groups = numbers.filter(|n| **n != 0).map(|n| (*n, vec![n.to_string()])).collect();
-    }
-
-    /// Renumbers the nodes, drops unused ones and lists the edges.
-    pub fn into_mesh(self) -> Result<Imported, String> {
-        let mut notes = Vec::new();
-        if self.lines.is_empty() && self.faces.is_empty() {
-            return Err("holds no lines and no triangles".into());
-        }
-        if self.points.len() >= u32::MAX as usize || self.faces.len() >= u32::MAX as usize / 3 {
-            return Err(format!("has {} nodes and {} triangles, too many", self.points.len(), self.faces.len()));
-        }
-        let renumbered = self.renumber()?;
-        let number = |node: &u64| renumbered[*node as usize];
-        let kept = |point: (usize, &[f64; 3])| (renumbered[point.0] != u32::MAX).then_some(*point.1);
-        let nodes: Vec<[f64; 3]> = self.points.iter().enumerate().filter_map(kept).collect();
-        let dropped = self.points.len() - nodes.len();
-        let faces = self.faces.iter().map(|f| [number(&f[0]), number(&f[1]), number(&f[2])]);
-        let FaceList { triangles, of_face } = faces_once(faces, self.repeats_faces);
-        let lines = self.lines.iter().map(|l| [number(&l[0]), number(&l[1])]);
-        let EdgeList { edges, of_line, seams, repeated } = edges(lines, &self.seam, &triangles);
-        let mut groups = Groups::new();
-        add_members(&mut groups, &self.point_groups, &self.numbers.points, |group, point| {
-            group.nodes.extend(renumbered.get(point).filter(|node| **node != u32::MAX));
-        });
-        for (name, points) in &self.named_points {
-            let points = points.iter().filter_map(|point| renumbered.get(*point as usize));
-            groups.entry(name.clone()).or_default().nodes.extend(points.filter(|node| **node != u32::MAX));
-        }
-        add_members(&mut groups, &self.cell_groups, &self.numbers.lines, |group, line| {
-            group.edges.extend(of_line.get(line));
-        });
-        add_members(&mut groups, &self.cell_groups, &self.numbers.faces, |group, face| {
-            group.triangles.extend(of_face.get(face));
-        });
-        for group in groups.values_mut() {
-            for list in [&mut group.nodes, &mut group.edges, &mut group.triangles] {
-                list.sort_unstable();
-                list.dedup();
-            }
-        }
-        groups.retain(|_, group| *group != Group::default());
-        let moved = self
-            .displacement
-            .iter()
-            .enumerate()
-            .filter_map(|(i, u)| renumbered.get(i).filter(|node| **node != u32::MAX).map(|_| *u));
-        let displacement: Vec<[f64; 3]> = moved.collect();
-        for (count, what) in [
-            (dropped, "nodes that no line or triangle uses were dropped; the others keep their order"),
-            (if self.repeats_faces { 0 } else { repeated }, "repeated lines were dropped"),
-            (self.quads, "quads were cut into two triangles each, along the diagonal from their first corner"),
-            (self.ignored, "cells that are neither lines nor faces were ignored"),
-        ] {
-            if count > 0 {
-                notes.push(format!("{count} {what}"));
-            }
-        }
-        Ok(Imported { mesh: Mesh { nodes, edges, triangles, seams, groups, displacement }, notes })
-    }
-
-    /// New number of every used node, `u32::MAX` for the unused.
-    fn renumber(&self) -> Result<Vec<u32>, String> {
-        let mut renumbered = vec![u32::MAX; self.points.len()];
-        for &node in self.lines.iter().flatten().chain(self.faces.iter().flatten()) {
-            let known = usize::try_from(node).ok().and_then(|n| renumbered.get_mut(n));
-            *known.ok_or_else(|| format!("a cell names node {node}, but there are {} nodes", self.points.len()))? = 0;
-        }
-        let used = renumbered.iter_mut().filter(|n| **n == 0);
-        used.zip(0..).for_each(|(slot, new)| *slot = new);
-        Ok(renumbered)
-    }
 }
 
-/// Calls `add` for each member, by its index, and each group that its number stands for.
-fn add_members(
-    groups: &mut Groups,
-    names: &BTreeMap<i64, Vec<String>>,
-    numbers: &[i64],
-    add: impl Fn(&mut Group, usize),
-) {
-    for (member, number) in numbers.iter().enumerate() {
-        for name in names.get(number).into_iter().flatten() {
-            add(groups.entry(name.clone()).or_default(), member);
-        }
-    }
-}
+/// [-] Share of the extent within which corners are one node. Programs that compute in single precision leave some
+/// units of its seventh digit between them.
+pub(super) const RESOLUTION: f64 = 1e-5;
 
-/// The triangles of a mesh.
-struct FaceList {
-    triangles: Vec<[u32; 3]>,
-    /// the triangle of each face
-    of_face: Vec<u32>,
-}
-
-/// The triangles in file order; those that are listed again are the same one, if they may be.
-fn faces_once(faces: impl Iterator<Item = [u32; 3]>, may_repeat: bool) -> FaceList {
-    if !may_repeat {
-        let triangles: Vec<_> = faces.collect();
-        let of_face = (0..triangles.len() as u32).collect();
-        return FaceList { triangles, of_face };
-    }
-    let mut list = FaceList { triangles: Vec::new(), of_face: Vec::new() };
-    let mut known: HashMap<[u32; 3], u32> = HashMap::new();
-    for face in faces {
-        let mut key = face;
-        key.sort_unstable();
-        let new = list.triangles.len() as u32;
-        let triangle = *known.entry(key).or_insert(new);
-        list.of_face.push(triangle);
-        if triangle == new {
-            list.triangles.push(face);
-        }
-    }
-    list
-}
-
-/// The edges of a mesh.
-struct EdgeList {
-    /// lines in file order, each once, then the triangles' other edges
-    edges: Vec<[u32; 2]>,
-    /// the edge of each line
-    of_line: Vec<u32>,
-    /// edges on seams, ascending
-    seams: Vec<u32>,
-    /// how many lines were repeated
-    repeated: usize,
-}
-
-fn edges(lines: impl Iterator<Item = [u32; 2]>, seam: &[bool], triangles: &[[u32; 3]]) -> EdgeList {
-    let key = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
-    let mut list = EdgeList { edges: Vec::new(), of_line: Vec::new(), seams: Vec::new(), repeated: 0 };
-    let mut known: HashMap<[u32; 2], u32> = HashMap::new();
-    for (line, &seam) in lines.zip(seam) {
-        let new = list.edges.len() as u32;
-        let edge = *known.entry(key(line)).or_insert(new);
-        list.of_line.push(edge);
-        if edge == new {
-            list.edges.push(line);
-        } else {
-            list.repeated += 1;
-        }
-        if seam {
-            list.seams.push(edge);
-        }
-    }
-    list.edges.extend(topology::unique_edges(triangles).into_iter().filter(|edge| !known.contains_key(edge)));
-    list.seams.sort_unstable();
-    list.seams.dedup();
-    list
-}
+/// Cells that have no meaning for a network.
+pub(super) const IGNORED: &str = "cells that are neither lines nor faces were ignored";

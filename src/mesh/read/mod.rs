@@ -1,20 +1,36 @@
-//! Mesh files in: .vtu, .vtp, .vtk, .msh (2.2 text; 4.1 text and binary), .obj, .stl. A frame of a run is a mesh too:
-//! its nodes have their positions at that time.
+//! Mesh files in, one file a format. A frame of a run is a mesh too: its nodes have their positions at that time.
 //!
 //! Line cells become edges first, in file order; the triangles' edges that are not among them follow, sorted by their
-//! nodes. Quads are cut along their first diagonal. Nodes that no line or triangle uses (such as Gmsh's arc centres)
-//! are dropped, and the rest keep their order: a node without mass could not move.
+//! nodes. Quads are cut along their first diagonal, or the second where the first is not inside. Nodes that no line or
+//! triangle uses (such as Gmsh's arc centres) are dropped, and the rest keep their order: a node without mass could not
+//! move.
 //!
 //! Named parts of the file become groups; a line on the side of a triangle names that edge.
 
+mod assemble;
+mod bdf;
 mod cells;
+mod dxf;
+mod gltf;
+mod inp;
+mod keyword;
+mod labels;
+mod marks;
+mod mdpa;
+mod merge;
 mod msh;
 mod obj;
+mod off;
+mod ply;
+mod polygon;
 mod stl;
+mod text;
 mod vtk;
 
-use super::{Mesh, MeshError};
+use super::{Mesh, MeshError, MeshFile};
+pub(super) use assemble::extent;
 use cells::Cells;
+pub(super) use merge::joined;
 use std::path::Path;
 
 /// Name of the cell array of a .vtu file that marks seams.
@@ -31,15 +47,12 @@ pub struct Imported {
     pub notes: Vec<String>,
 }
 
-/// Reads a mesh file; the format follows from the name's extension.
+/// Reads a mesh file and takes the mesh as it is; the format follows from the name's extension.
 ///
 /// # Errors
 /// [`MeshError::File`] with the file's name and the reason.
 pub fn read_mesh(path: &Path) -> Result<Imported, MeshError> {
-    let reader = reader(path)?;
-    let fault =
-        |error: std::io::Error| MeshError::File { path: path.to_owned(), reason: format!("cannot be read: {error}") };
-    read_with(reader, path, &crate::input_file::read(path).map_err(fault)?)
+    read_file(&MeshFile::plain(""), path)
 }
 
 /// The same for the bytes of a file that are already in memory; `path` gives the format, and the name in messages.
@@ -47,7 +60,15 @@ pub fn read_mesh(path: &Path) -> Result<Imported, MeshError> {
 /// # Errors
 /// As [`read_mesh`], except for reading the file.
 pub fn mesh_from_bytes(path: &Path, bytes: &[u8]) -> Result<Imported, MeshError> {
-    read_with(reader(path)?, path, bytes)
+    read_with(reader(path)?, &MeshFile::plain(""), path, bytes)
+}
+
+/// Reads the file at `path`, with the mesh placed and repaired as `wanted`.
+pub(super) fn read_file(wanted: &MeshFile, path: &Path) -> Result<Imported, MeshError> {
+    let reader = reader(path)?;
+    let fault =
+        |error: std::io::Error| MeshError::File { path: path.to_owned(), reason: format!("cannot be read: {error}") };
+    read_with(reader, wanted, path, &crate::input_file::read(path).map_err(fault)?)
 }
 
 type Reader = fn(&[u8]) -> Result<Cells, String>;
@@ -55,20 +76,39 @@ type Reader = fn(&[u8]) -> Result<Cells, String>;
 /// The reader of a file's format.
 fn reader(path: &Path) -> Result<Reader, MeshError> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    match extension.as_str() {
-        "vtu" | "vtp" | "vtk" => Ok(vtk::read),
-        "msh" => Ok(msh::read),
-        "obj" => Ok(obj::read),
-        "stl" => Ok(stl::read),
-        _ => {
-            let reason = match extension.as_str() {
-                "" => "the name has no extension that says its format".to_owned(),
-                other => format!("files \".{other}\" are not read"),
-            };
-            let reason = format!("{reason}; use .vtu, .vtp, .vtk, .msh, .obj or .stl{}", converter(path, &extension));
-            Err(MeshError::File { path: path.to_owned(), reason })
-        }
-    }
+    let known = FORMATS.iter().find(|(endings, _)| endings.contains(&extension.as_str()));
+    known.map(|(_, reader)| *reader).ok_or_else(|| {
+        let reason = match extension.as_str() {
+            "" => "the name has no extension that says its format".to_owned(),
+            other => format!("files \".{other}\" are not read"),
+        };
+        let reason = format!("{reason}; read are {}{}", endings(), converter(path, &extension));
+        MeshError::File { path: path.to_owned(), reason }
+    })
+}
+
+/// The formats by the endings of their names.
+const FORMATS: [(&[&str], Reader); 12] = [
+    (&["vtu", "vtp", "vtk"], vtk::read),
+    (&["msh"], msh::read),
+    (&["obj"], obj::read),
+    (&["stl"], stl::read),
+    (&["ply"], ply::read),
+    (&["off"], off::read),
+    (&["inp"], inp::read),
+    (&["k", "key", "dyn"], keyword::read),
+    (&["bdf", "nas", "fem", "dat"], bdf::read),
+    (&["mdpa"], mdpa::read),
+    (&["dxf"], dxf::read),
+    (&["gltf", "glb"], gltf::read),
+];
+
+/// Most labels that a range in a file may stand for.
+const MOST_LABELS: u64 = 50_000_000;
+
+/// The endings of the formats that are read: ".vtu, .vtp, ...".
+pub fn endings() -> String {
+    FORMATS.iter().flat_map(|(endings, _)| *endings).map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(", ")
 }
 
 /// The program that writes a file of this extension as one that is read, and its command.
@@ -77,30 +117,29 @@ fn converter(path: &Path, extension: &str) -> String {
     let from = path.display();
     match extension {
         // Readers of meshio 5.
-        "inp" | "avs" | "bdf" | "nas" | "fem" | "med" | "e" | "exo" | "ex2" | "xdmf" | "xmf" | "ply" | "off"
-        | "mesh" | "meshb" | "dat" | "tec" | "su2" | "vol" | "xml" | "node" | "ele" | "f3grid" | "post" | "ugrid"
-        | "mdpa" | "h5m" | "wkt" | "cgns" => format!(": `meshio convert {from} {}` writes one", to("vtu")),
+        "avs" | "med" | "e" | "exo" | "ex2" | "xdmf" | "xmf" | "mesh" | "meshb" | "tec" | "su2" | "vol" | "xml"
+        | "node" | "ele" | "f3grid" | "post" | "ugrid" | "h5m" | "wkt" | "cgns" => {
+            format!(": `meshio convert {from} {}` writes one", to("vtu"))
+        }
         "geo" | "step" | "stp" | "iges" | "igs" | "brep" => {
             format!(": `gmsh -2 {from} -o {}` makes a mesh of its surfaces", to("msh"))
         }
         "unv" | "p3d" => format!(": `gmsh -save {from} -o {}` writes one", to("msh")),
-        "gltf" | "glb" | "fbx" | "dae" | "3ds" | "blend" | "x3d" | "wrl" => {
-            ": open it in Blender, and export it as .obj or .stl".to_owned()
+        "fbx" | "dae" | "3ds" | "x3d" | "wrl" | "3mf" => format!(": `assimp export {from} {}` writes one", to("glb")),
+        "blend" => ": open it in Blender, and export it as .glb or .obj".to_owned(),
+        "dwg" | "sldprt" | "fcstd" | "3dm" => {
+            ": open it in a CAD program such as FreeCAD, and export it as .dxf, .obj or .stl".to_owned()
         }
-        "dxf" | "dwg" | "sldprt" | "fcstd" | "3dm" => {
-            ": open it in a CAD program such as FreeCAD, and export it as .obj or .stl".to_owned()
-        }
-        "k" | "key" | "dyn" => ": open it in LS-PrePost, and export it as .stl".to_owned(),
         _ => String::new(),
     }
 }
 
-fn read_with(reader: Reader, path: &Path, bytes: &[u8]) -> Result<Imported, MeshError> {
+fn read_with(reader: Reader, wanted: &MeshFile, path: &Path, bytes: &[u8]) -> Result<Imported, MeshError> {
     let fault = |reason: String| MeshError::File { path: path.to_owned(), reason };
     // A panic of a parsing library on a damaged file must not end the program.
     let cells = std::panic::catch_unwind(|| reader(bytes))
         .unwrap_or_else(|_| Err("is damaged; the parser gave up on it. Write it anew".to_owned()));
-    let imported = cells.and_then(Cells::into_mesh).map_err(fault)?;
+    let imported = cells.and_then(|cells| cells.into_mesh(wanted)).map_err(fault)?;
     imported.mesh.check().map_err(|error| fault(error.to_string()))?;
     Ok(imported)
 }

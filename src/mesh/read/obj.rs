@@ -5,12 +5,24 @@
 //! user's node numbers and divide the mesh.
 
 use super::cells::Cells;
+use super::text::text;
 
 pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
-    let text = std::str::from_utf8(bytes).map_err(|_| "is not text".to_owned())?;
+    let text = text(bytes);
     let mut file = File::default();
+    // A line that ends in a backslash goes on in the next one.
+    let mut begun = String::new();
     for (number, line) in (1..).zip(text.lines()) {
-        file.read_line(number, line).map_err(|reason| format!("line {number}: {reason}"))?;
+        let whole = line.trim_end().strip_suffix('\\');
+        if whole.is_some() || !begun.is_empty() {
+            begun.push_str(whole.unwrap_or(line));
+            begun.push(' ');
+        }
+        if whole.is_none() {
+            let line = if begun.is_empty() { line } else { begun.as_str() };
+            file.read_line(number, line).map_err(|reason| format!("line {number}: {reason}"))?;
+            begun.clear();
+        }
     }
     file.finish()
 }
@@ -53,10 +65,13 @@ impl File {
                 let names = &mut self.names[if of == "o" { 0 } else { 2 }];
                 *names = if name.is_empty() { Vec::new() } else { vec![name] };
             }
-            Some("f") => {
+            Some("f" | "fo") => {
                 let nodes = self.indices(number, words)?;
-                self.cells.add_face(&nodes)?;
+                self.cells.add_face(&nodes);
                 self.name_cells();
+            }
+            Some("curv" | "curv2" | "surf") => {
+                self.cells.remark("curves and free-form surfaces were left out: export a mesh")
             }
             _ => {}
         }

@@ -1,14 +1,22 @@
 //! .vtu, .vtp and legacy .vtk, also the frames that a run writes.
 
-use super::cells::Cells;
+use super::cells::{Cells, IGNORED};
+use super::marks::Marks;
 use super::{SEAM, START_DISPLACEMENT};
 use crate::mesh::group::{CELL_GROUP, GROUP, NODE_GROUP};
-use crate::vtk::read::{field_numbers, named_array, piece_content, read as read_vtk};
+use crate::vtk::read::{field_numbers, named_array, piece_content, read as read_vtk, whole_numbers};
 use std::collections::BTreeMap;
 use vtkio::model::{Attribute, CellType, DataSet, IOBuffer, PolyDataPiece, UnstructuredGridPiece, VertexNumbers};
 
 pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
     let mut cells = Cells::default();
+    for (name, numbers) in field_numbers(bytes)? {
+        if let Some(group) = name.strip_prefix(CELL_GROUP) {
+            add_names(&mut cells.cell_groups, group, numbers);
+        } else if let Some(group) = name.strip_prefix(NODE_GROUP) {
+            add_names(&mut cells.point_groups, group, numbers);
+        }
+    }
     match read_vtk(bytes)? {
         DataSet::UnstructuredGrid { pieces, .. } => {
             for piece in pieces {
@@ -22,16 +30,6 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
         }
         _ => return Err("holds neither an unstructured grid nor polygons".into()),
     }
-    for (name, numbers) in field_numbers(bytes)? {
-        if let Some(group) = name.strip_prefix(CELL_GROUP) {
-            add_names(&mut cells.cell_groups, group, numbers);
-        } else if let Some(group) = name.strip_prefix(NODE_GROUP) {
-            add_names(&mut cells.point_groups, group, numbers);
-        }
-    }
-    if cells.cell_groups.is_empty() {
-        cells.name_cell_groups();
-    }
     Ok(cells)
 }
 
@@ -42,10 +40,43 @@ fn add_names(names: &mut BTreeMap<i64, Vec<String>>, group: &str, numbers: Vec<i
     }
 }
 
-/// Adds what the points of a piece have: numbers of groups and the displacement at the start.
-fn add_point_data(data: Vec<Attribute>, cells: &mut Cells) -> Result<(), String> {
-    let numbers = named_array(data.clone(), GROUP).unwrap_or_default();
-    cells.number_points(numbers.into_iter().map(|number| number as i64));
+/// The groups of members: by the numbers of [`GROUP`], whose names the file tells, or by all arrays of whole numbers.
+enum Parts {
+    Numbers(Vec<i64>),
+    Marks(Marks),
+}
+
+impl Parts {
+    /// `named` says that the file tells names, as ours do.
+    fn of(data: &[Attribute], named: bool) -> Self {
+        if named {
+            let numbers = named_array(data, GROUP).unwrap_or_default();
+            return Parts::Numbers(numbers.into_iter().map(|number| number as i64).collect());
+        }
+        let mut arrays = whole_numbers(data);
+        arrays.retain(|(name, _)| name != SEAM);
+        Parts::Marks(Marks::new(arrays))
+    }
+
+    /// Puts the lines and faces that were added since the last call into the groups of a cell.
+    fn name_cell(&self, cell: usize, cells: &mut Cells) {
+        match self {
+            Parts::Numbers(numbers) => cells.number_cells(numbers.get(cell).copied().unwrap_or(0)),
+            Parts::Marks(marks) => cells.name_cells(&marks.names(cell)),
+        }
+    }
+}
+
+/// Adds what the points of a piece have: their groups and the displacement at the start.
+fn add_point_data(data: &[Attribute], first: u64, cells: &mut Cells) -> Result<(), String> {
+    match Parts::of(data, !cells.point_groups.is_empty()) {
+        Parts::Numbers(numbers) => cells.number_points(numbers),
+        Parts::Marks(marks) => {
+            for point in first..cells.points.len() as u64 {
+                cells.name_point(&marks.names((point - first) as usize), point);
+            }
+        }
+    }
     if let Some(numbers) = named_array(data, START_DISPLACEMENT) {
         cells.displacement.extend(numbers.as_chunks().0);
     }
@@ -99,9 +130,9 @@ fn lists(numbers: VertexNumbers, first: u64) -> Result<Vec<Vec<u64>>, String> {
 
 fn add_grid(piece: UnstructuredGridPiece, cells: &mut Cells) -> Result<(), String> {
     let first = add_points(piece.points, cells)?;
-    add_point_data(piece.data.point, cells)?;
-    let group = named_array(piece.data.cell.clone(), GROUP).unwrap_or_default();
-    let seam = named_array(piece.data.cell, SEAM).unwrap_or_default();
+    add_point_data(&piece.data.point, first, cells)?;
+    let parts = Parts::of(&piece.data.cell, !cells.cell_groups.is_empty());
+    let seam = named_array(&piece.data.cell, SEAM).unwrap_or_default();
     let lists = lists(piece.cells.cell_verts, first)?;
     if lists.len() != piece.cells.types.len() {
         return Err(format!("has {} cells but {} cell types", lists.len(), piece.cells.types.len()));
@@ -109,43 +140,39 @@ fn add_grid(piece: UnstructuredGridPiece, cells: &mut Cells) -> Result<(), Strin
     for (i, (nodes, kind)) in lists.iter().zip(piece.cells.types).enumerate() {
         let on_seam = seam.get(i).is_some_and(|&s| s != 0.0);
         match (kind, nodes.as_slice()) {
-            (CellType::Vertex | CellType::PolyVertex, _) => cells.ignored += 1,
+            (CellType::Vertex | CellType::PolyVertex, _) => cells.remark(IGNORED),
             (CellType::Line | CellType::PolyLine, _) => cells.add_line(nodes, on_seam),
-            (CellType::Triangle | CellType::Quad | CellType::Polygon, _) => cells.add_face(nodes)?,
-            (CellType::TriangleStrip, _) => add_strip(nodes, cells)?,
+            (CellType::Triangle | CellType::Quad | CellType::Polygon, _) => cells.add_face(nodes),
+            (CellType::TriangleStrip, _) => cells.add_strip(nodes),
             // A pixel lists its corners row by row, not around.
-            (CellType::Pixel, &[a, b, c, d]) => cells.add_face(&[a, b, d, c])?,
+            (CellType::Pixel, &[a, b, c, d]) => cells.add_face(&[a, b, d, c]),
             _ => {
                 return Err(format!("cell {i} is a {kind:?}; only lines, triangles and quads of first order are read"));
             }
         }
-        cells.number_cells(group.get(i).map_or(0, |number| *number as i64));
+        parts.name_cell(i, cells);
     }
     Ok(())
 }
 
 fn add_poly(piece: PolyDataPiece, cells: &mut Cells) -> Result<(), String> {
     let first = add_points(piece.points, cells)?;
-    let seam = named_array(piece.data.cell, SEAM).unwrap_or_default();
-    let of = |numbers: Option<VertexNumbers>| numbers.map_or(Ok(Vec::new()), |n| lists(n, first));
-    let vertices = of(piece.verts)?.len();
-    cells.ignored += vertices;
-    for (i, nodes) in of(piece.lines)?.iter().enumerate() {
-        cells.add_line(nodes, seam.get(vertices + i).is_some_and(|&s| s != 0.0));
-    }
-    for nodes in of(piece.polys)? {
-        cells.add_face(&nodes)?;
-    }
-    for nodes in of(piece.strips)? {
-        add_strip(&nodes, cells)?;
-    }
-    Ok(())
-}
-
-/// Every second triangle of a strip has the opposite orientation.
-fn add_strip(nodes: &[u64], cells: &mut Cells) -> Result<(), String> {
-    for (i, t) in nodes.windows(3).enumerate() {
-        cells.add_face(&if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] })?;
+    add_point_data(&piece.data.point, first, cells)?;
+    let parts = Parts::of(&piece.data.cell, !cells.cell_groups.is_empty());
+    let seam = named_array(&piece.data.cell, SEAM).unwrap_or_default();
+    // Cells are counted through all four lists.
+    let mut cell = 0;
+    for (list, kind) in [piece.verts, piece.lines, piece.polys, piece.strips].into_iter().zip(0..) {
+        for nodes in list.map_or(Ok(Vec::new()), |numbers| lists(numbers, first))? {
+            match kind {
+                0 => cells.remark(IGNORED),
+                1 => cells.add_line(&nodes, seam.get(cell).is_some_and(|&s| s != 0.0)),
+                2 => cells.add_face(&nodes),
+                _ => cells.add_strip(&nodes),
+            }
+            parts.name_cell(cell, cells);
+            cell += 1;
+        }
     }
     Ok(())
 }

@@ -6,7 +6,20 @@ use canopy_fem::mesh::{EdgeKind, Mesh, Quality, Topology};
 use std::path::Path;
 
 /// One name for every reader.
-const NAMES: [&str; 4] = ["fuzz.vtu", "fuzz.msh", "fuzz.obj", "fuzz.stl"];
+const NAMES: [&str; 12] = [
+    "fuzz.vtu",
+    "fuzz.msh",
+    "fuzz.obj",
+    "fuzz.stl",
+    "fuzz.ply",
+    "fuzz.off",
+    "fuzz.inp",
+    "fuzz.k",
+    "fuzz.bdf",
+    "fuzz.mdpa",
+    "fuzz.dxf",
+    "fuzz.glb",
+];
 
 /// Gives the bytes to every reader.
 ///

@@ -1,24 +1,34 @@
-//! Mesh files out: .vtu and .obj.
+//! Mesh files out: .vtu, .msh, .obj, .ply and .stl.
+
+mod formats;
+mod members;
+mod msh;
+
+pub use formats::obj_text;
 
 use super::group::GroupNumbers;
 use super::read::{SEAM, START_DISPLACEMENT};
 use super::{Mesh, MeshError};
 use crate::vtk::write::{Cells, FixedArrays, VtuError, inline_grid};
-use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
 /// Writes a mesh; the format follows from the name's extension. An existing file is replaced only with `replace`.
+/// Returns a sentence for what the format does not hold.
 ///
 /// # Errors
 /// [`MeshError::Target`] for an unknown extension or an existing file, [`MeshError::File`] for errors of the system.
-pub fn write_mesh(mesh: &Mesh, path: &Path, replace: bool) -> Result<(), MeshError> {
+pub fn write_mesh(mesh: &Mesh, path: &Path, replace: bool) -> Result<Vec<String>, MeshError> {
     let fault = |reason: String| MeshError::File { path: path.to_owned(), reason };
     let refused = |reason: &'static str| MeshError::Target { path: path.to_owned(), reason };
-    let text = match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("vtu") => vtu_text(mesh).map_err(|error| fault(error.to_string()))?,
-        Some("obj") => obj_text(mesh),
-        _ => return Err(refused("cannot be written: name an output that ends in .vtu or .obj")),
+    let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).unwrap_or_default();
+    let bytes = match ending.as_str() {
+        "vtu" => vtu_text(mesh).map_err(|error| fault(error.to_string()))?.into_bytes(),
+        "msh" => msh::msh_text(mesh).into_bytes(),
+        "obj" => obj_text(mesh).into_bytes(),
+        "ply" => formats::ply_text(mesh).into_bytes(),
+        "stl" => formats::stl(mesh),
+        _ => return Err(refused("cannot be written: name an output that ends in .vtu, .msh, .obj, .ply or .stl")),
     };
     let mut options = std::fs::OpenOptions::new();
     options.write(true);
@@ -31,7 +41,22 @@ pub fn write_mesh(mesh: &Mesh, path: &Path, replace: bool) -> Result<(), MeshErr
         std::io::ErrorKind::AlreadyExists => refused("exists already; name another file or add --force"),
         _ => fault(format!("cannot be written: {error}")),
     })?;
-    file.write_all(text.as_bytes()).map_err(|error| fault(format!("cannot be written: {error}")))
+    file.write_all(&bytes).map_err(|error| fault(format!("cannot be written: {error}")))?;
+    Ok(lost(mesh, &ending))
+}
+
+/// What a format does not hold.
+fn lost(mesh: &Mesh, ending: &str) -> Vec<String> {
+    let lines = members::lines(mesh).len();
+    let parts = [
+        (ending != "vtu", mesh.seams.len(), "edges on seams"),
+        (ending != "vtu", mesh.displacement.len(), "displacements at the start"),
+        (ending == "stl", lines, "lines"),
+        (ending == "stl", mesh.groups.len(), "groups"),
+    ];
+    let parts = parts.into_iter().filter(|(gone, count, _)| *gone && *count > 0);
+    let parts: Vec<String> = parts.map(|(_, count, what)| format!("{count} {what}")).collect();
+    if parts.is_empty() { Vec::new() } else { vec![format!(".{ending} does not hold {}", parts.join(", "))] }
 }
 
 /// A mesh as VTK XML: triangles, then line cells, with the cell array `seam` (1 on seams). Groups are the arrays
@@ -56,22 +81,4 @@ pub fn vtu_text(mesh: &Mesh) -> Result<String, VtuError> {
         field: &groups.field_arrays(),
     };
     inline_grid(&mesh.nodes, &cells, (SEAM, &seam), &arrays)
-}
-
-/// A mesh as Wavefront .obj; lines only for edges that are no triangle's; seams, groups and the start displacement are
-/// not kept.
-pub fn obj_text(mesh: &Mesh) -> String {
-    let mut text = String::from("# canopy-fem\n");
-    let sides = super::topology::unique_edges(&mesh.triangles);
-    // Writing to a String cannot fail; floats print the shortest digits that read back exactly.
-    for [x, y, z] in &mesh.nodes {
-        let _ = writeln!(text, "v {x} {y} {z}");
-    }
-    for &[a, b] in mesh.edges.iter().filter(|&&[a, b]| sides.binary_search(&[a.min(b), a.max(b)]).is_err()) {
-        let _ = writeln!(text, "l {} {}", u64::from(a) + 1, u64::from(b) + 1);
-    }
-    for &[a, b, c] in &mesh.triangles {
-        let _ = writeln!(text, "f {} {} {}", u64::from(a) + 1, u64::from(b) + 1, u64::from(c) + 1);
-    }
-    text
 }

@@ -1,0 +1,35 @@
+#!/usr/bin/env python3
+"""Reads the mesh files that canopy-fem writes with the programs people use, and compares counts and groups.
+
+    .ci/check_meshes.py FOLDER         cloth.vtu, .msh, .obj, .ply and .stl of one mesh
+"""
+
+import sys
+from pathlib import Path
+
+import meshio
+import pyvista
+import trimesh
+
+NODES, TRIANGLES, LINES = 10, 8, 2
+
+
+def count(mesh, kind):
+    return sum(len(block.data) for block in mesh.cells if block.type == kind)
+
+
+folder = Path(sys.argv[1])
+for ending in ("vtu", "msh", "obj", "ply"):
+    mesh = meshio.read(folder / f"cloth.{ending}")
+    assert len(mesh.points) == NODES, (ending, len(mesh.points))
+    assert count(mesh, "triangle") == TRIANGLES, (ending, mesh)
+gmsh = meshio.read(folder / "cloth.msh")
+assert count(gmsh, "line") == LINES, gmsh
+assert {"CANOPY", "LINES", "SKIRT"} <= set(gmsh.field_data), gmsh.field_data
+for ending in ("vtu", "ply", "stl"):
+    shown = pyvista.read(folder / f"cloth.{ending}")
+    assert abs(shown.extract_surface().area - 1) < 1e-6, (ending, shown)
+for ending in ("obj", "ply", "stl"):
+    mesh = trimesh.load(folder / f"cloth.{ending}", force="mesh")
+    assert len(mesh.faces) == TRIANGLES and abs(mesh.area - 1) < 1e-6, (ending, mesh)
+print("meshes: meshio, VTK and trimesh read what was written")

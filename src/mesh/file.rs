@@ -1,0 +1,167 @@
+//! A mesh file, and how its mesh is placed and repaired.
+
+use super::read::{self, Imported, extent, joined};
+use super::source::{FaultSink, check_length};
+use super::{Mesh, MeshError, Topology};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A mesh file, and how its mesh is placed and repaired: in the order axes, scale, translate, merge, orient.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeshFile {
+    /// Name of the file; a relative path counts from the case file's folder. `canopy-fem mesh --help` lists the
+    /// formats.
+    pub file: String,
+    /// [-] Factor on all coordinates: 0.001 for a file in millimetres. 1 if not given.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub scale: f64,
+    /// Which axis of the file points up. `z-up` if not given; with `y-up`, (x, y, z) of the file becomes (x, -z, y).
+    #[serde(default, skip_serializing_if = "Axes::is_default")]
+    pub axes: Axes,
+    /// [m] Added to all coordinates, after `scale`. [0, 0, 0] if not given.
+    #[serde(default, skip_serializing_if = "is_origin")]
+    pub translate: [f64; 3],
+    /// [m] Nodes at most this far apart are joined, and the ends of lines with them; 0 joins those at the same place.
+    /// Corners of .stl, .dxf, .gltf and .glb files are always joined, within 1e-5 of the extent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub merge: Option<f64>,
+    /// Whether triangles are turned so that all normals of a part are on one side; the majority stays as it is.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub orient: bool,
+    /// Which diagonals of quads become edges. `one` if not given.
+    #[serde(default, skip_serializing_if = "Diagonals::is_default")]
+    pub diagonals: Diagonals,
+}
+
+/// Which axis of a file points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Axes {
+    /// z, as here
+    #[default]
+    ZUp,
+    /// y, as in many drawing programs
+    YUp,
+}
+
+/// Which diagonals of a quad become edges.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Diagonals {
+    /// The one that cuts it into two triangles. It makes the cloth stiffer along it than across it.
+    #[default]
+    One,
+    /// Both where the quad is convex. The second is a line on the cloth, in the group `diagonals`.
+    Both,
+}
+
+impl Axes {
+    fn is_default(&self) -> bool {
+        *self == Axes::ZUp
+    }
+}
+
+impl Diagonals {
+    fn is_default(&self) -> bool {
+        *self == Diagonals::One
+    }
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_one(scale: &f64) -> bool {
+    *scale == 1.0
+}
+
+fn is_origin(translate: &[f64; 3]) -> bool {
+    *translate == [0.0; 3]
+}
+
+impl MeshFile {
+    /// Names of its keys in a case.
+    pub(super) const KEYS: [&'static str; 7] = ["file", "scale", "axes", "translate", "merge", "orient", "diagonals"];
+
+    /// A file whose mesh is taken as it is.
+    pub fn plain(file: impl Into<String>) -> Self {
+        let (axes, diagonals) = (Axes::default(), Diagonals::default());
+        Self { file: file.into(), scale: 1.0, axes, translate: [0.0; 3], merge: None, orient: false, diagonals }
+    }
+
+    /// Reports every value out of range, without opening the file.
+    pub(super) fn check(&self, faults: FaultSink<'_>) {
+        if self.file.is_empty() {
+            faults("/file", "\"\"".into(), "a file name".into(), "name a mesh file".into());
+        }
+        check_length("", "scale", self.scale, faults);
+        if !self.translate.iter().all(|x| x.is_finite()) {
+            let value = format!("{:?}", self.translate);
+            faults("/translate", value, "three finite numbers".into(), "give lengths in metres".into());
+        }
+        if let Some(distance) = self.merge.filter(|distance| !(distance.is_finite() && *distance >= 0.0)) {
+            let hint = "give a length in metres, far below that of the shortest edge";
+            faults("/merge", distance.to_string(), "finite and 0 or more".into(), hint.into());
+        }
+    }
+
+    /// Reads the file and makes its mesh; `base` is the folder that a relative path counts from.
+    ///
+    /// # Errors
+    /// The first value out of range, or [`MeshError::File`] with the file's name and the reason.
+    pub fn read(&self, base: &Path) -> Result<Imported, MeshError> {
+        let mut first = None;
+        self.check(&mut |pointer, value, allowed, hint| {
+            first.get_or_insert_with(|| MeshError::Parameter { pointer: pointer.to_owned(), value, allowed, hint });
+        });
+        match first {
+            Some(fault) => Err(fault),
+            None => read::read_file(self, &base.join(&self.file)),
+        }
+    }
+
+    /// Turns, scales and moves points [m], and turns and scales displacements [m].
+    pub(super) fn place(&self, points: &mut [[f64; 3]], displacements: &mut [[f64; 3]]) {
+        let turned = |[x, y, z]: [f64; 3]| match self.axes {
+            Axes::ZUp => [x, y, z],
+            Axes::YUp => [x, -z, y],
+        };
+        if self.scale != 1.0 || self.axes != Axes::ZUp {
+            points.iter_mut().chain(displacements).for_each(|p| *p = turned(*p).map(|x| self.scale * x));
+        }
+        if !is_origin(&self.translate) {
+            points.iter_mut().for_each(|p| *p = std::array::from_fn(|k| p[k] + self.translate[k]));
+        }
+    }
+}
+
+/// [-] Share of the extent within which nodes are taken to be meant as one.
+const SAME: f64 = 1e-6;
+/// [m] Extent beyond which lengths are taken to be millimetres.
+const LARGE: f64 = 100.0;
+
+/// What may be wrong with a mesh, and the option that mends it.
+pub(crate) fn repairs(mesh: &Mesh, topology: &Topology) -> Vec<String> {
+    let mut advice = Vec::new();
+    let extent = extent(&mesh.nodes);
+    let distance = SAME * extent;
+    let near = (0_u32..).zip(joined(&mesh.nodes, distance)).filter(|(node, kept)| node != kept).count();
+    if near > 0 {
+        advice.push(format!(
+            "{near} nodes lie at most {distance:.1e} m from another without being joined: --merge {distance:.1e}, or \
+             \"merge\" in a case"
+        ));
+    }
+    if topology.check_orientation(mesh).is_err() {
+        advice.push("neighbouring triangles turn opposite ways: --orient, or \"orient\" in a case".to_owned());
+    }
+    if extent > LARGE {
+        advice.push(format!(
+            "it is {extent:.0} m across; if these are millimetres: --scale 0.001, or \"scale\" in a case"
+        ));
+    }
+    advice
+}

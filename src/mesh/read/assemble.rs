@@ -1,0 +1,365 @@
+//! Makes a mesh of the points and cells of a file: places and joins the nodes, cuts the faces, lists the edges.
+
+use super::Imported;
+use super::cells::Cells;
+use super::merge::joined;
+use super::polygon::{Cutter, Pieces};
+use crate::format_number::first_few;
+use crate::mesh::check::flat;
+use crate::mesh::file::{Diagonals, MeshFile};
+use crate::mesh::{Group, Groups, Mesh, MeshError, orient, topology};
+use nalgebra::Vector3;
+use std::collections::{BTreeMap, HashMap};
+
+/// Name of the group of the second diagonals of quads.
+const DIAGONALS: &str = "diagonals";
+
+impl Cells {
+    /// Makes the mesh.
+    ///
+    /// # Errors
+    /// Why there is none, as the end of a sentence that begins with the file's name.
+    pub(super) fn into_mesh(mut self, wanted: &MeshFile) -> Result<Imported, String> {
+        if self.lines.is_empty() && self.faces().len() == 0 {
+            return Err("holds no lines and no triangles".into());
+        }
+        if self.points.len() >= u32::MAX as usize || self.faces().len() >= u32::MAX as usize / 3 {
+            return Err(format!("has {} nodes and {} faces, too many", self.points.len(), self.faces().len()));
+        }
+        wanted.place(&mut self.points, &mut self.displacement);
+        let mut notes = Vec::new();
+        let Renumbered { number, kept } = self.renumber(wanted, &mut notes)?;
+        let nodes: Vec<[f64; 3]> = kept.iter().map(|point| self.points[*point as usize]).collect();
+        let pieces = self.cut(&nodes, &number, wanted.diagonals, &mut notes)?;
+        let FaceList { triangles, of_piece } = faces_once(&pieces, self.repeats_faces, &mut notes);
+        let lines = self.lines.iter().map(|l| l.map(|point| number[point as usize])).chain(pieces.diagonals);
+        let EdgeList { edges, of_line, seams } = edges(lines, &self.seam, &triangles, self.repeats_faces, &mut notes);
+        let mut groups = Groups::new();
+        if of_line.len() > self.lines.len() {
+            let diagonals = of_line[self.lines.len()..].iter().flatten().copied();
+            groups.insert(DIAGONALS.to_owned(), Group::of_edges(diagonals));
+        }
+        let names = [&self.point_groups, &self.cell_groups];
+        add_members(&mut groups, names[0], &self.numbers.points, |group, point| {
+            group.nodes.extend(number.get(point).filter(|node| **node != NONE));
+        });
+        for (name, points) in &self.named_points {
+            let points = points.iter().filter_map(|point| number.get(*point as usize));
+            groups.entry(name.clone()).or_default().nodes.extend(points.filter(|node| **node != NONE));
+        }
+        add_members(&mut groups, names[1], &self.numbers.lines, |group, line| {
+            group.edges.extend(of_line.get(line).copied().flatten());
+        });
+        let numbers: Vec<i64> =
+            pieces.of_face.iter().map(|face| self.numbers.faces.get(*face as usize).copied().unwrap_or(0)).collect();
+        add_members(&mut groups, names[1], &numbers, |group, piece| {
+            group.triangles.extend(of_piece.get(piece));
+        });
+        for group in groups.values_mut() {
+            for list in [&mut group.nodes, &mut group.edges, &mut group.triangles] {
+                list.sort_unstable();
+                list.dedup();
+            }
+        }
+        groups.retain(|_, group| *group != Group::default());
+        let displacement = kept.iter().filter_map(|point| self.displacement.get(*point as usize).copied()).collect();
+        notes.extend(self.remarks.iter().map(|(what, count)| format!("{count} {what}")));
+        let mut mesh = Mesh { nodes, edges, triangles, seams, groups, displacement };
+        if mesh.edges.is_empty() {
+            return Err("holds no lines and no faces with an area".into());
+        }
+        let dropped = drop_loose(&mut mesh);
+        if dropped > 0 {
+            notes.push(format!("{dropped} nodes that only such faces use were dropped; the others keep their order"));
+        }
+        if wanted.orient {
+            notes.extend(orient::turn_alike(&mut mesh));
+        }
+        Ok(Imported { mesh, notes })
+    }
+
+    /// Joins points, drops the unused ones and renumbers the rest.
+    fn renumber(&self, wanted: &MeshFile, notes: &mut Vec<String>) -> Result<Renumbered, String> {
+        let mut used = vec![false; self.points.len()];
+        for node in self.used_points() {
+            let known = usize::try_from(node).ok().and_then(|n| used.get_mut(n));
+            *known.ok_or_else(|| format!("a cell names node {node}, but there are {} nodes", self.points.len()))? =
+                true;
+        }
+        let resolution = self.resolution.map(|share| share * extent(&self.points));
+        let distance = wanted.merge.into_iter().chain(resolution).reduce(f64::max);
+        let mut number = vec![NONE; self.points.len()];
+        let mut kept = Vec::new();
+        let same = distance.map(|distance| joined(&self.points, distance));
+        // A used point may be joined to an earlier one that is not used itself.
+        let of = |point: usize| same.as_ref().map_or(point, |same| same[point] as usize);
+        for point in (0..used.len()).filter(|point| used[*point]) {
+            number[of(point)] = 0;
+        }
+        for point in 0..used.len() {
+            if number[point] == 0 {
+                number[point] = kept.len() as u32;
+                kept.push(point as u32);
+            }
+        }
+        for point in (0..used.len()).filter(|point| used[*point]) {
+            number[point] = number[of(point)];
+        }
+        let merged = (0..used.len()).filter(|point| used[*point] && of(*point) != *point).count();
+        let unused = used.len() - kept.len() - merged;
+        if unused > 0 {
+            notes.push(format!("{unused} nodes that no line or face uses were dropped; the others keep their order"));
+        }
+        if let Some(distance) = distance.filter(|_| merged > 0) {
+            notes.push(format!("{merged} nodes were joined to others at most {distance:e} m away"));
+        }
+        match kept.iter().position(|point| !self.points[*point as usize].iter().all(|x| x.is_finite())) {
+            Some(node) => Err(MeshError::NotFinite { node }.to_string()),
+            None => Ok(Renumbered { number, kept }),
+        }
+    }
+
+    /// Cuts the faces into triangles of nodes.
+    fn cut(
+        &mut self,
+        nodes: &[[f64; 3]],
+        number: &[u32],
+        diagonals: Diagonals,
+        notes: &mut Vec<String>,
+    ) -> Result<FacePieces, String> {
+        let mut pieces = FacePieces::default();
+        let (mut cutter, mut corners, mut places) = (Cutter::new(), Vec::new(), Vec::new());
+        let (mut quads, mut polygons, mut collapsed) = (0, 0, Vec::new());
+        for (face, points) in self.faces().enumerate() {
+            corners.clear();
+            corners.extend(points.iter().map(|point| number[*point as usize]));
+            // Programs write a triangle as a quad with a corner twice.
+            corners.dedup();
+            if corners.len() > 1 && corners.first() == corners.last() {
+                corners.pop();
+            }
+            if corners.len() < 3 {
+                collapsed.push(face as u32);
+                continue;
+            }
+            places.clear();
+            places.extend(corners.iter().map(|node| Vector3::from(nodes[*node as usize])));
+            let cut = cutter.cut(&places).map_err(|_| {
+                let listed = points.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
+                format!("face {face} crosses itself: its corners, nodes {listed}, are not in order around it")
+            })?;
+            let at = |t: [usize; 3]| t.map(|i| corners[i]);
+            let made = pieces.triangles.len();
+            match cut {
+                Pieces::Whole => pieces.triangles.push(at([0, 1, 2])),
+                Pieces::Quad { first, both } => {
+                    quads += 1;
+                    let halves = if first { [[0, 1, 2], [0, 2, 3]] } else { [[0, 1, 3], [1, 2, 3]] };
+                    pieces.triangles.extend(halves.map(at));
+                    if both && diagonals == Diagonals::Both {
+                        pieces.diagonals.push([corners[1], corners[3]]);
+                    }
+                }
+                Pieces::Polygon(triangles) => {
+                    polygons += 1;
+                    pieces.triangles.extend(triangles.into_iter().map(at));
+                }
+            }
+            pieces.drop_flat(made, nodes, face, &mut collapsed);
+            pieces.of_face.resize(pieces.triangles.len(), face as u32);
+        }
+        let second = pieces.diagonals.len();
+        let along = match diagonals {
+            Diagonals::One => "along one diagonal: that from the first corner, if it lies inside".to_owned(),
+            Diagonals::Both => {
+                format!("and {second} of them got the other diagonal as an edge too (group {DIAGONALS})")
+            }
+        };
+        if quads > 0 {
+            notes.push(format!("{quads} quads were cut into two triangles each, {along}"));
+        }
+        if polygons > 0 {
+            notes.push(format!("{polygons} faces of more than four corners were cut into triangles"));
+        }
+        if !collapsed.is_empty() {
+            collapsed.dedup();
+            let (count, listed) = (collapsed.len(), first_few(&collapsed));
+            notes.push(format!("{count} faces without area, or parts of them, were dropped: {listed}"));
+        }
+        Ok(pieces)
+    }
+}
+
+/// Drops the nodes without an edge; returns how many.
+fn drop_loose(mesh: &mut Mesh) -> usize {
+    let mut number = vec![NONE; mesh.nodes.len()];
+    mesh.edges.as_flattened().iter().for_each(|node| number[*node as usize] = 0);
+    let kept = number.iter_mut().filter(|number| **number == 0).zip(0..).map(|(slot, new)| *slot = new).count();
+    let dropped = mesh.nodes.len() - kept;
+    if dropped > 0 {
+        let stays = |node: usize| number[node] != NONE;
+        let keep = |list: &mut Vec<[f64; 3]>| {
+            let mut node = 0..;
+            list.retain(|_| node.next().is_some_and(stays));
+        };
+        keep(&mut mesh.nodes);
+        keep(&mut mesh.displacement);
+        let corners = mesh.edges.as_flattened_mut().iter_mut().chain(mesh.triangles.as_flattened_mut());
+        corners.for_each(|node| *node = number[*node as usize]);
+        for group in mesh.groups.values_mut() {
+            group.nodes.retain(|node| stays(*node as usize));
+            group.nodes.iter_mut().for_each(|node| *node = number[*node as usize]);
+        }
+        mesh.groups.retain(|_, group| *group != Group::default());
+    }
+    dropped
+}
+
+/// [m] Largest extent along an axis.
+pub(in crate::mesh) fn extent(points: &[[f64; 3]]) -> f64 {
+    let along = |k: usize| {
+        let range = points
+            .iter()
+            .map(|p| p[k])
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+        range[1] - range[0]
+    };
+    (0..3).map(along).fold(0.0, f64::max)
+}
+
+/// Number of a point that is no node.
+const NONE: u32 = u32::MAX;
+
+/// How points become nodes.
+struct Renumbered {
+    /// the node of each point, or `NONE`
+    number: Vec<u32>,
+    /// the point of each node
+    kept: Vec<u32>,
+}
+
+/// Faces cut into triangles.
+#[derive(Default)]
+struct FacePieces {
+    triangles: Vec<[u32; 3]>,
+    /// the face of each triangle
+    of_face: Vec<u32>,
+    /// the second diagonals of quads
+    diagonals: Vec<[u32; 2]>,
+}
+
+impl FacePieces {
+    /// Drops what has no area of the triangles from `first` on.
+    fn drop_flat(&mut self, first: usize, nodes: &[[f64; 3]], face: usize, collapsed: &mut Vec<u32>) {
+        let mut at = first;
+        while let Some(corners) = self.triangles.get(at) {
+            // One whose area overflows is refused later.
+            if flat(corners.map(|node| Vector3::from(nodes[node as usize]))).is_some_and(|[area, _]| area.is_finite()) {
+                self.triangles.remove(at);
+                collapsed.push(face as u32);
+            } else {
+                at += 1;
+            }
+        }
+    }
+}
+
+/// Calls `add` for each member, by its index, and each group that its number stands for.
+fn add_members(
+    groups: &mut Groups,
+    names: &BTreeMap<i64, Vec<String>>,
+    numbers: &[i64],
+    add: impl Fn(&mut Group, usize),
+) {
+    for (member, number) in numbers.iter().enumerate() {
+        for name in names.get(number).into_iter().flatten() {
+            add(groups.entry(name.clone()).or_default(), member);
+        }
+    }
+}
+
+/// The triangles of a mesh.
+struct FaceList {
+    triangles: Vec<[u32; 3]>,
+    /// the triangle of each piece of a face
+    of_piece: Vec<u32>,
+}
+
+/// The triangles in file order, each once. `means_groups` says that a face is listed once for each of its groups.
+fn faces_once(pieces: &FacePieces, means_groups: bool, notes: &mut Vec<String>) -> FaceList {
+    let mut list = FaceList { triangles: Vec::new(), of_piece: Vec::new() };
+    let mut known: HashMap<[u32; 3], u32> = HashMap::with_capacity(pieces.triangles.len());
+    let mut again = Vec::new();
+    for (triangle, face) in pieces.triangles.iter().zip(&pieces.of_face) {
+        let mut key = *triangle;
+        key.sort_unstable();
+        let new = list.triangles.len() as u32;
+        let number = *known.entry(key).or_insert(new);
+        list.of_piece.push(number);
+        if number == new {
+            list.triangles.push(*triangle);
+        } else {
+            again.push(*face);
+        }
+    }
+    if !again.is_empty() && !means_groups {
+        again.dedup();
+        notes.push(format!(
+            "{} faces with the nodes of an earlier one were dropped: {}",
+            again.len(),
+            first_few(&again)
+        ));
+    }
+    list
+}
+
+/// The edges of a mesh.
+struct EdgeList {
+    /// lines in file order, each once, then the triangles' other edges
+    edges: Vec<[u32; 2]>,
+    /// the edge of each line; `None` if its ends are one node
+    of_line: Vec<Option<u32>>,
+    /// edges on seams, ascending
+    seams: Vec<u32>,
+}
+
+fn edges(
+    lines: impl Iterator<Item = [u32; 2]>,
+    seam: &[bool],
+    triangles: &[[u32; 3]],
+    means_groups: bool,
+    notes: &mut Vec<String>,
+) -> EdgeList {
+    let key = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
+    let mut list = EdgeList { edges: Vec::new(), of_line: Vec::new(), seams: Vec::new() };
+    let mut known: HashMap<[u32; 2], u32> = HashMap::new();
+    let (mut points, mut repeated) = (0, 0);
+    for (number, line) in lines.enumerate() {
+        if line[0] == line[1] {
+            points += 1;
+            list.of_line.push(None);
+            continue;
+        }
+        let new = list.edges.len() as u32;
+        let edge = *known.entry(key(line)).or_insert(new);
+        list.of_line.push(Some(edge));
+        if edge == new {
+            list.edges.push(line);
+        } else {
+            repeated += 1;
+        }
+        if seam.get(number) == Some(&true) {
+            list.seams.push(edge);
+        }
+    }
+    list.edges.extend(topology::unique_edges(triangles).into_iter().filter(|edge| !known.contains_key(edge)));
+    list.seams.sort_unstable();
+    list.seams.dedup();
+    if points > 0 {
+        notes.push(format!("{points} lines whose ends are one node were dropped"));
+    }
+    if repeated > 0 && !means_groups {
+        notes.push(format!("{repeated} repeated lines were dropped"));
+    }
+    list
+}

@@ -1,0 +1,40 @@
+//! Arrays of whole numbers that mark parts of a mesh.
+
+use std::collections::BTreeSet;
+
+/// More different numbers than these are no parts.
+const MOST: usize = 256;
+
+/// Arrays by name, with a number a member.
+pub(super) struct Marks(Vec<(String, Vec<i64>, Naming)>);
+
+/// How the groups of an array are called.
+enum Naming {
+    /// as the array: all its members are 0 or 1
+    Plain,
+    /// as the array and the number
+    Numbered,
+}
+
+impl Marks {
+    /// Arrays with too many different numbers, or names of what programs count through, mark nothing.
+    pub fn new(arrays: Vec<(String, Vec<i64>)>) -> Self {
+        let parts = arrays.into_iter().filter_map(|(name, numbers)| {
+            let different: BTreeSet<i64> = numbers.iter().copied().collect();
+            let counts = name.starts_with("vtk") || name.starts_with("Global") || name.starts_with("Original");
+            let naming = if different.iter().all(|n| [0, 1].contains(n)) { Naming::Plain } else { Naming::Numbered };
+            (different.len() <= MOST && !counts).then_some((name, numbers, naming))
+        });
+        Marks(parts.collect())
+    }
+
+    /// The groups of a member: none for the number 0.
+    pub fn names(&self, member: usize) -> Vec<String> {
+        let named = self.0.iter().filter_map(|(name, numbers, naming)| match (numbers.get(member)?, naming) {
+            (0, _) => None,
+            (_, Naming::Plain) => Some(name.clone()),
+            (number, Naming::Numbered) => Some(format!("{name} {number}")),
+        });
+        named.collect()
+    }
+}

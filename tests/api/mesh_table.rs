@@ -1,0 +1,264 @@
+//! Mesh files as other programs write them, against numbers known from elsewhere: by hand for the squares, from VTK's
+//! and meshio's own readers for the others.
+
+use canopy_fem::mesh::file::{Axes, Diagonals};
+use canopy_fem::mesh::read::{Imported, mesh_from_bytes};
+use canopy_fem::mesh::write::write_mesh;
+use canopy_fem::mesh::{EdgeKind, MeshFile, Topology};
+use std::path::{Path, PathBuf};
+
+/// What a file holds.
+#[derive(Debug, PartialEq)]
+struct Row {
+    nodes: usize,
+    edges: usize,
+    lines: usize,
+    triangles: usize,
+    parts: usize,
+    /// [m^2] in millionths
+    area: i64,
+    groups: Vec<String>,
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/meshes")
+}
+
+fn read(file: &MeshFile) -> Imported {
+    file.read(&folder()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn row(imported: &Imported) -> Row {
+    let mesh = &imported.mesh;
+    let topology = Topology::new(mesh).expect("a mesh");
+    let lines = (0..mesh.edges.len()).filter(|&e| topology.edge_kind(e) == EdgeKind::Line).count();
+    let area: f64 = mesh
+        .triangles
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(|node| nalgebra::Vector3::from(mesh.nodes[node as usize]));
+            0.5 * (b - a).cross(&(c - a)).norm()
+        })
+        .sum();
+    let groups = mesh.groups.iter().map(|(name, group)| format!("{name}: {}", group.describe())).collect();
+    let (nodes, edges, triangles) = (mesh.nodes.len(), mesh.edges.len(), mesh.triangles.len());
+    Row { nodes, edges, lines, triangles, parts: topology.components(), area: (area * 1e6).round() as i64, groups }
+}
+
+/// The square of 2 by 2 quads that most files hold, with groups.
+fn square(groups: &[&str]) -> Row {
+    let groups = groups.iter().map(|group| (*group).to_owned()).collect();
+    Row { nodes: 9, edges: 16, lines: 0, triangles: 8, parts: 1, area: 1_000_000, groups }
+}
+
+/// The same with two lines to a node below it.
+fn hung(groups: &[&str]) -> Row {
+    Row { nodes: 10, edges: 18, lines: 2, ..square(groups) }
+}
+
+/// Every file as it is.
+#[test]
+fn files_hold_what_their_programs_wrote() {
+    let panel = |nodes, edges, triangles, area| Row { nodes, edges, triangles, area, ..square(&[]) };
+    let vtk = ["part 1: 288 triangles", "part 2: 12 edges", "part 3: 72 edges", "skirt: 24 nodes"];
+    let gmsh = ["cloth: 8 triangles", "confluence: 1 node", "lines: 2 edges"];
+    let two_groups = ["canopy: 1 triangle", "everything: 1 triangle"];
+    let property = ["property 1: 8 triangles", "property 5: 1 edge", "property 6: 1 edge"];
+    let dyna = ["part 1000005: 1 edge", "part 1000006: 1 edge", "part 2000001: 8 triangles"];
+    let inp = ["CANOPY: 8 triangles", "CONF: 1 node", "LINES: 2 edges", "NALL: 10 nodes", "SKIRT: 3 nodes"];
+    let gmsh_inp = ["Line5: 1 edge", "Line6: 1 edge", "Surface1: 8 triangles", "cloth: 8 triangles", "lines: 2 edges"];
+    let table = [
+        ("abaqus-s4-s3-t3d2.inp", hung(&inp)),
+        ("gmsh.inp", hung(&gmsh_inp)),
+        ("lsdyna.k", square(&["node set 1: 3 nodes", "part 1: 8 triangles"])),
+        ("gmsh.key", hung(&dyna)),
+        ("nastran-free.bdf", square(&["property 1: 8 triangles"])),
+        ("gmsh.bdf", hung(&property)),
+        ("msh-22-comments.msh", square(&["1: 8 triangles"])),
+        ("msh-22-two-groups.msh", Row { groups: square(&two_groups).groups, ..panel(3, 3, 1, 500_000) }),
+        ("gmsh-1-text.msh", hung(&["1: 8 triangles", "2: 2 edges", "3: 1 node"])),
+        ("gmsh-2.2-text.msh", hung(&gmsh)),
+        ("gmsh-2.2-binary.msh", hung(&gmsh)),
+        ("gmsh-4-text.msh", hung(&gmsh)),
+        ("gmsh-4.1-text.msh", hung(&gmsh)),
+        ("gmsh-4.1-binary.msh", hung(&gmsh)),
+        ("meshio-22-binary.msh", hung(&["cloth: 8 triangles", "lines: 2 edges"])),
+        ("obj-utf8-bom.obj", square(&[])),
+        ("obj-concave-quad.obj", panel(4, 5, 2, 1_000_000)),
+        ("obj-ngon.obj", panel(6, 9, 4, 2_598_076)),
+        ("cloth-8x8-quads.obj", panel(81, 208, 128, 1_000_000)),
+        ("off-quads.off", square(&[])),
+        ("ply-asc.ply", square(&[])),
+        ("meshio-binary.ply", square(&[])),
+        ("stl-asc-bom.stl", square(&["canopy: 8 triangles"])),
+        ("stl-bin-noisy.stl", square(&[])),
+        ("trimesh-binary.stl", square(&[])),
+        ("vtk-field-before-points.vtk", square(&[])),
+        ("pyvista-plane.vtp", panel(81, 208, 128, 1_000_000)),
+        ("trimesh.glb", square(&["geometry_0: 8 triangles"])),
+    ];
+    for (file, expected) in table {
+        let mut found = row(&read(&MeshFile::plain(file)));
+        // Some are written in single precision, with noise.
+        if (found.area - expected.area).abs() <= 2 {
+            found.area = expected.area;
+        }
+        assert_eq!(found, expected, "{file}");
+    }
+    for file in ["vtk-default.vtu", "vtk-binary-bigendian-zlib.vtu"] {
+        let read = row(&read(&MeshFile::plain(file)));
+        assert_eq!((read.nodes, read.triangles, read.lines), (169, 288, 12), "{file}: {read:?}");
+        assert_eq!(read.groups, vtk, "{file}");
+    }
+    let seamed = read(&MeshFile::plain("vtk-seam-field.vtk")).mesh;
+    assert_eq!(seamed.seams.len(), 2, "{seamed:?}");
+    let mut drawn = row(&read(&MeshFile::plain("canopy-3dface.dxf")));
+    drawn.groups.sort();
+    assert!(drawn.triangles > 0 && drawn.parts == 1 && !drawn.groups.is_empty(), "{drawn:?}");
+}
+
+/// All ways in which VTK writes one grid.
+#[test]
+fn every_encoding_of_vtk_is_read() {
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder()).expect("the folder") {
+        let name = entry.expect("an entry").file_name().into_string().expect("a name");
+        if ["vtk-lz4", "vtk-lzma", "vtk-zlib", "vtk-none", "vtk-legacy"].iter().any(|kind| name.starts_with(kind)) {
+            let found = row(&read(&MeshFile::plain(name.as_str())));
+            assert_eq!(found, hung(&["part 1: 8 triangles", "part 2: 2 edges"]), "{name}");
+            count += 1;
+        }
+    }
+    assert_eq!(count, 12);
+}
+
+/// Panels that do not share their nodes, lines with ends of their own, solids of one STL file.
+#[test]
+fn parts_are_joined() {
+    let merged = |name: &str, distance| MeshFile { merge: Some(distance), ..MeshFile::plain(name) };
+    let two = read(&MeshFile::plain("gmsh-4.1-two-panels-unmerged.msh"));
+    assert_eq!((row(&two).nodes, row(&two).parts), (88, 2));
+    let joined = read(&merged("gmsh-4.1-two-panels-unmerged.msh", 1e-6));
+    assert_eq!((row(&joined).nodes, row(&joined).parts, row(&joined).area), (82, 1, 2_000_000));
+    assert!(joined.notes.iter().any(|note| note.contains("6 nodes were joined")), "{:?}", joined.notes);
+    let lines = read(&merged("obj-lines-own-vertices.obj", 0.0));
+    assert_eq!(row(&lines), Row { nodes: 10, edges: 17, lines: 1, ..square(&[]) });
+    let objects = row(&read(&merged("obj-two-objects-sharedcoords.obj", 1e-9)));
+    assert_eq!((objects.nodes, objects.parts, objects.area), (15, 1, 2_000_000));
+    let gores = row(&read(&MeshFile::plain("gmsh-gores-solid-per-surface.stl")));
+    assert_eq!((gores.nodes, gores.triangles, gores.parts), (272, 480, 1));
+    assert!((gores.area - 3_010_000).abs() < 500 && gores.groups.len() == 8, "{gores:?}");
+}
+
+/// Millimetres, axes, and a place.
+#[test]
+fn meshes_are_scaled_turned_and_moved() {
+    let plain = MeshFile::plain("obj-zup-mm.obj");
+    let file = MeshFile { scale: 1e-3, axes: Axes::YUp, translate: [1.0, 2.0, 3.0], ..plain };
+    let mesh = read(&file).mesh;
+    assert_eq!(row(&Imported { mesh: mesh.clone(), notes: Vec::new() }), square(&[]));
+    assert_eq!((mesh.nodes[0], mesh.nodes[8]), ([1.0, 2.0, 3.0], [2.0, 2.0, 4.0]));
+}
+
+/// Triangles are turned alike; both diagonals of quads are edges, the second ones a group.
+#[test]
+fn meshes_are_repaired() {
+    let file = MeshFile { orient: true, ..MeshFile::plain("obj-mixed-orientation.obj") };
+    let turned = read(&file);
+    let check = |mesh: &canopy_fem::mesh::Mesh| Topology::new(mesh).expect("a mesh").check_orientation(mesh);
+    assert!(check(&turned.mesh).is_ok() && turned.notes.iter().any(|note| note.contains("were turned")));
+    assert!(check(&read(&MeshFile::plain("obj-mixed-orientation.obj")).mesh).is_err());
+    let both = MeshFile { diagonals: Diagonals::Both, ..MeshFile::plain("cloth-8x8-quads.obj") };
+    let cloth = row(&read(&both));
+    assert_eq!((cloth.nodes, cloth.edges, cloth.lines), (81, 272, 64));
+    assert_eq!(cloth.groups, ["diagonals: 64 edges"]);
+    let concave = MeshFile { diagonals: Diagonals::Both, ..MeshFile::plain("obj-concave-quad.obj") };
+    assert_eq!(row(&read(&concave)).edges, 5, "the other diagonal of a concave quad is outside of it");
+}
+
+/// Values out of range are refused where they stand in a case.
+#[test]
+fn bad_options_are_named() {
+    for (file, key) in [
+        (MeshFile { scale: 0.0, ..MeshFile::plain("ply-asc.ply") }, "/scale"),
+        (MeshFile { merge: Some(-1.0), ..MeshFile::plain("ply-asc.ply") }, "/merge"),
+        (MeshFile { translate: [f64::NAN, 0.0, 0.0], ..MeshFile::plain("ply-asc.ply") }, "/translate"),
+    ] {
+        let error = file.read(&folder()).expect_err("refused").to_string();
+        assert!(error.contains(key), "{error}");
+    }
+}
+
+/// What is written is read back with its groups; what a format does not hold is said.
+#[test]
+fn written_files_hold_groups() {
+    let folder = tempfile::TempDir::new().expect("a folder");
+    let mesh = read(&MeshFile::plain("abaqus-s4-s3-t3d2.inp")).mesh;
+    for ending in ["vtu", "msh", "obj", "ply"] {
+        let path = folder.path().join("cloth").with_extension(ending);
+        assert_eq!(write_mesh(&mesh, &path, false), Ok(Vec::new()), "{ending}");
+        let back = MeshFile::plain(path.display().to_string()).read(Path::new("")).expect(ending).mesh;
+        assert_eq!(
+            (&back.nodes, &back.triangles, &back.groups),
+            (&mesh.nodes, &mesh.triangles, &mesh.groups),
+            "{ending}"
+        );
+        assert!(write_mesh(&mesh, &path, false).is_err(), "an existing file is kept");
+    }
+    let path = folder.path().join("cloth.stl");
+    let lost = write_mesh(&mesh, &path, false).expect("written");
+    assert_eq!(lost, [".stl does not hold 2 lines, 5 groups"]);
+    let back = MeshFile::plain(path.display().to_string()).read(Path::new("")).expect("stl").mesh;
+    assert_eq!((back.nodes.len(), back.triangles.len()), (9, 8));
+}
+
+/// `mesh inspect` names what to do.
+#[test]
+fn repairs_are_suggested() {
+    for (file, option) in [
+        ("gmsh-4.1-two-panels-unmerged.msh", "--merge"),
+        ("obj-mixed-orientation.obj", "--orient"),
+        ("obj-zup-mm.obj", "--scale 0.001"),
+    ] {
+        let program = assert_cmd::cargo::cargo_bin!("canopy-fem");
+        let shown = std::process::Command::new(program).args(["mesh", "inspect"]).arg(folder().join(file)).output();
+        let text = String::from_utf8(shown.expect("it runs").stdout).expect("text");
+        assert!(text.lines().any(|line| line.starts_with("note: ") && line.contains(option)), "{file}: {text}");
+    }
+}
+
+/// Every file cut off and with damaged bytes: refused with a sentence, or a mesh that passes its check.
+#[test]
+fn damage_does_no_harm() {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    // xorshift64 (Marsaglia 2003): the same damage on every run.
+    let mut next = move |below: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state % below as u64) as usize
+    };
+    for entry in std::fs::read_dir(folder()).expect("the folder") {
+        let path = entry.expect("an entry").path();
+        let whole = std::fs::read(&path).expect("a file");
+        if whole.len() > 10_000 {
+            continue;
+        }
+        for trial in 0..60 {
+            let mut bytes = whole.clone();
+            if trial % 3 == 0 {
+                bytes.truncate(next(whole.len()));
+            } else {
+                for _ in 0..1 + trial % 4 {
+                    let at = next(bytes.len());
+                    // A digit mostly makes another number, and other bytes another word.
+                    bytes[at] = if trial % 2 == 0 { b'0' + next(10) as u8 } else { next(256) as u8 };
+                }
+            }
+            match mesh_from_bytes(&path, &bytes) {
+                Ok(read) => assert_eq!(read.mesh.check(), Ok(()), "{}", path.display()),
+                Err(error) => assert!(error.to_string().split_whitespace().count() > 3, "{error}"),
+            }
+        }
+    }
+}
