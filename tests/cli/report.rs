@@ -154,15 +154,14 @@ fn other_names_of_methods_are_known() {
 fn other_mesh_formats_name_their_converter() {
     let bench = Bench::new();
     for (file, words) in [
-        ("canopy.inp", "files \".inp\" are not read"),
-        ("canopy.inp", "`meshio convert canopy.inp canopy.vtu`"),
-        ("canopy.ply", "`meshio convert canopy.ply canopy.vtu`"),
+        ("canopy.xdmf", "files \".xdmf\" are not read"),
+        ("canopy.xdmf", "`meshio convert canopy.xdmf canopy.vtu`"),
         ("canopy.step", "`gmsh -2 canopy.step -o canopy.msh`"),
         ("canopy.unv", "`gmsh -save canopy.unv -o canopy.msh`"),
-        ("canopy.dxf", "export it as .obj or .stl"),
-        ("canopy.glb", "Blender"),
-        ("canopy.k", "LS-PrePost"),
-        ("canopy.zzz", "files \".zzz\" are not read; use .vtu, .vtp, .vtk, .msh, .obj or .stl"),
+        ("canopy.fbx", "`assimp export canopy.fbx canopy.glb`"),
+        ("canopy.dwg", "export it as .dxf, .obj or .stl"),
+        ("canopy.blend", "Blender"),
+        ("canopy.zzz", "files \".zzz\" are not read; read are .vtu, .vtp, .vtk, .msh"),
         ("canopy", "no extension"),
     ] {
         std::fs::write(bench.path(file), "x").expect("a file");
