@@ -5,7 +5,7 @@
   var element = function (name, text) { var made = document.createElement(name); made.textContent = text || ""; return made; };
 
   // [px] distance from the pointer to a mark that it means; marks closer together than the second are told together.
-  var NEAR = 24, SAME = 2, MOST = 4;
+  var NEAR = 24, SAME = 2, MOST = 6;
   var source = document.getElementById("told"), told = source ? JSON.parse(source.textContent) : {};
   var tip = element("div");
   tip.className = "tip";
