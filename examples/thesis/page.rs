@@ -151,9 +151,10 @@ impl Page {
             }
         }
         let figures = items().filter_map(|item| if let Item::Figure(figure) = item { Some(figure) } else { None });
-        let curves = figures.flat_map(|figure| figure.legend.iter().map(move |entry| (figure, entry)));
-        let told: BTreeMap<&str, [[&str; 2]; 1]> =
-            curves.map(|(figure, entry)| (entry.series.as_str(), [["curve", &entry.label]])).collect();
+        let told: BTreeMap<&str, [[&str; 2]; 1]> = figures
+            .flat_map(|figure| &figure.legend)
+            .map(|entry| (entry.series.as_str(), [["curve", entry.label.as_str()]]))
+            .collect();
         let Page { sections, seconds, version } = self;
         let page = minijinja::context! { sections, seconds, version, told };
         std::fs::write(out.join("index.html"), render("index.html", include_str!("index.html"), &page)?)?;
