@@ -12,6 +12,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 TRIANGLE, LINE, VERTEX = 5, 3, 1
@@ -49,12 +50,29 @@ def cells_of(grid, path):
     return kinds, connectivity
 
 
+def check_drawn(grid, kinds, path):
+    """What VTK draws: all triangles, and the edges that are not hidden."""
+    hidden = grid.GetCellData().GetArray("vtkGhostType")
+    lines = kinds == LINE
+    if hidden is not None:
+        kind = vtk_to_numpy(grid.GetCellData().GetArray("kind"))
+        need(np.array_equal(vtk_to_numpy(hidden) != 0, kind == 1), f"{path}: hidden cells are not the sides of triangles")
+        lines &= kind == 2
+    surface = vtkGeometryFilter()
+    surface.SetInputData(grid)
+    surface.Update()
+    drawn = surface.GetOutput()
+    need(drawn.GetNumberOfLines() == lines.sum(), f"{path}: VTK draws {drawn.GetNumberOfLines()} edges, not {lines.sum()}")
+    need(drawn.GetNumberOfPolys() == (kinds == TRIANGLE).sum(), f"{path}: VTK draws {drawn.GetNumberOfPolys()} triangles")
+
+
 def frame_of(path, time):
     grid = read(path)
     need(grid.GetNumberOfPoints() > 0, f"{path}: no points")
     points = vtk_to_numpy(grid.GetPoints().GetData())
     need(points.dtype in (np.float64, np.float32) and np.isfinite(points).all(), f"{path}: points are not finite numbers")
     kinds, connectivity = cells_of(grid, path)
+    check_drawn(grid, kinds, path)
     arrays = {}
     for name in ("displacement", "velocity", "force", "reaction"):
         array = grid.GetPointData().GetArray(name)

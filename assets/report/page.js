@@ -5,7 +5,7 @@
   var element = function (name, text) { var made = document.createElement(name); made.textContent = text || ""; return made; };
 
   // [px] distance from the pointer to a mark that it means; marks closer together than the second are told together.
-  var NEAR = 24, SAME = 2, MOST = 4;
+  var NEAR = 24, SAME = 2, MOST = 6;
   var source = document.getElementById("told"), told = source ? JSON.parse(source.textContent) : {};
   var tip = element("div");
   tip.className = "tip";
@@ -28,6 +28,26 @@
       }
       return mark.box;
     };
+    // Curves without marks: all corners, found when they are first needed.
+    var curves = null;
+    function corners() {
+      curves = curves || all("g[data-series]", svg).filter(function (group) { return told[group.getAttribute("data-series")]; }).map(function (group) {
+        var points = [];
+        all("polyline", group).forEach(function (line) { points = points.concat(Array.prototype.slice.call(line.points)); });
+        return { run: group.getAttribute("data-series"), series: group, points: points };
+      });
+      return curves;
+    }
+    // The point of a curve next to another point, between two corners if need be.
+    function nearest(points, x, y) {
+      return points.reduce(function (best, b, i) {
+        var a = points[Math.max(i - 1, 0)], dx = b.x - a.x, dy = b.y - a.y, length = dx * dx + dy * dy;
+        var share = length ? Math.max(0, Math.min(1, ((x - a.x) * dx + (y - a.y) * dy) / length)) : 0;
+        var at = { x: a.x + share * dx, y: a.y + share * dy };
+        at.off = Math.hypot(at.x - x, at.y - y);
+        return !best || at.off < best.off ? at : best;
+      }, null);
+    }
     function hide() { tip.hidden = true; ring.classList.add("hidden"); }
     function show(event) {
       var matrix = svg.getScreenCTM();
@@ -35,10 +55,20 @@
       var x = (event.clientX - matrix.e) / matrix.a, y = (event.clientY - matrix.f) / matrix.d;
       var off = function (mark) { var at = middle(mark); return Math.hypot(at.x - x, at.y - y) * matrix.a; };
       var seen = marks.filter(function (mark) { return !(mark.series && mark.series.classList.contains("hidden")); });
+      if (!marks.length) {
+        seen = corners().filter(function (curve) { return !curve.series.classList.contains("hidden"); });
+        seen.forEach(function (curve) { curve.box = nearest(curve.points, x, y); });
+        seen = seen.filter(function (curve) { return curve.box; });
+      }
       var best = seen.reduce(function (best, mark) { return !best || off(mark) < off(best) ? mark : best; }, null);
       if (!best || off(best) > NEAR) { hide(); return; }
       var at = middle(best);
-      var here = seen.filter(function (mark) { var m = middle(mark); return Math.hypot(m.x - at.x, m.y - at.y) * matrix.a <= SAME; });
+      var runs = {};
+      var here = seen.filter(function (mark) {
+        var m = middle(mark), near = Math.hypot(m.x - at.x, m.y - at.y) * matrix.a <= SAME, first = near && !runs[mark.run];
+        if (near) { runs[mark.run] = true; }
+        return first;
+      });
       tip.textContent = "";
       here.slice(0, MOST).forEach(function (mark) {
         var list = element("dl");
@@ -67,11 +97,11 @@
   }
   all("figure svg").forEach(tellOf);
 
-  // The legend.
+  // A legend within a figure is that figure's, another one is that of all figures.
   var switches = all(".legend button[data-switch]");
   function turn(button, on) {
     button.setAttribute("aria-pressed", String(on));
-    all("figure g[data-series]").forEach(function (group) {
+    all("g[data-series]", button.closest("figure")).forEach(function (group) {
       if (group.getAttribute("data-series") === button.getAttribute("data-switch")) { group.classList.toggle("hidden", !on); }
     });
   }
@@ -80,8 +110,9 @@
   });
   all(".legend button.all").forEach(function (button) {
     button.addEventListener("click", function () {
-      var on = switches.some(function (one) { return one.getAttribute("aria-pressed") !== "true"; });
-      switches.forEach(function (one) { turn(one, on); });
+      var own = all("button[data-switch]", button.parentNode);
+      var on = own.some(function (one) { return one.getAttribute("aria-pressed") !== "true"; });
+      own.forEach(function (one) { turn(one, on); });
     });
   });
 

@@ -76,7 +76,7 @@ fn figures(out: &Path, s: &mut Section) -> Result<(), Failed> {
                 caption: "Figure 16: the cloth near its equilibrium, K = 100 N/m, velocity Verlet, t = 2 s",
                 note: "A billowed annulus, the inner edge highest.",
             };
-            s.figure(out, caption, &[wireframe(&last, &edges)])?;
+            s.figure(out, caption, wireframe(&last, &edges))?;
         }
         let bundle = |points: fn(&Trace) -> Vec<(f64, f64)>| {
             traces
@@ -106,7 +106,7 @@ fn figures(out: &Path, s: &mut Section) -> Result<(), Failed> {
             let (stem, caption) =
                 (format!("figure-{number}"), format!("Figure {number}: {what}, K = {k:e} N/m, step {h:e} s"));
             let chart = Chart { x, y, lines, ..Chart::default() };
-            s.figure(out, Caption { stem: &stem, caption: &caption, note }, &[chart])?;
+            s.figure(out, Caption { stem: &stem, caption: &caption, note }, chart)?;
         }
     }
     Ok(())

@@ -1,9 +1,9 @@
 //! Appendix A: the oscillator, Figures 26 to 40, beside its closed form.
 
-use super::page::{Caption, Section};
+use super::page::{Caption, Section, curve, exact_curve};
 use super::runs::{Failed, Trace, asset, changed, displacement};
 use canopy_fem::case::Case;
-use canopy_fem::plot::chart::{Axis, Chart, Line, Stroke};
+use canopy_fem::plot::chart::{Axis, Chart, Line};
 use std::path::Path;
 
 /// A figure or a pair of figures: displacement, and perhaps phase.
@@ -143,12 +143,12 @@ fn figure(out: &Path, s: &mut Section, shown: &Shown) -> Result<(), Failed> {
         ("phase", Axis::linear("displacement x [m]"), Axis::linear("velocity v [m/s]"), Trace::phase),
     ];
     for ((number, note), (kind, x, y, points)) in shown.figures.iter().zip(shown.notes).zip(kinds) {
-        let mut lines: Vec<Line> = traces.iter().map(|(name, trace)| Line::new(*name, points(trace))).collect();
-        lines.push(Line { stroke: Stroke::Dashed, ..Line::new("closed form", points(&exact)) });
+        let mut lines: Vec<Line> = traces.iter().map(|(name, trace)| curve(name, *name, points(trace))).collect();
+        lines.push(exact_curve("closed form", points(&exact)));
         let (stem, caption) =
             (format!("figure-{number}"), format!("Figure {number}: {kind}, {what}, step {} s", shown.step));
         let chart = Chart { x, y, lines, ..Chart::default() };
-        s.figure(out, Caption { stem: &stem, caption: &caption, note }, &[chart])?;
+        s.figure(out, Caption { stem: &stem, caption: &caption, note }, chart)?;
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Section 3.1: the parachute that could not be made stable, Table 4 and Figures 14 and 15.
 
-use super::page::{Caption, Section, cell};
+use super::page::{Caption, Section, cell, curve};
 use super::readings::{Reading, blow_up};
 use super::runs::{Failed, asset, changed, run, run_to_the_end};
 use super::wire::wireframe;
@@ -10,7 +10,7 @@ use canopy_fem::analysis::rates::Rates;
 use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::case::Case;
 use canopy_fem::drive::{Outcome, Status};
-use canopy_fem::plot::chart::{Axis, Chart, Line};
+use canopy_fem::plot::chart::{Axis, Chart};
 use canopy_fem::simulation::build_scene;
 use rayon::prelude::*;
 use std::path::Path;
@@ -332,7 +332,7 @@ fn pictures(out: &Path, s: &mut Section) -> Result<(), Failed> {
     );
     let caption =
         Caption { stem: "figure-14", caption: "Figure 14: the canopy at 2.6e-11 s, velocity Verlet", note: &note };
-    s.figure(out, caption, &[wireframe(&seen.positions, &edges)])?;
+    s.figure(out, caption, wireframe(&seen.positions, &edges))?;
 
     let (seen, outcome) = state_at(&case, 3.4e-11)?;
     let fine = changed(&case, &[("time.step", "1e-14"), ("time.end", &format!("{:e}", seen.t))])?;
@@ -349,7 +349,7 @@ fn pictures(out: &Path, s: &mut Section) -> Result<(), Failed> {
     );
     let caption = format!("Figure 15: the same canopy at {:.2e} s, its last state before the divergence", seen.t);
     let caption = Caption { stem: "figure-15", caption: &caption, note: &note };
-    s.figure(out, caption, &[wireframe(&seen.positions, &edges)])
+    s.figure(out, caption, wireframe(&seen.positions, &edges))
 }
 
 /// The same canopy in a wind that exists.
@@ -366,7 +366,7 @@ fn sensible_wind(out: &Path, s: &mut Section) -> Result<(), Failed> {
                 let height = inner.iter().map(|&n| seen.positions[n][2]).sum::<f64>() / inner.len() as f64;
                 points.push((seen.t, height));
             })?;
-            Ok((Line::new(format!("{method}, step {step} s"), points), outcome))
+            Ok((curve(method, format!("{method}, step {step} s"), points), outcome))
         })
         .collect();
     let mut lines = Vec::new();
@@ -406,5 +406,5 @@ fn sensible_wind(out: &Path, s: &mut Section) -> Result<(), Failed> {
     .join(" ");
     let caption =
         Caption { stem: "parachute-50ms", caption: "The same canopy at 50 m/s (not in the thesis)", note: &note };
-    s.figure(out, caption, &[chart])
+    s.figure(out, caption, chart)
 }

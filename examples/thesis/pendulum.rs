@@ -1,11 +1,11 @@
 //! Section 2.5.1: the simple pendulum, Figures 4 to 6 and Table 1.
 
-use super::page::{Caption, Section, cell};
+use super::page::{Caption, Section, cell, curve, exact_curve};
 use super::runs::{COST_HEADS, Failed, Trace, asset, changed, cost_rows, run_to_the_end};
 use canopy_fem::analysis::limit::critical_step;
 use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::case::Case;
-use canopy_fem::plot::chart::{Axis, Chart, Line, Stroke};
+use canopy_fem::plot::chart::{Axis, Chart};
 use canopy_fem::simulation::build_scene;
 use std::path::Path;
 
@@ -87,7 +87,7 @@ fn figures(out: &Path, s: &mut Section) -> Result<(), Failed> {
             if method == "rk4" {
                 rk4 = off;
             }
-            lines.push(Line::new(name, trace.over_time()));
+            lines.push(curve(method, name, trace.over_time()));
         }
         let holds = match step {
             "0.1" => euler > 2.0 && rk4 < 0.01,
@@ -95,11 +95,11 @@ fn figures(out: &Path, s: &mut Section) -> Result<(), Failed> {
             _ => euler < 0.05 && others < 0.05,
         };
         let note = &s.claim(holds, note);
-        lines.push(Line { stroke: Stroke::Dashed, ..Line::new("exact (RK4 at 1e-3 s)", exact.over_time()) });
+        lines.push(exact_curve("exact (RK4 at 1e-3 s)", exact.over_time()));
         let y = Axis { label: "angle theta [rad]".into(), range: Some((-1.0, 1.0)), ..Axis::default() };
         let chart =
             Chart { title: format!("step {step} s"), x: Axis::linear("time t [s]"), y, lines, ..Chart::default() };
-        s.figure(out, Caption { stem, caption, note }, &[chart])?;
+        s.figure(out, Caption { stem, caption, note }, chart)?;
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Section 2.5.2: the spring pendulum, Figures 8 to 13 and Table 2.
 
-use super::page::{Caption, Section};
+use super::page::{Caption, Section, curve};
 use super::runs::{COST_HEADS, Failed, Trace, asset, changed, cost_rows, displacement};
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
@@ -114,8 +114,8 @@ fn pair(out: &Path, s: &mut Section, base: &Case, p: &Pair) -> Result<(), Failed
     let (mut over_time, mut phase) = (Vec::new(), Vec::new());
     for method in p.methods {
         let (trace, _) = traced(base, method, p.step)?;
-        over_time.push(Line::new(*method, trace.over_time()));
-        phase.push(Line { stroke: Stroke::Thin, ..Line::new(*method, trace.phase()) });
+        over_time.push(curve(method, *method, trace.over_time()));
+        phase.push(Line { stroke: Stroke::Thin, ..curve(method, *method, trace.phase()) });
     }
     let charts = [
         Chart {
@@ -132,7 +132,7 @@ fn pair(out: &Path, s: &mut Section, base: &Case, p: &Pair) -> Result<(), Failed
         },
     ];
     for (i, chart) in charts.into_iter().enumerate() {
-        s.figure(out, Caption { stem: p.stems[i], caption: p.captions[i], note: p.notes[i] }, &[chart])?;
+        s.figure(out, Caption { stem: p.stems[i], caption: p.captions[i], note: p.notes[i] }, chart)?;
     }
     Ok(())
 }

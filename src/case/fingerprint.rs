@@ -80,6 +80,7 @@ impl Fingerprint {
         let OutputSpec {
             frames_every,
             fields,
+            edges,
             probes,
             gauges,
             history_every,
@@ -89,6 +90,7 @@ impl Fingerprint {
         } = &problem.output;
         made.text("output.frames.every", frames_every)?;
         made.text("output.fields", fields)?;
+        made.text("output.edges", edges)?;
         made.text("output.compression", &format.compression)?;
         made.text("output.precision", &format.precision)?;
         match history_every {

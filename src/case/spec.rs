@@ -111,6 +111,8 @@ pub struct OutputSpec {
     pub frames_every: Option<f64>,
     /// fields beside displacement and velocity, each once, in the order of the case
     pub fields: Vec<Field>,
+    /// whether edges that are sides of triangles are drawn
+    pub edges: bool,
     /// probes, in the order of the case
     pub probes: Vec<ProbeSpec>,
     /// gauges of the case, in its order, then those of springs with a strength

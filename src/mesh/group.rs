@@ -14,6 +14,8 @@ pub type Groups = BTreeMap<String, Group>;
 
 /// Name of the arrays of a .vtu file, on cells and on points, with the numbers of groups.
 pub(crate) const GROUP: &str = "group";
+/// Name of the cell array of a frame that tells triangles, their sides and other edges apart.
+pub(crate) const KIND: &str = "kind";
 /// What the name of the field array of a group of triangles and edges begins with.
 pub(super) const CELL_GROUP: &str = "group ";
 /// The same of a group of nodes.

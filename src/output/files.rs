@@ -49,6 +49,8 @@ pub struct FilesSpec<'a> {
     pub groups: &'a Groups,
     /// fields to write
     pub fields: Fields,
+    /// whether edges that are sides of triangles are drawn
+    pub draw_sides: bool,
     /// nodes to follow; `probes.csv` is written only if there are any
     pub probes: &'a [ProbeSpec],
     /// names and quantities of the gauges' channels; `gauges.csv` is written only if there are any

@@ -127,6 +127,13 @@ fn all_finite(numbers: &[f64]) -> bool {
     numbers.iter().fold(0, |seen, c| seen | ((c.to_bits() & EXPONENT) + SMALLEST)) & SIGN == 0
 }
 
+/// Kinds of cells, as the array `kind` of a frame has them.
+const TRIANGLE: u8 = 0;
+/// An edge that is a side of a triangle.
+pub const SIDE: u8 = 1;
+/// A line, or a node of a scene without cells.
+const OTHER: u8 = 2;
+
 /// The edges of every triangle, to average edge values over them.
 #[derive(Clone, Debug, Default)]
 pub struct CellMap {
@@ -136,6 +143,17 @@ pub struct CellMap {
 }
 
 impl CellMap {
+    /// For each cell 0 for a triangle, 1 for an edge that is a side of one, 2 for any other cell. `None` without
+    /// triangles, where there is nothing to tell apart.
+    pub fn kinds(&self) -> Option<Vec<u8>> {
+        let mut kinds = vec![OTHER; self.cells];
+        kinds.get_mut(..self.sides.len())?.fill(TRIANGLE);
+        for edge in self.sides.iter().flatten().flatten() {
+            *kinds.get_mut(self.sides.len() + *edge as usize)? = SIDE;
+        }
+        (!self.sides.is_empty()).then_some(kinds)
+    }
+
     /// Cell values of triangle values; an edge shows 0.
     pub fn of_triangles(&self, triangles: &[f64], out: &mut Vec<f64>) {
         out.clear();

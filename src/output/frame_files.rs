@@ -8,11 +8,16 @@ use std::path::{Path, PathBuf};
 use super::atomic::{Durability, replace_by, sync_folder};
 use super::csv::write_fault;
 use super::files::{FRAMES, FilesSpec};
-use super::frame::{CellMap, Fields, Frame};
+use super::frame::{CellMap, Fields, Frame, SIDE};
 use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
-use crate::mesh::group::GroupNumbers;
+use crate::mesh::group::{GroupNumbers, KIND};
 use crate::vtk::write::{Array, Cells, FixedArrays, Snapshot, Values, VtuError, VtuWriter};
+
+/// The cell array by which VTK leaves cells out of pictures; they are cells as before to all that reads the file.
+/// Source: `vtkDataSetAttributes::GhostArrayName` and its `HIDDENCELL`.
+const VTK_GHOSTS: &str = "vtkGhostType";
+const HIDDEN_CELL: u8 = 32;
 
 /// Writes frames one by one; each is complete before it gets its final name.
 #[derive(Debug)]
@@ -52,10 +57,12 @@ impl FrameFiles {
         let folder = spec.folder.join(FRAMES);
         fs::create_dir_all(&folder).map_err(|e| write_fault(&folder, e))?;
         let cells = Cells { points: spec.reference.len(), triangles: spec.triangles, edges: spec.edges };
-        let vtu = VtuWriter::new(&cells, spec.format).and_then(|vtu| name_parts(vtu, spec));
-        let vtu = vtu.map_err(|e| write_fault(&folder, vtu_error(e)))?;
+        let fault = |e| write_fault(&folder, vtu_error(e));
+        let vtu = VtuWriter::new(&cells, spec.format).map_err(fault)?;
+        let map = CellMap::new(spec.triangles, spec.edges, vtu.cells());
+        let vtu = name_parts(vtu, spec, &map).map_err(fault)?;
         Ok(Self {
-            map: CellMap::new(spec.triangles, spec.edges, vtu.cells()),
+            map,
             folder,
             stem: spec.stem.clone(),
             vtu,
@@ -188,17 +195,25 @@ impl FrameFiles {
     }
 }
 
-/// Adds what tells the parts of a scene with groups apart: numbers of groups, and where the nodes are on the mesh.
-fn name_parts(vtu: VtuWriter, spec: &FilesSpec<'_>) -> Result<VtuWriter, VtuError> {
-    if spec.groups.is_empty() {
-        return Ok(vtu);
-    }
+/// Adds what tells the parts of a scene apart: kinds of cells, and in a scene with groups their numbers and where the
+/// nodes are on the mesh.
+fn name_parts(vtu: VtuWriter, spec: &FilesSpec<'_>, map: &CellMap) -> Result<VtuWriter, VtuError> {
+    let kinds = map.kinds();
+    let hide = |kind: &u8| if *kind == SIDE { HIDDEN_CELL } else { 0 };
+    let hidden: Option<Vec<u8>> = kinds.as_ref().filter(|_| !spec.draw_sides).map(|k| k.iter().map(hide).collect());
+    let flags = [(KIND, kinds.as_deref()), (VTK_GHOSTS, hidden.as_deref())];
+    let flags: Vec<(&str, &[u8])> = flags.into_iter().filter_map(|(name, of)| Some((name, of?))).collect();
     let groups = GroupNumbers::new(spec.groups, [spec.reference.len(), spec.triangles.len(), spec.edges.len()]);
+    let named = FixedArrays { cell_flags: &flags, ..FixedArrays::default() };
+    if spec.groups.is_empty() {
+        return vtu.with_fixed(&named);
+    }
     vtu.with_fixed(&FixedArrays {
         point_vectors: Some(("reference_position", spec.reference)),
         point_numbers: groups.point_array(),
         cell_numbers: groups.cell_array(),
         field: &groups.field_arrays(),
+        ..named
     })
 }
 

@@ -28,6 +28,8 @@ pub struct RecorderSpec {
     pub end: f64,
     /// fields beside displacement and velocity
     pub fields: Fields,
+    /// whether edges that are sides of triangles are drawn
+    pub edges: bool,
     /// nodes to follow at each frame time
     pub probes: Vec<ProbeSpec>,
     /// what to measure at every step
@@ -48,6 +50,7 @@ impl RecorderSpec {
             frames_every: output.frames_every,
             end: problem.time.end,
             fields: output.fields.as_slice().into(),
+            edges: output.edges,
             probes: output.probes.clone(),
             gauges: output.gauges.clone(),
             history_every: output.history_every,
@@ -119,6 +122,7 @@ pub(super) fn files_spec<'a>(picture: &'a dyn Observables, spec: &'a RecorderSpe
         edges: picture.edges(),
         groups: picture.groups(),
         fields: spec.fields.of_scene(picture),
+        draw_sides: spec.edges,
         probes: &spec.probes,
         gauges: channels.map(|channel| [channel.name.clone(), channel.quantity.to_owned()]).collect(),
         format: spec.format,

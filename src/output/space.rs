@@ -9,8 +9,8 @@ use crate::vtk::{Precision, Width};
 /// [byte] Approximate size of the XML around the arrays of a frame.
 const HEAD: u64 = 2000;
 
-/// [byte] Size of a frame as raw arrays without compression, within the few digits of its XML; with compression it is
-/// at most that.
+/// [byte] Size of a frame as raw arrays without compression, within the few digits of its XML and one byte a cell; with
+/// compression it is at most that.
 pub fn frame_bytes(picture: &dyn Observables, fields: Fields, precision: Precision) -> u64 {
     let fields = fields.of_scene(picture);
     let count = |n: usize| n as u64;
@@ -25,13 +25,18 @@ pub fn frame_bytes(picture: &dyn Observables, fields: Fields, precision: Precisi
     let scalars = u64::from(fields.tension) + u64::from(fields.strain) + u64::from(fields.pressure);
     // Places on the mesh, and Int32 numbers on cells and points.
     let named = if picture.groups().is_empty() { 0 } else { (24 + 4) * points + 4 * cells };
+    // With triangles: UInt8 kinds, and the flags of cells that are not drawn, which frames with all drawn do without.
+    let flags = if triangles > 0 { 2 } else { 0 };
     // Corners and offsets, UInt8 types.
     let width = count(Width::of(points as usize, corners as usize).bytes());
     let number = match precision {
         Precision::F64 => 8,
         Precision::F32 => 4,
     };
-    HEAD + named + 3 * (8 + number * vectors) * points + (number * scalars + width + 1) * cells + width * corners
+    HEAD + named
+        + 3 * (8 + number * vectors) * points
+        + (number * scalars + width + 1 + flags) * cells
+        + width * corners
 }
 
 /// [byte] Free space for an ordinary user on the disk of `path`, which need not exist; `None` if the system does not

@@ -257,6 +257,7 @@ mod tests {
             edges: &[],
             groups: &Groups::new(),
             fields: Fields::default(),
+            draw_sides: false,
             probes: &[],
             gauges: Vec::new(),
             format: VtuFormat::default(),

@@ -98,7 +98,7 @@ pub(super) fn measured(outcome: &Outcome, errors: Option<[f64; 2]>, seconds: f64
     };
     let errors = errors.filter(|_| status == RowStatus::Completed);
     let note = match &outcome.failure {
-        Some(failure) => format!("at t = {:.4e} s: {}; {}", failure.time, failure.cause, failure.advice),
+        Some(failure) => format!("at t = {} s: {}; {}", figures(failure.time, 5), failure.cause, failure.advice),
         None => outcome.doubt.clone().or_else(|| outcome.energy_doubt()).unwrap_or_default(),
     };
     RunResult {

@@ -28,7 +28,7 @@ pub mod stability;
 mod step_grid;
 pub mod store;
 pub mod sweep;
-mod template;
+pub mod template;
 
 pub use error::StudyError;
 pub use runner::{Runner, Shard, Study, rows_of};

@@ -15,6 +15,7 @@ use super::prepared_case::{PreparedCase, choice};
 use super::row::{Job, Row, RowStatus, RunResult, StepSetting, label, median};
 use super::store::Store;
 use crate::case::Case;
+use crate::format_number::figures;
 
 /// A share of the runs: number `part` of `of`, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -208,7 +209,7 @@ impl Plan {
 
 fn described(job: &Job, pass: usize, plan: &Plan) -> String {
     let what = match job.setting {
-        StepSetting::Step(h) => format!("step {h:.4e} s"),
+        StepSetting::Step(h) => format!("step {} s", figures(h, 5)),
         StepSetting::Tolerance(t) => format!("tolerance {t:e}"),
     };
     let stiff = plan.variant_of(job).map_or(1.0, |v| v.stiffness_factor);

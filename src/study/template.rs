@@ -5,12 +5,23 @@ use minijinja::{Environment, UndefinedBehavior, Value};
 use serde::Serialize;
 
 use super::error::StudyError;
+use super::row::RowStatus;
 use crate::format_number::figures;
 use crate::output::sanitize::csv_field;
+use crate::plot::PlotError;
+use crate::plot::chart::{Chart, Size, svg_page};
+
+/// Pages may extend `page.html` and import from `parts.html`.
+const SHARED: [(&str, &str); 2] = [
+    ("page.html", include_str!("../../assets/report/page.html")),
+    ("parts.html", include_str!("../../assets/report/parts.html")),
+];
+/// Digits of what a mark tells: a row of the csv file is found by them.
+const TOLD: usize = 6;
 
 /// A figure of a page, drawn for wide and for narrow screens.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(super) struct PageFigure {
+pub struct PageFigure {
     /// what it shows
     pub caption: String,
     /// the picture for wide screens
@@ -19,12 +30,67 @@ pub(super) struct PageFigure {
     pub narrow: String,
 }
 
-/// Fills in a template. What is put into one whose name ends in `.html` is escaped; lines of other ones that hold only
-/// a statement leave nothing behind.
+impl PageFigure {
+    /// One chart in both sizes.
+    ///
+    /// # Errors
+    /// The drawing library's.
+    pub fn of(chart: &Chart, caption: impl Into<String>, [wide, narrow]: [Size; 2]) -> Result<Self, PlotError> {
+        let drawn = |size: Size| svg_page(&[Chart { size, ..chart.clone() }], 1);
+        Ok(PageFigure { caption: caption.into(), wide: drawn(wide)?, narrow: drawn(narrow)? })
+    }
+}
+
+/// Runs that ended for the same reason, for the list of reasons of a page.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Reason<'r> {
+    /// the reason
+    note: &'r str,
+    /// how the runs ended
+    status: String,
+    /// whether they have no result
+    failed: bool,
+    /// names of the runs
+    of: Vec<String>,
+}
+
+/// All reasons of some runs, each given as name, status and note.
+pub(super) fn reasons<'r>(runs: impl Iterator<Item = (String, RowStatus, &'r str)>) -> Vec<Reason<'r>> {
+    let mut all: Vec<Reason<'r>> = Vec::new();
+    for (name, status, note) in runs.filter(|(_, _, note)| !note.is_empty()) {
+        match all.iter_mut().find(|reason| reason.note == note) {
+            Some(known) => known.of.push(name),
+            None => all.push(Reason {
+                note,
+                status: status.word().replace('-', " "),
+                failed: status != RowStatus::Completed,
+                of: vec![name],
+            }),
+        }
+    }
+    all.sort_by_key(|reason| !reason.failed);
+    all
+}
+
+/// A number as marks of a page tell it; nothing for none.
+pub(super) fn told(x: Option<f64>) -> String {
+    x.map(|x| figures(x, TOLD)).unwrap_or_default()
+}
+
+/// A cell of a csv file as pages tell it: counts and words as they are.
+fn told_cell(text: String) -> String {
+    match text.parse() {
+        Ok(x) if f64::is_finite(x) && text.parse::<i64>().is_err() => told(Some(x)),
+        _ => text,
+    }
+}
+
+/// Fills in a template, which may extend the frame of all pages: `page.html` of `assets/report`. What is put into one
+/// whose name ends in `.html` is escaped; lines of other ones that hold only a statement leave nothing behind.
 ///
 /// # Errors
 /// What the template engine refuses.
-pub(super) fn render(name: &str, template: &str, context: &impl Serialize) -> Result<String, StudyError> {
+pub fn render(name: &str, template: &str, context: &impl Serialize) -> Result<String, StudyError> {
     let text = || {
         let mut templates = Environment::new();
         templates.set_undefined_behavior(UndefinedBehavior::Strict);
@@ -53,6 +119,10 @@ pub(super) fn render(name: &str, template: &str, context: &impl Serialize) -> Re
         templates.add_filter("embedded", |value: Value| {
             Value::from_safe_string(serde_json::to_string(&value).unwrap_or_default().replace('<', "\\u003c"))
         });
+        templates.add_filter("told", told_cell);
+        for (name, shared) in SHARED {
+            templates.add_template(name, shared)?;
+        }
         templates.add_filter("left", |text: String, width: usize| format!("{text:<width$}"));
         templates.add_filter("right", |text: String, width: usize| format!("{text:>width$}"));
         templates.template_from_named_str(name, template)?.render(context)

@@ -94,6 +94,8 @@ pub enum VtuError {
 pub struct FixedArrays<'a> {
     /// whole numbers on the cells, triangles before edges
     pub cell_numbers: Option<(&'a str, &'a [i32])>,
+    /// small numbers on the cells
+    pub cell_flags: &'a [(&'a str, &'a [u8])],
     /// whole numbers on the points
     pub point_numbers: Option<(&'a str, &'a [i32])>,
     /// vectors on the points
@@ -103,16 +105,10 @@ pub struct FixedArrays<'a> {
 }
 
 /// A mesh as text: its arrays are inline in base64, which every VTK reads; those of the file as a whole are plain text.
-/// `flags` are small numbers on the cells, triangles before edges, with their name.
 ///
 /// # Errors
 /// When a cell names a point that does not exist, or an array has the wrong length.
-pub fn inline_grid(
-    points: &[[f64; 3]],
-    cells: &Cells<'_>,
-    (flag, flags): (&str, &[u8]),
-    arrays: &FixedArrays<'_>,
-) -> Result<String, VtuError> {
+pub fn inline_grid(points: &[[f64; 3]], cells: &Cells<'_>, arrays: &FixedArrays<'_>) -> Result<String, VtuError> {
     let table = CellTable::new(cells, Width::Long)?;
     let (kind, n_cells) = (table.width.kind(), table.types.len());
     let mut appender = Appender::new(VtuFormat { encoding: Encoding::Base64, ..VtuFormat::default() });
@@ -125,8 +121,11 @@ pub fn inline_grid(
              </DataArray>\n"
         ))
     };
-    right(flag, flags.len(), n_cells)?;
-    let mut cell_data = array("UInt8", flag, 1, flags)?;
+    let mut cell_data = String::new();
+    for (name, flags) in arrays.cell_flags {
+        right(name, flags.len(), n_cells)?;
+        cell_data += &array("UInt8", name, 1, flags)?;
+    }
     if let Some((name, numbers)) = arrays.cell_numbers {
         right(name, numbers.len(), n_cells)?;
         cell_data += &array("Int32", name, 1, &bytes(numbers))?;
@@ -254,6 +253,11 @@ impl VtuWriter {
         if let Some((name, numbers)) = arrays.cell_numbers {
             right(name, numbers.len(), cells)?;
             self.fixed.cells = self.fixed_array(name, ("Int32", 1), &bytes(numbers))?;
+        }
+        for (name, flags) in arrays.cell_flags {
+            right(name, flags.len(), cells)?;
+            let tag = self.fixed_array(name, ("UInt8", 1), flags)?;
+            self.fixed.cells += &tag;
         }
         self.fixed.field = field_arrays(arrays.field);
         self.fixed_len = self.body.len();

@@ -24,6 +24,7 @@ fn spec(dir: &Path) -> RecorderSpec {
         frames_every: Some(0.25),
         end: 1.0,
         fields: ALL,
+        edges: false,
         probes: vec![
             ProbeSpec { name: "tip".to_owned(), nodes: vec![3] },
             ProbeSpec { name: "a, b".to_owned(), nodes: vec![1, 0] },
@@ -120,7 +121,10 @@ fn first_and_last_only() {
     let times: Vec<f64> = collection(&read(dir.path().join("pair.pvd"))).iter().map(|(t, _)| *t).collect();
     assert_eq!(times, [0.0, 7.0 * 0.1]);
     let last = frame(dir.path(), 1);
-    assert_eq!(last.names(), ["TimeValue", "displacement", "velocity", "Points", "connectivity", "offsets", "types"]);
+    assert_eq!(
+        last.names(),
+        ["TimeValue", "displacement", "velocity", "kind", "vtkGhostType", "Points", "connectivity", "offsets", "types"]
+    );
     assert!(!dir.path().join("probes.csv").exists());
 }
 

@@ -201,3 +201,33 @@ fn a_scene_without_groups_has_pressure_on_request() {
     assert_eq!((number(&grouped, 0), number(&grouped, 2)), (1, 0));
     assert_eq!(summary["groups"]["sheet"]["area"], json!(1.0));
 }
+
+/// Sides of triangles are cells of every frame, but VTK does not draw them unless the case asks for it; suspension
+/// lines are always drawn.
+#[test]
+fn sides_of_triangles_are_not_drawn_over_them() {
+    const HIDDEN: u8 = 32;
+    let shown = |sets: &[&str]| {
+        let (bench, frame, _) = solved(&parachute(), sets);
+        let mesh = read_mesh(&bench.path("out/frames/small_000001.vtu")).expect("a mesh").mesh;
+        let has = frame.names().iter().any(|name| name == "vtkGhostType");
+        let hidden = has.then(|| frame.bytes("vtkGhostType"));
+        (mesh, frame.bytes("kind").to_vec(), hidden.map(<[u8]>::to_vec))
+    };
+    let (mesh, kinds, hidden) = shown(&[]);
+    let sides: std::collections::BTreeSet<[u32; 2]> = mesh
+        .triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+        .map(|[a, b]| [a.min(b), a.max(b)])
+        .collect();
+    let of_edge = |&[a, b]: &[u32; 2]| if sides.contains(&[a.min(b), a.max(b)]) { 1 } else { 2 };
+    let expected: Vec<u8> = mesh.triangles.iter().map(|_| 0).chain(mesh.edges.iter().map(of_edge)).collect();
+    assert_eq!(kinds, expected);
+    let lines = &mesh.groups["lines"].edges;
+    assert!(!lines.is_empty() && lines.iter().all(|edge| kinds[mesh.triangles.len() + *edge as usize] == 2));
+    let flags: Vec<u8> = kinds.iter().map(|kind| if *kind == 1 { HIDDEN } else { 0 }).collect();
+    assert_eq!(hidden.as_ref(), Some(&flags));
+    let (_, same, drawn) = shown(&["output.edges=true"]);
+    assert_eq!((same, drawn), (kinds, None));
+}

@@ -41,6 +41,7 @@ pub(super) fn output(
     Some(OutputSpec {
         frames_every: section.frames.map(|f| f.every),
         fields: unique(&section.fields),
+        edges: section.edges,
         probes,
         gauges,
         checkpoint_every: section.checkpoint.map(|c| c.every),

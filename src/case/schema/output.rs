@@ -16,6 +16,10 @@ pub struct Output {
     /// Fields in a frame beside `displacement` and `velocity`, which are always there.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fields: Vec<Field>,
+    /// Whether ParaView draws the edges that are sides of triangles over them; `false` if not given. They are cells of
+    /// every frame in any case, and triangles show the mean of their sides.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub edges: bool,
     /// Nodes whose motion goes to `probes.csv` at every frame time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<Probe>,

@@ -3,7 +3,7 @@
 use super::cells::{Cells, IGNORED};
 use super::marks::Marks;
 use super::{SEAM, START_DISPLACEMENT};
-use crate::mesh::group::{CELL_GROUP, GROUP, NODE_GROUP};
+use crate::mesh::group::{CELL_GROUP, GROUP, KIND, NODE_GROUP};
 use crate::vtk::read::{field_numbers, named_array, piece_content, read as read_vtk, whole_numbers};
 use std::collections::BTreeMap;
 use vtkio::model::{Attribute, CellType, DataSet, IOBuffer, PolyDataPiece, UnstructuredGridPiece, VertexNumbers};
@@ -54,7 +54,7 @@ impl Parts {
             return Parts::Numbers(numbers.into_iter().map(|number| number as i64).collect());
         }
         let mut arrays = whole_numbers(data);
-        arrays.retain(|(name, _)| name != SEAM);
+        arrays.retain(|(name, _)| name != SEAM && name != KIND);
         Parts::Marks(Marks::new(arrays))
     }
 

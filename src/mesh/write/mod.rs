@@ -76,9 +76,10 @@ pub fn vtu_text(mesh: &Mesh) -> Result<String, VtuError> {
     let groups = GroupNumbers::new(&mesh.groups, [mesh.nodes.len(), mesh.triangles.len(), mesh.edges.len()]);
     let arrays = FixedArrays {
         cell_numbers: groups.cell_array(),
+        cell_flags: &[(SEAM, &seam)],
         point_numbers: groups.point_array(),
         point_vectors: (!mesh.displacement.is_empty()).then_some((START_DISPLACEMENT, &mesh.displacement)),
         field: &groups.field_arrays(),
     };
-    inline_grid(&mesh.nodes, &cells, (SEAM, &seam), &arrays)
+    inline_grid(&mesh.nodes, &cells, &arrays)
 }

@@ -16,6 +16,7 @@ use minijinja::{Value, context};
 use serde::Serialize;
 
 pub use machine::{Machine, Rerun};
+pub use style::method_color;
 
 use super::error::StudyError;
 use super::plan::{PROGRAM, Plan};
@@ -23,7 +24,7 @@ use super::recommendations::{Recommendations, unfinished};
 use super::row::{Row, RunResult, StepSetting};
 use super::runner::Study;
 use super::store::{Store, remove, write_files};
-use super::template::render;
+use super::template::{reasons, render, told};
 use crate::format_number::figures;
 
 /// All files a report may have; those that a study has nothing for are removed, so that none is left of an earlier one.
@@ -76,27 +77,27 @@ fn json(study: &Study, answers: &Recommendations, how: &Rerun) -> Result<String,
 }
 
 /// `tradeoff.html`: one page that needs nothing beside it.
-fn html(
-    study: &Study,
-    answers: &Recommendations,
-    how: &Rerun,
-    figures: &[figure::Figure],
-) -> Result<String, StudyError> {
+fn html(study: &Study, answers: &Recommendations, how: &Rerun, drawn: &[figure::Figure]) -> Result<String, StudyError> {
     let (Study { plan, rows }, Rerun { command, machine }) = (study, how);
     let case_json = serde_json::to_string_pretty(&plan.case).map_err(|e| StudyError::Page(e.to_string()))?;
-    let (failures, noted) = (unfinished(rows), rows.iter().any(|row| !row.measured.note.is_empty()));
-    let (told, legend) = (told(study), figure::page_legend(study));
+    let named = |row: &Row| match row.job.setting {
+        StepSetting::Step(h) => format!("{} {} s", row.label(), figures(h, 4)),
+        StepSetting::Tolerance(tolerance) => format!("{} tolerance {tolerance:e}", row.label()),
+    };
+    let failures = unfinished(rows);
+    let (told, legend) = (told_of(study), figure::page_legend(study));
     let (version, rows) = (PROGRAM, sorted(rows));
+    let notes = reasons(rows.iter().map(|row| (named(row), row.measured.status, row.measured.note.as_str())));
     let page = context! {
-        version, command, machine, plan, case_json, failures, noted, rows, answers, figures, told, legend,
+        version, command, machine, plan, case_json, failures, notes, rows, answers, figures => drawn, told, legend,
     };
     render("tradeoff.html", include_str!("../../../assets/report/tradeoff.html"), &page)
 }
 
 /// What the mark of a run tells, by the run's identifier.
-fn told(study: &Study) -> BTreeMap<&str, Vec<[String; 2]>> {
+fn told_of(study: &Study) -> BTreeMap<&str, Vec<[String; 2]>> {
     let of = |row: &Row| {
-        let number = |x: Option<f64>, digits: usize| x.map(|x| figures(x, digits)).unwrap_or_default();
+        let count = |n: u64| if n > 0 { n.to_string() } else { String::new() };
         let (setting, size) = match row.job.setting {
             StepSetting::Step(h) => ("step [s]", h),
             StepSetting::Tolerance(tolerance) => ("tolerance [-]", tolerance),
@@ -105,15 +106,15 @@ fn told(study: &Study) -> BTreeMap<&str, Vec<[String; 2]>> {
         let factor = study.plan.variant_of(&row.job).map(|v| v.stiffness_factor);
         let all = [
             ("method", row.label()),
-            ("stiffness [-]", number(factor.filter(|_| study.plan.variants.len() > 1), 4)),
-            (setting, figures(size, 5)),
+            ("stiffness [-]", told(factor.filter(|_| study.plan.variants.len() > 1))),
+            (setting, told(Some(size))),
             ("status", status.word().replace('-', " ")),
-            ("error [-]", number(*error, 3)),
-            ("largest error [-]", number(*error_max, 3)),
-            ("energy error [-]", number(*energy_error, 3)),
-            ("CPU [s]", number(row.cpu_seconds, 3)),
-            ("force evaluations", number(Some(counters.force_evaluations as f64).filter(|n| *n > 0.0), 12)),
-            ("factorisations", number(Some(counters.factorizations as f64).filter(|n| *n > 0.0), 12)),
+            ("error [-]", told(*error)),
+            ("largest error [-]", told(*error_max)),
+            ("energy error [-]", told(*energy_error)),
+            ("CPU [s]", told(row.cpu_seconds)),
+            ("force evaluations", count(counters.force_evaluations)),
+            ("factorisations", count(counters.factorizations)),
             ("note", note.clone()),
         ];
         all.into_iter().filter(|(_, text)| !text.is_empty()).map(|(name, text)| [name.to_owned(), text]).collect()

@@ -5,23 +5,50 @@
 //! lines with open ones.
 
 use crate::case::schema::Method;
-use crate::integrate::registry::Family;
+use crate::integrate::registry::{Family, methods};
 use crate::plot::chart::{Line, Marker, Stroke};
 use crate::study::row::{RowStatus, StepSetting, label};
 use crate::study::runner::Study;
 
-/// Number of colours that methods take, each its own as long as they suffice: those of the palette without black, which
-/// is left for what is no method.
+/// Number of colours that methods and curves take, each its own as long as they suffice: those of the palette without
+/// black, which is left for what is no method.
 const COLORS: usize = 14;
+/// Numbers of the colours of the registered methods, in the order of the registry: the methods that are used most have
+/// the colours that differ most.
+const OF_METHODS: [usize; COLORS] = [0, 3, 12, 6, 9, 1, 4, 7, 8, 2, 5, 10, 11, 13];
 /// Black.
-pub(super) const BLACK: usize = 6;
+pub(in crate::study) const BLACK: usize = 6;
 /// Methods of a family that have the same shape of marks.
 const SHAPE: usize = 6;
 
-/// The colour of a method or curve by its number.
-pub(in crate::study) fn method_color(number: usize) -> usize {
+/// The colour of a curve by its number.
+pub(in crate::study) fn curve_color(number: usize) -> usize {
     let color = number % COLORS;
     if color < BLACK { color } else { color + 1 }
+}
+
+/// The number in the palette of a method's colour, which is the same in all charts of all pages.
+///
+/// ```
+/// use canopy_fem::study::report::method_color;
+/// assert_ne!(method_color("newmark"), method_color("hht"));
+/// ```
+pub fn method_color(name: &str) -> usize {
+    let number = methods().iter().position(|method| method.name == name).unwrap_or(0);
+    curve_color(OF_METHODS.get(number).copied().unwrap_or(number))
+}
+
+/// Colours of the methods of a study. One whose colour is taken, such as a second HHT with other parameters, has the
+/// first free one.
+pub(in crate::study) fn method_colors<'m>(names: impl Iterator<Item = &'m str> + Clone) -> Vec<usize> {
+    let own: Vec<usize> = names.map(method_color).collect();
+    let mut taken: Vec<usize> = Vec::with_capacity(own.len());
+    for color in &own {
+        let free = || (0..COLORS).map(curve_color).find(|free| !own.contains(free) && !taken.contains(free));
+        let color = if taken.contains(color) { free().unwrap_or(*color) } else { *color };
+        taken.push(color);
+    }
+    taken
 }
 /// All families, in the order of the legend.
 const FAMILIES: [(Family, &str); 3] =
@@ -60,12 +87,14 @@ pub(super) fn styles(study: &Study) -> Vec<Style> {
         let first = styles.len();
         for row in study.rows.iter().filter(|row| row.family == family) {
             if styles.iter().all(|style| style.method != row.job.method) {
-                let (number, turn) = (styles.len(), (styles.len() - first) / SHAPE);
+                let turn = (styles.len() - first) / SHAPE;
                 let method = row.job.method.clone();
-                styles.push(Style { method, family, color: method_color(number), markers: markers(family, turn) });
+                styles.push(Style { method, family, color: 0, markers: markers(family, turn) });
             }
         }
     }
+    let colors = method_colors(styles.iter().map(|style| style.method.name.as_str()));
+    styles.iter_mut().zip(colors).for_each(|(style, color)| style.color = color);
     styles
 }
 

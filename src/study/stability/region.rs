@@ -16,6 +16,7 @@ use crate::integrate::registry::MethodChoice;
 use crate::plot::PlotError;
 use crate::plot::chart::{Axis, Chart, Line, Marker, Size, Stroke, svg_grid};
 use crate::scene::Scene;
+use crate::study::report::style::{BLACK, method_colors};
 use std::f64::consts::FRAC_PI_2;
 
 /// Rays from the imaginary to the real axis.
@@ -30,21 +31,27 @@ const PANEL: Size = Size { width: 400, height: 470 };
 /// [px] width of a picture of one panel, with room for the legend's words.
 const ALONE: u32 = 660;
 
-/// The picture as SVG: a panel for every method with a limit; `None` if there is none.
-pub(super) fn regions(
-    scene: &dyn Scene,
-    methods: &[MethodChoice],
-    study: &Stability,
-) -> Result<Option<String>, PlotError> {
+/// A panel for every method with a limit; empty if there is none.
+pub(super) fn panels(scene: &dyn Scene, methods: &[MethodChoice], study: &Stability) -> Vec<Chart> {
     let state = scene.initial_state();
     // Whoever has asked for the end does not wait for another search.
     let interrupted = study.methods.iter().any(|row| row.status == Status::Interrupted);
     let motions = if interrupted { Vec::new() } else { Spectrum::of(scene, state.as_ref()).outer_modes() };
-    let rows = || methods.iter().zip(&study.methods).filter(|(_, row)| row.status != Status::Refused);
-    let mut charts: Vec<Chart> =
-        rows().filter(|(method, _)| has_limit(method)).map(|(method, row)| panel(method, row, &motions)).collect();
+    let colors = method_colors(methods.iter().map(|method| method.info.name));
+    let rows = methods.iter().zip(&study.methods).zip(colors).filter(|((_, row), _)| row.status != Status::Refused);
+    let limited = rows.filter(|((method, _), _)| has_limit(method));
+    limited.map(|((method, row), color)| panel(method, row, &motions, color)).collect()
+}
+
+/// All panels as SVG, with what there is to say of methods without a limit; `None` if there is no panel.
+pub(super) fn picture(
+    mut charts: Vec<Chart>,
+    methods: &[MethodChoice],
+    study: &Stability,
+) -> Result<Option<String>, PlotError> {
     let Some(first) = charts.first_mut() else { return Ok(None) };
-    for (_, row) in rows().filter(|(method, _)| !has_limit(method)) {
+    let rows = methods.iter().zip(&study.methods).filter(|(_, row)| row.status != Status::Refused);
+    for (_, row) in rows.filter(|(method, _)| !has_limit(method)) {
         first.lines.push(Line { label: without_region(row), stroke: Stroke::None, ..Line::default() });
     }
     if charts.len() == 1 {
@@ -88,7 +95,7 @@ fn places(rates: &Rates, h: f64) -> [(f64, f64); 2] {
     if square >= 0.0 { [(-half, root), (-half, -root)] } else { [(-half - root, 0.0), (-half + root, 0.0)] }
 }
 
-fn panel(method: &MethodChoice, row: &Row, motions: &[Rates]) -> Chart {
+fn panel(method: &MethodChoice, row: &Row, motions: &[Rates], color: usize) -> Chart {
     let upper = boundary(method);
     let lower = upper.iter().rev().map(|(re, im)| (*re, -*im));
     let closed: Vec<(f64, f64)> = upper.iter().copied().chain(lower).chain(upper.first().copied()).collect();
@@ -102,24 +109,34 @@ fn panel(method: &MethodChoice, row: &Row, motions: &[Rates]) -> Chart {
     let reach = |part: fn(&(f64, f64)) -> f64| upper.iter().map(part).fold(0.5, f64::max);
     let (left, high) = (1.12 * reach(|z| -z.0), 1.12 * reach(|z| z.1));
     let at = |h: Option<f64>| h.map_or_else(Vec::new, |h| drawn.iter().flat_map(|rates| places(rates, h)).collect());
-    let mark = |label: &str, h: Option<f64>, marker: Marker, color: usize| Line {
-        label: label.to_owned(),
-        points: at(h),
-        stroke: Stroke::None,
-        marker,
+    let mark = |label: &str, h: Option<f64>, marker: Marker, color: usize| {
+        let points = at(h);
+        let runs = vec![row.method.clone(); points.len()];
+        Line {
+            label: label.to_owned(),
+            points,
+            stroke: Stroke::None,
+            marker,
+            color: Some(color),
+            runs,
+            ..Line::default()
+        }
+    };
+    let region = Line {
+        label: "stable".to_owned(),
+        points: closed,
+        stroke: Stroke::Filled,
         color: Some(color),
         ..Line::default()
     };
-    let region =
-        Line { label: "stable".to_owned(), points: closed, stroke: Stroke::Filled, color: Some(0), ..Line::default() };
     Chart {
         title,
         x: Axis { label: "Re hλ".to_owned(), range: Some((-left, 0.2 * left)), ..Axis::default() },
         y: Axis { label: "Im hλ".to_owned(), range: Some((-high, high)), ..Axis::default() },
         lines: vec![
             region,
-            mark("scene, predicted limit", row.prediction.step, Marker::Dot, 1),
-            mark("scene, measured limit", row.measured.filter(|h| *h > 0.0), Marker::Ring, 6),
+            mark("scene, predicted limit", row.prediction.step, Marker::Dot, color),
+            mark("scene, measured limit", row.measured.filter(|h| *h > 0.0), Marker::Ring, BLACK),
         ],
         equal_units: true,
         size: PANEL,

@@ -7,7 +7,7 @@ use super::vary::Vary;
 use crate::format_number::figures;
 use crate::plot::chart::{Align, Axis, Chart, Line, MarginPanel, Marker, Note, PanelMark, PanelSide, Scale, Size};
 use crate::study::error::StudyError;
-use crate::study::report::style::{failure, method_color};
+use crate::study::report::style::{curve_color, failure, method_colors};
 use crate::study::row::RowStatus;
 
 /// Quantities that are drawn if nobody asks for others.
@@ -16,6 +16,10 @@ const SHOWN: usize = 4;
 const WIDE: f64 = 100.0;
 /// Longest name of a curve.
 const LONGEST: usize = 40;
+/// Significant digits in the name of a curve, the first that tell its number from the others.
+const DIGITS: [usize; 3] = [3, 5, 8];
+/// The key whose values are methods.
+const METHOD: &str = "time.method";
 
 /// The quantities that are drawn: those asked for, else the peaks of the gauges, else motion and speed.
 ///
@@ -55,17 +59,48 @@ pub(super) fn across(plan: &SweepPlan) -> Option<&Vary> {
     numeric.rev().max_by_key(|vary| vary.values.len()).or_else(|| plan.vary.first())
 }
 
+/// Values of a run in few words: those of all keys, or of all but one.
+pub(super) fn named(plan: &SweepPlan, row: &SweepRow, without: &str) -> String {
+    let keys = plan.vary.iter().filter(|vary| vary.key != without);
+    let word = |vary: &Vary| Some(format!("{} = {}", short(&vary.key), rounded(vary, row.job.values.get(&vary.key)?)));
+    keys.filter_map(word).collect::<Vec<_>>().join(", ")
+}
+
 /// The other keys of a run with their values: the name of its curve.
-pub(super) fn curve(plan: &SweepPlan, row: &SweepRow) -> String {
-    let x = across(plan).map_or("", |vary| vary.key.as_str());
-    let others = plan.vary.iter().filter(|vary| vary.key != x);
-    let words =
-        others.filter_map(|vary| Some(format!("{} = {}", short(&vary.key), plain(row.job.values.get(&vary.key)?))));
-    let name: String = words.collect::<Vec<_>>().join(", ");
+fn curve(plan: &SweepPlan, row: &SweepRow) -> String {
+    let name = named(plan, row, across(plan).map_or("", |vary| vary.key.as_str()));
     match name.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{}…", name.get(..end).unwrap_or_default()),
         None => name,
     }
+}
+
+/// A value with as many digits as tell it from the other ones.
+fn rounded(vary: &Vary, value: &serde_json::Value) -> String {
+    let numbers = vary.numbers().unwrap_or_default();
+    let (Some(x), false) = (value.as_f64(), numbers.is_empty()) else { return plain(value) };
+    let alone = |digits: &usize| {
+        let text = figures(x, *digits);
+        numbers.iter().filter(|other| figures(**other, *digits) == text).count() <= 1
+    };
+    DIGITS.into_iter().find(alone).map_or_else(|| plain(value), |digits| figures(x, digits))
+}
+
+/// Colours of the curves, each given by its first run: a curve of a method has the method's.
+fn colors(picture: &Picture<'_>, curves: &[&SweepRow]) -> Vec<usize> {
+    let mut others = picture.plan.vary.iter().filter(|vary| vary.key != picture.vary.key);
+    let only = others.next().is_some_and(|vary| vary.key == METHOD) && others.next().is_none();
+    let method = |row: &&'_ SweepRow| row.job.values.get(METHOD).and_then(method_name).filter(|_| only);
+    let names: Option<Vec<String>> = curves.iter().map(method).collect();
+    match names {
+        Some(names) => method_colors(names.iter().map(String::as_str)),
+        None => (0..curves.len()).map(curve_color).collect(),
+    }
+}
+
+/// The name in a value of `time.method`: a word, or an object whose only key it is.
+fn method_name(value: &serde_json::Value) -> Option<String> {
+    value.as_str().map(str::to_owned).or_else(|| value.as_object()?.keys().next().cloned())
 }
 
 /// The end of a key, from its last word on that is no number of an entry.
@@ -119,7 +154,6 @@ fn chart(picture: &Picture<'_>, size: Size) -> Chart {
     let &Picture { plan, rows, quantity, .. } = picture;
     let mut names: Vec<String> = Vec::new();
     let mut curves: Vec<Vec<(f64, f64, &SweepRow)>> = Vec::new();
-    let mut marks = Vec::new();
     for row in rows {
         let name = curve(plan, row);
         let number = names.iter().position(|other| *other == name).unwrap_or_else(|| {
@@ -127,36 +161,40 @@ fn chart(picture: &Picture<'_>, size: Size) -> Chart {
             curves.push(Vec::new());
             names.len() - 1
         });
-        let x = picture.place(row);
-        let y = quantity.of(row).filter(|_| row.result.status == RowStatus::Completed);
-        if y.is_none() {
-            let marker = failure(row.result.status).unwrap_or(Marker::Cross);
-            let (color, series) = (method_color(number), names.get(number).cloned().unwrap_or_default());
-            marks.push(PanelMark { at: Some(x), marker, color, series, run: row.job.id.clone() });
-        }
         // A run without a result interrupts its curve.
+        let y = quantity.of(row).filter(|_| row.result.status == RowStatus::Completed);
         if let Some(curve) = curves.get_mut(number) {
-            curve.push((x, y.unwrap_or(f64::NAN), row));
+            curve.push((picture.place(row), y.unwrap_or(f64::NAN), row));
         }
     }
+    let first: Vec<&SweepRow> = curves.iter().filter_map(|curve| Some(curve.first()?.2)).collect();
+    let colors = colors(picture, &first);
     let found: Vec<f64> = rows.iter().filter_map(|row| quantity.of(row)).collect();
-    let lines = names.into_iter().zip(curves).enumerate().map(|(number, (name, mut curve))| {
+    let (mut lines, mut marks) = (Vec::new(), Vec::new());
+    for ((series, mut curve), color) in names.into_iter().zip(curves).zip(colors) {
         curve.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Line {
-            series: name.clone(),
-            label: name,
+        marks.extend(curve.iter().filter(|(_, y, _)| y.is_nan()).map(|(x, _, row)| PanelMark {
+            at: Some(*x),
+            marker: failure(row.result.status).unwrap_or(Marker::Cross),
+            color,
+            series: series.clone(),
+            run: row.job.id.clone(),
+        }));
+        lines.push(Line {
+            label: series.clone(),
             points: curve.iter().map(|(x, y, _)| (*x, *y)).collect(),
             runs: curve.iter().map(|(_, _, row)| row.job.id.clone()).collect(),
             marker: Marker::Dot,
-            color: Some(method_color(number)),
+            color: Some(color),
+            series,
             ..Line::default()
-        }
-    });
+        });
+    }
     let x = picture.axis();
     let nothing = Note { at: middle(picture, x.scale), text: "no run has this number".to_owned(), align: Align::Above };
     Chart {
         title: format!("{}: {}", plan.name, quantity.name),
-        lines: lines.collect(),
+        lines,
         y: Axis { label: quantity.label(), scale: scale(&found, false), range: found.is_empty().then_some((0.0, 1.0)) },
         notes: if found.is_empty() { vec![nothing] } else { Vec::new() },
         margin_panel: (!marks.is_empty()).then(|| MarginPanel {
@@ -192,9 +230,4 @@ fn ends(picture: &Picture<'_>, scale: Scale) -> Option<(f64, f64)> {
 fn middle(picture: &Picture<'_>, scale: Scale) -> (f64, f64) {
     let (low, high) = ends(picture, scale).unwrap_or((0.0, 1.0));
     (if scale == Scale::Log { (low * high).sqrt() } else { f64::midpoint(low, high) }, 0.5)
-}
-
-/// A number for a table to read.
-pub(super) fn told(x: Option<f64>) -> String {
-    x.map(|x| figures(x, 5)).unwrap_or_default()
 }

@@ -6,22 +6,24 @@ use std::path::{Path, PathBuf};
 use minijinja::{Value, context};
 use serde::Serialize;
 
-use super::figure::{across, charts, chosen, told};
+use super::figure::{across, charts, chosen, named};
 use super::plan::{SweepPlan, plain};
 use super::run::SweepRow;
 use super::table::{Quantity, cells, header, quantities};
-use crate::plot::chart::{Size, legend_samples, svg_grid, svg_page};
+use crate::plot::chart::{Size, legend_samples, svg_grid};
 use crate::study::error::StudyError;
 use crate::study::plan::PROGRAM;
 use crate::study::report::{Machine, Rerun};
 use crate::study::row::RowStatus;
 use crate::study::store::{Store, remove, write_files};
-use crate::study::template::{PageFigure, render};
+use crate::study::template::{PageFigure, reasons, render, told};
 
 /// All files a report has.
 pub const FILES: [&str; 4] = ["sweep.csv", "sweep.json", "sweep.svg", "sweep.html"];
 /// Rows that are printed.
 const PRINTED: usize = 40;
+/// [px] Charts of the page, on wide and on narrow screens.
+const PAGE: [Size; 2] = [Size { width: 900, height: 480 }, Size { width: 460, height: 420 }];
 
 /// A sweep and how it is shown.
 pub struct SweepReport<'a> {
@@ -86,27 +88,29 @@ impl SweepReport<'_> {
         let &SweepReport { plan, rows, how: Rerun { command, machine }, .. } = self;
         let mut figures = Vec::new();
         for quantity in shown {
-            let wide = charts(plan, rows, &[quantity], Size { width: 900, height: 480 });
-            let narrow = charts(plan, rows, &[quantity], Size { width: 460, height: 420 });
-            let caption = format!("{} over {}.", quantity.name, across(plan).map_or("", |vary| &vary.key));
-            figures.push(PageFigure { caption, wide: svg_page(&wide, 1)?, narrow: svg_page(&narrow, 1)? });
+            for chart in charts(plan, rows, &[quantity], Size::default()) {
+                let caption = format!("{} over {}.", quantity.name, across(plan).map_or("", |vary| &vary.key));
+                figures.push(PageFigure::of(&chart, caption, PAGE)?);
+            }
         }
         let first = charts(plan, rows, shown.get(..1).unwrap_or_default(), Size::default());
         let legend = first.first().map(|chart| legend_samples(&chart.lines)).unwrap_or_default();
         let case_json = serde_json::to_string_pretty(&plan.case).map_err(|e| StudyError::Page(e.to_string()))?;
-        let hover = self.hover(all, shown);
-        let units: Vec<&str> = all.iter().map(|quantity| quantity.unit.as_str()).collect();
+        let told = self.told(all, shown);
+        let notes = reasons(rows.iter().map(|row| (named(plan, row, ""), row.result.status, row.result.note.as_str())));
+        let label = |name: &String| all.iter().find(|q| q.name == *name).map_or_else(|| name.clone(), Quantity::label);
+        let head: Vec<String> = head.iter().map(label).collect();
         let failures = self.failures();
         let failed: Vec<bool> = rows.iter().map(|row| row.result.status != RowStatus::Completed).collect();
         let page = context! {
-            version => PROGRAM, command, machine, plan, case_json, hover, figures, legend, head, table, units, failures,
-            failed,
+            version => PROGRAM, command, machine, plan, case_json, told, figures, legend, head, table, failures,
+            failed, notes,
         };
         render("sweep.html", include_str!("../../../assets/report/sweep.html"), &page)
     }
 
     /// What a mark of a run shows, by the run's identifier.
-    fn hover(&self, all: &[Quantity], shown: &[&Quantity]) -> BTreeMap<&str, Vec<[String; 2]>> {
+    fn told(&self, all: &[Quantity], shown: &[&Quantity]) -> BTreeMap<&str, Vec<[String; 2]>> {
         let of = |row: &SweepRow| {
             let values = row.job.values.iter().map(|(key, value)| [key.clone(), plain(value)]);
             let status = ["status".to_owned(), row.result.status.word().to_owned()];

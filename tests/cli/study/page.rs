@@ -11,7 +11,8 @@ use crate::bench::{Bench, Results};
 const VISITOR: &str = r#"
 <script>
 (function () {
-  var seen = { errors: window.pageErrors, marks: [], switches: [], width: document.documentElement.scrollWidth };
+  var root = document.documentElement;
+  var seen = { errors: window.pageErrors, marks: [], switches: [], width: root.scrollWidth, window: root.clientWidth };
   var shown = function (node) { return node.getClientRects().length > 0; };
   var tip = document.querySelector(".tip");
   document.querySelectorAll("figure svg").forEach(function (svg) {
@@ -49,7 +50,18 @@ const VISITOR: &str = r#"
 </script>
 "#;
 /// Before all other scripts.
-const LISTENER: &str = r#"<script>window.pageErrors = []; window.onerror = function (what) { window.pageErrors.push(String(what)); };</script>"#;
+const LISTENER: &str = r#"<script>window.pageErrors = []; window.onerror = function (what) { window.pageErrors.push(String(what)); };
+console.error = window.onerror;</script>"#;
+
+/// A window of any width: that of a browser is at least 500 px wide. It takes over what the visitor saw.
+fn host(width: u32) -> String {
+    format!(
+        r#"<!DOCTYPE html><body><iframe src="visited.html" style="border: 0; width: {width}px; height: 900px"></iframe><script>
+window.onload = function () {{
+  document.body.appendChild(document.querySelector("iframe").contentDocument.getElementById("seen"));
+}};</script></body>"#
+    )
+}
 
 /// A browser without a window, if there is one: CANOPY_FEM_BROWSER names another.
 fn browser() -> Option<PathBuf> {
@@ -68,11 +80,14 @@ fn visit(browser: &Path, page: &Path, width: u32) -> Value {
     let text =
         text.replacen("<head>", &format!("<head>{LISTENER}"), 1).replace("</body>", &format!("{VISITOR}</body>"));
     std::fs::write(&visited, text).expect("written");
+    let host_page = page.with_file_name("host.html");
+    std::fs::write(&host_page, host(width)).expect("written");
     let profile = tempfile::TempDir::new().expect("a folder");
     let done = Command::new(browser)
         .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--dump-dom"])
-        .args([format!("--window-size={width},900"), format!("--user-data-dir={}", profile.path().display())])
-        .arg(format!("file://{}", visited.display()))
+        .args(["--allow-file-access-from-files", "--window-size=1500,1000"])
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .arg(format!("file://{}", host_page.display()))
         .output()
         .expect("the browser starts");
     let dom = String::from_utf8_lossy(&done.stdout);
@@ -86,15 +101,22 @@ fn visit(browser: &Path, page: &Path, width: u32) -> Value {
 fn check(seen: &Value, width: u32) {
     assert_eq!(seen["errors"], serde_json::json!([]));
     let marks = seen["marks"].as_array().expect("marks");
+    assert!(!marks.is_empty(), "no mark is shown");
     assert!(marks.iter().all(|mark| mark["text"].is_string() && mark["inside"] == true), "{marks:#?}");
     for one in seen["switches"].as_array().expect("switches") {
         let count = |key: &str| one[key].as_u64().expect("a number");
         assert!(count("before") > 0 && count("off") == 0 && count("after") == count("before"), "{one}");
     }
-    assert!(seen["width"].as_u64().is_some_and(|seen| seen <= u64::from(width.max(500))), "{}", seen["width"]);
+    // A bar for scrolling down takes some of the width.
+    let [page, window] = ["width", "window"].map(|key| seen[key].as_u64().expect("pixels"));
+    assert!(page <= window && window <= u64::from(width), "{page} px in a window of {window} px");
 }
 
-/// Rounded as the page rounds it.
+/// A number of the csv file as the page rounds it.
+fn rounded(number: f64) -> String {
+    canopy_fem::format_number::figures(number, 6)
+}
+
 fn told(seen: &Value, run: &str, wanted: &str) {
     let marks = seen["marks"].as_array().expect("marks").iter().filter(|mark| mark["run"] == run);
     let texts: Vec<&str> = marks.filter_map(|mark| mark["text"].as_str()).collect();
@@ -118,7 +140,7 @@ fn pages_of_studies_in_a_browser() {
         assert_eq!(seen["switches"].as_array().map(Vec::len), Some(2));
         for (row, speed) in table.rows.iter().zip(table.column("max_speed")) {
             let run = format!("{:05}-{}-{}", row[0].parse::<usize>().expect("a number"), row[1], row[2]);
-            told(&seen, &run, &canopy_fem::format_number::figures(speed, 5));
+            told(&seen, &run, &rounded(speed));
             told(&seen, &run, &row[2]);
         }
     }
@@ -133,8 +155,21 @@ fn pages_of_studies_in_a_browser() {
         for row in &study.rows {
             told(&seen, &row.job.id, &row.label());
             if let Some(error) = row.measured.error {
-                told(&seen, &row.job.id, &canopy_fem::format_number::figures(error, 3));
+                told(&seen, &row.job.id, &rounded(error));
             }
+            told(&seen, &row.job.id, &row.cpu_seconds.map(rounded).unwrap_or_default());
+        }
+    }
+    let flags = ["--methods", "rk4,newmark,euler-cromer", "--end", "0.2", "--out", "l"];
+    let ended = bench.run(&[&["stability", "sail.json"], &flags[..]].concat());
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let table = Results(bench.path("l")).table("stability.csv");
+    for width in [1440, 390] {
+        let seen = visit(&browser, &bench.path("l/stability.html"), width);
+        check(&seen, width);
+        for (row, predicted) in table.rows.iter().zip(table.column("predicted")).filter(|(_, step)| step.is_finite()) {
+            told(&seen, &row[0], &rounded(predicted));
+            told(&seen, &row[0], &rounded(row[2].parse().expect("a measured limit")));
         }
     }
 }
