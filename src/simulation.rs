@@ -53,6 +53,7 @@
 
 mod builder;
 mod derivative;
+mod doubts;
 mod error;
 mod follow;
 mod record;
@@ -62,6 +63,7 @@ pub use crate::force::law::bar_law::{BarForce, BarLaw, Bars};
 pub use crate::scene::{ForceDerivative, Load, NodalForce};
 pub use builder::{NetworkBuilder, RunSettings, SpringLaw};
 pub use derivative::{DerivativeError, derivative_error};
+pub use doubts::{check_solver, doubts_at_end};
 pub use error::{SetupError, SimulationError};
 pub use follow::{FollowSpec, FollowedState, follow};
 pub use record::{EarlierResults, RecordError, RecordSettings, Recorded, record};

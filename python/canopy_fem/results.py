@@ -211,7 +211,8 @@ class Result:
 
     def _repr_html_(self) -> str:
         rows = [("status", self.status), ("steps", self.summary["steps"]), ("end [s]", f"{self.summary['t_end']:g}")]
-        rows += [("energy error", f"{self.summary['energy_error']:.2e}"), ("folder", self.folder)]
+        rows += [("energy error", f"{self.summary['energy_error']:.2e}")]
+        rows += [("folder", "temporary" if self._keeper else self.folder)]
         rows += [(name, f"{value:.6g}") for name, value in self.peaks.items() if value is not None]
         cells = "".join(f"<tr><td>{html.escape(str(a))}</td><td>{html.escape(str(b))}</td></tr>" for a, b in rows)
         return f"<b>{html.escape(repr(self))}</b><table>{cells}</table>"

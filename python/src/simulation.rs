@@ -1,8 +1,8 @@
 //! The simulation that a program drives.
 
 use crate::arrays::{filled, indices, of_numbers, of_rows, rows, vector};
-use crate::case::Case;
-use crate::errors::{CaseError, SimulationError, engine, of_simulation};
+use crate::case::{Case, scene_of};
+use crate::errors::{CaseError, SimulationError, engine, of_record, of_simulation};
 use crate::forces::{PythonForce, Raised, raised};
 use crate::interrupt::LOOK;
 use crate::network::Network;
@@ -11,7 +11,7 @@ use crate::values::{Energies, Step, from_json};
 use canopy_fem::drive::clock::{self, Tolerance};
 use canopy_fem::integrate::registry::MethodChoice;
 use canopy_fem::mesh::{Mesh, Topology};
-use canopy_fem::simulation::{self as door, Load, RunSettings, SimulationError as Refusal, StepInfo};
+use canopy_fem::simulation::{self as door, Load, RecordError, RunSettings, SimulationError as Refusal, StepInfo};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -80,18 +80,17 @@ impl Simulation {
                 engine(py, move || {
                     let problem = case.problem();
                     let settings = RunSettings { keep_going, ..RunSettings::of_case(problem, threads) };
-                    let scene = door::build_scene(problem.system.clone(), threads)?;
-                    door::Simulation::of_scene(scene.into(), settings)
+                    Ok::<_, RecordError>(door::Simulation::of_scene(scene_of(&case, threads)?, settings)?)
                 })?
             }
             (_, Ok(network), Some(settings)) => {
                 let settings = RunSettings { threads, keep_going, ..settings.run()? };
                 let spec = network.get().spec()?;
-                engine(py, move || door::Simulation::new(spec, settings))?
+                engine(py, move || Ok(door::Simulation::new(spec, settings)?))?
             }
             _ => return Err(PyTypeError::new_err("a simulation is made of a case or of a network")),
         };
-        let sim = made.map_err(|error| of_simulation(py, error))?;
+        let sim = made.map_err(|error| of_record(py, error))?;
         let scene = sim.scene();
         let mesh = Mesh {
             nodes: scene.reference().to_vec(),
