@@ -133,11 +133,12 @@ def test_exceptions_of_forces_come_out_of_the_step(small, wrong, error):
     """What a force raises ends the step, which has not happened; without the force the simulation goes on."""
     sim = cf.Simulation(small)
     sim.step(3)
-    before = sim.positions
+    before, passes = sim.positions, sim.counters["force_evaluations"]
     sim.forces["wrong"] = wrong
     with pytest.raises(error):
         sim.step()
     assert sim.step_count == 3 and (sim.positions == before).all()
+    assert sim.counters["force_evaluations"] - passes < 10
     del sim.forces["wrong"]
     sim.step()
 
@@ -236,11 +237,14 @@ def test_two_threads_cannot_use_one_simulation():
 
 
 @pytest.mark.skipif(not hasattr(signal, "raise_signal") or os.name == "nt", reason="needs signals")
-@pytest.mark.parametrize("how", ["run", "record", "rollout"])
+@pytest.mark.parametrize("how", ["run", "function", "record", "rollout"])
 def test_ctrl_c_is_quick(how, tmp_path):
-    """KeyboardInterrupt comes at once from whatever is running; 5 s would be a hang, on any machine."""
+    """KeyboardInterrupt comes at once from whatever is running; 5 s would be a hang, on any machine. A function that is
+    interrupted is called no more, and its step is not looked into."""
     case = cf.Case(CASES / "cloth-k1000.json", {"time.end": 2000.0, "output.frames.every": 100.0})
     sim = cf.Simulation(case)
+    if how == "function":
+        sim.forces["none"] = lambda t, x, v: 0.0 * x
     sent = []
 
     def interrupt():
@@ -252,12 +256,13 @@ def test_ctrl_c_is_quick(how, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         {
             "run": sim.run,
+            "function": sim.run,
             "record": lambda: cf.run(case, tmp_path / "out"),
             "rollout": lambda: cf.rollout([case] * 3, threads=2),
         }[how]()
     late = time.perf_counter() - sent[0]
     assert late < 5.0, late
-    if how == "run":
+    if how in ("run", "function"):
         sim.step()
     if how == "record":
         assert (tmp_path / "out" / "checkpoint.bin").exists()
