@@ -202,7 +202,8 @@ class Result:
                 axes.plot(self.history["t"], self.history[name], label=name.replace("_", " "))
         axes.set_xlabel("time [s]")
         axes.set_ylabel("energy [J]")
-        axes.legend()
+        # Above the axes, where it hides no line.
+        axes.legend(ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
         return axes
 
     def __repr__(self) -> str:
