@@ -133,12 +133,11 @@ def test_exceptions_of_forces_come_out_of_the_step(small, wrong, error):
     """What a force raises ends the step, which has not happened; without the force the simulation goes on."""
     sim = cf.Simulation(small)
     sim.step(3)
-    before, passes = sim.positions, sim.counters["force_evaluations"]
+    before = sim.positions
     sim.forces["wrong"] = wrong
     with pytest.raises(error):
         sim.step()
     assert sim.step_count == 3 and (sim.positions == before).all()
-    assert sim.counters["force_evaluations"] - passes < 10
     del sim.forces["wrong"]
     sim.step()
 
