@@ -246,8 +246,8 @@ impl Simulation {
         self.scene.external().is_some_and(|external| external.has_derivatives(Some(name)))
     }
 
-    /// From now on, a step that fails while `flag` is set is not looked into, which can take longer than many steps: for
-    /// a force that has failed for a reason of its own, and fills its forces with NaN.
+    /// From now on, no cause is sought for a step that fails while `flag` is set, which can take longer than many
+    /// steps: for a force that has failed for a reason of its own, and fills its forces with NaN.
     pub fn stop_on(&mut self, flag: Arc<AtomicBool>) {
         self.stop = Some(flag);
     }
