@@ -24,7 +24,9 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     """As PEP 517 has it."""
     here = Path.cwd()
     workspace = next(folder for folder in (here, *here.parents) if (folder / "Cargo.lock").exists())
-    build = ["cargo", "build", "--release", "--package", "canopy-fem", "--bin", "canopy-fem"]
+    # Naming the module too gives all crates the features that it needs, so that the engine is compiled once for both.
+    packages = ["--package", "canopy-fem", "--package", "canopy-fem-python"]
+    build = ["cargo", "build", "--release", *packages, "--bin", "canopy-fem"]
     subprocess.run(build, cwd=workspace, check=True)
     ask = ["cargo", "metadata", "--format-version", "1", "--no-deps"]
     metadata = json.loads(subprocess.run(ask, cwd=workspace, check=True, capture_output=True).stdout)

@@ -29,6 +29,7 @@
 //! | choose method, steps, threads | [`RunSettings::fixed`], [`RunSettings::adaptive`], [`RunSettings::of`] |
 //! | make steps | [`Simulation::step`], [`Simulation::advance`], [`Simulation::run_until`] |
 //! | stop on the way | [`Simulation::run_until_or`] |
+//! | give up on a step | [`Simulation::stop_on`] |
 //! | look at a step first | [`Simulation::attempt`]; [`Simulation::accept`] or [`Simulation::drop_attempt`] |
 //! | read nodes | [`Simulation::positions`], [`Simulation::velocities`], [`Simulation::reactions`] |
 //! | read springs and energies | [`Simulation::tensions`], [`Simulation::energies`] |
@@ -53,6 +54,7 @@
 
 mod builder;
 mod derivative;
+mod doubts;
 mod error;
 mod follow;
 mod record;
@@ -62,6 +64,7 @@ pub use crate::force::law::bar_law::{BarForce, BarLaw, Bars};
 pub use crate::scene::{ForceDerivative, Load, NodalForce};
 pub use builder::{NetworkBuilder, RunSettings, SpringLaw};
 pub use derivative::{DerivativeError, derivative_error};
+pub use doubts::{check_solver, doubts_at_end};
 pub use error::{SetupError, SimulationError};
 pub use follow::{FollowSpec, FollowedState, follow};
 pub use record::{EarlierResults, RecordError, RecordSettings, Recorded, record};
@@ -140,6 +143,8 @@ pub struct Simulation {
     changed: Changed,
     /// whether it goes on from a snapshot
     resumed: bool,
+    /// when it is set, no failure is looked into
+    stop: Option<Arc<AtomicBool>>,
 }
 
 impl Simulation {
@@ -208,8 +213,8 @@ impl Simulation {
 
     fn at(scene: Arc<dyn Scene>, settings: RunSettings, scheme: Scheme, state: RunState) -> Self {
         let (scheme, pending, wind, resumed) = (Some(scheme), None, None, false);
-        let (rest_length_factors, changed) = (Vec::new(), Changed::Nothing);
-        Simulation { scene, scheme, settings, state, pending, wind, rest_length_factors, changed, resumed }
+        let (rest_length_factors, changed, stop) = (Vec::new(), Changed::Nothing, None);
+        Simulation { scene, scheme, settings, state, pending, wind, rest_length_factors, changed, resumed, stop }
     }
 
     /// Makes one step: of the fixed size, or of the size that the tolerance allows. An adaptive step whose error was
@@ -408,7 +413,9 @@ impl Simulation {
         }
         let scene = &*self.scene;
         let mut stepper = self.settings.bind(scheme, scene)?;
-        let mut run = Run { scene, spec: self.settings.spec(), stop, state: &mut self.state };
+        let interrupt = self.stop.as_deref().map_or(Stop::NEVER, Stop::on);
+        let spec = RunSpec { interrupt, ..self.settings.spec() };
+        let mut run = Run { scene, spec, stop, state: &mut self.state };
         let ready = match self.changed {
             Changed::Nothing => Ok(()),
             changed => run.state.refresh(scene, &mut stepper, changed),

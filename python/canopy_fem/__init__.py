@@ -8,7 +8,7 @@ The engine of the program ``canopy-fem``. Units are SI; nodes, edges and triangl
 `Simulation`                       a scene in motion: step by step, with forces and changes from outside
 `Network`                          masses and springs from arrays
 `rollout`                          many runs at once, on a pool of threads
-`check`, `tradeoff`, `stability`   studies
+`check`, `tradeoff`, `sweep`, …    studies
 `mesh`                             generators, files, meshio, pyvista
 `CaseError`, `Diverged`, …         exceptions
 =================================  ===================================================================
@@ -20,7 +20,7 @@ from .case import Case
 from .errors import CanopyError, CaseError, Diverged, Ended, Fault, InternalError, SimulationError
 from .results import CaseWarning, Result, load, run
 from .simulation import Motion, Network, Simulation
-from .studies import check, program, rollout, stability, tradeoff
+from .studies import check, program, rollout, stability, sweep, tradeoff
 
 __all__ = [
     "CanopyError",
@@ -49,5 +49,6 @@ __all__ = [
     "run",
     "schema",
     "stability",
+    "sweep",
     "tradeoff",
 ]

@@ -158,7 +158,7 @@ def plain(value: Any, at: str = "", depth: int = 0) -> Any:
     if isinstance(value, CoreMesh):
         return {"explicit": _explicit(value)}
     if isinstance(value, np.ndarray):
-        return _list_of(value, at)
+        return _list_of(np.asarray(value), at)
     if isinstance(value, Mapping):
         return {_key(key, at): plain(entry, f"{at}/{key}", depth + 1) for key, entry in value.items()}
     if isinstance(value, Sequence) and not isinstance(value, (bytes, bytearray, memoryview)):

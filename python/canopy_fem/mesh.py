@@ -40,27 +40,28 @@ def generate(kind: str, **parameters: Any) -> Mesh:
 
 
 def annulus(*, inner_radius: float, outer_radius: float, nodes: int, **more: Any) -> Mesh:
-    """A flat ring [m] in the x-y plane; more: boundary_nodes, seams, seed, grading."""
+    """A flat ring [m] in the x-y plane; more: boundary_nodes, seams, seed, grading. Raises CaseError as `generate`."""
     return generate("annulus", inner_radius=inner_radius, outer_radius=outer_radius, nodes=nodes, **more)
 
 
 def disc(*, radius: float, nodes: int, **more: Any) -> Mesh:
-    """A flat disc [m] in the x-y plane; more: boundary_nodes, seams, seed, grading."""
+    """A flat disc [m] in the x-y plane; more: boundary_nodes, seams, seed, grading. Raises CaseError as `generate`."""
     return generate("disc", radius=radius, nodes=nodes, **more)
 
 
 def rectangle(*, width: float, height: float, columns: int, rows: int, **more: Any) -> Mesh:
-    """A flat rectangle [m] in the x-y plane, of columns times rows cells; more: pattern."""
+    """A flat rectangle [m] in the x-y plane, of columns times rows cells; more: pattern. Raises as `generate`."""
     return generate("rectangle", width=width, height=height, columns=columns, rows=rows, **more)
 
 
 def chain(*, start: npt.ArrayLike, end: npt.ArrayLike, segments: int) -> Mesh:
-    """A straight line of edges between two points [m], (3,) each."""
+    """A straight line of edges between two points [m], (3,) each. Raises CaseError as `generate`."""
     return generate("chain", **{"from": np.asarray(start), "to": np.asarray(end), "segments": segments})
 
 
 def parachute(**parameters: Any) -> Mesh:
-    """A rigged parachute; the keywords of "parachute" in a case, e.g. type="flat-circular", nominal_diameter=8.5."""
+    """A rigged parachute; the keywords of "parachute" in a case, e.g. type="flat-circular", nominal_diameter=8.5 [m].
+    Raises CaseError as `generate`."""
     return generate("parachute", **parameters)
 
 

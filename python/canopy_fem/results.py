@@ -202,7 +202,8 @@ class Result:
                 axes.plot(self.history["t"], self.history[name], label=name.replace("_", " "))
         axes.set_xlabel("time [s]")
         axes.set_ylabel("energy [J]")
-        axes.legend()
+        # Above the axes, where it hides no line.
+        axes.legend(ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
         return axes
 
     def __repr__(self) -> str:
@@ -211,7 +212,8 @@ class Result:
 
     def _repr_html_(self) -> str:
         rows = [("status", self.status), ("steps", self.summary["steps"]), ("end [s]", f"{self.summary['t_end']:g}")]
-        rows += [("energy error", f"{self.summary['energy_error']:.2e}"), ("folder", self.folder)]
+        rows += [("energy error", f"{self.summary['energy_error']:.2e}")]
+        rows += [("folder", "temporary" if self._keeper else self.folder)]
         rows += [(name, f"{value:.6g}") for name, value in self.peaks.items() if value is not None]
         cells = "".join(f"<tr><td>{html.escape(str(a))}</td><td>{html.escape(str(b))}</td></tr>" for a, b in rows)
         return f"<b>{html.escape(repr(self))}</b><table>{cells}</table>"

@@ -6,11 +6,12 @@ import csv
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -18,10 +19,13 @@ from typing import Any
 import numpy.typing as npt
 
 from . import _core
-from .case import Case, as_case
+from .case import Case, as_case, plain
 from .errors import CanopyError, CaseError
 
-__all__ = ["check", "program", "rollout", "stability", "tradeoff"]
+__all__ = ["check", "program", "rollout", "stability", "sweep", "tradeoff"]
+
+# [s] for the program to end after an interrupt.
+_PATIENCE = 10.0
 
 
 def rollout(
@@ -103,6 +107,51 @@ def stability(
     return _study("stability", case, out, arguments, replace)
 
 
+def sweep(
+    case: Any,
+    vary: Mapping[str, Any],
+    out: str | os.PathLike[str] | None = None,
+    *,
+    arguments: Sequence[str] = (),
+    replace: bool = False,
+) -> list[dict[str, Any]]:
+    """The study of ``canopy-fem sweep``: the case once for every value of its keys, a dictionary a run with the columns
+    of sweep.csv. A run that fails is a row whose `status` and `note` say so.
+
+    Args:
+        case: a `Case`, a case file or a dictionary.
+        vary: values by dotted path: a list or an array, or a range as the command has it, ``"log:1..100:9"``. Several
+            keys make a grid.
+        out: folder for sweep.csv, .json, .svg and .html; they are not kept if left out.
+        arguments: further arguments of the command, e.g. ``["--plot", "max_speed", "--threads", "1"]``.
+        replace: replace an earlier sweep in the folder. Without it an unfinished sweep of the same runs goes on.
+
+    Raises:
+        CaseError: the case has faults with one of the values, or the arguments do not fit.
+        TypeError: `vary` is no dictionary of lists.
+
+    >>> swing = {"pendulum": {"length": 1, "mass": 2, "damping": 0, "gravity": 9.81, "angle": 0.5}}
+    >>> case = {"name": "swing", "system": swing, "time": {"end": 0.1, "step": 1e-3, "method": "rk4"}}
+    >>> rows = sweep(case, {"time.method": ["rk4", "newmark"]})
+    >>> [(row["time.method"], row["steps"]) for row in rows]
+    [('rk4', 100), ('newmark', 100)]
+    """
+    if not isinstance(vary, Mapping):
+        raise TypeError(f"vary is a dictionary of dotted paths and values, not {type(vary).__name__}")
+    varied = [f"--vary={key}={_values(key, values)}" for key, values in vary.items()]
+    return _study("sweep", case, out, [*varied, *arguments], replace)
+
+
+def _values(key: Any, values: Any) -> str:
+    """Values of a key as the command takes them."""
+    if isinstance(values, str):
+        return values
+    listed = plain(values, f"/{key}")
+    if not isinstance(listed, list) or not listed:
+        raise TypeError(f'{key}: give a list of values, or a range such as "log:1..100:9"')
+    return ",".join(json.dumps(value) for value in listed)
+
+
 def _study(command: str, case: Any, out: Any, more: Sequence[str], replace: bool) -> list[dict[str, Any]]:
     with tempfile.TemporaryDirectory(prefix="canopy-fem-") as scratch, _file_of(as_case(case)) as arguments:
         folder = Path(scratch) / command if out is None else Path(os.fspath(out))
@@ -156,8 +205,24 @@ def _file_of(case: Case) -> Iterator[list[str]]:
 
 
 def _call(arguments: Sequence[str]) -> str:
-    done = subprocess.run([program(), *arguments], capture_output=True, text=True, encoding="utf-8", check=False)
-    if done.returncode == 0:
-        return done.stdout
-    message = done.stderr.strip().removeprefix("error: ")
-    raise (CaseError if done.returncode == 2 else CanopyError)(message)
+    pipe = subprocess.PIPE
+    started = subprocess.Popen([program(), *arguments], stdout=pipe, stderr=pipe, text=True, encoding="utf-8")
+    with started as process:
+        try:
+            out, told = process.communicate()
+        except BaseException:
+            _interrupt(process)
+            raise
+    if process.returncode == 0:
+        return out
+    message = told.strip().removeprefix("error: ")
+    raise (CaseError if process.returncode == 2 else CanopyError)(message)
+
+
+def _interrupt(process: subprocess.Popen[str]) -> None:
+    """Lets the program save what it has, as after Ctrl-C, and ends it if it does not end by itself."""
+    process.send_signal(signal.SIGTERM if sys.platform == "win32" else signal.SIGINT)
+    try:
+        process.communicate(timeout=_PATIENCE)
+    except subprocess.TimeoutExpired:
+        process.kill()

@@ -4,6 +4,8 @@ use crate::errors::{engine, of_case};
 use crate::values::from_json;
 use canopy_fem::case;
 use canopy_fem::integrate::registry::{Family, methods as registry};
+use canopy_fem::scene::Scene;
+use canopy_fem::simulation::{RecordError, build_scene, check_solver};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -79,6 +81,17 @@ impl Case {
         let case = engine(py, read)?.map_err(|error| of_case(py, error))?;
         Ok(Case { case: Arc::new(case) })
     }
+}
+
+/// Builds the scene of a case for a number of threads.
+///
+/// # Errors
+/// A specification that contradicts itself, and a solver that does not fit the scene.
+pub fn scene_of(case: &case::Case, threads: usize) -> Result<Arc<dyn Scene>, RecordError> {
+    let problem = case.problem();
+    let scene = build_scene(problem.system.clone(), threads)?;
+    check_solver(problem, &*scene, case.source())?;
+    Ok(scene.into())
 }
 
 /// The JSON Schema of a case, as a dictionary.

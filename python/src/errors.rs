@@ -93,6 +93,7 @@ pub fn of_simulation(py: Python<'_>, error: Refusal) -> PyErr {
 /// The exception of a run that cannot be recorded.
 pub fn of_record(py: Python<'_>, error: RecordError) -> PyErr {
     match error {
+        RecordError::Case(error) => of_case(py, error),
         RecordError::Simulation(error) => of_simulation(py, error),
         RecordError::Setup(error) => of_simulation(py, Refusal::Setup(error)),
         other => PyOSError::new_err(other.to_string()),

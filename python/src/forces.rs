@@ -4,14 +4,26 @@ use crate::arrays::{of_rows, rows};
 use canopy_fem::simulation::NodalForce;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Where an exception of a force waits until the step has ended.
-pub type Raised = Arc<Mutex<Option<PyErr>>>;
+#[derive(Default)]
+pub struct Raised {
+    error: Mutex<Option<PyErr>>,
+    /// whether there is one, for the engine to give up on the step
+    pub flag: Arc<AtomicBool>,
+}
 
-/// Takes the waiting exception.
-pub fn raised(slot: &Raised) -> Option<PyErr> {
-    slot.lock().unwrap_or_else(PoisonError::into_inner).take()
+impl Raised {
+    fn slot(&self) -> MutexGuard<'_, Option<PyErr>> {
+        self.error.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes the waiting exception.
+    pub fn take(&self) -> Option<PyErr> {
+        if self.flag.swap(false, Ordering::Relaxed) { self.slot().take() } else { None }
+    }
 }
 
 /// A force `function(t, x, v)` -> (n, 3).
@@ -23,7 +35,7 @@ pub struct PythonForce {
     /// whether it depends on velocities
     pub velocity_dependent: bool,
     /// where its exceptions go
-    pub raised: Raised,
+    pub raised: Arc<Raised>,
 }
 
 impl PythonForce {
@@ -41,12 +53,16 @@ impl PythonForce {
 
 impl NodalForce for PythonForce {
     fn add(&self, t: f64, x: &[[f64; 3]], v: &[[f64; 3]], f: &mut [[f64; 3]]) {
-        let mut slot = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
-        let force = match *slot {
-            // The step has failed already.
-            Some(_) => None,
-            None => Python::attach(|py| self.call(py, t, x, v)).map_err(|error| *slot = Some(error)).ok(),
-        };
+        let raised = &self.raised;
+        // The step may have failed already.
+        let force = (!raised.flag.load(Ordering::Relaxed)).then(|| Python::attach(|py| self.call(py, t, x, v)));
+        let force = force.and_then(|made| {
+            let keep = |error| {
+                *raised.slot() = Some(error);
+                raised.flag.store(true, Ordering::Relaxed);
+            };
+            made.map_err(keep).ok()
+        });
         match force {
             Some(force) => {
                 for (sum, force) in f.as_flattened_mut().iter_mut().zip(force.as_flattened()) {

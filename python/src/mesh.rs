@@ -13,7 +13,17 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A mesh: nodes, edges and triangles, in the user's numbering. Made by the functions of canopy_fem.mesh.
+/// A mesh: nodes, edges and triangles, in the user's numbering. Made of arrays, or by the functions of canopy_fem.mesh.
+///
+/// Args:
+///     nodes: positions [m], (n, 3).
+///     edges: pairs of nodes, (m, 2); the sides of the triangles if left out.
+///     triangles: (k, 3).
+///     groups: {name: {"nodes" | "edges" | "triangles": numbers}}.
+///
+/// Raises:
+///     CaseError: a mesh that contradicts itself, e.g. a node that does not exist.
+///     ValueError, TypeError, KeyError: arrays of another shape or type, an unknown kind of member.
 #[pyclass(module = "canopy_fem._core", frozen, subclass)]
 pub struct Mesh {
     /// the mesh, which has passed its check
@@ -23,8 +33,6 @@ pub struct Mesh {
 
 #[pymethods]
 impl Mesh {
-    /// nodes: positions [m], (n, 3); edges: pairs of nodes, (m, 2), the sides of the triangles if left out; triangles:
-    /// (k, 3); groups: {name: {"nodes" | "edges" | "triangles": numbers}}.
     #[new]
     #[pyo3(signature = (nodes, *, edges=None, triangles=None, groups=None))]
     fn new(
@@ -90,7 +98,8 @@ impl Mesh {
         self.notes.clone()
     }
 
-    /// Numbers that tell how good it is: angles [deg], lengths [m], areas [m^2], radius ratios [-], counts.
+    /// Numbers that tell how good it is: angles [deg], lengths [m], areas [m^2], radius ratios [-] (twice the radius of
+    /// the inner circle over that of the outer one, 1 for equal sides), counts.
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let measured = engine(py, || Quality::new(&self.mesh))?.map_err(|error| of_mesh(&error))?;
         let numbers = [
@@ -112,6 +121,10 @@ impl Mesh {
     }
 
     /// Writes the mesh as .vtu (all) or .obj (no groups). An existing file is refused unless replace is True.
+    ///
+    /// Raises:
+    ///     OSError: the file exists already, or cannot be written.
+    ///     CaseError: another ending.
     #[pyo3(signature = (path, *, replace=false))]
     fn write(&self, py: Python<'_>, path: PathBuf, replace: bool) -> PyResult<()> {
         engine(py, || write_mesh(&self.mesh, &path, replace))?.map_err(|error| of_mesh(&error))

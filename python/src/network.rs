@@ -35,6 +35,9 @@ impl Network {
     /// Adds springs between pairs of nodes, (m, 2), or on all edges of the mesh if pairs is None. stiffness [N/m],
     /// rest_length [m] (default: the distance as given) and dashpot [N s/m] are a number each or one for all. slack:
     /// "none" or "tension-only"; dashpot_kind: "axial" or "relative".
+    ///
+    /// Raises:
+    ///     ValueError, TypeError: arrays of another shape or type, nodes that do not exist.
     #[pyo3(signature = (pairs=None, *, stiffness, rest_length=None, slack="none", dashpot=None, dashpot_kind="axial"))]
     fn springs(
         &self,
@@ -82,6 +85,9 @@ impl Network {
     }
 
     /// Holds nodes in x, y and z, or in those directions that are named.
+    ///
+    /// Raises:
+    ///     ValueError, TypeError: nodes that do not exist, other directions.
     #[pyo3(signature = (nodes, directions="xyz"))]
     fn hold(&self, nodes: &Bound<'_, PyAny>, directions: &str) -> PyResult<()> {
         if directions.is_empty() || directions.chars().any(|c| !"xyz".contains(c)) {
@@ -97,7 +103,10 @@ impl Network {
         Ok(())
     }
 
-    /// Adds a constant force [N], a vector, on each of these nodes.
+    /// Adds a constant force [N], (3,), on each of these nodes.
+    ///
+    /// Raises:
+    ///     ValueError, TypeError: nodes that do not exist, another shape or type.
     fn force(&self, nodes: &Bound<'_, PyAny>, force: &Bound<'_, PyAny>) -> PyResult<()> {
         let mut builder = self.builder()?;
         let mut nodes = existing(&builder.spec, indices(nodes, "nodes")?)?;
@@ -109,6 +118,9 @@ impl Network {
     }
 
     /// Starts displaced [m] and moving [m/s]: each (n, 3) or left out.
+    ///
+    /// Raises:
+    ///     ValueError, TypeError: another shape or type.
     #[pyo3(signature = (*, displacement=None, velocity=None))]
     fn initial(&self, displacement: Option<&Bound<'_, PyAny>>, velocity: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let mut builder = self.builder()?;

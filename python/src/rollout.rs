@@ -1,8 +1,8 @@
 //! Many runs at once, in memory.
 
 use crate::arrays::of_rows;
-use crate::case::Case;
-use crate::errors::of_simulation;
+use crate::case::{Case, scene_of};
+use crate::errors::of_record;
 use crate::interrupt::watched;
 use crate::record::checked_threads;
 use crate::values::{Energies, from_json};
@@ -10,7 +10,7 @@ use canopy_fem::case::Case as EngineCase;
 use canopy_fem::drive::Outcome;
 use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
 use canopy_fem::scene::Scene;
-use canopy_fem::simulation::{RunSettings, Simulation, SimulationError, build_scene};
+use canopy_fem::simulation::{RecordError, RunSettings, Simulation, SimulationError};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -162,12 +162,12 @@ struct Kept<'a> {
     every: Option<f64>,
 }
 
-fn run(case: &EngineCase, kept: Kept<'_>, stop: &AtomicBool) -> Result<Rollout, SimulationError> {
+fn run(case: &EngineCase, kept: Kept<'_>, stop: &AtomicBool) -> Result<Rollout, RecordError> {
     let problem = case.problem();
-    let scene: Arc<dyn Scene> = build_scene(problem.system.clone(), 1)?.into();
+    let scene = scene_of(case, 1)?;
     let n = scene.reference().len();
     if let Some((place, &node)) = kept.nodes.iter().enumerate().find(|(_, node)| **node as usize >= n) {
-        return Err(SimulationError::NoNode { what: "nodes: place", place, node, nodes: n });
+        return Err(SimulationError::NoNode { what: "nodes: place", place, node, nodes: n }.into());
     }
     let mut simulation = Simulation::of_scene(scene.clone(), RunSettings::of_case(problem, 1))?;
     let Kept { nodes, every } = kept;
@@ -198,7 +198,7 @@ pub fn rollout(
     let cases: Vec<Arc<EngineCase>> = cases.iter().map(|case| case.get().case.clone()).collect();
     let (nodes, next) = (nodes.unwrap_or_default(), AtomicUsize::new(0));
     let kept = Kept { nodes: &nodes, every };
-    let mut done: Vec<(usize, Result<Rollout, SimulationError>)> = watched(
+    let mut done: Vec<(usize, Result<Rollout, RecordError>)> = watched(
         py,
         |stop| {
             let done = Mutex::new(Vec::new());
@@ -214,7 +214,7 @@ pub fn rollout(
         |_| Ok(()),
     )?;
     done.sort_by_key(|(number, _)| *number);
-    done.into_iter().map(|(_, result)| result.map_err(|error| of_simulation(py, error))).collect()
+    done.into_iter().map(|(_, result)| result.map_err(|error| of_record(py, error))).collect()
 }
 
 fn take<'a, T>(next: &AtomicUsize, cases: &'a [T], stop: &AtomicBool) -> Option<(usize, &'a T)> {

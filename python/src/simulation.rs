@@ -1,9 +1,9 @@
 //! The simulation that a program drives.
 
 use crate::arrays::{filled, indices, of_numbers, of_rows, rows, vector};
-use crate::case::Case;
-use crate::errors::{CaseError, SimulationError, engine, of_simulation};
-use crate::forces::{PythonForce, Raised, raised};
+use crate::case::{Case, scene_of};
+use crate::errors::{CaseError, SimulationError, engine, of_record, of_simulation};
+use crate::forces::{PythonForce, Raised};
 use crate::interrupt::LOOK;
 use crate::network::Network;
 use crate::record::checked_threads;
@@ -11,7 +11,7 @@ use crate::values::{Energies, Step, from_json};
 use canopy_fem::drive::clock::{self, Tolerance};
 use canopy_fem::integrate::registry::MethodChoice;
 use canopy_fem::mesh::{Mesh, Topology};
-use canopy_fem::simulation::{self as door, Load, RunSettings, SimulationError as Refusal, StepInfo};
+use canopy_fem::simulation::{self as door, Load, RecordError, RunSettings, SimulationError as Refusal, StepInfo};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -25,7 +25,7 @@ use std::time::Instant;
 pub struct Simulation {
     sim: Mutex<door::Simulation>,
     /// exceptions of forces
-    raised: Raised,
+    raised: Arc<Raised>,
     /// what does not change, in the numbering of the mesh
     mesh: Mesh,
 }
@@ -80,18 +80,19 @@ impl Simulation {
                 engine(py, move || {
                     let problem = case.problem();
                     let settings = RunSettings { keep_going, ..RunSettings::of_case(problem, threads) };
-                    let scene = door::build_scene(problem.system.clone(), threads)?;
-                    door::Simulation::of_scene(scene.into(), settings)
+                    Ok::<_, RecordError>(door::Simulation::of_scene(scene_of(&case, threads)?, settings)?)
                 })?
             }
             (_, Ok(network), Some(settings)) => {
                 let settings = RunSettings { threads, keep_going, ..settings.run()? };
                 let spec = network.get().spec()?;
-                engine(py, move || door::Simulation::new(spec, settings))?
+                engine(py, move || Ok(door::Simulation::new(spec, settings)?))?
             }
             _ => return Err(PyTypeError::new_err("a simulation is made of a case or of a network")),
         };
-        let sim = made.map_err(|error| of_simulation(py, error))?;
+        let mut sim = made.map_err(|error| of_record(py, error))?;
+        let raised = Arc::<Raised>::default();
+        sim.stop_on(raised.flag.clone());
         let scene = sim.scene();
         let mesh = Mesh {
             nodes: scene.reference().to_vec(),
@@ -100,12 +101,16 @@ impl Simulation {
             groups: scene.groups().clone(),
             ..Mesh::default()
         };
-        Ok(Simulation { sim: Mutex::new(sim), raised: Raised::default(), mesh })
+        Ok(Simulation { sim: Mutex::new(sim), raised, mesh })
     }
 
     /// Makes n steps; the last one.
     ///
-    /// Raises Diverged if a step diverges or cannot be solved: the state is that before it. Raises Ended at the end.
+    /// Raises:
+    ///     Diverged: a step diverges or cannot be solved; the state is that before it.
+    ///     Ended: the end is reached, after the steps that were left.
+    ///     SimulationError: an attempted step waits, or another thread uses the simulation.
+    ///     KeyboardInterrupt: Ctrl-C; the steps so far are made.
     #[pyo3(signature = (n=1))]
     fn step(&self, py: Python<'_>, n: u64) -> PyResult<Step> {
         if n == 1 {
@@ -115,7 +120,10 @@ impl Simulation {
         self.until(py, last, f64::INFINITY)
     }
 
-    /// Makes steps for a time [s].
+    /// Makes steps for a time [s], to the first that ends then or later.
+    ///
+    /// Raises:
+    ///     ValueError: a time below 0 or not finite. Else as step.
     fn advance(&self, py: Python<'_>, duration: f64) -> PyResult<Step> {
         if !(duration >= 0.0 && duration.is_finite()) {
             return Err(PyValueError::new_err(format!("duration is {duration}: give a time [s] of 0 or more")));
@@ -124,7 +132,10 @@ impl Simulation {
         self.until(py, u64::MAX, t)
     }
 
-    /// Makes steps up to the first that ends at time t [s] or later.
+    /// Makes steps up to the first that ends at time t [s] or later; none where that is past.
+    ///
+    /// Raises:
+    ///     ValueError: a time that is not finite. Else as step.
     fn run_until(&self, py: Python<'_>, t: f64) -> PyResult<Step> {
         if !t.is_finite() {
             return Err(PyValueError::new_err(format!("t is {t}: give a time [s]")));
@@ -140,11 +151,18 @@ impl Simulation {
     }
 
     /// Accepts the attempted step.
+    ///
+    /// Raises:
+    ///     SimulationError: there is none.
+    ///     Diverged: its end cannot be right; then it is dropped.
     fn accept(&self, py: Python<'_>) -> PyResult<Step> {
         self.with(py, |sim| sim.accept()).map(Step::from)
     }
 
-    /// Drops the attempted step.
+    /// Drops the attempted step: the state is the one before it.
+    ///
+    /// Raises:
+    ///     SimulationError: there is none.
     fn drop(&self, py: Python<'_>) -> PyResult<()> {
         self.with(py, |sim| sim.drop_attempt())
     }
@@ -154,26 +172,39 @@ impl Simulation {
         Ok(PyBytes::new(py, &self.with(py, |sim| sim.snapshot())?))
     }
 
-    /// Goes on from the bytes of a snapshot.
+    /// Goes on from the bytes of a snapshot, with the bits of a run that was never stopped.
+    ///
+    /// Raises:
+    ///     ValueError: damaged bytes, or those of another scene or version.
     fn restore(&self, py: Python<'_>, state: &[u8]) -> PyResult<()> {
         let state = state.to_vec();
         self.with(py, move |sim| sim.restore(&state))
     }
 
     /// Replaces positions [m] and velocities [m/s], each (n, 3).
+    ///
+    /// Raises:
+    ///     ValueError, TypeError: another shape or type, a number that is not finite.
     fn set_state(&self, py: Python<'_>, positions: &Bound<'_, PyAny>, velocities: &Bound<'_, PyAny>) -> PyResult<()> {
         let n = Some(self.mesh.nodes.len());
         let (x, v) = (rows(positions, "positions", n)?, rows(velocities, "velocities", n)?);
         self.with(py, move |sim| sim.set_state(&x, &v))
     }
 
-    /// Sets a force from outside: an array [N], (n, 3).
+    /// Sets a force from outside: an array [N], (n, 3). As `forces[name] = force`.
+    ///
+    /// Raises:
+    ///     ValueError, TypeError: another shape or type, a number that is not finite.
+    ///     SimulationError: a pendulum, which has no forces from outside.
     fn set_force(&self, py: Python<'_>, name: &str, force: &Bound<'_, PyAny>) -> PyResult<()> {
         let force = rows(force, "force", Some(self.mesh.nodes.len()))?;
         self.with(py, |sim| sim.set_nodal_force(name, &force))
     }
 
-    /// Sets a force that function(t, x, v) computes [N], (n, 3).
+    /// Sets a force that function(t, x, v) computes [N], (n, 3). As `forces.add`.
+    ///
+    /// Raises:
+    ///     TypeError: no function.
     #[pyo3(signature = (name, function, *, velocity_dependent=true))]
     fn set_force_function(
         &self,
@@ -195,13 +226,20 @@ impl Simulation {
         self.with(py, |sim| sim.remove_nodal_force(name))
     }
 
-    /// Replaces the wind by a constant velocity [m/s], or goes back to that of the case with None.
+    /// Replaces the wind by a constant velocity [m/s], (3,), or goes back to that of the case with None.
+    ///
+    /// Raises:
+    ///     ValueError, TypeError: another shape or type, a number that is not finite.
+    ///     SimulationError: a scene without air.
     fn set_wind(&self, py: Python<'_>, wind: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let wind = wind.map(|given| vector(given, "wind")).transpose()?;
         self.with(py, move |sim| sim.set_wind(wind))
     }
 
-    /// Multiplies the rest lengths of the springs on some edges by a factor [-] above 0.
+    /// Multiplies the rest lengths of the springs on some edges, (k,), by a factor [-] above 0. As `rest_scale`.
+    ///
+    /// Raises:
+    ///     ValueError, TypeError: an edge without a spring, a factor of 0 or less.
     fn set_rest_scale(&self, py: Python<'_>, edges: &Bound<'_, PyAny>, factor: f64) -> PyResult<()> {
         let edges = indices(edges, "edges")?;
         self.with(py, move |sim| sim.set_rest_length_factor(&edges, factor))
@@ -212,7 +250,11 @@ impl Simulation {
         Ok(PyArray1::from_vec(py, self.with(py, |sim| Ok(sim.rest_length_factors()))?))
     }
 
-    /// Multiplies a load by a factor [-]: "gravity", "pressure 0", "force 0", … in the order of the case.
+    /// Multiplies a load by a factor [-]: "gravity", "pressure 0", "force 0", … in the order of the case. As `loads`.
+    ///
+    /// Raises:
+    ///     KeyError: no such load; the message lists those of the scene.
+    ///     ValueError: a factor that is not finite.
     fn set_load_factor(&self, py: Python<'_>, name: &str, factor: f64) -> PyResult<()> {
         let loads = self.with(py, |sim| Ok(sim.load_factors()))?;
         let Some((load, _)) = loads.iter().find(|(load, _)| load_name(*load) == name) else {
@@ -229,7 +271,11 @@ impl Simulation {
         Ok(loads.into_iter().map(|(load, factor)| (load_name(load), factor)).collect())
     }
 
-    /// Numbers of a group, or of "all", "boundary", "outer", "inner": of "nodes", "edges" or "triangles".
+    /// Numbers of a group, (k,), or of "all", "boundary", "outer", "inner": of "nodes", "edges" or "triangles".
+    ///
+    /// Raises:
+    ///     KeyError: no such group; the message lists those of the scene.
+    ///     ValueError: another kind.
     #[pyo3(signature = (name, kind="nodes"))]
     fn select<'py>(&self, py: Python<'py>, name: &str, kind: &str) -> PyResult<Bound<'py, PyArray1<u32>>> {
         Ok(PyArray1::from_vec(py, self.selected(name, kind)?))
@@ -278,6 +324,9 @@ impl Simulation {
     }
 
     /// [m] positions, (n, 3), written into out: a C-contiguous array of float64. Returns out.
+    ///
+    /// Raises:
+    ///     ValueError, TypeError: an out of another shape, type or layout, or one that is read-only.
     #[pyo3(signature = (out=None))]
     fn read_positions<'py>(&self, py: Python<'py>, out: Option<&Bound<'py, PyAny>>) -> Rows<'py> {
         let (sim, n) = (self.lock()?, self.mesh.nodes.len());
@@ -293,7 +342,7 @@ impl Simulation {
         filled(py, n, out, |place| sim.read_nodes(&mut other, place).map_err(|error| of_simulation(py, error)))
     }
 
-    /// [N] what supports exert on the scene, (n, 3), at the end of the last step; a copy
+    /// [N] what supports exert on the scene, own weights included, (n, 3), at the end of the last step; a copy
     #[getter]
     fn reactions<'py>(&self, py: Python<'py>) -> Rows<'py> {
         of_rows(py, self.lock()?.reactions())
@@ -311,7 +360,7 @@ impl Simulation {
         self.with(py, |sim| Ok(sim.energies())).map(Energies::from)
     }
 
-    /// counted work so far
+    /// counted work so far: force_evaluations, tangent_assemblies, factorizations, linear_solves, newton_iterations, …
     #[getter]
     fn counters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let counters = self.lock()?.counters();
@@ -358,7 +407,7 @@ impl Simulation {
         let mut guard = self.lock()?;
         let sim = &mut *guard;
         let done = engine(py, move || act(sim))?;
-        match raised(&self.raised) {
+        match self.raised.take() {
             Some(error) => Err(error),
             None => done.map_err(|error| of_simulation(py, error)),
         }

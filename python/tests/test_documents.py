@@ -1,39 +1,42 @@
-"""What documents show runs: the page docs/python.md and the examples."""
+"""What documents show runs: the page docs/python.md and the notebooks."""
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from conftest import ROOT
 
-PAGE = ROOT / "docs" / "python.md"
-EXAMPLES = sorted((ROOT / "python" / "examples").glob("*.py"))
-NEEDS = {"identify_stiffness.py": ["scipy"]}
+PAGES = [ROOT / "docs" / "python.md", ROOT / "docs" / "guide" / "src" / "python.md"]
+NOTEBOOKS = sorted((ROOT / "python" / "notebooks").glob("*.ipynb"))
 
 
-@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
-def test_examples_run(example, tmp_path):
-    for package in NEEDS.get(example.name, []):
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebooks_run(path, tmp_path):
+    """Each notebook runs from top to bottom, and what it shows in the repository is of such a run."""
+    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    for package in ("ipykernel", "matplotlib", "scipy"):
         pytest.importorskip(package)
-    done = subprocess.run([sys.executable, example], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.strip()
+    notebook = nbformat.read(path, as_version=4)
+    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert [cell.execution_count for cell in code] == list(range(1, len(code) + 1))
+    assert path.stat().st_size < 200_000
+    (tmp_path / "assets").symlink_to(ROOT / "assets")
+    nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
 
 
-def test_the_page_runs(tmp_path, monkeypatch):
-    """The blocks of the page, one after the other, in one program."""
+@pytest.mark.parametrize("page", PAGES, ids=["reference", "guide"])
+def test_pages_run(page, tmp_path, monkeypatch):
+    """The blocks of a page, one after the other, in one program."""
     for package in ("scipy", "matplotlib", "pandas", "pyvista"):
         pytest.importorskip(package)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "assets").symlink_to(ROOT / "assets")
     monkeypatch.setenv("MPLBACKEND", "Agg")
-    blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL)
-    assert len(blocks) >= 6
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    assert blocks
     names: dict = {}
     for number, block in enumerate(blocks, 1):
-        exec(compile(block, f"{PAGE.name}, block {number}", "exec"), names)
+        exec(compile(block, f"{page.name}, block {number}", "exec"), names)
 
 
 def test_every_public_name_has_a_docstring():

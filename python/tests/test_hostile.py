@@ -1,8 +1,8 @@
-"""Bad input of all kinds: it is refused with what is wrong, and neither crashes nor hangs."""
+"""Bad input of all kinds: it is refused with what is wrong, and neither crashes nor hangs (pyproject.toml ends a test
+that hangs)."""
 
 import copy
 import random
-import time
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def places(value, at=()):
         yield from places(value[key], (*at, key))
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(20))
 def test_random_cases(seed):
     """Cases with one to three wrong entries are refused with words, or run; 50 for every seed."""
     rng = random.Random(seed)
@@ -37,13 +37,66 @@ def test_random_cases(seed):
             for key in at[:-1]:
                 above = above[key]
             above[at[-1]] = copy.copy(rng.choice(VALUES))
-        start = time.perf_counter()
         try:
             sim = cf.Simulation(cf.Case(case))
             sim.step()
         except (*REFUSED, cf.SimulationError) as error:
             assert str(error)
-        assert time.perf_counter() - start < 5
+
+
+def random_array(rng):
+    """An array of any shape, type, order and content, mostly near what a scene of 49 nodes could take."""
+    shapes = [(49, 3), (49, 3), (49, 3), (3,), (49,), (48, 3), (49, 4), (3, 49), (0,), (0, 3), (49, 3, 1), (), (2,)]
+    kinds = ["f8", "f8", "f4", "f2", ">f8", "g", "i8", "u4", "i1", "?", "c16", "O", "U3", "M8[s]", "V8"]
+    shape, kind = shapes[rng.integers(len(shapes))], kinds[rng.integers(len(kinds))]
+    with np.errstate(all="ignore"):
+        values = np.array(rng.normal(size=shape) * 10.0 ** rng.integers(-300, 300))
+        if values.size and rng.integers(2):
+            values.flat[rng.integers(values.size)] = [np.nan, np.inf, -np.inf, 1e308, 5e-324][rng.integers(5)]
+        array = np.zeros(shape, kind) if kind[0] in "MV" else values.astype(kind)
+    layouts = [
+        lambda a: a, np.asfortranarray, lambda a: a[..., ::-1], lambda a: np.repeat(a, 2, axis=-1)[..., ::2],
+        lambda a: np.broadcast_to(a[..., :1], a.shape), np.ma.masked_array,
+        lambda a: a.view(type("Own", (np.ndarray,), {})),
+    ]  # fmt: skip
+    if array.ndim:
+        array = layouts[rng.integers(len(layouts))](array)
+    if rng.integers(2) and isinstance(array, np.ndarray):
+        array.flags.writeable = False
+    return array
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_random_arrays(seed):
+    """Arrays of any kind are taken or refused with words, and a refused one leaves no trace; 100 for every seed."""
+    rng = np.random.default_rng(seed)
+    sim = cf.Simulation(cloth())
+    for _ in range(100):
+        array = random_array(rng)
+        net = cf.Network([[0, 0, 0], [1, 0, 0]], mass=1)
+        acts = [
+            lambda a=array: sim.forces.__setitem__("f", a),
+            lambda a=array: sim.forces.__setitem__("f", lambda t, x, v: a),
+            lambda a=array: sim.set_state(a, a),
+            lambda a=array: sim.set_wind(a),
+            lambda a=array: sim.rest_scale.__setitem__(a, 0.5),
+            lambda a=array: sim.read_positions(a),
+            lambda a=array: cf.mesh.Mesh(a),
+            lambda a=array: cf.mesh.Mesh(np.zeros((9, 3)), triangles=a),
+            lambda a=array: cf.Network(np.zeros((49, 3)), mass=a),
+            lambda a=array, n=net: n.springs([[0, 1]], stiffness=a),
+            lambda a=array, n=net: n.springs(a, stiffness=1.0),
+            lambda a=array, n=net: n.initial(velocity=a),
+            lambda a=array: cf.Case(cloth(), {"system.network.gravity": a}),
+        ]
+        state = sim.snapshot()
+        try:
+            acts[rng.integers(len(acts))]()
+            sim.step()
+        except (*REFUSED, cf.SimulationError) as error:
+            assert str(error)
+        sim.forces.pop("f", None)
+        sim.restore(state)
 
 
 @pytest.mark.parametrize("value", VALUES, ids=lambda value: repr(value)[:20])
@@ -81,13 +134,11 @@ def test_wrong_arguments(value, sim):
         lambda: cf.rollout([cloth()], nodes=value),
         lambda: cf.rollout([cloth()], every=value),
     ]
-    start = time.perf_counter()
     for act in acts:
         try:
             act()
         except (*REFUSED, cf.SimulationError, OSError) as error:
             assert str(error) or isinstance(error, KeyError)
-    assert time.perf_counter() - start < 10
     with pytest.raises(REFUSED):
         sim.set_state(value, value)
 
@@ -139,7 +190,6 @@ def test_arrays_of_any_layout(like, small):
 
 
 def test_huge_requests_are_refused_at_once():
-    start = time.perf_counter()
     for act in (
         lambda: cf.mesh.disc(radius=1.0, nodes=10**12),
         lambda: cf.mesh.chain(start=[0, 0, 0], end=[1, 0, 0], segments=2**63),
@@ -149,4 +199,3 @@ def test_huge_requests_are_refused_at_once():
     ):
         with pytest.raises(REFUSED):
             act()
-    assert time.perf_counter() - start < 5

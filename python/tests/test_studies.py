@@ -1,8 +1,13 @@
 """Studies by the program, and rollouts."""
 
+import os
+import signal
+import threading
+import time
+
 import numpy as np
 import pytest
-from conftest import cloth
+from conftest import CASES, cloth
 
 import canopy_fem as cf
 
@@ -24,6 +29,43 @@ def test_studies_have_rows(small, tmp_path):
     rows = cf.tradeoff(small, arguments=arguments)
     assert len(rows) == 4 and all(row["status"] == "completed" and row["error"] < 0.1 for row in rows)
     assert (tmp_path / "stability" / "stability.svg").exists()
+
+
+def test_sweep_has_a_row_a_value(small, tmp_path):
+    """A grid of values has a row each, with the values and the numbers of `solve`; faults name value and place."""
+    key = "system.network.springs.0.stiffness"
+    vary = {key: np.array([100.0, 200.0]), "time.method": ["rk4", {"hht": {"alpha": -0.2}}]}
+    rows = cf.sweep(small, vary, tmp_path / "sweep", arguments=["--threads", "1"])
+    assert [row[key] for row in rows] == [100.0, 100.0, 200.0, 200.0]
+    assert all(row["status"] == "completed" and row["steps"] == 200 for row in rows)
+    alone = cf.run(cf.Case(small, {key: 200.0, "time.method": "rk4"}))
+    assert rows[2]["max_speed"] == alone.history["max_speed"].max()
+    assert (tmp_path / "sweep" / "sweep.svg").exists()
+    steps = [row["time.step"] for row in cf.sweep(small, {"time.step": "log:1e-4..1e-2:3"})]
+    assert steps == [1e-4, 1e-3, 1e-2]
+    with pytest.raises(cf.CaseError, match="stiffness"):
+        cf.sweep(small, {key: [100.0, -1.0]})
+    for wrong in ([key], {key: 100.0}, {key: []}):
+        with pytest.raises(TypeError):
+            cf.sweep(small, wrong)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs signals")
+def test_ctrl_c_ends_the_program_of_a_study(tmp_path):
+    """A sweep that is interrupted leaves its plan, and no process."""
+    case = cf.Case(CASES / "cloth-k1000.json", {"time.end": 2000.0, "output": None})
+    out = tmp_path / "sweep"
+
+    def interrupt():
+        while not (out / "sweep" / "plan.json").exists():
+            time.sleep(0.05)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=interrupt, daemon=True).start()
+    with pytest.raises(KeyboardInterrupt):
+        cf.sweep(case, {"time.step": [5e-4, 2.5e-4]}, out)
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
 
 
 def test_rollout_is_the_same_for_every_number_of_threads(small):
@@ -56,6 +98,19 @@ def test_failures_in_a_rollout_are_told(small):
     with pytest.raises(TypeError):
         cf.rollout([small], nodes=[0.5])
     assert cf.rollout([]) == []
+
+
+def test_a_solver_that_does_not_fit_is_a_fault(tmp_path):
+    """Conjugate gradients cannot solve a pendulum: run, simulation and rollout name the place and what fits there."""
+    swing = {"pendulum": {"length": 1, "mass": 2, "damping": 0, "gravity": 9.81, "angle": 0.5}}
+    time = {"end": 1, "step": 1e-3, "method": "newmark"}
+    case = cf.Case({"name": "swing", "system": swing, "time": time, "solver": {"linear": "cg"}})
+    for act in (lambda: cf.run(case, tmp_path / "out"), lambda: cf.Simulation(case), lambda: cf.rollout([case])):
+        with pytest.raises(cf.CaseError) as caught:
+            act()
+        (fault,) = caught.value.faults
+        assert fault.pointer == "/solver/linear" and '"lu"' in fault.allowed
+    assert not (tmp_path / "out").exists()
 
 
 def test_kept_times_follow_adaptive_steps():

@@ -111,7 +111,12 @@ impl Case {
         self.problem
     }
 
-    /// The data of a run, and the source of the case, to locate a later fault.
+    /// The source of the case, to locate a later fault.
+    pub fn source(&self) -> &Source {
+        &self.source
+    }
+
+    /// The data of a run, and the source of the case.
     pub fn split(self) -> (Problem, Source) {
         (self.problem, self.source)
     }

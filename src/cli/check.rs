@@ -3,7 +3,7 @@
 //! It writes no files.
 
 use super::check_json::{Report, Totals};
-use super::warnings::{check_solver, of_scene, planned};
+use super::warnings::{of_scene, planned};
 use super::{CheckArgs, CliError};
 use crate::analysis::critical::{Confidence, CriticalStep, ElementBounds, outside_filter};
 use crate::analysis::later::{LaterLimit, later_warning, least_later};
@@ -22,7 +22,7 @@ use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::output::sanitize::file_stem;
 use crate::scene::{Scene, place_of};
-use crate::simulation::build_scene;
+use crate::simulation::{build_scene, check_solver};
 use crate::study::forecast::memory::Baseline;
 use crate::study::forecast::nominal::Budget;
 use crate::study::forecast::{Candidate, ForecastSpec, describe, describe_answer, forecast};
@@ -49,7 +49,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let scene = build_scene(system, 1)?;
     let baseline = Baseline::now();
     let scene = &*scene;
-    check_solver(&problem, scene, source)?;
+    check_solver(&problem, scene, &source)?;
     describe_terms(&mut tables, scene);
     describe_method(&mut tables, &problem);
     let state = scene.initial_state();

@@ -5,7 +5,7 @@ use super::progress::{Display, Progress};
 use super::report::{RunNotes, already_done, describe, report};
 use super::resume::{self, EarlierRun};
 use super::terminal::interject;
-use super::warnings::{check_solver, of_scene, planned};
+use super::warnings::{of_scene, planned};
 use super::{CliError, CommandOutput, SolveArgs, complain};
 use crate::analysis::critical::{CriticalStep, has_limit};
 use crate::analysis::warnings::limit_at_start;
@@ -15,9 +15,8 @@ use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::Problem;
 use crate::drive::critical_step_monitor::{CriticalStepMonitor, Monitored};
 use crate::drive::max_displacement::MaxDisplacement;
-use crate::drive::observer::{LedgerRow, Observer};
+use crate::drive::observer::Observer;
 use crate::drive::{Outcome, Status};
-use crate::format_number::figures;
 use crate::model::group_totals::GroupTotals;
 use crate::model::stop::Stop;
 use crate::output::checkpoint::Checkpoint;
@@ -28,17 +27,13 @@ use crate::output::sanitize::file_stem;
 use crate::output::summary::Summary;
 use crate::process::Stopwatch;
 use crate::scene::Scene;
-use crate::simulation::{RunSettings, Simulation, bind, build_scene};
+use crate::simulation::{RunSettings, Simulation, bind, build_scene, check_solver, doubts_at_end};
 use crate::startup::{Phase, StartupTimer, timed};
-use crate::warning::{Warning, WarningCode};
+use crate::warning::WarningCode;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// [-] Share of the energy above which dissipation by a braked body leads to a warning: less than half of the speed is
-/// left.
-const LOST: f64 = 0.8;
 
 pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     let account = StartupTimer::open();
@@ -57,7 +52,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     let groups = problem.group_totals();
     let scene: Arc<dyn Scene> =
         timed(Phase::Scene, || build_scene(problem.take_system(), usize::from(args.threads)))?.into();
-    check_solver(&problem, &*scene, source)?;
+    check_solver(&problem, &*scene, &source)?;
     // An unsuitable method is refused before any file is created.
     bind(&problem, &*scene)?;
     // Before any file is created, so that no interrupt leaves results without a summary.
@@ -83,8 +78,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
         log::info!("linear solver at the end: {}, {}", linear.solver, linear.reason);
     }
     if !args.quiet {
-        let found = [energy_made(&outcome), energy_dissipated(&problem, &outcome)].into_iter().flatten();
-        let (_, warnings) = problem.sort_out(found);
+        let warnings = doubts_at_end(&problem, &outcome);
         warnings.iter().for_each(|warning| complain(&format!("warning: {warning}")));
     }
     if let Some(failure) = &outcome.failure {
@@ -176,30 +170,6 @@ impl<'a> PreparedRun<'a> {
         let least = monitor.and_then(|monitor| monitor.least());
         Ok((outcome, summary, RunNotes { limit, least, farthest, last_frame: recorder.shown() }))
     }
-}
-
-/// Warning for a completed run whose scheme made much energy itself.
-fn energy_made(outcome: &Outcome) -> Option<Warning> {
-    let made = outcome.energy_doubt().filter(|_| outcome.status == Status::Completed)?;
-    Some(Warning::new(WarningCode::EnergyMade, format!("{made}; do not trust this run")))
-}
-
-/// Warning for a run in which damping that brakes the rotation of a free body took nearly all energy.
-fn energy_dissipated(problem: &Problem, outcome: &Outcome) -> Option<Warning> {
-    let mut found = problem.warnings.iter().chain(&problem.acknowledged);
-    let lost = found.any(|w| w.code == WarningCode::BrakedRotation).then(|| dissipated_share(&outcome.ledger))?;
-    (lost > LOST).then(|| {
-        let text = format!(
-            "damping has taken {} % of the kinetic and elastic energy, and it brakes the rotation of a body without supports: the motion that is left may be an effect of the damping; take \"axial\" dashpots",
-            figures(100.0 * lost, 3)
-        );
-        Warning::new(WarningCode::EnergyDissipated, text)
-    })
-}
-
-/// [-] Dissipated energy over the kinetic and elastic energy that there would be without dissipation.
-fn dissipated_share(at: &LedgerRow) -> f64 {
-    at.dissipated / (at.dissipated + at.kinetic + at.elastic)
 }
 
 /// What goes to standard output: the summary as it is in the file, the report, or nothing.

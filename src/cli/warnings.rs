@@ -1,47 +1,16 @@
-//! Faults and warnings that need the built scene: a case that does not fit its solver, a step above the critical one,
-//! frames that do not fit on the disk. `check` and `solve` use the same.
+//! Warnings that need the built scene: a step above the critical one, frames that do not fit on the disk. `check` and
+//! `solve` use the same.
 
 use std::path::Path;
 
 use crate::analysis::critical::CriticalStep;
 use crate::analysis::warnings::{Planned, slack_warning, step_warning};
 use crate::case::spec::Problem;
-use crate::case::{CaseError, Source};
 use crate::format_number::figures;
-use crate::integrate::implicit::{SolverSpec, refusal};
-use crate::integrate::registry::Family;
 use crate::model::stop::Stop;
 use crate::output::space::{frame_bytes, free_bytes};
 use crate::scene::Scene;
-use crate::solve::{LinearChoice, LinearError};
 use crate::warning::{Warning, WarningCode};
-
-/// Refuses a solver that cannot solve this scene's equations.
-pub(super) fn check_solver(problem: &Problem, scene: &dyn Scene, source: Source) -> Result<(), CaseError> {
-    let SolverSpec { newton, .. } = problem.solver;
-    let why = unsuitable_solver(scene, problem.solver);
-    match why.filter(|_| problem.method.info.family == Family::Implicit) {
-        Some(why) => {
-            let all = [LinearChoice::Auto, LinearChoice::Cholesky, LinearChoice::Lu, LinearChoice::Cg];
-            let fit =
-                |linear: &LinearChoice| unsuitable_solver(scene, SolverSpec { newton, linear: *linear }).is_none();
-            let allowed: Vec<String> = all.iter().filter(|l| fit(l)).flat_map(serde_json::to_string).collect();
-            let allowed = format!("{} for this scene and strategy", allowed.join(", "));
-            Err(source.refuse(&problem.case_json, "/solver/linear", &allowed, why.to_string()))
-        }
-        None => Ok(()),
-    }
-}
-
-fn unsuitable_solver(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpec) -> Option<LinearError> {
-    match linear {
-        // Only networks have a spring graph.
-        LinearChoice::Cg | LinearChoice::Cholesky if scene.interfaces().graph.is_none() => {
-            Some(LinearError::NotByNodes)
-        }
-        _ => refusal(scene.symmetric(), newton.strategy, linear),
-    }
-}
 
 /// The method of a case on its scene.
 pub(super) fn planned<'a>(problem: &'a Problem, scene: &'a dyn Scene, stop: Stop<'a>) -> Planned<'a> {

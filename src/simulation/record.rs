@@ -1,10 +1,10 @@
 //! A whole run that writes the files of `canopy-fem solve`.
 
-use super::{RunSettings, SetupError, Simulation, SimulationError, bind, build_scene};
+use super::{RunSettings, SetupError, Simulation, SimulationError, bind, build_scene, check_solver, doubts_at_end};
 use crate::analysis::warnings::{Planned, limit_at_start, slack_warning, step_warning};
-use crate::case::Case;
 use crate::case::fingerprint::{Fingerprint, FingerprintError};
 use crate::case::spec::Problem;
+use crate::case::{Case, CaseError};
 use crate::drive::observer::{ObserveError, Observer};
 use crate::drive::{Outcome, Status};
 use crate::model::stop::Stop;
@@ -52,13 +52,16 @@ pub struct Recorded {
     pub outcome: Outcome,
     /// what `summary.json` holds
     pub summary: Summary,
-    /// warnings of the case and of its scene that it does not acknowledge
+    /// warnings of the case, of its scene and of its end that it does not acknowledge
     pub warnings: Vec<Warning>,
 }
 
 /// Why a run has no files.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
+    /// The solver of the case does not fit its scene.
+    #[error(transparent)]
+    Case(#[from] CaseError),
     /// The scene cannot be built.
     #[error(transparent)]
     Setup(#[from] SetupError),
@@ -97,14 +100,15 @@ pub fn record(
     let problem = case.problem();
     let fingerprint = Fingerprint::of(problem)?;
     let scene: Arc<dyn Scene> = build_scene(problem.system.clone(), how.threads)?.into();
-    // An unsuitable method is refused before any file is created.
+    // An unsuitable solver or method is refused before any file is created.
+    check_solver(problem, &*scene, case.source())?;
     bind(problem, &*scene)?;
     let (folder, checkpoint) = folder(problem, how, &fingerprint)?;
     let step = problem.time.step.fixed().map(|step| step.min(problem.time.end));
     let plan = Planned { scene: &*scene, method: &problem.method, step, end: problem.time.end, stop: Stop::on(stop) };
     let limit = limit_at_start(plan);
     let found = [step_warning(plan, limit), slack_warning(plan, limit)].into_iter().flatten();
-    let warnings = problem.warnings.iter().cloned().chain(problem.sort_out(found).1).collect();
+    let mut warnings: Vec<Warning> = problem.warnings.iter().cloned().chain(problem.sort_out(found).1).collect();
     let recorded = RecorderSpec::of(problem, folder.dir());
     let recorder = match &checkpoint {
         Some(checkpoint) => {
@@ -137,6 +141,7 @@ pub fn record(
     if outcome.status == Status::Completed && every.is_none() {
         folder.remove_checkpoint()?;
     }
+    warnings.extend(doubts_at_end(problem, &outcome));
     Ok(Recorded { outcome, summary, warnings })
 }
 

@@ -9,6 +9,7 @@ use crate::force::law::series::Scale;
 use crate::integrate::Counters;
 use crate::scene::{ExternalForces, ExternalKind, Load, Scene};
 use serde::{Deserialize, Serialize};
+use std::sync::atomic::AtomicBool;
 
 /// Where nodes are and how they move, in the numbering of the mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -243,6 +244,12 @@ impl Simulation {
 
     fn has_derivatives(&self, name: &str) -> bool {
         self.scene.external().is_some_and(|external| external.has_derivatives(Some(name)))
+    }
+
+    /// From now on, no cause is sought for a step that fails while `flag` is set, which can take longer than many
+    /// steps: for a force that has failed for a reason of its own, and fills its forces with NaN.
+    pub fn stop_on(&mut self, flag: Arc<AtomicBool>) {
+        self.stop = Some(flag);
     }
 
     /// Replaces the wind by a constant velocity [m/s] from the present state on, or goes back to the given table.

@@ -6,6 +6,7 @@ use canopy_fem::simulation::{
     FollowSpec, NetworkBuilder, NodalForce, RunSettings, Simulation, SimulationError, SpringLaw, follow,
 };
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 const METHODS: [&str; 4] = ["velocity-verlet", "rk4", "newmark", "hht"];
 
@@ -192,6 +193,41 @@ fn a_law_of_ones_own_acts() {
         for x in sim.positions() {
             assert!((x[1] - 2.0_f64.cos()).abs() < 1e-3, "{method}: {x:?}");
         }
+    }
+}
+
+/// A force that fails once and says so.
+struct Failing(Arc<AtomicBool>);
+
+impl NodalForce for Failing {
+    fn add(&self, _t: f64, _x: &[[f64; 3]], _v: &[[f64; 3]], f: &mut [[f64; 3]]) {
+        f.as_flattened_mut().fill(f64::NAN);
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// A step that a force of the program's own gives up on fails without a search for its cause, and has not happened.
+#[test]
+fn a_step_that_is_given_up_on_is_not_looked_into() {
+    for (method, given_up) in [("velocity-verlet", true), ("velocity-verlet", false), ("rk4", true), ("rk4", false)] {
+        let mut sim = falling(method);
+        sim.advance(5).expect("it goes on");
+        let before = (sim.step_count(), sim.positions());
+        let flag = Arc::new(AtomicBool::new(false));
+        if given_up {
+            sim.stop_on(flag.clone());
+        }
+        sim.set_nodal_law("failing", Arc::new(Failing(flag.clone()))).expect("a network");
+        match sim.step() {
+            Err(SimulationError::Failed(failure)) => {
+                assert_eq!(failure.cause.contains("cut short"), given_up, "{failure:?}");
+            }
+            other => panic!("{other:?}"),
+        }
+        assert_eq!(before, (sim.step_count(), sim.positions()));
+        flag.store(false, Ordering::Relaxed);
+        assert!(sim.remove_nodal_force("failing").expect("idle"));
+        sim.advance(5).expect("it goes on");
     }
 }
 
