@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -65,13 +66,34 @@ def parachute(**parameters: Any) -> Mesh:
     return generate("parachute", **parameters)
 
 
-def read(path: str | os.PathLike[str]) -> Mesh:
-    """Reads .vtu, .vtp, .vtk, .msh, .obj or .stl; a frame of a run is a mesh too.
+def read(
+    path: str | os.PathLike[str],
+    *,
+    scale: float = 1.0,
+    axes: str = "z-up",
+    translate: Sequence[float] = (0.0, 0.0, 0.0),
+    merge: float | None = None,
+    orient: bool = False,
+    diagonals: str = "one",
+) -> Mesh:
+    """Reads a mesh file: VTK, Gmsh, OBJ, STL, PLY, OFF, Abaqus, LS-DYNA, Nastran, Kratos, DXF or glTF; frames of a run too.
+
+    Args:
+        path: the file; its ending tells the format.
+        scale: [-] factor on all coordinates, 0.001 for millimetres.
+        axes: "z-up", or "y-up" for files whose y axis points up: (x, y, z) becomes (x, -z, y).
+        translate: [m] (3,), added after scale.
+        merge: [m] nodes at most this far apart are joined; None joins none.
+        orient: whether triangles are turned so that all normals of a part are on one side.
+        diagonals: "one" or "both" diagonals of quads become edges.
 
     Raises:
         OSError: a file that cannot be read, or is no mesh.
+        CaseError: an option out of range.
     """
-    return _core.read(Path(os.fspath(path)))
+    options = {"scale": scale, "axes": axes, "translate": list(translate), "merge": merge, "orient": orient}
+    section = {"file": os.fspath(path), **options, "diagonals": diagonals}
+    return _core.generate(json.dumps(section), Path(""))
 
 
 def to_meshio(mesh: Mesh) -> Any:

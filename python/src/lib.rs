@@ -32,7 +32,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(case::schema, module)?)?;
     module.add_function(wrap_pyfunction!(case::methods, module)?)?;
     module.add_function(wrap_pyfunction!(mesh::generate, module)?)?;
-    module.add_function(wrap_pyfunction!(mesh::read, module)?)?;
     module.add_function(wrap_pyfunction!(record::record, module)?)?;
     module.add_function(wrap_pyfunction!(rollout::rollout, module)?)?;
     module.add_function(wrap_pyfunction!(errors::_panic, module)?)?;

@@ -2,7 +2,7 @@
 
 use crate::arrays::{index_rows, indices, of_numbers, of_rows, rows};
 use crate::errors::{CaseError, engine, of_mesh};
-use canopy_fem::mesh::read::{Imported, read_mesh};
+use canopy_fem::mesh::read::Imported;
 use canopy_fem::mesh::write::write_mesh;
 use canopy_fem::mesh::{self, Group, Groups, MeshError, MeshSource, Quality};
 use numpy::{PyArray1, PyArray2};
@@ -120,13 +120,16 @@ impl Mesh {
         Ok(all)
     }
 
-    /// Writes the mesh as .vtu (all) or .obj (no groups). An existing file is refused unless replace is True.
+    /// Writes the mesh as .vtu, .msh, .obj, .ply or .stl. An existing file is refused unless replace is True.
+    ///
+    /// Returns:
+    ///     Sentences for what the format does not hold; empty for .vtu, which holds all.
     ///
     /// Raises:
     ///     OSError: the file exists already, or cannot be written.
     ///     CaseError: another ending.
     #[pyo3(signature = (path, *, replace=false))]
-    fn write(&self, py: Python<'_>, path: PathBuf, replace: bool) -> PyResult<()> {
+    fn write(&self, py: Python<'_>, path: PathBuf, replace: bool) -> PyResult<Vec<String>> {
         engine(py, || write_mesh(&self.mesh, &path, replace))?.map_err(|error| of_mesh(&error))
     }
 
@@ -186,12 +189,6 @@ pub fn generate(py: Python<'_>, section: &str, base: PathBuf) -> PyResult<Mesh> 
     let source: MeshSource =
         serde_json::from_str(section).map_err(|error| CaseError::new_err(format!("mesh: {error}")))?;
     made(py, move || source.build_with_notes(&base))
-}
-
-/// Reads a mesh file.
-#[pyfunction]
-pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<Mesh> {
-    made(py, move || read_mesh(Path::new(&path)))
 }
 
 fn made(py: Python<'_>, make: impl FnOnce() -> Result<Imported, MeshError> + Send) -> PyResult<Mesh> {

@@ -63,3 +63,19 @@ def test_pyvista_there_and_back():
     again = cf.mesh.from_pyvista(cf.mesh.to_pyvista(mesh))
     assert {tuple(sorted(pair)) for pair in again.edges.tolist()} == {tuple(sorted(p)) for p in mesh.edges.tolist()}
     np.testing.assert_array_equal(again.triangles, mesh.triangles)
+
+
+def test_files_are_repaired_as_a_case_says(tmp_path):
+    """Two panels in millimetres that do not share their nodes become one sheet in metres."""
+    panels = [f"v {x} {y} 0" for left in (0, 1000) for y in (0, 1000) for x in (left, left + 1000)]
+    faces = ["f 1 2 4 3", "f 5 6 8 7"]
+    path = tmp_path / "panels.obj"
+    path.write_text("\n".join(panels + faces))
+    assert len(cf.mesh.read(path).nodes) == 8
+    sail = cf.mesh.read(path, scale=1e-3, axes="y-up", translate=(0, 0, 2), merge=1e-9, orient=True, diagonals="both")
+    assert len(sail.nodes) == 6 and len(sail.edges) == 11
+    assert np.allclose(sail.nodes.max(axis=0), [2, 0, 3])
+    with pytest.raises(cf.CaseError, match="scale"):
+        cf.mesh.read(path, scale=-1.0)
+    assert sail.write(tmp_path / "sail.vtu") == []
+    assert "groups" in sail.write(tmp_path / "sail.stl")[0]
