@@ -59,7 +59,11 @@ pub(super) fn ply_text(mesh: &Mesh) -> String {
     let corners = "property list uchar int vertex_indices\n";
     let of_triangles = element("face", mesh.triangles.len(), corners, &|g| !g.triangles.is_empty());
     let ends = "property int vertex1\nproperty int vertex2\n";
-    let of_edges = element("edge", lines.len(), ends, &|g| !g.edges.is_empty());
+    // Some readers expect no edges.
+    let of_edges = match lines.len() {
+        0 => Vec::new(),
+        count => element("edge", count, ends, &|g| !g.edges.is_empty()),
+    };
     text.push_str("end_header\n");
     let mut row = |own: String, held: &[usize], groups: &[usize]| {
         text.push_str(&own);
