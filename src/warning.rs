@@ -41,6 +41,8 @@ pub enum WarningCode {
     LargeMass,
     /// A step long compared with the motion of the scene.
     LongStep,
+    /// Lines of a canopy that are not joined to it.
+    LooseLines,
     /// Free nodes without a spring.
     LooseNodes,
     /// Steps so short that rounding removes part of the motion.

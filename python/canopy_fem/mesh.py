@@ -68,7 +68,7 @@ def parachute(**parameters: Any) -> Mesh:
 
 def read(
     path: str | os.PathLike[str],
-    *,
+    *more: str | os.PathLike[str],
     scale: float = 1.0,
     axes: str = "z-up",
     translate: Sequence[float] = (0.0, 0.0, 0.0),
@@ -80,6 +80,7 @@ def read(
 
     Args:
         path: the file; its ending tells the format.
+        more: further files of the same mesh, such as one with the lines of a canopy.
         scale: [-] factor on all coordinates, 0.001 for millimetres.
         axes: "z-up", or "y-up" for files whose y axis points up: (x, y, z) becomes (x, -z, y).
         translate: [m] (3,), added after scale.
@@ -92,7 +93,7 @@ def read(
         CaseError: an option out of range.
     """
     options = {"scale": scale, "axes": axes, "translate": list(translate), "merge": merge, "orient": orient}
-    section = {"file": os.fspath(path), **options, "diagonals": diagonals}
+    section = {"file": os.fspath(path), "with": [os.fspath(other) for other in more], **options, "diagonals": diagonals}
     return _core.generate(json.dumps(section), Path(""))
 
 

@@ -49,7 +49,11 @@ impl Mesh {
         let groups = groups.map_or(Ok(Groups::new()), groups_of)?;
         let made = mesh::Mesh { nodes, edges, triangles, groups, ..mesh::Mesh::default() };
         let checked = engine(py, || made.check().map(|()| made))?;
-        Ok(Self::of(Imported { mesh: checked.map_err(|error| of_mesh(&error))?, notes: Vec::new() }))
+        Ok(Self::of(Imported {
+            mesh: checked.map_err(|error| of_mesh(&error))?,
+            notes: Vec::new(),
+            repairs: Vec::new(),
+        }))
     }
 
     /// [m] positions, (n, 3); a copy
@@ -142,8 +146,8 @@ impl Mesh {
 }
 
 impl Mesh {
-    fn of(Imported { mesh, notes }: Imported) -> Self {
-        Mesh { mesh: Arc::new(mesh), notes }
+    fn of(Imported { mesh, notes, repairs }: Imported) -> Self {
+        Mesh { mesh: Arc::new(mesh), notes: [repairs, notes].concat() }
     }
 }
 

@@ -8,7 +8,7 @@ use super::diagnostics::Fault;
 use super::span::Location;
 
 /// [characters] Largest width of a quoted line.
-const WIDTH: usize = 80;
+const WIDTH: usize = 100;
 
 /// [byte] Length to keep of a line on either side of the mark: a mesh on one line can be megabytes long.
 const AROUND: usize = 400;

@@ -161,6 +161,9 @@ pub struct ChainArgs {
 pub struct FileArgs {
     /// Mesh file to read
     pub input: PathBuf,
+    /// Further file of the same mesh, such as one with lines; may be given several times
+    #[arg(long, value_name = "FILE")]
+    pub with: Vec<PathBuf>,
     /// Factor on all coordinates, e.g. 0.001 for a file in millimetres
     #[arg(long, default_value_t = 1.0, value_name = "FACTOR", allow_negative_numbers = true)]
     pub scale: f64,
@@ -182,9 +185,11 @@ pub struct FileArgs {
 }
 
 impl FileArgs {
-    fn read(&self) -> Result<Imported, MeshCliError> {
+    /// The mesh, and what the reader changed, asked for or not.
+    fn read(&self) -> Result<(Mesh, Vec<String>), MeshCliError> {
         let file = MeshFile {
             file: self.input.display().to_string(),
+            with: self.with.iter().map(|path| path.display().to_string()).collect(),
             scale: self.scale,
             axes: self.axes,
             translate: self.translate.as_deref().and_then(|list| list.try_into().ok()).unwrap_or_default(),
@@ -192,7 +197,8 @@ impl FileArgs {
             orient: self.orient,
             diagonals: self.diagonals,
         };
-        file.read(Path::new("")).map_err(MeshCliError::Input)
+        let Imported { mesh, notes, repairs } = file.read(Path::new("")).map_err(MeshCliError::Input)?;
+        Ok((mesh, [repairs, notes].concat()))
     }
 }
 
@@ -283,11 +289,11 @@ pub fn run(args: &MeshArgs) -> Result<String, MeshCliError> {
             Ok(lines.collect::<String>() + &finish(&mesh, &a.output)?)
         }
         MeshCommand::Convert(a) => {
-            let Imported { mesh, notes } = a.mesh.read()?;
+            let (mesh, notes) = a.mesh.read()?;
             Ok(describe(&mesh, &notes)? + &write(&mesh, &a.output, a.force)?)
         }
         MeshCommand::Inspect(a) => {
-            let Imported { mesh, notes } = a.mesh.read()?;
+            let (mesh, notes) = a.mesh.read()?;
             if a.json { to_json(&mesh, &notes) } else { describe(&mesh, &notes) }
         }
     }

@@ -28,7 +28,7 @@ pub struct AnnulusParameters {
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub outer_radius: f64,
     /// [-] number of nodes, met exactly
-    #[schemars(range(min = 6))]
+    #[schemars(range(min = 7))]
     pub nodes: usize,
     /// [-] number of nodes on both loops together, met exactly; derived from `nodes` and `grading` if absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -141,7 +141,12 @@ fn check_counts(at: &str, request: &GradedRequest, [least_boundary, most_seams]:
     if let Some(count) = request.boundary_nodes {
         check_count(at, "boundary_nodes", count, [least_boundary, nodes.max(least_boundary)], faults);
     }
-    check_count(at, "seams", request.seams, [0, most_seams.min(nodes)], faults);
+    if request.seams > MAX_DISC_SEAMS && most_seams == MAX_DISC_SEAMS {
+        let hint = "more would make slivers at the centre: take an annulus with a small hole, which is a vent";
+        faults(&format!("{at}/seams"), request.seams.to_string(), format!("0 to {MAX_DISC_SEAMS}"), hint.into());
+    } else {
+        check_count(at, "seams", request.seams, [0, most_seams.min(nodes)], faults);
+    }
     let [least, most] = GRADING_RANGE;
     if let Some(value) = request.grading.filter(|g| !(least..=most).contains(g)) {
         let hint = "1 is uniform, 2 doubles the edge length towards the middle".to_owned();

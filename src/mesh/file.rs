@@ -14,13 +14,16 @@ pub struct MeshFile {
     /// Name of the file; a relative path counts from the case file's folder. `canopy-fem mesh --help` lists the
     /// formats.
     pub file: String,
+    /// Names of further files of the same mesh, such as one with the lines of a canopy. `merge` joins their nodes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub with: Vec<String>,
     /// [-] Factor on all coordinates: 0.001 for a file in millimetres. 1 if not given.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub scale: f64,
     /// Which axis of the file points up. `z-up` if not given; with `y-up`, (x, y, z) of the file becomes (x, -z, y).
     #[serde(default, skip_serializing_if = "Axes::is_default")]
     pub axes: Axes,
-    /// [m] Added to all coordinates, after `scale`. [0, 0, 0] if not given.
+    /// [m] Added to all coordinates, after `scale`; no move if not given.
     #[serde(default, skip_serializing_if = "is_origin")]
     pub translate: [f64; 3],
     /// [m] Nodes at most this far apart are joined, and the ends of lines with them; 0 joins those at the same place.
@@ -84,18 +87,21 @@ fn is_origin(translate: &[f64; 3]) -> bool {
 
 impl MeshFile {
     /// Names of its keys in a case.
-    pub(super) const KEYS: [&'static str; 7] = ["file", "scale", "axes", "translate", "merge", "orient", "diagonals"];
+    pub(super) const KEYS: [&'static str; 8] =
+        ["file", "with", "scale", "axes", "translate", "merge", "orient", "diagonals"];
 
     /// A file whose mesh is taken as it is.
     pub fn plain(file: impl Into<String>) -> Self {
         let (axes, diagonals) = (Axes::default(), Diagonals::default());
-        Self { file: file.into(), scale: 1.0, axes, translate: [0.0; 3], merge: None, orient: false, diagonals }
+        let (file, with) = (file.into(), Vec::new());
+        Self { file, with, scale: 1.0, axes, translate: [0.0; 3], merge: None, orient: false, diagonals }
     }
 
     /// Reports every value out of range, without opening the file.
     pub(super) fn check(&self, faults: FaultSink<'_>) {
-        if self.file.is_empty() {
-            faults("/file", "\"\"".into(), "a file name".into(), "name a mesh file".into());
+        let with = self.with.iter().enumerate().map(|(i, name)| (format!("/with/{i}"), name));
+        for (at, _) in with.chain([("/file".to_owned(), &self.file)]).filter(|(_, name)| name.is_empty()) {
+            faults(&at, "\"\"".into(), "a file name".into(), "name a mesh file".into());
         }
         check_length("", "scale", self.scale, faults);
         if !self.translate.iter().all(|x| x.is_finite()) {
@@ -119,7 +125,10 @@ impl MeshFile {
         });
         match first {
             Some(fault) => Err(fault),
-            None => read::read_file(self, &base.join(&self.file)),
+            None => {
+                let paths: Vec<_> = [&self.file].into_iter().chain(&self.with).map(|name| base.join(name)).collect();
+                read::read_file(self, &paths.iter().map(|path| path.as_path()).collect::<Vec<_>>())
+            }
         }
     }
 
@@ -138,26 +147,33 @@ impl MeshFile {
     }
 }
 
-/// [-] Share of the extent within which nodes are taken to be meant as one.
-const SAME: f64 = 1e-6;
+/// [-] Share of the shortest edge within which nodes that no edge joins are taken to be meant as one.
+const SAME: f64 = 0.1;
 /// [m] Extent beyond which lengths are taken to be millimetres.
 const LARGE: f64 = 100.0;
 
 /// What may be wrong with a mesh, and the option that mends it.
 pub(crate) fn repairs(mesh: &Mesh, topology: &Topology) -> Vec<String> {
     let mut advice = Vec::new();
-    let extent = extent(&mesh.nodes);
-    let distance = SAME * extent;
-    let near = (0_u32..).zip(joined(&mesh.nodes, distance)).filter(|(node, kept)| node != kept).count();
-    if near > 0 {
+    let place = |node: u32| nalgebra::Vector3::from(mesh.nodes[node as usize]);
+    let shortest = mesh.edges.iter().map(|&[a, b]| (place(a) - place(b)).norm()).fold(f64::INFINITY, f64::min);
+    let near = (0_u32..).zip(joined(&mesh.nodes, SAME * shortest)).filter(|(node, kept)| node != kept);
+    let gaps: Vec<f64> = near.map(|(node, kept)| (place(node) - place(kept)).norm()).collect();
+    if let Some(widest) = gaps.iter().copied().reduce(f64::max) {
+        let count = gaps.len();
+        // Two digits, rounded up.
+        let (place, distance) = match widest > 0.0 {
+            true => (format!("at most {widest:.1e} from another"), format!("{:.1e}", 1.05 * widest)),
+            false => ("at the place of another".to_owned(), "0".to_owned()),
+        };
         advice.push(format!(
-            "{near} nodes lie at most {distance:.1e} m from another without being joined: --merge {distance:.1e}, or \
-             \"merge\" in a case"
+            "{count} nodes lie {place} without being joined: --merge {distance} (after --scale), or \"merge\" in a case"
         ));
     }
     if topology.check_orientation(mesh).is_err() {
         advice.push("neighbouring triangles turn opposite ways: --orient, or \"orient\" in a case".to_owned());
     }
+    let extent = extent(&mesh.nodes);
     if extent > LARGE {
         advice.push(format!(
             "it is {extent:.0} m across; if these are millimetres: --scale 0.001, or \"scale\" in a case"

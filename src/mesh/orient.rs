@@ -7,7 +7,7 @@ use crate::format_number::first_few;
 /// Turns triangles so that neighbours turn the same way, part by part. Of a part the larger number of triangles stay as
 /// they are, and of equal numbers those with the first triangle. Edges of more than two triangles divide parts. Returns
 /// a sentence for what was turned, and one for what cannot be.
-pub(super) fn turn_alike(mesh: &mut Mesh) -> Vec<String> {
+pub(super) fn turn_alike(mesh: &mut Mesh) -> (Option<String>, Option<String>) {
     let sides = Sides::new(&mesh.triangles);
     let forward = |triangle: u32, [a, b]: [u32; 2]| {
         let t = mesh.triangles[triangle as usize];
@@ -50,21 +50,17 @@ pub(super) fn turn_alike(mesh: &mut Mesh) -> Vec<String> {
     }
     let listed: Vec<u32> = (0_u32..).zip(&turned).filter(|(_, turn)| **turn == Some(true)).map(|(t, _)| t).collect();
     listed.iter().for_each(|t| mesh.triangles[*t as usize].swap(1, 2));
-    let mut notes = Vec::new();
-    if !listed.is_empty() {
-        notes.push(format!(
-            "{} triangles were turned, so that normals are on one side: {}",
-            listed.len(),
-            first_few(&listed)
-        ));
-    }
-    if let Some([a, b]) = twisted.first() {
-        notes.push(format!(
-            "{} edges lie between triangles that cannot be turned alike, as on a Moebius strip; the first is {a}-{b}",
-            twisted.len()
-        ));
-    }
-    notes
+    let turned = (!listed.is_empty()).then(|| {
+        let count = listed.len();
+        format!("{count} triangles were turned, so that normals are on one side: {}", first_few(&listed))
+    });
+    let told = twisted.first().map(|[a, b]| {
+        let count = twisted.len();
+        format!(
+            "{count} edges lie between triangles that cannot be turned alike, as on a Moebius strip; the first is {a}-{b}"
+        )
+    });
+    (turned, told)
 }
 
 #[cfg(test)]
@@ -85,12 +81,12 @@ mod tests {
         for mixture in 0_u32..32 {
             let mut mesh = strip(sound.clone());
             (0..5).filter(|t| mixture >> t & 1 == 1).for_each(|t| mesh.triangles[t].swap(1, 2));
-            let notes = turn_alike(&mut mesh);
+            let (turned, twisted) = turn_alike(&mut mesh);
             let topology = Topology::new(&mesh).expect("a mesh");
-            assert_eq!(topology.check_orientation(&mesh), Ok(()), "{mixture:05b}: {notes:?}");
+            assert_eq!(topology.check_orientation(&mesh), Ok(()), "{mixture:05b}: {twisted:?}");
             assert_eq!(mesh.triangles == sound, mixture.count_ones() <= 2, "{mixture:05b}");
             let few = mixture.count_ones().min(5 - mixture.count_ones());
-            assert_eq!(notes.first().map(|note| note.starts_with(&format!("{few} "))), (few > 0).then_some(true));
+            assert_eq!(turned.map(|note| note.starts_with(&format!("{few} "))), (few > 0).then_some(true));
         }
     }
 
@@ -98,7 +94,7 @@ mod tests {
     #[test]
     fn a_moebius_strip_is_told() {
         let mut mesh = strip(vec![[0, 2, 1], [1, 2, 3], [2, 4, 3], [3, 4, 5], [4, 1, 5], [5, 1, 0]]);
-        let notes = turn_alike(&mut mesh);
-        assert!(notes.iter().any(|note| note.contains("cannot be turned alike")), "{notes:?}");
+        let (_, twisted) = turn_alike(&mut mesh);
+        assert!(twisted.is_some_and(|note| note.contains("cannot be turned alike")));
     }
 }

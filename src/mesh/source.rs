@@ -33,7 +33,7 @@ pub enum MeshSource {
     Parachute(Box<ParachuteParameters>),
     /// Nodes, springs and triangles listed in the case.
     Explicit(ExplicitMesh),
-    /// A mesh file; its keys stand beside its name.
+    /// A mesh file, `"file"`, and how its mesh is placed and repaired.
     #[serde(untagged)]
     File(MeshFile),
 }
@@ -157,15 +157,20 @@ impl MeshSource {
             Self::File(file) => return file.read(base),
         };
         mesh.check()?;
-        Ok(Imported { mesh, notes: Vec::new() })
+        Ok(Imported { mesh, notes: Vec::new(), repairs: Vec::new() })
     }
 }
 
-/// Reports a length that is not finite and above zero.
+/// [m] Lengths whose squares and products are numbers with all their digits.
+const LENGTHS: [f64; 2] = [1e-100, 1e100];
+
+/// Reports a length that is not above zero, or so small or large that areas cannot be computed.
 pub(super) fn check_length(at: &str, key: &str, value: f64, faults: FaultSink<'_>) {
-    if !(value.is_finite() && value > 0.0) {
+    let [least, most] = LENGTHS;
+    if !(value >= least && value <= most) {
         let hint = "give a length in metres".to_owned();
-        faults(&format!("{at}/{key}"), value.to_string(), "finite and above 0".into(), hint);
+        let allowed = if value > 0.0 { format!("{least:e} to {most:e}") } else { "above 0".to_owned() };
+        faults(&format!("{at}/{key}"), format!("{value}"), allowed, hint);
     }
 }
 

@@ -31,8 +31,8 @@ pub struct Coincident {
     pub within: f64,
 }
 
-/// Finds nodes within 1e-6 of the extent of each other that no spring joins. Pairs that supports hold completely do not
-/// count.
+/// Finds nodes within 1e-6 of the extent of each other that no spring joins. Pairs that supports hold count too: a seam
+/// that is not joined has edges of its own, which "outer" selects.
 ///
 /// Nodes are sorted along a fixed direction, and each is compared with those that follow: O(n log n).
 pub fn coincident(spec: &NetworkSpec) -> Option<Coincident> {
@@ -42,14 +42,13 @@ pub fn coincident(spec: &NetworkSpec) -> Option<Coincident> {
     let within = WITHIN * (high - low).max();
     let mut order: Vec<(f64, u32)> = nodes.iter().map(|x| (*x - low).dot(&LINE)).zip(0..).collect();
     order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let held = |node: u32| spec.fixed.get(node as usize) == Some(&[true; 3]);
     let mut pairs = BTreeSet::new();
     for (i, &(along, a)) in order.iter().enumerate() {
         // The component along a unit vector is no longer than the distance.
         let close = order.iter().skip(i + 1).take(LOOKS).take_while(|(other, _)| other - along <= within);
         for &(_, b) in close {
             let apart = (nodes[a as usize] - nodes[b as usize]).norm();
-            if apart <= within && !(held(a) && held(b)) {
+            if apart <= within {
                 pairs.insert([a.min(b), a.max(b)]);
             }
         }
@@ -70,7 +69,7 @@ impl fmt::Display for Coincident {
         write!(
             f,
             "nodes {a} and {b} coincide{more} (within {} m), and no spring joins them: give the parts they belong to one node \
-             there, or a spring between the two",
+             there (\"merge\" does for a mesh file), or a spring between the two",
             figures(self.within, 2)
         )
     }

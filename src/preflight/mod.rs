@@ -18,6 +18,7 @@ pub fn network(spec: &NetworkSpec, topology: &Topology, step: Option<f64>) -> Ve
     let parts = Parts::new(spec);
     let mut warnings = Vec::new();
     warnings.extend(parts::unsupported(&parts).map(Warning::from));
+    warnings.extend(parts::loose_lines(spec, &parts).map(Warning::from));
     warnings.extend(coincident::coincident(spec).map(Warning::from));
     warnings.extend(air::wind_in_plane(spec).map(Warning::from));
     warnings.extend(air::closing(spec).map(Warning::from));

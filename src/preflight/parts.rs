@@ -83,3 +83,41 @@ impl From<Unsupported> for Warning {
         Warning::new(WarningCode::NoSupport, found.to_string())
     }
 }
+
+/// A canopy whose lines end beside it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LooseLines {
+    /// a node where its lines meet
+    pub confluence: u32,
+    /// a node of its skirt
+    pub skirt: u32,
+}
+
+/// Finds a canopy with lines at its confluence of which no spring leads to its skirt.
+pub fn loose_lines(spec: &NetworkSpec, parts: &Parts) -> Option<LooseLines> {
+    let part = |node: u32| parts.of_node.get(node as usize).copied();
+    spec.canopies.iter().find_map(|canopy| {
+        let &skirt = canopy.skirt.first()?;
+        let hangs = |node: u32| canopy.skirt.iter().any(|skirt| part(*skirt) == part(node));
+        let lines = |node: u32| part(node).is_some_and(|part| parts.size[part as usize] > 1);
+        let &confluence = canopy.confluence.iter().find(|node| lines(**node) && !hangs(**node))?;
+        Some(LooseLines { confluence, skirt })
+    })
+}
+
+impl fmt::Display for LooseLines {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let LooseLines { confluence, skirt } = self;
+        write!(
+            f,
+            "the lines at node {confluence}, the confluence, are not joined to the canopy, whose skirt has node {skirt}: give \
+             lines and cloth common nodes (\"merge\" does for a mesh file), and the lines springs"
+        )
+    }
+}
+
+impl From<LooseLines> for Warning {
+    fn from(found: LooseLines) -> Self {
+        Warning::new(WarningCode::LooseLines, found.to_string())
+    }
+}

@@ -140,7 +140,7 @@ fn parts_are_joined() {
     assert_eq!((row(&two).nodes, row(&two).parts), (88, 2));
     let joined = read(&merged("gmsh-4.1-two-panels-unmerged.msh", 1e-6));
     assert_eq!((row(&joined).nodes, row(&joined).parts, row(&joined).area), (82, 1, 2_000_000));
-    assert!(joined.notes.iter().any(|note| note.contains("6 nodes were joined")), "{:?}", joined.notes);
+    assert!(joined.repairs.iter().any(|note| note.contains("6 nodes were joined")), "{:?}", joined.repairs);
     let lines = read(&merged("obj-lines-own-vertices.obj", 0.0));
     assert_eq!(row(&lines), Row { nodes: 10, edges: 17, lines: 1, ..square(&[]) });
     let objects = row(&read(&merged("obj-two-objects-sharedcoords.obj", 1e-9)));
@@ -156,7 +156,7 @@ fn meshes_are_scaled_turned_and_moved() {
     let plain = MeshFile::plain("obj-zup-mm.obj");
     let file = MeshFile { scale: 1e-3, axes: Axes::YUp, translate: [1.0, 2.0, 3.0], ..plain };
     let mesh = read(&file).mesh;
-    assert_eq!(row(&Imported { mesh: mesh.clone(), notes: Vec::new() }), square(&[]));
+    assert_eq!(row(&Imported { mesh: mesh.clone(), notes: Vec::new(), repairs: Vec::new() }), square(&[]));
     assert_eq!((mesh.nodes[0], mesh.nodes[8]), ([1.0, 2.0, 3.0], [2.0, 2.0, 4.0]));
 }
 
@@ -166,7 +166,7 @@ fn meshes_are_repaired() {
     let file = MeshFile { orient: true, ..MeshFile::plain("obj-mixed-orientation.obj") };
     let turned = read(&file);
     let check = |mesh: &canopy_fem::mesh::Mesh| Topology::new(mesh).expect("a mesh").check_orientation(mesh);
-    assert!(check(&turned.mesh).is_ok() && turned.notes.iter().any(|note| note.contains("were turned")));
+    assert!(check(&turned.mesh).is_ok() && turned.repairs.iter().any(|note| note.contains("were turned")));
     assert!(check(&read(&MeshFile::plain("obj-mixed-orientation.obj")).mesh).is_err());
     let both = MeshFile { diagonals: Diagonals::Both, ..MeshFile::plain("cloth-8x8-quads.obj") };
     let cloth = row(&read(&both));

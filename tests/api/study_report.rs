@@ -111,7 +111,7 @@ fn every_status_is_a_row_and_a_mark() {
     let (table, page) = (report.text("tradeoff.csv"), report.text("tradeoff.html"));
     for status in FAILURES {
         assert_eq!(table.matches(&format!(",{},", status.word())).count(), 2, "{table}");
-        let noted = format!("<td class=\"note\">because of {}", status.word());
+        let noted = format!("<td class=\"note\"><div tabindex=\"0\">because of {}", status.word());
         assert_eq!(page.matches(&noted).count(), 2);
         let reasons = page.split("<h2>Notes on runs</h2>").nth(1).and_then(|rest| rest.split("</dl>").next());
         assert!(reasons.is_some_and(|text| text.contains(&format!("ecause of {}", status.word()))), "{status:?}");
@@ -126,6 +126,10 @@ fn every_status_is_a_row_and_a_mark() {
         }
     }
 }
+
+/// The colours that the methods have on all pages.
+const DOP853: &str = "#332288";
+const RK4: &str = "#E69F00";
 
 /// Runs stand where their error and their cost are, and those more exact than the reference on its bound.
 #[test]
@@ -142,9 +146,9 @@ fn runs_are_drawn_where_they_belong() {
     expected.sort_by(|a, b| a.1.total_cmp(&b.1));
     assert!(expected.len() == 5 && expected[4].0 == 2.3e-9, "the last ones are better than the reference can tell");
     // Runs in adaptive steps are a dashed line.
-    let full = |e: &&Element| e.get("stroke") == "#0072B2" && e.get("stroke-dasharray").is_empty();
-    let mut blue = picture.iter().filter(|e| e.name == "polyline").filter(full).map(Element::points);
-    let line = blue.rfind(|p| p.len() == expected.len()).expect("its line");
+    let full = |e: &&Element| e.get("stroke") == DOP853 && e.get("stroke-dasharray").is_empty();
+    let mut lines = picture.iter().filter(|e| e.name == "polyline").filter(full).map(Element::points);
+    let line = lines.rfind(|p| p.len() == expected.len()).expect("its line");
     for (point, (error, cost)) in line.iter().zip(expected) {
         let off = (x(point.0) / error).ln().abs().max((y(point.1) / cost).ln().abs());
         assert!(off < 0.02, "{point:?} is {}, {}, not {error}, {cost}", x(point.0), y(point.1));
@@ -296,7 +300,7 @@ fn studies_without_a_result_say_so() {
         (row.cpu_seconds, row.measured.error) = (Some(0.0), row.measured.error.map(|_| 0.0));
     }
     let picture = Report::of(&quick).picture("tradeoff.svg");
-    let line = picture.iter().filter(|e| e.name == "polyline" && e.get("stroke") == "#0072B2").map(Element::points);
+    let line = picture.iter().filter(|e| e.name == "polyline" && e.get("stroke") == RK4).map(Element::points);
     assert!(line.filter(|p| p.len() == 5).count() >= 1, "five runs with fixed steps");
 }
 

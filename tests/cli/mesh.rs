@@ -113,3 +113,86 @@ fn bad_parameters_are_named() {
         assert!(ended.stderr.contains(words), "{more:?}: {}", ended.stderr);
     }
 }
+
+/// Twelve gores of a flat canopy as solids of an .stl, and lines, riser and payload as an .obj, both in millimetres;
+/// every third gore is turned over.
+fn gores_and_lines() -> [String; 2] {
+    let radius = |ring: u32| 200.0 + 300.0 * f64::from(ring);
+    let place = |gore: u32, ring: u32| {
+        let angle = f64::from(gore) * std::f64::consts::TAU / 12.0;
+        [radius(ring) * angle.cos(), radius(ring) * angle.sin()]
+    };
+    let mut stl = String::new();
+    for gore in 0..12 {
+        stl += &format!("solid gore {}\n", gore + 1);
+        for ring in 0..6 {
+            let [a, b] = [place(gore, ring), place(gore, ring + 1)];
+            let [c, d] = [place(gore + 1, ring + 1), place(gore + 1, ring)];
+            for mut corners in [[a, b, c], [a, c, d]] {
+                if gore % 3 == 1 {
+                    corners.reverse();
+                }
+                let vertices = corners.map(|[x, y]| format!("vertex {x:.6} {y:.6} 0\n")).concat();
+                stl += &format!("facet normal 0 0 1\nouter loop\n{vertices}endloop\nendfacet\n");
+            }
+        }
+        stl += &format!("endsolid gore {}\n", gore + 1);
+    }
+    let rim: String = (0..12).map(|gore| place(gore, 6)).map(|[x, y]| format!("v {x:.4} {y:.4} 0\n")).collect();
+    let lines: String = (3..15).map(|end| format!("l {end} 1\n")).collect();
+    let ends = "v 0 0 -4000\nv 0 0 -5000\n";
+    let parts = "g riser\nl 1 2\ng payload\np 2\ng confluence\np 1\n";
+    [stl, format!("{ends}{rim}g lines\n{lines}{parts}")]
+}
+
+/// A canopy from CAD falls: pieces in millimetres are joined and turned alike, lines come from a second file. In steady
+/// flight the riser carries the payload, the drag is the weight, and the canopy is two thirds as wide as it is flat, as
+/// Taylor's shape is.
+#[test]
+fn a_canopy_in_pieces_becomes_a_falling_parachute() {
+    let bench = Bench::new();
+    let [stl, obj] = gores_and_lines();
+    std::fs::write(bench.path("gores.stl"), stl).expect("a file");
+    std::fs::write(bench.path("lines.obj"), obj).expect("a file");
+    let taut = |on: serde_json::Value, stiffness: f64| serde_json::json!({"on": on, "stiffness": stiffness, "slack": "tension-only", "dashpot": {"axial": {"time": 0.01}}});
+    let case = serde_json::json!({
+        "name": "own",
+        "system": {"network": {
+            "mesh": {"file": "gores.stl", "with": ["lines.obj"], "scale": 1e-3, "merge": 1e-6, "orient": true},
+            "mass": {"areal_density": 0.05, "points": [{"on": {"group": "payload"}, "mass": 20.0}]},
+            "springs": [
+                taut(serde_json::json!({"group": "lines"}), 5e3), taut(serde_json::json!({"group": "riser"}), 1e5),
+                taut("boundary".into(), 2e3), taut("interior".into(), 2e3)
+            ],
+            "gravity": [0, 0, -9.81],
+            "aero": {"atmosphere": {"density": 1.225}, "canopy": {
+                "on": "all", "confluence": {"group": "confluence"}, "apparent_mass": 1.0,
+                "table": {"pressure_coefficient": 1.2}
+            }},
+            "initial": {"velocity": [0, 0, -6]}
+        }},
+        "time": {"end": 6, "method": "newmark", "step": 0.005},
+        "output": {"gauges": [{"name": "riser", "on": {"group": "riser"}, "of": "tension"}]}
+    });
+    std::fs::write(bench.path("own.json"), case.to_string()).expect("a case");
+    // Lines that end 1 mm below the cloth are told.
+    let gap = ["--set", "system.network.mesh.with=[\"low.obj\"]"];
+    let low = std::fs::read_to_string(bench.path("lines.obj")).expect("the file").replace(" 0\n", " -1\n");
+    std::fs::write(bench.path("low.obj"), low).expect("a file");
+    let checked = bench.run(&[&["check", "own.json"][..], &gap].concat());
+    assert!(checked.stderr.contains("[loose-lines]"), "{}", checked.stderr);
+    let ended = bench.run(&["solve", "own.json", "--out", "out"]);
+    assert!(!ended.stderr.contains("[loose-lines]"), "{}", ended.stderr);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(!ended.stderr.contains("[mesh-file]"), "repairs that were asked for are no warnings: {}", ended.stderr);
+    let gauges = bench.results().text("gauges.csv");
+    let last = |name: &str| -> f64 {
+        let row = gauges.lines().rfind(|row| row.contains(name)).unwrap_or_else(|| panic!("no {name}"));
+        row.rsplit(',').next().expect("a value").parse().expect("a number")
+    };
+    let weight = 9.81 * (20.0 + 0.05 * 11.88 + 0.01 * (1.0 + 12.0 * 20.0_f64.sqrt()));
+    assert!((last("riser,tension_max") / (9.81 * 20.0) - 1.0).abs() < 5e-3, "{}", last("riser,tension_max"));
+    assert!((last("canopy,drag,") / weight - 1.0).abs() < 5e-3, "{} N, not {weight} N", last("canopy,drag,"));
+    let width = last("projected_diameter") / 4.0;
+    assert!((width - 0.667).abs() < 0.05, "{width} of its flat diameter");
+}

@@ -241,11 +241,17 @@ impl Reference {
     fn choices(&self, name: &str, node: &Value, anchors: &BTreeMap<String, String>) -> String {
         let mut words = String::new();
         let mut objects = String::new();
+        let mut records = String::new();
         for choice in list(node, "oneOf").iter().chain(list(node, "anyOf")) {
             if let Some(word) = choice["const"].as_str() {
                 let (unit, text) = unit(choice["description"].as_str().unwrap_or(""));
                 let unit = if unit.is_empty() { String::new() } else { format!("[{unit}] ") };
                 let _ = writeln!(words, "| `\"{word}\"` | {unit}{} |", line(text));
+            }
+            // Among objects with one key, one with several.
+            if let Some(record) = self::name(choice).filter(|_| list(node, "oneOf").len() > 1) {
+                let text = line(choice["description"].as_str().unwrap_or(""));
+                let _ = writeln!(records, "Or the keys of [{record}](#{}): {text}\n", anchors[record]);
             }
             for (key, value) in properties(choice) {
                 if value["properties"].as_object().is_some_and(Object::is_empty) {
@@ -272,7 +278,7 @@ impl Reference {
         if !objects.is_empty() {
             let _ = writeln!(page, "{HEAD}{objects}");
         }
-        page
+        page + &records
     }
 
     fn page(&self) -> String {

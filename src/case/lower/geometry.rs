@@ -32,7 +32,7 @@ pub(crate) struct Geometry {
 
 impl Geometry {
     fn new(source: &MeshSource, imported: Imported) -> Result<Self, MeshError> {
-        let Imported { mesh, notes } = imported;
+        let Imported { mesh, notes, .. } = imported;
         let topology = Topology::new(&mesh)?;
         let at = |node: u32| mesh.nodes.get(node as usize).map_or(Vector3::repeat(f64::NAN), |p| Vector3::from(*p));
         let length = mesh.edges.iter().map(|&[a, b]| (at(a) - at(b)).norm()).collect();

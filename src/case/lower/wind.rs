@@ -84,7 +84,7 @@ fn sum(mut tables: Vec<Series<[f64; 3]>>) -> Option<Series<[f64; 3]>> {
     Some(Series { t, value })
 }
 
-/// Reads rows of four numbers. A first row of words is a heading; `#` begins a comment.
+/// Reads rows of four numbers. A first row of words, without a digit, is a heading; `#` begins a comment.
 fn read(path: &Path) -> Result<Vec<[f64; 4]>, String> {
     let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
     let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim()).zip(1..);
@@ -95,11 +95,14 @@ fn read(path: &Path) -> Result<Vec<[f64; 4]>, String> {
         let row = numbers.as_deref().and_then(|numbers| <[f64; 4]>::try_from(numbers).ok());
         match row.filter(|row| row.iter().all(|number| number.is_finite())) {
             Some(row) => rows.push(row),
-            None if rows.is_empty() && fields.iter().all(|field| field.parse::<f64>().is_err()) => {}
+            None if rows.is_empty() && !line.contains(|c: char| c.is_ascii_digit()) => {}
             None => return Err(format!("{}, line {number}: \"{line}\" is not a row of four numbers", path.display())),
         }
     }
-    Ok(rows)
+    match rows.is_empty() {
+        true => Err(format!("{}: no row of four numbers that commas separate", path.display())),
+        false => Ok(rows),
+    }
 }
 
 #[cfg(test)]

@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Aero {
     /// [m/s] Wind velocity: a vector, `{"table": [[t, x, y, z], ...]}` over time [s], `{"file": "wind.csv"}` with such
-    /// rows, `{"profile": [[height, x, y, z], ...]}` over the height above sea level [m], `{"gust": {...}}`, or
+    /// rows (numbers separated by commas, semicolons or tabs; a first row of words is a heading, `#` begins a comment),
+    /// `{"profile": [[height, x, y, z], ...]}` over the height above sea level [m], `{"gust": {...}}`, or
     /// `{"sum": [...]}` of several. Calm air if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wind: Option<Wind>,

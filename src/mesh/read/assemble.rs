@@ -27,7 +27,7 @@ impl Cells {
             return Err(format!("has {} nodes and {} faces, too many", self.points.len(), self.faces().len()));
         }
         wanted.place(&mut self.points, &mut self.displacement);
-        let mut notes = Vec::new();
+        let mut notes = Notes::default();
         let Renumbered { number, kept } = self.renumber(wanted, &mut notes)?;
         let nodes: Vec<[f64; 3]> = kept.iter().map(|point| self.points[*point as usize]).collect();
         let pieces = self.cut(&nodes, &number, wanted.diagonals, &mut notes)?;
@@ -63,23 +63,27 @@ impl Cells {
         }
         groups.retain(|_, group| *group != Group::default());
         let displacement = kept.iter().filter_map(|point| self.displacement.get(*point as usize).copied()).collect();
-        notes.extend(self.remarks.iter().map(|(what, count)| format!("{count} {what}")));
+        notes.found.extend(self.remarks.iter().map(|(what, count)| format!("{count} {what}")));
         let mut mesh = Mesh { nodes, edges, triangles, seams, groups, displacement };
         if mesh.edges.is_empty() {
             return Err("holds no lines and no faces with an area".into());
         }
         let dropped = drop_loose(&mut mesh);
         if dropped > 0 {
-            notes.push(format!("{dropped} nodes that only such faces use were dropped; the others keep their order"));
+            notes
+                .found
+                .push(format!("{dropped} nodes that only such faces use were dropped; the others keep their order"));
         }
         if wanted.orient {
-            notes.extend(orient::turn_alike(&mut mesh));
+            let (turned, twisted) = orient::turn_alike(&mut mesh);
+            notes.asked.extend(turned);
+            notes.found.extend(twisted);
         }
-        Ok(Imported { mesh, notes })
+        Ok(Imported { mesh, notes: notes.found, repairs: notes.asked })
     }
 
     /// Joins points, drops the unused ones and renumbers the rest.
-    fn renumber(&self, wanted: &MeshFile, notes: &mut Vec<String>) -> Result<Renumbered, String> {
+    fn renumber(&self, wanted: &MeshFile, notes: &mut Notes) -> Result<Renumbered, String> {
         let mut used = vec![false; self.points.len()];
         for node in self.used_points() {
             let known = usize::try_from(node).ok().and_then(|n| used.get_mut(n));
@@ -108,10 +112,13 @@ impl Cells {
         let merged = (0..used.len()).filter(|point| used[*point] && of(*point) != *point).count();
         let unused = used.len() - kept.len() - merged;
         if unused > 0 {
-            notes.push(format!("{unused} nodes that no line or face uses were dropped; the others keep their order"));
+            notes
+                .found
+                .push(format!("{unused} nodes that no line or face uses were dropped; the others keep their order"));
         }
         if let Some(distance) = distance.filter(|_| merged > 0) {
-            notes.push(format!("{merged} nodes were joined to others at most {distance:e} m away"));
+            let list = if wanted.merge.is_some() { &mut notes.asked } else { &mut notes.found };
+            list.push(format!("{merged} nodes were joined to others at most {distance:e} m away"));
         }
         match kept.iter().position(|point| !self.points[*point as usize].iter().all(|x| x.is_finite())) {
             Some(node) => Err(MeshError::NotFinite { node }.to_string()),
@@ -125,7 +132,7 @@ impl Cells {
         nodes: &[[f64; 3]],
         number: &[u32],
         diagonals: Diagonals,
-        notes: &mut Vec<String>,
+        notes: &mut Notes,
     ) -> Result<FacePieces, String> {
         let mut pieces = FacePieces::default();
         let (mut cutter, mut corners, mut places) = (Cutter::new(), Vec::new(), Vec::new());
@@ -176,15 +183,16 @@ impl Cells {
             }
         };
         if quads > 0 {
-            notes.push(format!("{quads} quads were cut into two triangles each, {along}"));
+            let list = if diagonals == Diagonals::Both { &mut notes.asked } else { &mut notes.found };
+            list.push(format!("{quads} quads were cut into two triangles each, {along}"));
         }
         if polygons > 0 {
-            notes.push(format!("{polygons} faces of more than four corners were cut into triangles"));
+            notes.found.push(format!("{polygons} faces of more than four corners were cut into triangles"));
         }
         if !collapsed.is_empty() {
             collapsed.dedup();
             let (count, listed) = (collapsed.len(), first_few(&collapsed));
-            notes.push(format!("{count} faces without area, or parts of them, were dropped: {listed}"));
+            notes.found.push(format!("{count} faces without area, or parts of them, were dropped: {listed}"));
         }
         Ok(pieces)
     }
@@ -225,6 +233,15 @@ pub(in crate::mesh) fn extent(points: &[[f64; 3]]) -> f64 {
         range[1] - range[0]
     };
     (0..3).map(along).fold(0.0, f64::max)
+}
+
+/// Sentences about what became of the file.
+#[derive(Default)]
+struct Notes {
+    /// what was left out or changed
+    found: Vec<String>,
+    /// what was done because it was asked for
+    asked: Vec<String>,
 }
 
 /// Number of a point that is no node.
@@ -286,7 +303,7 @@ struct FaceList {
 }
 
 /// The triangles in file order, each once. `means_groups` says that a face is listed once for each of its groups.
-fn faces_once(pieces: &FacePieces, means_groups: bool, notes: &mut Vec<String>) -> FaceList {
+fn faces_once(pieces: &FacePieces, means_groups: bool, notes: &mut Notes) -> FaceList {
     let mut list = FaceList { triangles: Vec::new(), of_piece: Vec::new() };
     let mut known: HashMap<[u32; 3], u32> = HashMap::with_capacity(pieces.triangles.len());
     let mut again = Vec::new();
@@ -304,7 +321,7 @@ fn faces_once(pieces: &FacePieces, means_groups: bool, notes: &mut Vec<String>) 
     }
     if !again.is_empty() && !means_groups {
         again.dedup();
-        notes.push(format!(
+        notes.found.push(format!(
             "{} faces with the nodes of an earlier one were dropped: {}",
             again.len(),
             first_few(&again)
@@ -328,7 +345,7 @@ fn edges(
     seam: &[bool],
     triangles: &[[u32; 3]],
     means_groups: bool,
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
 ) -> EdgeList {
     let key = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
     let mut list = EdgeList { edges: Vec::new(), of_line: Vec::new(), seams: Vec::new() };
@@ -356,10 +373,10 @@ fn edges(
     list.seams.sort_unstable();
     list.seams.dedup();
     if points > 0 {
-        notes.push(format!("{points} lines whose ends are one node were dropped"));
+        notes.found.push(format!("{points} lines whose ends are one node were dropped"));
     }
     if repeated > 0 && !means_groups {
-        notes.push(format!("{repeated} repeated lines were dropped"));
+        notes.found.push(format!("{repeated} repeated lines were dropped"));
     }
     list
 }

@@ -68,6 +68,47 @@ impl Cells {
         }
     }
 
+    /// Adds the cells of another file; groups of the same name become one.
+    pub fn append(&mut self, other: Cells) {
+        let first = self.points.len() as u64;
+        // A file without numbers or displacements has them as if they were 0.
+        self.number_points([]);
+        self.number_cells(0);
+        let displaced = !(self.displacement.is_empty() && other.displacement.is_empty());
+        let count = self.points.len() + other.points.len();
+        let shift = |numbers: &BTreeMap<i64, Vec<String>>| numbers.keys().last().copied().unwrap_or(0).max(0);
+        let (cells, points) = (shift(&self.cell_groups), shift(&self.point_groups));
+        let moved = |number: i64, by: i64| if number == 0 { 0 } else { number.saturating_add(by) };
+        if displaced {
+            self.displacement.resize(self.points.len(), [0.0; 3]);
+            self.displacement.extend(&other.displacement);
+            self.displacement.resize(count, [0.0; 3]);
+        }
+        for (line, seam) in other.lines.iter().zip(&other.seam) {
+            self.add_line(&line.map(|node| first.saturating_add(node)), *seam);
+        }
+        for face in other.faces() {
+            let corners: Vec<u64> = face.iter().map(|node| first.saturating_add(*node)).collect();
+            self.add_face(&corners);
+        }
+        self.numbers.lines.extend(other.numbers.lines.iter().map(|n| moved(*n, cells)));
+        self.numbers.faces.extend(other.numbers.faces.iter().map(|n| moved(*n, cells)));
+        self.numbers.points.extend(other.numbers.points.iter().map(|n| moved(*n, points)));
+        self.points.extend(&other.points);
+        self.number_points([]);
+        self.number_cells(0);
+        self.cell_groups.extend(other.cell_groups.into_iter().map(|(n, names)| (moved(n, cells), names)));
+        self.point_groups.extend(other.point_groups.into_iter().map(|(n, names)| (moved(n, points), names)));
+        for (name, points) in other.named_points {
+            self.named_points.entry(name).or_default().extend(points.iter().map(|point| first.saturating_add(*point)));
+        }
+        for (what, count) in other.remarks {
+            *self.remarks.entry(what).or_default() += count;
+        }
+        self.repeats_faces |= other.repeats_faces;
+        self.resolution = self.resolution.into_iter().chain(other.resolution).reduce(f64::max);
+    }
+
     /// The corners of all faces.
     pub(super) fn faces(&self) -> impl ExactSizeIterator<Item = &[u64]> {
         let start = |face: usize| if face == 0 { 0 } else { self.ends[face - 1] };

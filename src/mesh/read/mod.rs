@@ -45,6 +45,8 @@ pub struct Imported {
     pub mesh: Mesh,
     /// one sentence for every change or omission
     pub notes: Vec<String>,
+    /// one sentence for every repair that was asked for
+    pub repairs: Vec<String>,
 }
 
 /// Reads a mesh file and takes the mesh as it is; the format follows from the name's extension.
@@ -52,7 +54,7 @@ pub struct Imported {
 /// # Errors
 /// [`MeshError::File`] with the file's name and the reason.
 pub fn read_mesh(path: &Path) -> Result<Imported, MeshError> {
-    read_file(&MeshFile::plain(""), path)
+    read_file(&MeshFile::plain(""), &[path])
 }
 
 /// The same for the bytes of a file that are already in memory; `path` gives the format, and the name in messages.
@@ -60,15 +62,38 @@ pub fn read_mesh(path: &Path) -> Result<Imported, MeshError> {
 /// # Errors
 /// As [`read_mesh`], except for reading the file.
 pub fn mesh_from_bytes(path: &Path, bytes: &[u8]) -> Result<Imported, MeshError> {
-    read_with(reader(path)?, &MeshFile::plain(""), path, bytes)
+    finish(cells_of(path, bytes)?, &MeshFile::plain(""), path)
 }
 
-/// Reads the file at `path`, with the mesh placed and repaired as `wanted`.
-pub(super) fn read_file(wanted: &MeshFile, path: &Path) -> Result<Imported, MeshError> {
+/// Reads files as one mesh, placed and repaired as `wanted`; messages name the first of them.
+pub(super) fn read_file(wanted: &MeshFile, paths: &[&Path]) -> Result<Imported, MeshError> {
+    let mut all = Cells::default();
+    for (number, path) in paths.iter().enumerate() {
+        reader(path)?;
+        let fault = |error: std::io::Error| MeshError::File {
+            path: path.to_path_buf(),
+            reason: format!("cannot be read: {error}"),
+        };
+        let cells = cells_of(path, &crate::input_file::read(path).map_err(fault)?)?;
+        if number == 0 { all = cells } else { all.append(cells) }
+    }
+    finish(all, wanted, paths.first().copied().unwrap_or(Path::new("")))
+}
+
+/// Points and cells of a file.
+fn cells_of(path: &Path, bytes: &[u8]) -> Result<Cells, MeshError> {
     let reader = reader(path)?;
-    let fault =
-        |error: std::io::Error| MeshError::File { path: path.to_owned(), reason: format!("cannot be read: {error}") };
-    read_with(reader, wanted, path, &crate::input_file::read(path).map_err(fault)?)
+    // A panic of a parsing library on a damaged file must not end the program.
+    let cells = std::panic::catch_unwind(|| reader(bytes))
+        .unwrap_or_else(|_| Err("is damaged; the parser gave up on it. Write it anew".to_owned()));
+    cells.map_err(|reason| MeshError::File { path: path.to_owned(), reason })
+}
+
+fn finish(cells: Cells, wanted: &MeshFile, path: &Path) -> Result<Imported, MeshError> {
+    let fault = |reason: String| MeshError::File { path: path.to_owned(), reason };
+    let imported = cells.into_mesh(wanted).map_err(fault)?;
+    imported.mesh.check().map_err(|error| fault(error.to_string()))?;
+    Ok(imported)
 }
 
 type Reader = fn(&[u8]) -> Result<Cells, String>;
@@ -132,14 +157,4 @@ fn converter(path: &Path, extension: &str) -> String {
         }
         _ => String::new(),
     }
-}
-
-fn read_with(reader: Reader, wanted: &MeshFile, path: &Path, bytes: &[u8]) -> Result<Imported, MeshError> {
-    let fault = |reason: String| MeshError::File { path: path.to_owned(), reason };
-    // A panic of a parsing library on a damaged file must not end the program.
-    let cells = std::panic::catch_unwind(|| reader(bytes))
-        .unwrap_or_else(|_| Err("is damaged; the parser gave up on it. Write it anew".to_owned()));
-    let imported = cells.and_then(|cells| cells.into_mesh(wanted)).map_err(fault)?;
-    imported.mesh.check().map_err(|error| fault(error.to_string()))?;
-    Ok(imported)
 }

@@ -28,7 +28,7 @@ const NAMES: [&str; 12] = [
 pub fn judge(bytes: &[u8]) -> Result<(), String> {
     for name in NAMES {
         match mesh_from_bytes(Path::new(name), bytes) {
-            Ok(Imported { mesh, notes }) => {
+            Ok(Imported { mesh, notes, .. }) => {
                 if notes.iter().any(|note| note.split_whitespace().count() < 3) {
                     return Err(format!("{name}: notes without a sentence: {notes:?}"));
                 }
