@@ -47,6 +47,9 @@ pub struct StudyArgs {
     pub quiet: bool,
 }
 
+/// A case, and its file as it was typed.
+pub(super) type CaseFile<'a> = (&'a Path, Case);
+
 /// [s] Time limit of a study.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
@@ -75,7 +78,7 @@ impl Budget {
 
 impl StudyArgs {
     /// The case, if one is given, and the folder of the study.
-    pub(super) fn case_and_folder(&self) -> Result<(Option<(&Path, Case)>, PathBuf), CliError> {
+    pub(super) fn case_and_folder(&self) -> Result<(Option<CaseFile<'_>>, PathBuf), CliError> {
         let end = self.end.clone().map(|end| ("time.end".to_owned(), end));
         let overrides: Vec<(String, String)> = self.set.iter().cloned().chain(end).collect();
         let read = |path| Ok::<_, CliError>((path, Case::from_file(path, &overrides)?));

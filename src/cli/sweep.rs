@@ -1,7 +1,7 @@
 //! `canopy-fem sweep`: a case over values of its keys.
 
 use super::interrupt::stop_on_interrupt;
-use super::study::{ProgressLine, StudyArgs, nothing_lost, typed};
+use super::study::{CaseFile, ProgressLine, StudyArgs, nothing_lost, typed};
 use super::{CliError, CommandOutput};
 use crate::case::Case;
 use crate::study::StudyError;
@@ -48,7 +48,7 @@ struct Command<'a> {
 }
 
 impl Command<'_> {
-    fn run(&self, case: Option<(&Path, Case)>) -> Result<CommandOutput, CliError> {
+    fn run(&self, case: Option<CaseFile<'_>>) -> Result<CommandOutput, CliError> {
         let args = &self.args.study;
         let store = Store::<SweepPlan>::in_folder(&self.out);
         let asked = case.map(|(path, case)| self.asked(path, &case)).transpose()?;

@@ -1,7 +1,7 @@
 //! `canopy-fem tradeoff`: what accuracy costs, on the user's own scene.
 
 use super::interrupt::stop_on_interrupt;
-use super::study::{Budget, ProgressLine, StudyArgs, nothing_lost, typed};
+use super::study::{Budget, CaseFile, ProgressLine, StudyArgs, nothing_lost, typed};
 use super::{CliError, CommandOutput};
 use crate::case::Case;
 use crate::study::difference::differences;
@@ -52,7 +52,7 @@ struct Command<'a> {
 }
 
 impl Command<'_> {
-    fn run(&self, case: Option<(&Path, Case)>) -> Result<CommandOutput, CliError> {
+    fn run(&self, case: Option<CaseFile<'_>>) -> Result<CommandOutput, CliError> {
         let asked = &self.args.study;
         let store = Store::<Plan>::in_folder(&self.out);
         if asked.force {

@@ -100,11 +100,9 @@ impl Cells {
         for point in (0..used.len()).filter(|point| used[*point]) {
             number[of(point)] = 0;
         }
-        for point in 0..used.len() {
-            if number[point] == 0 {
-                number[point] = kept.len() as u32;
-                kept.push(point as u32);
-            }
+        for (slot, point) in number.iter_mut().zip(0..).filter(|(slot, _)| **slot == 0) {
+            *slot = kept.len() as u32;
+            kept.push(point);
         }
         for point in (0..used.len()).filter(|point| used[*point]) {
             number[point] = number[of(point)];
