@@ -18,7 +18,6 @@ __all__ = [
     "schema",
     "methods",
     "generate",
-    "read",
     "record",
     "rollout",
     "_panic",

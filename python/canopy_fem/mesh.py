@@ -76,7 +76,9 @@ def read(
     orient: bool = False,
     diagonals: str = "one",
 ) -> Mesh:
-    """Reads a mesh file: VTK, Gmsh, OBJ, STL, PLY, OFF, Abaqus, LS-DYNA, Nastran, Kratos, DXF or glTF; frames of a run too.
+    """Reads a mesh file: VTK, Gmsh, OBJ, STL, PLY, OFF, Abaqus, LS-DYNA, Nastran, Kratos, DXF or glTF.
+
+    A frame of a run is a mesh too.
 
     Args:
         path: the file; its ending tells the format.

@@ -31,8 +31,8 @@ pub struct Coincident {
     pub within: f64,
 }
 
-/// Finds nodes within 1e-6 of the extent of each other that no spring joins. Pairs that supports hold count too: a seam
-/// that is not joined has edges of its own, which "outer" selects.
+/// Finds nodes within 1e-6 of the extent of each other that no spring joins. Pairs that supports hold completely do not
+/// count, such as the ends of a loop, except on cloth: the edges of a seam that is not joined are "outer" ones.
 ///
 /// Nodes are sorted along a fixed direction, and each is compared with those that follow: O(n log n).
 pub fn coincident(spec: &NetworkSpec) -> Option<Coincident> {
@@ -42,13 +42,17 @@ pub fn coincident(spec: &NetworkSpec) -> Option<Coincident> {
     let within = WITHIN * (high - low).max();
     let mut order: Vec<(f64, u32)> = nodes.iter().map(|x| (*x - low).dot(&LINE)).zip(0..).collect();
     order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let held = |node: u32| spec.fixed.get(node as usize) == Some(&[true; 3]);
+    let mut cloth = vec![false; nodes.len()];
+    spec.mesh.triangles.as_flattened().iter().for_each(|node| cloth[*node as usize] = true);
+    let sound = |node: u32| held(node) && !cloth[node as usize];
     let mut pairs = BTreeSet::new();
     for (i, &(along, a)) in order.iter().enumerate() {
         // The component along a unit vector is no longer than the distance.
         let close = order.iter().skip(i + 1).take(LOOKS).take_while(|(other, _)| other - along <= within);
         for &(_, b) in close {
             let apart = (nodes[a as usize] - nodes[b as usize]).norm();
-            if apart <= within {
+            if apart <= within && !(sound(a) && sound(b)) {
                 pairs.insert([a.min(b), a.max(b)]);
             }
         }
