@@ -1,7 +1,7 @@
 //! A mesh file, and how its mesh is placed and repaired.
 
 use super::read::{self, Imported, extent, joined};
-use super::source::{FaultSink, check_length};
+use super::source::{FaultSink, check_length, first_fault};
 use super::{Mesh, MeshError, Topology};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -119,17 +119,9 @@ impl MeshFile {
     /// # Errors
     /// The first value out of range, or [`MeshError::File`] with the file's name and the reason.
     pub fn read(&self, base: &Path) -> Result<Imported, MeshError> {
-        let mut first = None;
-        self.check(&mut |pointer, value, allowed, hint| {
-            first.get_or_insert_with(|| MeshError::Parameter { pointer: pointer.to_owned(), value, allowed, hint });
-        });
-        match first {
-            Some(fault) => Err(fault),
-            None => {
-                let paths: Vec<_> = [&self.file].into_iter().chain(&self.with).map(|name| base.join(name)).collect();
-                read::read_file(self, &paths.iter().map(|path| path.as_path()).collect::<Vec<_>>())
-            }
-        }
+        first_fault(|faults| self.check(faults))?;
+        let paths: Vec<_> = [&self.file].into_iter().chain(&self.with).map(|name| base.join(name)).collect();
+        read::read_file(self, &paths.iter().map(|path| path.as_path()).collect::<Vec<_>>())
     }
 
     /// Turns, scales and moves points [m], and turns and scales displacements [m].

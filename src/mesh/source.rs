@@ -139,13 +139,7 @@ impl MeshSource {
     /// # Errors
     /// As [`MeshSource::build`].
     pub fn build_with_notes(&self, base: &Path) -> Result<Imported, MeshError> {
-        let mut first = None;
-        self.check(&mut |pointer, value, allowed, hint| {
-            first.get_or_insert_with(|| MeshError::Parameter { pointer: pointer.to_owned(), value, allowed, hint });
-        });
-        if let Some(fault) = first {
-            return Err(fault);
-        }
+        first_fault(|faults| self.check(faults))?;
         let mesh = match self {
             Self::Annulus(p) => p.build()?,
             Self::Disc(p) => p.build()?,
@@ -159,6 +153,15 @@ impl MeshSource {
         mesh.check()?;
         Ok(Imported { mesh, notes: Vec::new(), repairs: Vec::new() })
     }
+}
+
+/// The first fault that a check reports.
+pub(super) fn first_fault(check: impl FnOnce(FaultSink<'_>)) -> Result<(), MeshError> {
+    let mut first = None;
+    check(&mut |pointer, value, allowed, hint| {
+        first.get_or_insert_with(|| MeshError::Parameter { pointer: pointer.to_owned(), value, allowed, hint });
+    });
+    first.map_or(Ok(()), Err)
 }
 
 /// [m] Lengths whose squares and products are numbers with all their digits.

@@ -150,6 +150,18 @@ fn parts_are_joined() {
     assert!((gores.area - 3_010_000).abs() < 500 && gores.groups.len() == 8, "{gores:?}");
 }
 
+/// A cell that names a point its own file does not have is refused, although the next file has points enough.
+#[test]
+fn files_name_their_own_points_only() {
+    let scratch = tempfile::TempDir::new().expect("a folder");
+    let path = scratch.path().join("beyond.off");
+    std::fs::write(&path, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n").expect("a file");
+    let with = vec!["off-quads.off".to_owned()];
+    let file = MeshFile { with, ..MeshFile::plain(path.display().to_string()) };
+    let error = file.read(&folder()).expect_err("refused").to_string();
+    assert!(error.contains("beyond.off") && error.contains("names node 3, but there are 3"), "{error}");
+}
+
 /// Millimetres, axes, and a place.
 #[test]
 fn meshes_are_scaled_turned_and_moved() {

@@ -85,11 +85,7 @@ impl Cells {
     /// Joins points, drops the unused ones and renumbers the rest.
     fn renumber(&self, wanted: &MeshFile, notes: &mut Notes) -> Result<Renumbered, String> {
         let mut used = vec![false; self.points.len()];
-        for node in self.used_points() {
-            let known = usize::try_from(node).ok().and_then(|n| used.get_mut(n));
-            *known.ok_or_else(|| format!("a cell names node {node}, but there are {} nodes", self.points.len()))? =
-                true;
-        }
+        self.used_points().for_each(|point| used[point as usize] = true);
         let resolution = self.resolution.map(|share| share * extent(&self.points));
         let distance = wanted.merge.into_iter().chain(resolution).reduce(f64::max);
         let mut number = vec![NONE; self.points.len()];

@@ -120,6 +120,15 @@ impl Cells {
         self.lines.as_flattened().iter().chain(&self.corners).copied()
     }
 
+    /// Checks that lines and faces name points that are there.
+    pub fn check_points(&self) -> Result<(), String> {
+        let count = self.points.len();
+        match self.used_points().find(|point| *point >= count as u64) {
+            Some(node) => Err(format!("a cell names node {node}, but there are {count} nodes")),
+            None => Ok(()),
+        }
+    }
+
     /// Counts something that the reader left out or changed; `what` is a sentence without its number.
     pub fn remark(&mut self, what: &'static str) {
         *self.remarks.entry(what).or_default() += 1;

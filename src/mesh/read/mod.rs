@@ -62,30 +62,31 @@ pub fn read_mesh(path: &Path) -> Result<Imported, MeshError> {
 /// # Errors
 /// As [`read_mesh`], except for reading the file.
 pub fn mesh_from_bytes(path: &Path, bytes: &[u8]) -> Result<Imported, MeshError> {
-    finish(cells_of(path, bytes)?, &MeshFile::plain(""), path)
+    finish(cells_of(path, reader(path)?, bytes)?, &MeshFile::plain(""), path)
 }
 
 /// Reads files as one mesh, placed and repaired as `wanted`; messages name the first of them.
 pub(super) fn read_file(wanted: &MeshFile, paths: &[&Path]) -> Result<Imported, MeshError> {
     let mut all = Cells::default();
     for (number, path) in paths.iter().enumerate() {
-        reader(path)?;
+        // A format that is not read is told before the file is opened.
+        let reader = reader(path)?;
         let fault = |error: std::io::Error| MeshError::File {
             path: path.to_path_buf(),
             reason: format!("cannot be read: {error}"),
         };
-        let cells = cells_of(path, &crate::input_file::read(path).map_err(fault)?)?;
+        let cells = cells_of(path, reader, &crate::input_file::read(path).map_err(fault)?)?;
         if number == 0 { all = cells } else { all.append(cells) }
     }
     finish(all, wanted, paths.first().copied().unwrap_or(Path::new("")))
 }
 
-/// Points and cells of a file.
-fn cells_of(path: &Path, bytes: &[u8]) -> Result<Cells, MeshError> {
-    let reader = reader(path)?;
+/// Points and cells of a file; the cells name its own points only.
+fn cells_of(path: &Path, reader: Reader, bytes: &[u8]) -> Result<Cells, MeshError> {
     // A panic of a parsing library on a damaged file must not end the program.
     let cells = std::panic::catch_unwind(|| reader(bytes))
         .unwrap_or_else(|_| Err("is damaged; the parser gave up on it. Write it anew".to_owned()));
+    let cells = cells.and_then(|cells| cells.check_points().map(|()| cells));
     cells.map_err(|reason| MeshError::File { path: path.to_owned(), reason })
 }
 
