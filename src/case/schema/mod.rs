@@ -34,7 +34,7 @@ pub use select::{Ball, EdgeSelection, NodeOrEdgeSelection, NodeSelection};
 pub use solver::{Newton, Solver};
 pub use springs::{Dashpot, DashpotRule, Membrane, SlackRule, SpringRule};
 pub use table::{Factor, FactorTable, VectorTable, vectors};
-pub use time::{Study, Time};
+pub use time::{Study, Time, UntilRest};
 pub use wind::{Atmosphere, ExponentialAtmosphere, Gust, Wind, WindPart, WindSum};
 
 /// A simulation case for canopy-fem. Values are SI. Comments (`//` and `/* */`) and trailing commas are allowed.
