@@ -8,13 +8,16 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ._core import Case as CoreCase
 from ._core import Mesh as CoreMesh
 from .errors import CaseError, Fault
+
+if TYPE_CHECKING:
+    from .results import Result
 
 __all__ = ["Case", "as_case"]
 
@@ -111,6 +114,12 @@ class Case:
             CaseError: as the class does.
         """
         return Case(self, overrides)
+
+    def static(self, out: str | os.PathLike[str] | None = None, **options: Any) -> Result:
+        """Its equilibrium: `canopy_fem.static` of this case, with its options."""
+        from .results import static
+
+        return static(self, out, **options)
 
     def __repr__(self) -> str:
         step = "adaptive steps" if self.step is None else f"step {self.step:g} s"

@@ -65,6 +65,7 @@ def test_findings_and_failures():
         cf.static(free)
     assert caught.value.result.status == "not-converged"
     assert cf.static(free, check=False).failure["node"] == 0
+    assert cf.Case(weight(), at_rest=True).static().status == "completed"
     with pytest.raises(ValueError, match="4 modes were asked for"):
         cf.static(weight(), modes=4)
     with pytest.raises(ValueError, match="at is -1"):

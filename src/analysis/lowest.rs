@@ -4,8 +4,8 @@
 //! B = M^1/2 (K + s M)^-1 M^1/2,      B q = q/(w^2 + s),      phi = M^-1/2 q
 //! ```
 //! The largest eigenvalues of B come from a block Lanczos iteration with full orthogonalisation and restarts that keep
-//! the best vectors (Grimes, Lewis & Simon 1994; Wu & Simon 2000). Blocks find the modes that come in pairs, as those of
-//! round canopies and hanging lines do. The shift s is the smallest, in steps of ten, that makes K + s M positive
+//! the best vectors (Grimes, Lewis & Simon 1994; Wu & Simon 2000). Blocks find the modes that come in pairs, as those
+//! of round canopies and hanging lines do. The shift s is the smallest, in steps of ten, that makes K + s M positive
 //! definite: then no mode is missed, not even one that grows (w^2 < 0).
 
 use super::vectors::{add, dot, norm, orthogonalise};

@@ -54,8 +54,8 @@ pub enum Command {
     ///
     /// Starts from the case's initial state, which may be far, at rest; needs no `time` section. Writes one frame,
     /// summary.json, gauges.csv and probes.csv, and with --modes also modes.csv and shapes in the folder `modes`.
-    /// `"initial": {"from": "out/NAME"}` starts a run from it. Parts that no force keeps in place are named. Where there
-    /// is no equilibrium the exit status is 3.
+    /// `"initial": {"from": "out/NAME"}` starts a run from it. Parts that no force keeps in place are named. Where
+    /// there is no equilibrium the exit status is 3.
     #[command(after_help = EXIT_STATUS)]
     Static(StaticArgs),
     /// Check a case without solving it: faults, which method and step to take, what it costs, whether it is stable

@@ -30,7 +30,7 @@ pub enum StaticFailure {
         /// Newton iterations made
         iterations: u64,
         /// a part that nothing holds, if there is one
-        loose: Option<Loose>,
+        loose: Option<Box<Loose>>,
     },
     /// A node has gone far away.
     #[error(
@@ -42,7 +42,7 @@ pub enum StaticFailure {
         /// the node
         place: Suspect,
         /// a part that nothing holds, if there is one
-        loose: Option<Loose>,
+        loose: Option<Box<Loose>>,
     },
     /// A force at the start is not finite.
     #[error(
@@ -79,19 +79,14 @@ impl StaticFailure {
     /// What to do.
     pub fn advice(&self) -> String {
         let text = match self {
-            StaticFailure::NoSupport { loose } | StaticFailure::Left { loose: Some(loose), .. } => {
-                return format!(
-                    "hold a node of this part in {}, such as the payload or the point where the lines meet, or balance \
-                     its loads; a body that falls has an equilibrium only in a wind that carries it",
-                    loose.axis
-                );
-            }
+            StaticFailure::NoSupport { loose } => return hold(loose),
+            StaticFailure::Left { loose: Some(loose), .. } => return hold(loose),
             StaticFailure::NotConverged { .. } => {
                 "apply the loads in steps (--load-steps 20), allow more iterations (solver.newton.max_iterations), or \
                  start nearer: take initial.from of a run with damping"
             }
             StaticFailure::Left { .. } => {
-                "check what holds this node, and that springs which must carry it can: tension-only springs push nothing"
+                "check what holds this node, and that its springs can carry it: tension-only springs push nothing"
             }
             StaticFailure::NotFinite { .. } => "check loads, wind and the start for a wrong unit",
             StaticFailure::Solver { .. } => "take \"linear\": \"auto\"",
@@ -99,4 +94,11 @@ impl StaticFailure {
         };
         text.to_owned()
     }
+}
+
+fn hold(Loose { axis, .. }: &Loose) -> String {
+    format!(
+        "hold a node of this part in {axis}, such as the payload or the point where the lines meet, or balance its loads; \
+         a body that falls has an equilibrium only in a wind that carries it"
+    )
 }

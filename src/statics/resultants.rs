@@ -94,7 +94,7 @@ impl Continuation<'_> {
             residual,
             place: self.scene.suspect(self.at.state.as_ref(), residual.worst),
             iterations: self.iterations(),
-            loose: loose(self.scene, &self.at),
+            loose: loose(self.scene, &self.at).map(Box::new),
         }
     }
 
@@ -103,6 +103,6 @@ impl Continuation<'_> {
         let moved = self.at.state.x.iter().zip(&self.start.state.x).map(|(x, start)| (x - start).abs());
         let farthest = moved.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(dof, _)| dof);
         let place = self.scene.suspect(self.at.state.as_ref(), farthest);
-        StaticFailure::Left { place, loose: loose(self.scene, &self.at) }
+        StaticFailure::Left { place, loose: loose(self.scene, &self.at).map(Box::new) }
     }
 }

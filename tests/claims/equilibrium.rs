@@ -6,7 +6,8 @@
 //! * A net by force densities (Schek 1974): springs without rest length and of stiffness q pull with q l, so each
 //!   coordinate solves its own linear equations. On a square grid with one q they are those of the discrete Laplacian,
 //!   and z = x y, its solution, is the hypar.
-//! * A chain of beads that hangs: w^2 = (g/l) x with L_N(x) = 0, and for many beads w = j01/2 sqrt(g/L) (`hanging_chain`).
+//! * A chain of beads that hangs: w^2 = (g/l) x with L_N(x) = 0, and for many beads w = j01/2 sqrt(g/L)
+//!   (`hanging_chain`).
 //! * A strung chain: w = 2 sqrt(T/(m a)) sin(q a/2) across it.
 
 use crate::chain::{G, Hanging, Strung};

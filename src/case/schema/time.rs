@@ -24,8 +24,8 @@ pub struct Time {
     pub until_rest: Option<UntilRest>,
 }
 
-/// When a scene is at rest: no degree of freedom is faster than `speed`, and the forces would not make one faster within
-/// the time `every`.
+/// When a scene is at rest: no degree of freedom is faster than `speed`, and the forces would not make one faster
+/// within the time `every`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UntilRest {
