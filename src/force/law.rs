@@ -7,6 +7,7 @@ pub mod bar_law;
 pub mod base_acceleration;
 pub mod canopy;
 pub mod cavity;
+pub mod curve;
 pub mod damped_springs;
 pub mod dashpot;
 pub mod drag;

@@ -225,6 +225,7 @@ impl Builder<'_> {
             nodes: order.iter().map(|&i| nodes(i)).collect(),
             rest_length: pick(&group.rest_length).into(),
             stiffness: Coefficient::from_values(&pick(&group.stiffness)),
+            curve: (&group.law).into(),
             slack: group.slack,
             rest_scale: None,
         };

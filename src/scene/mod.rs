@@ -10,6 +10,7 @@ mod branches;
 mod build;
 mod canopy_shape;
 mod check;
+mod check_elements;
 mod events;
 mod external;
 mod graph;

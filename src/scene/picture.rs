@@ -2,7 +2,6 @@
 
 use super::network::{Network, by_node, node_state};
 use crate::force::law::damped_springs::axial_force;
-use crate::force::law::slack::tension;
 use crate::force::law::spring::SpringOutput;
 use crate::mesh::Groups;
 use crate::model::forces::Forces;
@@ -119,8 +118,7 @@ impl Observables for Network {
             return 0.0;
         }
         let (data, i) = (&batch.data, number as usize);
-        let elastic =
-            tension(data.slack, data.stiffness.at(i), data.stretch(data.at(at.t, by_node(at.x)), i).elongation).force;
+        let elastic = data.tension(data.at(at.t, by_node(at.x)), i);
         if batch.axial { elastic + axial_force(data, node_state(at), i, batch.dashpot.at(i)) } else { elastic }
     }
 
@@ -154,7 +152,7 @@ mod tests {
     use super::*;
     use crate::force::schedule::threads::Threads;
     use crate::mesh::Mesh;
-    use crate::model::spec::{DashpotKind, DashpotSpec, NetworkSpec, Slack, SpringGroup};
+    use crate::model::spec::{DashpotKind, DashpotSpec, ElasticLaw, NetworkSpec, Slack, SpringGroup};
     use crate::model::system::System;
     use crate::scene::build::build_network;
 
@@ -163,7 +161,14 @@ mod tests {
     fn tension(slack: Slack, kind: Option<DashpotKind>, [l, ldot]: [f64; 2]) -> f64 {
         let mesh = Mesh { nodes: vec![[0.0; 3], [l, 0.0, 0.0]], edges: vec![[0, 1]], ..Mesh::default() };
         let dashpot = kind.map(|kind| DashpotSpec { kind, coefficient: vec![4.0], from_step: false });
-        let line = SpringGroup { edges: vec![0], stiffness: vec![100.0], rest_length: vec![1.0], slack, dashpot };
+        let line = SpringGroup {
+            edges: vec![0],
+            stiffness: vec![100.0],
+            rest_length: vec![1.0],
+            law: ElasticLaw::Linear,
+            slack,
+            dashpot,
+        };
         let spec = NetworkSpec {
             mesh,
             mass: vec![1.0; 2],

@@ -91,6 +91,7 @@ fn tangents_before_and_after_events() {
             edges: keep.iter().map(|&i| group.edges[i]).collect(),
             stiffness: pick(&group.stiffness),
             rest_length: pick(&group.rest_length),
+            law: group.law.clone(),
             slack: group.slack,
             dashpot,
         }

@@ -4,6 +4,7 @@
 mod air;
 mod canopy;
 mod digits;
+mod elastic_law;
 mod energy;
 mod filling;
 pub(crate) mod geometry;

@@ -32,7 +32,7 @@ pub use output::{Every, EveryCheckpoint, EverySteps, Field, Gauge, Output, Probe
 pub use per_node::{PerNode, Vectors};
 pub use select::{Ball, EdgeSelection, NodeOrEdgeSelection, NodeSelection};
 pub use solver::{Newton, Solver};
-pub use springs::{Dashpot, DashpotRule, Membrane, SlackRule, SpringRule};
+pub use springs::{Dashpot, DashpotRule, ElasticLawRule, Membrane, SlackRule, SpringRule};
 pub use table::{Factor, FactorTable, VectorTable, vectors};
 pub use time::{Study, Time};
 pub use wind::{Atmosphere, ExponentialAtmosphere, Gust, Wind, WindPart, WindSum};

@@ -104,6 +104,7 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
         ("tension-only", Slack::TensionOnly),
         ("dead zone", Slack::DeadZone { eps: 0.11 }),
         ("compression limit", Slack::CompressionLimit { eps: 0.13 }),
+        ("compression-only", Slack::CompressionOnly),
     ];
     let mut list = Vec::new();
     for (name, slack) in slacks {
@@ -118,6 +119,21 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
         let spec = kind.map_or_else(|| with_springs(slack), |kind| with_dashpots(slack, kind));
         let factor = Series { t: vec![0.0, 1.0], value: vec![0.8, 1.15] };
         list.push((name, NetworkSpec { rest_scales: vec![RestScaleSpec { group: 0, factor }], ..spec }));
+    }
+    let factor = Series { t: vec![0.0, 1.0], value: vec![1.0, 0.85] };
+    for (name, law) in [
+        ("green bars", ElasticLaw::Green),
+        ("tabled bars", ElasticLaw::Table(vec![[-0.5, -20.0], [-0.1, -9.0], [0.0, 0.0], [0.15, 2.0], [0.4, 60.0]])),
+    ] {
+        let with_law = |mut spec: NetworkSpec| {
+            spec.springs[0].law = law.clone();
+            spec
+        };
+        for (_, slack) in slacks {
+            list.push((name, with_law(with_dashpots(slack, DashpotKind::Axial))));
+        }
+        let reeled = vec![RestScaleSpec { group: 0, factor: factor.clone() }];
+        list.push((name, NetworkSpec { rest_scales: reeled, ..with_law(with_springs(Slack::TensionOnly)) }));
     }
     list.push(("relative dashpots", with_dashpots(Slack::TensionOnly, DashpotKind::Relative)));
     let rayleigh = Some(RayleighSpec { mass: 0.7, stiffness: 0.02 });

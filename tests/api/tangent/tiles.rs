@@ -45,7 +45,14 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
             dashpot.coefficient = many(&dashpot.coefficient);
         }
         let (stiffness, rest_length) = (many(&group.stiffness), many(&group.rest_length));
-        SpringGroup { edges: renamed(&group.edges), stiffness, rest_length, dashpot, slack: group.slack }
+        SpringGroup {
+            edges: renamed(&group.edges),
+            stiffness,
+            rest_length,
+            dashpot,
+            law: group.law.clone(),
+            slack: group.slack,
+        }
     });
     let pressures = spec.pressures.iter().map(|p| PressureLoad { triangles: renamed(&p.triangles), ..p.clone() });
     let forces = spec.forces.iter().map(|f| NodalLoad { nodes: renamed(&f.nodes), ..f.clone() });
