@@ -8,7 +8,9 @@ use crate::mesh::Mesh;
 use std::f64::consts::TAU;
 
 mod over_time;
+mod surface;
 pub use over_time::{MotionSpec, RestScaleSpec, Series, support_velocity};
+pub use surface::{BendingSpec, MembraneSpec};
 
 /// How the tension of a spring grows with its strain r = e/l0, before any slack.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -349,6 +351,10 @@ pub struct NetworkSpec {
     pub rest_scales: Vec<RestScaleSpec>,
     /// springs by rule
     pub springs: Vec<SpringGroup>,
+    /// membranes; no triangle twice
+    pub membranes: Vec<MembraneSpec>,
+    /// bending of cloth and of lines
+    pub bending: Vec<BendingSpec>,
     /// strengths of groups, for reports only
     pub strengths: Vec<StrengthSpec>,
     /// [m/s^2] gravity, if any

@@ -1,6 +1,6 @@
 //! Checks of a specification before a scene is built from it.
 
-use super::check_elements::springs;
+use super::check_elements::{springs, surfaces};
 use crate::force::law::bar_law::Bars;
 use crate::mesh::Mesh;
 use crate::model::spec::{
@@ -56,6 +56,33 @@ pub enum BuildError {
     NoRestLength {
         /// place in its group
         spring: usize,
+    },
+    /// A material that no sheet has.
+    #[error(
+        "a membrane with the moduli {} and {} Pa, a Poisson's ratio of {poisson} and a shear modulus of {shear} Pa: thickness and \
+         moduli must be above 0, the damping time not below, and poisson^2 E2 below E1",
+        modulus[0],
+        modulus[1]
+    )]
+    Membrane {
+        /// [Pa] E1 and E2
+        modulus: [f64; 2],
+        /// [-] nu12
+        poisson: f64,
+        /// [Pa] G12
+        shear: f64,
+    },
+    /// A triangle of a membrane without an area, or at right angles to the warp.
+    #[error("triangle {triangle} of a membrane has no area, or the warp direction is at right angles to it")]
+    RestShape {
+        /// its number
+        triangle: u32,
+    },
+    /// A hinge of a triangle without an area, or a chain with a segment of no length.
+    #[error("bending between nodes {} and {}: a triangle has no area, or a segment no length", ends[0], ends[1])]
+    Hinge {
+        /// the first nodes
+        ends: [u32; 2],
     },
     /// A table over time without rows, without one value per time, or with times that do not increase.
     #[error("the table of the {what} {reason}")]
@@ -119,6 +146,7 @@ pub(super) fn check(spec: &NetworkSpec) -> Result<(), BuildError> {
         below("spring group", &[u32::try_from(cut.group).unwrap_or(u32::MAX)], spec.springs.len())?;
     }
     spec.springs.iter().try_for_each(|group| springs(group, spec.mesh.edges.len()))?;
+    surfaces(spec)?;
     loads(spec)?;
     tables(spec)?;
     masses(spec)?;

@@ -1,7 +1,7 @@
 //! Checks of the elastic elements of a specification.
 
 use super::check::{BuildError, below, finite, length};
-use crate::model::spec::{ElasticLaw, Slack, SpringGroup};
+use crate::model::spec::{BendingSpec, ElasticLaw, MembraneSpec, NetworkSpec, Slack, SpringGroup};
 
 /// Springs of a mesh with so many edges.
 pub(super) fn springs(group: &SpringGroup, edges: usize) -> Result<(), BuildError> {
@@ -26,4 +26,26 @@ pub(super) fn springs(group: &SpringGroup, edges: usize) -> Result<(), BuildErro
     }
     let bare = group.rest_length.iter().position(|l0| *l0 <= 0.0).filter(|_| group.law != ElasticLaw::Linear);
     bare.map_or(Ok(()), |spring| Err(BuildError::NoRestLength { spring }))
+}
+
+/// Membranes and bending.
+pub(super) fn surfaces(spec: &NetworkSpec) -> Result<(), BuildError> {
+    let (nodes, triangles) = (spec.mesh.nodes.len(), spec.mesh.triangles.len());
+    for MembraneSpec { triangles: list, thickness, modulus, poisson, shear, warp, damping_time, .. } in &spec.membranes
+    {
+        below("triangle", list, triangles)?;
+        let [one, two] = *modulus;
+        finite("membrane number", &[*thickness, one, two, *shear, *poisson, *damping_time])?;
+        finite("warp direction", warp.as_ref().map_or(&[], |warp| &warp[..]))?;
+        let positive = [*thickness, one, two, *shear].iter().all(|number| *number > 0.0);
+        if !positive || *damping_time < 0.0 || poisson * poisson * two >= one {
+            return Err(BuildError::Membrane { modulus: *modulus, poisson: *poisson, shear: *shear });
+        }
+    }
+    for BendingSpec { hinges, stiffness, chains, flexural_rigidity } in &spec.bending {
+        below("node", hinges.as_flattened(), nodes)?;
+        below("node", chains.as_flattened(), nodes)?;
+        finite("bending stiffness", &[*stiffness, *flexural_rigidity])?;
+    }
+    Ok(())
 }

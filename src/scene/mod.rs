@@ -8,6 +8,7 @@ mod apparent;
 mod bound;
 mod branches;
 mod build;
+mod build_surface;
 mod canopy_shape;
 mod check;
 mod check_elements;

@@ -19,6 +19,7 @@ mod select;
 mod springs;
 mod stiffness;
 mod supports;
+mod surface;
 mod tables;
 mod time;
 mod wind;

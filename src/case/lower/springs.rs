@@ -11,7 +11,7 @@ use crate::case::pointer::Pointer;
 use crate::case::schema::{EdgeSelection, Factor, FactorTable, SlackRule, SpringRule};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
-use crate::model::spec::{CutSpec, ElasticLaw, RestScaleSpec, Series, Slack, SpringGroup, StrengthSpec};
+use crate::model::spec::{CutSpec, ElasticLaw, MembraneSpec, RestScaleSpec, Series, Slack, SpringGroup, StrengthSpec};
 use crate::warning::WarningCode;
 
 /// The springs of a case.
@@ -30,7 +30,7 @@ pub(super) struct SpringSections {
 /// Groups of springs in the order of the rules; adds the springs' own mass to `mass` `[n_nodes]`.
 pub(super) fn springs(
     at: &Pointer,
-    rules: &[SpringRule],
+    (rules, membranes): (&[SpringRule], &[MembraneSpec]),
     geometry: Option<&Geometry>,
     step: Option<Step>,
     mass: &mut [f64],
@@ -70,7 +70,12 @@ pub(super) fn springs(
             sections.groups.push(group);
         }
     }
-    if geometry.is_some() {
+    if let Some(geometry) = geometry {
+        let mut of_membrane = vec![false; geometry.mesh.triangles.len()];
+        membranes.iter().flat_map(|m| &m.triangles).for_each(|&t| of_membrane[t as usize] = true);
+        for (edge, taken) in claimed.by_any.iter_mut().enumerate() {
+            *taken |= geometry.topology.edge_triangles(edge).iter().any(|&t| of_membrane[t as usize]);
+        }
         warn_bare(&claimed.by_any, faults);
     }
     sections

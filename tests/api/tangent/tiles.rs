@@ -11,7 +11,8 @@ use canopy_fem::mesh::Mesh;
 use canopy_fem::model::forces::{Forces, Tally};
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::{
-    CanopySpec, LineDragSpec, NetworkSpec, NodalLoad, NodeDragSpec, PressureLoad, SpringGroup,
+    BendingSpec, CanopySpec, LineDragSpec, MembraneSpec, NetworkSpec, NodalLoad, NodeDragSpec, PressureLoad,
+    SpringGroup,
 };
 use canopy_fem::model::state::{State, StateRef};
 use canopy_fem::model::step_block::{StepSummary, Work};
@@ -70,11 +71,16 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
             apparent_mass: one.apparent_mass,
         })
     });
+    let membranes = spec.membranes.iter().map(|m| MembraneSpec { triangles: renamed(&m.triangles), ..m.clone() });
+    let bending = spec.bending.iter();
+    let bending = bending.map(|b| BendingSpec { hinges: between(&b.hinges), chains: between(&b.chains), ..b.clone() });
     let line_drag = spec.line_drag.iter().map(|d| LineDragSpec { edges: renamed(&d.edges), ..d.clone() });
     let node_drag = spec.node_drag.iter().map(|d| NodeDragSpec { nodes: renamed(&d.nodes), ..d.clone() });
     NetworkSpec {
         mesh,
         canopies: canopies.collect(),
+        membranes: membranes.collect(),
+        bending: bending.collect(),
         line_drag: line_drag.collect(),
         node_drag: node_drag.collect(),
         mass: many(&spec.mass),
