@@ -48,6 +48,7 @@ pub mod scene;
 pub mod simulation;
 pub mod solve;
 pub mod startup;
+pub mod statics;
 pub mod study;
 pub mod vtk;
 pub mod warning;

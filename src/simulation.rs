@@ -25,6 +25,7 @@
 //! | make a scene in code | [`NetworkBuilder`], [`Simulation::new`] |
 //! | take scene, method and step of a case file | [`Simulation::from_case`], or [`follow`] to run it to its end |
 //! | write the files of `canopy-fem solve` | [`record`] |
+//! | find an equilibrium, as `canopy-fem static` | [`record_static`], [`crate::statics`] |
 //! | only its scene, another method | [`build_scene`], [`RunSettings::of_case`], [`Simulation::of_scene`] |
 //! | choose method, steps, threads | [`RunSettings::fixed`], [`RunSettings::adaptive`], [`RunSettings::of`] |
 //! | make steps | [`Simulation::step`], [`Simulation::advance`], [`Simulation::run_until`] |
@@ -55,6 +56,7 @@
 mod builder;
 mod derivative;
 mod doubts;
+mod equilibrium;
 mod error;
 mod follow;
 mod record;
@@ -65,6 +67,7 @@ pub use crate::scene::{ForceDerivative, Load, NodalForce};
 pub use builder::{NetworkBuilder, RunSettings, SpringLaw};
 pub use derivative::{DerivativeError, derivative_error};
 pub use doubts::{check_solver, doubts_at_end};
+pub use equilibrium::{RecordedStatic, StaticSettings, record_static};
 pub use error::{SetupError, SimulationError};
 pub use follow::{FollowSpec, FollowedState, follow};
 pub use record::{EarlierResults, RecordError, RecordSettings, Recorded, record};

@@ -8,6 +8,7 @@ mod hessenberg;
 mod lanczos;
 pub mod later;
 pub mod limit;
+pub mod lowest;
 pub(crate) mod modes;
 mod operators;
 mod oscillator;

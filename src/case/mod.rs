@@ -45,6 +45,9 @@ pub struct Case {
     geometry: Option<Arc<Geometry>>,
 }
 
+/// The `time` section of a case that is not run.
+const AT_REST: &str = r#"{"end": 1, "step": 1, "method": "newmark"}"#;
+
 impl Case {
     /// Reads a case file, applies the `--set` assignments (dotted path and value), checks everything, and makes or
     /// reads the mesh. Paths are relative to the folder of the case file.
@@ -56,6 +59,19 @@ impl Case {
         let text = jsonc::read(path)?;
         let base = path.parent().unwrap_or(Path::new("")).to_owned();
         Self::from_text(text, &path.display().to_string(), base, overrides)
+    }
+
+    /// The same for a scene at rest: a case without a `time` section gets one, on which no equilibrium depends.
+    ///
+    /// # Errors
+    /// As [`Case::from_file`].
+    pub fn from_file_at_rest(path: &Path, overrides: &[(String, String)]) -> Result<Self, CaseError> {
+        let text = jsonc::read(path)?;
+        let base = path.parent().unwrap_or(Path::new("")).to_owned();
+        let timeless = jsonc::parse(&text).is_ok_and(|json| json.is_object() && json.get("time").is_none());
+        let time = timeless.then(|| ("time".to_owned(), AT_REST.to_owned()));
+        let overrides: Vec<(String, String)> = time.into_iter().chain(overrides.iter().cloned()).collect();
+        Self::from_text(text, &path.display().to_string(), base, &overrides)
     }
 
     /// The same for the bytes of a file that are already in memory.

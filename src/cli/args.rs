@@ -6,6 +6,7 @@ use super::methods::MethodsArgs;
 use super::plot::PlotArgs;
 use super::shell::{CompletionsArgs, ManArgs};
 use super::stability::StabilityArgs;
+use super::static_::StaticArgs;
 use super::sweep::SweepArgs;
 use super::tradeoff::TradeoffArgs;
 use clap::{Parser, Subcommand};
@@ -17,7 +18,7 @@ Exit status:
   0    done
   1    input, output or internal failure
   2    bad usage or bad case
-  3    the integration diverged, or an implicit step could not be solved
+  3    the integration diverged, an implicit step could not be solved, or there is no equilibrium
   130  interrupted; `solve` keeps a checkpoint";
 
 /// Parachute canopies and cloth as mass-spring networks, integrated the way a finite-element code would.
@@ -49,6 +50,14 @@ pub enum Command {
     /// long a step may be.
     #[command(after_help = EXIT_STATUS)]
     Solve(SolveArgs),
+    /// Find the static equilibrium of a case, and the vibration modes about it
+    ///
+    /// Starts from the case's initial state, which may be far, at rest; needs no `time` section. Writes one frame,
+    /// summary.json, gauges.csv and probes.csv, and with --modes also modes.csv and shapes in the folder `modes`.
+    /// `"initial": {"from": "out/NAME"}` starts a run from it. Parts that no force keeps in place are named. Where there
+    /// is no equilibrium the exit status is 3.
+    #[command(after_help = EXIT_STATUS)]
+    Static(StaticArgs),
     /// Check a case without solving it: faults, which method and step to take, what it costs, whether it is stable
     ///
     /// The predictions come from a few seconds of trial steps. The command writes no files. `canopy-fem tradeoff`
@@ -113,6 +122,7 @@ impl Command {
     pub(super) fn prints_data(&self) -> bool {
         match self {
             Command::Solve(args) => args.json,
+            Command::Static(args) => args.json,
             Command::Check(args) => args.json,
             Command::Methods(args) => args.json,
             Command::Mesh(MeshArgs { command: MeshCommand::Inspect(args) }) => args.json,

@@ -18,6 +18,7 @@ pub mod schema;
 mod shell;
 mod solve;
 pub mod stability;
+mod static_;
 mod study;
 pub mod sweep;
 mod terminal;
@@ -33,7 +34,7 @@ use std::process::ExitCode;
 use terminal::complain;
 
 /// Parses the command line, runs the command, prints its result, and gives the exit status: 0 done, 1 input/output or
-/// internal failure, 2 bad usage or bad case, 3 diverged or not solvable, 130 interrupted.
+/// internal failure, 2 bad usage or bad case, 3 diverged, not solvable or without equilibrium, 130 interrupted.
 pub fn main() -> ExitCode {
     interrupt::outlive_full_files();
     interrupt::catch_interrupts();
@@ -68,6 +69,7 @@ fn dispatch(command: &Command) -> Result<CommandOutput, CliError> {
     let done = |text: String| CommandOutput { text, code: 0 };
     match command {
         Command::Solve(args) => solve::run(args),
+        Command::Static(args) => static_::run(args),
         Command::Check(args) => check::run(args).map(done),
         Command::Stability(args) => stability::run(args),
         Command::Mesh(args) => Ok(done(mesh::run(args)?)),

@@ -68,7 +68,7 @@ pub mod registry;
 pub mod rk4;
 pub mod stage;
 pub mod stepper;
-mod tangents;
+pub(crate) mod tangents;
 mod updates;
 pub mod velocity_verlet;
 

@@ -143,7 +143,7 @@ impl RankOnes {
 }
 
 /// The exact and the reused tangent.
-pub(super) struct Tangents {
+pub(crate) struct Tangents {
     /// of the exact one, and of the reused one
     rank_ones: RankOnes,
     mass_parts: RankOnes,
@@ -207,7 +207,7 @@ impl Tangents {
     }
 
     /// Makes further solves use this tangent.
-    pub fn take(&mut self, which: TangentKind) {
+    pub(super) fn take(&mut self, which: TangentKind) {
         self.current = which;
     }
 
@@ -262,7 +262,7 @@ impl Tangents {
     ///
     /// # Errors
     /// A tangent that is not finite.
-    pub fn freeze(
+    pub(super) fn freeze(
         &mut self,
         system: &dyn TangentSystem,
         at: StateRef<'_>,
@@ -314,7 +314,7 @@ impl Tangents {
     }
 
     /// Whether solves use this tangent.
-    pub fn solves_with(&self, which: TangentKind) -> bool {
+    pub(super) fn solves_with(&self, which: TangentKind) -> bool {
         self.current == which
     }
 

@@ -13,6 +13,10 @@ use super::sanitize::file_stem;
 
 /// How a run ended, for programs.
 pub const SUMMARY: &str = "summary.json";
+/// A table of the vibration modes about an equilibrium.
+pub const MODES: &str = "modes.csv";
+/// The folder of their shapes.
+pub const MODES_FOLDER: &str = "modes";
 /// The checkpoint of a run.
 pub const CHECKPOINT: &str = "checkpoint.bin";
 
@@ -68,7 +72,7 @@ pub struct ResultFolder {
 impl ResultFolder {
     /// Makes `dir` ready for the case `name`: creates it if needed and locks it. Refuses earlier results unless `force`
     /// is given, which removes these files only: `summary.json`, `history.csv`, `probes.csv`, `gauges.csv`,
-    /// `checkpoint.bin`,
+    /// `modes.csv`, `checkpoint.bin`,
     /// `NAME.pvd`, `frames/NAME_<number>.vtu`, the last two also for the case of `summary.json`, and `frames` if it is
     /// then empty. Other files are kept. A link is removed, never followed; a linked `frames` is refused.
     ///
@@ -150,7 +154,9 @@ impl ResultFolder {
         let mut found = Vec::new();
         let stems: Vec<String> = [self.stem.clone()].into_iter().chain(self.other_stem()).collect();
         let collections = stems.iter().map(|stem| format!("{stem}.pvd"));
-        for name in [SUMMARY, HISTORY, PROBES, GAUGES, CHECKPOINT].map(str::to_owned).into_iter().chain(collections) {
+        for name in
+            [SUMMARY, HISTORY, PROBES, GAUGES, MODES, CHECKPOINT].map(str::to_owned).into_iter().chain(collections)
+        {
             let path = self.dir.join(name);
             for path in [part_path(&path), path] {
                 if let Some(there) = metadata_of(&path)? {

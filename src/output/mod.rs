@@ -18,6 +18,7 @@ pub(crate) mod frame_files;
 pub mod gauges;
 pub mod hermite;
 pub mod largest;
+pub mod modes;
 pub(crate) mod pvd;
 pub mod recorder;
 mod request;

@@ -17,6 +17,7 @@ use crate::model::system::System;
 use crate::process::{self, Cost};
 use crate::solve::{LinearChoice, LinearStats, Prediction};
 use crate::startup::Startup;
+use crate::statics::{Finding, Stability};
 
 /// Why a linear solver was used.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -60,6 +61,25 @@ fn reason(linear: &LinearStats, choice: LinearChoice) -> String {
         (_, "lu") => "the tangent is not symmetric, and used as it is".to_owned(),
         _ => "the tangent is symmetric, and made anew in every iteration".to_owned(),
     }
+}
+
+/// An equilibrium, in the summary of `canopy-fem static`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct EquilibriumReport {
+    /// [N] Euclidean norm of the sums of forces that are left on free degrees of freedom
+    pub residual: f64,
+    /// [N] what it is compared with: the largest norm of loads, internal forces and reactions
+    pub residual_scale: f64,
+    /// [J] energy of springs and weight; null where other loads act, which have no potential in the account
+    pub potential_energy: Option<f64>,
+    /// levels of the loads that were solved
+    pub load_steps: u32,
+    /// what small disturbances do; null where it was not judged, as with a tangent that is not symmetric
+    pub stability: Option<Stability>,
+    /// parts that no force keeps in place, and motions that grow
+    pub findings: Vec<Finding>,
+    /// [Hz] of the vibration modes that were asked for, ascending; 0 for a motion that grows
+    pub frequencies: Vec<f64>,
 }
 
 /// A finished run.
@@ -112,6 +132,9 @@ pub struct Summary {
     /// named parts of the mesh, by name; not given without groups
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub groups: BTreeMap<String, GroupTotals>,
+    /// the equilibrium that was found; not given for a run in time
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub equilibrium: Option<EquilibriumReport>,
     /// what went wrong; null for a run that did not fail
     pub failure: Option<Failure>,
     /// [s] time of the checkpoint the run was last resumed from; null for a run in one piece
@@ -151,6 +174,7 @@ impl Summary {
             final_ledger: outcome.ledger,
             peaks: Vec::new(),
             groups: BTreeMap::new(),
+            equilibrium: None,
             failure: outcome.failure.clone(),
             resumed_from: None,
             case: problem.case_json.clone(),

@@ -10,6 +10,7 @@ use crate::drive::{Outcome, Status};
 use crate::model::stop::Stop;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::folder::{CHECKPOINT, FolderError, ResultFolder, SUMMARY};
+use crate::output::modes::ModesWriteError;
 use crate::output::recorder::{CheckpointSpec, Recorder, RecorderError, RecorderSpec};
 use crate::output::resume::ResumeError;
 use crate::output::summary::Summary;
@@ -80,6 +81,9 @@ pub enum RecordError {
     /// Results cannot be written.
     #[error(transparent)]
     Observe(#[from] ObserveError),
+    /// Modes cannot be written.
+    #[error(transparent)]
+    Modes(#[from] ModesWriteError),
     /// The files that the case names have no checksum.
     #[error(transparent)]
     Fingerprint(#[from] FingerprintError),

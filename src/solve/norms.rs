@@ -26,7 +26,7 @@ pub(crate) fn dot(v: &[f64], w: &[f64]) -> f64 {
 /// Norm of the entries of `r` above their rounding floors; both `[n]`. So a stiff corner of a scene, whose residual
 /// cannot be small, hides nothing of a soft one.
 #[multiversion(targets("x86_64+avx+avx2"))]
-pub(super) fn excess(r: &[f64], floor: &[f64]) -> f64 {
+pub(crate) fn excess(r: &[f64], floor: &[f64]) -> f64 {
     let mut lanes = Lanes::default();
     let ((r, rest), (floor, other)) = (r.as_chunks::<LANES>(), floor.as_chunks::<LANES>());
     for (r, floor) in r.iter().zip(floor) {

@@ -1,0 +1,153 @@
+//! `canopy-fem static`: finds the equilibrium of a case and writes it.
+
+use super::args::key_value;
+use super::interrupt::stop_on_interrupt;
+use super::{CliError, CommandOutput, complain};
+use crate::case::Case;
+use crate::drive::Status;
+use crate::format_number::{counted, figures};
+use crate::output::csv::write_fault;
+use crate::output::folder::SUMMARY;
+use crate::output::modes::ModesWriteError;
+use crate::output::sanitize::file_stem;
+use crate::simulation::{EarlierResults, RecordError, RecordedStatic, StaticSettings, record_static};
+use crate::statics::Stability;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// `static`.
+#[derive(Clone, Debug, clap::Args)]
+pub struct StaticArgs {
+    /// Case file (JSON; // comments and trailing commas are allowed); its `time` section is not needed
+    pub case: PathBuf,
+    /// Replace any value of the case, e.g. system.network.springs.0.stiffness=500
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub set: Vec<(String, String)>,
+    /// Time of loads, wind and supports [s]
+    #[arg(long, value_name = "T", default_value_t = 0.0, value_parser = time)]
+    pub at: f64,
+    /// Apply weight, pressures and forces in this many steps. By default they act at once, and in steps if that fails
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub load_steps: u32,
+    /// Find the N lowest vibration modes about the equilibrium
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub modes: Option<u16>,
+    /// Folder for the results [default: out/NAME]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Threads for the force passes of scenes above 2,000 nodes; results are the same for every number
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Replace earlier results in the folder
+    #[arg(long)]
+    pub force: bool,
+    /// No warnings, no report
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// Print the summary as JSON in place of the report, as in summary.json
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn time(text: &str) -> Result<f64, String> {
+    let t = text.trim().parse().ok().filter(|t: &f64| *t >= 0.0 && t.is_finite());
+    t.ok_or_else(|| "expected a time of at least 0, in seconds".to_owned())
+}
+
+pub(super) fn run(args: &StaticArgs) -> Result<CommandOutput, CliError> {
+    let case = Case::from_file_at_rest(&args.case, &args.set)?;
+    let warn = |text: &str| {
+        if !args.quiet {
+            complain(&format!("warning: {text}"));
+        }
+    };
+    let name = &case.problem().name;
+    let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(name)));
+    let settings = StaticSettings {
+        out: &out,
+        earlier: if args.force { EarlierResults::Replace } else { EarlierResults::Keep },
+        threads: usize::from(args.threads),
+        at: args.at,
+        load_steps: args.load_steps,
+        modes: args.modes.map_or(0, usize::from),
+    };
+    let stop = stop_on_interrupt();
+    let found = record_static(&case, settings, &stop)?;
+    found.warnings.iter().for_each(|warning| warn(&warning.to_string()));
+    found.equilibrium.findings.iter().for_each(|finding| warn(&finding.text));
+    if let Some(error) = &found.without_modes {
+        complain(&format!("error: {error}"));
+    }
+    if let Some(failure) = &found.summary.failure {
+        complain(&format!(
+            "error: no equilibrium was found\n  cause   {}\n  advice  {}\n",
+            failure.cause, failure.advice
+        ));
+    }
+    let text = match (args.json, args.quiet) {
+        (true, _) => found.summary.to_json().map_err(|e| write_fault(&out.join(SUMMARY), e.into()))?,
+        (false, true) => String::new(),
+        (false, false) => report(name, &found, &out),
+    };
+    let code = match found.summary.status {
+        Status::Interrupted => 130,
+        Status::Completed if found.without_modes.is_none() => 0,
+        _ => 3,
+    };
+    Ok(CommandOutput { text, code })
+}
+
+fn report(name: &str, found: &RecordedStatic, out: &Path) -> String {
+    let (equilibrium, summary) = (&found.equilibrium, &found.summary);
+    let state = match summary.status {
+        Status::Completed => "in equilibrium",
+        Status::Interrupted => "interrupted",
+        _ => "not in equilibrium",
+    };
+    let c = summary.counters;
+    let iterations = counted(c.newton_iterations, "Newton iteration", "Newton iterations");
+    let mut text = format!("{name}: {state} at t = {} s after {iterations}\n", figures(summary.t_end, 12));
+    let work = [
+        counted(c.force_evaluations, "force pass", "force passes"),
+        counted(c.factorizations, "factorisation", "factorisations"),
+        counted(u64::from(equilibrium.load_steps), "load step", "load steps"),
+    ];
+    let residual = equilibrium.residual;
+    let _ = writeln!(text, "  work            {}", work.join(", "));
+    let _ = writeln!(text, "  residual        {:.1e} N of {} N", residual.force, figures(residual.scale, 4));
+    if let Some(energy) = summary.equilibrium.as_ref().and_then(|report| report.potential_energy) {
+        let _ = writeln!(text, "  potential       {} J, of springs and weight", figures(energy, 6));
+    }
+    let stability = match equilibrium.stability {
+        Some(Stability::Stable) => "stable",
+        Some(Stability::Neutral) => "neutral: some motion meets no resistance",
+        Some(Stability::Unstable) => "unstable: a small disturbance grows",
+        None => "not judged",
+    };
+    let _ = writeln!(text, "  stability       {stability}");
+    for peak in &summary.peaks {
+        let _ = writeln!(text, "  {:<15} {} = {} {}", peak.name, peak.quantity, figures(peak.last, 6), peak.unit);
+    }
+    if !found.modes.is_empty() {
+        let shown: Vec<String> = found.modes.iter().take(6).map(|mode| figures(mode.frequency(), 4)).collect();
+        let more = if found.modes.len() > shown.len() { ", … (modes.csv)" } else { "" };
+        let _ = writeln!(text, "  modes           {}{more} Hz", shown.join(", "));
+    }
+    let _ = writeln!(text, "  results         {}", out.join(format!("{}.pvd", file_stem(name))).display());
+    text
+}
+
+impl From<RecordError> for CliError {
+    fn from(error: RecordError) -> Self {
+        match error {
+            RecordError::Case(error) => error.into(),
+            RecordError::Setup(error) => error.into(),
+            RecordError::Simulation(error) => error.into(),
+            RecordError::Folder(error) | RecordError::Modes(ModesWriteError::Folder(error)) => error.into(),
+            RecordError::Resume(error) => error.into(),
+            RecordError::Recorder(error) => error.into(),
+            RecordError::Observe(error) | RecordError::Modes(ModesWriteError::Observe(error)) => error.into(),
+            RecordError::Fingerprint(error) => error.into(),
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! The static equilibrium of a case, with the files of `canopy-fem static`.
+
+use super::{EarlierResults, RecordError, build_scene, check_solver};
+use crate::analysis::lowest::{LowMode, ModesError, lowest};
+use crate::case::Case;
+use crate::case::fingerprint::Fingerprint;
+use crate::drive::ledger::Ledger;
+use crate::drive::observer::Observer;
+use crate::drive::{Failure, Outcome, Status};
+use crate::model::forces::Role;
+use crate::model::stop::Stop;
+use crate::output::folder::{ResultFolder, SUMMARY};
+use crate::output::modes::write_modes;
+use crate::output::recorder::{Recorder, RecorderSpec};
+use crate::output::summary::{EquilibriumReport, Summary};
+use crate::process::Stopwatch;
+use crate::scene::Scene;
+use crate::statics::{self, Equilibrium, StaticFailure, StaticSpec};
+use crate::warning::{Warning, WarningCode};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+/// How [`record_static`] finds an equilibrium.
+#[derive(Clone, Copy, Debug)]
+pub struct StaticSettings<'a> {
+    /// folder for the results
+    pub out: &'a Path,
+    /// what to do with earlier results in the folder; they cannot be resumed
+    pub earlier: EarlierResults,
+    /// threads for the force passes of scenes above 2,000 nodes, at least 1; results do not depend on it
+    pub threads: usize,
+    /// [s] time of the loads, of the wind and of what is held
+    pub at: f64,
+    /// [-] number of equal steps in which loads are applied; 1 applies them at once, and in steps if that fails
+    pub load_steps: u32,
+    /// [-] number of vibration modes to find about the equilibrium
+    pub modes: usize,
+}
+
+/// An equilibrium with its files.
+#[derive(Debug)]
+pub struct RecordedStatic {
+    /// what was found
+    pub equilibrium: Equilibrium,
+    /// its modes, ascending
+    pub modes: Vec<LowMode>,
+    /// why there are none
+    pub without_modes: Option<ModesError>,
+    /// what `summary.json` holds
+    pub summary: Summary,
+    /// warnings of the case that it does not acknowledge
+    pub warnings: Vec<Warning>,
+}
+
+/// Warnings that tell of steps and motion.
+const OF_A_RUN: [WarningCode; 8] = [
+    WarningCode::BrakedRotation,
+    WarningCode::EventBeyondEnd,
+    WarningCode::LongStep,
+    WarningCode::LostMotion,
+    WarningCode::ShortPulse,
+    WarningCode::StepAboveCritical,
+    WarningCode::StepBeyondEnd,
+    WarningCode::StepDashpot,
+];
+
+/// [-] Iterations of a search over those that the case allows an implicit step.
+const STEPS_WORTH: u32 = 30;
+
+/// Finds the equilibrium of a case and writes its files: one frame, `summary.json`, gauges and probes, and its modes.
+///
+/// # Errors
+/// A scene that cannot be built, a folder with earlier results, and what cannot be written. A scene without equilibrium
+/// is not an error but a failure in [`Equilibrium`] and in the summary.
+pub fn record_static(case: &Case, how: StaticSettings<'_>, stop: &AtomicBool) -> Result<RecordedStatic, RecordError> {
+    let problem = case.problem();
+    let case_digest = Fingerprint::of(problem)?.digest();
+    let scene = build_scene(problem.system.clone(), how.threads)?;
+    check_solver(problem, &*scene, case.source())?;
+    let replace = how.earlier == EarlierResults::Replace;
+    let folder = ResultFolder::prepare(how.out, &problem.name, replace)?;
+    let spec = RecorderSpec { frames_every: None, ..RecorderSpec::of(problem, folder.dir()) };
+    let mut recorder = Recorder::new(&*scene, &spec)?;
+    let stopwatch = Stopwatch::start(Default::default());
+    let newton = problem.solver.newton;
+    let asked = StaticSpec {
+        at: how.at,
+        relative: newton.relative,
+        max_iterations: newton.max_iterations.saturating_mul(STEPS_WORTH),
+        load_steps: how.load_steps,
+        linear: problem.solver.linear,
+    };
+    let equilibrium = statics::find(&*scene, asked, Stop::on(stop));
+    let outcome = outcome(&*scene, &equilibrium);
+    recorder.started(&equilibrium.point, outcome.ledger)?;
+    if equilibrium.failure.is_some() {
+        recorder.failed()?;
+    }
+    recorder.finished(&equilibrium.point)?;
+    let found = match how.modes {
+        count if count > 0 && equilibrium.failure.is_none() => {
+            lowest(&*scene, equilibrium.point.state.as_ref(), count, Stop::on(stop))
+        }
+        _ => Ok(Vec::new()),
+    };
+    let (modes, without_modes) = match found {
+        Ok(modes) => (modes, None),
+        Err(error) => (Vec::new(), Some(error)),
+    };
+    write_modes(&*scene, &spec, (&equilibrium.point, &modes), replace)?;
+    let interrupted = without_modes == Some(ModesError::Stopped);
+    let outcome = Outcome { status: if interrupted { Status::Interrupted } else { outcome.status }, ..outcome };
+    let summary = Summary {
+        method: "static".to_owned(),
+        method_parameters: Default::default(),
+        peaks: recorder.peaks(),
+        groups: problem.group_totals(),
+        equilibrium: Some(report(&*scene, &equilibrium, (&outcome, &modes))),
+        case_digest,
+        ..Summary::new(problem, &*scene, &outcome, f64::INFINITY, stopwatch.read())
+    };
+    summary.write(&folder.file(SUMMARY))?;
+    let warnings = problem.warnings.iter().filter(|warning| !OF_A_RUN.contains(&warning.code)).cloned().collect();
+    Ok(RecordedStatic { equilibrium, modes, without_modes, summary, warnings })
+}
+
+fn outcome(scene: &dyn Scene, found: &Equilibrium) -> Outcome {
+    let (_, ledger) = Ledger::open(scene, &found.point);
+    Outcome {
+        status: match &found.failure {
+            None => Status::Completed,
+            Some(StaticFailure::Interrupted) => Status::Interrupted,
+            Some(_) => Status::NotConverged,
+        },
+        steps: u64::from(found.pseudo_steps),
+        rejected_steps: u64::from(found.dropped),
+        t_end: found.point.state.t,
+        counters: found.counters,
+        account_passes: 0,
+        energy_error: 0.0,
+        energy_made: 0.0,
+        doubt: None,
+        ledger,
+        failure: found.failure.as_ref().filter(|failure| **failure != StaticFailure::Interrupted).map(|failure| {
+            let place = failure.place();
+            Failure {
+                time: found.point.state.t,
+                step: u64::from(found.pseudo_steps) + 1,
+                node: place.node,
+                spring: place.spring,
+                term: place.term.map(|term| term.name.to_owned()),
+                cause: failure.to_string(),
+                advice: failure.advice(),
+                ..Failure::default()
+            }
+        }),
+        linear: found.linear,
+    }
+}
+
+fn report(scene: &dyn Scene, found: &Equilibrium, (outcome, modes): (&Outcome, &[LowMode])) -> EquilibriumReport {
+    let conservative = scene.symmetric() && scene.terms().iter().all(|term| term.role != Role::External);
+    EquilibriumReport {
+        residual: found.residual.force,
+        residual_scale: found.residual.scale,
+        potential_energy: conservative.then_some(outcome.ledger.elastic + outcome.ledger.gravity),
+        load_steps: found.load_steps,
+        stability: found.stability,
+        findings: found.findings.clone(),
+        frequencies: modes.iter().map(LowMode::frequency).collect(),
+    }
+}

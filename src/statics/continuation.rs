@@ -1,0 +1,230 @@
+//! The loop of pseudo-transient continuation: solve with the weight mu, then lower it where that was easy and raise it
+//! where it was not.
+
+use super::failure::StaticFailure;
+use super::proximal::{Proximal, cautious_weight};
+use super::unknowns::Dofs;
+use super::{Equilibrium, Residual, StaticSpec, diagnosis};
+use crate::integrate::Counters;
+use crate::integrate::tangents::Tangents;
+use crate::model::point::Point;
+use crate::model::stop::Stop;
+use crate::scene::Scene;
+use crate::solve::newton::{Newton, NewtonFailure, NewtonReport, NewtonSpec, NonlinearProblem, Scales, Strategy};
+use crate::solve::norms::norm;
+use crate::solve::quasi_newton::FactorHistory;
+
+/// [-] A solve leaves this share of the residual that it began with: the next one continues anyway.
+const INNER: f64 = 0.1;
+/// Iterations of a solve; one that needs more is made with a larger weight.
+const INNER_ITERATIONS: u32 = 12;
+/// Iterations of a solve up to which the weight is lowered.
+const EASY: u32 = 4;
+/// [-] Factors of the weight after an easy solve, at least and at most, and after one that failed.
+const LOWER: [f64; 2] = [1e-4, 0.1];
+const RAISE: f64 = 10.0;
+/// [-] Share of the scene's size that the first solve may move a node.
+const FIRST_MOVE: f64 = 0.25;
+/// [-] Share of the scene's size that a last move may have.
+const SETTLED: f64 = 1e-8;
+/// Solves with a small residual after which a part that still creeps is taken as it is.
+const CREEPS: u32 = 20;
+/// [-] Weights above this multiple of the first are of no use.
+const HEAVIEST: f64 = 1e12;
+/// [-] A node that is farther from its start than this many sizes of the scene has left it.
+const LEFT: f64 = 1e3;
+
+/// A search in progress.
+pub(super) struct Continuation<'a> {
+    pub scene: &'a dyn Scene,
+    pub spec: StaticSpec,
+    pub stop: Stop<'a>,
+    pub dofs: Dofs,
+    /// the best state so far
+    pub at: Point,
+    /// where the search began
+    pub start: Point,
+    tangents: Tangents,
+    trial: Point,
+    newton: Newton,
+    z: Vec<f64>,
+    all: Vec<f64>,
+    counters: Counters,
+    pseudo_steps: u32,
+    dropped: u32,
+    pub load_steps: u32,
+}
+
+impl<'a> Continuation<'a> {
+    pub fn new(
+        scene: &'a dyn Scene,
+        spec: StaticSpec,
+        stop: Stop<'a>,
+        (tangents, at, counters): (Tangents, Point, Counters),
+    ) -> Self {
+        let unknowns = tangents.dof.len();
+        let newton = NewtonSpec { relative: INNER, max_iterations: INNER_ITERATIONS, strategy: Strategy::Full };
+        Continuation {
+            scene,
+            spec,
+            stop,
+            dofs: Dofs::of(scene),
+            start: at.clone(),
+            trial: at.clone(),
+            tangents,
+            newton: Newton::new(newton, unknowns),
+            z: vec![0.0; unknowns],
+            all: vec![0.0; at.state.x.len()],
+            at,
+            counters,
+            pseudo_steps: 0,
+            dropped: 0,
+            load_steps: 0,
+        }
+    }
+
+    /// Goes back to the start.
+    pub fn restart(&mut self) {
+        self.at.copy_from(&self.start);
+    }
+
+    /// Evaluates the forces again, after loads have changed.
+    pub fn refresh(&mut self) {
+        self.counters.evaluate(self.scene, self.at.state.as_ref(), &mut self.at.forces);
+    }
+
+    /// Newton iterations made.
+    pub fn iterations(&self) -> u64 {
+        self.counters.newton_iterations
+    }
+
+    pub fn residual(&self) -> Residual {
+        self.dofs.residual(self.scene, &self.at)
+    }
+
+    /// Solves for the present loads, up to `relative` of the forces.
+    pub fn settle(&mut self, relative: f64) -> Result<(), StaticFailure> {
+        let mut now = self.residual();
+        if !now.force.is_finite() {
+            return Err(self.not_finite(now));
+        }
+        if now.force == 0.0 {
+            return Ok(());
+        }
+        let mut mu = cautious_weight(self.scene, &self.at, FIRST_MOVE * self.dofs.size);
+        let heaviest = HEAVIEST * mu;
+        // The lightest weight that rounding leaves visible.
+        let (mut lightest, mut creeps) = (0.0, 0);
+        loop {
+            if self.stop.asked() {
+                return Err(StaticFailure::Interrupted);
+            }
+            if self.counters.newton_iterations >= u64::from(self.spec.max_iterations) {
+                return Err(self.not_converged(now));
+            }
+            let before = now;
+            let solved = self.solve(mu, (now, relative));
+            // A solve that was not finished has gone downhill, so its progress is kept.
+            let unfinished = matches!(solved, Err(NewtonFailure::MaxIterations { .. })) && self.tangents.symmetric();
+            log::debug!(
+                "mu = {mu:.2e} 1/s^2: {:.3e} N left of {:.3e} N, solved: {}",
+                now.force,
+                now.scale,
+                solved.is_ok()
+            );
+            if solved.is_err() && !unfinished {
+                self.dropped += 1;
+                if matches!(solved, Err(NewtonFailure::Linear { .. })) {
+                    lightest = mu * RAISE;
+                }
+                mu *= RAISE;
+                if mu > heaviest {
+                    return Err(self.not_converged(now));
+                }
+                continue;
+            }
+            self.pseudo_steps += 1;
+            let moved = self.z.iter().fold(0.0, |most: f64, z| most.max(z.abs()));
+            self.at.copy_from(&self.trial);
+            now = self.residual();
+            if !self.is_near() {
+                return Err(self.left());
+            }
+            let iterations = solved.map_or(INNER_ITERATIONS, |report| report.iterations);
+            if now.is_small(relative) {
+                creeps += 1;
+                if moved <= SETTLED * self.dofs.size || creeps > CREEPS || now.force == 0.0 {
+                    return Ok(());
+                }
+            }
+            if iterations <= EASY {
+                let [least, most] = LOWER;
+                mu *= (now.force / before.force).clamp(least, most);
+            }
+            mu = mu.max(lightest);
+        }
+    }
+
+    /// One solve into `trial` and `z`.
+    fn solve(&mut self, mu: f64, (now, relative): (Residual, f64)) -> Result<NewtonReport, NewtonFailure> {
+        let wanted = (0.5 * relative * now.scale).max(f64::MIN_POSITIVE);
+        let scales = Scales {
+            residual: now.force.max(wanted / INNER),
+            increment: self.dofs.size * (self.z.len().max(1) as f64).sqrt(),
+            increment_floor: 4.0 * f64::EPSILON * norm(&self.at.state.x),
+        };
+        self.z.fill(0.0);
+        let mut problem = Proximal {
+            scene: self.scene,
+            dofs: &self.dofs,
+            tangents: &mut self.tangents,
+            counters: &mut self.counters,
+            from: &self.at,
+            to: &mut self.trial,
+            mu,
+            all: &mut self.all,
+            stop: self.stop,
+        };
+        let solved = self.newton.solve(&mut problem, &mut self.z, scales, &mut FactorHistory::default());
+        let made = match &solved {
+            Ok(report) => report.iterations,
+            Err(NewtonFailure::MaxIterations { iterations, .. }) => {
+                // The last trial need not be the last state that was accepted.
+                let (mut r, mut floor) = (vec![0.0; self.z.len()], vec![0.0; self.z.len()]);
+                problem.residual(&self.z, &mut r, &mut floor);
+                *iterations
+            }
+            Err(failure) => failure.iterations(),
+        };
+        // At least one, so that the loop around is bounded.
+        self.counters.newton_iterations += u64::from(made.max(1));
+        solved
+    }
+
+    /// Whether all nodes are where a scene of this size could be.
+    fn is_near(&self) -> bool {
+        let moved = self.at.state.x.iter().zip(&self.start.state.x).map(|(x, start)| (x - start).abs());
+        moved.fold(0.0, f64::max) <= LEFT * self.dofs.size
+    }
+
+    /// The result, judged.
+    pub fn finish(self, failure: Option<StaticFailure>) -> Equilibrium {
+        let residual = self.residual();
+        let judged = match failure {
+            None => diagnosis::judge(self.scene, &self.dofs, &self.at, self.stop),
+            Some(_) => diagnosis::Judged::default(),
+        };
+        Equilibrium {
+            residual,
+            pseudo_steps: self.pseudo_steps,
+            dropped: self.dropped,
+            load_steps: self.load_steps,
+            counters: self.counters,
+            linear: self.tangents.stats(),
+            stability: judged.stability,
+            findings: judged.findings,
+            failure,
+            point: self.at,
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! Masses, stiffnesses and the residual of a scene at rest.
+
+use super::Residual;
+use crate::model::point::Point;
+use crate::scene::Scene;
+use crate::solve::norms::{excess, norm};
+
+/// Data of the degrees of freedom.
+pub(super) struct Dofs {
+    /// [kg] `[n_dof]`, 0 at fixed ones
+    pub mass: Vec<f64>,
+    /// [N/m] `[n_dof]`
+    pub stiffness: Vec<f64>,
+    /// [m] size of the scene; 1 for one without
+    pub size: f64,
+}
+
+impl Dofs {
+    pub fn of(scene: &dyn Scene) -> Self {
+        let mut mass = vec![0.0; scene.n_dof()];
+        scene.mass_times(&vec![1.0; scene.n_dof()], &mut mass);
+        mass.iter_mut().zip(scene.inverse_mass()).filter(|(_, inverse)| **inverse == 0.0).for_each(|(m, _)| *m = 0.0);
+        let size = if scene.size() > 0.0 { scene.size() } else { 1.0 };
+        Dofs { mass, stiffness: scene.nodal_stiffness(), size }
+    }
+
+    /// [N] Rounding error of every sum of forces: positions are rounded, which springs turn into force.
+    pub fn floor(&self, dof: usize, largest: f64, force: f64) -> f64 {
+        4.0 * f64::EPSILON * (self.stiffness[dof] * largest + force.abs())
+    }
+
+    /// The forces left at a state.
+    pub fn residual(&self, scene: &dyn Scene, at: &Point) -> Residual {
+        let total = &at.forces.total;
+        let largest = largest(&at.state.x);
+        let floor: Vec<f64> = total.iter().enumerate().map(|(dof, f)| self.floor(dof, largest, *f)).collect();
+        let size = |dof: usize| if total[dof].is_finite() { total[dof].abs() } else { f64::INFINITY };
+        Residual {
+            force: norm(total),
+            scale: scene.force_scale(&at.forces).max(norm(&at.forces.reactions)),
+            excess: excess(total, &floor),
+            worst: (0..total.len()).max_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap_or(0),
+        }
+    }
+}
+
+/// [m] Largest coordinate, which sets the rounding of positions.
+pub(super) fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
+}
