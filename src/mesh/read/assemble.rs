@@ -20,14 +20,17 @@ impl Cells {
     /// # Errors
     /// Why there is none, as the end of a sentence that begins with the file's name.
     pub(super) fn into_mesh(mut self, wanted: &MeshFile) -> Result<Imported, String> {
+        wanted.place(&mut self.points, &mut self.displacement);
+        let mut notes = Notes::default();
+        let [unfilled, filled] = self.fill_outlines(wanted.edge, self.apart(wanted).unwrap_or(0.0))?;
+        notes.found.extend(unfilled);
+        notes.asked.extend(filled);
         if self.lines.is_empty() && self.faces().len() == 0 {
             return Err("holds no lines and no triangles".into());
         }
         if self.points.len() >= u32::MAX as usize || self.faces().len() >= u32::MAX as usize / 3 {
             return Err(format!("has {} nodes and {} faces, too many", self.points.len(), self.faces().len()));
         }
-        wanted.place(&mut self.points, &mut self.displacement);
-        let mut notes = Notes::default();
         let Renumbered { number, kept } = self.renumber(wanted, &mut notes)?;
         let nodes: Vec<[f64; 3]> = kept.iter().map(|point| self.points[*point as usize]).collect();
         let pieces = self.cut(&nodes, &number, wanted.diagonals, &mut notes)?;
@@ -82,12 +85,17 @@ impl Cells {
         Ok(Imported { mesh, notes: notes.found, repairs: notes.asked })
     }
 
+    /// [m] Distance within which points are one, if any are joined.
+    fn apart(&self, wanted: &MeshFile) -> Option<f64> {
+        let resolution = self.resolution.map(|share| share * extent(&self.points));
+        wanted.merge.into_iter().chain(resolution).reduce(f64::max)
+    }
+
     /// Joins points, drops the unused ones and renumbers the rest.
     fn renumber(&self, wanted: &MeshFile, notes: &mut Notes) -> Result<Renumbered, String> {
         let mut used = vec![false; self.points.len()];
         self.used_points().for_each(|point| used[point as usize] = true);
-        let resolution = self.resolution.map(|share| share * extent(&self.points));
-        let distance = wanted.merge.into_iter().chain(resolution).reduce(f64::max);
+        let distance = self.apart(wanted);
         let mut number = vec![NONE; self.points.len()];
         let mut kept = Vec::new();
         let same = distance.map(|distance| joined(&self.points, distance));
