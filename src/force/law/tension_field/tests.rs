@@ -71,7 +71,9 @@ fn stress_and_tangent_are_derivatives() {
             }
             let energies = [-H, H].map(|by| 0.5 * dot(sheet.stress(moved(j, by)), moved(j, by)));
             let stress = (energies[1] - energies[0]) / (2.0 * H);
-            assert!((sheet.stress(e)[j] - stress).abs() < 1e-8, "{sheet:?} {e:?}");
+            // The third derivative that the difference leaves out grows with the compliance.
+            let tolerance = 1e-8 + 1e-12 * sheet.compliance.powi(2);
+            assert!((sheet.stress(e)[j] - stress).abs() < tolerance, "{sheet:?} {e:?}");
         }
     }
 }
