@@ -6,9 +6,21 @@ use std::io::Read;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
+/// Where a tag begins. Only places of its first byte are compared, which are rare.
+pub(super) fn find(bytes: &[u8], tag: &[u8]) -> Option<usize> {
+    let mut from = 0;
+    while let Some(at) = bytes.get(from..)?.iter().position(|byte| Some(byte) == tag.first()) {
+        if bytes[from + at..].starts_with(tag) {
+            return Some(from + at);
+        }
+        from += at + 1;
+    }
+    None
+}
+
 /// The tag of the root of an XML file.
 pub(super) fn first_root(bytes: &[u8]) -> &str {
-    bytes.windows(8).position(|w| w == b"<VTKFile").map_or("", |at| first_tag(&bytes[at..]))
+    find(bytes, b"<VTKFile").map_or("", |at| first_tag(&bytes[at..]))
 }
 
 pub(super) fn damaged() -> String {
@@ -17,7 +29,7 @@ pub(super) fn damaged() -> String {
 
 /// The same file without an appended section and without compression.
 pub(super) fn all_inline(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
-    let begin = bytes.windows(APPENDED.len()).position(|w| w == APPENDED.as_bytes());
+    let begin = find(bytes, APPENDED.as_bytes());
     let (head, section) = bytes.split_at(begin.unwrap_or(bytes.len()));
     let root = first_root(head);
     if begin.is_none() && attribute(root, "compressor").is_none() {

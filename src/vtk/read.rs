@@ -1,7 +1,7 @@
 //! Reads .vtu, .vtp and legacy .vtk with `vtkio`, which cannot read raw or compressed appended arrays, and requests all
 //! memory for a compressed array with a damaged header. So such arrays are first rewritten (`inline_arrays`).
 
-use super::inline_arrays::{Layout, all_inline, attribute, damaged, first_root};
+use super::inline_arrays::{Layout, all_inline, attribute, damaged, find, first_root};
 use std::borrow::Cow;
 use vtkio::model::{Attribute, DataSet, IOBuffer, Piece};
 
@@ -10,14 +10,25 @@ use vtkio::model::{Attribute, DataSet, IOBuffer, Piece};
 /// # Errors
 /// The fault of the file, as the end of a sentence that begins with its name.
 pub fn read(bytes: &[u8]) -> Result<DataSet, String> {
+    Ok(read_with_fields(bytes)?.0)
+}
+
+/// The content of a file, and the whole numbers of the arrays that an XML file has as a whole (`FieldData`), which the
+/// library leaves out; arrays of other types are not listed.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_with_fields(bytes: &[u8]) -> Result<(DataSet, Vec<(String, Vec<i64>)>), String> {
     let parse = || {
-        let vtk = if bytes.trim_ascii_start().starts_with(b"<") {
-            vtkio::Vtk::parse_xml(&*all_inline(bytes)?)
+        let (vtk, fields) = if bytes.trim_ascii_start().starts_with(b"<") {
+            let inline = all_inline(bytes)?;
+            (vtkio::Vtk::parse_xml(&*inline), field_numbers(&inline)?)
         } else {
             // Binary legacy files are big-endian; in text the order does not matter.
-            vtkio::Vtk::parse_legacy_be(&*without_field(bytes))
+            (vtkio::Vtk::parse_legacy_be(&*without_field(bytes)), Vec::new())
         };
-        vtk.map(|vtk| vtk.data).map_err(|error| format!("is not a VTK file that can be read: {error}"))
+        let data = vtk.map(|vtk| vtk.data).map_err(|error| format!("is not a VTK file that can be read: {error}"));
+        Ok((data?, fields))
     };
     // The library may panic on a damaged file, which must not end the program.
     std::panic::catch_unwind(parse)
@@ -147,18 +158,12 @@ fn without_field(bytes: &[u8]) -> Cow<'_, [u8]> {
     skipped().map_or(Cow::Borrowed(bytes), Cow::Owned)
 }
 
-/// The whole numbers of the arrays that an XML file has as a whole (`FieldData`), which the library leaves out; arrays
-/// of other types are not listed.
-///
-/// # Errors
-/// As [`read`].
-pub fn field_numbers(bytes: &[u8]) -> Result<Vec<(String, Vec<i64>)>, String> {
-    let inline = all_inline(bytes)?;
-    let begin = inline.windows(FIELD.len()).position(|w| w == FIELD.as_bytes());
-    let end = inline.windows(FIELD_END.len()).position(|w| w == FIELD_END.as_bytes());
+/// The whole numbers of the arrays of a file as a whole.
+fn field_numbers(inline: &[u8]) -> Result<Vec<(String, Vec<i64>)>, String> {
+    let (begin, end) = (find(inline, FIELD.as_bytes()), find(inline, FIELD_END.as_bytes()));
     let (Some(begin), Some(end)) = (begin, end) else { return Ok(Vec::new()) };
     let section = inline.get(begin..end).and_then(|bytes| std::str::from_utf8(bytes).ok()).unwrap_or_default();
-    let layout = Layout::of(first_root(&inline));
+    let layout = Layout::of(first_root(inline));
     let mut arrays = Vec::new();
     for from in section.split("<DataArray").skip(1) {
         let (tag, rest) = from.split_once('>').unwrap_or_default();

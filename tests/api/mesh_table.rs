@@ -2,7 +2,7 @@
 //! and meshio's own readers for the others.
 
 use canopy_fem::mesh::file::{Axes, Diagonals};
-use canopy_fem::mesh::read::{Imported, mesh_from_bytes};
+use canopy_fem::mesh::read::{Imported, file_from_bytes};
 use canopy_fem::mesh::write::write_mesh;
 use canopy_fem::mesh::{EdgeKind, MeshFile, Topology};
 use std::path::{Path, PathBuf};
@@ -366,6 +366,7 @@ fn damage_does_no_harm() {
         state ^= state << 17;
         (state % below as u64) as usize
     };
+    let wanted = MeshFile { edge: Some(100.0), ..MeshFile::plain("") };
     for entry in std::fs::read_dir(folder()).expect("the folder") {
         let path = entry.expect("an entry").path();
         let whole = std::fs::read(&path).expect("a file");
@@ -383,7 +384,7 @@ fn damage_does_no_harm() {
                     bytes[at] = if trial % 2 == 0 { b'0' + next(10) as u8 } else { next(256) as u8 };
                 }
             }
-            match mesh_from_bytes(&path, &bytes) {
+            match file_from_bytes(&wanted, &path, &bytes) {
                 Ok(read) => assert_eq!(read.mesh.check(), Ok(()), "{}", path.display()),
                 Err(error) => assert!(error.to_string().split_whitespace().count() > 3, "{error}"),
             }

@@ -7,9 +7,10 @@ use super::polygon::{Cutter, Pieces};
 use crate::format_number::first_few;
 use crate::mesh::check::flat;
 use crate::mesh::file::{Diagonals, MeshFile};
+use crate::mesh::tuples::{earliest, sorted};
 use crate::mesh::{Group, Groups, Mesh, MeshError, orient, topology};
 use nalgebra::Vector3;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 /// Name of the group of the second diagonals of quads.
 const DIAGONALS: &str = "diagonals";
@@ -306,19 +307,17 @@ struct FaceList {
 
 /// The triangles in file order, each once. `means_groups` says that a face is listed once for each of its groups.
 fn faces_once(pieces: &FacePieces, means_groups: bool, notes: &mut Notes) -> FaceList {
-    let mut list = FaceList { triangles: Vec::new(), of_piece: Vec::new() };
-    let mut known: HashMap<[u32; 3], u32> = HashMap::with_capacity(pieces.triangles.len());
+    let count = pieces.triangles.len();
+    let mut list = FaceList { triangles: Vec::with_capacity(count), of_piece: Vec::with_capacity(count) };
     let mut again = Vec::new();
-    for (triangle, face) in pieces.triangles.iter().zip(&pieces.of_face) {
-        let mut key = *triangle;
-        key.sort_unstable();
-        let new = list.triangles.len() as u32;
-        let number = *known.entry(key).or_insert(new);
-        list.of_piece.push(number);
-        if number == new {
-            list.triangles.push(*triangle);
+    let keys: Vec<[u32; 3]> = pieces.triangles.iter().map(|triangle| sorted(*triangle)).collect();
+    for (piece, first) in earliest(&keys).into_iter().enumerate() {
+        if first as usize == piece {
+            list.of_piece.push(list.triangles.len() as u32);
+            list.triangles.push(pieces.triangles[piece]);
         } else {
-            again.push(*face);
+            list.of_piece.push(list.of_piece[first as usize]);
+            again.push(pieces.of_face[piece]);
         }
     }
     if !again.is_empty() && !means_groups {
@@ -349,29 +348,35 @@ fn edges(
     means_groups: bool,
     notes: &mut Notes,
 ) -> EdgeList {
-    let key = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
     let mut list = EdgeList { edges: Vec::new(), of_line: Vec::new(), seams: Vec::new() };
-    let mut known: HashMap<[u32; 2], u32> = HashMap::new();
     let (mut points, mut repeated) = (0, 0);
-    for (number, line) in lines.enumerate() {
+    let lines: Vec<[u32; 2]> = lines.collect();
+    let mut keys: Vec<[u32; 2]> = lines.iter().map(|line| sorted(*line)).collect();
+    for (number, (line, first)) in lines.into_iter().zip(earliest(&keys)).enumerate() {
         if line[0] == line[1] {
             points += 1;
             list.of_line.push(None);
             continue;
         }
-        let new = list.edges.len() as u32;
-        let edge = *known.entry(key(line)).or_insert(new);
-        list.of_line.push(Some(edge));
-        if edge == new {
+        let edge = if first as usize == number {
             list.edges.push(line);
+            list.edges.len() as u32 - 1
         } else {
             repeated += 1;
-        }
+            list.of_line[first as usize].unwrap_or(NONE)
+        };
+        list.of_line.push(Some(edge));
         if seam.get(number) == Some(&true) {
             list.seams.push(edge);
         }
     }
-    list.edges.extend(topology::unique_edges(triangles).into_iter().filter(|edge| !known.contains_key(edge)));
+    // Both are in ascending order.
+    keys.sort_unstable();
+    let mut listed = keys.into_iter().peekable();
+    list.edges.extend(topology::unique_edges(triangles).into_iter().filter(|side| {
+        while listed.next_if(|line| line < side).is_some() {}
+        listed.peek() != Some(side)
+    }));
     list.seams.sort_unstable();
     list.seams.dedup();
     if points > 0 {

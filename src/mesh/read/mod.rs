@@ -64,7 +64,15 @@ pub fn read_mesh(path: &Path) -> Result<Imported, MeshError> {
 /// # Errors
 /// As [`read_mesh`], except for reading the file.
 pub fn mesh_from_bytes(path: &Path, bytes: &[u8]) -> Result<Imported, MeshError> {
-    finish(cells_of(path, reader(path)?, bytes, None)?, &MeshFile::plain(""), path)
+    file_from_bytes(&MeshFile::plain(""), path, bytes)
+}
+
+/// The same, placed and repaired as `wanted`, whose file names are not used.
+///
+/// # Errors
+/// As [`mesh_from_bytes`].
+pub fn file_from_bytes(wanted: &MeshFile, path: &Path, bytes: &[u8]) -> Result<Imported, MeshError> {
+    finish(cells_of(path, reader(path)?, bytes, None)?, wanted, path)
 }
 
 /// Reads files as one mesh, placed and repaired as `wanted`; messages name the first of them.
@@ -141,7 +149,7 @@ const FORMATS: [(&[&str], Reader); 12] = [
     (&["gltf", "glb"], Reader::WithOthers(gltf::read)),
 ];
 
-/// Most labels that a range in a file may stand for.
+/// Most labels that ranges and sets of sets in a file may stand for.
 const MOST_LABELS: u64 = 50_000_000;
 
 /// The endings of the formats that are read: ".vtu, .vtp, ...".
