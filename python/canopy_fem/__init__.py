@@ -5,6 +5,7 @@ The engine of the program ``canopy-fem``. Units are SI; nodes, edges and triangl
 =================================  ===================================================================
 `Case`                             a case: a file or a dictionary, with other values
 `run`, `load`, `Result`            a whole run with the files of ``canopy-fem solve``; its tables
+`static`                           the equilibrium of a case, and the modes about it
 `Simulation`                       a scene in motion: step by step, with forces and changes from outside
 `Network`                          masses and springs from arrays
 `rollout`                          many runs at once, on a pool of threads
@@ -18,7 +19,7 @@ from . import mesh
 from ._core import Energies, Rollout, Step, __version__, methods, schema
 from .case import Case
 from .errors import CanopyError, CaseError, Diverged, Ended, Fault, InternalError, SimulationError
-from .results import CaseWarning, Result, load, run
+from .results import CaseWarning, Result, load, run, static
 from .simulation import Motion, Network, Simulation
 from .studies import check, program, rollout, stability, sweep, tradeoff
 
@@ -49,6 +50,7 @@ __all__ = [
     "run",
     "schema",
     "stability",
+    "static",
     "sweep",
     "tradeoff",
 ]

@@ -19,6 +19,7 @@ __all__ = [
     "methods",
     "generate",
     "record",
+    "record_static",
     "rollout",
     "_panic",
 ]
@@ -33,9 +34,11 @@ _Overrides = Sequence[tuple[str, str]]
 @final
 class Case:
     @staticmethod
-    def from_file(path: _Path, overrides: _Overrides) -> Case: ...
+    def from_file(path: _Path, overrides: _Overrides, *, at_rest: bool = False) -> Case: ...
     @staticmethod
-    def from_text(text: str, name: str, base: _Path, overrides: _Overrides) -> Case: ...
+    def from_text(
+        text: str, name: str, base: _Path, overrides: _Overrides, *, at_rest: bool = False
+    ) -> Case: ...
     def with_overrides(self, overrides: _Overrides) -> Case: ...
     @property
     def name(self) -> str: ...
@@ -215,6 +218,9 @@ def record(
     threads: int,
     keep_going: bool,
     progress: Callable[[float, float], object] | None,
+) -> tuple[dict[str, Any], list[str]]: ...
+def record_static(
+    case: Case, out: _Path, *, replace: bool, threads: int, at: float, load_steps: int, modes: int
 ) -> tuple[dict[str, Any], list[str]]: ...
 def rollout(
     cases: Sequence[Case], *, threads: int, nodes: Sequence[int] | None, every: float | None

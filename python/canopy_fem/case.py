@@ -29,6 +29,7 @@ class Case:
         source: a case file, a dictionary with the same keys (arrays and meshes may stand for lists), or a case.
         overrides: other values by dotted path, e.g. ``{"time.step": 1e-3}``; None removes a key.
         base: folder to which paths in a dictionary are relative; the present one if left out.
+        at_rest: whether the `time` section may be missing, as for `static`.
 
     Raises:
         CaseError: the case has faults; ``faults`` lists all of them, each with its place and what is allowed there.
@@ -54,6 +55,7 @@ class Case:
         overrides: Overrides | None = None,
         *,
         base: str | os.PathLike[str] | None = None,
+        at_rest: bool = False,
     ) -> None:
         changes = _assignments(overrides)
         self._file = None
@@ -65,11 +67,11 @@ class Case:
         elif isinstance(source, Mapping):
             self._base = Path(base if base is not None else ".")
             text = json.dumps(plain(source))
-            self._core = CoreCase.from_text(text, "case", self._base, changes)
+            self._core = CoreCase.from_text(text, "case", self._base, changes, at_rest=at_rest)
         elif isinstance(source, (str, os.PathLike)):
             self._file = Path(os.fspath(source))
             self._base = self._file.parent
-            self._core = CoreCase.from_file(self._file, changes)
+            self._core = CoreCase.from_file(self._file, changes, at_rest=at_rest)
         else:
             raise TypeError(f"a case is a file, a dictionary or a Case, not {type(source).__name__}")
 
@@ -119,9 +121,9 @@ class Case:
         return f"<b>{html.escape(repr(self))}</b><details><summary>case</summary><pre>{text}</pre></details>"
 
 
-def as_case(source: Any) -> Case:
+def as_case(source: Any, *, at_rest: bool = False) -> Case:
     """The case itself, or one made of a file or dictionary."""
-    return source if isinstance(source, Case) else Case(source)
+    return source if isinstance(source, Case) else Case(source, at_rest=at_rest)
 
 
 def _assignments(overrides: Overrides | None) -> list[tuple[str, str]]:

@@ -21,10 +21,10 @@ from .case import as_case
 from .errors import CanopyError, Diverged
 from .simulation import teller
 
-__all__ = ["CaseWarning", "Result", "load", "run"]
+__all__ = ["CaseWarning", "Result", "load", "run", "static"]
 
-_WHOLE = {"step", "newton_iterations", "node"}
-_TEXT = {"name", "quantity"}
+_WHOLE = {"step", "newton_iterations", "node", "mode"}
+_TEXT = {"name", "quantity", "axis"}
 
 
 class CaseWarning(UserWarning):
@@ -71,11 +71,57 @@ def run(
     )
     for warning in found:
         python_warnings.warn(warning, CaseWarning, stacklevel=2)
-    result = Result(folder, summary, keeper)
-    if check and summary["failure"] is not None:
-        failure = summary["failure"]
+    return _checked(Result(folder, summary, keeper), check)
+
+
+def static(
+    case: Any,
+    out: str | os.PathLike[str] | None = None,
+    *,
+    at: float = 0.0,
+    modes: int = 0,
+    load_steps: int = 1,
+    threads: int = 1,
+    replace: bool = False,
+    check: bool = True,
+) -> Result:
+    """Finds the equilibrium of a case and writes the files of ``canopy-fem static``, byte for byte.
+
+    Args:
+        case: a `Case`, a case file or a dictionary; its `time` section is not needed.
+        out: folder for the files; a temporary one, which the result removes with itself, if left out.
+        at: time of loads, wind and supports [s].
+        modes: number of vibration modes to find about the equilibrium: `Result.modes`.
+        load_steps: steps in which the loads are applied; 1 applies them at once, and in steps if that fails.
+        threads: threads of scenes above 2,000 nodes; results do not depend on it.
+        replace: replace earlier results in the folder.
+        check: raise Diverged where no equilibrium is found; its ``result`` has the files.
+
+    Parts that no force keeps in place are named in a `CaseWarning` and in ``result.equilibrium["findings"]``.
+
+    Raises:
+        CaseError: a case with faults.
+        Diverged: no equilibrium was found.
+        OSError: a folder with earlier results, or files that cannot be written.
+        ValueError: a number out of range, or more modes than the scene has.
+        KeyboardInterrupt: Ctrl-C.
+    """
+    case = as_case(case, at_rest=True)
+    keeper = tempfile.TemporaryDirectory(prefix="canopy-fem-") if out is None else None
+    folder = Path(os.fspath(out)) if out is not None else Path(keeper.name if keeper else "") / "results"
+    summary, found = _core.record_static(
+        case._core, folder, replace=replace, threads=threads, at=at, load_steps=load_steps, modes=modes
+    )
+    for warning in found:
+        python_warnings.warn(warning, CaseWarning, stacklevel=2)
+    return _checked(Result(folder, summary, keeper), check)
+
+
+def _checked(result: Result, check: bool) -> Result:
+    failure = result.failure
+    if check and failure is not None:
         error = Diverged(
-            f"{summary['status']} at t = {failure['time']} s: {failure['cause']}; {failure['advice']}", failure
+            f"{result.status} at t = {failure['time']} s: {failure['cause']}; {failure['advice']}", failure
         )
         error.result = result
         raise error
@@ -139,6 +185,17 @@ class Result:
         """A row a value: t [s], name, quantity, value in its SI unit."""
         return self._table("gauges")
 
+    @property
+    def equilibrium(self) -> dict[str, Any] | None:
+        """Of `static`: residual [N], potential_energy [J], stability, findings, …"""
+        return self.summary.get("equilibrium")
+
+    @property
+    def modes(self) -> npt.NDArray[Any]:
+        """A row a vibration mode: mode, frequency [Hz], omega_squared [1/s^2], the node and axis that move most, and
+        mass_x, mass_y, mass_z [kg], what moves in it if a support shakes along an axis."""
+        return self._table("modes")
+
     def gauge(self, name: str, quantity: str | None = None) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
         """Times [s] and values of one gauge.
 
@@ -168,7 +225,7 @@ class Result:
         return frames[-1][1] if t is None else min(frames, key=lambda frame: abs(frame[0] - t))[1]
 
     def to_pandas(self, table: str = "history") -> Any:
-        """A table, ``"history"``, ``"probes"`` or ``"gauges"``, as a pandas DataFrame.
+        """A table, ``"history"``, ``"probes"``, ``"gauges"`` or ``"modes"``, as a pandas DataFrame.
 
         Raises:
             ImportError: pandas is not installed.
@@ -219,8 +276,8 @@ class Result:
         return f"<b>{html.escape(repr(self))}</b><table>{cells}</table>"
 
     def _table(self, name: str) -> npt.NDArray[Any]:
-        if name not in ("history", "probes", "gauges"):
-            raise KeyError(f"no table {name!r}; there are history, probes and gauges")
+        if name not in ("history", "probes", "gauges", "modes"):
+            raise KeyError(f"no table {name!r}; there are history, probes, gauges and modes")
         if name not in self._tables:
             self._tables[name] = _read(self.folder / f"{name}.csv", name)
         return self._tables[name]
@@ -233,7 +290,11 @@ class Result:
         return [(float(entry.attrib["timestep"]), self.folder / entry.attrib["file"]) for entry in entries]
 
 
-_HEADERS = {"probes": "t,name,node,x,y,z,vx,vy,vz", "gauges": "t,name,quantity,value"}
+_HEADERS = {
+    "probes": "t,name,node,x,y,z,vx,vy,vz",
+    "gauges": "t,name,quantity,value",
+    "modes": "mode,frequency,omega_squared,node,axis,mass_x,mass_y,mass_z",
+}
 
 
 def _read(path: Path, table: str) -> npt.NDArray[Any]:

@@ -22,16 +22,27 @@ type Overrides = Vec<(String, String)>;
 
 #[pymethods]
 impl Case {
-    /// Reads a case file.
+    /// Reads a case file; one that is `at_rest` needs no `time` section.
     #[staticmethod]
-    fn from_file(py: Python<'_>, path: PathBuf, overrides: Overrides) -> PyResult<Self> {
-        Self::of(py, move || case::Case::from_file(&path, &overrides))
+    #[pyo3(signature = (path, overrides, *, at_rest=false))]
+    fn from_file(py: Python<'_>, path: PathBuf, overrides: Overrides, at_rest: bool) -> PyResult<Self> {
+        let read = if at_rest { case::Case::from_file_at_rest } else { case::Case::from_file };
+        Self::of(py, move || read(&path, &overrides))
     }
 
     /// Reads a case from its text; paths in it are relative to `base`.
     #[staticmethod]
-    fn from_text(py: Python<'_>, text: String, name: String, base: PathBuf, overrides: Overrides) -> PyResult<Self> {
-        Self::of(py, move || case::Case::from_text(text, &name, base, &overrides))
+    #[pyo3(signature = (text, name, base, overrides, *, at_rest=false))]
+    fn from_text(
+        py: Python<'_>,
+        text: String,
+        name: String,
+        base: PathBuf,
+        overrides: Overrides,
+        at_rest: bool,
+    ) -> PyResult<Self> {
+        let read = if at_rest { case::Case::from_text_at_rest } else { case::Case::from_text };
+        Self::of(py, move || read(text, &name, base, &overrides))
     }
 
     /// The same case with other values.

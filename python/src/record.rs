@@ -5,7 +5,7 @@ use crate::errors::of_record;
 use crate::interrupt::watched;
 use crate::values::from_json;
 use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer, UpcomingStep, Wants};
-use canopy_fem::simulation::{self, EarlierResults, RecordSettings};
+use canopy_fem::simulation::{self, EarlierResults, RecordSettings, StaticSettings};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -70,6 +70,40 @@ pub fn record<'py>(
     let recorded = done.map_err(|error| of_record(py, error))?;
     let warnings = recorded.warnings.iter().map(ToString::to_string).collect();
     Ok((from_json(py, &recorded.summary)?, warnings))
+}
+
+/// Finds the equilibrium of a case and writes its files; the summary as a dictionary, and warnings.
+#[pyfunction]
+#[pyo3(signature = (case, out, *, replace, threads, at, load_steps, modes))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
+pub fn record_static<'py>(
+    py: Python<'py>,
+    case: &Case,
+    out: PathBuf,
+    replace: bool,
+    threads: usize,
+    at: f64,
+    load_steps: u32,
+    modes: usize,
+) -> PyResult<(Bound<'py, PyAny>, Vec<String>)> {
+    let earlier = if replace { EarlierResults::Replace } else { EarlierResults::Keep };
+    let threads = checked_threads(threads)?;
+    if !(at >= 0.0 && at.is_finite()) {
+        return Err(PyValueError::new_err(format!("at is {at}: give a time of at least 0, in seconds")));
+    }
+    if load_steps == 0 {
+        return Err(PyValueError::new_err("load_steps is 0: give 1 or more"));
+    }
+    let case = case.case.clone();
+    let how = StaticSettings { out: &out, earlier, threads, at, load_steps, modes };
+    let done = watched(py, |stop| simulation::record_static(&case, how, stop), |_| Ok(()))?;
+    let found = done.map_err(|error| of_record(py, error))?;
+    if let Some(error) = found.without_modes {
+        return Err(PyValueError::new_err(error.to_string()));
+    }
+    let findings = found.equilibrium.findings.iter().map(|finding| finding.text.clone());
+    let warnings = found.warnings.iter().map(ToString::to_string).chain(findings).collect();
+    Ok((from_json(py, &found.summary)?, warnings))
 }
 
 /// A number of threads that a computer can have.

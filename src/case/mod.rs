@@ -68,10 +68,23 @@ impl Case {
     pub fn from_file_at_rest(path: &Path, overrides: &[(String, String)]) -> Result<Self, CaseError> {
         let text = jsonc::read(path)?;
         let base = path.parent().unwrap_or(Path::new("")).to_owned();
+        Self::from_text_at_rest(text, &path.display().to_string(), base, overrides)
+    }
+
+    /// The same for a text that is already in memory.
+    ///
+    /// # Errors
+    /// As [`Case::from_text`].
+    pub fn from_text_at_rest(
+        text: String,
+        name: &str,
+        base: PathBuf,
+        overrides: &[(String, String)],
+    ) -> Result<Self, CaseError> {
         let timeless = jsonc::parse(&text).is_ok_and(|json| json.is_object() && json.get("time").is_none());
         let time = timeless.then(|| ("time".to_owned(), AT_REST.to_owned()));
         let overrides: Vec<(String, String)> = time.into_iter().chain(overrides.iter().cloned()).collect();
-        Self::from_text(text, &path.display().to_string(), base, &overrides)
+        Self::from_text(text, name, base, &overrides)
     }
 
     /// The same for the bytes of a file that are already in memory.

@@ -1,5 +1,6 @@
 //! The data of a run, with all defaults filled in.
 
+use crate::drive::at_rest::RestSpec;
 use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::{Explain, RunSpec};
 use crate::integrate::implicit::SolverSpec;
@@ -95,6 +96,8 @@ pub struct TimeSpec {
     pub end: f64,
     /// the steps
     pub step: Step,
+    /// when the run may end before its time
+    pub until_rest: Option<RestSpec>,
 }
 
 impl TimeSpec {

@@ -49,6 +49,11 @@ pub(super) fn report(
     let t = figures(outcome.t_end, 12);
     let steps = counted(outcome.steps, "step", "steps");
     let mut text = format!("{}: {status} at t = {t} s after {steps} of {}\n", problem.name, problem.method.info.name);
+    match summary.at_rest {
+        Some(true) => text.push_str("  at rest         yes, so the run ended before its time\n"),
+        Some(false) if !failed => text.push_str("  at rest         no\n"),
+        _ => {}
+    }
     if let Some(t) = summary.resumed_from {
         let _ = writeln!(text, "  resumed         from t = {} s", figures(t, 12));
     }

@@ -30,7 +30,7 @@ pub(super) fn find_earlier_run(dir: &Path, problem: &Problem, case: &Fingerprint
 /// Whether the same case has reached the same end.
 fn is_done(summary: &Summary, problem: &Problem, case: &Fingerprint) -> bool {
     summary.status == Status::Completed
-        && summary.t_end == problem.time.end
+        && (summary.t_end == problem.time.end || summary.at_rest == Some(true))
         && summary.version == env!("CARGO_PKG_VERSION")
         && summary.case_digest == case.digest()
 }

@@ -13,6 +13,7 @@ use crate::assembly::write_matrix_market;
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::Problem;
+use crate::drive::at_rest::AtRest;
 use crate::drive::critical_step_monitor::{CriticalStepMonitor, Monitored};
 use crate::drive::max_displacement::MaxDisplacement;
 use crate::drive::observer::Observer;
@@ -148,6 +149,8 @@ impl<'a> PreparedRun<'a> {
             CriticalStepMonitor::of(Monitored { scene, method, start, step, tell: &tell, stop }, has_limit(method))
         });
         let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder, &mut progress, &mut farthest];
+        let mut rest = problem.time.until_rest.map(|rest| AtRest::new(scene, rest));
+        observers.extend(rest.as_mut().map(|rest| rest as &mut dyn Observer));
         observers.extend(monitor.as_mut().map(|monitor| monitor as &mut dyn Observer));
         let observers = &mut observers[..];
         let resumed_from = checkpoint.as_ref().map(|checkpoint| checkpoint.snapshot.t);

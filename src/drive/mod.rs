@@ -4,6 +4,7 @@
 //! credible.
 
 pub mod adaptive;
+pub mod at_rest;
 mod cause;
 pub mod clock;
 pub mod critical_step_monitor;

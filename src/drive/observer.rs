@@ -191,6 +191,12 @@ pub trait Observer {
     /// When results cannot be written.
     fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError>;
 
+    /// Whether the run is to end after the last step that was shown, as complete. Asked after every step or block of
+    /// steps.
+    fn ends_run(&self) -> bool {
+        false
+    }
+
     /// Called once, when the scheme has made enough energy for a warning; the run continues.
     fn warned(&mut self, _warning: &str) {}
 

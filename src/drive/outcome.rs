@@ -97,6 +97,8 @@ pub struct Outcome {
     pub rejected_steps: u64,
     /// [s] time of the last good state
     pub t_end: f64,
+    /// whether an observer has ended it before its time
+    pub ended_early: bool,
     /// work done
     pub counters: Counters,
     /// additional force passes for the account and the observers, where a scheme evaluates none at the end of its step;

@@ -89,8 +89,12 @@ impl Run<'_> {
         stepper: &mut Stepper<'_>,
         observers: &mut [&mut dyn Observer],
     ) -> Result<Outcome, RunError> {
-        let mut status = Status::Completed;
+        let (mut status, mut ended_early) = (Status::Completed, false);
         while let Some(next) = self.next() {
+            if observers.iter().any(|o| o.ends_run()) {
+                ended_early = true;
+                break;
+            }
             let stopped = self.stop.asked();
             let occasion = match stopped {
                 true => Occasion::Interrupted,
@@ -122,7 +126,7 @@ impl Run<'_> {
         if self.state.failure.is_some() && status == Status::Completed {
             status = Status::Diverged;
         }
-        Ok(self.state.outcome(status, stepper))
+        Ok(Outcome { ended_early, ..self.state.outcome(status, stepper) })
     }
 
     /// The next step to attempt; `None` at the end.
@@ -339,6 +343,7 @@ impl RunState {
             steps: self.steps,
             rejected_steps: self.policy.state().map_or(0, |state| state.rejected),
             t_end: self.from.state.t,
+            ended_early: false,
             counters: self.counters,
             account_passes: self.account_passes,
             energy_error: self.ledger.energy_error(self.steps),

@@ -132,6 +132,9 @@ pub struct Summary {
     /// named parts of the mesh, by name; not given without groups
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub groups: BTreeMap<String, GroupTotals>,
+    /// whether the run ended because its scene was at rest; not given unless the case has `time.until_rest`
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_rest: Option<bool>,
     /// the equilibrium that was found; not given for a run in time
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub equilibrium: Option<EquilibriumReport>,
@@ -174,6 +177,7 @@ impl Summary {
             final_ledger: outcome.ledger,
             peaks: Vec::new(),
             groups: BTreeMap::new(),
+            at_rest: problem.time.until_rest.map(|_| outcome.ended_early),
             equilibrium: None,
             failure: outcome.failure.clone(),
             resumed_from: None,

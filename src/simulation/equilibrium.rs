@@ -65,7 +65,7 @@ const OF_A_RUN: [WarningCode; 8] = [
 ];
 
 /// [-] Iterations of a search over those that the case allows an implicit step.
-const STEPS_WORTH: u32 = 30;
+const STEPS_WORTH: u32 = 100;
 
 /// Finds the equilibrium of a case and writes its files: one frame, `summary.json`, gauges and probes, and its modes.
 ///
@@ -115,6 +115,7 @@ pub fn record_static(case: &Case, how: StaticSettings<'_>, stop: &AtomicBool) ->
         method_parameters: Default::default(),
         peaks: recorder.peaks(),
         groups: problem.group_totals(),
+        at_rest: None,
         equilibrium: Some(report(&*scene, &equilibrium, (&outcome, &modes))),
         case_digest,
         ..Summary::new(problem, &*scene, &outcome, f64::INFINITY, stopwatch.read())
@@ -136,6 +137,7 @@ fn outcome(scene: &dyn Scene, found: &Equilibrium) -> Outcome {
         rejected_steps: u64::from(found.dropped),
         t_end: found.point.state.t,
         counters: found.counters,
+        ended_early: false,
         account_passes: 0,
         energy_error: 0.0,
         energy_made: 0.0,

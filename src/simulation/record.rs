@@ -5,6 +5,7 @@ use crate::analysis::warnings::{Planned, limit_at_start, slack_warning, step_war
 use crate::case::fingerprint::{Fingerprint, FingerprintError};
 use crate::case::spec::Problem;
 use crate::case::{Case, CaseError};
+use crate::drive::at_rest::AtRest;
 use crate::drive::observer::{ObserveError, Observer};
 use crate::drive::{Outcome, Status};
 use crate::model::stop::Stop;
@@ -134,7 +135,9 @@ pub fn record(
         Some(Checkpoint { snapshot, .. }) => Simulation::resume(scene.clone(), settings, snapshot)?,
         None => Simulation::of_scene(scene.clone(), settings)?,
     };
+    let mut rest = problem.time.until_rest.map(|rest| AtRest::new(&*scene, rest));
     let mut all: Vec<&mut dyn Observer> = vec![&mut recorder];
+    all.extend(rest.as_mut().map(|rest| rest as &mut dyn Observer));
     all.extend(observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer));
     let outcome = simulation.run(&mut all, stop)?;
     let summary = Summary::new(problem, &*scene, &outcome, limit.step, stopwatch.read());

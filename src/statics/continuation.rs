@@ -20,6 +20,11 @@ const INNER: f64 = 0.1;
 const INNER_ITERATIONS: u32 = 12;
 /// Iterations of a solve up to which the weight is lowered.
 const EASY: u32 = 4;
+/// The same up to which it is lowered a little, by this factor [-].
+const FAIR: u32 = 9;
+const LOWER_A_LITTLE: f64 = 0.3;
+/// Solves in a row that may need more iterations before the weight is raised.
+const HARD: u32 = 2;
 /// [-] Factors of the weight after an easy solve, at least and at most, and after one that failed.
 const LOWER: [f64; 2] = [1e-4, 0.1];
 const RAISE: f64 = 10.0;
@@ -114,7 +119,7 @@ impl<'a> Continuation<'a> {
         let mut mu = cautious_weight(self.scene, &self.at, FIRST_MOVE * self.dofs.size);
         let heaviest = HEAVIEST * mu;
         // The lightest weight that rounding leaves visible.
-        let (mut lightest, mut creeps) = (0.0, 0);
+        let (mut lightest, mut creeps, mut hard) = (0.0, 0, 0);
         loop {
             if self.stop.asked() {
                 return Err(StaticFailure::Interrupted);
@@ -150,7 +155,7 @@ impl<'a> Continuation<'a> {
             if !self.is_near() {
                 return Err(self.left());
             }
-            let iterations = solved.map_or(INNER_ITERATIONS, |report| report.iterations);
+            let iterations = solved.map_or(u32::MAX, |report| report.iterations);
             if now.is_small(relative) {
                 creeps += 1;
                 if moved <= SETTLED * self.dofs.size || creeps > CREEPS || now.force == 0.0 {
@@ -160,6 +165,13 @@ impl<'a> Continuation<'a> {
             if iterations <= EASY {
                 let [least, most] = LOWER;
                 mu *= (now.force / before.force).clamp(least, most);
+            } else if iterations <= FAIR {
+                mu *= LOWER_A_LITTLE;
+            }
+            // One or two such solves make progress all the same.
+            hard = if unfinished { hard + 1 } else { 0 };
+            if hard > HARD {
+                mu *= RAISE.sqrt();
             }
             mu = mu.max(lightest);
         }

@@ -83,16 +83,13 @@ pub(super) fn judge(scene: &dyn Scene, dofs: &Dofs, at: &Point, stop: Stop<'_>) 
     let Ok(modes) = pencil.lowest(MOTIONS.min(pencil.unknowns()), stop) else {
         return Judged { stability: None, findings };
     };
-    let mut stability = Stability::Neutral;
-    for mode in modes.iter().filter(|mode| mode.omega_squared <= zero) {
-        let grows = mode.omega_squared < -zero;
-        stability = if grows { Stability::Unstable } else { stability };
-        let found = motion(scene, &mode.shape, grows);
-        // Two motions of the same nodes, in two directions.
-        if !findings.contains(&found) {
-            findings.push(found);
-        }
-    }
+    let shapes = |chosen: &dyn Fn(f64) -> bool| -> Vec<&[f64]> {
+        modes.iter().filter(|mode| chosen(mode.omega_squared)).map(|mode| &*mode.shape).collect()
+    };
+    let (growing, free) = (shapes(&|square| square < -zero), shapes(&|square| square.abs() <= zero));
+    findings.extend(motions(scene, &growing, FindingKind::Unstable));
+    findings.extend(motions(scene, &free, FindingKind::Mechanism));
+    let stability = if growing.is_empty() { Stability::Neutral } else { Stability::Unstable };
     Judged { stability: Some(stability), findings }
 }
 
@@ -128,29 +125,37 @@ fn slack_nodes(scene: &dyn Scene, pencil: &Pencil, slack: &[bool]) -> Option<Fin
     Some(Finding { kind: FindingKind::Slack, nodes, groups, text })
 }
 
-fn motion(scene: &dyn Scene, shape: &[f64], grows: bool) -> Finding {
-    let most = shape.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    let moving = shape.iter().enumerate().filter(|(_, x)| x.abs() >= 0.5 * most);
-    let nodes: BTreeSet<u32> = moving.map(|(dof, _)| scene.name_of(dof).0).collect();
+/// What some motions of one kind are, by the nodes that move at least half as far as the one that moves most.
+fn motions(scene: &dyn Scene, shapes: &[&[f64]], kind: FindingKind) -> Option<Finding> {
+    let mut nodes = BTreeSet::new();
+    for shape in shapes {
+        let most = shape.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let moving = shape.iter().enumerate().filter(|(_, x)| x.abs() >= 0.5 * most);
+        nodes.extend(moving.map(|(dof, _)| scene.name_of(dof).0));
+    }
     let nodes: Vec<u32> = nodes.into_iter().collect();
     let groups = groups_of(scene, &nodes);
     let listed = listed(&nodes, &groups);
-    let (kind, text) = match grows {
-        true => {
-            let text = format!(
-                "the equilibrium is unstable: a motion of most of all node{listed} grows by itself; start from a disturbed \
-                 state (initial.displacement) to find a stable one"
-            );
-            (FindingKind::Unstable, text)
-        }
-        false => {
-            let text = format!(
-                "a motion of most of all node{listed} meets no resistance (a mechanism): the place along it is not determined"
-            );
-            (FindingKind::Mechanism, text)
-        }
+    let (count, one) = match shapes.len() {
+        0 => return None,
+        1 => ("a motion".to_owned(), true),
+        n if n < MOTIONS => (format!("{n} motions"), false),
+        n => (format!("at least {n} motions"), false),
     };
-    Finding { kind, nodes, groups, text }
+    let text = match (kind, one) {
+        (FindingKind::Unstable, _) => format!(
+            "the equilibrium is unstable: {count}, mostly of node{listed}, {} by {}; start from a disturbed state \
+             (initial.displacement) to find a stable one",
+            if one { "grows" } else { "grow" },
+            if one { "itself" } else { "themselves" }
+        ),
+        _ => format!(
+            "{count}, mostly of node{listed}, {} no resistance (a mechanism): the place along {} is not determined",
+            if one { "meets" } else { "meet" },
+            if one { "it" } else { "them" }
+        ),
+    };
+    Some(Finding { kind, nodes, groups, text })
 }
 
 /// Names of the groups that hold at least half of some nodes (ascending), by themselves or as ends of edges and corners

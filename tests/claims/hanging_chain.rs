@@ -25,7 +25,7 @@ fn laguerre(last: usize, x: f64) -> Vec<f64> {
 
 /// Zeros of L_n: those of L_(n-1) part them, and bisection of the recurrence finds them. No matrix is asked, because
 /// the chain's own tangent is the matrix one would ask.
-fn zeros(n: usize) -> Vec<f64> {
+pub fn zeros(n: usize) -> Vec<f64> {
     let mut between = vec![0.0, 4.0 * n as f64 + 2.0];
     for degree in 1..=n {
         let value = |x: f64| laguerre(degree, x)[degree];

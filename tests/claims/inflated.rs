@@ -11,9 +11,10 @@ mod taylor;
 
 pub use balloon::claims as balloon;
 pub use reefed::claims as reefed;
-pub use taylor::claims as taylor;
+pub use taylor::{claims as taylor, static_claims as taylor_static};
 
 use crate::common::run::case_of;
+use crate::equilibrium::AtRest;
 use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::mesh::Mesh;
 use canopy_fem::simulation::Simulation;
@@ -52,6 +53,16 @@ struct Settled {
 }
 
 impl Settled {
+    /// The equilibrium of `canopy-fem static`.
+    fn found(case: &Value) -> Self {
+        let case = case_of(case, &[]);
+        let SystemSpec::Network(network) = &case.problem().system else { panic!("a network") };
+        let mesh = network.mesh.clone();
+        let AtRest { positions, tensions, reactions, .. } = AtRest::of(&case);
+        let vectors = |list: Vec<[f64; 3]>| list.into_iter().map(Vector::from).collect::<Vec<_>>();
+        Settled { mesh, positions: vectors(positions), tensions, reactions: vectors(reactions), fastest: 0.0 }
+    }
+
     fn of(case: &Value) -> Self {
         let case = case_of(case, &[]);
         let SystemSpec::Network(network) = &case.problem().system else { panic!("a network") };

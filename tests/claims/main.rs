@@ -21,6 +21,7 @@ mod elastic_pendulum;
 mod energy_ledger;
 mod energy_numerical;
 mod energy_oscillator;
+mod equilibrium;
 mod events;
 mod forces;
 mod free_fall;
@@ -80,6 +81,7 @@ const GROUPS: &[Group] = &[
     ("double pendulum", hanging_chain::double_pendulum),
     ("hanging chain", hanging_chain::claims),
     ("catenary", catenary::claims),
+    ("equilibrium", equilibrium::claims),
     ("dispersion of a chain", waves::dispersion),
     ("wave speed of a chain", waves::speed),
     ("dispersion of a triangular net", net::claims),
@@ -89,6 +91,7 @@ const GROUPS: &[Group] = &[
     ("force laws", forces::claims),
     ("free fall through air", free_fall::claims),
     ("Taylor's parachute", inflated::taylor),
+    ("Taylor's parachute by static", inflated::taylor_static),
     ("reefed parachute", inflated::reefed),
     ("Mylar balloon", inflated::balloon),
     ("rigid payload, free", rigid_payload::claims),

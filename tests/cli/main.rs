@@ -23,5 +23,7 @@ mod results;
 mod resume;
 mod shell;
 mod stability;
+mod statics;
 mod stiffening;
 mod study;
+mod until_rest;

@@ -4,8 +4,9 @@
 use super::numbers::{fraction, positive};
 use crate::case::diagnostics::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Method, Solver, Study, System, Time};
+use crate::case::schema::{Method, Solver, Study, System, Time, UntilRest};
 use crate::case::spec::TimeSpec;
+use crate::drive::at_rest::RestSpec;
 use crate::drive::clock::{Step, Tolerance};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice, MethodError, methods};
@@ -44,7 +45,17 @@ pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Opt
         Step::Fixed(step) => fixed(&at.key("step"), step, end?, faults)?,
         adaptive @ Step::Adaptive(_) => adaptive,
     };
-    Some(Timing { method: method?, spec: TimeSpec { end: end?, step } })
+    let until_rest = time.until_rest.map(|rest| until_rest(&at.key("until_rest"), rest, end, faults));
+    Some(Timing { method: method?, spec: TimeSpec { end: end?, step, until_rest: until_rest.flatten() } })
+}
+
+/// [-] Looks of a run at whether its scene is at rest, if the case does not say how often.
+const LOOKS: f64 = 100.0;
+
+fn until_rest(at: &Pointer, rest: UntilRest, end: Option<f64>, faults: &mut Faults<'_>) -> Option<RestSpec> {
+    let slow = positive(&at.key("speed"), rest.speed, faults);
+    let every = rest.every.or(end.map(|end| end / LOOKS))?;
+    (positive(&at.key("every"), every, faults) && slow).then_some(RestSpec { speed: rest.speed, every })
 }
 
 /// A fixed step, checked with the end of the run.

@@ -20,6 +20,21 @@ pub struct Time {
     pub step: Option<f64>,
     /// Error that the run may make; the size of the steps follows from it, with any method.
     pub tolerance: Option<Tolerance>,
+    /// `canopy-fem solve` ends the run before its time once the scene is at rest; the summary says so in `at_rest`.
+    pub until_rest: Option<UntilRest>,
+}
+
+/// When a scene is at rest: no degree of freedom is faster than `speed`, and the forces would not make one faster within
+/// the time `every`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UntilRest {
+    /// [m/s] Largest speed along an axis; of a pendulum, rad/s.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub speed: f64,
+    /// [s] Time between two looks; by default a hundredth of `end`.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub every: Option<f64>,
 }
 
 /// What `canopy-fem tradeoff` and `canopy-fem stability` try; a list that is not given is chosen by the command.
