@@ -8,7 +8,8 @@ use super::table::Factor;
 
 /// Springs on some edges. An edge that no rule selects has no spring. A rule for a group adds its springs to all edges
 /// of the group, beside those of other rules: a tape along the edges of a cloth. Of the other rules an edge follows
-/// the first that selects it. Exactly one of `stiffness`, `axial_rigidity`, `membrane` and a `law` with a table is given.
+/// the first that selects it. Exactly one of `stiffness`, `axial_rigidity`, `membrane` and a `law` with a table is
+/// given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringRule {
@@ -77,8 +78,8 @@ pub enum ElasticLawRule {
     /// T = EA lambda (lambda^2 - 1)/2 with lambda = l/l0 and EA = k l0: the bar of finite strain (St. Venant-Kirchhoff)
     /// that finite-element codes have. It agrees with the linear law at small strains.
     Green,
-    /// `[[strain, force], ...]` [-, N]: as measured, linear between the rows, and beyond them with the first and last
-    /// slopes. Strains increase and forces do not fall; the force is 0 at the strain 0. In place of a stiffness;
+    /// [-, N] Rows of strain and force as measured: linear between the rows, and beyond them with the first and last
+    /// slopes. Strains increase and forces do not fall; the force is 0 at the strain 0. In place of a stiffness:
     /// dashpots by `time` and Kang's filter take the steepest slope over l0 for k.
     Table(#[schemars(length(min = 2, max = 100))] Vec<[f64; 2]>),
 }
