@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Reads the mesh files that canopy-fem writes with the programs people use, and compares counts and groups.
 
-    .ci/check_meshes.py FOLDER         cloth.vtu, .msh, .obj, .ply and .stl of one mesh
+    .ci/check_meshes.py FOLDER         cloth.vtu, .vtp, .msh, .obj, .ply and .stl of one mesh
 """
 
 import sys
@@ -27,9 +27,14 @@ for ending in ("vtu", "msh", "obj"):
 gmsh = meshio.read(folder / "cloth.msh")
 assert count(gmsh, "line") == LINES, gmsh
 assert {"CANOPY", "LINES", "SKIRT"} <= set(gmsh.field_data), gmsh.field_data
-for ending in ("vtu", "ply", "stl"):
+for ending in ("vtu", "vtp", "ply", "stl"):
     shown = pyvista.read(folder / f"cloth.{ending}")
     assert abs(shown.compute_cell_sizes()["Area"].sum() - 1) < 1e-6, (ending, shown)
+grid, surface = (pyvista.read(folder / f"cloth.{ending}") for ending in ("vtu", "vtp"))
+assert len(surface.regular_faces) == TRIANGLES and surface.n_lines == grid.n_cells - TRIANGLES, surface
+# A .vtp has its lines before its polygons; the same cells are in the same groups.
+order = list(range(TRIANGLES, grid.n_cells)) + list(range(TRIANGLES))
+assert (surface.cell_data["group"] == grid.cell_data["group"][order]).all(), surface.cell_data["group"]
 for ending in ("obj", "stl"):
     mesh = trimesh.load(folder / f"cloth.{ending}", force="mesh")
     assert len(mesh.faces) == TRIANGLES and abs(mesh.area - 1) < 1e-6, (ending, mesh)

@@ -72,6 +72,7 @@ def read(
     scale: float = 1.0,
     axes: str = "z-up",
     translate: Sequence[float] = (0.0, 0.0, 0.0),
+    edge: float | None = None,
     merge: float | None = None,
     orient: bool = False,
     diagonals: str = "one",
@@ -86,6 +87,7 @@ def read(
         scale: [-] factor on all coordinates, 0.001 for millimetres.
         axes: "z-up", or "y-up" for files whose y axis points up: (x, y, z) becomes (x, -z, y).
         translate: [m] (3,), added after scale.
+        edge: [m] closed polylines of a .dxf are filled with triangles of about this edge length; None leaves lines.
         merge: [m] nodes at most this far apart are joined; None joins none.
         orient: whether triangles are turned so that all normals of a part are on one side.
         diagonals: "one" or "both" diagonals of quads become edges.
@@ -94,7 +96,7 @@ def read(
         OSError: a file that cannot be read, or is no mesh.
         CaseError: an option out of range.
     """
-    options = {"scale": scale, "axes": axes, "translate": list(translate), "merge": merge, "orient": orient}
+    options = {"scale": scale, "axes": axes, "translate": list(translate), "edge": edge, "merge": merge, "orient": orient}
     section = {"file": os.fspath(path), "with": [os.fspath(other) for other in more], **options, "diagonals": diagonals}
     return _core.generate(json.dumps(section), Path(""))
 

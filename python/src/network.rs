@@ -4,7 +4,7 @@ use crate::arrays::{index_rows, indices, numbers, rows, vector};
 use crate::errors::{CaseError, of_mesh};
 use crate::mesh::Mesh;
 use canopy_fem::mesh;
-use canopy_fem::model::spec::{DashpotKind, DashpotSpec, NetworkSpec, NodalLoad, Slack, SpringGroup};
+use canopy_fem::model::spec::{DashpotKind, DashpotSpec, ElasticLaw, NetworkSpec, NodalLoad, Slack, SpringGroup};
 use canopy_fem::simulation::NetworkBuilder;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -80,7 +80,14 @@ impl Network {
         if edges.last().is_some_and(|last| *last >= first) {
             builder.spec.mesh.edges.extend_from_slice(&pairs);
         }
-        builder.spec.springs.push(SpringGroup { edges, stiffness, rest_length, slack, dashpot });
+        builder.spec.springs.push(SpringGroup {
+            edges,
+            stiffness,
+            rest_length,
+            law: ElasticLaw::Linear,
+            slack,
+            dashpot,
+        });
         Ok(())
     }
 

@@ -147,6 +147,8 @@ impl Fingerprint {
             cuts,
             rest_scales,
             springs,
+            membranes,
+            bending,
             // These are among the gauges.
             strengths: _,
             gravity,
@@ -169,6 +171,12 @@ impl Fingerprint {
             self.sum("system.network.supports", releases)?;
         }
         self.sum("system.network.springs", springs)?;
+        if !membranes.is_empty() {
+            self.sum("system.network.membranes", membranes)?;
+        }
+        if !bending.is_empty() {
+            self.sum("system.network.bending", bending)?;
+        }
         if !cuts.is_empty() {
             self.sum("system.network.springs", cuts)?;
         }

@@ -36,7 +36,7 @@ pub enum MeshCommand {
     Chain(ChainArgs),
     /// Make a rigged parachute: canopy, lines, riser and payload, as named groups
     Parachute(Box<ParachuteArgs>),
-    /// Read a mesh file, repair it if asked, and write it as .vtu, .msh, .obj, .ply or .stl
+    /// Read a mesh file, repair it if asked, and write it as .vtu, .vtp, .msh, .obj, .ply or .stl
     ///
     /// Reads .vtu, .vtp, .vtk, .msh, .obj, .stl, .ply, .off, .inp, .k, .bdf, .mdpa, .dxf, .gltf and .glb.
     Convert(ConvertArgs),
@@ -47,7 +47,7 @@ pub enum MeshCommand {
 /// The output of a generated mesh.
 #[derive(Clone, Debug, Args)]
 pub struct OutputArgs {
-    /// File to write, .vtu, .msh, .obj, .ply or .stl; without it, the command only describes the mesh
+    /// File to write, .vtu, .vtp, .msh, .obj, .ply or .stl; without it, the command only describes the mesh
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Replace the file if it exists
@@ -156,7 +156,7 @@ pub struct ChainArgs {
     pub output: OutputArgs,
 }
 
-/// A mesh file, placed and repaired in the order axes, scale, translate, merge, orient.
+/// A mesh file, placed and repaired in the order axes, scale, translate, edge, merge, orient.
 #[derive(Clone, Debug, Args)]
 pub struct FileArgs {
     /// Mesh file to read
@@ -173,6 +173,9 @@ pub struct FileArgs {
     /// [m] Added to all coordinates, after --scale
     #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
     pub translate: Option<Vec<f64>>,
+    /// [m] Fill closed polylines of a .dxf file with triangles whose edges are about this long
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    pub edge: Option<f64>,
     /// [m] Join nodes at most this far apart, and the ends of lines with them
     #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true)]
     pub merge: Option<f64>,
@@ -193,6 +196,7 @@ impl FileArgs {
             scale: self.scale,
             axes: self.axes,
             translate: self.translate.as_deref().and_then(|list| list.try_into().ok()).unwrap_or_default(),
+            edge: self.edge,
             merge: self.merge,
             orient: self.orient,
             diagonals: self.diagonals,
@@ -208,7 +212,7 @@ pub struct ConvertArgs {
     /// the mesh
     #[command(flatten)]
     pub mesh: FileArgs,
-    /// File to write: .vtu, .msh, .obj, .ply or .stl
+    /// File to write: .vtu, .vtp, .msh, .obj, .ply or .stl
     pub output: PathBuf,
     /// Replace the file if it exists
     #[arg(long)]
@@ -376,11 +380,11 @@ fn describe(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliError> {
 
 /// What the reader changed, and what is wrong with the mesh for a simulation.
 pub(super) fn doubts(mesh: &Mesh, topology: &Topology, notes: &[String]) -> Vec<String> {
-    let sheet = [topology.check_manifold().err(), topology.check_orientation(mesh).err()];
+    let sheet = topology.check_manifold().err();
     let canopies = Canopy::of_groups(mesh);
     let mut canopy: Vec<String> =
         canopies.values().filter_map(|found| Some(found.as_ref().err()?.to_string())).collect();
     canopy.dedup();
-    let sheet = sheet.into_iter().flatten().map(|error| error.to_string());
+    let sheet = sheet.into_iter().map(|error| error.to_string());
     notes.iter().cloned().chain(sheet).chain(canopy).chain(repairs(mesh, topology)).collect()
 }

@@ -12,5 +12,6 @@ pub(in crate::force) mod incidence;
 pub mod local_buffer;
 pub mod neighbours;
 pub(in crate::force) mod nodes;
+pub(in crate::force) mod sheet_batches;
 pub(in crate::force) mod star_batches;
 pub(in crate::force) mod triangle_pairs;

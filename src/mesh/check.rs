@@ -1,5 +1,6 @@
 //! Conditions that every mesh must satisfy before a simulation uses it.
 
+use super::tuples::{ascending, sorted};
 use super::{Mesh, MeshError};
 use nalgebra::Vector3;
 
@@ -121,15 +122,10 @@ pub(super) fn flat([a, b, c]: [Vector3<f64>; 3]) -> Option<[f64; 2]> {
     (!sound).then_some([area, longest])
 }
 
-fn sorted<const N: usize>(mut corners: [u32; N]) -> [u32; N] {
-    corners.sort_unstable();
-    corners
-}
-
 /// The first item (in list order) that has the same nodes as an earlier one.
 fn first_duplicate<const N: usize>(items: &[[u32; N]]) -> Option<(usize, usize)> {
-    let mut keys: Vec<_> = items.iter().enumerate().map(|(i, &item)| (sorted(item), i)).collect();
-    keys.sort_unstable();
-    let pairs = keys.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| (pair[0].1, pair[1].1));
-    pairs.min_by_key(|&(_, second)| second)
+    let keys: Vec<_> = items.iter().map(|item| sorted(*item)).collect();
+    let order = ascending(&keys);
+    let pairs = order.windows(2).map(|pair| (pair[0] as usize, pair[1] as usize));
+    pairs.filter(|(first, second)| keys[*first] == keys[*second]).min_by_key(|&(_, second)| second)
 }

@@ -7,12 +7,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// A mesh file, and how its mesh is placed and repaired: in the order axes, scale, translate, merge, orient.
+/// A mesh file, and how its mesh is placed and repaired: in the order axes, scale, translate, edge, merge, orient.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
-    /// Name of the file; a relative path counts from the case file's folder. `canopy-fem mesh --help` lists the
-    /// formats.
+    /// Name of the file; a relative path counts from the case file's folder. `canopy-fem mesh convert --help`
+    /// lists the formats.
     pub file: String,
     /// Names of further files of the same mesh, such as one with the lines of a canopy. `merge` joins their nodes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -26,6 +26,10 @@ pub struct MeshFile {
     /// [m] Added to all coordinates, after `scale`; no move if not given.
     #[serde(default, skip_serializing_if = "is_origin")]
     pub translate: [f64; 3],
+    /// [m] Closed polylines of a .dxf file are filled with triangles whose edges are about this long. A polyline inside
+    /// another is a hole. Their own points stay, and long sides are divided. Without it polylines stay lines.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub edge: Option<f64>,
     /// [m] Nodes at most this far apart are joined, and the ends of lines with them; 0 joins those at the same place.
     /// Corners of .stl, .dxf, .gltf and .glb files are always joined, within 1e-5 of the extent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -87,14 +91,14 @@ fn is_origin(translate: &[f64; 3]) -> bool {
 
 impl MeshFile {
     /// Names of its keys in a case.
-    pub(super) const KEYS: [&'static str; 8] =
-        ["file", "with", "scale", "axes", "translate", "merge", "orient", "diagonals"];
+    pub(super) const KEYS: [&'static str; 9] =
+        ["file", "with", "scale", "axes", "translate", "edge", "merge", "orient", "diagonals"];
 
     /// A file whose mesh is taken as it is.
     pub fn plain(file: impl Into<String>) -> Self {
         let (axes, diagonals) = (Axes::default(), Diagonals::default());
         let (file, with) = (file.into(), Vec::new());
-        Self { file, with, scale: 1.0, axes, translate: [0.0; 3], merge: None, orient: false, diagonals }
+        Self { file, with, scale: 1.0, axes, translate: [0.0; 3], edge: None, merge: None, orient: false, diagonals }
     }
 
     /// Reports every value out of range, without opening the file.
@@ -107,6 +111,9 @@ impl MeshFile {
         if !self.translate.iter().all(|x| x.is_finite()) {
             let value = format!("{:?}", self.translate);
             faults("/translate", value, "three finite numbers".into(), "give lengths in metres".into());
+        }
+        if let Some(edge) = self.edge {
+            check_length("", "edge", edge, faults);
         }
         if let Some(distance) = self.merge.filter(|distance| !(distance.is_finite() && *distance >= 0.0)) {
             let hint = "give a length in metres, far below that of the shortest edge";
@@ -162,8 +169,8 @@ pub(crate) fn repairs(mesh: &Mesh, topology: &Topology) -> Vec<String> {
             "{count} nodes lie {place} without being joined: --merge {distance} (after --scale), or \"merge\" in a case"
         ));
     }
-    if topology.check_orientation(mesh).is_err() {
-        advice.push("neighbouring triangles turn opposite ways: --orient, or \"orient\" in a case".to_owned());
+    if let Err(error) = topology.check_orientation(mesh) {
+        advice.push(format!("{error}, or turn all alike: --orient, or \"orient\" in a case"));
     }
     let extent = extent(&mesh.nodes);
     if extent > LARGE {

@@ -29,6 +29,7 @@ pub(crate) mod rectangle;
 pub(crate) mod sdf;
 pub mod source;
 pub(crate) mod topology;
+mod tuples;
 pub mod write;
 
 pub use error::MeshError;

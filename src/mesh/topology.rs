@@ -2,6 +2,7 @@
 
 use super::components::components;
 use super::loops::{self, BoundaryLoop};
+use super::tuples::ascending;
 use super::{Mesh, MeshError};
 
 /// The position of an edge in the sheet.
@@ -20,6 +21,8 @@ pub enum EdgeKind {
 pub(super) struct Sides {
     /// smaller node, larger node; ascending
     pub nodes: Vec<[u32; 2]>,
+    /// where the edges of each smaller node start in `nodes`, with the end of the last
+    of_node: Vec<u32>,
     /// where each edge's triangles start in `triangles`; one more entry than edges
     pub start: Vec<u32>,
     /// triangles by edge, ascending within an edge
@@ -31,20 +34,25 @@ pub(super) struct Sides {
 impl Sides {
     pub(super) fn new(triangles: &[[u32; 3]]) -> Self {
         let mut keys = Vec::with_capacity(3 * triangles.len());
-        for (t, corners) in triangles.iter().enumerate() {
-            keys.extend((0..3).map(|side| (edge_key(corners[side], corners[(side + 1) % 3]), t as u32, side)));
+        for corners in triangles {
+            keys.extend((0..3).map(|side| edge_key(corners[side], corners[(side + 1) % 3])));
         }
-        keys.sort_unstable();
         let mut sides = Self { of_triangle: vec![[0; 3]; triangles.len()], ..Self::default() };
-        for (i, &(key, triangle, side)) in keys.iter().enumerate() {
+        for (i, number) in (0..).zip(ascending(&keys)) {
+            let key = keys[number as usize];
             if sides.nodes.last() != Some(&key) {
                 sides.nodes.push(key);
-                sides.start.push(i as u32);
+                sides.start.push(i);
             }
-            sides.triangles.push(triangle);
-            sides.of_triangle[triangle as usize][side] = sides.nodes.len() as u32 - 1;
+            sides.triangles.push(number / 3);
+            sides.of_triangle[number as usize / 3][number as usize % 3] = sides.nodes.len() as u32 - 1;
         }
         sides.start.push(keys.len() as u32);
+        for (edge, [node, _]) in (0..).zip(&sides.nodes) {
+            let missing = (*node as usize + 1).saturating_sub(sides.of_node.len());
+            sides.of_node.extend(std::iter::repeat_n(edge, missing));
+        }
+        sides.of_node.push(sides.nodes.len() as u32);
         sides
     }
 
@@ -55,7 +63,10 @@ impl Sides {
 
     /// The edge between two nodes, if it is a triangle's.
     pub fn find(&self, pair: [u32; 2]) -> Option<usize> {
-        self.nodes.binary_search(&edge_key(pair[0], pair[1])).ok()
+        let key = edge_key(pair[0], pair[1]);
+        let [from, to] = [0, 1].map(|next| self.of_node.get(key[0] as usize + next).map(|edge| *edge as usize));
+        let (from, to) = (from?, to?);
+        self.nodes.get(from..to)?.binary_search(&key).ok().map(|at| from + at)
     }
 }
 

@@ -60,6 +60,25 @@ pub struct SpringPlace {
     pub number: u32,
 }
 
+/// What a membrane triangle shows of itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MembranePicture {
+    /// [Pa] principal stresses, the larger first: force per current width over the thickness at rest
+    pub stress: [f64; 2],
+    /// [-] principal Green strains, the larger first
+    pub strain: [f64; 2],
+    /// 0 taut, 1 wrinkled, 2 slack; -1 for a triangle without a membrane
+    pub wrinkling: f64,
+    /// unit vector along the warp
+    pub warp: [f64; 3],
+}
+
+impl Default for MembranePicture {
+    fn default() -> Self {
+        MembranePicture { stress: [0.0; 2], strain: [0.0; 2], wrinkling: -1.0, warp: [0.0; 3] }
+    }
+}
+
 /// What a canopy shows of itself, with units, in the order of [`Observables::canopy_values`].
 pub const CANOPY_QUANTITIES: [(&str, &str); 8] = [
     ("projected_diameter", "m"),
@@ -99,6 +118,12 @@ pub trait Observables: System {
     fn triangle_pressure(&self, at: StateRef<'_>, out: &mut [f64]) {
         let _ = at;
         out.fill(0.0);
+    }
+
+    /// What the membranes show on every triangle `[n_triangles]`.
+    fn triangle_membranes(&self, at: StateRef<'_>, out: &mut [MembranePicture]) {
+        let _ = at;
+        out.fill(MembranePicture::default());
     }
 
     /// Node positions [m] and velocities [m/s] of a state.

@@ -42,6 +42,9 @@ pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
 
     /// `self` where it is below `other`, else `other`.
     fn smaller(self, other: Self) -> Self;
+
+    /// Whether some element is above zero.
+    fn any_positive(self) -> bool;
 }
 
 impl Real for f64 {
@@ -78,6 +81,11 @@ impl Real for f64 {
     #[inline(always)]
     fn smaller(self, other: f64) -> f64 {
         if self < other { self } else { other }
+    }
+
+    #[inline(always)]
+    fn any_positive(self) -> bool {
+        self > 0.0
     }
 }
 
@@ -199,6 +207,12 @@ impl Real for Plain {
     fn smaller(self, other: Self) -> Self {
         self.zip(other, f64::smaller)
     }
+
+    #[inline(always)]
+    fn any_positive(self) -> bool {
+        let [a, b, c, d] = self.0;
+        a > 0.0 || b > 0.0 || c > 0.0 || d > 0.0
+    }
 }
 
 impl Quad for Plain {
@@ -251,7 +265,8 @@ mod tests {
             let [a, b, c, d] = self.0.map(|numbers| unit.quad(numbers));
             let single = [a + b, a - b, a * b, a / b, a * b + c * d, a.sqrt(), a.abs(), a.where_positive(b)];
             let others = [a.where_not_negative(b), a.larger(b), a.smaller(b), a.all(3.0)];
-            let single = single.into_iter().chain(others);
+            let any = a.all(if a.any_positive() { 1.0 } else { 0.0 });
+            let single = single.into_iter().chain(others).chain([any]);
             let (columns, pack) = (U::Quad::columns([a, b, c, d]), U::Quad::pack([a, b, c, d]));
             let pack = pack.into_iter().chain(U::Quad::unpack([a, b, c]));
             let splat = unit.splat(c.numbers()[2]);

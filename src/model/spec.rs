@@ -8,12 +8,27 @@ use crate::mesh::Mesh;
 use std::f64::consts::TAU;
 
 mod over_time;
+mod surface;
 pub use over_time::{MotionSpec, RestScaleSpec, Series, support_velocity};
+pub use surface::{BendingSpec, MembraneSpec};
 
-/// The force law of a spring in tension and compression. `e` is the elongation l - l0.
+/// How the tension of a spring grows with its strain r = e/l0, before any slack.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub enum ElasticLaw {
+    /// T = k e.
+    #[default]
+    Linear,
+    /// T = k e (1 + r)(1 + r/2), EA lambda (lambda^2 - 1)/2 with k = EA/l0: the St. Venant-Kirchhoff bar.
+    Green,
+    /// Force [N] over strain [-], linear between the rows and beyond them: at least two rows with strains that increase
+    /// and forces that do not fall, 0 at the strain 0. k is then its steepest slope over l0.
+    Table(Vec<[f64; 2]>),
+}
+
+/// When a spring is slack. `e` is the elongation l - l0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub enum Slack {
-    /// T = k e: tension and compression.
+    /// T = k e: never.
     #[default]
     None,
     /// T = k max(e, 0): no compression.
@@ -28,6 +43,8 @@ pub enum Slack {
         /// [m] shortening above which the compression is constant, >= 0
         eps: f64,
     },
+    /// T = k min(e, 0): no tension.
+    CompressionOnly,
 }
 
 /// The direction in which a dashpot acts.
@@ -59,6 +76,8 @@ pub struct SpringGroup {
     pub stiffness: Vec<f64>,
     /// [m] rest length of every spring
     pub rest_length: Vec<f64>,
+    /// tension over strain
+    pub law: ElasticLaw,
     /// slack rule
     pub slack: Slack,
     /// optional dashpots
@@ -332,6 +351,10 @@ pub struct NetworkSpec {
     pub rest_scales: Vec<RestScaleSpec>,
     /// springs by rule
     pub springs: Vec<SpringGroup>,
+    /// membranes; no triangle twice
+    pub membranes: Vec<MembraneSpec>,
+    /// bending of cloth and of lines
+    pub bending: Vec<BendingSpec>,
     /// strengths of groups, for reports only
     pub strengths: Vec<StrengthSpec>,
     /// [m/s^2] gravity, if any

@@ -1,7 +1,7 @@
 //! The content of a frame, and how edge values become cell values.
 
 use crate::case::spec::Field;
-use crate::model::observables::Observables;
+use crate::model::observables::{MembranePicture, Observables};
 
 /// Fields of a case besides positions, displacements and velocities, which are always there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,6 +16,8 @@ pub struct Fields {
     pub strain: bool,
     /// pressure of the air on every triangle
     pub pressure: bool,
+    /// what membranes carry
+    pub membrane: bool,
 }
 
 impl Fields {
@@ -36,6 +38,7 @@ impl From<&[Field]> for Fields {
             tension: has(Field::Tension),
             strain: has(Field::Strain),
             pressure: has(Field::Pressure),
+            membrane: has(Field::Membrane),
         }
     }
 }
@@ -59,6 +62,8 @@ pub struct Frame {
     pub strain: Vec<f64>,
     /// [Pa] of every triangle
     pub pressure: Vec<f64>,
+    /// of every triangle
+    pub membrane: Vec<MembranePicture>,
 }
 
 /// Sizes of a frame's arrays.
@@ -79,12 +84,18 @@ impl FrameSize {
     pub fn bytes(self) -> usize {
         let Fields { force, reaction, .. } = self.fields;
         let vectors = 2 + usize::from(force) + usize::from(reaction);
-        size_of::<f64>() * (3 * vectors * self.nodes + 2 * self.springs() + self.faces())
+        let membranes = size_of::<MembranePicture>() * self.membranes();
+        size_of::<f64>() * (3 * vectors * self.nodes + 2 * self.springs() + self.faces()) + membranes
     }
 
     /// Length of the array on triangles.
     fn faces(self) -> usize {
         if self.fields.pressure { self.triangles } else { 0 }
+    }
+
+    /// Length of the array of membranes.
+    fn membranes(self) -> usize {
+        if self.fields.membrane { self.triangles } else { 0 }
     }
 
     /// Length of the arrays on edges: tension and strain come from one call, so both are needed for either.
@@ -108,6 +119,7 @@ impl Frame {
             tension: vec![0.0; springs],
             strain: vec![0.0; springs],
             pressure: vec![0.0; size.faces()],
+            membrane: vec![MembranePicture::default(); size.membranes()],
         }
     }
 

@@ -12,6 +12,7 @@ use super::frame::{CellMap, Fields, Frame, SIDE};
 use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
 use crate::mesh::group::{GroupNumbers, KIND};
+use crate::model::observables::MembranePicture;
 use crate::vtk::write::{Array, Cells, FixedArrays, Snapshot, Values, VtuError, VtuWriter};
 
 /// The cell array by which VTK leaves cells out of pictures; they are cells as before to all that reads the file.
@@ -32,6 +33,7 @@ pub struct FrameFiles {
     tension: Vec<f64>,
     strain: Vec<f64>,
     pressure: Vec<f64>,
+    membranes: MembraneArrays,
     /// number of the first frame that may not be on the disk yet
     unsynced: u64,
 }
@@ -72,6 +74,7 @@ impl FrameFiles {
             tension: Vec::new(),
             strain: Vec::new(),
             pressure: Vec::new(),
+            membranes: MembraneArrays::default(),
             unsynced: 0,
         })
     }
@@ -124,7 +127,7 @@ impl FrameFiles {
         self.prepare(frame);
         let vectors = |name, values| Array { name, values: Values::Vectors(values) };
         let scalars = |name, values| Array { name, values: Values::Scalars(values) };
-        let Fields { force, reaction, tension, strain, pressure } = self.fields;
+        let Fields { force, reaction, tension, strain, pressure, membrane } = self.fields;
         let points = [
             (true, vectors("displacement", &self.displacement)),
             (true, vectors("velocity", &frame.velocities)),
@@ -135,6 +138,12 @@ impl FrameFiles {
             (tension, scalars("tension", &self.tension)),
             (strain, scalars("strain", &self.strain)),
             (pressure, scalars("pressure", &self.pressure)),
+            (membrane, scalars("stress_1", &self.membranes.scalars[0])),
+            (membrane, scalars("stress_2", &self.membranes.scalars[1])),
+            (membrane, scalars("strain_1", &self.membranes.scalars[2])),
+            (membrane, scalars("strain_2", &self.membranes.scalars[3])),
+            (membrane, scalars("wrinkling", &self.membranes.scalars[4])),
+            (membrane, vectors("warp", &self.membranes.warp)),
         ];
         let picture = Snapshot {
             time: Some(frame.time),
@@ -192,6 +201,32 @@ impl FrameFiles {
         if self.fields.pressure {
             self.map.of_triangles(&frame.pressure, &mut self.pressure);
         }
+        if self.fields.membrane {
+            self.membranes.fill(&frame.membrane, self.vtu.cells());
+        }
+    }
+}
+
+/// Cell arrays of membranes.
+#[derive(Debug, Default)]
+struct MembraneArrays {
+    /// principal stresses, principal strains, wrinkling
+    scalars: [Vec<f64>; 5],
+    warp: Vec<[f64; 3]>,
+}
+
+impl MembraneArrays {
+    /// Of the triangles, which come first among so many cells; all others have no membrane.
+    fn fill(&mut self, triangles: &[MembranePicture], cells: usize) {
+        let all = || triangles.iter().copied().chain(std::iter::repeat(MembranePicture::default())).take(cells);
+        for (i, scalars) in self.scalars.iter_mut().enumerate() {
+            scalars.clear();
+            scalars.extend(all().map(|MembranePicture { stress: [s1, s2], strain: [e1, e2], wrinkling, .. }| {
+                [s1, s2, e1, e2, wrinkling][i]
+            }));
+        }
+        self.warp.clear();
+        self.warp.extend(all().map(|of| of.warp));
     }
 }
 

@@ -179,6 +179,9 @@ impl<'a> Recorder<'a> {
         if self.fields.pressure {
             picture.triangle_pressure(at, &mut frame.pressure);
         }
+        if self.fields.membrane {
+            picture.triangle_membranes(at, &mut frame.membrane);
+        }
     }
 
     fn show_between(&mut self, [start, end]: [&Point; 2], moment: TimeInStep) -> Result<(), ObserveError> {

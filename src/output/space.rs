@@ -23,6 +23,7 @@ pub fn frame_bytes(picture: &dyn Observables, fields: Fields, precision: Precisi
     // Displacements, velocities and positions are always written, the last with eight bytes per number.
     let vectors = 2 + u64::from(fields.force) + u64::from(fields.reaction);
     let scalars = u64::from(fields.tension) + u64::from(fields.strain) + u64::from(fields.pressure);
+    let scalars = scalars + if fields.membrane { 8 } else { 0 };
     // Places on the mesh, and Int32 numbers on cells and points.
     let named = if picture.groups().is_empty() { 0 } else { (24 + 4) * points + 4 * cells };
     // With triangles: UInt8 kinds, and the flags of cells that are not drawn, which frames with all drawn do without.

@@ -7,7 +7,7 @@
 
 use super::network::{Network, SpringBatch, node_state};
 use crate::force::NodeState;
-use crate::force::law::slack::clamped;
+use crate::force::law::slack::Clamp;
 use crate::model::state::StateRef;
 use crate::model::unit_vector::unit_vector;
 
@@ -118,9 +118,9 @@ impl ElongationCubic {
 
 /// Springs of a batch that can go slack, with their stiffnesses [N/m], in a step between two times [s].
 fn lines(batch: &SpringBatch, times: [f64; 2]) -> impl Iterator<Item = (OneSidedSpring, f64)> {
-    let law = clamped(batch.data.slack);
+    let law = Clamp::of(batch.data.slack);
     let nodes = law.map_or(&[][..], |_| &batch.data.nodes[..]);
-    let threshold = law.map_or(0.0, |law| law.threshold);
+    let threshold = law.map_or(0.0, |law| law.threshold());
     let scales = times.map(|t| batch.data.rest_scale_at(t));
     nodes.iter().enumerate().map(move |(i, &nodes)| {
         let k = batch.data.stiffness.at(i);
@@ -132,7 +132,7 @@ fn lines(batch: &SpringBatch, times: [f64; 2]) -> impl Iterator<Item = (OneSided
 impl Network {
     /// Whether springs can go slack.
     pub(super) fn goes_slack(&self) -> bool {
-        self.springs.iter().any(|batch| clamped(batch.data.slack).is_some())
+        self.springs.iter().any(|batch| Clamp::of(batch.data.slack).is_some())
     }
 
     /// See [`super::Scene::branch_changes`].

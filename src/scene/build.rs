@@ -3,6 +3,7 @@
 use super::Load;
 use super::air_pressure::{AirLaw, AirPressure};
 use super::apparent::ApparentMass;
+use super::build_surface::MembraneBatch;
 use super::canopy_shape::CanopyShape;
 use super::check::{BuildError, check, check_bars};
 use super::events::Phases;
@@ -70,6 +71,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         numbering: &numbering,
         terms: Vec::new(),
         springs: Vec::new(),
+        membranes: Vec::new(),
         loads: Vec::new(),
         tables: Vec::new(),
         shapes: Vec::new(),
@@ -83,6 +85,8 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     };
     builder.springs_and_dashpots();
     bars.iter().for_each(|bars| builder.bars(bars));
+    builder.membranes(&reference)?;
+    builder.bending(&reference)?;
     builder.gravity(&mass, &start);
     builder.base(&fixed, &mass);
     builder.air();
@@ -90,7 +94,8 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     builder.drag();
     builder.loads(&start);
     builder.rayleigh(&mass, &reference);
-    let Builder { terms, springs, loads, mut tables, stream, shapes: canopies, pressures, apparent, .. } = builder;
+    let Builder { terms, springs, membranes, loads, mut tables, stream, shapes: canopies, pressures, apparent, .. } =
+        builder;
     tables.extend(stream.clone().map(|stream| stream as Arc<dyn SampledTable>));
     let velocity = initial_velocity(&spec);
     let velocity = if velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity[at(i)]).collect() };
@@ -124,6 +129,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         apparent,
         terms,
         springs,
+        membranes,
         threads,
         mesh: spec.mesh,
     }))
@@ -163,11 +169,12 @@ fn initial_velocity(spec: &NetworkSpec) -> Vec<[f64; 3]> {
     velocity
 }
 
-struct Builder<'a> {
-    spec: &'a NetworkSpec,
+pub(super) struct Builder<'a> {
+    pub(super) spec: &'a NetworkSpec,
     numbering: &'a Numbering,
-    terms: Vec<Box<dyn ForceTerm>>,
+    pub(super) terms: Vec<Box<dyn ForceTerm>>,
     springs: Vec<SpringBatch>,
+    pub(super) membranes: Vec<MembraneBatch>,
     loads: Vec<(Load, Arc<Scale>)>,
     tables: Vec<Arc<dyn SampledTable>>,
     shapes: Vec<CanopyShape>,
@@ -177,7 +184,7 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    fn node(&self, user: u32) -> u32 {
+    pub(super) fn node(&self, user: u32) -> u32 {
         self.numbering.internal[user as usize]
     }
 
@@ -225,6 +232,7 @@ impl Builder<'_> {
             nodes: order.iter().map(|&i| nodes(i)).collect(),
             rest_length: pick(&group.rest_length).into(),
             stiffness: Coefficient::from_values(&pick(&group.stiffness)),
+            curve: (&group.law).into(),
             slack: group.slack,
             rest_scale: None,
         };
@@ -367,6 +375,7 @@ impl Builder<'_> {
         if rayleigh.stiffness == 0.0 {
             return;
         }
+        self.rayleigh_membranes(rayleigh.stiffness, reference);
         for batch in &self.springs {
             let data = &batch.data;
             let coefficient: Vec<f64> =

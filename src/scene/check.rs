@@ -1,10 +1,11 @@
 //! Checks of a specification before a scene is built from it.
 
+use super::check_elements::{springs, surfaces};
 use crate::force::law::bar_law::Bars;
 use crate::mesh::Mesh;
 use crate::model::spec::{
     AtmosphereSpec, CavitySpec, ClothSpec, FillingSpec, GustSpec, MotionSpec, NetworkSpec, PressureKind, RestScaleSpec,
-    Series, Slack, SpringGroup, StreamSpec,
+    Series, StreamSpec,
 };
 
 /// Why a scene cannot be built from a specification. The case reader finds these faults first, with more precise
@@ -49,6 +50,39 @@ pub enum BuildError {
         what: &'static str,
         /// index in its list; for nodal values the node
         index: usize,
+    },
+    /// A spring without a rest length, whose law depends on the strain.
+    #[error("spring {spring} of its group has no rest length, which its law needs")]
+    NoRestLength {
+        /// place in its group
+        spring: usize,
+    },
+    /// A material that no sheet has.
+    #[error(
+        "a membrane with the moduli {} and {} Pa, a Poisson's ratio of {poisson} and a shear modulus of {shear} Pa: thickness and \
+         moduli must be above 0, the damping time not below, and poisson^2 E2 below E1",
+        modulus[0],
+        modulus[1]
+    )]
+    Membrane {
+        /// [Pa] E1 and E2
+        modulus: [f64; 2],
+        /// [-] nu12
+        poisson: f64,
+        /// [Pa] G12
+        shear: f64,
+    },
+    /// A triangle of a membrane without an area, or at right angles to the warp.
+    #[error("triangle {triangle} of a membrane has no area, or the warp direction is at right angles to it")]
+    RestShape {
+        /// its number
+        triangle: u32,
+    },
+    /// A hinge of a triangle without an area, or a chain with a segment of no length.
+    #[error("bending between nodes {} and {}: a triangle has no area, or a segment no length", ends[0], ends[1])]
+    Hinge {
+        /// the first nodes
+        ends: [u32; 2],
     },
     /// A table over time without rows, without one value per time, or with times that do not increase.
     #[error("the table of the {what} {reason}")]
@@ -112,6 +146,7 @@ pub(super) fn check(spec: &NetworkSpec) -> Result<(), BuildError> {
         below("spring group", &[u32::try_from(cut.group).unwrap_or(u32::MAX)], spec.springs.len())?;
     }
     spec.springs.iter().try_for_each(|group| springs(group, spec.mesh.edges.len()))?;
+    surfaces(spec)?;
     loads(spec)?;
     tables(spec)?;
     masses(spec)?;
@@ -125,18 +160,18 @@ pub(super) fn check_bars(bars: &Bars, n: usize) -> Result<(), BuildError> {
     finite("rest length of bar", &bars.rest_length)
 }
 
-fn length(what: &'static str, found: usize, expected: usize) -> Result<(), BuildError> {
+pub(super) fn length(what: &'static str, found: usize, expected: usize) -> Result<(), BuildError> {
     if found == expected { Ok(()) } else { Err(BuildError::Length { what, found, expected }) }
 }
 
-fn below(what: &'static str, indices: &[u32], count: usize) -> Result<(), BuildError> {
+pub(super) fn below(what: &'static str, indices: &[u32], count: usize) -> Result<(), BuildError> {
     match indices.iter().find(|&&i| i as usize >= count) {
         None => Ok(()),
         Some(&index) => Err(BuildError::Index { what, index, count }),
     }
 }
 
-fn finite(what: &'static str, values: &[f64]) -> Result<(), BuildError> {
+pub(super) fn finite(what: &'static str, values: &[f64]) -> Result<(), BuildError> {
     vectors(what, bytemuck::cast_slice::<_, [f64; 1]>(values))
 }
 
@@ -175,21 +210,6 @@ fn nodes(spec: &NetworkSpec) -> Result<(), BuildError> {
     vectors("position of node", &spec.mesh.nodes)?;
     below("node", spec.mesh.edges.as_flattened(), n)?;
     below("node", spec.mesh.triangles.as_flattened(), n)
-}
-
-fn springs(group: &SpringGroup, edges: usize) -> Result<(), BuildError> {
-    let m = group.edges.len();
-    below("edge", &group.edges, edges)?;
-    let dashpot = group.dashpot.as_ref().map(|d| ("dashpot coefficient", &d.coefficient));
-    let lists = [("stiffness", &group.stiffness), ("rest_length", &group.rest_length)];
-    for (what, list) in lists.into_iter().chain(dashpot) {
-        length(what, list.len(), m)?;
-        finite(what, list)?;
-    }
-    match group.slack {
-        Slack::DeadZone { eps } | Slack::CompressionLimit { eps } => finite("slack eps", &[eps]),
-        Slack::None | Slack::TensionOnly => Ok(()),
-    }
 }
 
 fn loads(spec: &NetworkSpec) -> Result<(), BuildError> {
@@ -354,7 +374,9 @@ fn stands_still(spec: &NetworkSpec) -> Result<(), BuildError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::spec::{AirSpec, DashpotKind, DashpotSpec, NodalLoad, PressureLoad};
+    use crate::model::spec::{
+        AirSpec, DashpotKind, DashpotSpec, ElasticLaw, NodalLoad, PressureLoad, Slack, SpringGroup,
+    };
 
     fn constant<T>(value: T) -> Series<T> {
         Series { t: vec![0.0], value: vec![value] }
@@ -375,6 +397,7 @@ mod tests {
                 edges: vec![0, 1, 2],
                 stiffness: vec![1.0; 3],
                 rest_length: vec![1.0; 3],
+                law: ElasticLaw::Linear,
                 slack: Slack::DeadZone { eps: 0.1 },
                 dashpot: Some(DashpotSpec { kind: DashpotKind::Axial, coefficient: vec![1.0; 3], from_step: false }),
             }],

@@ -3,6 +3,7 @@
 use super::Load;
 use super::air_pressure::AirPressure;
 use super::apparent::ApparentMass;
+use super::build_surface::MembraneBatch;
 use super::canopy_shape::CanopyShape;
 use super::events::Phases;
 use super::external::ExternalForces;
@@ -47,6 +48,7 @@ pub struct Network {
     /// sum of every part of every term, and its place among these
     parts: Vec<[Option<PartTarget>; PARTS]>,
     pub(super) springs: Vec<SpringBatch>,
+    pub(super) membranes: Vec<MembraneBatch>,
     /// whether some edge has several springs
     pub(super) shared_edges: bool,
     /// set once a program adds forces from outside
@@ -106,6 +108,7 @@ pub(super) struct Parts {
     pub apparent: Vec<ApparentMass>,
     pub terms: Vec<Box<dyn ForceTerm>>,
     pub springs: Vec<SpringBatch>,
+    pub membranes: Vec<MembraneBatch>,
     pub threads: Threads,
     pub mesh: Mesh,
 }
@@ -138,6 +141,7 @@ impl Network {
             terms: p.terms,
             shared_edges: shares_edges(&p.springs, p.mesh.edges.len()),
             springs: p.springs,
+            membranes: p.membranes,
             external: None,
             stream: p.stream,
             canopies: p.canopies,

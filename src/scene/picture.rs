@@ -1,13 +1,14 @@
 //! A network for output, in the user's numbering.
 
+use super::build_surface::MembraneBatch;
 use super::network::{Network, by_node, node_state};
 use crate::force::law::damped_springs::axial_force;
-use crate::force::law::slack::tension;
+use crate::force::law::membrane::MembraneState;
 use crate::force::law::spring::SpringOutput;
 use crate::mesh::Groups;
 use crate::model::forces::Forces;
 use crate::model::motion::motion;
-use crate::model::observables::{CANOPY_QUANTITIES, NodeQuantity, Observables, SpringPlace};
+use crate::model::observables::{CANOPY_QUANTITIES, MembranePicture, NodeQuantity, Observables, SpringPlace};
 use crate::model::point::Point;
 use crate::model::state::StateRef;
 use crate::model::step_block::strain_of;
@@ -36,6 +37,17 @@ impl Observables for Network {
     fn triangle_pressure(&self, at: StateRef<'_>, out: &mut [f64]) {
         out.fill(0.0);
         self.pressures.iter().for_each(|pressure| pressure.write(node_state(at), out));
+    }
+
+    fn triangle_membranes(&self, at: StateRef<'_>, out: &mut [MembranePicture]) {
+        out.fill(MembranePicture::default());
+        for MembraneBatch { data, triangles, thickness } in &self.membranes {
+            for (i, &triangle) in triangles.iter().enumerate() {
+                let MembraneState { tension, strain, wrinkling, warp } = data.state(i, by_node(at.x));
+                let (stress, wrinkling) = (tension.map(|t| t / thickness), f64::from(wrinkling as u8));
+                out[triangle as usize] = MembranePicture { stress, strain, wrinkling, warp: warp.into() };
+            }
+        }
     }
 
     fn trace(&self, at: StateRef<'_>, positions: &mut [[f64; 3]], velocities: &mut [[f64; 3]]) {
@@ -80,7 +92,9 @@ impl Observables for Network {
 
     fn max_strain(&self, at: StateRef<'_>) -> f64 {
         let x = by_node(at.x);
-        strain_of(self.carrying().map(|b| b.data.largest_stretch(b.data.at(at.t, x))).fold(f64::NEG_INFINITY, f64::max))
+        let springs = self.carrying().map(|b| b.data.largest_stretch(b.data.at(at.t, x)));
+        let membranes = self.membranes.iter().map(|batch| batch.data.largest_stretch_of_all(x));
+        strain_of(springs.chain(membranes).fold(f64::NEG_INFINITY, f64::max))
     }
 
     fn max_speed(&self, at: StateRef<'_>) -> f64 {
@@ -119,8 +133,7 @@ impl Observables for Network {
             return 0.0;
         }
         let (data, i) = (&batch.data, number as usize);
-        let elastic =
-            tension(data.slack, data.stiffness.at(i), data.stretch(data.at(at.t, by_node(at.x)), i).elongation).force;
+        let elastic = data.tension(data.at(at.t, by_node(at.x)), i);
         if batch.axial { elastic + axial_force(data, node_state(at), i, batch.dashpot.at(i)) } else { elastic }
     }
 
@@ -154,7 +167,7 @@ mod tests {
     use super::*;
     use crate::force::schedule::threads::Threads;
     use crate::mesh::Mesh;
-    use crate::model::spec::{DashpotKind, DashpotSpec, NetworkSpec, Slack, SpringGroup};
+    use crate::model::spec::{DashpotKind, DashpotSpec, ElasticLaw, NetworkSpec, Slack, SpringGroup};
     use crate::model::system::System;
     use crate::scene::build::build_network;
 
@@ -163,7 +176,14 @@ mod tests {
     fn tension(slack: Slack, kind: Option<DashpotKind>, [l, ldot]: [f64; 2]) -> f64 {
         let mesh = Mesh { nodes: vec![[0.0; 3], [l, 0.0, 0.0]], edges: vec![[0, 1]], ..Mesh::default() };
         let dashpot = kind.map(|kind| DashpotSpec { kind, coefficient: vec![4.0], from_step: false });
-        let line = SpringGroup { edges: vec![0], stiffness: vec![100.0], rest_length: vec![1.0], slack, dashpot };
+        let line = SpringGroup {
+            edges: vec![0],
+            stiffness: vec![100.0],
+            rest_length: vec![1.0],
+            law: ElasticLaw::Linear,
+            slack,
+            dashpot,
+        };
         let spec = NetworkSpec {
             mesh,
             mass: vec![1.0; 2],

@@ -6,7 +6,7 @@ use crate::drive::clock::{Step, Tolerance};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{MethodChoice, MethodError};
 use crate::mesh::{Mesh, MeshError};
-use crate::model::spec::{DashpotKind, DashpotSpec, NetworkSpec, NodalLoad, Slack, SpringGroup};
+use crate::model::spec::{DashpotKind, DashpotSpec, ElasticLaw, NetworkSpec, NodalLoad, Slack, SpringGroup};
 use crate::model::stop::Stop;
 
 /// By which method a simulation moves, and in which steps.
@@ -100,12 +100,14 @@ impl RunSettings {
 }
 
 /// Springs that share a law.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SpringLaw {
     /// [N/m] stiffness
     pub stiffness: f64,
     /// [m] rest length; `None`: the distance of the nodes as given
     pub rest_length: Option<f64>,
+    /// tension over strain
+    pub law: ElasticLaw,
     /// when they pull and push
     pub slack: Slack,
     /// kind and coefficient [N s/m] of a dashpot in parallel
@@ -114,7 +116,7 @@ pub struct SpringLaw {
 
 impl Default for SpringLaw {
     fn default() -> Self {
-        SpringLaw { stiffness: 0.0, rest_length: None, slack: Slack::None, dashpot: None }
+        SpringLaw { stiffness: 0.0, rest_length: None, law: ElasticLaw::Linear, slack: Slack::None, dashpot: None }
     }
 }
 
@@ -169,7 +171,7 @@ impl NetworkBuilder {
         let rest_length = edges.iter().map(|edge| law.rest_length.unwrap_or_else(|| distance(edge))).collect();
         let (stiffness, n) = (vec![law.stiffness; edges.len()], edges.len());
         let dashpot = law.dashpot.map(|(kind, c)| DashpotSpec { kind, coefficient: vec![c; n], from_step: false });
-        self.spec.springs.push(SpringGroup { edges, stiffness, rest_length, slack: law.slack, dashpot });
+        self.spec.springs.push(SpringGroup { edges, stiffness, rest_length, law: law.law, slack: law.slack, dashpot });
         self
     }
 

@@ -1,12 +1,14 @@
-//! VTK's files: the one writer and the one reader of .vtu, for meshes and for the frames of a run.
+//! VTK's files: the writers and the one reader of .vtu and .vtp, for meshes and for the frames of a run.
 //!
 //! Source: "VTK XML file formats", <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
 mod encode;
+mod inline_arrays;
 pub(crate) mod read;
 mod tags;
 mod vectored_write;
 pub mod write;
+pub mod write_mesh;
 
 pub(crate) use encode::Width;
 use serde::{Deserialize, Serialize};

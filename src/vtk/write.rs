@@ -104,79 +104,23 @@ pub struct FixedArrays<'a> {
     pub field: &'a [(String, Vec<i32>)],
 }
 
-/// A mesh as text: its arrays are inline in base64, which every VTK reads; those of the file as a whole are plain text.
-///
-/// # Errors
-/// When a cell names a point that does not exist, or an array has the wrong length.
-pub fn inline_grid(points: &[[f64; 3]], cells: &Cells<'_>, arrays: &FixedArrays<'_>) -> Result<String, VtuError> {
-    let table = CellTable::new(cells, Width::Long)?;
-    let (kind, n_cells) = (table.width.kind(), table.types.len());
-    let mut appender = Appender::new(VtuFormat { encoding: Encoding::Base64, ..VtuFormat::default() });
-    let mut array = |kind: &str, name: &str, components: usize, data: &[u8]| -> Result<String, VtuError> {
-        let mut text = Vec::new();
-        appender.append(data, &mut text)?;
-        let text = String::from_utf8_lossy(&text);
-        Ok(format!(
-            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">{text}\
-             </DataArray>\n"
-        ))
-    };
-    let mut cell_data = String::new();
-    for (name, flags) in arrays.cell_flags {
-        right(name, flags.len(), n_cells)?;
-        cell_data += &array("UInt8", name, 1, flags)?;
-    }
-    if let Some((name, numbers)) = arrays.cell_numbers {
-        right(name, numbers.len(), n_cells)?;
-        cell_data += &array("Int32", name, 1, &bytes(numbers))?;
-    }
-    let mut point_data = String::new();
-    if let Some((name, numbers)) = arrays.point_numbers {
-        right(name, numbers.len(), points.len())?;
-        point_data += &array("Int32", name, 1, &bytes(numbers))?;
-    }
-    if let Some((name, vectors)) = arrays.point_vectors {
-        right(name, vectors.len(), points.len())?;
-        point_data += &array("Float64", name, 3, &little_endian(vectors.as_flattened()))?;
-    }
-    if !point_data.is_empty() {
-        point_data = format!("<PointData>\n{point_data}</PointData>\n");
-    }
-    Ok([
-        &grid_head(""),
-        &field_data(&field_arrays(arrays.field)),
-        &format!("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{n_cells}\">\n<Points>\n", points.len()),
-        &array("Float64", "points", 3, &little_endian(points.as_flattened()))?,
-        "</Points>\n<Cells>\n",
-        &array(kind, "connectivity", 1, &table.connectivity)?,
-        &array(kind, "offsets", 1, &table.ends)?,
-        &array("UInt8", "types", 1, &table.types)?,
-        "</Cells>\n",
-        &point_data,
-        "<CellData>\n",
-        &cell_data,
-        "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n",
-    ]
-    .concat())
-}
-
 /// Whether an array has one value for each point or cell.
-fn right(name: &str, found: usize, expected: usize) -> Result<(), VtuError> {
+pub(super) fn right(name: &str, found: usize, expected: usize) -> Result<(), VtuError> {
     match found == expected {
         true => Ok(()),
         false => Err(VtuError::WrongLength { name: name.to_owned(), found, expected }),
     }
 }
 
-fn bytes(numbers: &[i32]) -> Vec<u8> {
+pub(super) fn bytes(numbers: &[i32]) -> Vec<u8> {
     numbers.iter().flat_map(|i| i.to_le_bytes()).collect()
 }
 
-/// The first lines of a file, with a further attribute of its root.
-fn grid_head(compressor: &str) -> String {
+/// The first lines of a file with this kind of data, with a further attribute of its root.
+pub(super) fn head(kind: &str, compressor: &str) -> String {
     format!(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
-         header_type=\"UInt64\"{compressor}>\n<UnstructuredGrid>\n"
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"{kind}\" version=\"1.0\" byte_order=\"LittleEndian\" \
+         header_type=\"UInt64\"{compressor}>\n<{kind}>\n"
     )
 }
 
@@ -310,7 +254,7 @@ impl VtuWriter {
             Compression::Zlib => " compressor=\"vtkZLibDataCompressor\"",
         };
         self.head.clear();
-        self.head.push_str(&grid_head(compressor));
+        self.head.push_str(&head("UnstructuredGrid", compressor));
         let time = time.map_or_else(String::new, |time| {
             format!(
                 "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{time:?}\

@@ -2,7 +2,7 @@
 //! and meshio's own readers for the others.
 
 use canopy_fem::mesh::file::{Axes, Diagonals};
-use canopy_fem::mesh::read::{Imported, mesh_from_bytes};
+use canopy_fem::mesh::read::{Imported, file_from_bytes};
 use canopy_fem::mesh::write::write_mesh;
 use canopy_fem::mesh::{EdgeKind, MeshFile, Topology};
 use std::path::{Path, PathBuf};
@@ -56,6 +56,11 @@ fn hung(groups: &[&str]) -> Row {
     Row { nodes: 10, edges: 18, lines: 2, ..square(groups) }
 }
 
+/// A square that Gmsh wrote with the parameters of its nodes.
+fn parametric() -> Row {
+    Row { nodes: 12, edges: 25, triangles: 14, ..square(&["cloth: 14 triangles", "hem: 2 edges"]) }
+}
+
 /// Every file as it is.
 #[test]
 fn files_hold_what_their_programs_wrote() {
@@ -79,6 +84,8 @@ fn files_hold_what_their_programs_wrote() {
         ("gmsh-1-text.msh", hung(&["1: 8 triangles", "2: 2 edges", "3: 1 node"])),
         ("gmsh-2.2-text.msh", hung(&gmsh)),
         ("gmsh-2.2-binary.msh", hung(&gmsh)),
+        ("gmsh-2.2-parametric.msh", parametric()),
+        ("gmsh-2.2-parametric-binary.msh", parametric()),
         ("gmsh-4-text.msh", hung(&gmsh)),
         ("gmsh-4.1-text.msh", hung(&gmsh)),
         ("gmsh-4.1-binary.msh", hung(&gmsh)),
@@ -188,11 +195,119 @@ fn meshes_are_repaired() {
     assert_eq!(row(&read(&concave)).edges, 5, "the other diagonal of a concave quad is outside of it");
 }
 
+/// Two gores with a common side, one with a window, a ring with an island in it, in millimetres: filled with triangles.
+/// The areas are those of the polygons; a circle has 72 chords.
+#[test]
+fn outlines_of_a_drawing_are_filled() {
+    let plain = MeshFile { scale: 1e-3, ..MeshFile::plain("gores-outlines.dxf") };
+    let lines = read(&plain);
+    assert_eq!((row(&lines).triangles, row(&lines).lines), (0, 157));
+    assert!(lines.notes.iter().any(|note| note.contains("--edge")), "{:?}", lines.notes);
+    let circle = 36.0 * 5.0_f64.to_radians().sin();
+    let areas = [0.15 - 0.1 * 0.08, 0.1545, 0.08 * 0.08, circle * (0.25 - 0.01)];
+    for edge in [0.05, 0.2] {
+        let filled = read(&MeshFile { edge: Some(edge), ..plain.clone() });
+        let found = row(&filled);
+        assert_eq!((found.lines, found.parts), (0, 3), "the gores share their side, and outlines are no lines");
+        assert!((found.area as f64 - 1e6 * areas.iter().sum::<f64>()).abs() <= 1.0, "{found:?}");
+        let topology = Topology::new(&filled.mesh).expect("a mesh");
+        assert_eq!((topology.check_manifold(), topology.check_orientation(&filled.mesh)), (Ok(()), Ok(())));
+        let mut loops: Vec<bool> = topology.loops().iter().map(|around| around.outer).collect();
+        loops.sort_unstable();
+        assert_eq!(loops, [false, false, true, true, true], "a window and a vent");
+        for (name, area) in ["gore 1", "gore 2", "island", "vent"].iter().zip(areas) {
+            let of = |t: &u32| {
+                let [a, b, c] = filled.mesh.triangles[*t as usize]
+                    .map(|node| nalgebra::Vector3::from(filled.mesh.nodes[node as usize]));
+                0.5 * (b - a).cross(&(c - a)).z
+            };
+            let sum: f64 = filled.mesh.groups[*name].triangles.iter().map(of).sum();
+            assert!((sum - area).abs() < 1e-9, "{name} has {sum} m^2, not {area}, with normals up");
+        }
+        let quality = canopy_fem::mesh::Quality::with_topology(&filled.mesh, &topology);
+        assert!(quality.mean_edge < 1.1 * edge && quality.max_edge < 2.0 * edge, "{quality:?}");
+        // Corners of the outlines are nodes.
+        for corner in [[0.0, 0.0], [1.0, -0.15], [0.94, 0.45], [0.7, 0.04], [3.04, -0.04]] {
+            let near = |node: &[f64; 3]| (node[0] - corner[0]).hypot(node[1] - corner[1]) < 1e-4;
+            assert!(filled.mesh.nodes.iter().any(near), "{corner:?}");
+        }
+    }
+    let fine = MeshFile { edge: Some(1e-6), ..plain }.read(&folder()).expect_err("refused").to_string();
+    assert!(fine.contains("2e6 are made"), "{fine}");
+}
+
+/// A drawing whose outlines cannot be filled: refused with the place.
+#[test]
+fn outlines_that_cross_are_refused() {
+    let scratch = tempfile::TempDir::new().expect("a folder");
+    let outline = |corners: &[[f64; 2]]| {
+        let points: String = corners.iter().map(|[x, y]| format!("10\n{x}\n20\n{y}\n")).collect();
+        format!("0\nLWPOLYLINE\n8\nsail\n70\n1\n{points}")
+    };
+    let bow = outline(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 2.0]]);
+    let square = outline(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+    let touching = outline(&[[0.1, 0.1], [0.9, 0.1], [0.5, 0.9], [0.0, 1.0]]);
+    let pinched = outline(&[[0.0, 0.0], [1.0, 0.0], [0.5, 0.5], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5]]);
+    let twice = square.clone() + &square;
+    for (name, entities, expected) in [
+        ("bow", bow, Err("crosses or touches itself")),
+        ("pinched", pinched, Err("crosses or touches itself")),
+        ("touching", square + &touching, Err("touches itself or one of its holes")),
+        ("twice", twice, Ok(1)),
+    ] {
+        let path = scratch.path().join(name).with_extension("dxf");
+        std::fs::write(&path, format!("0\nSECTION\n2\nENTITIES\n{entities}0\nENDSEC\n0\nEOF\n")).expect("a file");
+        let file = MeshFile { edge: Some(0.3), ..MeshFile::plain(path.display().to_string()) };
+        match (file.read(Path::new("")), expected) {
+            (Ok(read), Ok(parts)) => assert_eq!(row(&read).parts, parts, "{name}"),
+            (Err(error), Err(words)) => assert!(error.to_string().contains(words), "{name}: {error}"),
+            (found, _) => panic!("{name}: {found:?}"),
+        }
+    }
+}
+
+/// A .gltf whose data lie beside it, and what is said if they do not, or lie elsewhere.
+#[test]
+fn data_beside_a_file_are_read() {
+    let scratch = tempfile::TempDir::new().expect("a folder");
+    let mut data: Vec<u8> = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0_f32]]
+        .as_flattened()
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    data.extend([0_u16, 1, 2].iter().flat_map(|n| n.to_le_bytes()));
+    std::fs::write(scratch.path().join("my sail.bin"), data).expect("a file");
+    let read = |uri: &str| {
+        let file = serde_json::json!({
+            "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+            "buffers": [{"byteLength": 42, "uri": uri}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 6}],
+            "accessors": [
+                {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+                {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"}
+            ]
+        });
+        std::fs::write(scratch.path().join("sail.gltf"), file.to_string()).expect("a file");
+        MeshFile::plain("sail.gltf").read(scratch.path())
+    };
+    assert_eq!(row(&read("my%20sail.bin").expect("read")).area, 500_000);
+    for (uri, words) in [
+        ("sail.bin", "cannot be read"),
+        ("../my%20sail.bin", "save it as .glb"),
+        ("http://sails/my%20sail.bin", "save it as .glb"),
+    ] {
+        let error = read(uri).expect_err("refused").to_string();
+        assert!(error.contains(words) && error.contains("sail.bin"), "{error}");
+    }
+}
+
 /// Values out of range are refused where they stand in a case.
 #[test]
 fn bad_options_are_named() {
     for (file, key) in [
         (MeshFile { scale: 0.0, ..MeshFile::plain("ply-asc.ply") }, "/scale"),
+        (MeshFile { edge: Some(0.0), ..MeshFile::plain("ply-asc.ply") }, "/edge"),
         (MeshFile { merge: Some(-1.0), ..MeshFile::plain("ply-asc.ply") }, "/merge"),
         (MeshFile { translate: [f64::NAN, 0.0, 0.0], ..MeshFile::plain("ply-asc.ply") }, "/translate"),
     ] {
@@ -206,7 +321,7 @@ fn bad_options_are_named() {
 fn written_files_hold_groups() {
     let folder = tempfile::TempDir::new().expect("a folder");
     let mesh = read(&MeshFile::plain("abaqus-s4-s3-t3d2.inp")).mesh;
-    for ending in ["vtu", "msh", "obj", "ply"] {
+    for ending in ["vtu", "vtp", "msh", "obj", "ply"] {
         let path = folder.path().join("cloth").with_extension(ending);
         assert_eq!(write_mesh(&mesh, &path, false), Ok(Vec::new()), "{ending}");
         let back = MeshFile::plain(path.display().to_string()).read(Path::new("")).expect(ending).mesh;
@@ -236,6 +351,7 @@ fn repairs_are_suggested() {
         let shown = std::process::Command::new(program).args(["mesh", "inspect"]).arg(folder().join(file)).output();
         let text = String::from_utf8(shown.expect("it runs").stdout).expect("text");
         assert!(text.lines().any(|line| line.starts_with("note: ") && line.contains(option)), "{file}: {text}");
+        assert!(text.matches("turn opposite ways").count() <= 1, "{file} is told twice: {text}");
     }
 }
 
@@ -250,6 +366,7 @@ fn damage_does_no_harm() {
         state ^= state << 17;
         (state % below as u64) as usize
     };
+    let wanted = MeshFile { edge: Some(100.0), ..MeshFile::plain("") };
     for entry in std::fs::read_dir(folder()).expect("the folder") {
         let path = entry.expect("an entry").path();
         let whole = std::fs::read(&path).expect("a file");
@@ -267,7 +384,7 @@ fn damage_does_no_harm() {
                     bytes[at] = if trial % 2 == 0 { b'0' + next(10) as u8 } else { next(256) as u8 };
                 }
             }
-            match mesh_from_bytes(&path, &bytes) {
+            match file_from_bytes(&wanted, &path, &bytes) {
                 Ok(read) => assert_eq!(read.mesh.check(), Ok(()), "{}", path.display()),
                 Err(error) => assert!(error.to_string().split_whitespace().count() > 3, "{error}"),
             }

@@ -91,6 +91,7 @@ fn tangents_before_and_after_events() {
             edges: keep.iter().map(|&i| group.edges[i]).collect(),
             stiffness: pick(&group.stiffness),
             rest_length: pick(&group.rest_length),
+            law: group.law.clone(),
             slack: group.slack,
             dashpot,
         }
@@ -364,7 +365,8 @@ fn gravity_energy(name: &str, scene: &Network, sample: &Sample) {
 #[test]
 fn terms_are_what_they_say() {
     for (name, spec) in scenes() {
-        let on_triangles = spec.air.is_some() || !spec.pressures.is_empty() || !spec.canopies.is_empty();
+        let on_triangles =
+            spec.air.is_some() || !spec.pressures.is_empty() || !spec.canopies.is_empty() || !spec.membranes.is_empty();
         let scene = build(spec);
         assert_eq!(scene.terms().iter().any(|t| t.on_triangles), on_triangles, "{name}: on_triangles");
         for (i, info) in scene.terms().iter().enumerate() {

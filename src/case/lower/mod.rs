@@ -4,6 +4,7 @@
 mod air;
 mod canopy;
 mod digits;
+mod elastic_law;
 mod energy;
 mod filling;
 pub(crate) mod geometry;
@@ -18,6 +19,7 @@ mod select;
 mod springs;
 mod stiffness;
 mod supports;
+mod surface;
 mod tables;
 mod time;
 mod wind;

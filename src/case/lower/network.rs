@@ -6,7 +6,7 @@ use super::initial::{self, initial};
 use super::numbers::{not_negative, series};
 use super::springs::SpringSections;
 use super::supports::{Supports, supports};
-use super::{canopy, digits, energy, loads, mass, plausible, springs};
+use super::{canopy, digits, energy, loads, mass, plausible, springs, surface};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Damping, Network, VectorTable, vectors};
@@ -30,10 +30,12 @@ pub(super) fn network(
     let mut masses =
         geometry.map(|g| mass::mass(&at.key("mass"), network.mass.as_ref(), g, faults)).unwrap_or_default();
     let Supports { fixed, releases, motions } = supports(&at.key("supports"), &network.supports, geometry, faults);
+    let membranes = surface::membranes(&at.key("membranes"), &network.membranes, geometry, faults);
+    let bending = surface::bending(&at.key("bending"), &network.bending, geometry, faults);
     let SpringSections { groups, strengths, cuts, rest_scales } =
-        springs::springs(&at.key("springs"), &network.springs, geometry, step, &mut masses, faults);
+        springs::springs(&at.key("springs"), (&network.springs, &membranes), geometry, step, &mut masses, faults);
     let readable = |keys: &[&str], faults: &Faults<'_>| keys.iter().all(|key| faults.readable(&at.key(key)));
-    let masses_known = faults.count() == before && readable(&["mass", "supports", "springs"], faults);
+    let masses_known = faults.count() == before && readable(&["mass", "supports", "springs", "membranes"], faults);
     let rayleigh = rayleigh(&at.key("damping"), network.damping.as_ref(), faults);
     let Flow { air, stream, canopies, line_drag, node_drag } =
         air::flow(&at.key("aero"), network.aero.as_ref(), base, geometry, faults);
@@ -45,8 +47,10 @@ pub(super) fn network(
         let mut at_last = fixed.clone();
         releases.iter().for_each(|release| release.apply(&mut at_last));
         check_masses(at, &masses, &at_last, faults);
-        let edges: Vec<u32> = groups.iter().flat_map(|g| g.edges.iter().copied()).collect();
-        warn_loose(&edges, &at_last, geometry, faults);
+        let mesh = &geometry.mesh;
+        let springs = groups.iter().flat_map(|g| &g.edges).filter_map(|e| mesh.edges.get(*e as usize)).flatten();
+        let triangles = membranes.iter().flat_map(|m| &m.triangles).filter_map(|t| mesh.triangles.get(*t as usize));
+        warn_loose(springs.chain(triangles.flatten()).copied(), &at_last, faults);
     }
     if fixed.iter().flatten().all(|held| *held) {
         let hint = "free at least one direction of one node from the start".to_owned();
@@ -71,6 +75,8 @@ pub(super) fn network(
         releases,
         motions,
         springs: groups,
+        membranes,
+        bending,
         strengths,
         cuts,
         rest_scales,
@@ -154,11 +160,11 @@ fn check_masses(at: &Pointer, mass: &[f64], fixed: &[[bool; 3]], faults: &mut Fa
     }
 }
 
-/// Free nodes without a spring: seldom intended, except for a falling mass.
-fn warn_loose(edges: &[u32], fixed: &[[bool; 3]], geometry: &Geometry, faults: &mut Faults<'_>) {
+/// Free nodes without a spring or a membrane: seldom intended, except for a falling mass.
+fn warn_loose(held: impl Iterator<Item = u32>, fixed: &[[bool; 3]], faults: &mut Faults<'_>) {
     let mut loose: Vec<bool> = fixed.iter().map(|f| f.contains(&false)).collect();
-    for node in edges.iter().filter_map(|e| geometry.mesh.edges.get(*e as usize)).flatten() {
-        if let Some(flag) = loose.get_mut(*node as usize) {
+    for node in held {
+        if let Some(flag) = loose.get_mut(node as usize) {
             *flag = false;
         }
     }

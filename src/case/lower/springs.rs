@@ -1,5 +1,6 @@
 //! Spring rules: which edge follows which rule, and the springs that result.
 
+use super::elastic_law::elastic_law;
 use super::geometry::Geometry;
 use super::mass;
 use super::numbers::{not_negative, positive, series};
@@ -10,7 +11,7 @@ use crate::case::pointer::Pointer;
 use crate::case::schema::{EdgeSelection, Factor, FactorTable, SlackRule, SpringRule};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
-use crate::model::spec::{CutSpec, RestScaleSpec, Series, Slack, SpringGroup, StrengthSpec};
+use crate::model::spec::{CutSpec, ElasticLaw, MembraneSpec, RestScaleSpec, Series, Slack, SpringGroup, StrengthSpec};
 use crate::warning::WarningCode;
 
 /// The springs of a case.
@@ -29,7 +30,7 @@ pub(super) struct SpringSections {
 /// Groups of springs in the order of the rules; adds the springs' own mass to `mass` `[n_nodes]`.
 pub(super) fn springs(
     at: &Pointer,
-    rules: &[SpringRule],
+    (rules, membranes): (&[SpringRule], &[MembraneSpec]),
     geometry: Option<&Geometry>,
     step: Option<Step>,
     mass: &mut [f64],
@@ -69,16 +70,22 @@ pub(super) fn springs(
             sections.groups.push(group);
         }
     }
-    if geometry.is_some() {
+    if let Some(geometry) = geometry {
+        let mut of_membrane = vec![false; geometry.mesh.triangles.len()];
+        membranes.iter().flat_map(|m| &m.triangles).for_each(|&t| of_membrane[t as usize] = true);
+        for (edge, taken) in claimed.by_any.iter_mut().enumerate() {
+            *taken |= geometry.topology.edge_triangles(edge).iter().any(|&t| of_membrane[t as usize]);
+        }
         warn_bare(&claimed.by_any, faults);
     }
     sections
 }
 
 /// Values of a rule that need no edge.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct RuleValues {
     stiffness: Stiffness,
+    law: ElasticLaw,
     slack: Slack,
 }
 
@@ -97,6 +104,7 @@ fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Ru
     let slack = match rule.slack {
         None => Some(Slack::None),
         Some(SlackRule::TensionOnly) => Some(Slack::TensionOnly),
+        Some(SlackRule::CompressionOnly) => Some(Slack::CompressionOnly),
         Some(SlackRule::DeadZone(eps)) => {
             not_negative(&slack_at.key("dead_zone"), eps, faults).then_some(Slack::DeadZone { eps })
         }
@@ -105,7 +113,8 @@ fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Ru
         }
     };
     let dashpot = rule.dashpot.is_none_or(|d| dashpot_number(&at.key("dashpot"), d, faults));
-    Some(RuleValues { stiffness: stiffness?, slack: slack? }).filter(|_| dashpot)
+    let law = elastic_law(at, rule, faults);
+    Some(RuleValues { stiffness: stiffness?, law: law?, slack: slack? }).filter(|_| dashpot)
 }
 
 /// The factor of the rest lengths over time; `None` if it is constant, or faulty.
@@ -175,7 +184,7 @@ fn group(at: &Pointer, members: RuleEdges<'_>, geometry: &Geometry, faults: &mut
             Some(dashpot(&at.key("dashpot"), rule, &springs, faults)?)
         }
     };
-    Some(SpringGroup { edges, stiffness, rest_length, slack: values.slack, dashpot })
+    Some(SpringGroup { edges, stiffness, rest_length, law: values.law, slack: values.slack, dashpot })
 }
 
 /// Adds half of an edge's mass to each of its ends; `total` [kg] `[n_nodes]`.

@@ -1,10 +1,11 @@
 //! Rest length, stiffness and dashpot coefficient of single edges.
 
+use super::elastic_law::steepest;
 use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::{not_negative, positive};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Dashpot, DashpotRule, EdgeSelection, Factor, SpringRule};
+use crate::case::schema::{Dashpot, DashpotRule, EdgeSelection, ElasticLawRule, Factor, SpringRule};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
 use crate::model::spec::{DashpotKind, DashpotSpec};
@@ -23,7 +24,17 @@ pub(super) enum Stiffness {
 
 /// Exactly one of the three stiffness rules, in range.
 pub(super) fn stiffness(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Stiffness> {
+    let table = match &rule.law {
+        Some(ElasticLawRule::Table(rows)) => Some(rows),
+        _ => None,
+    };
     match (rule.stiffness, rule.axial_rigidity, rule.membrane) {
+        (None, None, None) if table.is_some() => table.map(|rows| Stiffness::Axial(steepest(rows))),
+        _ if table.is_some() => {
+            let hint = Some("the table is the stiffness; leave the other out".to_owned());
+            faults.add_value(at, "a spring rule with a stiffness and a table", "one of the two", hint);
+            None
+        }
         (Some(k), None, None) => positive(&at.key("stiffness"), k, faults).then_some(Stiffness::Uniform(k)),
         (None, Some(ea), None) => positive(&at.key("axial_rigidity"), ea, faults).then_some(Stiffness::Axial(ea)),
         (None, None, Some(m)) => {
@@ -36,7 +47,7 @@ pub(super) fn stiffness(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>
             faults.add_value(
                 at,
                 "a spring rule without stiffness",
-                "exactly one of stiffness, axial_rigidity, membrane",
+                "exactly one of stiffness, axial_rigidity, membrane, law with a table",
                 None,
             );
             None
@@ -44,7 +55,7 @@ pub(super) fn stiffness(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>
         _ => {
             let hint = Some("keep the one that is meant".to_owned());
             let value = "a spring rule with several stiffnesses";
-            faults.add_value(at, value, "exactly one of stiffness, axial_rigidity, membrane", hint);
+            faults.add_value(at, value, "exactly one of stiffness, axial_rigidity, membrane, law with a table", hint);
             None
         }
     }
@@ -98,6 +109,7 @@ fn is_reefing(on: &EdgeSelection) -> bool {
 /// The key of a rule that has no value at a rest length of 0.
 fn needs_rest_length(rule: &SpringRule) -> Option<&'static str> {
     match rule.dashpot {
+        _ if !matches!(rule.law, None | Some(ElasticLawRule::Linear)) => Some("law"),
         _ if rule.axial_rigidity.is_some() => Some("axial_rigidity"),
         Some(Dashpot::Axial(DashpotRule::PerStrain(_)) | Dashpot::Relative(DashpotRule::PerStrain(_))) => {
             Some("per_strain")

@@ -12,6 +12,7 @@ pub mod per_node;
 pub mod select;
 pub mod solver;
 pub mod springs;
+mod surface;
 pub mod table;
 pub mod time;
 pub mod wind;
@@ -32,7 +33,8 @@ pub use output::{Every, EveryCheckpoint, EverySteps, Field, Gauge, Output, Probe
 pub use per_node::{PerNode, Vectors};
 pub use select::{Ball, EdgeSelection, NodeOrEdgeSelection, NodeSelection};
 pub use solver::{Newton, Solver};
-pub use springs::{Dashpot, DashpotRule, Membrane, SlackRule, SpringRule};
+pub use springs::{Dashpot, DashpotRule, ElasticLawRule, Membrane, SlackRule, SpringRule};
+pub use surface::{BendingRule, MembraneRule, Modulus};
 pub use table::{Factor, FactorTable, VectorTable, vectors};
 pub use time::{Study, Time, UntilRest};
 pub use wind::{Atmosphere, ExponentialAtmosphere, Gust, Wind, WindPart, WindSum};

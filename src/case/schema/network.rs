@@ -9,6 +9,7 @@ use super::loads::Load;
 use super::per_node::{PerNode, Vectors};
 use super::select::NodeSelection;
 use super::springs::SpringRule;
+use super::surface::{BendingRule, MembraneRule};
 use super::table::VectorTable;
 use crate::mesh::source::MeshSource;
 use crate::model::spec::RayleighSpec;
@@ -24,6 +25,12 @@ pub struct Network {
     /// Springs on edges; an edge follows the first rule that selects it, and every rule for a group that it is in.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub springs: Vec<SpringRule>,
+    /// Triangles that are a membrane, in place of springs on their edges or beside them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub membranes: Vec<MembraneRule>,
+    /// Bending stiffness of cloth and of lines.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bending: Vec<BendingRule>,
     /// Nodes that are held.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub supports: Vec<Support>,

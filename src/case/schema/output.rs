@@ -92,6 +92,10 @@ pub enum Field {
     /// Pressure difference that the air puts on the triangles, Pa, positive along their right-hand normals; 0 without
     /// air. Loads are not in it. Always written where the mesh has groups and there is a law or a canopy.
     Pressure,
+    /// What membranes carry: on every triangle the principal stresses `stress_1` and `stress_2`, Pa (force per current
+    /// width over the thickness at rest), the principal Green strains `strain_1` and `strain_2`, `wrinkling` (0 taut, 1
+    /// wrinkled, 2 slack, -1 no membrane) and the unit vector `warp`.
+    Membrane,
 }
 
 /// Nodes whose motion is written.

@@ -8,7 +8,8 @@ use super::table::Factor;
 
 /// Springs on some edges. An edge that no rule selects has no spring. A rule for a group adds its springs to all edges
 /// of the group, beside those of other rules: a tape along the edges of a cloth. Of the other rules an edge follows
-/// the first that selects it. Exactly one of `stiffness`, `axial_rigidity` and `membrane` is given.
+/// the first that selects it. Exactly one of `stiffness`, `axial_rigidity`, `membrane` and a `law` with a table is
+/// given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringRule {
@@ -22,6 +23,9 @@ pub struct SpringRule {
     pub axial_rigidity: Option<f64>,
     /// Stiffness from a continuous sheet; for edges of triangles.
     pub membrane: Option<Membrane>,
+    /// How the tension grows with the strain; not given: T = k (l - l0).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<ElasticLawRule>,
     /// [m] Rest length l0 of the spring, which may be 0 with `stiffness` and `membrane`; if not given, the length of
     /// the edge on the mesh as given.
     #[schemars(range(min = 0))]
@@ -65,6 +69,21 @@ pub struct Membrane {
     pub thickness: f64,
 }
 
+/// How the tension T of a spring grows with its strain r = (l - l0)/l0. All but the linear law need a rest length.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ElasticLawRule {
+    /// T = k (l - l0).
+    Linear,
+    /// T = EA lambda (lambda^2 - 1)/2 with lambda = l/l0 and EA = k l0: the bar of finite strain (St. Venant-Kirchhoff)
+    /// that finite-element codes have. It agrees with the linear law at small strains.
+    Green,
+    /// [-, N] Rows of strain and force as measured: linear between the rows, and beyond them with the first and last
+    /// slopes. Strains increase and forces do not fall; the force is 0 at the strain 0. In place of a stiffness:
+    /// dashpots by `time` and Kang's filter take the steepest slope over l0 for k.
+    Table(#[schemars(length(min = 2, max = 100))] Vec<[f64; 2]>),
+}
+
 /// When a spring is slack; e = l - l0 is its elongation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum SlackRule {
@@ -77,6 +96,9 @@ pub enum SlackRule {
     /// [m] T = k max(e, -eps): the compression is constant where the spring is shorter than l0 by more than this eps.
     #[serde(rename = "compression_limit")]
     CompressionLimit(#[schemars(range(min = 0))] f64),
+    /// T = k min(e, 0): no tension, as of a strut that only rests on its nodes.
+    #[serde(rename = "compression-only")]
+    CompressionOnly,
 }
 
 /// A dashpot beside a spring.

@@ -11,8 +11,9 @@ use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, Records};
 use crate::force::kernel::differences::Differences;
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::star_batches::{AxialForce, AxialLaw, Measured};
+use crate::force::law::curve::{Bar, Tension};
 use crate::force::law::dashpot::{self, Damping};
-use crate::force::law::slack::{Tension, TensionLaw, tension, with_law};
+use crate::force::law::slack::{TensionLaw, tension, with_law};
 use crate::force::law::spring::{Coefficient, Cut, SpringData, SpringsAt, Stretch};
 use crate::force::law::stretch::{InLocalBuffer, SpringLengths, largest};
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
@@ -138,7 +139,7 @@ impl<L: TensionLaw, const ELASTIC: bool, const DAMPED: bool> AxialLaw for BarLaw
         let zero = k.all(0.0);
         let l = square.sqrt();
         let e = l - l0;
-        let elastic = self.0.at(k, e);
+        let elastic = self.0.at(Bar { k, l0 }, e);
         let over_l = |force: R| (force / l).where_positive(l);
         let axial_force =
             AxialForce { elastic: over_l(elastic.force), energy: elastic.energy, damping: zero, power: zero };
@@ -146,12 +147,12 @@ impl<L: TensionLaw, const ELASTIC: bool, const DAMPED: bool> AxialLaw for BarLaw
             return axial_force;
         }
         let rate = over_l(rate);
-        let Damping { force, .. } = dashpot::axial(&self.0, elastic, [k, c], [e, rate]);
+        let Damping { force, .. } = dashpot::axial(&self.0, elastic, (Bar { k, l0 }, c), [e, rate]);
         AxialForce { damping: over_l(force), power: zero - force * rate, ..axial_force }
     }
 }
 
-/// The same with rest lengths times a factor s. The elastic part sums T l0 = -dE/ds [J] in place of a power.
+/// The same with rest lengths times a factor s. The elastic part sums -dE/ds [J] in place of a power.
 struct Reeled<L, const ELASTIC: bool, const DAMPED: bool>(L, f64);
 
 impl<L: TensionLaw, const ELASTIC: bool, const DAMPED: bool> AxialLaw for Reeled<L, ELASTIC, DAMPED> {
@@ -167,7 +168,7 @@ impl<L: TensionLaw, const ELASTIC: bool, const DAMPED: bool> AxialLaw for Reeled
         if DAMPED {
             return axial_force;
         }
-        let pull = law.at(k, measured.square.sqrt() - l0).force;
+        let pull = law.pull(Bar { k, l0 }, measured.square.sqrt() - l0);
         AxialForce { power: pull * given, ..axial_force }
     }
 }
@@ -203,10 +204,12 @@ impl BlockForces for DampedSprings {
         }
         if let Some(table) = &self.springs.rest_scale {
             let s = table.at(block.t)[0];
-            let [energy, power, pull] = with_law!(self.springs.slack, law => self.reeled_force((law, s), block, sums));
+            let [energy, power, pull] =
+                with_law!(&self.springs.curve, self.springs.slack, law => self.reeled_force((law, s), block, sums));
             return [Tally { energy, power: pull }, Tally { energy: 0.0, power }];
         }
-        let [energy, power] = with_law!(self.springs.slack, law => self.axial_force(law, block, sums));
+        let [energy, power] =
+            with_law!(&self.springs.curve, self.springs.slack, law => self.axial_force(law, block, sums));
         [Tally { energy, power: 0.0 }, Tally { energy: 0.0, power }]
     }
 
@@ -236,9 +239,10 @@ fn axial_state(
     (i, c): (usize, f64),
 ) -> AxialState {
     let [a, b] = springs.nodes[i].map(|node| node as usize);
-    let (dv, k) = (v[b] - v[a], springs.stiffness.at(i));
+    let dv = v[b] - v[a];
     let (e, rate) = (stretch.elongation, stretch.n.dot(&dv));
-    let damping = with_law!(springs.slack, law => dashpot::axial(&law, elastic, [k, c], [e, rate]));
+    let bar = Bar { k: springs.stiffness.at(i), l0: stretch.length - e };
+    let damping = with_law!(&springs.curve, springs.slack, law => dashpot::axial(&law, elastic, (bar, c), [e, rate]));
     AxialState { stretch, dv, rate, damping }
 }
 
@@ -250,7 +254,7 @@ pub fn axial_force(springs: &SpringData, at: NodeState<'_>, i: usize, c: f64) ->
 /// Stretch and elastic tension of spring `i`.
 fn elastic_state(springs: &SpringData, at: SpringsAt<'_>, i: usize) -> (Stretch, Tension) {
     let stretch = springs.stretch(at, i);
-    (stretch, tension(springs.slack, springs.stiffness.at(i), stretch.elongation))
+    (stretch, tension(&springs.curve, springs.slack, springs.bar(at, i), stretch.elongation))
 }
 
 impl AxialState {
@@ -294,8 +298,8 @@ impl ForceTerm for DampedSprings {
         let springs_at = springs.at(at.t, at.x);
         for (i, &nodes) in springs.nodes.iter().enumerate() {
             let elastic @ (stretch, t) = elastic_state(springs, springs_at, i);
-            let force = if form.convex { t.force.max(0.0) } else { t.force };
-            let mut block = stretch.block(force, t.slope) * w.k;
+            let kept = |number: f64| if form.convex { number.max(0.0) } else { number };
+            let mut block = stretch.block(kept(t.force), kept(t.slope)) * w.k;
             if let Some(Dashpots { kind, coefficient }) = &self.dashpots {
                 let c = coefficient.at(i);
                 let axial = || axial_state(springs, elastic, at.v, (i, c));

@@ -1,15 +1,16 @@
 //! Springs with a slack law in Kang's filter, which does not contain them while they are slack.
 //!
 //! A spring is in the filter of a step of h if it is taut at the step's start, or taut at x + h v, where the nodes
-//! would be with their present velocities. A spring that is slack at the start but not at x + h v gets the tension k (e
-//! - offset), as if it were taut already, with the elongation e at x. Together with the filter's h k (v_j - v_i) this
-//!   is the tension at the end of the step. A mass that flies into its rope is then caught as by backward Euler, and
+//! would be with their present velocities. A spring that is slack at the start but not at x + h v gets the tension of its taut
+//! branch, as if it were taut already, with the elongation e at x. Together with the filter's h k (v_j - v_i) this is
+//! the tension at the end of the step. A mass that flies into its rope is then caught as by backward Euler, and
 //!   the step makes no energy, at any h^2 k/m. Without the second rule the step would pass the threshold without
 //!   braking and make 1/2 k (h v)^2.
 
 use crate::force::NodeState;
 use crate::force::kernel::neighbours::{Neighbours, WeightSlot};
-use crate::force::law::slack::{Clamped, clamped};
+use crate::force::law::curve::Bar;
+use crate::force::law::slack::{Clamp, TensionLaw, with_law};
 use crate::force::law::spring::{Coefficient, SpringData};
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -17,11 +18,19 @@ use std::ops::Range;
 /// [-] Relative rounding error of a squared length.
 const TAUT: f64 = 8.0 * f64::EPSILON;
 
+/// [N] What a slack spring's tension lacks of its taut branch.
+fn untaut(data: &SpringData, bar: Bar, e: f64) -> f64 {
+    with_law!(&data.curve, data.slack, law => match law.bounds(bar, e) {
+        None => 0.0,
+        Some((taut, _)) => taut.force - law.at(bar, e).force,
+    })
+}
+
 /// All springs of a scene, some of which leave the filter while they are slack.
 #[derive(Debug)]
 pub struct OneSided {
     /// the springs that may leave the filter, with their laws
-    batches: Vec<(SpringData, Clamped)>,
+    batches: Vec<(SpringData, Clamp)>,
     /// slots of their weights, batch by batch
     slots: Vec<[WeightSlot; 2]>,
     /// whether they are in the filter
@@ -40,7 +49,7 @@ pub type Member<'a> = (&'a SpringData, bool);
 impl OneSided {
     /// For `n` nodes; `None` if no spring can leave the filter.
     pub fn new<'a>(n: usize, members: impl Iterator<Item = Member<'a>> + Clone) -> Option<Self> {
-        let law = |(data, may): Member<'a>| clamped(data.slack).filter(|_| may);
+        let law = |(data, may): Member<'a>| Clamp::of(data.slack).filter(|_| may);
         if !members.clone().any(|member| law(member).is_some()) {
             return None;
         }
@@ -73,11 +82,14 @@ impl OneSided {
             let at = data.at(t, x);
             for ((i, &[a, b]), (slots, inside)) in data.nodes.iter().enumerate().zip(springs.by_ref()) {
                 let along = |of: &[Vector3<f64>]| of[b as usize] - of[a as usize];
-                let (d, limit) = (along(x), data.rest_length_at(at, i) + law.threshold);
+                let (d, limit) = (along(x), data.rest_length_at(at, i) + law.threshold());
                 let square = limit.max(0.0).powi(2);
                 // A spring that is taut by rounding only carries no force.
-                let taut = d.norm_squared() > square * (1.0 + TAUT);
-                let caught = !taut && (d + h * along(v)).norm_squared() > square;
+                let margin = square * TAUT;
+                let beyond =
+                    |now: f64, margin: f64| if law.pushes() { now < square - margin } else { now > square + margin };
+                let taut = beyond(d.norm_squared(), margin);
+                let caught = !taut && beyond((d + h * along(v)).norm_squared(), 0.0);
                 if (taut || caught) != *inside {
                     *inside = taut || caught;
                     changed = true;
@@ -86,7 +98,7 @@ impl OneSided {
                 }
                 if caught {
                     let stretch = data.stretch(at, i);
-                    let axial_force = stretch.n * (data.stiffness.at(i) * (stretch.length - limit).min(0.0));
+                    let axial_force = stretch.n * untaut(data, data.bar(at, i), stretch.elongation);
                     correction[a as usize] += axial_force;
                     correction[b as usize] -= axial_force;
                     corrected.extend([a, b]);

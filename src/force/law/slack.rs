@@ -1,120 +1,194 @@
-//! The three slack kinds and the plain spring as tension laws T(e), e = l - l0 (thesis Eq. 3, both readings).
+//! When springs are slack: their curve of tension ([`crate::force::law::curve`]) is clamped at one elongation (thesis
+//! Eq. 3, both readings).
 
+use crate::force::law::curve::{Bar, Curve, CurveKind, Tension};
 use crate::model::quad::Real;
 use crate::model::spec::Slack;
-
-/// A spring's elastic tension at one elongation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tension<R = f64> {
-    /// [N] tension T
-    pub force: R,
-    /// [N/m] dT/dl; at the threshold, the slope of the taut branch
-    pub slope: R,
-    /// [J] stored energy, zero at rest
-    pub energy: R,
-}
 
 /// A tension law, for one spring or several side by side. Monomorphised into the kernels, so that a plain spring needs
 /// no branch.
 pub trait TensionLaw: Copy + Send + Sync {
-    /// Where the law clamps: T = k (max(e, threshold) - offset); `None` = nowhere.
-    fn clamp(&self) -> Option<Clamped>;
+    /// Tension, slope and energy at elongation `e` [m].
+    fn at<R: Real>(&self, bar: Bar<R>, e: R) -> Tension<R>;
 
-    /// Tension, slope and energy at elongation `e` [m] with stiffness `k` [N/m].
-    fn at<R: Real>(&self, k: R, e: R) -> Tension<R>;
+    /// As [`Curve::pull`].
+    fn pull<R: Real>(&self, bar: Bar<R>, e: R) -> R;
+
+    /// The curve as if it were taut, and the least and largest tension [N] of the law; `None` if it is never slack.
+    fn bounds<R: Real>(&self, bar: Bar<R>, e: R) -> Option<(Tension<R>, [R; 2])>;
 }
 
-/// T = k e.
+/// A curve without slack.
 #[derive(Clone, Copy, Debug)]
-pub struct LinearLaw;
+pub struct Plain<C>(pub C);
 
-impl TensionLaw for LinearLaw {
+impl<C: Curve> TensionLaw for Plain<C> {
     #[inline(always)]
-    fn clamp(&self) -> Option<Clamped> {
+    fn at<R: Real>(&self, bar: Bar<R>, e: R) -> Tension<R> {
+        self.0.at(bar, e)
+    }
+
+    #[inline(always)]
+    fn pull<R: Real>(&self, bar: Bar<R>, e: R) -> R {
+        self.0.pull(bar, e, self.0.at(bar, e))
+    }
+
+    #[inline(always)]
+    fn bounds<R: Real>(&self, _: Bar<R>, _: R) -> Option<(Tension<R>, [R; 2])> {
         None
     }
-
-    #[inline(always)]
-    fn at<R: Real>(&self, k: R, e: R) -> Tension<R> {
-        let force = k * e;
-        Tension { force, slope: k, energy: k.all(0.5) * force * e }
-    }
 }
 
-/// T = k (max(e, threshold) - offset): tension-only (0, 0), dead zone (eps, eps), compression limit (-eps, 0).
-#[derive(Clone, Copy, Debug)]
-pub struct Clamped {
-    /// [m] elongation below which the tension is constant
-    pub threshold: f64,
+/// Where a slack kind clamps: T = T(c - offset) with c = e kept between two elongations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clamp {
+    /// [m] elongation below which the tension is constant; -inf = nowhere
+    pub lower: f64,
+    /// [m] elongation above which it is; inf = nowhere
+    pub upper: f64,
     /// [m] elongation of zero tension on the taut branch
     pub offset: f64,
 }
 
-impl TensionLaw for Clamped {
-    #[inline(always)]
-    fn clamp(&self) -> Option<Clamped> {
-        Some(*self)
+impl Clamp {
+    /// Nowhere.
+    const NONE: Clamp = Clamp { lower: f64::NEG_INFINITY, upper: f64::INFINITY, offset: 0.0 };
+
+    /// Of a slack kind; `None` for a spring that is never slack.
+    pub fn of(slack: Slack) -> Option<Clamp> {
+        match slack {
+            Slack::None => None,
+            Slack::TensionOnly => Some(Clamp { lower: 0.0, ..Clamp::NONE }),
+            Slack::DeadZone { eps } => Some(Clamp { lower: eps, offset: eps, ..Clamp::NONE }),
+            // Not -eps: for eps = 0 it would be -0, which would change bits in the kernel for four springs.
+            Slack::CompressionLimit { eps } => Some(Clamp { lower: 0.0 - eps, ..Clamp::NONE }),
+            Slack::CompressionOnly => Some(Clamp { upper: 0.0, ..Clamp::NONE }),
+        }
     }
 
-    #[inline(always)]
-    fn at<R: Real>(&self, k: R, e: R) -> Tension<R> {
-        let threshold = k.all(self.threshold);
-        let c = e.larger(threshold);
-        let taut = c - k.all(self.offset);
-        let force = k * taut;
-        let slope = k.where_not_negative(e - threshold);
-        // Below the threshold the force is constant, so its work is linear in the elongation.
-        Tension { force, slope, energy: k.all(0.5) * force * taut + force * (e - c) }
+    /// The same, with limits that are not reached where it is never slack.
+    pub fn or_none(slack: Slack) -> Clamp {
+        Clamp::of(slack).unwrap_or(Clamp::NONE)
+    }
+
+    /// Whether the spring is taut below its threshold, and not above it.
+    pub fn pushes(&self) -> bool {
+        self.upper.is_finite()
+    }
+
+    /// [m] The elongation at which the spring goes slack.
+    pub fn threshold(&self) -> f64 {
+        if self.pushes() { self.upper } else { self.lower }
     }
 }
 
-/// The clamped law of a slack kind, `None` for the plain spring.
-pub fn clamped(slack: Slack) -> Option<Clamped> {
-    match slack {
-        Slack::None => None,
-        Slack::TensionOnly => Some(Clamped { threshold: 0.0, offset: 0.0 }),
-        Slack::DeadZone { eps } => Some(Clamped { threshold: eps, offset: eps }),
-        // Not -eps: for eps = 0 it would be -0, which would change bits in the kernel for four springs.
-        Slack::CompressionLimit { eps } => Some(Clamped { threshold: 0.0 - eps, offset: 0.0 }),
+/// A curve that is clamped.
+#[derive(Clone, Copy, Debug)]
+pub struct Clamped<C> {
+    /// of the taut branch
+    pub curve: C,
+    /// where
+    pub clamp: Clamp,
+}
+
+impl<C: Curve> Clamped<C> {
+    /// [m] Elongation of the taut branch.
+    #[inline(always)]
+    fn taut<R: Real>(&self, e: R) -> R {
+        e - e.all(self.clamp.offset)
+    }
+
+    #[inline(always)]
+    fn clamped<R: Real>(&self, e: R) -> R {
+        e.larger(e.all(self.clamp.lower)).smaller(e.all(self.clamp.upper))
     }
 }
 
-/// Evaluates an expression with the law of a slack kind: the one place that knows which law a kind has.
+impl<C: Curve> TensionLaw for Clamped<C> {
+    #[inline(always)]
+    fn at<R: Real>(&self, bar: Bar<R>, e: R) -> Tension<R> {
+        let (c, Clamp { lower, upper, .. }) = (self.clamped(e), self.clamp);
+        let Tension { force, slope, energy } = self.curve.at(bar, self.taut(c));
+        let slope = slope.where_not_negative(e - e.all(lower)).where_not_negative(e.all(upper) - e);
+        // Beyond a limit the force is constant, so its work is linear in the elongation.
+        Tension { force, slope, energy: energy + force * (e - c) }
+    }
+
+    #[inline(always)]
+    fn pull<R: Real>(&self, bar: Bar<R>, e: R) -> R {
+        let taut = self.taut(self.clamped(e));
+        self.curve.pull(bar, taut, self.curve.at(bar, taut))
+    }
+
+    #[inline(always)]
+    fn bounds<R: Real>(&self, bar: Bar<R>, e: R) -> Option<(Tension<R>, [R; 2])> {
+        let bound = |limit: f64| match limit.is_finite() {
+            true => self.curve.at(bar, self.taut(e.all(limit))).force,
+            false => e.all(limit),
+        };
+        Some((self.curve.at(bar, self.taut(e)), [bound(self.clamp.lower), bound(self.clamp.upper)]))
+    }
+}
+
+/// Evaluates an expression with the law of springs with this curve and slack kind: the one place that knows which law
+/// a kind has.
 macro_rules! with_law {
-    ($slack:expr, $law:ident => $then:expr) => {
-        match $crate::force::law::slack::clamped($slack) {
-            None => {
-                let $law = $crate::force::law::slack::LinearLaw;
+    ($curve:expr, $slack:expr, $law:ident => $then:expr) => {{
+        use $crate::force::law::curve::{CurveKind, Green, Linear, Tabled};
+        use $crate::force::law::slack::{Clamp, Clamped, Plain};
+        match ($curve, Clamp::of($slack)) {
+            (CurveKind::Linear, None) => {
+                let $law = Plain(Linear);
                 $then
             }
-            Some($law) => $then,
+            (CurveKind::Linear, Some(clamp)) => {
+                let $law = Clamped { curve: Linear, clamp };
+                $then
+            }
+            (CurveKind::Green, _) => {
+                let $law = Clamped { curve: Green, clamp: Clamp::or_none($slack) };
+                $then
+            }
+            (CurveKind::Table(kinks), _) => {
+                let $law = Clamped { curve: Tabled(kinks), clamp: Clamp::or_none($slack) };
+                $then
+            }
         }
-    };
+    }};
 }
 pub(in crate::force) use with_law;
 
-/// The law of any slack kind, when speed does not matter.
-pub fn tension(slack: Slack, k: f64, e: f64) -> Tension {
-    with_law!(slack, law => law.at(k, e))
+/// The law of any springs, when speed does not matter.
+pub fn tension(curve: &CurveKind, slack: Slack, bar: Bar, e: f64) -> Tension {
+    with_law!(curve, slack, law => law.at(bar, e))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::force::law::curve::Linear;
     use crate::model::quad::{Pass, Quad, VectorUnit, run};
 
     const K: f64 = 7.0;
     const EPS: f64 = 0.2;
+    const BAR: Bar = Bar { k: K, l0: 1.0 };
 
-    fn kinds() -> [Slack; 4] {
-        [Slack::None, Slack::TensionOnly, Slack::DeadZone { eps: EPS }, Slack::CompressionLimit { eps: EPS }]
+    /// Linear springs.
+    fn tension(slack: Slack, k: f64, e: f64) -> Tension {
+        super::tension(&CurveKind::Linear, slack, Bar { k, ..BAR }, e)
+    }
+
+    fn kinds() -> [Slack; 5] {
+        let eps = EPS;
+        let one_sided = [Slack::TensionOnly, Slack::DeadZone { eps }, Slack::CompressionLimit { eps }];
+        [Slack::None, one_sided[0], one_sided[1], one_sided[2], Slack::CompressionOnly]
     }
 
     #[test]
     fn tension_follows_the_written_laws() {
         for i in -40..=40 {
             let e = 0.025 * f64::from(i);
-            let expected = [K * e, K * e.max(0.0), K * (e - EPS).max(0.0), K * e.max(-EPS)]
+            let expected = [K * e, K * e.max(0.0), K * (e - EPS).max(0.0), K * e.max(-EPS), K * e.min(0.0)]
                 .map(|t| if t == 0.0 { 0.0 } else { t });
             for (slack, t) in kinds().into_iter().zip(expected) {
                 assert!((tension(slack, K, e).force - t).abs() < 1e-14, "{slack:?} at e = {e}");
@@ -142,6 +216,7 @@ mod tests {
         assert_eq!(tension(Slack::DeadZone { eps: EPS }, K, EPS).slope, K);
         assert_eq!(tension(Slack::CompressionLimit { eps: EPS }, K, -EPS).slope, K);
         assert_eq!(tension(Slack::TensionOnly, K, -1e-9).slope, 0.0);
+        assert_eq!([0.0, 1e-9].map(|e| tension(Slack::CompressionOnly, K, e).slope), [K, 0.0]);
     }
 
     struct FourElongations<L>(L, [f64; 4]);
@@ -151,7 +226,7 @@ mod tests {
 
         #[inline(always)]
         fn run<U: VectorUnit>(self, unit: U) -> Self::Output {
-            let tension = self.0.at(unit.splat(K), unit.quad(self.1));
+            let tension = self.0.at(Bar { k: unit.splat(K), l0: unit.splat(BAR.l0) }, unit.quad(self.1));
             (tension.force.numbers(), tension.energy.numbers())
         }
     }
@@ -162,9 +237,9 @@ mod tests {
             let e = [0.0, 0.003, 0.01, 0.02].map(|d| 0.025 * f64::from(i) + d);
             for slack in kinds().into_iter().chain([Slack::CompressionLimit { eps: 0.0 }, Slack::DeadZone { eps: 0.0 }])
             {
-                let (force, energy) = match clamped(slack) {
-                    None => run(FourElongations(LinearLaw, e)),
-                    Some(law) => run(FourElongations(law, e)),
+                let (force, energy) = match Clamp::of(slack) {
+                    None => run(FourElongations(Plain(Linear), e)),
+                    Some(clamp) => run(FourElongations(Clamped { curve: Linear, clamp }, e)),
                 };
                 let one = e.map(|e| tension(slack, K, e));
                 assert_eq!(force.map(f64::to_bits), one.map(|t| t.force.to_bits()), "{slack:?} at {e:?}");

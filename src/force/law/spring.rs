@@ -1,16 +1,18 @@
-//! Linear springs, slack or not (thesis Eq. 3, 52 and 67; Provot 1995).
+//! Springs, slack or not (thesis Eq. 3, 52 and 67; Provot 1995), linear or of another curve
+//! ([`crate::force::law::curve`]).
 //!
 //! ```text
 //! e = l - s l0,  n = (xb - xa)/l    force on a = T(e) n,  on b = -T(e) n      energy = integral of T de
 //! -df/dx = [[B, -B], [-B, B]],      B = (T/l)(I - n n^T) + (dT/dl) n n^T      -df/dv = 0
 //! ```
-//! s is a factor of all rest lengths of a batch over time, 1 without one. Its change does the work -T l0 ds on a
-//! spring.
+//! s is a factor of all rest lengths of a batch over time, 1 without one. Its change does the work dE/ds ds on a spring,
+//! -T l0 ds on a linear one.
 //!
 //! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are
 //! 0.
 
 pub use crate::force::kernel::coefficient::Coefficient;
+use crate::force::law::curve::{Bar, CurveKind};
 use crate::force::law::series::Table;
 use crate::force::law::slack::{tension, with_law};
 use crate::force::law::stretch::{SpringLengths, WholeScene, largest, strain_base};
@@ -50,6 +52,8 @@ pub struct SpringData {
     pub rest_length: Arc<[f64]>,
     /// [N/m] stiffness k
     pub stiffness: Coefficient,
+    /// tension over elongation
+    pub curve: CurveKind,
     /// slack kind of the batch
     pub slack: Slack,
     /// [-] factor s of the rest lengths over time; absent means 1
@@ -91,9 +95,15 @@ impl SpringData {
         Stretch { n, length, elongation: length - self.rest_length_at(at, i) }
     }
 
+    /// Stiffness and rest length of spring `i`.
+    #[inline]
+    pub(crate) fn bar(&self, at: SpringsAt<'_>, i: usize) -> Bar {
+        Bar { k: self.stiffness.at(i), l0: self.rest_length_at(at, i) }
+    }
+
     /// [N] elastic tension of spring `i`.
     pub fn tension(&self, at: SpringsAt<'_>, i: usize) -> f64 {
-        tension(self.slack, self.stiffness.at(i), self.elongation(at, i)).force
+        tension(&self.curve, self.slack, self.bar(at, i), self.elongation(at, i)).force
     }
 
     /// Writes elastic tension and strain of every spring to its index in `to.places` `[n_springs]`; other entries keep
@@ -103,7 +113,7 @@ impl SpringData {
     /// When an index is beyond the end of `to.tension` or `to.strain`.
     pub fn carried(&self, at: SpringsAt<'_>, to: SpringOutput<'_>) {
         let data = self;
-        with_law!(self.slack, law => quad::run(TensionPass { data, law, at, to }))
+        with_law!(&self.curve, self.slack, law => quad::run(TensionPass { data, law, at, to }))
     }
 
     /// [m] Elongation of spring `i`, without its direction.

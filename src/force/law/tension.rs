@@ -1,6 +1,7 @@
 //! Tension and strain of springs for output, four at a time, each written to its own index.
 
 use crate::force::kernel::coefficient::Coefficient;
+use crate::force::law::curve::Bar;
 use crate::force::law::slack::TensionLaw;
 use crate::force::law::spring::{SpringData, SpringsAt};
 use crate::force::law::stretch::{Positions, WholeScene, strain_base};
@@ -74,7 +75,7 @@ impl<L: TensionLaw> TensionPass<'_, L> {
         let (d, scale) = (U::Quad::columns(d), unit.splat(self.at.rest_scale));
         let l0 = unit.quad(springs.rest_length) * scale;
         let e = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt() - l0;
-        let tension = self.law.at(unit.quad(springs.stiffness), e).force;
+        let tension = self.law.at(Bar { k: unit.quad(springs.stiffness), l0 }, e).force;
         let base = unit.quad(springs.rest_length.map(strain_base)) * scale;
         let (tension, strain) = (tension.numbers(), (e / base).numbers());
         for ((&place, tension), strain) in places.iter().zip(tension).zip(strain) {
@@ -87,6 +88,7 @@ impl<L: TensionLaw> TensionPass<'_, L> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::force::law::curve::CurveKind;
     use crate::force::law::slack::tension;
     use crate::model::spec::Slack;
     use nalgebra::Vector3;
@@ -104,6 +106,7 @@ mod tests {
                     nodes: (0..n).map(|i| [(i * 5 % 9) as u32, ((i * 7 + 1) % 9) as u32]).collect(),
                     rest_length: (0..n).map(|i| 4.0 + 3.0 * i as f64).collect(),
                     stiffness: Coefficient::from_values(&stiffness),
+                    curve: CurveKind::Linear,
                     slack,
                     rest_scale: None,
                 };
@@ -118,7 +121,10 @@ mod tests {
                     let expected = if spring < n {
                         let [a, b] = data.nodes[spring].map(|node| x[node as usize]);
                         let e = (b - a).norm() - data.rest_length[spring];
-                        (tension(slack, stiffness[spring], e).force, e / data.rest_length[spring])
+                        (
+                            tension(&data.curve, slack, data.bar(data.at(0.0, &x), spring), e).force,
+                            e / data.rest_length[spring],
+                        )
                     } else {
                         (7.0, 8.0)
                     };

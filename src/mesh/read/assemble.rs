@@ -7,9 +7,10 @@ use super::polygon::{Cutter, Pieces};
 use crate::format_number::first_few;
 use crate::mesh::check::flat;
 use crate::mesh::file::{Diagonals, MeshFile};
+use crate::mesh::tuples::{earliest, sorted};
 use crate::mesh::{Group, Groups, Mesh, MeshError, orient, topology};
 use nalgebra::Vector3;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 /// Name of the group of the second diagonals of quads.
 const DIAGONALS: &str = "diagonals";
@@ -20,14 +21,17 @@ impl Cells {
     /// # Errors
     /// Why there is none, as the end of a sentence that begins with the file's name.
     pub(super) fn into_mesh(mut self, wanted: &MeshFile) -> Result<Imported, String> {
+        wanted.place(&mut self.points, &mut self.displacement);
+        let mut notes = Notes::default();
+        let [unfilled, filled] = self.fill_outlines(wanted.edge, self.apart(wanted).unwrap_or(0.0))?;
+        notes.found.extend(unfilled);
+        notes.asked.extend(filled);
         if self.lines.is_empty() && self.faces().len() == 0 {
             return Err("holds no lines and no triangles".into());
         }
         if self.points.len() >= u32::MAX as usize || self.faces().len() >= u32::MAX as usize / 3 {
             return Err(format!("has {} nodes and {} faces, too many", self.points.len(), self.faces().len()));
         }
-        wanted.place(&mut self.points, &mut self.displacement);
-        let mut notes = Notes::default();
         let Renumbered { number, kept } = self.renumber(wanted, &mut notes)?;
         let nodes: Vec<[f64; 3]> = kept.iter().map(|point| self.points[*point as usize]).collect();
         let pieces = self.cut(&nodes, &number, wanted.diagonals, &mut notes)?;
@@ -82,12 +86,17 @@ impl Cells {
         Ok(Imported { mesh, notes: notes.found, repairs: notes.asked })
     }
 
+    /// [m] Distance within which points are one, if any are joined.
+    fn apart(&self, wanted: &MeshFile) -> Option<f64> {
+        let resolution = self.resolution.map(|share| share * extent(&self.points));
+        wanted.merge.into_iter().chain(resolution).reduce(f64::max)
+    }
+
     /// Joins points, drops the unused ones and renumbers the rest.
     fn renumber(&self, wanted: &MeshFile, notes: &mut Notes) -> Result<Renumbered, String> {
         let mut used = vec![false; self.points.len()];
         self.used_points().for_each(|point| used[point as usize] = true);
-        let resolution = self.resolution.map(|share| share * extent(&self.points));
-        let distance = wanted.merge.into_iter().chain(resolution).reduce(f64::max);
+        let distance = self.apart(wanted);
         let mut number = vec![NONE; self.points.len()];
         let mut kept = Vec::new();
         let same = distance.map(|distance| joined(&self.points, distance));
@@ -298,19 +307,17 @@ struct FaceList {
 
 /// The triangles in file order, each once. `means_groups` says that a face is listed once for each of its groups.
 fn faces_once(pieces: &FacePieces, means_groups: bool, notes: &mut Notes) -> FaceList {
-    let mut list = FaceList { triangles: Vec::new(), of_piece: Vec::new() };
-    let mut known: HashMap<[u32; 3], u32> = HashMap::with_capacity(pieces.triangles.len());
+    let count = pieces.triangles.len();
+    let mut list = FaceList { triangles: Vec::with_capacity(count), of_piece: Vec::with_capacity(count) };
     let mut again = Vec::new();
-    for (triangle, face) in pieces.triangles.iter().zip(&pieces.of_face) {
-        let mut key = *triangle;
-        key.sort_unstable();
-        let new = list.triangles.len() as u32;
-        let number = *known.entry(key).or_insert(new);
-        list.of_piece.push(number);
-        if number == new {
-            list.triangles.push(*triangle);
+    let keys: Vec<[u32; 3]> = pieces.triangles.iter().map(|triangle| sorted(*triangle)).collect();
+    for (piece, first) in earliest(&keys).into_iter().enumerate() {
+        if first as usize == piece {
+            list.of_piece.push(list.triangles.len() as u32);
+            list.triangles.push(pieces.triangles[piece]);
         } else {
-            again.push(*face);
+            list.of_piece.push(list.of_piece[first as usize]);
+            again.push(pieces.of_face[piece]);
         }
     }
     if !again.is_empty() && !means_groups {
@@ -341,29 +348,35 @@ fn edges(
     means_groups: bool,
     notes: &mut Notes,
 ) -> EdgeList {
-    let key = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
     let mut list = EdgeList { edges: Vec::new(), of_line: Vec::new(), seams: Vec::new() };
-    let mut known: HashMap<[u32; 2], u32> = HashMap::new();
     let (mut points, mut repeated) = (0, 0);
-    for (number, line) in lines.enumerate() {
+    let lines: Vec<[u32; 2]> = lines.collect();
+    let mut keys: Vec<[u32; 2]> = lines.iter().map(|line| sorted(*line)).collect();
+    for (number, (line, first)) in lines.into_iter().zip(earliest(&keys)).enumerate() {
         if line[0] == line[1] {
             points += 1;
             list.of_line.push(None);
             continue;
         }
-        let new = list.edges.len() as u32;
-        let edge = *known.entry(key(line)).or_insert(new);
-        list.of_line.push(Some(edge));
-        if edge == new {
+        let edge = if first as usize == number {
             list.edges.push(line);
+            list.edges.len() as u32 - 1
         } else {
             repeated += 1;
-        }
+            list.of_line[first as usize].unwrap_or(NONE)
+        };
+        list.of_line.push(Some(edge));
         if seam.get(number) == Some(&true) {
             list.seams.push(edge);
         }
     }
-    list.edges.extend(topology::unique_edges(triangles).into_iter().filter(|edge| !known.contains_key(edge)));
+    // Both are in ascending order.
+    keys.sort_unstable();
+    let mut listed = keys.into_iter().peekable();
+    list.edges.extend(topology::unique_edges(triangles).into_iter().filter(|side| {
+        while listed.next_if(|line| line < side).is_some() {}
+        listed.peek() != Some(side)
+    }));
     list.seams.sort_unstable();
     list.seams.dedup();
     if points > 0 {

@@ -1,5 +1,6 @@
 //! Points, lines and faces, which all formats have. `assemble` makes the mesh of them.
 
+use super::fill::Outline;
 use std::collections::{BTreeMap, HashMap};
 
 /// Points and cells of a file.
@@ -13,6 +14,8 @@ pub(super) struct Cells {
     corners: Vec<u64>,
     /// where the corners of each face end
     ends: Vec<usize>,
+    /// closed outlines, to be filled or to become lines
+    pub(super) outlines: Vec<Outline>,
     /// what the reader left out or changed: how often, and a sentence without its number
     pub remarks: BTreeMap<&'static str, usize>,
     /// number of the groups of each point, line and face; a list may end early: 0 = in no group
@@ -91,6 +94,10 @@ impl Cells {
             let corners: Vec<u64> = face.iter().map(|node| first.saturating_add(*node)).collect();
             self.add_face(&corners);
         }
+        for Outline { points, number } in other.outlines {
+            let points = points.iter().map(|point| first.saturating_add(*point)).collect();
+            self.outlines.push(Outline { points, number: moved(number, cells) });
+        }
         self.numbers.lines.extend(other.numbers.lines.iter().map(|n| moved(*n, cells)));
         self.numbers.faces.extend(other.numbers.faces.iter().map(|n| moved(*n, cells)));
         self.numbers.points.extend(other.numbers.points.iter().map(|n| moved(*n, points)));
@@ -142,15 +149,27 @@ impl Cells {
 
     /// Puts the lines and faces that were added since the last call into groups.
     pub fn name_cells(&mut self, names: &[String]) {
+        let number = self.number_of(names);
+        self.number_cells(number);
+    }
+
+    /// Adds a closed outline that is in these groups.
+    pub fn add_outline(&mut self, points: Vec<u64>, names: &[String]) {
+        let number = self.number_of(names);
+        self.outlines.push(Outline { points, number });
+    }
+
+    /// The number of a set of groups.
+    fn number_of(&mut self, names: &[String]) -> i64 {
         if names.is_empty() {
-            return self.number_cells(0);
+            return 0;
         }
         let next = self.numbers_of.len() as i64 + 1;
         let number = *self.numbers_of.entry(names.to_vec()).or_insert(next);
         if number == next {
             self.cell_groups.insert(number, names.to_vec());
         }
-        self.number_cells(number);
+        number
     }
 
     /// Puts a point into groups.

@@ -1,5 +1,5 @@
-//! Drawing exchange .dxf in text: 3DFACE, LINE, POLYLINE (open, closed, meshes of faces, grids) and LWPOLYLINE. Layers
-//! are groups. Corners at one place become one node.
+//! Drawing exchange .dxf in text: 3DFACE, LINE, POLYLINE (open, closed, meshes of faces, grids), LWPOLYLINE, CIRCLE and
+//! ARC. Closed ones are outlines. Layers are groups. Corners at one place become one node.
 //!
 //! Read by hand: the crate `dxf` brings decoders of pictures and a calendar along.
 
@@ -30,6 +30,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
             value.clone_into(&mut section);
             inside = section == "ENTITIES";
         } else if inside {
+            if code == BULGE {
+                // Only vertices before an arc have one.
+                let vertices = entity.values.get(&10).map_or(0, Vec::len);
+                let bulges = entity.values.entry(code).or_default();
+                bulges.resize(bulges.len().max(vertices.saturating_sub(1)), "0".to_owned());
+            }
             entity.values.entry(code).or_default().push(value.to_owned());
         }
     }
@@ -76,6 +82,8 @@ struct Polyline {
     size: [usize; 2],
     layer: Vec<String>,
     points: Vec<u64>,
+    /// for each point, the tangent of a quarter of the angle of the arc to the next; 0 for a straight side
+    bulges: Vec<f64>,
     /// faces of a mesh by their corners, counted from 1; negative where a side is not drawn
     faces: Vec<Vec<i64>>,
 }
@@ -86,6 +94,11 @@ const GRID: i64 = 16;
 const CLOSED_ACROSS: i64 = 32;
 const MESH: i64 = 64;
 const FACE: i64 = 128;
+
+/// Code of the bulge of a vertex.
+const BULGE: i32 = 42;
+/// [rad] Largest angle of a chord of an arc.
+const CHORD: f64 = std::f64::consts::PI / 36.0;
 
 impl File {
     fn point(&mut self, place: [f64; 3]) -> u64 {
@@ -118,13 +131,26 @@ impl File {
                 for (x, y) in xs.iter().zip(&ys) {
                     points.push(self.point([number(Some(x))?, number(Some(y))?, height]));
                 }
-                self.outline(&points, entity.whole(70)? & CLOSED != 0, &layer);
+                let bulges = entity.values.get(&BULGE).into_iter().flatten().map(|text| number(Some(text)));
+                let bulges = bulges.collect::<Result<Vec<f64>, String>>()?;
+                self.outline(&points, &bulges, entity.whole(70)? & CLOSED != 0, &layer);
+            }
+            "CIRCLE" | "ARC" => {
+                let ([x, y, z], radius) = (entity.point(10)?, entity.real(40)?);
+                let arc = entity.kind == "ARC";
+                let [from, to] = if arc { [entity.real(50)?, entity.real(51)?] } else { [0.0, 180.0] };
+                let ends = [from, to].map(|angle| angle.to_radians());
+                let ends = ends.map(|angle| self.point([x + radius * angle.cos(), y + radius * angle.sin(), z]));
+                // An arc turns to the left; a circle is two half ones.
+                let bulge = ((to - from).rem_euclid(360.0).to_radians() / 4.0).tan();
+                self.outline(&ends, &[bulge; 2], !arc, &layer);
             }
             "POLYLINE" => {
                 self.end_polyline()?;
                 let size = [entity.whole(71)?, entity.whole(72)?].map(|n| usize::try_from(n).unwrap_or(0));
                 let flags = entity.whole(70)?;
-                self.polyline = Some(Polyline { flags, size, layer, points: Vec::new(), faces: Vec::new() });
+                let (points, bulges, faces) = (Vec::new(), Vec::new(), Vec::new());
+                self.polyline = Some(Polyline { flags, size, layer, points, bulges, faces });
             }
             "VERTEX" => {
                 let flags = entity.whole(70)?;
@@ -135,8 +161,11 @@ impl File {
                     self.polyline.iter_mut().for_each(|line| line.faces.push(Vec::clone(&corners)));
                 } else {
                     let place = entity.point(10)?;
-                    let point = self.point(place);
-                    self.polyline.iter_mut().for_each(|line| line.points.push(point));
+                    let (point, bulge) = (self.point(place), entity.real(BULGE)?);
+                    if let Some(line) = &mut self.polyline {
+                        line.points.push(point);
+                        line.bulges.push(bulge);
+                    }
                 }
             }
             "SEQEND" => self.end_polyline()?,
@@ -146,13 +175,45 @@ impl File {
         Ok(())
     }
 
-    /// The lines along a polyline.
-    fn outline(&mut self, points: &[u64], closed: bool, layer: &[String]) {
-        self.cells.add_line(points, false);
-        if let (true, [first, _, .., last]) = (closed, points) {
-            self.cells.add_line(&[*last, *first], false);
+    /// A polyline with its arcs. One that ends where it began is closed, whatever it says.
+    fn outline(&mut self, points: &[u64], bulges: &[f64], closed: bool, layer: &[String]) {
+        let mut all = Vec::with_capacity(points.len());
+        for (at, &point) in points.iter().enumerate() {
+            all.push(point);
+            let next = points.get(at + 1).or(points.first().filter(|_| closed));
+            if let (Some(&next), Some(&bulge)) = (next, bulges.get(at).filter(|bulge| **bulge != 0.0)) {
+                self.arc([point, next], bulge, &mut all);
+            }
         }
-        self.cells.name_cells(layer);
+        let place = |point: &u64| self.cells.points[*point as usize];
+        let ends_meet = all.len() > 3 && all.first().map(place) == all.last().map(place);
+        if (closed && all.len() > 2) || ends_meet {
+            if ends_meet {
+                all.pop();
+            }
+            self.cells.add_outline(all, layer);
+        } else {
+            self.cells.add_line(&all, false);
+            self.cells.name_cells(layer);
+        }
+    }
+
+    /// Points on an arc between two points, in the x-y plane; `bulge` is the tangent of a quarter of its angle, above 0
+    /// if it turns to the left.
+    fn arc(&mut self, ends: [u64; 2], bulge: f64, to: &mut Vec<u64>) {
+        let [[ax, ay, z], [bx, by, _]] = ends.map(|point| self.cells.points[point as usize]);
+        let quarter = bulge.atan();
+        let chords = (4.0 * quarter.abs() / CHORD).ceil() as usize;
+        for i in 1..chords {
+            // A point that sees the chord under the angle pi - 2 quarter, at this share of the arc.
+            let turn = 4.0 * quarter * i as f64 / chords as f64;
+            let share = (0.5 * turn).sin() / (2.0 * quarter).sin();
+            let (sin, cos) = (0.5 * turn - 2.0 * quarter).sin_cos();
+            let [dx, dy] = [bx - ax, by - ay];
+            let place = [ax + share * (cos * dx - sin * dy), ay + share * (sin * dx + cos * dy), z];
+            to.push(self.point(place));
+        }
+        self.cells.remark("arcs were divided into chords of at most 5 degrees");
     }
 
     fn end_polyline(&mut self) -> Result<(), String> {
@@ -180,7 +241,7 @@ impl File {
                 }
             }
         } else {
-            self.outline(&line.points, line.flags & CLOSED != 0, &line.layer);
+            self.outline(&line.points, &line.bulges, line.flags & CLOSED != 0, &line.layer);
         }
         self.cells.name_cells(&line.layer);
         Ok(())

@@ -1,16 +1,18 @@
-//! glTF 2.0, .glb and .gltf with its data inside, by `gltf`: triangles and lines of all meshes, moved by their nodes.
-//! Nodes, meshes and materials with names are groups. Corners at one place become one node.
+//! glTF 2.0, .glb and .gltf with its data inside or in files beside it, by `gltf`: triangles and lines of all meshes,
+//! moved by their nodes. Nodes, meshes and materials with names are groups. Corners at one place become one node.
 
 use super::cells::{Cells, IGNORED};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use gltf::mesh::Mode;
 use nalgebra::{Matrix4, Point3};
+use std::path::{Component, Path, PathBuf};
 
 /// Nodes in nodes, at most; files have a tenth of it.
 const DEEPEST: usize = 100;
 
-pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
+/// `folder` is that of the file, if it may have others beside it.
+pub(super) fn read(bytes: &[u8], folder: Option<&Path>) -> Result<Cells, String> {
     let file = gltf::Gltf::from_slice(bytes).map_err(|error| format!("is not a glTF file: {error}"))?;
     let mut buffers = Vec::new();
     for buffer in file.buffers() {
@@ -18,7 +20,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
             gltf::buffer::Source::Bin => file.blob.clone().ok_or("lacks its binary part")?,
             gltf::buffer::Source::Uri(uri) => match uri.split_once(";base64,") {
                 Some((_, text)) => STANDARD.decode(text).map_err(|error| format!("has a damaged buffer: {error}"))?,
-                None => return Err(format!("has its data in the file \"{uri}\"; save it as .glb, in one file")),
+                None => beside(uri, folder)?,
             },
         };
         if data.len() < buffer.length() {
@@ -33,6 +35,30 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
         }
     }
     Ok(reader.cells)
+}
+
+/// The bytes of a file that is named relative to the folder, and lies in it or below.
+fn beside(uri: &str, folder: Option<&Path>) -> Result<Vec<u8>, String> {
+    let one_file = "save it as .glb, in one file";
+    let name = unescaped(uri);
+    let below = name.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    let folder = folder.filter(|_| below && !uri.contains(':'));
+    let path = folder.ok_or_else(|| format!("has its data in the file \"{uri}\"; {one_file}"))?.join(name);
+    let shown = path.display();
+    crate::input_file::read(&path)
+        .map_err(|error| format!("has its data in the file \"{shown}\", which cannot be read: {error}; {one_file}"))
+}
+
+/// A relative address as a path: %20 is a blank.
+fn unescaped(uri: &str) -> PathBuf {
+    let (mut bytes, mut rest) = (Vec::new(), uri.as_bytes());
+    while let [first, after @ ..] = rest {
+        let digits = after.get(..2).filter(|_| *first == b'%').and_then(|two| std::str::from_utf8(two).ok());
+        let sign = digits.and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        bytes.push(sign.unwrap_or(*first));
+        rest = if sign.is_some() { &after[2..] } else { after };
+    }
+    PathBuf::from(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 struct Reader {

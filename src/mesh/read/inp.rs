@@ -21,6 +21,8 @@ struct File {
     all: Labelled,
     section: Section,
     parts: usize,
+    /// members of sets that ranges and other sets brought
+    copied: u64,
 }
 
 /// What the data lines belong to.
@@ -65,6 +67,12 @@ fn nodes_of(kind: &str) -> Option<usize> {
         "4" => Some(4),
         _ => None,
     }
+}
+
+/// Refuses more members of sets than a file of any size needs.
+fn check_copied(count: u64) -> Result<(), String> {
+    let most = super::MOST_LABELS;
+    if count > most { Err(format!("the sets have {count} members, more than {most}")) } else { Ok(()) }
 }
 
 impl File {
@@ -149,13 +157,17 @@ impl File {
                         let &[first, last] = numbers.first_chunk().ok_or("GENERATE needs a first and a last number")?;
                         let step = numbers.get(2).copied().unwrap_or(1).max(1);
                         let count = last.saturating_sub(first) / step;
-                        if count > super::MOST_LABELS {
-                            return Err(format!("GENERATE makes {count} numbers, too many"));
-                        }
+                        self.copied = self.copied.saturating_add(count);
+                        check_copied(self.copied)?;
                         (0..=count).map(|i| first + i * step).collect()
                     }
-                    // Sets of sets.
-                    (Err(_), _) => words().flat_map(|other| sets.get(other).cloned().unwrap_or_default()).collect(),
+                    // Sets of sets, which may hold themselves.
+                    (Err(_), _) => {
+                        let others: Vec<&Vec<u64>> = words().filter_map(|other| sets.get(other)).collect();
+                        self.copied = others.iter().fold(self.copied, |sum, set| sum.saturating_add(set.len() as u64));
+                        check_copied(self.copied)?;
+                        others.into_iter().flatten().copied().collect()
+                    }
                 };
                 sets.entry(name.clone()).or_default().extend(labels);
             }

@@ -38,9 +38,15 @@ impl Labelled {
 
     /// The cells, once all nodes are known.
     pub fn finish(mut self) -> Result<Cells, String> {
-        let mut sets_of: HashMap<u64, Vec<&str>> = HashMap::new();
+        // Ranges may hold far more numbers than there are elements.
+        let mut sets_of: HashMap<u64, Vec<&str>> =
+            self.elements.iter().map(|element| (element.label, Vec::new())).collect();
         for (name, labels) in &self.element_sets {
-            labels.iter().for_each(|label| sets_of.entry(*label).or_default().push(name));
+            for label in labels {
+                if let Some(sets) = sets_of.get_mut(label).filter(|sets| sets.last() != Some(&name.as_str())) {
+                    sets.push(name);
+                }
+            }
         }
         let known = |label: &u64| self.index.get(label).copied();
         for Element { label, nodes, set } in &self.elements {

@@ -53,6 +53,10 @@ impl Grid {
         let beside: [f64; 3] = std::array::from_fn(|k| if point[k] / self.cell - home[k] < 0.5 { -1.0 } else { 1.0 });
         let mut best: Option<(f64, u32)> = None;
         for corner in 0..if self.cell > 0.0 { 8 } else { 1 } {
+            // A point at the same place is the only one there.
+            if best.is_some_and(|(away, _)| away == 0.0) {
+                break;
+            }
             let step = |k: usize| if corner >> k & 1 == 1 { beside[k] } else { 0.0 };
             let key: [u64; 3] = std::array::from_fn(|k| (home[k] + step(k) + 0.0).to_bits());
             let mut at = self.cells.get(&key).copied().unwrap_or(NONE);

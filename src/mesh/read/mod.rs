@@ -11,6 +11,7 @@ mod assemble;
 mod bdf;
 mod cells;
 mod dxf;
+mod fill;
 mod gltf;
 mod inp;
 mod keyword;
@@ -57,12 +58,21 @@ pub fn read_mesh(path: &Path) -> Result<Imported, MeshError> {
     read_file(&MeshFile::plain(""), &[path])
 }
 
-/// The same for the bytes of a file that are already in memory; `path` gives the format, and the name in messages.
+/// The same for the bytes of a file that are already in memory; `path` gives the format, and the name in messages. No
+/// other file is opened.
 ///
 /// # Errors
 /// As [`read_mesh`], except for reading the file.
 pub fn mesh_from_bytes(path: &Path, bytes: &[u8]) -> Result<Imported, MeshError> {
-    finish(cells_of(path, reader(path)?, bytes)?, &MeshFile::plain(""), path)
+    file_from_bytes(&MeshFile::plain(""), path, bytes)
+}
+
+/// The same, placed and repaired as `wanted`, whose file names are not used.
+///
+/// # Errors
+/// As [`mesh_from_bytes`].
+pub fn file_from_bytes(wanted: &MeshFile, path: &Path, bytes: &[u8]) -> Result<Imported, MeshError> {
+    finish(cells_of(path, reader(path)?, bytes, None)?, wanted, path)
 }
 
 /// Reads files as one mesh, placed and repaired as `wanted`; messages name the first of them.
@@ -75,16 +85,20 @@ pub(super) fn read_file(wanted: &MeshFile, paths: &[&Path]) -> Result<Imported, 
             path: path.to_path_buf(),
             reason: format!("cannot be read: {error}"),
         };
-        let cells = cells_of(path, reader, &crate::input_file::read(path).map_err(fault)?)?;
+        let cells = cells_of(path, reader, &crate::input_file::read(path).map_err(fault)?, path.parent())?;
         if number == 0 { all = cells } else { all.append(cells) }
     }
     finish(all, wanted, paths.first().copied().unwrap_or(Path::new("")))
 }
 
-/// Points and cells of a file; the cells name its own points only.
-fn cells_of(path: &Path, reader: Reader, bytes: &[u8]) -> Result<Cells, MeshError> {
+/// Points and cells of a file; the cells name its own points only. `folder` is where files beside it lie.
+fn cells_of(path: &Path, reader: Reader, bytes: &[u8], folder: Option<&Path>) -> Result<Cells, MeshError> {
+    let read = || match reader {
+        Reader::Alone(read) => read(bytes),
+        Reader::WithOthers(read) => read(bytes, folder),
+    };
     // A panic of a parsing library on a damaged file must not end the program.
-    let cells = std::panic::catch_unwind(|| reader(bytes))
+    let cells = std::panic::catch_unwind(read)
         .unwrap_or_else(|_| Err("is damaged; the parser gave up on it. Write it anew".to_owned()));
     let cells = cells.and_then(|cells| cells.check_points().map(|()| cells));
     cells.map_err(|reason| MeshError::File { path: path.to_owned(), reason })
@@ -97,7 +111,13 @@ fn finish(cells: Cells, wanted: &MeshFile, path: &Path) -> Result<Imported, Mesh
     Ok(imported)
 }
 
-type Reader = fn(&[u8]) -> Result<Cells, String>;
+/// What makes points and cells of the bytes of a file.
+#[derive(Clone, Copy)]
+enum Reader {
+    Alone(fn(&[u8]) -> Result<Cells, String>),
+    /// also of files in the folder that is given
+    WithOthers(fn(&[u8], Option<&Path>) -> Result<Cells, String>),
+}
 
 /// The reader of a file's format.
 fn reader(path: &Path) -> Result<Reader, MeshError> {
@@ -115,21 +135,21 @@ fn reader(path: &Path) -> Result<Reader, MeshError> {
 
 /// The formats by the endings of their names.
 const FORMATS: [(&[&str], Reader); 12] = [
-    (&["vtu", "vtp", "vtk"], vtk::read),
-    (&["msh"], msh::read),
-    (&["obj"], obj::read),
-    (&["stl"], stl::read),
-    (&["ply"], ply::read),
-    (&["off"], off::read),
-    (&["inp"], inp::read),
-    (&["k", "key", "dyn"], keyword::read),
-    (&["bdf", "nas", "fem", "dat"], bdf::read),
-    (&["mdpa"], mdpa::read),
-    (&["dxf"], dxf::read),
-    (&["gltf", "glb"], gltf::read),
+    (&["vtu", "vtp", "vtk"], Reader::Alone(vtk::read)),
+    (&["msh"], Reader::Alone(msh::read)),
+    (&["obj"], Reader::Alone(obj::read)),
+    (&["stl"], Reader::Alone(stl::read)),
+    (&["ply"], Reader::Alone(ply::read)),
+    (&["off"], Reader::Alone(off::read)),
+    (&["inp"], Reader::Alone(inp::read)),
+    (&["k", "key", "dyn"], Reader::Alone(keyword::read)),
+    (&["bdf", "nas", "fem", "dat"], Reader::Alone(bdf::read)),
+    (&["mdpa"], Reader::Alone(mdpa::read)),
+    (&["dxf"], Reader::Alone(dxf::read)),
+    (&["gltf", "glb"], Reader::WithOthers(gltf::read)),
 ];
 
-/// Most labels that a range in a file may stand for.
+/// Most labels that ranges and sets of sets in a file may stand for.
 const MOST_LABELS: u64 = 50_000_000;
 
 /// The endings of the formats that are read: ".vtu, .vtp, ...".

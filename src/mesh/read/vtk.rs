@@ -4,20 +4,22 @@ use super::cells::{Cells, IGNORED};
 use super::marks::Marks;
 use super::{SEAM, START_DISPLACEMENT};
 use crate::mesh::group::{CELL_GROUP, GROUP, KIND, NODE_GROUP};
-use crate::vtk::read::{field_numbers, named_array, piece_content, read as read_vtk, whole_numbers};
+use crate::vtk::read::{named_array, piece_content, read_with_fields, whole_numbers};
 use std::collections::BTreeMap;
+use std::ops::Range;
 use vtkio::model::{Attribute, CellType, DataSet, IOBuffer, PolyDataPiece, UnstructuredGridPiece, VertexNumbers};
 
 pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
     let mut cells = Cells::default();
-    for (name, numbers) in field_numbers(bytes)? {
+    let (data, fields) = read_with_fields(bytes)?;
+    for (name, numbers) in fields {
         if let Some(group) = name.strip_prefix(CELL_GROUP) {
             add_names(&mut cells.cell_groups, group, numbers);
         } else if let Some(group) = name.strip_prefix(NODE_GROUP) {
             add_names(&mut cells.point_groups, group, numbers);
         }
     }
-    match read_vtk(bytes)? {
+    match data {
         DataSet::UnstructuredGrid { pieces, .. } => {
             for piece in pieces {
                 add_grid(piece_content(piece)?, &mut cells)?;
@@ -98,32 +100,50 @@ fn add_points(points: IOBuffer, cells: &mut Cells) -> Result<u64, String> {
     Ok(first)
 }
 
+/// The nodes of cells, one after the other.
+#[derive(Default)]
+struct Lists {
+    nodes: Vec<u64>,
+    /// where the nodes of each cell are
+    ranges: Vec<Range<usize>>,
+}
+
+impl Lists {
+    fn iter(&self) -> impl ExactSizeIterator<Item = &[u64]> {
+        self.ranges.iter().map(|range| &self.nodes[range.clone()])
+    }
+}
+
 /// The cells' nodes; `first` is added to each.
-fn lists(numbers: VertexNumbers, first: u64) -> Result<Vec<Vec<u64>>, String> {
+fn lists(numbers: VertexNumbers, first: u64) -> Result<Lists, String> {
     let damaged = || "is damaged: its cells and their nodes do not fit together".to_owned();
-    let shift =
-        |nodes: &[u64]| nodes.iter().map(|n| n.checked_add(first)).collect::<Option<Vec<_>>>().ok_or_else(damaged);
-    let mut lists = Vec::new();
+    let mut lists = Lists::default();
     match numbers {
         VertexNumbers::Legacy { vertices, .. } => {
-            let wide: Vec<u64> = vertices.into_iter().map(u64::from).collect();
-            let mut rest = wide.as_slice();
-            while let Some((&count, tail)) = rest.split_first() {
-                let count = usize::try_from(count).map_err(|_| damaged())?;
-                let (nodes, tail) = tail.split_at_checked(count).ok_or_else(damaged)?;
-                lists.push(shift(nodes)?);
-                rest = tail;
+            lists.nodes = vertices.into_iter().map(u64::from).collect();
+            let mut from = 0;
+            while let Some(&count) = lists.nodes.get(from) {
+                let end = usize::try_from(count).ok().and_then(|count| count.checked_add(from)?.checked_add(1));
+                let end = end.filter(|end| *end <= lists.nodes.len()).ok_or_else(damaged)?;
+                lists.ranges.push(from + 1..end);
+                from = end;
             }
         }
         VertexNumbers::XML { connectivity, offsets } => {
+            lists.nodes = connectivity;
             let mut from = 0;
             // Newer files begin with the offset 0, which would be a cell without nodes, so it is left out.
             for to in offsets.into_iter().filter(|&to| to != 0) {
                 let to = usize::try_from(to).map_err(|_| damaged())?;
-                lists.push(shift(connectivity.get(from..to).ok_or_else(damaged)?)?);
+                lists.nodes.get(from..to).ok_or_else(damaged)?;
+                lists.ranges.push(from..to);
                 from = to;
             }
         }
+    }
+    // Counts among them are not used any more.
+    for node in &mut lists.nodes {
+        *node = node.checked_add(first).ok_or_else(damaged)?;
     }
     Ok(lists)
 }
@@ -134,12 +154,12 @@ fn add_grid(piece: UnstructuredGridPiece, cells: &mut Cells) -> Result<(), Strin
     let parts = Parts::of(&piece.data.cell, !cells.cell_groups.is_empty());
     let seam = named_array(&piece.data.cell, SEAM).unwrap_or_default();
     let lists = lists(piece.cells.cell_verts, first)?;
-    if lists.len() != piece.cells.types.len() {
-        return Err(format!("has {} cells but {} cell types", lists.len(), piece.cells.types.len()));
+    if lists.ranges.len() != piece.cells.types.len() {
+        return Err(format!("has {} cells but {} cell types", lists.ranges.len(), piece.cells.types.len()));
     }
     for (i, (nodes, kind)) in lists.iter().zip(piece.cells.types).enumerate() {
         let on_seam = seam.get(i).is_some_and(|&s| s != 0.0);
-        match (kind, nodes.as_slice()) {
+        match (kind, nodes) {
             (CellType::Vertex | CellType::PolyVertex, _) => cells.remark(IGNORED),
             (CellType::Line | CellType::PolyLine, _) => cells.add_line(nodes, on_seam),
             (CellType::Triangle | CellType::Quad | CellType::Polygon, _) => cells.add_face(nodes),
@@ -163,12 +183,12 @@ fn add_poly(piece: PolyDataPiece, cells: &mut Cells) -> Result<(), String> {
     // Cells are counted through all four lists.
     let mut cell = 0;
     for (list, kind) in [piece.verts, piece.lines, piece.polys, piece.strips].into_iter().zip(0..) {
-        for nodes in list.map_or(Ok(Vec::new()), |numbers| lists(numbers, first))? {
+        for nodes in list.map_or(Ok(Lists::default()), |numbers| lists(numbers, first))?.iter() {
             match kind {
                 0 => cells.remark(IGNORED),
-                1 => cells.add_line(&nodes, seam.get(cell).is_some_and(|&s| s != 0.0)),
-                2 => cells.add_face(&nodes),
-                _ => cells.add_strip(&nodes),
+                1 => cells.add_line(nodes, seam.get(cell).is_some_and(|&s| s != 0.0)),
+                2 => cells.add_face(nodes),
+                _ => cells.add_strip(nodes),
             }
             parts.name_cell(cell, cells);
             cell += 1;

@@ -1,4 +1,4 @@
-//! Mesh files out: .vtu, .msh, .obj, .ply and .stl.
+//! Mesh files out: .vtu, .vtp, .msh, .obj, .ply and .stl.
 
 mod formats;
 mod members;
@@ -9,7 +9,8 @@ pub use formats::obj_text;
 use super::group::GroupNumbers;
 use super::read::{SEAM, START_DISPLACEMENT};
 use super::{Mesh, MeshError};
-use crate::vtk::write::{Cells, FixedArrays, VtuError, inline_grid};
+use crate::vtk::write::{Cells, FixedArrays, VtuError};
+use crate::vtk::write_mesh::{Form, mesh_text};
 use std::io::Write as _;
 use std::path::Path;
 
@@ -23,12 +24,15 @@ pub fn write_mesh(mesh: &Mesh, path: &Path, replace: bool) -> Result<Vec<String>
     let refused = |reason: &'static str| MeshError::Target { path: path.to_owned(), reason };
     let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).unwrap_or_default();
     let bytes = match ending.as_str() {
-        "vtu" => vtu_text(mesh).map_err(|error| fault(error.to_string()))?.into_bytes(),
+        "vtu" => vtk_text(mesh, Form::Grid).map_err(|error| fault(error.to_string()))?.into_bytes(),
+        "vtp" => vtk_text(mesh, Form::Polygons).map_err(|error| fault(error.to_string()))?.into_bytes(),
         "msh" => msh::msh_text(mesh).into_bytes(),
         "obj" => obj_text(mesh).into_bytes(),
         "ply" => formats::ply_text(mesh).into_bytes(),
         "stl" => formats::stl(mesh),
-        _ => return Err(refused("cannot be written: name an output that ends in .vtu, .msh, .obj, .ply or .stl")),
+        _ => {
+            return Err(refused("cannot be written: name an output that ends in .vtu, .vtp, .msh, .obj, .ply or .stl"));
+        }
     };
     let mut options = std::fs::OpenOptions::new();
     options.write(true);
@@ -48,9 +52,10 @@ pub fn write_mesh(mesh: &Mesh, path: &Path, replace: bool) -> Result<Vec<String>
 /// What a format does not hold.
 fn lost(mesh: &Mesh, ending: &str) -> Vec<String> {
     let lines = members::lines(mesh).len();
+    let vtk = ["vtu", "vtp"].contains(&ending);
     let parts = [
-        (ending != "vtu", mesh.seams.len(), "edges on seams"),
-        (ending != "vtu", mesh.displacement.len(), "displacements at the start"),
+        (!vtk, mesh.seams.len(), "edges on seams"),
+        (!vtk, mesh.displacement.len(), "displacements at the start"),
         (ending == "stl", lines, "lines"),
         (ending == "stl", mesh.groups.len(), "groups"),
     ];
@@ -59,13 +64,17 @@ fn lost(mesh: &Mesh, ending: &str) -> Vec<String> {
     if parts.is_empty() { Vec::new() } else { vec![format!(".{ending} does not hold {}", parts.join(", "))] }
 }
 
-/// A mesh as VTK XML: triangles, then line cells, with the cell array `seam` (1 on seams). Groups are the arrays
+/// A mesh as an unstructured grid of VTK's XML: triangles, then line cells, with the cell array `seam` (1 on seams). Groups are the arrays
 /// `group` on cells and points, whose numbers the field arrays `group NAME` and `node group NAME` explain; the start
 /// displacement is the point array `start_displacement`. The reader uses them all.
 ///
 /// # Errors
 /// When a triangle or an edge names a node that does not exist.
 pub fn vtu_text(mesh: &Mesh) -> Result<String, VtuError> {
+    vtk_text(mesh, Form::Grid)
+}
+
+fn vtk_text(mesh: &Mesh, form: Form) -> Result<String, VtuError> {
     let cells = Cells { points: mesh.nodes.len(), triangles: &mesh.triangles, edges: &mesh.edges };
     let mut seam = vec![0; mesh.triangles.len() + mesh.edges.len()];
     for &edge in &mesh.seams {
@@ -81,5 +90,5 @@ pub fn vtu_text(mesh: &Mesh) -> Result<String, VtuError> {
         point_vectors: (!mesh.displacement.is_empty()).then_some((START_DISPLACEMENT, &mesh.displacement)),
         field: &groups.field_arrays(),
     };
-    inline_grid(&mesh.nodes, &cells, &arrays)
+    mesh_text(form, &mesh.nodes, &cells, &arrays)
 }

@@ -101,6 +101,12 @@ impl Real for Register {
     fn smaller(self, other: Self) -> Self {
         Register(self.0, self.0.avx._mm256_min_pd(self.1, other.1))
     }
+
+    #[inline(always)]
+    fn any_positive(self) -> bool {
+        let avx = self.0.avx;
+        avx._mm256_movemask_pd(avx._mm256_cmp_pd::<_CMP_GT_OQ>(self.1, avx._mm256_setzero_pd())) != 0
+    }
 }
 
 impl Quad for Register {

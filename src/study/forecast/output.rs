@@ -52,8 +52,10 @@ impl OutputCost {
             let mut file: Vec<u8> = Vec::new();
             let zeros = vec![0.0; vtu.cells()];
             let scalars = |name| Array { name, values: Values::Scalars(&zeros) };
-            let asked = [fields.tension, fields.strain, fields.pressure].into_iter().filter(|asked| *asked).count();
-            let cell_data = &[scalars("tension"), scalars("strain"), scalars("pressure")][..asked];
+            let of_cells = [fields.tension, fields.strain, fields.pressure].into_iter().filter(|asked| *asked).count();
+            // A vector of the membranes costs as much as three scalars.
+            let asked = of_cells + if fields.membrane { 8 } else { 0 };
+            let cell_data = &[scalars("cells"); 11][..asked];
             median_seconds(BUDGET, || {
                 file.clear();
                 scene.trace(at, &mut frame.positions, &mut frame.velocities);
@@ -65,6 +67,9 @@ impl OutputCost {
                 }
                 if fields.pressure {
                     scene.triangle_pressure(at, &mut frame.pressure);
+                }
+                if fields.membrane {
+                    scene.triangle_membranes(at, &mut frame.membrane);
                 }
                 let vectors = |name| Array { name, values: Values::Vectors(&frame.velocities) };
                 let point_data = [vectors("displacement"), vectors("velocity"), vectors("force"), vectors("reaction")];

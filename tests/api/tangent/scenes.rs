@@ -18,6 +18,25 @@ fn with_springs(slack: Slack) -> NetworkSpec {
     spec
 }
 
+/// Two materials on half of the triangles each.
+fn membranes(wrinkling: bool, damping_time: f64, orthotropic: bool) -> Vec<MembraneSpec> {
+    let all = 0..patch().mesh.triangles.len() as u32;
+    let (even, odd): (Vec<u32>, Vec<u32>) = all.partition(|t| t % 2 == 0);
+    let modulus = if orthotropic { [4e4, 1.5e4] } else { [3e4; 2] };
+    let shear = if orthotropic { 4e3 } else { 3e4 / 2.6 };
+    let spec = MembraneSpec {
+        triangles: even,
+        thickness: 1e-3,
+        modulus,
+        poisson: 0.3,
+        shear,
+        warp: orthotropic.then_some([1.0, 0.4, 0.3]),
+        wrinkling,
+        damping_time,
+    };
+    vec![spec.clone(), MembraneSpec { triangles: odd, thickness: 2e-3, ..spec }]
+}
+
 fn air(linear: f64, quadratic: f64) -> NetworkSpec {
     let wind = Series { t: vec![0.0, 1.0], value: vec![[1.0, -2.0, 4.0], [3.0, 0.5, -6.0]] };
     NetworkSpec { air: Some(AirSpec { linear, quadratic, wind }), ..patch() }
@@ -104,6 +123,7 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
         ("tension-only", Slack::TensionOnly),
         ("dead zone", Slack::DeadZone { eps: 0.11 }),
         ("compression limit", Slack::CompressionLimit { eps: 0.13 }),
+        ("compression-only", Slack::CompressionOnly),
     ];
     let mut list = Vec::new();
     for (name, slack) in slacks {
@@ -119,9 +139,43 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
         let factor = Series { t: vec![0.0, 1.0], value: vec![0.8, 1.15] };
         list.push((name, NetworkSpec { rest_scales: vec![RestScaleSpec { group: 0, factor }], ..spec }));
     }
+    let factor = Series { t: vec![0.0, 1.0], value: vec![1.0, 0.85] };
+    for (name, law) in [
+        ("green bars", ElasticLaw::Green),
+        ("tabled bars", ElasticLaw::Table(vec![[-0.5, -20.0], [-0.1, -9.0], [0.0, 0.0], [0.15, 2.0], [0.4, 60.0]])),
+    ] {
+        let with_law = |mut spec: NetworkSpec| {
+            spec.springs[0].law = law.clone();
+            spec
+        };
+        for (_, slack) in slacks {
+            list.push((name, with_law(with_dashpots(slack, DashpotKind::Axial))));
+        }
+        let reeled = vec![RestScaleSpec { group: 0, factor: factor.clone() }];
+        list.push((name, NetworkSpec { rest_scales: reeled, ..with_law(with_springs(Slack::TensionOnly)) }));
+    }
     list.push(("relative dashpots", with_dashpots(Slack::TensionOnly, DashpotKind::Relative)));
     let rayleigh = Some(RayleighSpec { mass: 0.7, stiffness: 0.02 });
     list.push(("rayleigh", NetworkSpec { rayleigh, ..with_springs(Slack::TensionOnly) }));
+    for (name, wrinkling, damping_time) in [
+        ("sheet", false, 0.0),
+        ("damped sheet", false, 0.03),
+        ("wrinkling", true, 0.0),
+        ("damped wrinkling", true, 0.03),
+    ] {
+        for orthotropic in [false, true] {
+            list.push((name, NetworkSpec { membranes: membranes(wrinkling, damping_time, orthotropic), ..patch() }));
+        }
+    }
+    let spec = NetworkSpec { membranes: membranes(true, 0.0, true), ..patch() };
+    list.push(("rayleigh of a membrane", NetworkSpec { rayleigh, ..spec }));
+    let bend = BendingSpec {
+        hinges: vec![[4, 0, 1, 3], [4, 8, 5, 7]],
+        stiffness: 0.7,
+        chains: vec![[0, 1, 2], [6, 4, 2]],
+        flexural_rigidity: 0.9,
+    };
+    list.push(("bending", NetworkSpec { bending: vec![bend], ..patch() }));
     list.push(("gravity", NetworkSpec { gravity: Some([1.0, -2.0, -9.81]), ..patch() }));
     list.push(("viscous air", air(3.0, 0.0)));
     list.push(("inertial air", air(0.0, 2.0)));

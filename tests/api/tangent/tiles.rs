@@ -11,7 +11,8 @@ use canopy_fem::mesh::Mesh;
 use canopy_fem::model::forces::{Forces, Tally};
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::{
-    CanopySpec, LineDragSpec, NetworkSpec, NodalLoad, NodeDragSpec, PressureLoad, SpringGroup,
+    BendingSpec, CanopySpec, LineDragSpec, MembraneSpec, NetworkSpec, NodalLoad, NodeDragSpec, PressureLoad,
+    SpringGroup,
 };
 use canopy_fem::model::state::{State, StateRef};
 use canopy_fem::model::step_block::{StepSummary, Work};
@@ -45,7 +46,14 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
             dashpot.coefficient = many(&dashpot.coefficient);
         }
         let (stiffness, rest_length) = (many(&group.stiffness), many(&group.rest_length));
-        SpringGroup { edges: renamed(&group.edges), stiffness, rest_length, dashpot, slack: group.slack }
+        SpringGroup {
+            edges: renamed(&group.edges),
+            stiffness,
+            rest_length,
+            dashpot,
+            law: group.law.clone(),
+            slack: group.slack,
+        }
     });
     let pressures = spec.pressures.iter().map(|p| PressureLoad { triangles: renamed(&p.triangles), ..p.clone() });
     let forces = spec.forces.iter().map(|f| NodalLoad { nodes: renamed(&f.nodes), ..f.clone() });
@@ -63,11 +71,16 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
             apparent_mass: one.apparent_mass,
         })
     });
+    let membranes = spec.membranes.iter().map(|m| MembraneSpec { triangles: renamed(&m.triangles), ..m.clone() });
+    let bending = spec.bending.iter();
+    let bending = bending.map(|b| BendingSpec { hinges: between(&b.hinges), chains: between(&b.chains), ..b.clone() });
     let line_drag = spec.line_drag.iter().map(|d| LineDragSpec { edges: renamed(&d.edges), ..d.clone() });
     let node_drag = spec.node_drag.iter().map(|d| NodeDragSpec { nodes: renamed(&d.nodes), ..d.clone() });
     NetworkSpec {
         mesh,
         canopies: canopies.collect(),
+        membranes: membranes.collect(),
+        bending: bending.collect(),
         line_drag: line_drag.collect(),
         node_drag: node_drag.collect(),
         mass: many(&spec.mass),

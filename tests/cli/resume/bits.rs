@@ -89,7 +89,7 @@ fn solve_watched(case: &Case, dir: &Path, part: Part, watch: &mut dyn Observer) 
     let scene = build_scene(problem.system.clone(), part.threads).expect("the case is good");
     let mut stepper = bind(problem, &*scene).expect("the method fits");
     let spec = problem.run_spec(part.keep_going);
-    let fields = Fields { force: true, reaction: true, tension: true, strain: true, pressure: false };
+    let fields = Fields { force: true, reaction: true, tension: true, strain: true, pressure: false, membrane: false };
     let recorded = RecorderSpec { fields, ..RecorderSpec::of(problem, dir) };
     let kept = CheckpointSpec {
         case: fingerprint.clone(),

@@ -1,8 +1,8 @@
 //! What must hold of any bytes as a mesh file: refused with a sentence, or a mesh that can be used and written.
 
-use canopy_fem::mesh::read::{Imported, mesh_from_bytes};
+use canopy_fem::mesh::read::{Imported, file_from_bytes, mesh_from_bytes};
 use canopy_fem::mesh::write::{obj_text, vtu_text};
-use canopy_fem::mesh::{EdgeKind, Mesh, Quality, Topology};
+use canopy_fem::mesh::{EdgeKind, Mesh, MeshFile, Quality, Topology};
 use std::path::Path;
 
 /// One name for every reader.
@@ -26,8 +26,10 @@ const NAMES: [&str; 12] = [
 /// # Errors
 /// What does not hold.
 pub fn judge(bytes: &[u8]) -> Result<(), String> {
+    // Outlines of a drawing are filled.
+    let wanted = MeshFile { edge: Some(0.3), ..MeshFile::plain("") };
     for name in NAMES {
-        match mesh_from_bytes(Path::new(name), bytes) {
+        match file_from_bytes(&wanted, Path::new(name), bytes) {
             Ok(Imported { mesh, notes, .. }) => {
                 if notes.iter().any(|note| note.split_whitespace().count() < 3) {
                     return Err(format!("{name}: notes without a sentence: {notes:?}"));

@@ -4,6 +4,7 @@ use super::*;
 use crate::force::kernel::batch::{Batch, BlockForces, BufferReads, Elements, Kernel, PARTS, Records};
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::{record, set_record};
+use crate::force::law::curve::CurveKind;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
 use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::schedule::partition::Limits;
@@ -56,6 +57,7 @@ fn springs(nodes: Vec<[u32; 2]>) -> SpringData {
         rest_length,
         nodes: nodes.into(),
         stiffness: Coefficient::Uniform(5.0),
+        curve: CurveKind::Linear,
         slack: Slack::None,
         rest_scale: None,
     }

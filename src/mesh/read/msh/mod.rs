@@ -12,6 +12,9 @@ use super::cells::{Cells, IGNORED};
 use sections::{Numbers, Sections};
 use std::collections::HashMap;
 
+/// Name of the section of nodes that tell their places on curves and surfaces too.
+const PARAMETRIC: &str = "ParametricNodes";
+
 /// Cells and the index of every node tag.
 #[derive(Default)]
 struct Reader {
@@ -58,7 +61,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
     let mut reader = Reader::default();
     if let Some(nodes) = sections.get("NOD") {
         reader.cells.repeats_faces = true;
-        reader.nodes_2(nodes, false)?;
+        reader.nodes_2(nodes, false, false)?;
         reader.elements_1(sections.need("ELM")?)?;
         return Ok(reader.cells);
     }
@@ -77,9 +80,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
     match version {
         "2.2" | "2.1" | "2" => {
             reader.cells.repeats_faces = true;
-            match sections.get("ParametricNodes") {
-                Some(_) => return Err("has $ParametricNodes; save it without them (Mesh.SaveParametric = 0)".into()),
-                None => reader.nodes_2(sections.need("Nodes")?, binary)?,
+            match sections.get(PARAMETRIC) {
+                Some(nodes) => reader.nodes_2(nodes, binary, true)?,
+                None => reader.nodes_2(sections.need("Nodes")?, binary, false)?,
             }
             reader.elements_2(sections.need("Elements")?, binary)?;
         }
@@ -88,7 +91,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
             if let Some(body) = sections.get("Entities") {
                 reader.entities_4(body, version)?;
             }
-            reader.nodes_4(sections.need("Nodes")?, version)?;
+            let nodes = sections.get(PARAMETRIC).map_or_else(|| sections.need("Nodes"), Ok)?;
+            reader.nodes_4(nodes, version)?;
             reader.elements_4(sections.need("Elements")?, version)?;
         }
         _ => return Err(format!("has version {version}; save it as version 4.1 or 2.2")),
@@ -105,12 +109,19 @@ impl Reader {
         Ok(())
     }
 
-    fn nodes_2(&mut self, body: &[u8], binary: bool) -> Result<(), String> {
+    /// Number and place; parametric ones also tell dimension and tag of their entity, and their parameters on it.
+    fn nodes_2(&mut self, body: &[u8], binary: bool, parametric: bool) -> Result<(), String> {
         let (count, mut from) = Numbers::counted(body, binary)?;
         for _ in 0..count {
             let tag = from.tag()?;
             let point = [from.real()?, from.real()?, from.real()?];
             self.add_node(tag, point)?;
+            if parametric {
+                let (dimension, _) = (from.int()?, from.int()?);
+                for _ in 0..if matches!(dimension, 1 | 2) { dimension } else { 0 } {
+                    from.real()?;
+                }
+            }
         }
         from.at_end("Nodes")
     }

@@ -1,0 +1,102 @@
+//! From a plain specification to the force terms of membranes and bending, in internal numbering.
+
+use super::build::Builder;
+use super::check::BuildError;
+use crate::force::law::bending::{Bending, BendingData, BendingElement};
+use crate::force::law::membrane::{Membrane, MembraneData, RestShape};
+use crate::force::law::rayleigh_membrane::{RayleighMembrane, RayleighMembraneData};
+use crate::force::law::tension_field::Sheet;
+use crate::model::spec::{BendingSpec, MembraneSpec};
+use nalgebra::Vector3;
+
+/// Membrane triangles of one rule, as the terms hold them, with their way back to the user's triangles.
+#[derive(Clone, Debug)]
+pub struct MembraneBatch {
+    /// arrays shared with the terms
+    pub data: MembraneData,
+    /// user's number of every triangle
+    pub triangles: Vec<u32>,
+    /// [m]
+    pub thickness: f64,
+}
+
+impl MembraneBatch {
+    /// In scaled axes: see [`crate::force::law::tension_field`].
+    fn new(spec: &MembraneSpec, corners: impl Fn(u32) -> [u32; 3], rest: &[Vector3<f64>]) -> Result<Self, BuildError> {
+        let [one, two] = spec.modulus;
+        let sheet = Sheet {
+            poisson: spec.poisson * (two / one).sqrt(),
+            compliance: one.sqrt() * two.sqrt() / spec.shear,
+            wrinkles: spec.wrinkling,
+        };
+        let scale = spec.modulus.map(|modulus| (modulus * spec.thickness).sqrt().sqrt());
+        let mut list: Vec<(u32, [u32; 3])> = spec.triangles.iter().map(|&t| (t, corners(t))).collect();
+        list.sort_unstable_by_key(|(_, t)| (t[0].min(t[1]).min(t[2]), *t));
+        let mut shapes = Vec::with_capacity(list.len());
+        for (triangle, corners) in &list {
+            let [a, b, c] = corners.map(|node| rest[node as usize]);
+            let warp = spec.warp.map_or(b - a, Vector3::from);
+            let shape = RestShape::new([b - a, c - a], warp, scale);
+            shapes.push(shape.ok_or(BuildError::RestShape { triangle: *triangle })?);
+        }
+        let (triangles, nodes): (Vec<u32>, Vec<[u32; 3]>) = list.into_iter().unzip();
+        let (damping_time, thickness) = (spec.damping_time, spec.thickness);
+        let data = MembraneData { triangles: nodes.into(), shapes: shapes.into(), scale, sheet, damping_time };
+        Ok(MembraneBatch { data, triangles, thickness })
+    }
+}
+
+impl Builder<'_> {
+    pub(super) fn membranes(&mut self, rest: &[Vector3<f64>]) -> Result<(), BuildError> {
+        for spec in &self.spec.membranes {
+            let corners = |t: u32| self.spec.mesh.triangles[t as usize].map(|i| self.node(i));
+            let batch = MembraneBatch::new(spec, corners, rest)?;
+            self.terms.push(Box::new(Membrane::new(batch.data.clone())));
+            self.membranes.push(batch);
+        }
+        Ok(())
+    }
+
+    pub(super) fn rayleigh_membranes(&mut self, beta: f64, rest: &[Vector3<f64>]) {
+        for MembraneBatch { data, .. } in &self.membranes {
+            let triangles = data.triangles.clone();
+            let rest = (0..triangles.len()).map(|i| data.at_rest(i, rest, beta)).collect();
+            self.terms.push(Box::new(RayleighMembrane::new(RayleighMembraneData { triangles, rest })));
+        }
+    }
+
+    pub(super) fn bending(&mut self, rest: &[Vector3<f64>]) -> Result<(), BuildError> {
+        for BendingSpec { hinges, stiffness, chains, flexural_rigidity } in &self.spec.bending {
+            let hinge = |at: [Vector3<f64>; 4]| BendingElement::hinge(at, *stiffness);
+            self.bending_elements(hinges, rest, hinge)?;
+            let chain = |[a, b, c]: [Vector3<f64>; 3]| {
+                let lengths = [(b - a).norm(), (c - b).norm()];
+                lengths.iter().all(|l| *l > 0.0).then(|| BendingElement::chain(lengths, *flexural_rigidity))
+            };
+            self.bending_elements(chains, rest, chain)?;
+        }
+        Ok(())
+    }
+
+    /// Elements that `make` gives from the positions [m] of their nodes at rest.
+    fn bending_elements<const N: usize>(
+        &mut self,
+        nodes: &[[u32; N]],
+        rest: &[Vector3<f64>],
+        make: impl Fn([Vector3<f64>; N]) -> Option<BendingElement<N>>,
+    ) -> Result<(), BuildError> {
+        if nodes.is_empty() {
+            return Ok(());
+        }
+        let mut list = Vec::with_capacity(nodes.len());
+        for given in nodes {
+            let own = given.map(|node| self.node(node));
+            let element = make(own.map(|node| rest[node as usize]));
+            list.push((own, element.ok_or(BuildError::Hinge { ends: [given[0], given[1]] })?));
+        }
+        list.sort_by_key(|(nodes, _)| (nodes.iter().copied().min(), *nodes));
+        let (nodes, elements) = list.into_iter().unzip();
+        self.terms.push(Box::new(Bending::new(BendingData { nodes, elements })));
+        Ok(())
+    }
+}
