@@ -28,6 +28,10 @@ const HARD: u32 = 2;
 /// [-] Factors of the weight after an easy solve, at least and at most, and after one that failed.
 const LOWER: [f64; 2] = [1e-4, 0.1];
 const RAISE: f64 = 10.0;
+/// Most solves for which a weight is kept that was lowered in vain.
+const MOST_PATIENT: u32 = 8;
+/// [-] Share of its first residual down to which a solve without a potential is of use.
+const HALF_SOLVED: f64 = 0.5;
 /// [-] Share of the scene's size that the first solve may move a node.
 const FIRST_MOVE: f64 = 0.25;
 /// [-] Share of the scene's size that a last move may have.
@@ -120,6 +124,7 @@ impl<'a> Continuation<'a> {
         let heaviest = HEAVIEST * mu;
         // The lightest weight that rounding leaves visible.
         let (mut lightest, mut creeps, mut hard) = (0.0, 0, 0);
+        let (mut wait, mut patience) = (0, 1);
         loop {
             if self.stop.asked() {
                 return Err(StaticFailure::Interrupted);
@@ -129,8 +134,13 @@ impl<'a> Continuation<'a> {
             }
             let before = now;
             let solved = self.solve(mu, (now, relative));
-            // A solve that was not finished has gone downhill, so its progress is kept.
-            let unfinished = matches!(solved, Err(NewtonFailure::MaxIterations { .. })) && self.tangents.symmetric();
+            // A solve that was not finished has gone downhill, or nearer to its solution, so its progress is kept.
+            let unfinished = match &solved {
+                Err(NewtonFailure::MaxIterations { residual, .. }) => {
+                    self.tangents.symmetric() || *residual <= HALF_SOLVED * now.force
+                }
+                _ => false,
+            };
             log::debug!(
                 "mu = {mu:.2e} 1/s^2: {:.3e} N left of {:.3e} N, solved: {}",
                 now.force,
@@ -142,6 +152,8 @@ impl<'a> Continuation<'a> {
                 if matches!(solved, Err(NewtonFailure::Linear { .. })) {
                     lightest = mu * RAISE;
                 }
+                // A weight that was lowered in vain is kept for twice as many solves as the last time.
+                (wait, patience) = (patience, (2 * patience).min(MOST_PATIENT));
                 mu *= RAISE;
                 if mu > heaviest {
                     return Err(self.not_converged(now));
@@ -162,7 +174,10 @@ impl<'a> Continuation<'a> {
                     return Ok(());
                 }
             }
-            if iterations <= EASY {
+            if wait > 0 {
+                wait -= 1;
+            } else if iterations <= EASY {
+                patience = (patience / 2).max(1);
                 let [least, most] = LOWER;
                 mu *= (now.force / before.force).clamp(least, most);
             } else if iterations <= FAIR {
