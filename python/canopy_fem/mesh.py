@@ -96,7 +96,8 @@ def read(
         OSError: a file that cannot be read, or is no mesh.
         CaseError: an option out of range.
     """
-    options = {"scale": scale, "axes": axes, "translate": list(translate), "edge": edge, "merge": merge, "orient": orient}
+    options = {"scale": scale, "axes": axes, "translate": list(translate)}
+    options |= {"edge": edge, "merge": merge, "orient": orient}
     section = {"file": os.fspath(path), "with": [os.fspath(other) for other in more], **options, "diagonals": diagonals}
     return _core.generate(json.dumps(section), Path(""))
 
