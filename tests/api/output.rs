@@ -15,7 +15,8 @@ use canopy_fem::output::recorder::{Recorder, RecorderError, RecorderSpec};
 use canopy_fem::vtk::{Compression, Encoding, VtuFormat};
 use triangle_pair::{Run, TrianglePair, ledger};
 
-const ALL: Fields = Fields { force: true, reaction: true, tension: true, strain: true, pressure: false };
+const ALL: Fields =
+    Fields { force: true, reaction: true, tension: true, strain: true, pressure: false, membrane: false };
 
 fn spec(dir: &Path) -> RecorderSpec {
     RecorderSpec {
