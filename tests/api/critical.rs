@@ -250,12 +250,12 @@ fn random_membranes_have_certified_intervals_about_the_dense_value() {
     }
 }
 
-/// Damped membranes, taut and wrinkled: the predicted limit against that of dense steps.
+/// Damped membranes: the predicted limit against that of dense steps. They are in balance, as else a step moves so far
+/// that a difference of steps is not the tangent at the start.
 #[test]
 fn damped_membranes_agree_with_the_dense_step() {
-    for (seed, time, wrinkling) in [(31, 2e-3, false), (32, 2e-2, false), (33, 5e-3, true)] {
-        let rule = json!({"damping_time": time, "wrinkling": wrinkling});
-        let scene = scene(&network(random_sheet(seed, 4, [1.2, 1.1], rule)));
+    for (seed, time) in [(31, 2e-3), (32, 2e-2)] {
+        let scene = scene(&network(random_sheet(seed, 4, [1.0, 1.0], json!({"damping_time": time}))));
         for name in ["euler-cromer", "velocity-verlet"] {
             let found = critical(&*scene, name);
             let share = found.step / dense_limit(&*scene, name, 2.0 * found.step);

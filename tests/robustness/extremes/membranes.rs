@@ -106,7 +106,7 @@ pub fn bars() -> Vec<Hostile> {
             ),
             ("inside out", "[[0,0,0],[-2,0,0],[0,0,0],[0,0,0],[0,0,0]]"),
             ("stretched 1e3 times", "[[0,0,0],[999,0,0],[1998,0,0],[2997,0,0],[3996,0,0]]"),
-            ("stretched 1e100 times", "[[0,0,0],[1e100,0,0],[2e100,0,0],[3e100,0,0],[4e100,0,0]]"),
+            ("stretched 1e60 times", "[[0,0,0],[1e60,0,0],[2e60,0,0],[3e60,0,0],[4e60,0,0]]"),
         ] {
             all.push(hostile(&format!("{name}, {what}"), scene.clone(), Must::End, &[(MOVED, moved)]));
         }
