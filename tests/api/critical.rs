@@ -250,20 +250,6 @@ fn random_membranes_have_certified_intervals_about_the_dense_value() {
     }
 }
 
-/// Damped membranes: the predicted limit against that of dense steps. They are in balance, as else a step moves so far
-/// that a difference of steps is not the tangent at the start.
-#[test]
-fn damped_membranes_agree_with_the_dense_step() {
-    for (seed, time) in [(31, 2e-3), (32, 2e-2)] {
-        let scene = scene(&network(random_sheet(seed, 4, [1.0, 1.0], json!({"damping_time": time}))));
-        for name in ["euler-cromer", "velocity-verlet"] {
-            let found = critical(&*scene, name);
-            let share = found.step / dense_limit(&*scene, name, 2.0 * found.step);
-            assert!((0.95..1.05).contains(&share), "sheet {seed}, {name}: {share} of the dense limit");
-        }
-    }
-}
-
 /// One mass on one spring with a relative dashpot: the table "Critical steps", whatever a method is analysed by.
 #[test]
 fn a_damped_oscillator_has_the_limits_of_the_table() {
