@@ -86,6 +86,7 @@ class Network:
         *,
         stiffness: npt.ArrayLike,
         rest_length: npt.ArrayLike | None = None,
+        law: str = "linear",
         slack: str = "none",
         dashpot: npt.ArrayLike | None = None,
         dashpot_kind: str = "axial",

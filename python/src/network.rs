@@ -33,17 +33,22 @@ impl Network {
     }
 
     /// Adds springs between pairs of nodes, (m, 2), or on all edges of the mesh if pairs is None. stiffness [N/m],
-    /// rest_length [m] (default: the distance as given) and dashpot [N s/m] are a number each or one for all. slack:
-    /// "none" or "tension-only"; dashpot_kind: "axial" or "relative".
+    /// rest_length [m] (default: the distance as given) and dashpot [N s/m] are a number each or one for all. law:
+    /// "linear" or "green" (finite strain); slack: "none", "tension-only" or "compression-only"; dashpot_kind: "axial"
+    /// or "relative".
     ///
     /// Raises:
     ///     ValueError, TypeError: arrays of another shape or type, nodes that do not exist.
-    #[pyo3(signature = (pairs=None, *, stiffness, rest_length=None, slack="none", dashpot=None, dashpot_kind="axial"))]
+    #[pyo3(signature = (
+        pairs=None, *, stiffness, rest_length=None, law="linear", slack="none", dashpot=None, dashpot_kind="axial"
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
     fn springs(
         &self,
         pairs: Option<&Bound<'_, PyAny>>,
         stiffness: &Bound<'_, PyAny>,
         rest_length: Option<&Bound<'_, PyAny>>,
+        law: &str,
         slack: &str,
         dashpot: Option<&Bound<'_, PyAny>>,
         dashpot_kind: &str,
@@ -65,7 +70,16 @@ impl Network {
         let slack = match slack {
             "none" => Slack::None,
             "tension-only" => Slack::TensionOnly,
-            _ => return Err(PyValueError::new_err(format!("slack is \"{slack}\": give \"none\" or \"tension-only\""))),
+            "compression-only" => Slack::CompressionOnly,
+            _ => {
+                let text = format!("slack is \"{slack}\": give \"none\", \"tension-only\" or \"compression-only\"");
+                return Err(PyValueError::new_err(text));
+            }
+        };
+        let law = match law {
+            "linear" => ElasticLaw::Linear,
+            "green" => ElasticLaw::Green,
+            _ => return Err(PyValueError::new_err(format!("law is \"{law}\": give \"linear\" or \"green\""))),
         };
         let kind = match dashpot_kind {
             "axial" => DashpotKind::Axial,
@@ -80,14 +94,7 @@ impl Network {
         if edges.last().is_some_and(|last| *last >= first) {
             builder.spec.mesh.edges.extend_from_slice(&pairs);
         }
-        builder.spec.springs.push(SpringGroup {
-            edges,
-            stiffness,
-            rest_length,
-            law: ElasticLaw::Linear,
-            slack,
-            dashpot,
-        });
+        builder.spec.springs.push(SpringGroup { edges, stiffness, rest_length, law, slack, dashpot });
         Ok(())
     }
 

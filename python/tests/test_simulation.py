@@ -41,6 +41,18 @@ def test_motion_obeys_its_law():
     assert sim.tension[0] == pytest.approx(8 * 0.5 * np.cos(2.0), abs=1e-8)
 
 
+def test_bars_of_finite_strain():
+    """A green bar stretched to twice its length pulls with EA lambda (lambda^2 - 1)/2 = 3 EA; another name is refused."""
+    net = cf.Network([[0, 0, 0], [1, 0, 0]], mass=2)
+    net.springs([[0, 1]], stiffness=8, law="green")
+    net.hold([0])
+    net.initial(displacement=[[0, 0, 0], [1, 0, 0]])
+    sim = cf.Simulation(net, method="rk4", step=1e-3, end=1.0)
+    assert sim.tension[0] == pytest.approx(24.0)
+    with pytest.raises(ValueError, match='give "linear" or "green"'):
+        net.springs(stiffness=1, law="red")
+
+
 def test_network_of_a_mesh_hangs():
     """A net of arrays under gravity: reactions carry the weight of all nodes once it has come to rest."""
     mesh = cf.mesh.rectangle(width=1, height=1, columns=3, rows=3)

@@ -7,6 +7,7 @@ use super::rates::Rates;
 use crate::format_number::{figures, two_digits};
 use crate::integrate::linear_step::Pencil;
 use crate::integrate::registry::{Family, MethodChoice};
+use crate::model::forces::Role;
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
 use crate::model::system::TermInfo;
@@ -53,9 +54,11 @@ pub fn has_limit(method: &MethodChoice) -> bool {
     method.info.family != Family::MatrixFree && critical_step(method, some).is_finite()
 }
 
-/// Whether a limit is unknown: velocity-dependent and follower forces act outside Kang's filter.
+/// Whether a limit is unknown: velocity-dependent forces, follower forces, and elastic ones other than those of linear
+/// springs act outside Kang's filter, or not as it takes them.
 pub fn outside_filter(method: &MethodChoice, scene: &dyn Scene) -> bool {
-    let outside = |term: &TermInfo| term.velocity_dependent || term.follower;
+    let elastic = |term: &TermInfo| term.role == Role::Elastic && !term.linear_springs;
+    let outside = |term: &TermInfo| term.velocity_dependent || term.follower || elastic(term);
     method.info.family == Family::MatrixFree && scene.terms().iter().any(outside)
 }
 

@@ -3,6 +3,7 @@
 //! It writes no files.
 
 use super::check_json::{Report, Totals};
+use super::check_system::{describe_size, describe_system};
 use super::warnings::{of_scene, planned};
 use super::{CheckArgs, CliError};
 use crate::analysis::critical::{Confidence, CriticalStep, ElementBounds, outside_filter};
@@ -14,10 +15,7 @@ use crate::drive::clock::{Step, Tolerance};
 use crate::format_number::{counted, figures};
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::mesh::canopy::Canopy;
-use crate::mesh::group::describe_groups;
 use crate::mesh::parachute::ParachuteParameters;
-use crate::model::group_totals::GroupTotals;
-use crate::model::spec::NetworkSpec;
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::output::sanitize::file_stem;
@@ -28,7 +26,6 @@ use crate::study::forecast::nominal::Budget;
 use crate::study::forecast::{Candidate, ForecastSpec, describe, describe_answer, forecast};
 use crate::warning::{Warning, WarningCode};
 use serde::Deserialize;
-use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -140,7 +137,7 @@ struct Stability {
 impl Stability {
     fn describe(&self) -> String {
         let Some(CriticalStep { step: critical, .. }) = self.limit else {
-            return "not known: air, dashpots and loads that turn are outside the method's filter".to_owned();
+            return "not known: the method's filter is made for linear springs; other forces of this scene are outside it".to_owned();
         };
         if critical == 0.0 {
             return "no: the method's energy grows at every step where nothing damps".to_owned();
@@ -180,7 +177,7 @@ impl Totals {
                 let canopies = found.filter_map(|(name, canopy)| Some((name, canopy.ok()?.sizes()))).collect();
                 Totals { mass: spec.mass.iter().sum(), canopies }
             }
-            SystemSpec::Pendulum(pendulum) => Totals { mass: pendulum.mass, canopies: BTreeMap::new() },
+            SystemSpec::Pendulum(pendulum) => Totals { mass: pendulum.mass, canopies: Default::default() },
         }
     }
 }
@@ -216,62 +213,6 @@ fn candidates(problem: &Problem, scene: &dyn Scene, limits: &mut Limits<'_>) -> 
     };
     let mut limit = |method: &MethodChoice| known(method).then(|| limits.critical_step(method));
     problem.method.among_all().map(|method| Candidate { limit: limit(&method), method }).collect()
-}
-
-/// Counts and mass in a line.
-fn describe_size(system: &SystemSpec, mass: f64) -> String {
-    let mass = figures(mass, 4);
-    match system {
-        SystemSpec::Pendulum(p) => {
-            format!("  size            a pendulum of {} m and {mass} kg\n", figures(p.length, 7))
-        }
-        SystemSpec::Network(spec) => {
-            let NetworkSpec { mesh, fixed, springs, .. } = &**spec;
-            let held = fixed.as_flattened().iter().filter(|f| **f).count();
-            let counts = [
-                counted(mesh.nodes.len() as u64, "node", "nodes"),
-                counted(springs.iter().map(|group| group.edges.len() as u64).sum(), "spring", "springs"),
-                counted(mesh.triangles.len() as u64, "triangle", "triangles"),
-                counted((3 * fixed.len() - held) as u64, "unknown", "unknowns"),
-            ];
-            format!("  size            {}, {mass} kg\n", counts.join(", "))
-        }
-    }
-}
-
-fn describe_system(text: &mut String, system: &SystemSpec, groups: &BTreeMap<String, GroupTotals>) {
-    match system {
-        SystemSpec::Pendulum(p) => {
-            let _ = writeln!(
-                text,
-                "  pendulum        L = {} m, m = {} kg, c = {} N m s",
-                figures(p.length, 12),
-                figures(p.mass, 12),
-                figures(p.damping, 12)
-            );
-        }
-        SystemSpec::Network(spec) => {
-            let NetworkSpec { mesh, mass, fixed, springs, .. } = &**spec;
-            let n_springs: usize = springs.iter().map(|g| g.edges.len()).sum();
-            let dashpots: usize = springs.iter().filter(|g| g.dashpot.is_some()).map(|g| g.edges.len()).sum();
-            let held = fixed.as_flattened().iter().filter(|f| **f).count();
-            let _ = writeln!(
-                text,
-                "  network         {} nodes, {n_springs} springs, {dashpots} dashpots, {} triangles",
-                mesh.nodes.len(),
-                mesh.triangles.len()
-            );
-            let _ = writeln!(text, "  mass            {} kg", figures(mass.iter().sum::<f64>(), 7));
-            for (group, totals) in describe_groups(mesh).iter().zip(groups.values()) {
-                let rest = match totals.rest_length {
-                    0.0 => String::new(),
-                    length => format!(", springs of {} m", figures(length, 7)),
-                };
-                let _ = writeln!(text, "  group           {group}{rest}, {} kg", figures(totals.mass, 7));
-            }
-            let _ = writeln!(text, "  unknowns        {} ({held} degrees of freedom held)", 3 * fixed.len() - held);
-        }
-    }
 }
 
 /// The sizes of a mesh that is a generated parachute.
@@ -328,7 +269,9 @@ fn describe_limits(
         let mark = if name == problem.method.info.name { '*' } else { ' ' };
         let limit = match limit {
             Some(limit) => describe_limit(*limit, problem.time.step, scene),
-            None => "none for springs; air, dashpots and loads that turn are outside the filter: not known".to_owned(),
+            None => {
+                "not known: the filter is made for linear springs; other forces of this scene are outside it".to_owned()
+            }
         };
         let _ = writeln!(text, "{mark} {name:<19}{limit}");
     }

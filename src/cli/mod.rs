@@ -3,6 +3,7 @@
 mod args;
 mod check;
 mod check_json;
+mod check_system;
 mod error;
 pub mod init;
 mod interrupt;

@@ -194,12 +194,27 @@ impl FailureContext<'_> {
                 grows(gain)
             ),
             DivergenceKind::Strain { elastic, gain } => format!(
-                "the springs hold {} J, but only {} J were present or supplied{}{}",
+                "the {} hold {} J, but only {} J were present or supplied{}{}",
+                self.elastic_parts(),
                 figures(elastic, 3),
                 figures(gain.supplied, 3),
                 self.strain(diverged, suspect),
                 grows(gain)
             ),
+        }
+    }
+
+    /// What can hold elastic energy.
+    fn elastic_parts(&self) -> String {
+        let mut names: Vec<&str> = Vec::new();
+        for term in self.scene.terms().iter().filter(|term| term.role == Role::Elastic) {
+            if !names.contains(&term.name) {
+                names.push(term.name);
+            }
+        }
+        match (&names[..], self.scene.terms().iter().any(|term| term.role == Role::Elastic && term.on_triangles)) {
+            ([name], false) => (*name).to_owned(),
+            _ => format!("elastic forces ({})", names.join(", ")),
         }
     }
 

@@ -25,12 +25,15 @@ pub struct TermInfo {
     pub follower: bool,
     /// whether it acts on triangles, even if it is lumped to their nodes
     pub on_triangles: bool,
+    /// whether these are springs of a constant stiffness, for which Kang's filter is made
+    pub linear_springs: bool,
 }
 
 impl TermInfo {
-    /// A term that depends on positions and time only, is not a follower load, and does not act on triangles.
+    /// A term that depends on positions and time only, is not a follower load or made of springs, and does not act on
+    /// triangles.
     pub const fn of(name: &'static str, role: Role) -> Self {
-        TermInfo { name, role, velocity_dependent: false, follower: false, on_triangles: false }
+        TermInfo { name, role, velocity_dependent: false, follower: false, on_triangles: false, linear_springs: false }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Connected parts of a network: nodes joined by springs.
+//! Connected parts of a network: nodes joined by springs, membranes and bending.
 
 use std::fmt;
 
@@ -18,10 +18,17 @@ pub struct Parts {
     size: Vec<u32>,
 }
 
-/// Pairs of nodes joined by a spring. Loads on triangles do not connect nodes.
+/// Pairs of nodes joined by a spring, a membrane or a bending stiffness. Loads on triangles do not connect nodes.
 pub(super) fn joined(spec: &NetworkSpec) -> impl Iterator<Item = [u32; 2]> + '_ {
     let edges = spec.springs.iter().flat_map(|group| &group.edges);
-    edges.filter_map(|edge| spec.mesh.edges.get(*edge as usize).copied())
+    let springs = edges.filter_map(|edge| spec.mesh.edges.get(*edge as usize).copied());
+    let triangles = spec.membranes.iter().flat_map(|membrane| &membrane.triangles);
+    let triangles = triangles.filter_map(|triangle| spec.mesh.triangles.get(*triangle as usize));
+    let membranes = triangles.flat_map(|&[a, b, c]| [[a, b], [b, c]]);
+    let hinges = spec.bending.iter().flat_map(|bending| &bending.hinges);
+    let hinges = hinges.flat_map(|&[a, b, c, d]| [[a, b], [b, c], [c, d]]);
+    let chains = spec.bending.iter().flat_map(|bending| &bending.chains).flat_map(|&[a, b, c]| [[a, b], [b, c]]);
+    springs.chain(membranes).chain(hinges).chain(chains)
 }
 
 impl Parts {

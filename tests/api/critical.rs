@@ -211,6 +211,45 @@ fn random_nets_have_certified_intervals_about_the_dense_value() {
     }
 }
 
+/// A random net as membranes: taut, wrinkled and slack ones, with bars along some edges and with bending.
+fn random_sheet(seed: u64, side: usize, stretch: [f64; 2], rule: Value) -> Value {
+    let mut net = random_net(seed, side, 0.0);
+    let mut membrane = json!({"on": "all", "thickness": 1e-3, "modulus": 2e5, "poisson": 0.3});
+    membrane.as_object_mut().expect("a rule").extend(rule.as_object().expect("a rule").clone());
+    net["membranes"] = json!([membrane]);
+    net["springs"] = json!([{"on": {"ids": [0, 3]}, "stiffness": 50.0, "law": "green"}]);
+    net["bending"] = json!([{"on": "all", "stiffness": 0.5}]);
+    let nodes = net["mesh"]["explicit"]["nodes"].as_array().expect("nodes").clone();
+    let moved = nodes.iter().map(|p| [0, 1].map(|c| (stretch[c] - 1.0) * p[c].as_f64().expect("a number")));
+    let moved: Vec<[f64; 3]> = moved.map(|[x, y]| [x, y, 0.0]).collect();
+    net["initial"] = json!({"displacement": moved});
+    net
+}
+
+/// Membranes without damping: the interval holds the dense value.
+#[test]
+fn random_membranes_have_certified_intervals_about_the_dense_value() {
+    let cloth = json!({"modulus": [2e5, 1e5], "shear": 2e4, "warp": [1, 1, 0]});
+    for (seed, side, stretch, rule) in [
+        (1, 3, [1.0, 1.0], json!({})),
+        (2, 4, [1.3, 1.1], json!({})),
+        (3, 5, [1.5, 0.7], json!({"wrinkling": true})),
+        (4, 6, [1.05, 0.9], cloth),
+        (5, 7, [0.9, 0.8], json!({"wrinkling": true})),
+        (6, 8, [0.9, 0.9], json!({})),
+    ] {
+        let scene = scene(&network(random_sheet(seed, side, stretch, rule)));
+        let w = dense_frequency(&*scene);
+        let weights = Weights { m: 0.0, c: 0.0, k: 1.0 };
+        let (bound, _) = scene.rate_bound(scene.initial_state().as_ref(), weights, &mut BoundBuffer::default());
+        println!("sheet {seed}: bound {:.3} times the dense value", bound / (w * w));
+        assert!(bound >= w * w * (1.0 - 1e-12), "sheet {seed}: {bound} is no bound on {}", w * w);
+        for (name, wh) in [("velocity-verlet", 2.0), ("euler-cromer", 2.0), ("rk4", 8f64.sqrt())] {
+            assert_certified(critical(&*scene, name), (wh / w, 1e-7), &format!("sheet {seed}, {name}"));
+        }
+    }
+}
+
 /// One mass on one spring with a relative dashpot: the table "Critical steps", whatever a method is analysed by.
 #[test]
 fn a_damped_oscillator_has_the_limits_of_the_table() {

@@ -292,7 +292,7 @@ fn held_directions_stay_where_they_are() {
 }
 
 /// Forces that a sheet can have besides springs and weight: keys of `system.network`.
-fn forces() -> [(&'static str, Value); 9] {
+fn forces() -> [(&'static str, Value); 12] {
     let springs =
         |dashpot: Value| json!([{"on": "all", "stiffness": 300.0, "slack": "tension-only", "dashpot": dashpot}]);
     let reeled = |dashpot: Value| {
@@ -320,6 +320,16 @@ fn forces() -> [(&'static str, Value); 9] {
         ),
         ("springs", reeled(json!({"axial": {"coefficient": 0.05}}))),
         ("base_acceleration", json!({"table": [[0.0, 0.0, 1.0, 2.0], [0.02, 0.0, 0.0, 9.0]]})),
+        (
+            "membranes",
+            json!([{"on": "all", "thickness": 1e-3, "modulus": 2e5, "poisson": 0.3, "wrinkling": true,
+                    "damping_time": 1e-4}]),
+        ),
+        ("bending", json!([{"on": "all", "stiffness": 1e-4}])),
+        (
+            "springs",
+            json!([{"on": "all", "stiffness": 300.0, "law": "green", "dashpot": {"axial": {"coefficient": 0.05}}}]),
+        ),
     ]
 }
 
@@ -327,7 +337,7 @@ fn forces() -> [(&'static str, Value); 9] {
 /// corrected.
 #[test]
 fn all_forces_work_in_blocks() {
-    let all = forces().into_iter().enumerate().filter(|(i, _)| ![1, 3, 5, 8].contains(i)).map(|(_, force)| force);
+    let all = forces().into_iter().enumerate().filter(|(i, _)| ![1, 3, 5, 8, 11].contains(i)).map(|(_, force)| force);
     let scenes = forces().map(|force| vec![force]).into_iter().chain([all.collect()]);
     for (number, forces) in scenes.enumerate() {
         for (size, method) in SIZES.into_iter().flat_map(|size| STRIDING.map(|method| (size, method))) {
@@ -336,7 +346,7 @@ fn all_forces_work_in_blocks() {
                 scene["system"]["network"][*key] = force.clone();
                 external |=
                     ["loads", "aero", "base_acceleration"].contains(key) || force[0].get("rest_scale").is_some();
-                dissipates |= ["springs", "damping"].contains(key);
+                dissipates |= ["springs", "damping", "membranes"].contains(key);
             }
             let threads = 1 + number % 2;
             let case = case_of(&scene, &[("time.method", method)]);

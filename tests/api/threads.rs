@@ -61,6 +61,16 @@ fn sheet() -> NetworkSpec {
     spec.line_drag = vec![LineDragSpec { edges: (0..4000).collect(), diameter: 0.01, coefficient: 1.1 }];
     spec.node_drag = vec![NodeDragSpec { nodes: (7..4500).collect(), drag_area: 1e-4 }];
     spec.rayleigh = Some(RayleighSpec { mass: 0.1, stiffness: 1e-4 });
+    spec.membranes = vec![MembraneSpec {
+        triangles: (300..8000).collect(),
+        thickness: 1e-3,
+        modulus: [3e4, 2e4],
+        poisson: 0.2,
+        shear: 5e3,
+        warp: Some([1.0, 0.3, 0.0]),
+        wrinkling: true,
+        damping_time: 1e-4,
+    }];
     spec
 }
 

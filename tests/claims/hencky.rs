@@ -5,12 +5,13 @@
 //! n^2 (n'' + 3 n'/rho) = -1/8,     n'(1) + (1 - nu) n(1) = 0  (no radial displacement at the edge)
 //! n = sum a_k rho^2k,   w(0) = R q^(1/3) int_0^1 rho/(2 n) drho
 //! ```
-//! The theory is of small strains (here q^(2/3) < 3e-5) and moderate slopes. nu = 1/3 is that of an equilateral net.
+//! The theory is of small strains (here q^(2/3) < 3e-5) and moderate slopes. nu = 1/3 is that of an equilateral net;
+//! membranes have any.
 
 mod series;
 
 use crate::claim::Claim;
-use crate::common::run::{Run, case_of, run};
+use crate::common::run::{Run, at_rest, case_of, run};
 use crate::lattice::Lattice;
 use canopy_fem::mesh::source::MeshSource;
 use serde_json::{Value, json};
@@ -229,6 +230,57 @@ fn unstructured(claims: &mut Vec<Claim>, series: &Series) {
     ));
 }
 
+/// The same discs as membranes: these are a sheet of any Poisson ratio, and they converge.
+fn membranes(claims: &mut Vec<Claim>) {
+    // C of w(0) = C (p a^4/(E t))^(1/3).
+    for (poisson, published) in [(0.2, 0.67744), (0.3, 0.65344), (0.4, 0.62626)] {
+        let series = Series::of(poisson);
+        let centre = series.deflection(0.0);
+        claims.push(Claim::absolute(format!("the series: w(0) for nu = {poisson}"), centre, published, 5e-6));
+        let mut off = Vec::new();
+        for nodes in [300, 1200] {
+            let disc = Disc::unstructured(nodes, 1, LOAD * SHEET);
+            let source: MeshSource = serde_json::from_value(disc.mesh.clone()).expect("a mesh section");
+            let flat = source.build(Path::new("")).expect("a sound mesh").nodes;
+            let bulge = |p: &[f64; 3]| [0.0, 0.0, 0.6 * LOAD.cbrt() * (1.0 - p[0] * p[0] - p[1] * p[1])];
+            let displacement: Vec<[f64; 3]> = flat.iter().map(bulge).collect();
+            let rest = at_rest(&case_of(
+                &json!({
+                    "name": "hencky",
+                    "system": {"network": {
+                        "mesh": disc.mesh, "mass": disc.mass, "loads": disc.loads,
+                        "membranes": [{"on": "all", "thickness": 1e-4, "modulus": 1e4 * SHEET, "poisson": poisson}],
+                        "supports": [{"on": disc.pinned, "fix": "xyz"}],
+                        "initial": {"displacement": displacement}
+                    }},
+                    "time": {"end": 1.0, "method": "backward-euler", "step": 0.01}
+                }),
+                &[],
+            ));
+            let error = |(p, flat): (&[f64; 3], &[f64; 3])| {
+                (p[2] / LOAD.cbrt() - series.deflection(flat[0].hypot(flat[1]))) / centre
+            };
+            let errors: Vec<f64> = rest.positions.iter().zip(&flat).map(error).collect();
+            let mean = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
+            let top = (0..flat.len()).max_by(|&i, &j| rest.positions[i][2].total_cmp(&rest.positions[j][2]));
+            off.push((mean, top.map_or(f64::NAN, |i| errors[i])));
+        }
+        let [(coarse, _), (fine, top)] = off[..] else { return };
+        claims.push(Claim::below(
+            format!("membrane of 1200 nodes, nu = {poisson}: error of the highest node"),
+            top,
+            1e-2,
+        ));
+        // Half the edge: order 2 leaves a quarter.
+        claims.push(Claim::between(
+            format!("membranes of 300 and 1200 nodes, nu = {poisson}: ratio of the mean errors"),
+            coarse / fine,
+            3.0,
+            5.5,
+        ));
+    }
+}
+
 fn follower(claims: &mut Vec<Claim>) {
     let (lattice, load) = (Lattice::disc(24), 1e-3_f64);
     let [dead, follower] =
@@ -252,6 +304,7 @@ pub fn claims() -> Vec<Claim> {
     ];
     lattices(&mut claims, &series);
     unstructured(&mut claims, &series);
+    membranes(&mut claims);
     follower(&mut claims);
     claims
 }

@@ -9,6 +9,7 @@
 //! A group is a file with `pub fn claims() -> Vec<Claim>` and a line in [`GROUPS`]. Tolerances stand beside the claims
 //! with what explains them: the order of the scheme, the size of the elements, rounding.
 
+mod bars;
 mod catenary;
 mod cavity;
 mod chain;
@@ -18,6 +19,7 @@ mod common;
 mod descents;
 mod dissipation;
 mod elastic_pendulum;
+mod elastica;
 mod energy_ledger;
 mod energy_numerical;
 mod energy_oscillator;
@@ -46,7 +48,9 @@ mod recurrence;
 mod reeling;
 mod rich_net;
 mod rich_power;
+mod rich_sheet;
 mod rigid_payload;
+mod sheets;
 mod signal;
 mod spectra;
 mod spring_pendulum;
@@ -54,6 +58,7 @@ mod tables;
 mod thesis;
 mod tolerance;
 mod waves;
+mod wrinkles;
 
 use claim::{Claim, table};
 use rayon::prelude::*;
@@ -87,6 +92,11 @@ const GROUPS: &[Group] = &[
     ("dispersion of a triangular net", net::claims),
     ("prestressed membrane", membrane::claims),
     ("hencky membrane", hencky::claims),
+    ("membranes of constant strain", sheets::claims),
+    ("wrinkled membranes", wrinkles::claims),
+    ("membranes, bars and bending in motion", rich_sheet::claims),
+    ("bars that are not linear", bars::claims),
+    ("elastica", elastica::claims),
     ("elastic pendulum", elastic_pendulum::claims),
     ("force laws", forces::claims),
     ("free fall through air", free_fall::claims),

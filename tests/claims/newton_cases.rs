@@ -82,7 +82,9 @@ fn follower() -> Value {
 
 pub fn trials() -> Vec<Trial> {
     let mut all = of_springs();
+    all.extend(of_bars());
     all.extend(of_the_surface());
+    all.extend(of_membranes());
     all
 }
 
@@ -103,6 +105,45 @@ fn of_springs() -> Vec<Trial> {
         Trial::new("axial dashpots on tension-only springs", 0.05, json!({"springs": clamped})),
         Trial::new("relative dashpots on springs", 0.1, dashpot(relative())).recorded("2222222221"),
         Trial::new("Rayleigh damping on springs", 0.05, json!({"springs": taut, "damping": rayleigh()})),
+    ]
+}
+
+fn of_bars() -> Vec<Trial> {
+    let bars = |law: Value, slack: Value| json!({"springs": [merged(json!({"on": "all", "law": law}), &slack)]});
+    let rows = json!([[-0.9, -60.0], [0.0, 0.0], [0.1, 2.0], [2.0, 90.0]]);
+    let scaled = |rule: Value, scale: f64| merged(rule, &json!({"rest_scale": scale}));
+    let tension = json!({"stiffness": 80.0, "slack": "tension-only", "dashpot": axial()});
+    let compression = json!({"stiffness": 80.0, "slack": "compression-only"});
+    vec![
+        Trial::new("green bars, taut", 0.03, bars(json!("green"), scaled(tension, 0.5))).recorded("3433243222"),
+        Trial::new("green bars, pressed", 0.05, bars(json!("green"), scaled(json!({"stiffness": 80.0}), 1.2)))
+            .recorded("2222222233"),
+        Trial::new("bars by a table", 0.05, bars(json!({"table": rows}), json!({}))).recorded("2222333222"),
+        Trial::new("springs that only push", 0.06, bars(json!("linear"), scaled(compression, 1.6)))
+            .recorded("2222222333"),
+    ]
+}
+
+/// States of the sheet as it is moved: taut where it is drawn, else wrinkled and slack beside each other.
+fn of_membranes() -> Vec<Trial> {
+    let sheet = |more: Value| {
+        let rule = merged(json!({"on": "all", "thickness": 1e-3, "modulus": 1e5, "poisson": 0.3}), &more);
+        json!({"membranes": [rule]})
+    };
+    let cloth = json!({"modulus": [1e5, 6e4], "shear": 2e4, "warp": [1, 0.5, 0]});
+    let wrinkling = json!({"wrinkling": true});
+    let damped = json!({"damping_time": 0.02});
+    let bending = json!({"bending": [{"on": "all", "stiffness": 0.5}]});
+    vec![
+        Trial::new("membrane", 0.05, sheet(json!({}))).recorded("2222333222"),
+        Trial::new("orthotropic membrane", 0.05, sheet(cloth.clone())).recorded("2222233322"),
+        Trial::new("membrane that wrinkles", 0.05, sheet(wrinkling.clone())).recorded("2222322222"),
+        Trial::new("orthotropic membrane that wrinkles", 0.05, sheet(merged(cloth, &wrinkling))).recorded("2221232222"),
+        Trial::new("damped membrane", 0.05, sheet(damped.clone())).recorded("2223332222"),
+        Trial::new("damped membrane that wrinkles", 0.05, sheet(merged(wrinkling, &damped))).recorded("2223222223"),
+        Trial::new("Rayleigh damping on a membrane", 0.05, merged(sheet(json!({})), &json!({"damping": rayleigh()})))
+            .recorded("2223322222"),
+        Trial::new("membrane with bending", 0.05, merged(sheet(json!({})), &bending)).recorded("2222332222"),
     ]
 }
 

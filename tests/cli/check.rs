@@ -151,6 +151,36 @@ fn a_large_net_is_predicted_with_what_solves_it() {
     }
 }
 
+/// What a scene of membranes is made of, and no word of springs that it does not have.
+#[test]
+fn membranes_are_told() {
+    let bench = Bench::new();
+    cloth(&bench, false);
+    let mut case: Value =
+        serde_json::from_slice(&std::fs::read(bench.path("cloth.json")).expect("a case")).expect("JSON");
+    let network = &mut case["system"]["network"];
+    network["springs"] = serde_json::json!([]);
+    network["membranes"] = serde_json::json!([
+        {"on": {"ids": [0, 1]}, "thickness": 1e-3, "modulus": 4e5, "poisson": 0.3},
+        {"on": "all", "thickness": 1e-3, "modulus": [4e5, 2e5], "poisson": 0.3, "shear": 1e5, "warp": [1, 0, 0],
+         "wrinkling": true, "damping_time": 0.001}
+    ]);
+    network["bending"] = serde_json::json!([{"on": "all", "stiffness": 1e-4}]);
+    std::fs::write(bench.path("sheet.json"), case.to_string()).expect("a case");
+    let ended = bench.run(&["check", "sheet.json", "--all"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    for words in [
+        "144 nodes, 242 triangles of membrane, ",
+        "membrane        2 triangles of 0.001 m: E 400000 Pa, nu 0.3\n",
+        "membrane        240 triangles of 0.001 m: E 400000 Pa along the warp and 200000 Pa across, nu 0.3, G 100000 Pa, wrinkles, damped by 0.001 s\n",
+        "bending         341 edges of cloth of 1e-4 N m\n",
+        "the filter is made for linear springs",
+    ] {
+        assert!(ended.stdout.contains(words), "no \"{words}\" in {}", ended.stdout);
+    }
+    assert!(!ended.stdout.contains("the springs"), "{}", ended.stdout);
+}
+
 /// There is a row for every method, a refused one with its reason.
 #[test]
 fn every_method_has_a_row() {

@@ -3,8 +3,13 @@
 use canopy_fem::case::Case;
 use canopy_fem::drive::Outcome;
 use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer, Point};
+use canopy_fem::model::forces::Role;
+use canopy_fem::model::observables::MembranePicture;
 use canopy_fem::model::state::State;
+use canopy_fem::model::stop::Stop;
+use canopy_fem::scene::Scene;
 use canopy_fem::simulation::{self, FollowSpec, FollowedState, bind, build_scene};
+use canopy_fem::statics::{self, StaticSpec};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -106,4 +111,58 @@ pub fn apart(a: &Run, b: &Run) -> f64 {
         from.positions.iter().zip(to).flat_map(|(a, b)| (0..3).map(move |c| (a[c] - b[c]).powi(2))).sum()
     };
     (sum(a, &b.positions) / sum(a, &a.reference)).sqrt()
+}
+
+/// The static equilibrium of a case that has one, from its start.
+pub fn at_rest(case: &Case) -> Rest {
+    let mut problem = case.problem().clone();
+    let scene = build_scene(problem.take_system(), 1).expect("the case is good");
+    let spec = StaticSpec {
+        at: 0.0,
+        relative: problem.solver.newton.relative,
+        max_iterations: 3000,
+        load_steps: 1,
+        linear: problem.solver.linear,
+    };
+    let found = statics::find(&*scene, spec, Stop::NEVER);
+    assert!(found.failure.is_none(), "{}: {:?}", problem.name, found.failure);
+    Rest::of(scene, found.point)
+}
+
+/// A case as it is at its start.
+pub fn as_given(case: &Case) -> Rest {
+    let scene = build_scene(case.problem().clone().take_system(), 1).expect("the case is good");
+    let mut point = Point { state: scene.initial_state(), forces: scene.new_forces() };
+    scene.evaluate(point.state.as_ref(), &mut point.forces);
+    Rest::of(scene, point)
+}
+
+/// A state with its forces, in the user's numbering.
+pub struct Rest {
+    pub positions: Vec<[f64; 3]>,
+    /// [N] sums of forces on free nodes
+    pub forces: Vec<[f64; 3]>,
+    /// [N] of what is held
+    pub reactions: Vec<[f64; 3]>,
+    /// of every triangle
+    pub membranes: Vec<MembranePicture>,
+    /// [J]
+    pub elastic: f64,
+}
+
+impl Rest {
+    fn of(scene: Box<dyn Scene>, point: Point) -> Self {
+        let nodes = scene.reference().len();
+        let at = point.state.as_ref();
+        let [mut positions, mut velocities] = [(); 2].map(|()| vec![[0.0; 3]; nodes]);
+        let [mut forces, mut reactions] = [(); 2].map(|()| vec![[0.0; 3]; nodes]);
+        let mut membranes = vec![MembranePicture::default(); scene.triangles().len()];
+        scene.trace(at, &mut positions, &mut velocities);
+        scene.node_forces(at, &point.forces, &mut forces);
+        scene.node_reactions(&point.forces, &mut reactions);
+        scene.triangle_membranes(at, &mut membranes);
+        let elastic = scene.terms().iter().zip(&point.forces.tallies);
+        let elastic = elastic.filter(|(term, _)| term.role == Role::Elastic).map(|(_, tally)| tally.energy).sum();
+        Rest { positions, forces, reactions, membranes, elastic }
+    }
 }

@@ -16,6 +16,7 @@
 
 mod exact;
 mod library;
+mod membranes;
 mod meshes;
 mod program;
 mod scenes;

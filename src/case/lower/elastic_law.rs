@@ -4,6 +4,7 @@ use super::numbers::rising;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{ElasticLawRule, Factor, SlackRule, SpringRule};
+use crate::format_number::counted;
 use crate::model::spec::ElasticLaw;
 
 /// Most rows of a table: a force pass goes through all of them.
@@ -36,7 +37,7 @@ pub(super) fn steepest(rows: &[[f64; 2]]) -> f64 {
 fn table(at: &Pointer, rows: &[[f64; 2]], faults: &mut Faults<'_>) -> Option<ElasticLaw> {
     if !(2..=MOST_ROWS).contains(&rows.len()) {
         let hint = Some("a measured curve needs few rows: they are joined by straight lines".to_owned());
-        faults.add_value(at, format!("{} rows", rows.len()), format!("2 to {MOST_ROWS} rows"), hint);
+        faults.add_value(at, counted(rows.len() as u64, "row", "rows"), format!("2 to {MOST_ROWS} rows"), hint);
         return None;
     }
     rising(at, "strain", rows.iter().map(|[strain, force]| (*strain, *force)), faults)?;

@@ -82,11 +82,11 @@ pub(super) fn rest_lengths(
             if length == 0.0
                 && let Some(needs) = needs_rest_length(rule)
             {
-                faults.add_hint(
-                    &at,
-                    "a number above 0",
-                    format!("{needs} divides by the rest length; give stiffness in its place"),
-                );
+                let hint = match needs {
+                    "law" => "this law needs a rest length; the linear law does not".to_owned(),
+                    _ => format!("{needs} divides by the rest length; give stiffness in its place"),
+                };
+                faults.add_hint(&at, "a number above 0", hint);
                 return None;
             }
             not_negative(&at, length, faults).then(|| vec![length; edges.len()])

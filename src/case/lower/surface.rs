@@ -95,7 +95,8 @@ fn material(at: &Pointer, rule: &MembraneRule, faults: &mut Faults<'_>) -> Optio
         faults.add(&at.key("warp"), "a vector that is not zero; its length does not matter");
     }
     let poisson = rule.poisson;
-    if !(poisson > -1.0 && poisson * poisson * modulus[1] < modulus[0]) {
+    let sound = modulus.iter().all(|modulus| *modulus > 0.0);
+    if sound && !(poisson > -1.0 && poisson * poisson * modulus[1] < modulus[0]) {
         let allowed = if orthotropic { "poisson^2 E2 below E1" } else { "above -1 and below 1" };
         faults.add_value(&at.key("poisson"), poisson.to_string(), allowed, None);
     }

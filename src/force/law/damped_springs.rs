@@ -11,7 +11,7 @@ use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, Records};
 use crate::force::kernel::differences::Differences;
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::star_batches::{AxialForce, AxialLaw, Measured};
-use crate::force::law::curve::{Bar, Tension};
+use crate::force::law::curve::{Bar, CurveKind, Tension};
 use crate::force::law::dashpot::{self, Damping};
 use crate::force::law::slack::{TensionLaw, tension, with_law};
 use crate::force::law::spring::{Coefficient, Cut, SpringData, SpringsAt, Stretch};
@@ -25,7 +25,8 @@ use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 use std::sync::Arc;
 
-const SPRINGS: TermInfo = TermInfo::of("springs", Role::Elastic);
+const SPRINGS: TermInfo = TermInfo { linear_springs: true, ..BARS };
+const BARS: TermInfo = TermInfo::of("springs", Role::Elastic);
 const AXIAL: TermInfo = dashpots("axial dashpots");
 const RELATIVE: TermInfo = dashpots("relative dashpots");
 
@@ -276,10 +277,13 @@ impl AxialState {
 
 impl ForceTerm for DampedSprings {
     fn parts(&self) -> &[TermInfo] {
-        match self.kind() {
-            None => &[SPRINGS],
-            Some(DashpotKind::Axial) => &[SPRINGS, AXIAL],
-            Some(DashpotKind::Relative) => &[SPRINGS, RELATIVE],
+        match (self.kind(), self.springs.curve == CurveKind::Linear) {
+            (None, true) => &[SPRINGS],
+            (None, false) => &[BARS],
+            (Some(DashpotKind::Axial), true) => &[SPRINGS, AXIAL],
+            (Some(DashpotKind::Axial), false) => &[BARS, AXIAL],
+            (Some(DashpotKind::Relative), true) => &[SPRINGS, RELATIVE],
+            (Some(DashpotKind::Relative), false) => &[BARS, RELATIVE],
         }
     }
 

@@ -60,6 +60,9 @@ impl RestShape {
     }
 }
 
+/// [-] Strain below which a sheet is shown as taut.
+const UNSTRAINED: f64 = 1e-13;
+
 /// [-] Sine of the least angle between the warp direction and the normal of a triangle.
 const SMALL: f64 = 1e-6;
 
@@ -123,7 +126,10 @@ impl MembraneData {
         let green = [strain[0] / (one * one), strain[1] / (two * two), 0.5 * strain[2] / (one * two)];
         let principal_strain = principal(green[0] + green[1], green[0] * green[1] - green[2] * green[2]);
         let warp = u.try_normalize(0.0).unwrap_or_default();
-        MembraneState { tension, strain: principal_strain, wrinkling: self.sheet.wrinkling(strain), warp }
+        // The sign of a rounding error says nothing.
+        let unstrained = principal_strain.iter().all(|e| e.abs() < UNSTRAINED);
+        let wrinkling = if unstrained { Wrinkling::Taut } else { self.sheet.wrinkling(strain) };
+        MembraneState { tension, strain: principal_strain, wrinkling, warp }
     }
 
     /// [-] Square of the largest stretch of triangle `i`.

@@ -3,13 +3,13 @@
 use super::common::{base_with, faults, text_with};
 
 /// `--set` values (`;` between several), pointer, words that the fault's paragraph contains.
-type Row = (&'static str, &'static str, &'static str);
+type Row<'a> = (&'a str, &'a str, &'a str);
 
 fn sets(text: &str) -> Vec<(&str, &str)> {
     text.split(';').map(|pair| pair.split_once('=').expect("key=value")).collect()
 }
 
-fn refuses(rows: &[Row]) {
+fn refuses(rows: &[Row<'_>]) {
     for (change, pointer, words) in rows {
         let list = faults(base_with(&sets(change)));
         let hit = list.iter().find(|f| f.pointer == *pointer);
@@ -130,6 +130,69 @@ fn springs_and_mass() {
         ("system.network.mass.nodal=null", "/system/network/mass", "free nodes 4 (0 kg"),
         ("system.network.mass=null", "/system/network/mass", "free nodes 1, 2, 3, 4"),
     ]);
+}
+
+/// Membranes, bending, and laws of springs.
+#[test]
+fn membranes_bending_and_laws() {
+    let membranes = |more: &str, words: &'static str, key: &'static str| {
+        let rest = [("thickness", "1e-3"), ("poisson", "0.2")].into_iter().filter(|(key, _)| !more.contains(key));
+        let rest: String = rest.map(|(key, value)| format!("\"{key}\":{value},")).collect();
+        (
+            format!("system.network.membranes=[{{\"on\":\"all\",{rest}{more}}}]"),
+            format!("/system/network/membranes/0{key}"),
+            words,
+        )
+    };
+    let two = r#""modulus":[2e6,1e6]"#;
+    let bending = |more: &str, words: &'static str, key: &'static str| {
+        let change = format!("system.network.bending=[{{\"on\":\"all\"{more}}}]");
+        (change, format!("/system/network/bending/0{key}"), words)
+    };
+    let springs = |more: &str, words: &'static str, key: &'static str| {
+        let change = format!("system.network.springs=[{{\"on\":\"all\",{more}}}]");
+        (change, format!("/system/network/springs/0{key}"), words)
+    };
+    let rows = [
+        membranes(r#""modulus":-1"#, "above 0", "/modulus"),
+        membranes(&format!(r#"{two},"warp":[1,0,0]"#), "two moduli without shear", ""),
+        membranes(&format!(r#"{two},"shear":1e5"#), "two moduli without a warp", ""),
+        membranes(r#""modulus":[2e6,0],"shear":1e5,"warp":[1,0,0]"#, "above 0", "/modulus/1"),
+        membranes(&format!(r#"{two},"warp":[1,0,0],"shear":-1"#), "above 0", "/shear"),
+        membranes(r#""modulus":1e6,"shear":1e5"#, "only with two moduli", "/shear"),
+        membranes(r#""modulus":1e6,"damping_time":-1"#, "0 or more", "/damping_time"),
+        membranes(r#""modulus":1e6,"thickness":0"#, "above 0", "/thickness"),
+        membranes(r#""modulus":1e6,"poisson":1"#, "below 1", "/poisson"),
+        membranes(
+            r#""modulus":[1e6,9e6],"shear":1e5,"warp":[1,0,0],"poisson":0.4"#,
+            "poisson^2 E2 below E1",
+            "/poisson",
+        ),
+        membranes(r#""modulus":1e6,"warp":[0,0,0]"#, "not zero", "/warp"),
+        membranes(r#""modulus":1e6,"warp":[0,0,1]"#, "at right angles to triangles 0, 1", "/warp"),
+        bending("", "without stiffness", ""),
+        bending(r#","stiffness":1,"flexural_rigidity":1"#, "both stiffnesses", ""),
+        bending(r#","stiffness":-1"#, "above 0", "/stiffness"),
+        bending(r#","flexural_rigidity":1"#, "edges that can bend", "/on"),
+        springs(r#""law":"green""#, "exactly one of", ""),
+        springs(r#""law":"greene","stiffness":1"#, "did you mean \"green\"", "/law"),
+        springs(r#""law":"green","stiffness":1,"rest_length":0"#, "this law needs a rest length", "/rest_length"),
+        springs(r#""law":{"table":[[0,0]]}"#, "1 row", "/law/table"),
+        springs(r#""law":{"table":[[0,0],[0.1,2],[0.2,1]]}"#, "do not fall", "/law/table/2"),
+        springs(r#""law":{"table":[[0,0],[0.1,2],[0.05,3]]}"#, "strictly increasing", "/law/table/2"),
+        springs(r#""law":{"table":[[0,1],[0.1,2]]}"#, "1 N at the strain 0", "/law/table"),
+        springs(r#""law":{"table":[[0.1,1],[0.2,2]]}"#, "no strain 0 within the rows", "/law/table"),
+        springs(r#""law":{"table":[[0,0],[0.1,0]]}"#, "a curve that rises", "/law/table"),
+        springs(r#""law":{"table":[[0,0],[0.1,2]]},"stiffness":1"#, "a stiffness and a table", ""),
+        springs(
+            r#""law":"green","stiffness":1,"slack":{"compression_limit":0.1},"rest_scale":{"table":[[0,1],[1,2]]}"#,
+            "a linear law with compression_limit",
+            "/law",
+        ),
+    ];
+    for (change, pointer, words) in &rows {
+        refuses(&[(change, pointer, words)]);
+    }
 }
 
 /// Meshes, supports, and what cannot move.

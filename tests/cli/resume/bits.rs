@@ -162,6 +162,19 @@ fn free() -> Value {
     case
 }
 
+/// The sail of membranes that wrinkle, with bars of finite strain along its springs.
+fn membrane() -> Value {
+    let mut case = sail();
+    let network = &mut case["system"]["network"];
+    network["springs"] = json!([{"on": "all", "stiffness": 10.0, "law": "green", "slack": "tension-only"}]);
+    network["membranes"] = json!([{
+        "on": "all", "thickness": 1e-3, "modulus": [4e4, 3e4], "poisson": 0.2, "shear": 5e3, "warp": [1, 0, 0],
+        "wrinkling": true, "damping_time": 0.01
+    }]);
+    network["bending"] = json!([{"on": "all", "stiffness": 0.01}]);
+    case
+}
+
 fn pendulum() -> Value {
     json!({
         "name": "pendulum",
@@ -229,6 +242,11 @@ fn every_method_resumes_with_the_same_bits_without_wind() {
 }
 
 #[test]
+fn every_method_resumes_membranes_with_the_same_bits() {
+    every_method(&membrane(), "sail of membranes");
+}
+
+#[test]
 fn every_method_resumes_the_pendulum_with_the_same_bits() {
     every_method(&pendulum(), "pendulum");
 }
@@ -250,7 +268,8 @@ fn of_a_sail_without_damping() {
 /// the history by time. HHT's carried acceleration depends on the step that made it.
 #[test]
 fn every_method_resumes_adaptive_steps_with_the_same_bits() {
-    for (scene, what) in [(sail(), "sail"), (calm(), "calm sail"), (pendulum(), "pendulum")] {
+    let scenes = [(sail(), "sail"), (calm(), "calm sail"), (membrane(), "sail of membranes"), (pendulum(), "pendulum")];
+    for (scene, what) in scenes {
         for method in methods() {
             if method.family == Family::MatrixFree && what == "pendulum" {
                 continue;

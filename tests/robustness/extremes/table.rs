@@ -1,5 +1,6 @@
 //! The hostile cases: a scene, what is changed in it, what must hold beyond what holds for all.
 
+use super::membranes::{bars, bending, membranes};
 use super::scenes::{chain, mote, net, patch, sail};
 use super::states::{damping, denormals, geometry, loads, pendulums, slack};
 use super::verdict::{End, Kind};
@@ -88,9 +89,8 @@ pub const KNOWN: [(&str, &str, &str); 0] = [];
 
 /// The table.
 pub fn cases() -> Vec<Hostile> {
-    let rows =
-        [stiffness(), masses(), times(), wind(), geometry(), slack(), loads(), damping(), denormals(), pendulums()];
-    rows.into_iter().flatten().collect()
+    let springs = [stiffness(), masses(), times(), wind(), geometry(), slack(), loads(), damping(), denormals()];
+    springs.into_iter().chain([membranes(), bars(), bending(), pendulums()]).flatten().collect()
 }
 
 /// Stiffness, step and wind at the ends of their ranges together.

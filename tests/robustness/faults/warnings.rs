@@ -47,6 +47,17 @@ fn strips() -> Value {
         "time": {"end": 0.1, "method": "newmark", "step": 1e-3}})
 }
 
+/// Two triangles of membrane apart from each other, one of them held.
+fn pieces() -> Value {
+    json!({"name": "pieces", "system": {"network": {
+        "mesh": {"explicit": {"nodes": [[0,0,0],[1,0,0],[0,1,0],[2,0,0],[3,0,0],[2,1,0]],
+            "triangles": [[0,1,2],[3,4,5]]}},
+        "mass": {"areal_density": 0.1},
+        "membranes": [{"on": "all", "thickness": 1e-4, "modulus": 1e8, "poisson": 0.3, "wrinkling": true}],
+        "supports": [{"on": {"ids": [0]}, "fix": "xyz"}], "gravity": [0, 0, -9.81]}},
+        "time": {"end": 0.1, "method": "newmark", "step": 1e-3}})
+}
+
 /// Two masses on a spring that turn at 10 rad/s.
 fn dumbbell(dashpot: Value) -> Value {
     json!({"name": "spin", "system": {"network": {
@@ -81,6 +92,7 @@ fn every_warning_fires_alone() {
         json!({"explicit": {"nodes": [[0,0,0],[1,0,0],[1,1,0],[0,0,1e-7]], "springs": [[0,1],[1,2],[2,3]]}});
     for (case, code, words) in [
         (with(&strips(), &[(&format!("{N}/mesh"), loop_ends)]), "coincident-nodes", "nodes 0 and 3 coincide"),
+        (pieces(), "no-support", "nodes 3, 4, 5 are connected to no support"),
         (with(&sail(), &[(&format!("{N}/aero/wind"), json!([10, 1, 0]))]), "wind-in-plane", "of all 32 triangles"),
         (with(&sail(), &[law(ergun), (&format!("{N}/aero/wind"), json!([0, 0, 50]))]), "air-pressure", "Pa at 50 m/s"),
         (with(&sail(), &[law(permeable)]), "air-pressure", "take \"pressure_coefficient\""),
@@ -135,8 +147,20 @@ fn sane_neighbours_have_no_warning() {
     let skirt = json!([{"on": "outer", "fix": "z"}]);
     let inside = json!([{"on": "all", "pressure": 50.0}]);
     let dead = json!({"on": "all", "pressure": 10.0, "kind": "dead", "direction": [0, 0, 1]});
+    let membranes = pieces()["system"]["network"]["membranes"].clone();
+    // A tape that only the cloth holds.
+    let mut taped = pieces();
+    taped["system"]["network"]["mesh"] = json!({"explicit": {
+        "nodes": [[0,0,0],[1,0,0],[0,1,0],[1,1,0],[2,0,0]], "springs": [[3, 4]],
+        "triangles": [[0,1,2],[1,3,2],[1,4,3]]
+    }});
+    taped["system"]["network"]["springs"] = json!([{"on": "all", "stiffness": 100.0}]);
+    let both = json!([{"on": {"ids": [0, 3]}, "fix": "xyz"}]);
     for case in [
         sail(),
+        with(&sail(), &[(&at("springs"), json!([])), (&at("membranes"), membranes)]),
+        taped,
+        with(&pieces(), &[(&at("supports"), both)]),
         with(&sail(), &[(&at("aero/wind"), json!([10, 0, 0.1]))]),
         with(&sail(), &[(&at("aero/wind"), table)]),
         with(&sail(), &[(&at("aero/wind"), json!([0, 0, 0]))]),

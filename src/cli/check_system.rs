@@ -1,0 +1,103 @@
+//! What `check` says of the system: sizes in a line, and the model part by part.
+
+use crate::case::spec::SystemSpec;
+use crate::format_number::{counted, figures};
+use crate::mesh::group::describe_groups;
+use crate::model::group_totals::GroupTotals;
+use crate::model::spec::{BendingSpec, MembraneSpec, NetworkSpec};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// Counts and mass in a line.
+pub(super) fn describe_size(system: &SystemSpec, mass: f64) -> String {
+    let mass = figures(mass, 4);
+    match system {
+        SystemSpec::Pendulum(p) => {
+            format!("  size            a pendulum of {} m and {mass} kg\n", figures(p.length, 7))
+        }
+        SystemSpec::Network(spec) => {
+            let NetworkSpec { mesh, fixed, springs, membranes, .. } = &**spec;
+            let held = fixed.as_flattened().iter().filter(|f| **f).count();
+            let n_springs = springs.iter().map(|group| group.edges.len() as u64).sum();
+            let n_membranes: u64 = membranes.iter().map(|membrane| membrane.triangles.len() as u64).sum();
+            let triangles = counted(mesh.triangles.len() as u64, "triangle", "triangles");
+            let counts = [
+                Some(counted(mesh.nodes.len() as u64, "node", "nodes")),
+                (n_springs > 0 || n_membranes == 0).then(|| counted(n_springs, "spring", "springs")),
+                Some(match n_membranes {
+                    0 => triangles,
+                    n if n == mesh.triangles.len() as u64 => format!("{triangles} of membrane"),
+                    n => format!("{triangles}, {n} of them membrane"),
+                }),
+                Some(counted((3 * fixed.len() - held) as u64, "unknown", "unknowns")),
+            ];
+            format!("  size            {}, {mass} kg\n", counts.into_iter().flatten().collect::<Vec<_>>().join(", "))
+        }
+    }
+}
+
+pub(super) fn describe_system(text: &mut String, system: &SystemSpec, groups: &BTreeMap<String, GroupTotals>) {
+    match system {
+        SystemSpec::Pendulum(p) => {
+            let _ = writeln!(
+                text,
+                "  pendulum        L = {} m, m = {} kg, c = {} N m s",
+                figures(p.length, 12),
+                figures(p.mass, 12),
+                figures(p.damping, 12)
+            );
+        }
+        SystemSpec::Network(spec) => {
+            let NetworkSpec { mesh, mass, fixed, springs, .. } = &**spec;
+            let n_springs: usize = springs.iter().map(|g| g.edges.len()).sum();
+            let dashpots: usize = springs.iter().filter(|g| g.dashpot.is_some()).map(|g| g.edges.len()).sum();
+            let held = fixed.as_flattened().iter().filter(|f| **f).count();
+            let _ = writeln!(
+                text,
+                "  network         {} nodes, {n_springs} springs, {dashpots} dashpots, {} triangles",
+                mesh.nodes.len(),
+                mesh.triangles.len()
+            );
+            spec.membranes.iter().for_each(|membrane| describe_membrane(text, membrane));
+            spec.bending.iter().for_each(|bending| describe_bending(text, bending));
+            let _ = writeln!(text, "  mass            {} kg", figures(mass.iter().sum::<f64>(), 7));
+            for (group, totals) in describe_groups(mesh).iter().zip(groups.values()) {
+                let rest = match totals.rest_length {
+                    0.0 => String::new(),
+                    length => format!(", springs of {} m", figures(length, 7)),
+                };
+                let _ = writeln!(text, "  group           {group}{rest}, {} kg", figures(totals.mass, 7));
+            }
+            let _ = writeln!(text, "  unknowns        {} ({held} degrees of freedom held)", 3 * fixed.len() - held);
+        }
+    }
+}
+
+fn describe_membrane(text: &mut String, membrane: &MembraneSpec) {
+    let MembraneSpec { triangles, thickness, modulus: [first, second], poisson, shear, warp, .. } = membrane;
+    let triangles = counted(triangles.len() as u64, "triangle", "triangles");
+    let [first, second, shear, poisson] = [*first, *second, *shear, *poisson].map(|value| figures(value, 4));
+    let stiffness = match warp.is_some() {
+        true => format!("E {first} Pa along the warp and {second} Pa across, nu {poisson}, G {shear} Pa"),
+        false => format!("E {first} Pa, nu {poisson}"),
+    };
+    let wrinkles = if membrane.wrinkling { ", wrinkles" } else { "" };
+    let damped = match membrane.damping_time {
+        0.0 => String::new(),
+        time => format!(", damped by {} s", figures(time, 4)),
+    };
+    let thickness = figures(*thickness, 4);
+    let _ = writeln!(text, "  membrane        {triangles} of {thickness} m: {stiffness}{wrinkles}{damped}");
+}
+
+fn describe_bending(text: &mut String, bending: &BendingSpec) {
+    let BendingSpec { hinges, stiffness, chains, flexural_rigidity } = bending;
+    if !hinges.is_empty() {
+        let edges = counted(hinges.len() as u64, "edge", "edges");
+        let _ = writeln!(text, "  bending         {edges} of cloth of {} N m", figures(*stiffness, 4));
+    }
+    if !chains.is_empty() {
+        let nodes = counted(chains.len() as u64, "node", "nodes");
+        let _ = writeln!(text, "  bending         {nodes} of lines of {} N m^2", figures(*flexural_rigidity, 4));
+    }
+}
