@@ -106,6 +106,14 @@ impl MembraneData {
         [0.5 * (c[(0, 0)] - one), 0.5 * (c[(1, 1)] - two), c[(0, 1)]]
     }
 
+    /// The sheet at a strain: the sign of a rounding error is no wrinkle.
+    fn sheet_at(&self, strain: Voigt) -> Sheet {
+        let [one, two] = self.scale;
+        let sizes = [one * one, two * two, one * two];
+        let unstrained = strain.iter().zip(sizes).all(|(e, size)| e.abs() < UNSTRAINED * size);
+        Sheet { wrinkles: self.sheet.wrinkles && !unstrained, ..self.sheet }
+    }
+
     fn squares(&self) -> [f64; 2] {
         self.scale.map(|x| x * x)
     }
@@ -126,9 +134,7 @@ impl MembraneData {
         let green = [strain[0] / (one * one), strain[1] / (two * two), 0.5 * strain[2] / (one * two)];
         let principal_strain = principal(green[0] + green[1], green[0] * green[1] - green[2] * green[2]);
         let warp = u.try_normalize(0.0).unwrap_or_default();
-        // The sign of a rounding error says nothing.
-        let unstrained = principal_strain.iter().all(|e| e.abs() < UNSTRAINED);
-        let wrinkling = if unstrained { Wrinkling::Taut } else { self.sheet.wrinkling(strain) };
+        let wrinkling = self.sheet_at(strain).wrinkling(strain);
         MembraneState { tension, strain: principal_strain, wrinkling, warp }
     }
 
@@ -168,7 +174,10 @@ impl MembraneData {
             let moved = [c[(0, 0)], c[(1, 1)], c[(0, 1)] + c[(1, 0)]];
             (0..3).for_each(|j| total[j] += tau * moved[j]);
         }
-        let matrix = |strain: Voigt| Matrix3::from_fn(|i, j| self.sheet.tangent(strain)[i][j]);
+        let matrix = |strain: Voigt| {
+            let tangent = self.sheet_at(strain).tangent(strain);
+            Matrix3::from_fn(|i, j| tangent[i][j])
+        };
         // The symmetric form is that of the elastic stress, with damping by velocities alone.
         let damped = if tau > 0.0 { matrix(total) } else { Matrix3::zeros() };
         let exact = tau > 0.0 && !form.symmetric;
