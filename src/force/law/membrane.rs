@@ -60,7 +60,7 @@ impl RestShape {
     }
 }
 
-/// [-] Strain below which a sheet is shown as taut.
+/// [-] Strain below which a sheet counts as taut: the sign of a rounding error says nothing.
 const UNSTRAINED: f64 = 1e-13;
 
 /// [-] Sine of the least angle between the warp direction and the normal of a triangle.
