@@ -1,7 +1,7 @@
 //! Models of the cloth in a study that compares them: what the cheaper one costs in accuracy.
 //!
-//! All runs are measured against the solution with membranes. The solution of the net, as accurate as that, differs from
-//! it by the error of the model, which no step makes smaller.
+//! All runs are measured against the solution with membranes. The solution of the net, as accurate as that, differs
+//! from it by the error of the model, which no step makes smaller.
 
 use serde::{Deserialize, Serialize};
 
