@@ -84,6 +84,16 @@ fn a_taut_sheet_at_one_third_is_a_net() {
     }
 }
 
+/// A sheet that is pulled along its edges is on the verge of wrinkling, and does so as it swings. Then the other edges
+/// of a net go slack in turn, which is another motion at Poisson's ratio 1/3 too.
+#[test]
+fn a_wrinkling_sheet_is_no_net() {
+    let mut wrinkled = membranes(1.0 / 3.0);
+    wrinkled.1["wrinkling"] = json!(true);
+    let [taut, wrinkled] = [membranes(1.0 / 3.0), wrinkled].map(|cloth| compared(&sheet(3, 1e-3, cloth)).1);
+    assert!(taut < 0.01 && wrinkled > 0.1, "taut {taut:e}, wrinkled {wrinkled:e}");
+}
+
 /// A net cannot have Poisson's ratio 0: runs of the net come to its own error and stay there at smaller steps, those
 /// of membranes do not. Everything that is written says so.
 #[test]
@@ -116,22 +126,30 @@ fn a_sheet_at_zero_is_none() {
     assert_eq!(told["answers"]["models"][0]["error"].as_f64(), Some(report.error));
 }
 
-/// Membranes at 1/3 and the springs that stand for them are the same two models, dampers and tapes included.
+/// Membranes at 1/3 and the springs that stand for them are the same two models, with dampers and tapes, and where they
+/// wrinkle.
 #[test]
 fn either_model_gives_both() {
-    let bench = Bench::new();
-    let mut both = Vec::new();
-    for (out, cloth) in [("membranes", membranes(1.0 / 3.0)), ("springs", springs())] {
-        let ended = tradeoff(&bench, &sheet(3, 1e-3, cloth), out, &with(&["--models", "membrane,net"]));
-        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-        both.push(study(&bench.path(out)));
+    for wrinkling in [false, true] {
+        let bench = Bench::new();
+        let [mut sheets, mut net] = [membranes(1.0 / 3.0), springs()];
+        if wrinkling {
+            sheets.1["wrinkling"] = json!(true);
+            net.1["slack"] = json!("tension-only");
+        }
+        let both = [("membranes", sheets), ("springs", net)].map(|(out, cloth)| {
+            let ended = tradeoff(&bench, &sheet(3, 1e-3, cloth), out, &with(&["--models", "membrane,net"]));
+            assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+            study(&bench.path(out))
+        });
+        let [a, b] = &both;
+        assert_eq!(a.plan.variants[0].models.len(), 2);
+        for (a, b) in a.plan.variants[0].models.iter().zip(&b.plan.variants[0].models) {
+            assert_eq!(a.model, b.model);
+            assert_eq!(a.fingerprint.differences(&b.fingerprint), None, "{:?}", a.model);
+        }
+        assert_eq!(counted(&a.rows), counted(&b.rows));
     }
-    let [a, b] = [&both[0], &both[1]];
-    for (a, b) in a.plan.variants[0].models.iter().zip(&b.plan.variants[0].models) {
-        assert_eq!(a.model, b.model);
-        assert_eq!(a.fingerprint.differences(&b.fingerprint), None, "{:?}", a.model);
-    }
-    assert_eq!(counted(&a.rows), counted(&b.rows));
 }
 
 /// With one model only its runs are made, measured against membranes all the same.
