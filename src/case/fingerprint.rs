@@ -226,6 +226,15 @@ impl Fingerprint {
         Ok(())
     }
 
+    /// Whether another case has the same scene over the same time, whatever its method, steps and output.
+    pub fn same_scene(&self, other: &Fingerprint) -> bool {
+        let scene = |of: &Fingerprint| -> Vec<FingerprintPart> {
+            let part = |part: &&FingerprintPart| part.key.starts_with("system.") || part.key == "time.end";
+            of.parts.iter().filter(part).cloned().collect()
+        };
+        scene(self) == scene(other)
+    }
+
     /// The differences of another case from this one; `None` if there are none.
     pub fn differences(&self, now: &Fingerprint) -> Option<Differences> {
         let mut found = Vec::new();

@@ -8,6 +8,7 @@
 //! the text tolerantly (`jsonc`), compares it with the schema (`schema_check`), replaces wrong values by stand-ins, and
 //! checks ranges and meaning of the rest. [`diagnostics`] describes a fault, and [`span`] has its location in the text.
 
+mod cloth_model;
 pub mod diagnostics;
 mod error;
 pub mod fingerprint;
@@ -25,6 +26,7 @@ pub mod spec;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+pub use cloth_model::ClothModelError;
 pub use diagnostics::{Fault, FaultTarget};
 pub use error::CaseError;
 pub use schema::json_schema;

@@ -4,6 +4,7 @@
 
 use super::check_json::{Report, Totals};
 use super::check_system::{describe_size, describe_system};
+use super::known_models::KnownModels;
 use super::warnings::{of_scene, planned};
 use super::{CheckArgs, CliError};
 use crate::analysis::critical::{Confidence, CriticalStep, ElementBounds, outside_filter};
@@ -18,7 +19,6 @@ use crate::mesh::canopy::Canopy;
 use crate::mesh::parachute::ParachuteParameters;
 use crate::model::state::State;
 use crate::model::stop::Stop;
-use crate::output::sanitize::file_stem;
 use crate::scene::{Scene, place_of};
 use crate::simulation::{build_scene, check_solver};
 use crate::study::forecast::memory::Baseline;
@@ -27,13 +27,12 @@ use crate::study::forecast::{Candidate, ForecastSpec, describe, describe_answer,
 use crate::warning::{Warning, WarningCode};
 use serde::Deserialize;
 use std::fmt::Write;
-use std::path::PathBuf;
 
 /// Accuracy to recommend a method for, if neither the command nor the case has one.
 const ACCURACY: f64 = 1e-3;
 
 pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
-    let (mut problem, source) = Case::from_file(&args.case.case, &args.case.overrides())?.split();
+    let (models, mut problem, source) = KnownModels::of(Case::from_file(&args.case.case, &args.case.overrides())?);
     let groups = problem.group_totals();
     let system = problem.take_system();
     let totals = Totals::of(&system);
@@ -65,8 +64,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let forecast = forecast(&spec);
     // Trial runs have passed events.
     scene.pass_events(0);
-    let out = PathBuf::from("out").join(file_stem(&problem.name));
-    let mut found = of_scene(plan, &problem, limit, &out);
+    let mut found = of_scene(plan, &problem, limit, &models.folder);
     found.extend(later_warning(plan, limit, later));
     let slack = found.iter().any(|warning| warning.code == WarningCode::SlackSprings);
     let (acknowledged, warnings) = problem.sort_out(found);
@@ -82,6 +80,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
             forecast,
             totals,
             groups,
+            models: models.answers,
             warnings,
             acknowledged,
         }
@@ -92,7 +91,10 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     // A run that was too expensive to try is not one that fails.
     let fails = own_run.and_then(|row| row.refused.as_deref()).is_some_and(|why| why.starts_with("fails "));
     let stable = Stability { step: plan.step, limit: own.and_then(|own| own.limit), later, slack, fails }.describe();
-    let mut text = heading(&problem, &warnings) + &describe_answer(&problem, &forecast, &stable)? + &size;
+    let mut text = heading(&problem, &warnings)
+        + &describe_answer(&problem, &forecast, &stable)?
+        + &size
+        + &models.describe(&args.case.case);
     text.push_str(&notes(args, &acknowledged, &warnings));
     if args.all {
         tables.push_str(&describe(&problem, &forecast)?);

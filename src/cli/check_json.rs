@@ -12,6 +12,7 @@ use crate::mesh::canopy::CanopySizes;
 use crate::model::group_totals::GroupTotals;
 use crate::scene::{Scene, place_of};
 use crate::study::forecast::{Candidate, Forecast};
+use crate::study::recommendations::ModelAnswer;
 
 /// Everything that `check` finds.
 pub(super) struct Report<'a> {
@@ -24,6 +25,8 @@ pub(super) struct Report<'a> {
     pub totals: Totals,
     /// of the mesh, by name
     pub groups: BTreeMap<String, GroupTotals>,
+    /// what a study has measured of them
+    pub models: Vec<ModelAnswer>,
     pub warnings: Vec<String>,
     pub acknowledged: Vec<String>,
 }
@@ -39,7 +42,8 @@ pub(super) struct Totals {
 impl Report<'_> {
     /// JSON text that ends with a line break.
     pub fn to_json(&self) -> Result<String, CliError> {
-        let Report { problem, scene, candidates, later, forecast, totals, groups, warnings, acknowledged } = self;
+        let Report { problem, scene, candidates, later, forecast, totals, groups, models, warnings, acknowledged } =
+            self;
         let tolerance = problem.time.step.tolerance();
         let unknowns = scene.inverse_mass().iter().filter(|m| **m > 0.0).count();
         let mut report = json!({
@@ -58,6 +62,7 @@ impl Report<'_> {
             "later_critical_step": later.map(|LaterLimit { t, limit }| json!({
                 "from": t, "critical_step": limit.step, "set_by": place_of(*scene, limit.dof)
             })),
+            "models": models,
             "warnings": warnings,
             "acknowledged": acknowledged,
             "version": env!("CARGO_PKG_VERSION"),

@@ -7,6 +7,7 @@ mod check_system;
 mod error;
 pub mod init;
 mod interrupt;
+mod known_models;
 pub mod mesh;
 mod mesh_json;
 mod methods;

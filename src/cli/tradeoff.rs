@@ -109,9 +109,9 @@ impl Command<'_> {
         self.args.study.warn(case);
         let options = self.options(case)?;
         let section = case.file().study.as_ref().and_then(|study| study.budget_seconds);
-        let variants = options.stiffness_sweep.len().max(1) as f64;
+        let references = options.stiffness_sweep.len().max(options.models.len()).max(1) as f64;
         let allowance = match self.budget(section) {
-            Budget::Seconds(budget) => FOR_REFERENCES * budget / variants,
+            Budget::Seconds(budget) => FOR_REFERENCES * budget / references,
             Budget::Unlimited => ALLOWANCE,
         };
         let planner = Planner {
@@ -146,7 +146,9 @@ impl Command<'_> {
         }
         // A shard or a merge follows the plan and its options.
         if !self.args.study.follows_a_plan() && plan.asked != self.options(case)? {
-            return Err(other("other methods, steps, tolerances, repeats or stiffnesses were asked for".to_owned()));
+            return Err(other(
+                "other methods, steps, tolerances, repeats, stiffnesses or models were asked for".to_owned(),
+            ));
         }
         Ok(())
     }

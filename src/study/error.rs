@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use super::reference::ReferenceFailure;
-use crate::case::CaseError;
 use crate::case::fingerprint::FingerprintError;
+use crate::case::schema::ClothModel;
+use crate::case::{CaseError, ClothModelError};
 use crate::integrate::registry::MethodError;
 use crate::plot::PlotError;
 use crate::simulation::SetupError;
@@ -15,6 +16,17 @@ pub enum StudyError {
     /// The case or a variant of it is bad.
     #[error(transparent)]
     Case(#[from] CaseError),
+    /// The cloth has no other model.
+    #[error("models: {0}")]
+    ClothModel(#[from] ClothModelError),
+    /// A model of the cloth has no solution to compare.
+    #[error("the cloth as a {}: {source}", model.word())]
+    OfModel {
+        /// the model
+        model: ClothModel,
+        /// why
+        source: Box<StudyError>,
+    },
     /// The scene cannot be built.
     #[error(transparent)]
     Setup(#[from] SetupError),
@@ -112,6 +124,7 @@ impl StudyError {
             StudyError::System { .. } | StudyError::Fingerprint(_) | StudyError::Page(_) => 1,
             StudyError::Setup(SetupError::Threads(_)) => 1,
             StudyError::Plot(e) => e.exit_status(),
+            StudyError::OfModel { source, .. } => source.exit_status(),
             StudyError::Interrupted | StudyError::InterruptedReference => 130,
             _ => 2,
         }

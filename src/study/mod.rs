@@ -15,6 +15,7 @@ pub(crate) mod forecast;
 pub mod frames;
 mod keeper;
 mod measure;
+pub mod models;
 pub mod options;
 pub mod pareto;
 pub mod plan;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::error::StudyError;
 use super::prepared_case::choice;
 use super::step_grid::{decades, series};
-use crate::case::schema::{Method, Study};
+use crate::case::schema::{ClothModel, Method, Study};
 
 /// Times a run is repeated to measure its cost, if nobody says.
 const REPEAT: u32 = 3;
@@ -25,6 +25,9 @@ pub struct StudyOptions {
     pub repeat: u32,
     /// [-] factors on the stiffness of all springs; empty: the case as it is
     pub stiffness_sweep: Vec<f64>,
+    /// models of the cloth, each once; empty: the cloth as the case has it
+    #[serde(default)]
+    pub models: Vec<ClothModel>,
 }
 
 /// What was typed.
@@ -47,6 +50,10 @@ pub struct TypedOptions {
     /// Repeat the study with the stiffness of all springs times these factors: 1,10,100 or 1..1e4
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
     pub stiffness_sweep: Option<String>,
+    /// Models of the cloth to compare, separated by commas; errors are distances from the solution with membranes, so
+    /// that they hold what the net costs in accuracy
+    #[arg(long, value_name = "LIST", value_delimiter = ',', conflicts_with_all = ["shard", "merge"])]
+    pub models: Option<Vec<ClothModel>>,
 }
 
 impl StudyOptions {
@@ -62,12 +69,22 @@ impl StudyOptions {
             typed.as_deref().map(|text| numbers(flag, text, of, allowed)).transpose()
         };
         let methods = typed.methods.as_deref().map(methods).transpose()?;
+        let mut models = typed.models.clone().or(section.models).unwrap_or_default();
+        models.sort_unstable();
+        models.dedup();
+        let stiffness_sweep =
+            list("--stiffness-sweep", &typed.stiffness_sweep, decades, &positive)?.unwrap_or_default();
+        if !models.is_empty() && !stiffness_sweep.is_empty() {
+            let why = "models are compared at one stiffness: give --stiffness-sweep or models, not both";
+            return Err(StudyError::Usage(why.to_owned()));
+        }
         Ok(StudyOptions {
             methods: methods.or(section.methods),
             steps: list("--steps", &typed.steps, series, &positive)?.or(section.steps),
             tolerances: list("--tolerances", &typed.tolerances, decades, &fraction)?.or(section.tolerances),
             repeat: typed.repeat.or(section.repeat).unwrap_or(REPEAT),
-            stiffness_sweep: list("--stiffness-sweep", &typed.stiffness_sweep, decades, &positive)?.unwrap_or_default(),
+            stiffness_sweep,
+            models,
         })
     }
 }

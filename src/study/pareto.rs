@@ -36,7 +36,7 @@ mod tests {
     fn row(id: &str, status: RowStatus, error: f64, cost: f64) -> Row {
         let method = Method { name: "rk4".to_owned(), parameters: Default::default() };
         Row {
-            job: Job { id: id.to_owned(), variant: 0, method, setting: StepSetting::Step(1.0) },
+            job: Job { id: id.to_owned(), variant: 0, model: None, method, setting: StepSetting::Step(1.0) },
             family: Family::Explicit,
             measured: RunResult { status, error: Some(error), ..RunResult::default() },
             cpu_seconds: Some(cost),

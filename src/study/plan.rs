@@ -8,23 +8,24 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::error::StudyError;
+use super::models::{ModelReport, Solved, problem_of};
 use super::options::StudyOptions;
-use super::prepared_case::{PreparedCase, choice};
+use super::prepared_case::{PreparedCase, choice, fingerprint_of};
 use super::reference::{Reference, ReferenceBuilder, ReferenceReport};
-use super::row::{Job, StepSetting, label};
+use super::row::{Job, StepSetting, label, labelled};
 use super::step_grid::StepScales;
 use crate::analysis::critical::CostLimits;
 use crate::analysis::spectrum::Spectrum;
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
-use crate::case::schema::Method;
+use crate::case::schema::{ClothModel, Method};
 use crate::drive::clock::Step;
 use crate::integrate::registry::{MethodChoice, methods};
 use crate::model::stop::Stop;
 use crate::output::sanitize::file_stem;
 
 /// Number of the layout of a plan and of the files of its runs.
-pub const FORMAT: u32 = 3;
+pub const FORMAT: u32 = 4;
 /// The program that made it; another one may compute other bits.
 pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");
 /// Longest part of a run's identifier that comes from its method.
@@ -69,8 +70,19 @@ pub struct Variant {
     pub end: f64,
     /// [s] critical step at the start, method by method; only those with a limit
     pub critical_steps: BTreeMap<String, f64>,
-    /// the reference
+    /// the reference; where models are compared, that of the membranes
     pub reference: ReferenceReport,
+    /// models of the cloth that are compared; empty: the cloth is as the case has it
+    #[serde(default)]
+    pub models: Vec<ModelReport>,
+}
+
+impl Variant {
+    /// What the case is as a run of this variant takes it.
+    pub fn fingerprint_of(&self, model: Option<ClothModel>) -> &Fingerprint {
+        let of_model = self.models.iter().find(|report| Some(report.model) == model);
+        of_model.map_or(&self.fingerprint, |report| &report.fingerprint)
+    }
 }
 
 /// What a plan is made from.
@@ -115,25 +127,34 @@ impl Planner<'_> {
         for (number, factor) in factors.into_iter().enumerate() {
             let overrides = stiffer(self.case, factor)?;
             let case = self.case.with(&overrides)?;
-            let prepared = PreparedCase::of(case.problem().clone(), self.threads)?;
-            let tell = |what: &str| match factor {
-                1.0 => (self.tell)(&format!("reference: {what}")),
-                _ => (self.tell)(&format!("reference, {factor} times as stiff: {what}")),
+            let of = match factor {
+                1.0 => "reference".to_owned(),
+                _ => format!("reference, {factor} times as stiff"),
             };
-            let builder =
-                ReferenceBuilder { prepared: &prepared, allowance: self.allowance, stop: self.stop, tell: &tell };
-            let reference = builder.make()?;
-            keep(number, &reference)?;
-            let (critical_steps, listed) = self.list(&prepared, &reference, number)?;
-            jobs.extend(listed);
+            let models = &self.options.models;
+            let first = self.solve(&case, (!models.is_empty()).then_some(ClothModel::Membrane), &of)?;
+            keep(number, &first.reference)?;
+            let mut listed = Listed::default();
+            let mut reports = Vec::new();
+            if models.is_empty() || models.contains(&ClothModel::Membrane) {
+                self.list(&first, &mut listed)?;
+                reports.extend(first.model.map(|model| first.report(model, None)));
+            }
+            if models.contains(&ClothModel::Net) {
+                let net = self.solve(&case, Some(ClothModel::Net), "the net's own solution")?;
+                reports.push(net.report(ClothModel::Net, Some(first.error_of(&net)?)));
+                self.list(&net, &mut listed)?;
+            }
+            jobs.extend(by_cost(listed.runs, number));
             variants.push(Variant {
                 stiffness_factor: factor,
                 overrides,
-                fingerprint: prepared.fingerprint.clone(),
-                every: prepared.every,
-                end: prepared.end(),
-                critical_steps,
-                reference: reference.account,
+                fingerprint: fingerprint_of(case.problem())?,
+                every: first.prepared.every,
+                end: first.prepared.end(),
+                critical_steps: listed.critical_steps,
+                reference: first.reference.account,
+                models: reports,
             });
         }
         if jobs.is_empty() {
@@ -153,6 +174,25 @@ impl Planner<'_> {
         })
     }
 
+    /// The case with its cloth as a model, and its solution; `what` is told of it.
+    fn solve(&self, case: &Case, model: Option<ClothModel>, what: &str) -> Result<Solved, StudyError> {
+        let of_model = |source: StudyError| match model {
+            Some(model) if !matches!(source, StudyError::InterruptedReference | StudyError::ClothModel(_)) => {
+                StudyError::OfModel { model, source: Box::new(source) }
+            }
+            _ => source,
+        };
+        let made = || {
+            let prepared = PreparedCase::of(problem_of(case, model)?, self.threads)?;
+            let tell = |how: &str| (self.tell)(&format!("{what}: {how}"));
+            let builder =
+                ReferenceBuilder { prepared: &prepared, allowance: self.allowance, stop: self.stop, tell: &tell };
+            let reference = builder.make()?;
+            Ok(Solved { model, prepared, reference })
+        };
+        made().map_err(of_model)
+    }
+
     /// The methods that are tried.
     fn methods(&self) -> Result<Vec<(Method, MethodChoice)>, StudyError> {
         let own = &self.case.file().time.method;
@@ -167,23 +207,18 @@ impl Planner<'_> {
         asked.into_iter().map(|method| Ok((method.clone(), choice(&method)?))).collect()
     }
 
-    /// The runs of a variant in the order of their nominal costs, so that as many as possible fit into a budget.
-    fn list(
-        &self,
-        prepared: &PreparedCase,
-        reference: &Reference,
-        variant: usize,
-    ) -> Result<(BTreeMap<String, f64>, Vec<Job>), StudyError> {
+    /// Adds the runs of a solved case, with their nominal costs, and the critical steps of its methods.
+    fn list(&self, solved: &Solved, listed: &mut Listed) -> Result<(), StudyError> {
+        let Solved { model, prepared, reference } = solved;
         let state = prepared.scene.initial_state();
         let effort = CostLimits { stop: Stop::on(self.stop), ..CostLimits::FULL };
         let mut spectrum = Spectrum::with(&*prepared.scene, state.as_ref(), effort);
         let scales = StepScales::of(&spectrum, prepared.every, prepared.end(), reference.account.motion.period());
-        let mut limits = BTreeMap::new();
         let mut settings: Vec<MethodSettings> = Vec::new();
         for (method, choice) in self.methods()? {
             let limit = spectrum.critical_step(&choice).step;
             if limit.is_finite() {
-                limits.insert(label(&method), limit);
+                listed.critical_steps.insert(labelled(&method, *model), limit);
             }
             let steps = match &self.options.steps {
                 Some(steps) => steps.clone(),
@@ -209,7 +244,16 @@ impl Planner<'_> {
             return Err(StudyError::Interrupted);
         }
         self.add_own(prepared, &mut settings);
-        Ok((limits, by_cost(settings, &scales, variant)))
+        for tried in &settings {
+            let run = |setting: &StepSetting| PlannedRun {
+                seconds: tried.seconds(*setting, &scales),
+                model: *model,
+                method: tried.method.clone(),
+                setting: *setting,
+            };
+            listed.runs.extend(tried.list.iter().map(run));
+        }
+        Ok(())
     }
 
     /// Adds the step or tolerance of the case, unless the options list others.
@@ -227,6 +271,23 @@ impl Planner<'_> {
             tried.list.push(own);
         }
     }
+}
+
+/// What is to be run of a variant.
+#[derive(Default)]
+struct Listed {
+    runs: Vec<PlannedRun>,
+    /// [s] by the method's label
+    critical_steps: BTreeMap<String, f64>,
+}
+
+/// A run before it has a number.
+struct PlannedRun {
+    /// [s] nominal cost
+    seconds: f64,
+    model: Option<ClothModel>,
+    method: Method,
+    setting: StepSetting,
 }
 
 /// A method and what it is tried with.
@@ -253,21 +314,20 @@ impl MethodSettings {
     }
 }
 
-/// The runs in the order of their costs; runs of equal cost stay in the order of the methods. A run's identifier holds
-/// its number, method and step.
-fn by_cost(tried: Vec<MethodSettings>, scales: &StepScales, variant: usize) -> Vec<Job> {
-    let runs =
-        tried.iter().flat_map(|t| t.list.iter().map(|setting| (t.seconds(*setting, scales), &t.method, *setting)));
-    let mut runs: Vec<(f64, &Method, StepSetting)> = runs.collect();
-    runs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let job = |(number, (_, method, setting)): (usize, (f64, &Method, StepSetting))| {
+/// The runs in the order of their costs, so that as many as possible fit into a budget; runs of equal cost stay in the
+/// order of the methods. A run's identifier holds its number, model, method and step.
+fn by_cost(mut runs: Vec<PlannedRun>, variant: usize) -> Vec<Job> {
+    runs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let job = |(number, run): (usize, PlannedRun)| {
+        let PlannedRun { model, method, setting, .. } = run;
         let what = match setting {
             StepSetting::Step(h) => format!("h{h:.4e}"),
             StepSetting::Tolerance(t) => format!("tol{t:.2e}"),
         };
-        let method_stem: String = file_stem(&label(method)).chars().take(LONGEST).collect();
-        let id = format!("v{variant}-{number:04}-{method_stem}-{what}");
-        Job { id, variant, method: method.clone(), setting }
+        let method_stem: String = file_stem(&label(&method)).chars().take(LONGEST).collect();
+        let model_stem = model.map_or_else(String::new, |model| format!("{}-", model.word()));
+        let id = format!("v{variant}-{number:04}-{model_stem}{method_stem}-{what}");
+        Job { id, variant, model, method, setting }
     };
     runs.into_iter().enumerate().map(job).collect()
 }

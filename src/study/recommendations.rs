@@ -4,14 +4,18 @@ use minijinja::{Value, context};
 use serde::Serialize;
 
 use super::error::StudyError;
+use super::models::ModelError;
 use super::pareto::{TIE, cheapest};
 use super::plan::{Plan, Variant};
 use super::row::{Row, RowStatus, StepSetting};
 use super::template::render;
+use crate::case::schema::ClothModel;
 use crate::integrate::registry::Family;
 
 /// Accuracies asked about: powers of ten from here down to the reference's error.
 const LARGEST_TARGET: i32 = -1;
+/// Runs of two models are compared within this multiple of the error of the cheaper one.
+const WITHIN: f64 = 2.0;
 /// The smallest power of ten that is asked about.
 const SMALLEST_TARGET: i32 = -12;
 
@@ -85,6 +89,29 @@ pub struct StiffnessCrossover {
     pub sentence: String,
 }
 
+/// What a model of the cloth costs in accuracy and in time, beside membranes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ModelAnswer {
+    /// [-] number of the variant
+    pub variant: usize,
+    /// the model
+    pub model: ClothModel,
+    /// [-] how far its solution is from that with membranes
+    pub error: f64,
+    /// [-] largest distance over the largest motion
+    pub error_max: f64,
+    /// [-] what the two solutions themselves are worth, together
+    pub known_to: f64,
+    /// [-] error within which the costs are compared; `None` where the model is too far off
+    pub within: Option<f64>,
+    /// the cheapest run of the model within it
+    pub own: Option<Pick>,
+    /// the cheapest run with membranes within it
+    pub membrane: Option<Pick>,
+    /// the answer as a sentence
+    pub sentence: String,
+}
+
 /// All answers of a study.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Recommendations {
@@ -92,6 +119,8 @@ pub struct Recommendations {
     pub targets: Vec<Recommendation>,
     /// one a variant
     pub crossovers: Vec<Crossover>,
+    /// one a model and variant, of a study that compares models
+    pub models: Vec<ModelAnswer>,
     /// a table over accuracies and stiffnesses, of a study that sweeps them
     pub stiffness: Vec<StiffnessPoint>,
     /// one an accuracy, of a study that sweeps stiffnesses
@@ -111,6 +140,11 @@ impl Recommendations {
                 answers.targets.extend(rows.answer(wanted)?);
             }
             answers.crossovers.push(rows.crossover()?);
+            for report in plan.variants.get(variant).into_iter().flat_map(|variant| &variant.models) {
+                if let Some(error) = &report.error {
+                    answers.models.push(rows.model(report.model, error)?);
+                }
+            }
         }
         if plan.variants.len() > 1 {
             answers.sweep(plan, rows)?;
@@ -188,6 +222,20 @@ impl<'a> VariantRows<'a> {
         let sentence =
             sentence(context! { about => "target", tie => TIE, wanted, best, next, explicit, implicit, made })?;
         Ok(Some(Recommendation { variant: self.variant, wanted, best, next, explicit, implicit, sentence }))
+    }
+
+    /// What a model costs.
+    fn model(&self, model: ClothModel, found: &ModelError) -> Result<ModelAnswer, StudyError> {
+        let ModelError { error, error_max, ref solution } = *found;
+        let known_to = self.reference_error + solution.error;
+        let within = Some(WITHIN * error.max(known_to)).filter(|within| *within < 1.0);
+        let cheapest = |of: ClothModel| self.cheapest(within?, |row| row.job.model == Some(of));
+        let (own, membrane) = (cheapest(model), cheapest(ClothModel::Membrane));
+        let sentence = sentence(
+            context! { about => "model", tie => TIE, model, error, error_max, known_to, within, own, membrane },
+        )?;
+        let variant = self.variant;
+        Ok(ModelAnswer { variant, model, error, error_max, known_to, within, own, membrane, sentence })
     }
 
     /// Goes through all errors that were reached, in descending order, and compares the families at each.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::case::schema::Method;
+use crate::case::schema::{ClothModel, Method};
 use crate::integrate::Counters;
 use crate::integrate::registry::Family;
 
@@ -23,11 +23,21 @@ pub struct Job {
     pub id: String,
     /// number of the variant of the case, see [`super::plan::Variant`]
     pub variant: usize,
+    /// model of the cloth, in a study that compares models
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<ClothModel>,
     /// method and the parameters that were given
     pub method: Method,
     /// steps
     #[serde(flatten)]
     pub setting: StepSetting,
+}
+
+impl Job {
+    /// Method and model in a word: `newmark`, `hht(alpha=-0.2)`, `newmark (net)`.
+    pub fn label(&self) -> String {
+        labelled(&self.method, self.model)
+    }
 }
 
 /// How a run of a study ended.
@@ -111,10 +121,16 @@ impl Row {
         error.is_finite().then(|| error.max(reference_error))
     }
 
-    /// The method in a word: `newmark`, `hht(alpha=-0.2)`.
+    /// Method and model in a word, see [`Job::label`].
     pub fn label(&self) -> String {
-        label(&self.job.method)
+        self.job.label()
     }
+}
+
+/// A method in a word, with the model of the cloth if there is one.
+pub(super) fn labelled(method: &Method, model: Option<ClothModel>) -> String {
+    let method = label(method);
+    model.map_or(method.clone(), |model| format!("{method} ({})", model.word()))
 }
 
 /// A method in a word: `newmark`, `hht(alpha=-0.2)`.

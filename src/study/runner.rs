@@ -1,6 +1,7 @@
 //! Makes the runs of a study, or a share of them, and gathers the results of all of them.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -9,12 +10,14 @@ use serde::{Deserialize, Serialize};
 
 use super::error::StudyError;
 use super::measure::{PreparedVariant, RunEnd};
+use super::models::problem_of;
 use super::pareto::mark_front;
 use super::plan::{Plan, Variant};
 use super::prepared_case::{PreparedCase, choice};
-use super::row::{Job, Row, RowStatus, RunResult, StepSetting, label, median};
+use super::row::{Job, Row, RowStatus, RunResult, StepSetting, median};
 use super::store::Store;
 use crate::case::Case;
+use crate::case::schema::ClothModel;
 use crate::format_number::figures;
 
 /// A share of the runs: number `part` of `of`, counted from 1.
@@ -97,7 +100,7 @@ impl Runner<'_> {
         deadline: Option<Instant>,
         left: &mut BTreeMap<String, String>,
     ) -> Result<(), StudyError> {
-        let mut prepared: Option<PreparedVariant> = None;
+        let mut prepared: BTreeMap<Option<ClothModel>, PreparedVariant> = BTreeMap::new();
         for pass in 0..self.plan.asked.repeat as usize {
             for (number, job) in self.plan.jobs.iter().enumerate().filter(|(_, job)| job.variant == variant) {
                 if self.shard.is_some_and(|shard| !shard.has(number)) || left.contains_key(&job.id) {
@@ -112,9 +115,9 @@ impl Runner<'_> {
                     left.insert(job.id.clone(), why);
                     continue;
                 }
-                let prepared = match &prepared {
-                    Some(prepared) => prepared,
-                    None => prepared.insert(self.prepare(variant, deadline)?),
+                let prepared = match prepared.entry(job.model) {
+                    Entry::Occupied(known) => known.into_mut(),
+                    Entry::Vacant(free) => free.insert(self.prepare(variant, job.model, deadline)?),
                 };
                 (self.on_run)(number + 1, self.plan.jobs.len(), &described(job, pass, self.plan));
                 if self.interrupt.load(Ordering::Relaxed) {
@@ -135,13 +138,18 @@ impl Runner<'_> {
         Ok(())
     }
 
-    /// Builds the scene of a variant and reads its reference.
-    fn prepare(&self, number: usize, deadline: Option<Instant>) -> Result<PreparedVariant, StudyError> {
+    /// Builds the scene of a variant, with its cloth as a model, and reads the reference.
+    fn prepare(
+        &self,
+        number: usize,
+        model: Option<ClothModel>,
+        deadline: Option<Instant>,
+    ) -> Result<PreparedVariant, StudyError> {
         let folder = self.store.plan_path();
         let variant = self.plan.variants.get(number).ok_or_else(|| Store::<Plan>::no_plan(&folder))?;
         let case = self.plan.case()?.with(&variant.overrides)?;
-        let prepared = PreparedCase::of(case.into_problem(), self.threads)?;
-        if let Some(differences) = variant.fingerprint.differences(&prepared.fingerprint) {
+        let prepared = PreparedCase::of(problem_of(&case, model)?, self.threads)?;
+        if let Some(differences) = variant.fingerprint_of(model).differences(&prepared.fingerprint) {
             return Err(StudyError::OtherStudy { folder, difference: differences.to_string() });
         }
         Ok(PreparedVariant { case: prepared, reference: self.store.reference(number)?, deadline })
@@ -173,7 +181,8 @@ impl Runner<'_> {
     fn predicted(&self, job: &Job) -> Result<Option<f64>, StudyError> {
         let order = f64::from(choice(&job.method)?.order());
         let mut nearest: Option<(f64, f64)> = None;
-        for other in self.plan.jobs.iter().filter(|o| o.variant == job.variant && o.method == job.method) {
+        let alike = |o: &&Job| (o.variant, o.model) == (job.variant, job.model) && o.method == job.method;
+        for other in self.plan.jobs.iter().filter(alike) {
             let more = match (job.setting, other.setting) {
                 (StepSetting::Step(h), StepSetting::Step(other)) => other / h,
                 (StepSetting::Tolerance(t), StepSetting::Tolerance(other)) => (other / t).powf(1.0 / order),
@@ -215,7 +224,7 @@ fn described(job: &Job, pass: usize, plan: &Plan) -> String {
     let stiff = plan.variant_of(job).map_or(1.0, |v| v.stiffness_factor);
     let stiff = if stiff == 1.0 { String::new() } else { format!(", {stiff} times as stiff") };
     let again = if pass == 0 { String::new() } else { format!(", repeat {}", pass + 1) };
-    format!("{}, {what}{stiff}{again}", label(&job.method))
+    format!("{}, {what}{stiff}{again}", job.label())
 }
 
 /// What came of all runs so far; `left` says why some were left out.

@@ -1,6 +1,7 @@
 //! `canopy-fem tradeoff` and `sweep`: what they say is true, and comes to the same however it is made.
 
 mod hyperqueue;
+mod models;
 mod page;
 mod refusals;
 mod sharing;

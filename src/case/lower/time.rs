@@ -178,6 +178,7 @@ pub(super) fn study(study: Option<&Study>, faults: &mut Faults<'_>) {
     for (i, tolerance) in some(&at.key("tolerances"), study.tolerances.as_deref(), faults).iter().enumerate() {
         fraction(&at.key("tolerances").index(i), *tolerance, faults);
     }
+    some(&at.key("models"), study.models.as_deref(), faults);
     if study.repeat.is_some_and(|n| !(1..=1000).contains(&n)) {
         faults.add(&at.key("repeat"), "a whole number from 1 to 1000");
     }

@@ -50,10 +50,36 @@ pub struct Study {
     /// [-] Relative tolerances to try, each above 0 and below 1; at least one.
     #[schemars(length(min = 1), extend("items" = {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1}))]
     pub tolerances: Option<Vec<f64>>,
+    /// Models of the cloth to compare in a tradeoff study, at least one; not given: the cloth as the case has it.
+    #[schemars(length(min = 1))]
+    pub models: Option<Vec<ClothModel>>,
     /// [-] Number of times each run is made to measure its cost; the cost is their median.
     #[schemars(range(min = 1, max = 1000))]
     pub repeat: Option<u32>,
     /// [s] Wall-clock time the study may take.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub budget_seconds: Option<f64>,
+}
+
+/// A model of cloth: one of `membranes`, or of springs with a `membrane` stiffness, can be both. Errors are distances
+/// from the solution with membranes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClothModel {
+    /// Springs on the edges of the triangles, k = E t (sum of the adjacent triangles' areas)/l^2 (Van Gelder 1998):
+    /// Poisson's ratio is about 1/3. Where the membrane wrinkles, they act in tension only.
+    Net,
+    /// Membrane triangles. Springs with a `membrane` stiffness become membranes with a Poisson's ratio of 1/3, which
+    /// wrinkle if the springs act in tension only.
+    Membrane,
+}
+
+impl ClothModel {
+    /// The word in files.
+    pub fn word(self) -> &'static str {
+        match self {
+            ClothModel::Net => "net",
+            ClothModel::Membrane => "membrane",
+        }
+    }
 }

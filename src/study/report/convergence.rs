@@ -1,6 +1,6 @@
 //! Error against step: which order a method shows, and where it stops being stable.
 
-use super::figure::{Span, margin_panel, nothing, rows, title};
+use super::figure::{Span, margin_panel, model_errors, nothing, rows, title};
 use super::style::{BLACK, Style, entry};
 use crate::format_number::figures;
 use crate::plot::chart::{Align, Axis, Chart, Line, Marker, Note, PanelSide, Scale, Stroke};
@@ -46,7 +46,7 @@ pub(super) fn chart(study: &Study, styles: &[Style], number: usize) -> Chart {
         guides([x, y], &mut lines, &mut notes);
     }
     for style in styles {
-        let own = rows(study, number).filter(|row| row.job.method == style.method);
+        let own = rows(study, number).filter(|row| style.is_of(row));
         let mut runs: Vec<((f64, f64), &Row)> =
             own.filter_map(|row| place(row).map(|(h, error)| ((h, y.held(error)), row))).collect();
         runs.sort_by(|a, b| b.0.0.total_cmp(&a.0.0));
@@ -55,12 +55,13 @@ pub(super) fn chart(study: &Study, styles: &[Style], number: usize) -> Chart {
             lines.push(Line { runs: of, ..style.line(StepSetting::Step(0.0), points) });
         }
     }
-    if y.has(bound) {
+    let named = std::iter::once(("reference".to_owned(), bound)).chain(model_errors(variant));
+    for (name, error) in named.filter(|(_, error)| y.has(*error)) {
         let (low, high) = x.ends();
-        let points = vec![(low, bound), (high, bound)];
-        lines.push(Line { points, ..entry("reference", Stroke::Dashed, Marker::None) });
-        let text = format!("reference {}", figures(bound, 2));
-        notes.push(Note { at: (high, bound), text, align: Align::Left });
+        let points = vec![(low, error), (high, error)];
+        lines.push(Line { points, ..entry(&name, Stroke::Dashed, Marker::None) });
+        let text = format!("{name} {}", figures(error, 2));
+        notes.push(Note { at: (high, error), text, align: Align::Left });
     }
     for (number, (style, limit)) in limits.iter().filter(|(_, limit)| x.has(*limit)).enumerate() {
         let label = if number == 0 { "stability limit" } else { "" };

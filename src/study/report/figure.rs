@@ -128,6 +128,7 @@ fn work_precision(study: &Study, styles: &[Style], number: usize, cost: &Cost) -
     let points: Vec<(f64, f64)> = rows(study, number).filter_map(place).collect();
     let costs = rows(study, number).filter_map(cost.of).filter(|c| *c > 0.0);
     let x = Span::of(points.iter().map(|p| p.0)).unwrap_or(Span::EMPTY).reaching(bound, FAR);
+    let x = model_errors(variant).fold(x, |span, (_, error)| span.reaching(error, FAR));
     let y = match Span::of(points.iter().map(|p| p.1)) {
         Some(span) => {
             costs.fold(span, |wide, c| if span.reaching(c, CHEAP).has(c) { wide.reaching(c, FAR) } else { wide })
@@ -140,7 +141,7 @@ fn work_precision(study: &Study, styles: &[Style], number: usize, cost: &Cost) -
     for style in styles {
         for setting in [StepSetting::Step(0.0), StepSetting::Tolerance(0.0)] {
             let mut runs: Vec<(f64, (f64, f64), &Row)> = rows(study, number)
-                .filter(|row| row.job.method == style.method)
+                .filter(|row| style.is_of(row))
                 .filter_map(|row| Some((same_kind(row.job.setting, setting)?, at(place(row)?), row)))
                 .collect();
             runs.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -154,7 +155,10 @@ fn work_precision(study: &Study, styles: &[Style], number: usize, cost: &Cost) -
         lines.extend(front(study, number, [x, y], |row| place(row).map(at)));
     }
     let mut notes = Vec::new();
-    lines.extend(reference(bound, [x, y], &mut notes));
+    lines.extend(upright("reference", bound, [x, y], &mut notes));
+    for (name, error) in model_errors(variant) {
+        lines.extend(upright(&name, error, [x, y], &mut notes));
+    }
     if points.is_empty() {
         notes.push(Note { at: (x.middle(), y.middle()), text: nothing(study), align: Align::Above });
     }
@@ -194,20 +198,27 @@ fn front(study: &Study, number: usize, [x, y]: [Span; 2], at: impl Fn(&Row) -> O
     Some(Line { points, ..entry("Pareto front", Stroke::Fine, Marker::None) })
 }
 
-/// The bound below which nothing is ranked, and its name.
-fn reference(error: f64, [x, y]: [Span; 2], notes: &mut Vec<Note>) -> Option<Line> {
+/// Name and error of every model whose solution differs from the reference.
+pub(super) fn model_errors(variant: Option<&Variant>) -> impl Iterator<Item = (String, f64)> + '_ {
+    let models = variant.into_iter().flat_map(|variant| &variant.models);
+    models.filter_map(|report| Some((format!("error of the {}", report.model.word()), report.error.as_ref()?.error)))
+}
+
+/// A line at an error, such as the bound below which nothing is ranked, and its name.
+fn upright(name: &str, error: f64, [x, y]: [Span; 2], notes: &mut Vec<Note>) -> Option<Line> {
     if error <= 0.0 {
         return None;
     }
-    let text = format!("reference {}", figures(error, 2));
+    let text = format!("{name} {}", figures(error, 2));
     let (low, high) = y.ends();
     if !x.has(error) {
         let text = format!("← {text}");
         notes.push(Note { at: (x.ends().0, low), text, align: Align::Right });
         return None;
     }
-    notes.push(Note { at: (error, low), text, align: Align::Right });
-    Some(Line { points: vec![(error, low), (error, high)], ..entry("reference", Stroke::Dashed, Marker::None) })
+    let align = if error > x.middle() { Align::Left } else { Align::Right };
+    notes.push(Note { at: (error, low), text, align });
+    Some(Line { points: vec![(error, low), (error, high)], ..entry(name, Stroke::Dashed, Marker::None) })
 }
 
 /// All runs of a variant that have no place in its chart; `at` says so, and which place they have along the strip.
@@ -219,7 +230,7 @@ pub(super) fn margin_panel(
     at: impl Fn(&Row) -> Option<Option<f64>>,
 ) -> Option<MarginPanel> {
     let mark = |row: &Row| {
-        let color = styles.iter().find(|s| s.method == row.job.method).map_or(BLACK, |s| s.color);
+        let color = styles.iter().find(|s| s.is_of(row)).map_or(BLACK, |s| s.color);
         let marker = failure(row.measured.status).unwrap_or(Marker::Cross);
         let (series, run) = (row.label(), row.job.id.clone());
         Some(PanelMark { at: at(row)?.filter(|at| *at > 0.0), marker, color, series, run })

@@ -122,7 +122,7 @@ fn told_of(study: &Study) -> BTreeMap<&str, Vec<[String; 2]>> {
     study.rows.iter().map(|row| (row.job.id.as_str(), of(row))).collect()
 }
 
-/// All runs: variant by variant, method by method, fixed steps before adaptive ones, the largest first.
+/// All runs: variant by variant, model by model, method by method, fixed steps before adaptive ones, the largest first.
 fn sorted(rows: &[Row]) -> Vec<&Row> {
     let key = |row: &Row| {
         let method = rows.iter().position(|other| other.job.method == row.job.method);
@@ -130,7 +130,7 @@ fn sorted(rows: &[Row]) -> Vec<&Row> {
             StepSetting::Step(h) => (false, h),
             StepSetting::Tolerance(tolerance) => (true, tolerance),
         };
-        ((row.job.variant, method, adaptive), size)
+        ((row.job.variant, row.job.model, method, adaptive), size)
     };
     let mut sorted: Vec<_> = rows.iter().map(|row| (key(row), row)).collect();
     sorted.sort_by(|((a, larger), _), ((b, smaller), _)| a.cmp(b).then_with(|| smaller.total_cmp(larger)));

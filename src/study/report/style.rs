@@ -4,10 +4,10 @@
 //! matrix, squares and diamonds for implicit ones. Fixed steps are full lines with filled marks, adaptive steps dashed
 //! lines with open ones.
 
-use crate::case::schema::Method;
+use crate::case::schema::{ClothModel, Method};
 use crate::integrate::registry::{Family, methods};
 use crate::plot::chart::{Line, Marker, Stroke};
-use crate::study::row::{RowStatus, StepSetting, label};
+use crate::study::row::{Row, RowStatus, StepSetting, labelled};
 use crate::study::runner::Study;
 
 /// Number of colours that methods and curves take, each its own as long as they suffice: those of the palette without
@@ -20,6 +20,8 @@ const OF_METHODS: [usize; COLORS] = [0, 3, 12, 6, 9, 1, 4, 7, 8, 2, 5, 10, 11, 1
 pub(in crate::study) const BLACK: usize = 6;
 /// Methods of a family that have the same shape of marks.
 const SHAPE: usize = 6;
+/// The turn whose shapes are left for nets.
+const OF_NETS: usize = 5;
 
 /// The colour of a curve by its number.
 pub(in crate::study) fn curve_color(number: usize) -> usize {
@@ -58,6 +60,7 @@ const FAMILIES: [(Family, &str); 3] =
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Style {
     pub method: Method,
+    pub model: Option<ClothModel>,
     pub family: Family,
     /// number in the palette
     pub color: usize,
@@ -67,7 +70,12 @@ pub(super) struct Style {
 
 impl Style {
     pub(super) fn label(&self) -> String {
-        label(&self.method)
+        labelled(&self.method, self.model)
+    }
+
+    /// Whether a run looks like this.
+    pub(super) fn is_of(&self, row: &Row) -> bool {
+        row.job.model == self.model && row.job.method == self.method
     }
 
     /// A line of it, without a name.
@@ -80,21 +88,34 @@ impl Style {
     }
 }
 
-/// One style a method, family by family, in the order of the plan.
+/// One style a method, family by family, in the order of the plan. Where models are compared, a method has the same
+/// colour in both, and marks of another shape as a net.
 pub(super) fn styles(study: &Study) -> Vec<Style> {
     let mut styles: Vec<Style> = Vec::new();
     for (family, _) in FAMILIES {
         let first = styles.len();
         for row in study.rows.iter().filter(|row| row.family == family) {
-            if styles.iter().all(|style| style.method != row.job.method) {
-                let turn = (styles.len() - first) / SHAPE;
+            if !styles.iter().any(|style| style.is_of(row)) {
+                let net = row.job.model == Some(ClothModel::Net);
+                let others = styles.iter().skip(first).filter(|style| style.model != Some(ClothModel::Net)).count();
+                let turn = if net { OF_NETS } else { others / SHAPE };
                 let method = row.job.method.clone();
-                styles.push(Style { method, family, color: 0, markers: markers(family, turn) });
+                let model = row.job.model;
+                styles.push(Style { method, model, family, color: 0, markers: markers(family, turn) });
             }
         }
     }
-    let colors = method_colors(styles.iter().map(|style| style.method.name.as_str()));
-    styles.iter_mut().zip(colors).for_each(|(style, color)| style.color = color);
+    let mut methods: Vec<Method> = Vec::new();
+    for style in &styles {
+        if !methods.contains(&style.method) {
+            methods.push(style.method.clone());
+        }
+    }
+    let colors = method_colors(methods.iter().map(|method| method.name.as_str()));
+    for style in &mut styles {
+        let color = methods.iter().zip(&colors).find(|(method, _)| **method == style.method);
+        style.color = color.map_or(BLACK, |(_, color)| *color);
+    }
     styles
 }
 
@@ -134,7 +155,7 @@ pub(super) fn legend(study: &Study, styles: &[Style]) -> Vec<Line> {
             lines.push(entry(name, Stroke::None, Marker::None));
         }
         for style in members {
-            let runs = || study.rows.iter().filter(|row| row.job.method == style.method);
+            let runs = || study.rows.iter().filter(|row| style.is_of(row));
             let only_adaptive = runs().all(|row| matches!(row.job.setting, StepSetting::Tolerance(_)));
             let setting = if only_adaptive { StepSetting::Tolerance(0.0) } else { StepSetting::Step(0.0) };
             lines.push(Line { label: style.label(), ..style.line(setting, Vec::new()) });

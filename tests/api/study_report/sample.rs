@@ -74,6 +74,7 @@ pub fn rows(laws: &[Law], variant: usize, factor: f64, status: Option<RowStatus>
                 Job {
                     id: format!("v{variant}-{}-{number}", label(&law.method)),
                     variant,
+                    model: None,
                     method: law.method.clone(),
                     setting,
                 },

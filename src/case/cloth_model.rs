@@ -1,0 +1,284 @@
+//! The cloth of a case as another model: membranes as a net of springs, and a net that stands for a sheet as membranes.
+//!
+//! A sheet gives an edge of length l the stiffness
+//! ```text
+//! k = E t A/l^2
+//! ```
+//! with the sum A of the areas of the sheet's triangles there (Van Gelder 1998). Such a net has a Poisson's ratio of
+//! about 1/3, whatever the sheet has. All other springs stay: tapes and lines are bars in both models.
+
+use super::schema::{ClothModel, Membrane, System};
+use super::spec::SystemSpec;
+use super::{Case, Problem, lower::geometry::Geometry};
+use crate::format_number::first_few;
+use crate::model::spec::{
+    DashpotKind, DashpotSpec, ElasticLaw, MembraneSpec, NetworkSpec, Slack, SpringGroup, StrengthSpec,
+};
+
+/// [-] Poisson's ratio that a regular net of equal springs has.
+const OF_NETS: f64 = 1.0 / 3.0;
+/// [-] Difference below which two numbers from the same rule are equal.
+const SAME: f64 = 1e-9;
+
+/// Why cloth has no other model.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ClothModelError {
+    /// No membranes, and no springs that stand for a sheet.
+    #[error(
+        "this case has no cloth of a known modulus: give membranes, or springs with \"membrane\": {{\"modulus\": ..., \"thickness\": ...}}"
+    )]
+    NoSheet,
+    /// A membrane that is not isotropic.
+    #[error(
+        "a net of springs is isotropic, but a membrane has the moduli {along} and {across} Pa and the shear modulus {shear} Pa; give it one modulus"
+    )]
+    Orthotropic {
+        /// [Pa] E1
+        along: f64,
+        /// [Pa] E2
+        across: f64,
+        /// [Pa] G12
+        shear: f64,
+    },
+    /// Sides of triangles that are not among the edges of the mesh.
+    #[error("not all sides of the triangles {} are edges of the mesh, so they cannot carry springs", first_few(.0))]
+    Sides(Vec<u32>),
+    /// Triangles of which some sides have springs of a sheet, and others have none, or those of another sheet.
+    #[error(
+        "triangles {} have springs of a sheet on some sides, and on the others those of another sheet, or none: membranes need one sheet on all",
+        first_few(.0)
+    )]
+    Mixed(Vec<u32>),
+    /// Triangles with both models.
+    #[error("triangles {} are membranes and have springs of a sheet too", first_few(.0))]
+    Both(Vec<u32>),
+    /// Something that springs can do and membranes cannot.
+    #[error("springs of a sheet have {what}, which a membrane cannot have{}{hint}", if hint.is_empty() { "" } else { "; " })]
+    OnlySprings {
+        /// what it is
+        what: &'static str,
+        /// what to do
+        hint: &'static str,
+    },
+}
+
+/// What a group of springs stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Sheet {
+    membrane: Membrane,
+    wrinkling: bool,
+    /// [s]
+    damping_time: f64,
+}
+
+impl Case {
+    /// The data of a run, with all cloth as one model. Cloth that has this model stays as it is.
+    ///
+    /// # Errors
+    /// A case without cloth of a known modulus, or cloth that the model cannot stand for.
+    pub fn as_model(&self, model: ClothModel) -> Result<Problem, ClothModelError> {
+        let mut problem = self.problem.clone();
+        let (SystemSpec::Network(spec), Some(geometry)) = (&mut problem.system, &self.geometry) else {
+            return Err(ClothModelError::NoSheet);
+        };
+        let sheets = self.sheets(spec, geometry);
+        if spec.membranes.is_empty() && sheets.iter().all(Option::is_none) {
+            return Err(ClothModelError::NoSheet);
+        }
+        match model {
+            ClothModel::Net => as_net(spec, geometry)?,
+            ClothModel::Membrane => as_membranes(spec, &sheets, geometry)?,
+        }
+        Ok(problem)
+    }
+
+    /// Whether the case has cloth of a known modulus, which can be both models.
+    pub fn has_sheets(&self) -> bool {
+        match (&self.problem.system, &self.geometry) {
+            (SystemSpec::Network(spec), Some(geometry)) => {
+                !spec.membranes.is_empty() || self.sheets(spec, geometry).iter().any(Option::is_some)
+            }
+            _ => false,
+        }
+    }
+
+    /// The sheet that each group of springs stands for.
+    fn sheets(&self, spec: &NetworkSpec, geometry: &Geometry) -> Vec<Option<Membrane>> {
+        let System::Network(network) = &self.file.system else { return Vec::new() };
+        let rules: Vec<Membrane> = network.springs.iter().filter_map(|rule| rule.membrane).collect();
+        let sheet = |group: &SpringGroup| {
+            let of_rule = |rule: &&Membrane| {
+                let mut springs = group.edges.iter().zip(&group.stiffness);
+                springs.all(|(&edge, &k)| same(k, stiffness(**rule, edge as usize, geometry, |_| true)))
+            };
+            rules.iter().find(of_rule).copied()
+        };
+        spec.springs.iter().map(sheet).collect()
+    }
+}
+
+fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME * a.abs()
+}
+
+/// [N/m] k = E t A/l^2 of an edge, from the triangles that belong to the sheet.
+fn stiffness(sheet: Membrane, edge: usize, geometry: &Geometry, of_sheet: impl Fn(u32) -> bool) -> f64 {
+    let triangles = geometry.topology.edge_triangles(edge).iter().filter(|&&t| of_sheet(t));
+    let area: f64 = triangles.filter_map(|&t| geometry.area.get(t as usize)).sum();
+    let length = geometry.length.get(edge).copied().unwrap_or(f64::NAN);
+    sheet.modulus * sheet.thickness * area / (length * length)
+}
+
+/// Puts springs on the edges of all membranes in place of these.
+fn as_net(spec: &mut NetworkSpec, geometry: &Geometry) -> Result<(), ClothModelError> {
+    for sheet in std::mem::take(&mut spec.membranes) {
+        let [along, across] = sheet.modulus;
+        if along != across || !same(sheet.shear, along / (2.0 * (1.0 + sheet.poisson))) {
+            return Err(ClothModelError::Orthotropic { along, across, shear: sheet.shear });
+        }
+        let membrane = Membrane { modulus: along, thickness: sheet.thickness };
+        let mut sides: Vec<Option<u32>> = vec![None; geometry.mesh.triangles.len()];
+        sheet.triangles.iter().for_each(|&t| sides[t as usize] = Some(0));
+        let mut group = SpringGroup {
+            edges: Vec::new(),
+            stiffness: Vec::new(),
+            rest_length: Vec::new(),
+            law: ElasticLaw::Linear,
+            slack: if sheet.wrinkling { Slack::TensionOnly } else { Slack::None },
+            dashpot: None,
+        };
+        for (edge, &length) in geometry.length.iter().enumerate() {
+            let k = stiffness(membrane, edge, geometry, |t| sides[t as usize].is_some());
+            if k > 0.0 {
+                group.edges.push(edge as u32);
+                group.stiffness.push(k);
+                group.rest_length.push(length);
+                let triangles = geometry.topology.edge_triangles(edge);
+                triangles.iter().for_each(|&t| sides[t as usize] = sides[t as usize].map(|sides| sides + 1));
+            }
+        }
+        let few: Vec<u32> = sheet.triangles.iter().copied().filter(|&t| sides[t as usize] != Some(3)).collect();
+        if !few.is_empty() {
+            return Err(ClothModelError::Sides(few));
+        }
+        group.dashpot = (sheet.damping_time > 0.0).then(|| DashpotSpec {
+            kind: DashpotKind::Axial,
+            coefficient: group.stiffness.iter().map(|k| k * sheet.damping_time).collect(),
+            from_step: false,
+        });
+        spec.springs.push(group);
+    }
+    Ok(())
+}
+
+/// Makes the triangles membranes whose sides have springs of a sheet, and takes these springs away.
+fn as_membranes(
+    spec: &mut NetworkSpec,
+    sheets: &[Option<Membrane>],
+    geometry: &Geometry,
+) -> Result<(), ClothModelError> {
+    let edges = geometry.mesh.edges.len();
+    let (mut of_edge, mut carries) = (vec![None::<Sheet>; edges], vec![false; edges]);
+    for (number, (group, sheet)) in spec.springs.iter().zip(sheets).enumerate() {
+        let sheet = sheet.map(|membrane| of_group(spec, number, membrane, geometry)).transpose()?;
+        for &edge in &group.edges {
+            carries[edge as usize] = true;
+            of_edge[edge as usize] = sheet.or(of_edge[edge as usize]);
+        }
+    }
+    let mut sides: Vec<Vec<usize>> = vec![Vec::new(); geometry.mesh.triangles.len()];
+    for edge in 0..edges {
+        geometry.topology.edge_triangles(edge).iter().for_each(|&t| sides[t as usize].push(edge));
+    }
+    let mut is_membrane = vec![false; sides.len()];
+    spec.membranes.iter().flat_map(|sheet| &sheet.triangles).for_each(|&t| is_membrane[t as usize] = true);
+    let (mut mixed, mut both) = (Vec::new(), Vec::new());
+    let mut made: Vec<(Sheet, Vec<u32>)> = Vec::new();
+    for (triangle, sides) in (0..).zip(&sides) {
+        let Some(sheet) = sides.iter().find_map(|&edge| of_edge[edge]) else { continue };
+        // A tape in place of the sheet's spring stays a bar.
+        let whole = sides.iter().all(|&edge| of_edge[edge].map_or(carries[edge], |other| other == sheet));
+        if !whole || sides.len() != 3 {
+            mixed.push(triangle);
+        } else if is_membrane[triangle as usize] {
+            both.push(triangle);
+        } else {
+            match made.iter_mut().find(|(known, _)| *known == sheet) {
+                Some((_, triangles)) => triangles.push(triangle),
+                None => made.push((sheet, vec![triangle])),
+            }
+        }
+    }
+    if !mixed.is_empty() {
+        return Err(ClothModelError::Mixed(mixed));
+    }
+    if !both.is_empty() {
+        return Err(ClothModelError::Both(both));
+    }
+    spec.membranes.extend(made.into_iter().map(|(sheet, triangles)| sheet.of_triangles(triangles)));
+    take_away(spec, sheets);
+    Ok(())
+}
+
+impl Sheet {
+    fn of_triangles(self, triangles: Vec<u32>) -> MembraneSpec {
+        let Sheet { membrane: Membrane { modulus, thickness }, wrinkling, damping_time } = self;
+        let shear = modulus / (2.0 * (1.0 + OF_NETS));
+        let (modulus, poisson) = ([modulus; 2], OF_NETS);
+        MembraneSpec { triangles, thickness, modulus, poisson, shear, warp: None, wrinkling, damping_time }
+    }
+}
+
+/// A group of springs as a sheet, if a membrane can do what it does.
+fn of_group(
+    spec: &NetworkSpec,
+    number: usize,
+    membrane: Membrane,
+    geometry: &Geometry,
+) -> Result<Sheet, ClothModelError> {
+    let only = |what, hint| Err(ClothModelError::OnlySprings { what, hint });
+    let Some(group) = spec.springs.get(number) else { return Err(ClothModelError::NoSheet) };
+    let as_meshed =
+        |(&edge, &rest): (&u32, &f64)| geometry.length.get(edge as usize).is_some_and(|length| same(*length, rest));
+    if !group.edges.iter().zip(&group.rest_length).all(as_meshed) {
+        return only("rest lengths other than those of the mesh", "stretch the cloth by its supports or loads");
+    }
+    if spec.rest_scales.iter().any(|scale| scale.group == number) {
+        return only("rest lengths that change over time", "");
+    }
+    if spec.cuts.iter().any(|cut| cut.group == number) {
+        return only("a time when they are cut", "");
+    }
+    let wrinkling = match group.slack {
+        Slack::None => false,
+        Slack::TensionOnly => true,
+        _ => return only("a slack other than tension-only", ""),
+    };
+    let damping_time = match &group.dashpot {
+        None => 0.0,
+        Some(DashpotSpec { kind: DashpotKind::Axial, coefficient, from_step: false }) => {
+            let time = |(c, k): (&f64, &f64)| c / k;
+            let times = || coefficient.iter().zip(&group.stiffness).map(time);
+            match times().next() {
+                Some(first) if times().all(|time| same(first, time)) => first,
+                _ => return only("dashpots of different times", "give them as \"axial\": {\"time\": ...}"),
+            }
+        }
+        Some(_) => {
+            return only("dashpots that are relative or follow the step", "give them as \"axial\": {\"time\": ...}");
+        }
+    };
+    Ok(Sheet { membrane, wrinkling, damping_time })
+}
+
+/// Removes the groups that stood for sheets; what names the others by their places follows.
+fn take_away(spec: &mut NetworkSpec, sheets: &[Option<Membrane>]) {
+    let is_sheet = |group: usize| sheets.get(group).is_some_and(Option::is_some);
+    let moved = |group: usize| group - (0..group).filter(|&before| is_sheet(before)).count();
+    let mut number = 0..;
+    spec.springs.retain(|_| !number.next().is_some_and(is_sheet));
+    spec.strengths.retain(|StrengthSpec { group, .. }| !is_sheet(*group));
+    spec.strengths.iter_mut().for_each(|strength| strength.group = moved(strength.group));
+    spec.cuts.iter_mut().for_each(|cut| cut.group = moved(cut.group));
+    spec.rest_scales.iter_mut().for_each(|scale| scale.group = moved(scale.group));
+}
