@@ -13,12 +13,15 @@ pub fn read(bytes: &[u8]) -> Result<DataSet, String> {
     Ok(read_with_fields(bytes)?.0)
 }
 
+/// Arrays of whole numbers that belong to a file as a whole, by name.
+pub type FieldArrays = Vec<(String, Vec<i64>)>;
+
 /// The content of a file, and the whole numbers of the arrays that an XML file has as a whole (`FieldData`), which the
 /// library leaves out; arrays of other types are not listed.
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_with_fields(bytes: &[u8]) -> Result<(DataSet, Vec<(String, Vec<i64>)>), String> {
+pub fn read_with_fields(bytes: &[u8]) -> Result<(DataSet, FieldArrays), String> {
     let parse = || {
         let (vtk, fields) = if bytes.trim_ascii_start().starts_with(b"<") {
             let inline = all_inline(bytes)?;
@@ -62,7 +65,7 @@ pub fn named_array(attributes: &[Attribute], name: &str) -> Option<Vec<f64>> {
 }
 
 /// The arrays with one whole number a member.
-pub fn whole_numbers(attributes: &[Attribute]) -> Vec<(String, Vec<i64>)> {
+pub fn whole_numbers(attributes: &[Attribute]) -> FieldArrays {
     let whole = arrays(attributes)
         .filter(|(_, count, data)| *count == 1 && !matches!(data, IOBuffer::F32(_) | IOBuffer::F64(_)));
     whole.filter_map(|(name, _, data)| Some((name.to_owned(), data.clone().cast_into()?))).collect()
@@ -159,7 +162,7 @@ fn without_field(bytes: &[u8]) -> Cow<'_, [u8]> {
 }
 
 /// The whole numbers of the arrays of a file as a whole.
-fn field_numbers(inline: &[u8]) -> Result<Vec<(String, Vec<i64>)>, String> {
+fn field_numbers(inline: &[u8]) -> Result<FieldArrays, String> {
     let (begin, end) = (find(inline, FIELD.as_bytes()), find(inline, FIELD_END.as_bytes()));
     let (Some(begin), Some(end)) = (begin, end) else { return Ok(Vec::new()) };
     let section = inline.get(begin..end).and_then(|bytes| std::str::from_utf8(bytes).ok()).unwrap_or_default();

@@ -34,6 +34,37 @@ fn a_named_method_is_studied_alone() {
     }
 }
 
+/// A membrane's limit, undamped and with stiffness damping, is the one that runs find.
+#[test]
+fn limits_of_membranes_are_found() {
+    let bench = Bench::new();
+    for damping in [0.0, 2e-3, 2e-2] {
+        let case = serde_json::json!({
+            "name": "sheet",
+            "system": {"network": {
+                "mesh": {"annulus": {"inner_radius": 0.3, "outer_radius": 1.0, "nodes": 60, "boundary_nodes": 32}},
+                "mass": {"areal_density": 2.0},
+                "membranes": [{
+                    "on": "all", "thickness": 1e-3, "modulus": 1e6, "poisson": 0.3, "damping_time": damping
+                }],
+                "supports": [{"on": "outer", "fix": "xyz"}],
+                "initial": {"velocity": [0, 0, 0.01]}
+            }},
+            "time": {"end": 2.0, "method": "velocity-verlet", "step": 1e-4}
+        });
+        std::fs::write(bench.path("sheet.json"), case.to_string()).expect("a case");
+        let ended = bench.run(&["stability", "sheet.json", "--methods", "velocity-verlet,euler-cromer,rk4", "--force"]);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        let csv = Results(bench.path("out/sheet")).text("stability.csv");
+        assert_eq!(csv.lines().count(), 4, "{csv}");
+        for line in csv.lines().skip(1) {
+            let cells: Vec<&str> = line.split(',').collect();
+            let [predicted, measured] = [1, 2].map(|i| cells[i].parse::<f64>().expect("seconds"));
+            assert!((measured / predicted - 1.0).abs() < 0.02, "damping time {damping} s: {line}");
+        }
+    }
+}
+
 /// Three files of one study that agree with each other: a row a method, seconds, empty for a method without limit.
 #[test]
 fn the_three_files() {
