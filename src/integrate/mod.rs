@@ -46,11 +46,14 @@
 
 pub mod backward_euler;
 mod balance;
+pub mod central_difference;
 mod counters;
+mod dirk;
 pub mod dop853;
 pub mod dormand_prince;
 mod embedded;
 mod equations;
+pub mod esdirk4;
 pub mod euler_cromer;
 pub mod euler_richardson;
 pub mod explicit_euler;

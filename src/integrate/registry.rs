@@ -2,6 +2,7 @@
 //! it, so a scheme is registered here and nowhere else.
 
 use super::backward_euler::BackwardEuler;
+use super::central_difference::CENTRAL_DIFFERENCE;
 use super::euler_cromer::EULER_CROMER;
 use super::euler_richardson::EulerRichardson;
 use super::explicit_euler::ExplicitEuler;
@@ -17,7 +18,7 @@ use super::rk4::Rk4;
 use super::stage::NewmarkParameters;
 use super::stepper::Scheme;
 use super::velocity_verlet::VELOCITY_VERLET;
-use super::{dop853, dormand_prince};
+use super::{dop853, dormand_prince, esdirk4};
 
 mod method;
 mod other_names;
@@ -102,6 +103,18 @@ static METHODS: &[MethodInfo] = &[
         linear: LinearStep { fixed_velocity: Some(2.0), ..LinearStep::PARTITIONED },
         source: "Swope et al. 1982; thesis Eq. 37-40",
         build: |_, _| Scheme::Explicit(Box::new(VELOCITY_VERLET)),
+    },
+    MethodInfo {
+        name: "central-difference",
+        order: 1,
+        order_with: None,
+        family: Family::Explicit,
+        evaluations: [1, 1],
+        parameters: &[],
+        stability: "w h < 2 undamped, 2 (sqrt(1 + zeta^2) - zeta) damped; of order 2 without damping",
+        linear: LinearStep { pencil: Some(Pencil::EULER_CROMER), ..LinearStep::PARTITIONED },
+        source: "Belytschko, Liu, Moran & Elkhodary 2014, Box 5.1",
+        build: |_, _| Scheme::Explicit(Box::new(CENTRAL_DIFFERENCE)),
     },
     MethodInfo {
         name: "rk4",
@@ -232,5 +245,17 @@ static METHODS: &[MethodInfo] = &[
         linear: LinearStep { partitioned: |p| p[0] != 1.0, ..LinearStep::PLAIN },
         source: "Chung & Hulbert 1993, Eq. 15-18, 25",
         build: |p, solver| Scheme::Implicit(Box::new(Implicit::new(GeneralizedAlpha { rho_inf: p[0] }, solver))),
+    },
+    MethodInfo {
+        name: "esdirk4",
+        order: 4,
+        order_with: None,
+        family: Family::Implicit,
+        evaluations: [0, 0],
+        parameters: &[],
+        stability: "every step on linear scenes; L-stable",
+        linear: LinearStep::DISSIPATIVE,
+        source: "Kennedy & Carpenter 2003, ARK4(3)6L[2]SA",
+        build: |_, solver| esdirk4::scheme(solver),
     },
 ];
