@@ -181,3 +181,56 @@ fn advance(out: &mut [f64], base: &[f64], h: f64, weights: &[f64], slopes: &[Slo
     }
     accumulate(out, 1.0, base);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::esdirk4;
+    use super::super::order_conditions::{dot, has_order, tall};
+    use super::*;
+
+    /// a_ij with gamma on the diagonal; the first stage is y_n.
+    fn rows(tableau: &DirkTableau) -> Vec<Vec<f64>> {
+        let stage = |stage: &DirkStage| stage.a.iter().copied().chain([tableau.gamma]).collect();
+        std::iter::once(Vec::new()).chain(tableau.stages.iter().map(stage)).collect()
+    }
+
+    #[test]
+    fn esdirk4_meets_the_order_conditions() {
+        let tableau = &esdirk4::TABLEAU;
+        let owned = rows(tableau);
+        let rows: Vec<&[f64]> = owned.iter().map(Vec::as_slice).collect();
+        let b = rows[rows.len() - 1];
+        has_order(&rows, b, 4);
+        assert_eq!(tableau.estimate.len(), b.len());
+        let coarser: Vec<f64> = b.iter().zip(tableau.estimate).map(|(b, e)| b - e).collect();
+        has_order(&rows, &coarser, 3);
+        let leading = (tall(&rows, b, 5) - 1.0 / 120.0) / tall(&rows, tableau.estimate, 4);
+        assert!((tableau.info.leading / leading.abs() - 1.0).abs() < 2e-3, "{leading}");
+    }
+
+    /// Stages are of order 2: sum a_ij = c_i and sum a_ij c_j = c_i^2/2.
+    #[test]
+    fn stages_of_esdirk4_are_of_order_two() {
+        let tableau = &esdirk4::TABLEAU;
+        let times: Vec<f64> = std::iter::once(0.0).chain(tableau.stages.iter().map(|stage| stage.c)).collect();
+        for (row, c) in rows(tableau).iter().zip(&times).skip(1) {
+            assert!((row.iter().sum::<f64>() - c).abs() < 1e-14, "at {c}: {row:?}");
+            assert!((dot(row, &times) - 0.5 * c * c).abs() < 1e-14, "at {c}: {row:?}");
+        }
+    }
+
+    /// With z = -1/s, y_i (s + gamma) = s y_n - sum_{j<i} a_ij y_j: R is the last stage, and 0 at s = 0.
+    #[test]
+    fn esdirk4_forgets_what_is_infinitely_fast() {
+        let tableau = &esdirk4::TABLEAU;
+        let of = |s: f64| {
+            let mut stages = vec![1.0];
+            for DirkStage { a, .. } in tableau.stages {
+                stages.push((s - dot(a, &stages)) / (s + tableau.gamma));
+            }
+            stages[stages.len() - 1]
+        };
+        assert!(of(0.0).abs() < 1e-13, "{}", of(0.0));
+        assert!((of(10.0) - (-0.1_f64).exp()).abs() < 1e-8, "{}", of(10.0));
+    }
+}

@@ -46,7 +46,6 @@
 
 pub mod backward_euler;
 mod balance;
-pub mod central_difference;
 mod counters;
 mod dirk;
 pub mod dop853;
@@ -67,6 +66,8 @@ pub mod kang;
 pub mod kick_drift;
 pub mod linear_step;
 pub mod newmark;
+#[cfg(test)]
+mod order_conditions;
 pub mod registry;
 pub mod rk4;
 pub mod stage;

@@ -2,7 +2,6 @@
 //! it, so a scheme is registered here and nowhere else.
 
 use super::backward_euler::BackwardEuler;
-use super::central_difference::CENTRAL_DIFFERENCE;
 use super::euler_cromer::EULER_CROMER;
 use super::euler_richardson::EulerRichardson;
 use super::explicit_euler::ExplicitEuler;
@@ -103,18 +102,6 @@ static METHODS: &[MethodInfo] = &[
         linear: LinearStep { fixed_velocity: Some(2.0), ..LinearStep::PARTITIONED },
         source: "Swope et al. 1982; thesis Eq. 37-40",
         build: |_, _| Scheme::Explicit(Box::new(VELOCITY_VERLET)),
-    },
-    MethodInfo {
-        name: "central-difference",
-        order: 1,
-        order_with: None,
-        family: Family::Explicit,
-        evaluations: [1, 1],
-        parameters: &[],
-        stability: "w h < 2 undamped, 2 (sqrt(1 + zeta^2) - zeta) damped; of order 2 without damping",
-        linear: LinearStep { pencil: Some(Pencil::EULER_CROMER), ..LinearStep::PARTITIONED },
-        source: "Belytschko, Liu, Moran & Elkhodary 2014, Box 5.1",
-        build: |_, _| Scheme::Explicit(Box::new(CENTRAL_DIFFERENCE)),
     },
     MethodInfo {
         name: "rk4",
