@@ -15,7 +15,7 @@ const TOLERANCE: f64 = 0.1;
 
 /// The quadratic law v|v| has a jump in its second derivative where the flow through a triangle turns round; there the
 /// local error of any method is of third order. Methods of order 4 and less do not see it at these steps, but for
-/// esdirk4, whose own error is a sixteenth of that of rk4; those of higher order see little else.
+/// esdirk4, whose own error is a tenth of that of rk4; those of higher order see little else.
 #[derive(Clone, Copy, PartialEq)]
 enum Air {
     Quadratic,
