@@ -1,5 +1,5 @@
-//! The engine of Newmark, HHT, generalised alpha and backward Euler: one stage map, one Newton iteration, one linear
-//! solver.
+//! The engine of Newmark, HHT, generalised alpha and backward Euler, and of the stages of diagonally implicit methods:
+//! one stage map, one Newton iteration, one linear solver.
 //!
 //! The unknown is the displacement z of the step, over the free degrees of freedom, so that digits do not depend on
 //! where the origin is. An iteration takes one force pass and one solve, with W = cm M + cc C + ck K of the iterate, or
