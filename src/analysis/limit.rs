@@ -314,7 +314,7 @@ mod tests {
     #[test]
     fn unconditionally_stable_methods_have_no_limit_and_linear_acceleration_has_its_own() {
         let rates = Rates { frequency: 10.0, damping: 0.0, ..Default::default() };
-        for name in ["newmark", "hht", "backward-euler", "generalized-alpha"] {
+        for name in ["newmark", "hht", "backward-euler", "generalized-alpha", "esdirk4"] {
             let method = MethodChoice::with_defaults(name).unwrap();
             assert_eq!(critical_step(&method, rates), f64::INFINITY, "{name}");
         }

@@ -187,15 +187,9 @@ fn combined(out: &mut [f64], buffer: &mut [f64], (h, two): (f64, [&[f64]; 2]), s
 
 #[cfg(test)]
 mod tests {
+    use super::super::order_conditions::{has_order, tall, trees};
     use super::super::{dop853, dormand_prince};
     use super::*;
-
-    /// A rooted tree: its elementary weights by stage, the slope at the new point last, and its density gamma (Butcher;
-    /// Hairer, Norsett & Wanner 1993, section II.2).
-    struct Tree {
-        weights: Vec<f64>,
-        density: f64,
-    }
 
     /// a_ij with a row for the new point.
     fn rows(tableau: &Tableau) -> Vec<&'static [f64]> {
@@ -203,69 +197,14 @@ mod tests {
         std::iter::once(&[] as &[f64]).chain(stages).chain([tableau.b]).collect()
     }
 
-    fn dot(a: &[f64], b: &[f64]) -> f64 {
-        a.iter().zip(b).map(|(a, b)| a * b).sum()
-    }
-
-    /// All trees up to an order, by order; the root of each joins smaller ones.
-    fn trees(tableau: &Tableau, most: usize) -> Vec<Vec<Tree>> {
-        let rows = rows(tableau);
-        let mut all: Vec<Vec<Tree>> = vec![Vec::new()];
-        for order in 1..=most {
-            let flat: Vec<(usize, &Tree)> =
-                all.iter().enumerate().flat_map(|(n, trees)| trees.iter().map(move |t| (n, t))).collect();
-            let mut found = Vec::new();
-            let bare = Tree { weights: vec![1.0; rows.len()], density: order as f64 };
-            join(&rows, &flat, order - 1, bare, &mut found);
-            all.push(found);
-        }
-        all
-    }
-
-    /// Hangs multisets of `branches` (order, tree) with `left` nodes in all on `root`.
-    fn join(rows: &[&[f64]], branches: &[(usize, &Tree)], left: usize, root: Tree, found: &mut Vec<Tree>) {
-        if left == 0 {
-            found.push(root);
-            return;
-        }
-        for (i, (order, branch)) in branches.iter().enumerate().filter(|(_, (order, _))| *order <= left) {
-            let weights = root.weights.iter().zip(rows).map(|(w, row)| w * dot(row, &branch.weights)).collect();
-            let next = Tree { weights, density: root.density * branch.density };
-            join(rows, &branches[i..], left - order, next, found);
-        }
-    }
-
-    /// Largest |b . weights - 1/gamma| of every order from 1 to `most`.
-    fn defects(tableau: &Tableau, b: &[f64], most: usize) -> Vec<f64> {
-        let off = |tree: &Tree| (dot(b, &tree.weights) - 1.0 / tree.density).abs();
-        trees(tableau, most)[1..].iter().map(|trees| trees.iter().map(off).fold(0.0, f64::max)).collect()
-    }
-
     /// b less the weights of an estimate; the new point's slope counts as one more stage.
     fn less(b: &[f64], e: &[f64]) -> Vec<f64> {
         (0..b.len() + 1).map(|i| b.get(i).copied().unwrap_or(0.0) - e.get(i).copied().unwrap_or(0.0)).collect()
     }
 
-    /// The solution meets every condition up to its order, to rounding, and not all of the next.
-    fn has_order(tableau: &Tableau, b: &[f64], order: usize) {
-        let defects = defects(tableau, b, order + 1);
-        assert!(defects[..order].iter().all(|d| *d < 2e-14), "order {order}: {defects:?}");
-        assert!(defects[order] > 1e-6, "more than order {order}: {defects:?}");
-    }
-
-    /// Coefficient of z^k in what a step with weights `b` does to y' = z y.
-    fn tall(tableau: &Tableau, b: &[f64], k: usize) -> f64 {
-        let rows = rows(tableau);
-        let mut weights = vec![1.0; rows.len()];
-        for _ in 1..k {
-            weights = rows.iter().map(|row| dot(row, &weights)).collect();
-        }
-        dot(b, &weights)
-    }
-
     #[test]
     fn there_are_as_many_trees_as_there_are() {
-        let counts: Vec<usize> = trees(&dop853::TABLEAU, 8).iter().map(Vec::len).collect();
+        let counts: Vec<usize> = trees(&rows(&dop853::TABLEAU), 8).iter().map(Vec::len).collect();
         assert_eq!(counts, [0, 1, 1, 2, 4, 9, 20, 48, 115]);
     }
 
@@ -283,22 +222,24 @@ mod tests {
     #[test]
     fn dormand_prince_meets_the_order_conditions() {
         let tableau = &dormand_prince::TABLEAU;
-        has_order(tableau, tableau.b, 5);
+        let rows = rows(tableau);
+        has_order(&rows, tableau.b, 5);
         let Estimate::One(e) = tableau.estimate else { panic!("one estimate") };
-        has_order(tableau, &less(tableau.b, e), 4);
-        let leading = (tall(tableau, tableau.b, 6) - 1.0 / 720.0) / tall(tableau, e, 5);
+        has_order(&rows, &less(tableau.b, e), 4);
+        let leading = (tall(&rows, tableau.b, 6) - 1.0 / 720.0) / tall(&rows, e, 5);
         assert!((dormand_prince::LINEAR - leading.abs()).abs() < 1e-12, "{leading}");
     }
 
     #[test]
     fn dop853_meets_the_order_conditions() {
         let tableau = &dop853::TABLEAU;
-        has_order(tableau, tableau.b, 8);
+        let rows = rows(tableau);
+        has_order(&rows, tableau.b, 8);
         let Estimate::Two { fine, coarse } = tableau.estimate else { panic!("two estimates") };
-        has_order(tableau, &less(tableau.b, fine), 5);
-        has_order(tableau, &less(tableau.b, coarse), 3);
-        let estimate = tall(tableau, fine, 6).powi(2) / (0.1 * tall(tableau, coarse, 4));
-        let leading = (tall(tableau, tableau.b, 9) - 1.0 / 362_880.0) / estimate;
+        has_order(&rows, &less(tableau.b, fine), 5);
+        has_order(&rows, &less(tableau.b, coarse), 3);
+        let estimate = tall(&rows, fine, 6).powi(2) / (0.1 * tall(&rows, coarse, 4));
+        let leading = (tall(&rows, tableau.b, 9) - 1.0 / 362_880.0) / estimate;
         assert!((dop853::LINEAR / leading.abs() - 1.0).abs() < 1e-3, "{leading}");
     }
 }

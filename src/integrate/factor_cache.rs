@@ -89,6 +89,11 @@ impl FactorCache {
         if near { self.accepted.frozen } else { self.accepted.frozen.after_step_change() }
     }
 
+    /// Statistics of the factor of this attempt.
+    pub fn attempted_history(&self) -> FactorHistory {
+        self.attempted.frozen
+    }
+
     /// Records a new factor of this attempt.
     pub fn store(&mut self, at: StateRef<'_>, w: Weights, FactorRequest { convex, expected }: FactorRequest) {
         self.state = CacheState::Replaced;

@@ -1,5 +1,5 @@
-//! The engine of Newmark, HHT, generalised alpha and backward Euler: one stage map, one Newton iteration, one linear
-//! solver.
+//! The engine of Newmark, HHT, generalised alpha and backward Euler, and of the stages of diagonally implicit methods:
+//! one stage map, one Newton iteration, one linear solver.
 //!
 //! The unknown is the displacement z of the step, over the free degrees of freedom, so that digits do not depend on
 //! where the origin is. An iteration takes one force pass and one solve, with W = cm M + cc C + ck K of the iterate, or
@@ -57,6 +57,15 @@ pub struct Implicit<M> {
     solver: Option<Solver>,
 }
 
+/// How a scheme of several stages has one of them attempted.
+#[derive(Clone, Copy)]
+pub(super) struct StageAttempt<'a> {
+    /// [m/s^2] first guess of the acceleration at its end `[n_dof]`
+    pub acceleration: &'a [f64],
+    /// whether it goes on with the factor of the stage before, in the same step
+    pub continues: bool,
+}
+
 /// Buffers of the steps, allocated at the start of a run.
 struct Solver {
     newton: Newton,
@@ -87,6 +96,81 @@ impl<M: ImplicitScheme> Implicit<M> {
             solver: None,
         }
     }
+
+    /// Attempts a stage of a step; see [`StageAttempt`].
+    ///
+    /// # Errors
+    /// When Newton's iteration does not converge.
+    pub(super) fn attempt_stage(
+        &mut self,
+        step: StepInput<'_, dyn TangentSystem>,
+        stage: StageAttempt<'_>,
+        to: &mut Point,
+        counters: &mut Counters,
+    ) -> Result<StepReport, StepError> {
+        self.attempt_with(step, Some(stage), to, counters)
+    }
+
+    /// [m/s^2] The acceleration at the end of the last attempt `[n_dof]`.
+    pub(super) fn acceleration_at_end(&self) -> &[f64] {
+        self.solver.as_ref().map_or(&[], |s| &s.workspace.a_next)
+    }
+
+    fn attempt_with(
+        &mut self,
+        StepInput { system, from, h, t_next }: StepInput<'_, dyn TangentSystem>,
+        stage: Option<StageAttempt<'_>>,
+        to: &mut Point,
+        counters: &mut Counters,
+    ) -> Result<StepReport, StepError> {
+        let Some(s) = &mut self.solver else {
+            return Err(StepError::NotStarted);
+        };
+        let own = self.scheme.map(h);
+        let bridge = self.anew && own.lag() != 0.0;
+        let map = if bridge { StageMap::newmark(TRAPEZOIDAL, h) } else { own };
+        to.state.copy_from(from.state.as_ref());
+        to.state.t = t_next;
+        let lag = LaggedAcceleration { h, made_with: self.made_with, a: &self.a };
+        lag.carry_over(map, from, system.inverse_mass(), &mut s.a);
+        let guess = match stage {
+            None => first_guess(&self.trend, lag, &mut s.expected),
+            Some(StageAttempt { acceleration, .. }) => {
+                s.expected.copy_from_slice(acceleration);
+                s.a.copy_from_slice(acceleration);
+                Guess::Trend
+            }
+        };
+        let continues = stage.is_some_and(|stage| stage.continues);
+        self.attempted = h;
+        s.linear.mass_weight = None;
+        let scales = scales(system, from, &s.a, map, &mut s.workspace.residual);
+        let largest = from.state.x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let start = StepStart { largest, from, a: &s.a, expected: &s.expected, h, force_scale: scales.residual };
+        let (dofs, workspace, linear) = (&s.dofs, &mut s.workspace, &mut s.linear);
+        let mut equations = Equations { system, map, start, to, guess, dofs, workspace, linear, counters };
+        if !continues {
+            equations.rebuild_factor()?;
+        }
+        equations.fill(&mut s.z);
+        let cache = &equations.linear.cache;
+        let mut frozen = if continues { cache.attempted_history() } else { cache.history_for(equations.weights()) };
+        let solved = s.newton.solve(&mut equations, &mut s.z, scales, &mut frozen);
+        s.guessed_well = equations.guess == guess;
+        s.linear.cache.set_history(frozen);
+        let iterations = solved.as_ref().map_or_else(NewtonFailure::iterations, |report| report.iterations);
+        counters.newton_iterations += u64::from(iterations);
+        let report = solved?;
+        if bridge {
+            lag_behind(own.lag(), &self.a, (&to.forces.total, system.inverse_mass()), &mut s.workspace.a_next);
+        }
+        Ok(StepReport {
+            newton_iterations: report.iterations,
+            residual: report.residual,
+            work: None,
+            forces_at_end: true,
+        })
+    }
 }
 
 impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
@@ -112,46 +196,11 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
 
     fn attempt(
         &mut self,
-        StepInput { system, from, h, t_next }: StepInput<'_, dyn TangentSystem>,
+        step: StepInput<'_, dyn TangentSystem>,
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
-        let Some(s) = &mut self.solver else {
-            return Err(StepError::NotStarted);
-        };
-        let own = self.scheme.map(h);
-        let bridge = self.anew && own.lag() != 0.0;
-        let map = if bridge { StageMap::newmark(TRAPEZOIDAL, h) } else { own };
-        to.state.copy_from(from.state.as_ref());
-        to.state.t = t_next;
-        let lag = LaggedAcceleration { h, made_with: self.made_with, a: &self.a };
-        lag.carry_over(map, from, system.inverse_mass(), &mut s.a);
-        let guess = first_guess(&self.trend, lag, &mut s.expected);
-        self.attempted = h;
-        s.linear.mass_weight = None;
-        let scales = scales(system, from, &s.a, map, &mut s.workspace.residual);
-        let largest = from.state.x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        let start = StepStart { largest, from, a: &s.a, expected: &s.expected, h, force_scale: scales.residual };
-        let (dofs, workspace, linear) = (&s.dofs, &mut s.workspace, &mut s.linear);
-        let mut stage = Equations { system, map, start, to, guess, dofs, workspace, linear, counters };
-        stage.rebuild_factor()?;
-        stage.fill(&mut s.z);
-        let mut frozen = stage.linear.cache.history_for(stage.weights());
-        let solved = s.newton.solve(&mut stage, &mut s.z, scales, &mut frozen);
-        s.guessed_well = stage.guess == guess;
-        s.linear.cache.set_history(frozen);
-        let iterations = solved.as_ref().map_or_else(NewtonFailure::iterations, |report| report.iterations);
-        counters.newton_iterations += u64::from(iterations);
-        let report = solved?;
-        if bridge {
-            lag_behind(own.lag(), &self.a, (&to.forces.total, system.inverse_mass()), &mut s.workspace.a_next);
-        }
-        Ok(StepReport {
-            newton_iterations: report.iterations,
-            residual: report.residual,
-            work: None,
-            forces_at_end: true,
-        })
+        self.attempt_with(step, None, to, counters)
     }
 
     fn accept(&mut self) {
@@ -166,7 +215,6 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             self.anew = false;
         }
     }
-
     /// a = M^-1 f, as before the first step.
     fn restart(&mut self, system: &dyn TangentSystem, at: &Point) {
         acceleration(system, &mut self.a, &at.forces.total);

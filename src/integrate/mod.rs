@@ -8,21 +8,23 @@
 //! 1. Write `integrate/<name>.rs` and declare it below. An explicit scheme implements [`Integrator`] for
 //!    `dyn System` and reads like its equations: start from a copy of `improved_euler.rs`, whose helpers (`updates`)
 //!    advance states and integrate the work of the stages. One of the Newmark family only fills a [`stage::StageMap`]
-//!    ([`implicit::ImplicitScheme`]).
+//!    ([`implicit::ImplicitScheme`]), and a diagonally implicit Runge-Kutta method a tableau (`dirk.rs`).
 //! 2. Register it in [`registry`]: name, order, parameters with ranges, stability, source, and the properties of its
 //!    step on linear scenes ([`linear_step`], which limits and diagnoses use instead of names). The case format, the
 //!    JSON Schema, `canopy-fem methods` and every test that loops over methods read that entry; those of
 //!    `analysis/limit` check on oscillators what it says of the step.
 //! 3. `tests/claims/recurrence` needs its amplification recurrence on an oscillator: for a Runge-Kutta method that is a
-//!    polynomial in `tests/common/polynomials.rs`. `tests/claims/oscillator.rs` needs its leading error term and
+//!    polynomial in `tests/common/polynomials.rs`, and its tableau meets the conditions in `order_conditions.rs`.
+//!    `tests/claims/oscillator.rs` needs its leading error term, `tests/claims/energy_oscillator.rs` its energy a step,
 //!    `tests/api/counters.rs` its work, and an explicit scheme a line of known limits in `analysis/limit`.
 //!    `tests/claims/order.rs` and `tolerance.rs` measure its order and its errors with tolerances. Each of them fails
 //!    with a message if the entry is missing; `tests/api/case/faults.rs`, the README's table and its count of methods
 //!    name all methods.
 //! 4. Run `cargo test --release --lib limit`, `--test claims` and `--test api`.
 //!
-//! A scheme that solves several times per step owns one [`implicit::Implicit`] engine per stage: an engine carries one
-//! kept factor and one first guess from step to step. `check` counts one solve per step where it makes no trial runs.
+//! A scheme that solves several times per step shares one [`implicit::Implicit`] engine where all stages have the same
+//! W (`dirk.rs`), and owns one per stage otherwise: an engine carries one kept factor and one first guess from step to
+//! step. `check` counts one solve per step where it makes no trial runs.
 //!
 //! # A scheme of a program's own
 //! A program that only uses the library takes methods from the [`registry`], or writes a [`registry::MethodInfo`] of
@@ -47,10 +49,12 @@
 pub mod backward_euler;
 mod balance;
 mod counters;
+mod dirk;
 pub mod dop853;
 pub mod dormand_prince;
 mod embedded;
 mod equations;
+pub mod esdirk4;
 pub mod euler_cromer;
 pub mod euler_richardson;
 pub mod explicit_euler;
@@ -64,6 +68,8 @@ pub mod kang;
 pub mod kick_drift;
 pub mod linear_step;
 pub mod newmark;
+#[cfg(test)]
+mod order_conditions;
 pub mod registry;
 pub mod rk4;
 pub mod stage;

@@ -17,7 +17,7 @@ use super::rk4::Rk4;
 use super::stage::NewmarkParameters;
 use super::stepper::Scheme;
 use super::velocity_verlet::VELOCITY_VERLET;
-use super::{dop853, dormand_prince};
+use super::{dop853, dormand_prince, esdirk4};
 
 mod method;
 mod other_names;
@@ -232,5 +232,17 @@ static METHODS: &[MethodInfo] = &[
         linear: LinearStep { partitioned: |p| p[0] != 1.0, ..LinearStep::PLAIN },
         source: "Chung & Hulbert 1993, Eq. 15-18, 25",
         build: |p, solver| Scheme::Implicit(Box::new(Implicit::new(GeneralizedAlpha { rho_inf: p[0] }, solver))),
+    },
+    MethodInfo {
+        name: "esdirk4",
+        order: 4,
+        order_with: None,
+        family: Family::Implicit,
+        evaluations: [0, 0],
+        parameters: &[],
+        stability: "every step on linear scenes; L-stable",
+        linear: LinearStep::DISSIPATIVE,
+        source: "Kennedy & Carpenter 2003, ARK4(3)6L[2]SA",
+        build: |_, solver| esdirk4::scheme(solver),
     },
 ];

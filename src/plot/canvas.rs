@@ -22,10 +22,10 @@ pub(super) const FINE_GRID: Ink = "#F1F1F1";
 
 /// Colours that colour-blind people can distinguish (Okabe & Ito 2008), without the yellow, which is too pale for lines
 /// on white.
-/// After black, colours for pictures with more curves than these seven: of Tol's muted scheme (2021), and grey.
-const PALETTE: [Ink; 15] = [
+/// After black, colours for pictures with more curves than these seven: of Tol's muted scheme (2021), and a grey.
+const PALETTE: [Ink; 16] = [
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#882255", "#117733", "#332288",
-    "#999933", "#AA4499", "#661100", "#44AA99", "#888888",
+    "#999933", "#AA4499", "#661100", "#44AA99", "#888888", "#CC6677",
 ];
 
 /// Length of a dash and a gap of lines that coincide with others, in drawing units.

@@ -3,7 +3,7 @@
 //! Hughes 1987, chapter 9).
 
 use crate::claim::Claim;
-use crate::common::polynomials::{size, stability_polynomial};
+use crate::common::polynomials::{esdirk4_size, size, stability_polynomial};
 use crate::common::run::{case_of, follow_on};
 use crate::linear_theory::{Named, generalized_alpha, hht, newmark};
 use crate::one_mass::{Row, frequency, rows};
@@ -70,6 +70,7 @@ fn fixed_factors(wh: f64) -> Vec<Claim> {
         ("rk4", 1.0 - w2.powi(3) / 72.0 + w2.powi(4) / 576.0),
         ("dormand-prince", runge_kutta("dormand-prince", wh)),
         ("dop853", runge_kutta("dop853", wh)),
+        ("esdirk4", esdirk4_size(wh).powi(2)),
         ("backward-euler", 1.0 / (1.0 + w2)),
         ("kang", 1.0 / (1.0 + w2)),
     ];
@@ -85,7 +86,12 @@ fn fixed_factors(wh: f64) -> Vec<Claim> {
         let what = format!("{method}: w h {wh}: numerical after {steps} steps over the first energy");
         let grown = factor.powi(steps as i32);
         // The stages of dop853 have weights up to 43, which cancel; the energy of all steps adds up what they round.
-        let digits = if method == "dop853" { 20.0 } else { 2.0 };
+        // esdirk4 solves five times a step.
+        let digits = match method {
+            "dop853" => 20.0,
+            "esdirk4" => 10.0,
+            _ => 2.0,
+        };
         claims.push(Claim::absolute(what, lost, 1.0 - grown, digits * ROUNDING * grown.max(1.0)));
     }
     claims

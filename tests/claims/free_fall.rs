@@ -85,6 +85,7 @@ pub fn claims() -> Vec<Claim> {
     // Error of a scheme of order p at h/tau = 0.02, with constants below 1.
     for (method, tolerance) in [
         ("rk4", 1e-9),
+        ("esdirk4", 1e-9),
         ("velocity-verlet", 4e-5),
         ("euler-richardson", 4e-5),
         ("improved-euler", 4e-5),

@@ -156,6 +156,7 @@ fn orders() -> Vec<Claim> {
         ("hht", 2.0, 5e-3),
         ("generalized-alpha", 2.0, 5e-3),
         ("rk4", 4.0, 0.015625),
+        ("esdirk4", 4.0, 0.015625),
     ];
     for (name, order, step) in list {
         // Steps beside an event within a step are shorter, and differently so for h and h/2.

@@ -34,7 +34,7 @@ const fn scheme(name: &'static str, order: i32, constant: f64, pure: bool) -> Sc
 /// order. Two-step Adams-Bashforth, trapezium, Euler: the textbook's. Verlet turns by 2 asin(w h/2). Generalised alpha:
 /// (beta - (af - am) af - 1/12)/2, by expansion of its characteristic polynomial; HHT is the case am = 0, af = -alpha.
 /// Kang's sweeps are exact for one spring to an anchor: backward Euler.
-const SCHEMES: [Scheme; 13] = [
+const SCHEMES: [Scheme; 14] = [
     scheme("explicit-euler", 1, -1.0 / 2.0, true),
     scheme("backward-euler", 1, 1.0 / 2.0, true),
     scheme("kang", 1, 1.0 / 2.0, false),
@@ -46,6 +46,8 @@ const SCHEMES: [Scheme; 13] = [
     scheme("hht", 2, 0.5 * (0.3025 - 0.01 - 1.0 / 12.0), false),
     scheme("generalized-alpha", 2, 0.5 * (25.0 / 81.0 - 4.0 / 81.0 - 1.0 / 12.0), false),
     scheme("rk4", 4, -1.0 / 120.0, true),
+    // exp(z) (1 - z/4)^5 from z^5 on, which ESDIRK4 leaves out
+    scheme("esdirk4", 4, -13.0 / 15360.0, true),
     scheme("dormand-prince", 5, 1.0 / 600.0 - 1.0 / 720.0, true),
     scheme("dop853", 8, 2.691_692_2e-6 - 1.0 / 362_880.0, true),
 ];

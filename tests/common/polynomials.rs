@@ -24,6 +24,13 @@ pub fn stability_polynomial(method: &str) -> Option<Vec<f64>> {
     Some(coefficients)
 }
 
+/// |R(i y)| of ESDIRK4: with five stages of gamma = 1/4, order 4 and R = 0 at infinity, R (1 - z/4)^5 is the part of
+/// exp(z) (1 - z/4)^5 up to z^4 (Hairer & Wanner 1996, section IV.6).
+pub fn esdirk4_size(y: f64) -> f64 {
+    let numerator = [1.0, -1.0 / 4.0, -1.0 / 8.0, 1.0 / 96.0, 7.0 / 768.0];
+    size(&numerator, (0.0, y)) / 1.0_f64.hypot(0.25 * y).powi(5)
+}
+
 /// |R(x + i y)|, by Horner.
 pub fn size(coefficients: &[f64], (x, y): (f64, f64)) -> f64 {
     let (mut a, mut b) = (0.0, 0.0);

@@ -73,6 +73,23 @@ static OTHER_NAMES: &[(&[&str], &str, &str)] = &[
         "newmark",
         "by default the trapezoidal rule (average acceleration)",
     ),
+    (
+        &[
+            "sdirk",
+            "sdirk4",
+            "esdirk",
+            "dirk",
+            "dirk4",
+            "ark4",
+            "ark436l2sa",
+            "esdirk43",
+            "kencarp4",
+            "radau",
+            "radau5",
+        ],
+        "esdirk4",
+        "diagonally implicit, of order four, L-stable",
+    ),
     (&["hilberhughestaylor", "hhtalpha", "alpha", "alphamethod"], "hht", ""),
     (
         &["impliciteuler", "eulerimplicit", "eulerbackward", "beuler", "bdf", "bdf1", "bdf2", "baraffwitkin"],

@@ -12,10 +12,10 @@ use crate::study::runner::Study;
 
 /// Number of colours that methods and curves take, each its own as long as they suffice: those of the palette without
 /// black, which is left for what is no method.
-const COLORS: usize = 14;
+const COLORS: usize = 15;
 /// Numbers of the colours of the registered methods, in the order of the registry: the methods that are used most have
 /// the colours that differ most.
-const OF_METHODS: [usize; COLORS] = [0, 3, 12, 6, 9, 1, 4, 7, 8, 2, 5, 10, 11, 13];
+const OF_METHODS: [usize; COLORS] = [0, 3, 12, 6, 9, 1, 4, 7, 8, 2, 5, 10, 11, 13, 14];
 /// Black.
 pub(in crate::study) const BLACK: usize = 6;
 /// Methods of a family that have the same shape of marks.

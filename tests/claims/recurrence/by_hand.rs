@@ -84,6 +84,38 @@ fn kang(o: Oscillator, h: f64, damper: Damper, m: Motion) -> Motion {
     Motion { x: m.x + h * v, v, a: 0.0 }
 }
 
+/// (I - h A) y1 = y0 + h (0, g), solved by Cramer's rule.
+fn backward_euler(o: Oscillator, h: f64, m: Motion) -> Motion {
+    let (w2, d) = (o.frequency.powi(2), o.d());
+    let det = 1.0 + h * d + h * h * w2;
+    let right = m.v + h * o.push;
+    Motion { x: ((1.0 + h * d) * m.x + h * right) / det, v: (right - h * w2 * m.x) / det, a: 0.0 }
+}
+
+/// ARK4(3)6L[2]SA of Kennedy & Carpenter 2003, the implicit part: y_i = y_n + h sum_{j<i} a_ij k_j + (h/4) k_i, of
+/// which the last is the result.
+fn esdirk4(o: Oscillator, h: f64, m: Motion) -> Motion {
+    let rows: [&[f64]; 5] = [
+        &[1.0 / 4.0],
+        &[8611.0 / 62500.0, -1743.0 / 31250.0],
+        &[5012029.0 / 34652500.0, -654441.0 / 2922500.0, 174375.0 / 388108.0],
+        &[15267082809.0 / 155376265600.0, -71443401.0 / 120774400.0, 730878875.0 / 902184768.0, 2285395.0 / 8070912.0],
+        &[82889.0 / 524892.0, 0.0, 15625.0 / 83664.0, 69875.0 / 102672.0, -2260.0 / 8211.0],
+    ];
+    let mut slopes = vec![(m.v, o.a(m.x, m.v))];
+    let mut stage = m;
+    for row in rows {
+        let (mut x, mut v) = (m.x, m.v);
+        for (a, (slope_x, slope_v)) in row.iter().zip(&slopes) {
+            x += h * a * slope_x;
+            v += h * a * slope_v;
+        }
+        stage = backward_euler(o, h / 4.0, Motion { x, v, a: 0.0 });
+        slopes.push((stage.v, o.a(stage.x, stage.v)));
+    }
+    stage
+}
+
 impl Case {
     /// The recurrence, `steps` steps from rest of everything but x and v.
     pub fn expected(&self, o: Oscillator, h: f64, damper: Damper, start: Motion, steps: usize) -> Vec<Motion> {
@@ -122,13 +154,8 @@ impl Case {
                 let w = Weighted { beta: (1.0 - am + af).powi(2) / 4.0, gamma: 0.5 - am + af, am, af };
                 Box::new(move |m| newmark_family(o, h, &w, m))
             }
-            "backward-euler" => Box::new(move |m| {
-                // (I - h A) y1 = y0 + h (0, g), solved by Cramer's rule.
-                let (w2, d) = (o.frequency.powi(2), o.d());
-                let det = 1.0 + h * d + h * h * w2;
-                let right = m.v + h * o.push;
-                Motion { x: ((1.0 + h * d) * m.x + h * right) / det, v: (right - h * w2 * m.x) / det, a: 0.0 }
-            }),
+            "backward-euler" => Box::new(move |m| backward_euler(o, h, m)),
+            "esdirk4" => Box::new(move |m| esdirk4(o, h, m)),
             "kang" => Box::new(move |m| kang(o, h, damper, m)),
             other => panic!("write the recurrence of {other} here"),
         };
