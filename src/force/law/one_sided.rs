@@ -1,9 +1,9 @@
 //! Springs with a slack law in Kang's filter, which does not contain them while they are slack.
 //!
 //! A spring is in the filter of a step of h if it is taut at the step's start, or taut at x + h v, where the nodes
-//! would be with their present velocities. A spring that is slack at the start but not at x + h v gets the tension of its taut
-//! branch, as if it were taut already, with the elongation e at x. Together with the filter's h k (v_j - v_i) this is
-//! the tension at the end of the step. A mass that flies into its rope is then caught as by backward Euler, and
+//! would be with their present velocities. A spring that is slack at the start but not at x + h v gets the tension of
+//! its taut branch, as if it were taut already, with the elongation e at x. Together with the filter's h k (v_j - v_i)
+//! this is the tension at the end of the step. A mass that flies into its rope is then caught as by backward Euler, and
 //!   the step makes no energy, at any h^2 k/m. Without the second rule the step would pass the threshold without
 //!   braking and make 1/2 k (h v)^2.
 

@@ -5,8 +5,8 @@
 //! e = l - s l0,  n = (xb - xa)/l    force on a = T(e) n,  on b = -T(e) n      energy = integral of T de
 //! -df/dx = [[B, -B], [-B, B]],      B = (T/l)(I - n n^T) + (dT/dl) n n^T      -df/dv = 0
 //! ```
-//! s is a factor of all rest lengths of a batch over time, 1 without one. Its change does the work dE/ds ds on a spring,
-//! -T l0 ds on a linear one.
+//! s is a factor of all rest lengths of a batch over time, 1 without one. Its change does the work dE/ds ds on a
+//! spring, -T l0 ds on a linear one.
 //!
 //! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are
 //! 0.

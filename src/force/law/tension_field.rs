@@ -7,8 +7,8 @@
 //! slack     E has no tension: S = 0
 //! wrinkled  S = (e/c) T,  T = t t^T,  e = t.E t,  c = T : C : T,  W = e^2/(2 c),  t along the wrinkles: W is largest
 //! ```
-//! W is convex, S is continuous, and for an isotropic sheet t is the direction of the largest strain: the sheet is slack
-//! where E1 <= 0 and wrinkled where E2 <= -nu E1.
+//! W is convex, S is continuous, and for an isotropic sheet t is the direction of the largest strain: the sheet is
+//! slack where E1 <= 0 and wrinkled where E2 <= -nu E1.
 //!
 //! Axes are those of the material, scaled so that both of its moduli are 1: a strain is times x_i x_j and a stress
 //! divided by it, with x_i^4 the membrane stiffness E_i t [N/m] along axis i. What is left of an orthotropic sheet is
@@ -17,8 +17,8 @@
 //! C = [[1, -nu, 0], [-nu, 1, 0], [0, 0, g]]  for  (S11, S22, S12) -> (E11, E22, 2 E12)
 //! t = (cos(phi/2), sin(phi/2)),   e = m + d cos(phi) + g' sin(phi),   c = A + B cos^2(phi)
 //! ```
-//! B is 0 for an isotropic sheet. Otherwise phi is found with Newton's method between bounds: mirrored to positive d and
-//! g', it lies between 0 and 90 degrees.
+//! B is 0 for an isotropic sheet. Otherwise phi is found with Newton's method between bounds: mirrored to positive d
+//! and g', it lies between 0 and 90 degrees.
 
 use crate::model::quad::Real;
 

@@ -17,8 +17,8 @@ pub(super) struct Outline {
 const MOST_NODES: f64 = 2e6;
 /// [-] Most tests of points against sides.
 const MOST_TESTS: usize = 2_000_000_000;
-/// [-] Largest area of a triangle by the square of the edge length. An equilateral one has 0.43; most become smaller than
-/// the largest.
+/// [-] Largest area of a triangle by the square of the edge length. An equilateral one has 0.43; most become smaller
+/// than the largest.
 const LARGEST: f64 = 0.6;
 /// [-] Share of its size by which an outline may leave its plane.
 const FLAT: f64 = 1e-3;

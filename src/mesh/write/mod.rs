@@ -64,9 +64,9 @@ fn lost(mesh: &Mesh, ending: &str) -> Vec<String> {
     if parts.is_empty() { Vec::new() } else { vec![format!(".{ending} does not hold {}", parts.join(", "))] }
 }
 
-/// A mesh as an unstructured grid of VTK's XML: triangles, then line cells, with the cell array `seam` (1 on seams). Groups are the arrays
-/// `group` on cells and points, whose numbers the field arrays `group NAME` and `node group NAME` explain; the start
-/// displacement is the point array `start_displacement`. The reader uses them all.
+/// A mesh as an unstructured grid of VTK's XML: triangles, then line cells, with the cell array `seam` (1 on seams).
+/// Groups are the arrays `group` on cells and points, whose numbers the field arrays `group NAME` and `node group NAME`
+/// explain; the start displacement is the point array `start_displacement`. The reader uses them all.
 ///
 /// # Errors
 /// When a triangle or an edge names a node that does not exist.
