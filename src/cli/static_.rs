@@ -116,7 +116,7 @@ fn report(name: &str, found: &RecordedStatic, out: &Path) -> String {
     let _ = writeln!(text, "  work            {}", work.join(", "));
     let _ = writeln!(text, "  residual        {:.1e} N of {} N", residual.force, figures(residual.scale, 4));
     if let Some(energy) = summary.equilibrium.as_ref().and_then(|report| report.potential_energy) {
-        let _ = writeln!(text, "  potential       {} J, of springs and weight", figures(energy, 6));
+        let _ = writeln!(text, "  potential       {} J, elastic and of weight", figures(energy, 6));
     }
     let stability = match equilibrium.stability {
         Some(Stability::Stable) => "stable",

@@ -70,7 +70,7 @@ pub struct EquilibriumReport {
     pub residual: f64,
     /// [N] what it is compared with: the largest norm of loads, internal forces and reactions
     pub residual_scale: f64,
-    /// [J] energy of springs and weight; null where other loads act, which have no potential in the account
+    /// [J] elastic energy and that of weight; null where other loads act, which have no potential in the account
     pub potential_energy: Option<f64>,
     /// levels of the loads that were solved
     pub load_steps: u32,

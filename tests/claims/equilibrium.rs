@@ -9,6 +9,8 @@
 //! * A chain of beads that hangs: w^2 = (g/l) x with L_N(x) = 0, and for many beads w = j01/2 sqrt(g/L)
 //!   (`hanging_chain`).
 //! * A strung chain: w = 2 sqrt(T/(m a)) sin(q a/2) across it.
+//! * A square membrane, stretched alike in both directions: w^2 = (S/sigma)(pi/L)^2 (m^2 + n^2) across it. Right triangles
+//!   of side h are the five-point Laplacian, whose modes have (2/h sin(m pi h/(2 L)))^2 in place of (m pi/L)^2.
 
 use crate::chain::{G, Hanging, Strung};
 use crate::claim::Claim;
@@ -21,6 +23,7 @@ use canopy_fem::scene::Scene;
 use canopy_fem::simulation::build_scene;
 use canopy_fem::statics::{Equilibrium, Stability, StaticSpec, find};
 use serde_json::{Value, json};
+use std::f64::consts::PI;
 
 /// An equilibrium, in the user's numbering.
 pub struct AtRest {
@@ -245,6 +248,42 @@ fn force_density_solution(case: &Value, rest: &AtRest) -> f64 {
     x.iter().zip(&rest.positions).map(off).fold(0.0, f64::max)
 }
 
+/// [kg/m^2]
+const DRUM_DENSITY: f64 = 0.05;
+/// [N/m] E t
+const DRUM_STIFFNESS: f64 = 4e4;
+const DRUM_POISSON: f64 = 0.3;
+/// [-] stretch of the square in both directions
+const DRUM_STRETCH: f64 = 1.01;
+
+/// [N/m] S = E t e/(1 - nu) with the Green strain e.
+fn drum_tension() -> f64 {
+    DRUM_STIFFNESS * 0.5 * (DRUM_STRETCH * DRUM_STRETCH - 1.0) / (1.0 - DRUM_POISSON)
+}
+
+/// A square of 1 m in so many cells a side, stretched and held at its edge.
+fn drum(cells: u32) -> Value {
+    let side = cells + 1;
+    let nodes: Vec<[f64; 3]> = (0..side * side)
+        .map(|n| [f64::from(n % side), f64::from(n / side), 0.0].map(|c| c / f64::from(cells)))
+        .collect();
+    let displacement: Vec<[f64; 3]> = nodes.iter().map(|x| x.map(|c| (DRUM_STRETCH - 1.0) * c)).collect();
+    let corners = (0..cells * cells).map(|cell| side * (cell / cells) + cell % cells);
+    let triangles: Vec<[u32; 3]> =
+        corners.flat_map(|a| [[a, a + 1, a + side + 1], [a, a + side + 1, a + side]]).collect();
+    json!({
+        "name": "drum",
+        "system": {"network": {
+            "mesh": {"explicit": {"nodes": nodes, "springs": [], "triangles": triangles}},
+            "mass": {"areal_density": DRUM_DENSITY},
+            "membranes": [{"on": "all", "thickness": 1e-4, "modulus": DRUM_STIFFNESS / 1e-4, "poisson": DRUM_POISSON}],
+            "supports": [{"on": "outer", "fix": "xyz"}],
+            "initial": {"displacement": displacement}
+        }},
+        "time": {"end": 1.0, "method": "newmark", "step": 0.1}
+    })
+}
+
 fn modes() -> Vec<Claim> {
     let mut claims = Vec::new();
     let chain = Hanging { beads: 40, mass: 1.0 / 40.0, link: 1.0 / 40.0, stiffness: 2000.0 * 40.0 };
@@ -268,6 +307,13 @@ fn modes() -> Vec<Claim> {
     let (coarse, fine) = (first(50) / bessel - 1.0, first(100) / bessel - 1.0);
     claims.push(Claim::below("hanging chain of 100 beads: w^2 of Bessel's chain, share off", fine.abs(), 1e-5));
     claims.push(Claim::absolute("its order from 50 to 100 beads", (coarse / fine).abs().log2(), 2.0, 0.1));
+    let cells = 12;
+    let squares = AtRest::of(&case_of(&drum(cells), &[])).squares(4);
+    let wave = |m: f64| (2.0 * f64::from(cells) * (0.5 * m * PI / f64::from(cells)).sin()).powi(2);
+    for (square, [m, n]) in squares.iter().zip([[1.0, 1.0], [1.0, 2.0], [2.0, 1.0], [2.0, 2.0]]) {
+        let exact = drum_tension() / DRUM_DENSITY * (wave(m) + wave(n));
+        claims.push(Claim::relative(format!("square membrane, mode {m}, {n}: w^2 sigma/S"), *square, exact, 1e-9));
+    }
     let strung = Strung { beads: 30, mass: 0.01, link: 0.05, stiffness: 1e5, tension: 20.0 };
     let squares = AtRest::of(&strung.at_rest()).squares(8);
     for j in 1..=4 {
