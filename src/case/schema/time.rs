@@ -20,7 +20,7 @@ pub struct Time {
     pub step: Option<f64>,
     /// Error that the run may make; the size of the steps follows from it, with any method.
     pub tolerance: Option<Tolerance>,
-    /// `canopy-fem solve` ends the run before its time once the scene is at rest; the summary says so in `at_rest`.
+    /// The run ends before its time once the scene is at rest; the summary says so in `at_rest`.
     pub until_rest: Option<UntilRest>,
 }
 
