@@ -42,7 +42,7 @@ def test_motion_obeys_its_law():
 
 
 def test_bars_of_finite_strain():
-    """A green bar stretched to twice its length pulls with EA lambda (lambda^2 - 1)/2 = 3 EA; another name is refused."""
+    """A green bar at twice its length pulls with EA lambda (lambda^2 - 1)/2 = 3 EA; another name is refused."""
     net = cf.Network([[0, 0, 0], [1, 0, 0]], mass=2)
     net.springs([[0, 1]], stiffness=8, law="green")
     net.hold([0])
