@@ -9,8 +9,9 @@
 //! * A chain of beads that hangs: w^2 = (g/l) x with L_N(x) = 0, and for many beads w = j01/2 sqrt(g/L)
 //!   (`hanging_chain`).
 //! * A strung chain: w = 2 sqrt(T/(m a)) sin(q a/2) across it.
-//! * A square membrane, stretched alike in both directions: w^2 = (S/sigma)(pi/L)^2 (m^2 + n^2) across it. Right triangles
-//!   of side h are the five-point Laplacian, whose modes have (2/h sin(m pi h/(2 L)))^2 in place of (m pi/L)^2.
+//! * A square membrane, stretched alike in both directions: w^2 = (S/sigma)(pi/L)^2 (m^2 + n^2) across it. Right
+//!   triangles of side h are the five-point Laplacian, whose modes have (2/h sin(m pi h/(2 L)))^2 in place of
+//!   (m pi/L)^2.
 
 use crate::chain::{G, Hanging, Strung};
 use crate::claim::Claim;
