@@ -109,7 +109,9 @@ impl Case {
         let sheet = |group: &SpringGroup| {
             let of_rule = |rule: &&Membrane| {
                 let mut springs = group.edges.iter().zip(&group.stiffness);
-                springs.all(|(&edge, &k)| same(k, stiffness(**rule, edge as usize, geometry, |_| true)))
+                springs.all(|(&edge, &k)| {
+                    same(k, geometry.net_stiffness(rule.modulus * rule.thickness, edge as usize, |_| true))
+                })
             };
             rules.iter().find(of_rule).copied()
         };
@@ -121,14 +123,6 @@ fn same(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME * a.abs()
 }
 
-/// [N/m] k = E t A/l^2 of an edge, from the triangles that belong to the sheet.
-fn stiffness(sheet: Membrane, edge: usize, geometry: &Geometry, of_sheet: impl Fn(u32) -> bool) -> f64 {
-    let triangles = geometry.topology.edge_triangles(edge).iter().filter(|&&t| of_sheet(t));
-    let area: f64 = triangles.filter_map(|&t| geometry.area.get(t as usize)).sum();
-    let length = geometry.length.get(edge).copied().unwrap_or(f64::NAN);
-    sheet.modulus * sheet.thickness * area / (length * length)
-}
-
 /// Puts springs on the edges of all membranes in place of these.
 fn as_net(spec: &mut NetworkSpec, geometry: &Geometry) -> Result<(), ClothModelError> {
     for sheet in std::mem::take(&mut spec.membranes) {
@@ -136,7 +130,6 @@ fn as_net(spec: &mut NetworkSpec, geometry: &Geometry) -> Result<(), ClothModelE
         if along != across || !same(sheet.shear, along / (2.0 * (1.0 + sheet.poisson))) {
             return Err(ClothModelError::Orthotropic { along, across, shear: sheet.shear });
         }
-        let membrane = Membrane { modulus: along, thickness: sheet.thickness };
         let mut sides: Vec<Option<u32>> = vec![None; geometry.mesh.triangles.len()];
         sheet.triangles.iter().for_each(|&t| sides[t as usize] = Some(0));
         let mut group = SpringGroup {
@@ -148,7 +141,7 @@ fn as_net(spec: &mut NetworkSpec, geometry: &Geometry) -> Result<(), ClothModelE
             dashpot: None,
         };
         for (edge, &length) in geometry.length.iter().enumerate() {
-            let k = stiffness(membrane, edge, geometry, |t| sides[t as usize].is_some());
+            let k = geometry.net_stiffness(along * sheet.thickness, edge, |t| sides[t as usize].is_some());
             if k > 0.0 {
                 group.edges.push(edge as u32);
                 group.stiffness.push(k);

@@ -11,22 +11,14 @@
 //! whose slope is known.
 
 use super::backward_euler::BackwardEuler;
+use super::embedded::{Slope, Stage, advance, weighted};
 use super::implicit::{Implicit, StageAttempt};
-use super::updates::{acceleration, accumulate, power};
+use super::updates::{acceleration, power};
 use super::{CarriedState, Counters, ErrorEstimate, Integrator, PairInfo, StageWork, StepError, StepInput, StepReport};
 use crate::assembly::TangentSystem;
 use crate::integrate::implicit::SolverSpec;
 use crate::model::point::Point;
 use crate::solve::LinearStats;
-
-/// A row of a tableau.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct DirkStage {
-    /// [-] its time within the step
-    pub c: f64,
-    /// [-] weights of the slopes before it
-    pub a: &'static [f64],
-}
 
 /// A tableau with its estimate. The last row are the weights of the result.
 #[derive(Clone, Copy, Debug)]
@@ -34,23 +26,14 @@ pub(super) struct DirkTableau {
     /// [-] gamma
     pub gamma: f64,
     /// stages after the first, which is y_n
-    pub stages: &'static [DirkStage],
+    pub stages: &'static [Stage],
     /// [-] weights of the estimate
     pub estimate: &'static [f64],
     /// how the estimate compares with the error
     pub info: PairInfo,
 }
 
-/// The slope of a stage.
-#[derive(Clone, Debug)]
-struct Slope {
-    /// [m/s] v_i
-    x: Vec<f64>,
-    /// [m/s^2] a_i
-    v: Vec<f64>,
-}
-
-/// The method of a tableau. It carries the last slope of a step, and the factor of its engine.
+/// The method of a tableau. From step to step it carries the factor of its engine.
 pub(super) struct Dirk {
     tableau: &'static DirkTableau,
     engine: Implicit<BackwardEuler>,
@@ -154,12 +137,9 @@ impl Integrator<dyn TangentSystem> for Dirk {
     }
 
     fn embedded_error(&mut self, step: StepInput<'_, dyn TangentSystem>, _: &Point, out: ErrorEstimate<'_>) {
-        for (out, part) in [(out.x, (|k| &k.x[..]) as Part), (out.v, |k| &k.v)] {
-            out.fill(0.0);
-            for (w, slope) in self.tableau.estimate.iter().zip(&self.slopes) {
-                accumulate(out, step.h * w, part(slope));
-            }
-        }
+        let (e, slopes) = (self.tableau.estimate, &self.slopes);
+        weighted(out.x, step.h, e, slopes, |k| &k.x);
+        weighted(out.v, step.h, e, slopes, |k| &k.v);
     }
 
     fn dof_of_unknown(&self, unknown: usize) -> usize {
@@ -171,17 +151,6 @@ impl Integrator<dyn TangentSystem> for Dirk {
     }
 }
 
-type Part = fn(&Slope) -> &[f64];
-
-/// out = base + h sum of weight * slope; the sum comes first, so that a far origin costs no digits.
-fn advance(out: &mut [f64], base: &[f64], h: f64, weights: &[f64], slopes: &[Slope], part: Part) {
-    out.fill(0.0);
-    for (w, slope) in weights.iter().zip(slopes) {
-        accumulate(out, h * w, part(slope));
-    }
-    accumulate(out, 1.0, base);
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::esdirk4;
@@ -190,7 +159,7 @@ mod tests {
 
     /// a_ij with gamma on the diagonal; the first stage is y_n.
     fn rows(tableau: &DirkTableau) -> Vec<Vec<f64>> {
-        let stage = |stage: &DirkStage| stage.a.iter().copied().chain([tableau.gamma]).collect();
+        let stage = |stage: &Stage| stage.a.iter().copied().chain([tableau.gamma]).collect();
         std::iter::once(Vec::new()).chain(tableau.stages.iter().map(stage)).collect()
     }
 
@@ -225,7 +194,7 @@ mod tests {
         let tableau = &esdirk4::TABLEAU;
         let of = |s: f64| {
             let mut stages = vec![1.0];
-            for DirkStage { a, .. } in tableau.stages {
+            for Stage { a, .. } in tableau.stages {
                 stages.push((s - dot(a, &stages)) / (s + tableau.gamma));
             }
             stages[stages.len() - 1]

@@ -56,11 +56,11 @@ pub(super) struct Tableau {
 
 /// The slope of a stage.
 #[derive(Clone, Debug)]
-struct Slope {
+pub(super) struct Slope {
     /// [m/s] v_i
-    x: Vec<f64>,
+    pub x: Vec<f64>,
     /// [m/s^2] M^-1 f_i
-    v: Vec<f64>,
+    pub v: Vec<f64>,
 }
 
 /// The method of a tableau; it carries no state between steps.
@@ -149,19 +149,19 @@ impl Integrator<dyn System> for Embedded {
     }
 }
 
-type Part = fn(&Slope) -> &[f64];
+pub(super) type Part = fn(&Slope) -> &[f64];
 
 /// Degrees of freedom summed at once: few enough for the sums to stay in the first cache while the slopes pass by.
 const BLOCK: usize = 256;
 
 /// out = base + h sum of weight * slope
-fn advance(out: &mut [f64], base: &[f64], h: f64, weights: &[f64], slopes: &[Slope], part: Part) {
+pub(super) fn advance(out: &mut [f64], base: &[f64], h: f64, weights: &[f64], slopes: &[Slope], part: Part) {
     weighted(out, h, weights, slopes, part);
     accumulate(out, 1.0, base);
 }
 
 /// out = h sum of weight * slope
-fn weighted(out: &mut [f64], h: f64, weights: &[f64], slopes: &[Slope], part: Part) {
+pub(super) fn weighted(out: &mut [f64], h: f64, weights: &[f64], slopes: &[Slope], part: Part) {
     for (block, out) in out.chunks_mut(BLOCK).enumerate() {
         out.fill(0.0);
         for (w, slope) in weights.iter().zip(slopes).filter(|(w, _)| **w != 0.0) {

@@ -3,7 +3,8 @@
 //! it keeps more of its order on stiff scenes than methods without the explicit stage.
 
 use super::PairInfo;
-use super::dirk::{Dirk, DirkStage, DirkTableau};
+use super::dirk::{Dirk, DirkTableau};
+use super::embedded::Stage;
 use super::implicit::SolverSpec;
 use super::stepper::Scheme;
 
@@ -15,10 +16,10 @@ pub fn scheme(solver: SolverSpec) -> Scheme {
 pub(super) static TABLEAU: DirkTableau = DirkTableau {
     gamma: 0.25,
     stages: &[
-        DirkStage { c: 0.5, a: &[0.25] },
-        DirkStage { c: 83.0 / 250.0, a: &[8611.0 / 62500.0, -1743.0 / 31250.0] },
-        DirkStage { c: 31.0 / 50.0, a: &[5012029.0 / 34652500.0, -654441.0 / 2922500.0, 174375.0 / 388108.0] },
-        DirkStage {
+        Stage { c: 0.5, a: &[0.25] },
+        Stage { c: 83.0 / 250.0, a: &[8611.0 / 62500.0, -1743.0 / 31250.0] },
+        Stage { c: 31.0 / 50.0, a: &[5012029.0 / 34652500.0, -654441.0 / 2922500.0, 174375.0 / 388108.0] },
+        Stage {
             c: 17.0 / 20.0,
             a: &[
                 15267082809.0 / 155376265600.0,
@@ -27,7 +28,7 @@ pub(super) static TABLEAU: DirkTableau = DirkTableau {
                 2285395.0 / 8070912.0,
             ],
         },
-        DirkStage { c: 1.0, a: &[82889.0 / 524892.0, 0.0, 15625.0 / 83664.0, 69875.0 / 102672.0, -2260.0 / 8211.0] },
+        Stage { c: 1.0, a: &[82889.0 / 524892.0, 0.0, 15625.0 / 83664.0, 69875.0 / 102672.0, -2260.0 / 8211.0] },
     ],
     estimate: &[
         82889.0 / 524892.0 - 4586570599.0 / 29645900160.0,

@@ -132,9 +132,11 @@ impl<M: ImplicitScheme> Implicit<M> {
         to.state.copy_from(from.state.as_ref());
         to.state.t = t_next;
         let lag = LaggedAcceleration { h, made_with: self.made_with, a: &self.a };
-        lag.carry_over(map, from, system.inverse_mass(), &mut s.a);
         let guess = match stage {
-            None => first_guess(&self.trend, lag, &mut s.expected),
+            None => {
+                lag.carry_over(map, from, system.inverse_mass(), &mut s.a);
+                first_guess(&self.trend, lag, &mut s.expected)
+            }
             Some(StageAttempt { acceleration, .. }) => {
                 s.expected.copy_from_slice(acceleration);
                 s.a.copy_from_slice(acceleration);
@@ -215,6 +217,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             self.anew = false;
         }
     }
+
     /// a = M^-1 f, as before the first step.
     fn restart(&mut self, system: &dyn TangentSystem, at: &Point) {
         acceleration(system, &mut self.a, &at.forces.total);

@@ -49,6 +49,15 @@ impl Geometry {
         }
     }
 
+    /// [N/m] Stiffness of an edge of a net that stands for a sheet of stiffness `et` = E t [N/m], from its triangles
+    /// that belong to the sheet: k = E t (sum of their areas)/l^2 (Van Gelder 1998).
+    pub fn net_stiffness(&self, et: f64, edge: usize, of_sheet: impl Fn(u32) -> bool) -> f64 {
+        let triangles = self.topology.edge_triangles(edge).iter().filter(|&&t| of_sheet(t));
+        let area: f64 = triangles.filter_map(|&t| self.area.get(t as usize)).sum();
+        let length = self.length.get(edge).copied().unwrap_or(f64::NAN);
+        et * area / (length * length)
+    }
+
     /// Number of nodes.
     pub fn nodes(&self) -> usize {
         self.mesh.nodes.len()

@@ -159,13 +159,7 @@ impl Stiffness {
         match self {
             Self::Uniform(k) => k,
             Self::Axial(ea) => ea / rest,
-            // Van Gelder 1998: k = E t (sum of adjacent areas)/l^2.
-            Self::Membrane(et) => {
-                let length = geometry.length.get(edge).copied().unwrap_or(f64::NAN);
-                let triangles = geometry.topology.edge_triangles(edge).iter();
-                let area: f64 = triangles.filter_map(|&t| geometry.area.get(t as usize)).sum();
-                et * area / (length * length)
-            }
+            Self::Membrane(et) => geometry.net_stiffness(et, edge, |_| true),
         }
     }
 }

@@ -4,8 +4,8 @@
 //! would be with their present velocities. A spring that is slack at the start but not at x + h v gets the tension of
 //! its taut branch, as if it were taut already, with the elongation e at x. Together with the filter's h k (v_j - v_i)
 //! this is the tension at the end of the step. A mass that flies into its rope is then caught as by backward Euler, and
-//!   the step makes no energy, at any h^2 k/m. Without the second rule the step would pass the threshold without
-//!   braking and make 1/2 k (h v)^2.
+//! the step makes no energy, at any h^2 k/m. Without the second rule the step would pass the threshold without
+//! braking and make 1/2 k (h v)^2.
 
 use crate::force::NodeState;
 use crate::force::kernel::neighbours::{Neighbours, WeightSlot};
