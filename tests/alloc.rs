@@ -248,7 +248,7 @@ fn main() {
     // So many nodes that each of two threads has a part of its own in a block.
     let two = || Threads::with_caller(2).expect("threads");
     let (shared, windy_sheet) = (sheet_for(260, two(), false), sheet_for(260, two(), true));
-    for method in ["velocity-verlet", "euler-cromer"] {
+    for method in ["velocity-verlet", "central-difference", "euler-cromer"] {
         assert_eq!(heap_blocks(&windy, method), 0, "blocks of steps of {method} with air");
         assert_eq!(heap_blocks(&windy_sheet, method), 0, "blocks of steps of {method} with air on two threads");
         assert_eq!(heap_blocks(&shared, method), 0, "blocks of steps of {method} on two threads");

@@ -133,18 +133,18 @@ impl CostLimits<'static> {
         CostLimits { factorise: 20_000, step: 6_000, sharpen_below: f64::INFINITY, stop: Stop::NEVER };
 }
 
-/// Degrees of freedom up to which the spectrum is cheap enough to be computed always.
-const LARGE: usize = 20_000;
+/// [-] Share of a critical step by bounds up to which a step is taken as stable without a search: on symmetric scenes,
+/// and where forces of the air or others are not symmetric.
+const PLAIN: [f64; 2] = [0.9, 0.5];
 
-/// A critical step for a large scene whose step is far below it, from one or two passes over the elements. Proved on
-/// symmetric undamped scenes, else the smallest limit of oscillators with the bounds on both rates. `None` if the scene
-/// is small or the step not far below.
+/// A critical step where the step of a run is clearly below it, from one or two passes over the elements: at most as
+/// large as the true one on symmetric undamped scenes, which it proves, else the smallest limit of oscillators with the
+/// bounds on both rates. `None` if the step is not clearly below.
 pub fn plainly_stable(scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice, step: f64) -> Option<CriticalStep> {
-    if scene.n_dof() <= LARGE {
-        return None;
-    }
     let found = ElementBounds::of(scene, at).critical_step(method);
-    (2.0 * step <= found.step && found.step.is_finite()).then_some(found)
+    let [symmetric, other] = PLAIN;
+    let share = if scene.symmetric() { symmetric } else { other };
+    (step <= share * found.step && found.step.is_finite()).then_some(found)
 }
 
 /// Bounds on the fastest rates of a scene from one or two passes over its elements, for scenes too large for more.

@@ -201,7 +201,7 @@ impl LinearScene {
         let root = &self.root;
         let n = root.len();
         let interfaces = SceneInterfaces { system: self, tangent: self, graph: None };
-        let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), interfaces).ok()?;
+        let mut stepper = Stepper::bind(method.linear_scheme(SolverSpec::default()), interfaces).ok()?;
         let mut from = Point { state: self.initial_state(), forces: self.new_forces() };
         let mut to = from.clone();
         stepper.start(&from).ok()?;

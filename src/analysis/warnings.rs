@@ -29,8 +29,8 @@ pub struct Planned<'a> {
     pub stop: Stop<'a>,
 }
 
-/// The largest stable step of a case's method at the start. Computed only for methods that have a limit, and on large
-/// scenes only if the step is near it.
+/// The largest stable step of a case's method at the start. Searched only for methods that have a limit, and only if
+/// the step is near it; else a bound from the elements.
 pub fn limit_at_start(planned: Planned<'_>) -> CriticalStep {
     limit_at(planned, planned.scene.initial_state().as_ref())
 }

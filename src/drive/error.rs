@@ -38,6 +38,9 @@ pub enum RunError {
         /// degrees of freedom of the scene
         needed: usize,
     },
+    /// The snapshot is of a scene with other force terms.
+    #[error("the saved forces are those of a scene with other loads, damping or supports")]
+    OtherForces,
     /// The run does not pass through the snapshot.
     #[error(
         "the saved state is at t = {t} s after {step} steps, which a run of {steps} steps until t = {end} s does not reach"

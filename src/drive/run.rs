@@ -250,12 +250,18 @@ impl RunState {
         spec.check()?;
         spec.passes(scene, &snapshot)?;
         scene.sample_tables(spec.step.fixed());
-        let Snapshot { step: steps, t, x, v, carried, counters, ledger, row, watch, failure, doubt, adaptive } =
+        let Snapshot { step: steps, t, x, v, forces, carried, counters, ledger, row, watch, failure, doubt, adaptive } =
             snapshot;
         let (policy, passed) = StepPolicy::at(scene, stepper, spec, (adaptive, t));
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
         // Already counted in the step that led to this state.
         timed(Phase::Forces, || scene.evaluate(from.state.as_ref(), &mut from.forces));
+        if let Some(forces) = forces.filter(|_| stepper.lags()) {
+            if !forces.fits(&from.forces) {
+                return Err(RunError::OtherForces);
+            }
+            from.forces = forces;
+        }
         stepper.start(&from)?;
         stepper.restore(&carried)?;
         let watch = Watch::restore(scene, spec.method.info, watch);

@@ -10,11 +10,13 @@ use super::outcome::RunSpec;
 use super::watch::EnergyAccount;
 use crate::integrate::stepper::Stepper;
 use crate::integrate::{CarriedState, Counters};
+use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
-/// A run between two steps. Forces are not in it: evaluated at the same state they have the same bits.
+/// A run between two steps. Forces are in it only where a scheme evaluates them at other velocities than the state's:
+/// evaluated at the same state they have the same bits.
 ///
 /// The field order is the format of a checkpoint file: a change needs a new
 /// [`FORMAT`](crate::output::checkpoint::FORMAT).
@@ -28,6 +30,8 @@ pub struct Snapshot {
     pub x: Vec<f64>,
     /// [m/s] (or [rad/s]) their velocities
     pub v: Vec<f64>,
+    /// forces of the last step, for schemes whose forces lag behind ([`Stepper::lags`])
+    pub forces: Option<Forces>,
     /// what the scheme carries
     pub carried: CarriedState,
     /// work done so far
@@ -114,6 +118,7 @@ impl Resumable<'_> {
             t: state.t,
             x: state.x.clone(),
             v: state.v.clone(),
+            forces: self.stepper.lags().then(|| self.at.forces.clone()),
             carried: self.stepper.save(),
             counters: self.counters,
             ledger: *self.ledger,

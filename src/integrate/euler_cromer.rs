@@ -12,4 +12,4 @@ use crate::model::step_block::KickDriftScheme;
 
 /// Euler-Cromer.
 pub const EULER_CROMER: KickDrift =
-    KickDrift { step: |h, _| KickDriftScheme { begin: h, drift: h, end: None, predicts: false } };
+    KickDrift { step: |h, _| KickDriftScheme { begin: h, drift: h, end: None, predicts: false }, lags: false };

@@ -10,6 +10,8 @@ use crate::model::system::{KickDriftBlock, System};
 pub struct KickDrift {
     /// the description of a step of a size [s], for forces that depend on velocity or not
     pub step: fn(h: f64, velocity_dependent: bool) -> KickDriftScheme,
+    /// whether the forces at the end of a step are those at the velocities of its middle
+    pub lags: bool,
 }
 
 impl Integrator<dyn System> for KickDrift {
@@ -40,6 +42,10 @@ impl Integrator<dyn System> for KickDrift {
             self.advance(step, to, summaries, counters);
         }
         makes_blocks
+    }
+
+    fn lags(&self, system: &dyn System) -> bool {
+        self.lags && system.velocity_dependent()
     }
 }
 

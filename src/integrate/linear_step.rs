@@ -1,6 +1,7 @@
 //! Properties of a method's step on linear scenes M a = -K x - C v, used by [`crate::analysis`] for limits and by
 //! diagnoses for advice.
 
+use super::stepper::Scheme;
 use crate::model::system::Weights;
 
 /// Properties of a method's step on linear scenes; tests in `analysis/limit` measure all of them on oscillators.
@@ -15,6 +16,9 @@ pub struct LinearStep {
     /// [-] h c at which a step with the damping rate c [1/s] keeps a velocity unchanged whatever K is, for a method
     /// with such a step
     pub fixed_velocity: Option<f64>,
+    /// the scheme whose step has the same eigenvalues, for a method whose step depends on more than the state and what
+    /// the scheme carries
+    pub like: Option<fn() -> Scheme>,
     /// the matrix that is positive definite only in stable steps of symmetric scenes, for a method with such a matrix
     pub pencil: Option<Pencil>,
 }
@@ -33,7 +37,7 @@ pub struct Pencil {
 impl LinearStep {
     /// A method that is a function of h L for all its parameters and may keep or raise the energy of an oscillation.
     pub const PLAIN: LinearStep =
-        LinearStep { partitioned: |_| false, always_dissipates: false, fixed_velocity: None, pencil: None };
+        LinearStep { partitioned: |_| false, always_dissipates: false, fixed_velocity: None, like: None, pencil: None };
     /// The same for a partitioned method.
     pub const PARTITIONED: LinearStep = LinearStep { partitioned: |_| true, ..LinearStep::PLAIN };
     /// The same for a method that removes energy in every step.

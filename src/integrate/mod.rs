@@ -48,6 +48,7 @@
 
 pub mod backward_euler;
 mod balance;
+pub mod central_difference;
 mod counters;
 mod dirk;
 pub mod dop853;
@@ -238,6 +239,12 @@ pub trait Integrator<S: ?Sized>: Send {
     /// As [`Integrator::start`], which it is unless a scheme can do it more cheaply.
     fn forces_changed(&mut self, system: &S, at: &Point) -> Result<(), StepError> {
         self.start(system, at)
+    }
+
+    /// Whether the forces of an accepted point belong to velocities other than its state's. A checkpoint then holds
+    /// them, as they cannot be evaluated again.
+    fn lags(&self, _system: &S) -> bool {
+        false
     }
 
     /// The carried state, for a checkpoint.

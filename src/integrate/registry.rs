@@ -2,6 +2,7 @@
 //! it, so a scheme is registered here and nowhere else.
 
 use super::backward_euler::BackwardEuler;
+use super::central_difference::CENTRAL_DIFFERENCE;
 use super::euler_cromer::EULER_CROMER;
 use super::euler_richardson::EulerRichardson;
 use super::explicit_euler::ExplicitEuler;
@@ -244,5 +245,21 @@ static METHODS: &[MethodInfo] = &[
         linear: LinearStep::DISSIPATIVE,
         source: "Kennedy & Carpenter 2003, ARK4(3)6L[2]SA",
         build: |_, solver| esdirk4::scheme(solver),
+    },
+    MethodInfo {
+        name: "central-difference",
+        order: 1,
+        order_with: None,
+        family: Family::Explicit,
+        evaluations: [1, 1],
+        parameters: &[],
+        stability: "w h < 2 undamped, where it is velocity Verlet; 2 (sqrt(1 + zeta^2) - zeta) damped",
+        linear: LinearStep {
+            pencil: Some(Pencil::EULER_CROMER),
+            like: Some(|| Scheme::Explicit(Box::new(EULER_CROMER))),
+            ..LinearStep::PARTITIONED
+        },
+        source: "Belytschko, Liu, Moran & Elkhodary 2014, Box 5.1",
+        build: |_, _| Scheme::Explicit(Box::new(CENTRAL_DIFFERENCE)),
     },
 ];

@@ -128,6 +128,11 @@ impl<'a> Stepper<'a> {
         each!(&mut self.0, scheme, system => scheme.forces_changed(*system, at))
     }
 
+    /// See [`Integrator::lags`].
+    pub fn lags(&self) -> bool {
+        each!(&self.0, scheme, system => scheme.lags(*system))
+    }
+
     /// See [`Integrator::save`].
     pub fn save(&self) -> CarriedState {
         each!(&self.0, scheme, _system => scheme.save())

@@ -24,4 +24,5 @@ pub const VELOCITY_VERLET: KickDrift = KickDrift {
         end: Some(0.5 * h),
         predicts: velocity_dependent,
     },
+    lags: false,
 };

@@ -174,18 +174,24 @@ impl GradedRequest {
             let (least, most) = (nodes_for(least) + 1, nodes_for(most));
             return Err(MeshError::NodeCounts { nodes: self.nodes, boundary_nodes: boundary, least, most });
         }
+        // The Illinois method: secants between two ends of unlike signs; an end that stays twice counts half.
+        let (mut above, mut below) = (most - target, least - target);
+        let (mut grading, mut last) = (low, 0.0);
         for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if middle == low || middle == high {
+            let before = std::mem::replace(&mut grading, (low * below - high * above) / (below - above));
+            let excess = self.expected_triangles(boundary, grading) - target;
+            if (grading - before).abs() <= f64::EPSILON * grading || excess == 0.0 {
                 break;
             }
-            if self.expected_triangles(boundary, middle) > target {
-                low = middle;
+            let stays = if excess * last > 0.0 { 0.5 } else { 1.0 };
+            if excess > 0.0 {
+                (low, above, below) = (grading, excess, stays * below);
             } else {
-                high = middle;
+                (high, below, above) = (grading, excess, stays * above);
             }
+            last = excess;
         }
-        Ok(0.5 * (low + high))
+        Ok(grading)
     }
 }
 

@@ -14,7 +14,7 @@ pub enum Role {
 }
 
 /// One term's share of a force pass.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tally {
     /// [J] stored energy, for a term whose role is [`Role::Elastic`] or [`Role::Gravity`]; else 0
     pub energy: f64,
@@ -34,7 +34,7 @@ impl std::ops::AddAssign for Tally {
 ///
 /// `total` is zero at fixed degrees of freedom; the forces there give `reactions`. The split vectors exist only where
 /// the scene has terms of that role.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Forces {
     /// [N] all forces; zero at fixed degrees of freedom
     pub total: Vec<f64>,
@@ -49,6 +49,13 @@ pub struct Forces {
 }
 
 impl Forces {
+    /// Whether both have the sizes of the same scene.
+    pub fn fits(&self, other: &Forces) -> bool {
+        let sizes =
+            |f: &Forces| [f.total.len(), f.external.len(), f.dissipative.len(), f.reactions.len(), f.tallies.len()];
+        sizes(self) == sizes(other)
+    }
+
     /// Copies another result of the same scene without allocating.
     pub fn copy_from(&mut self, other: &Forces) {
         self.total.copy_from_slice(&other.total);

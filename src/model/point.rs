@@ -8,7 +8,8 @@ use super::state::State;
 pub struct Point {
     /// time, positions, velocities
     pub state: State,
-    /// forces at `state`; always valid when an observer sees the point
+    /// forces at `state`; always valid when an observer sees the point. Those of `central-difference` are the forces at
+    /// the velocities half a step before
     pub forces: Forces,
 }
 

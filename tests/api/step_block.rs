@@ -14,7 +14,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 /// Schemes that have blocks of steps.
-const STRIDING: [&str; 2] = ["velocity-verlet", "euler-cromer"];
+const STRIDING: [&str; 3] = ["velocity-verlet", "central-difference", "euler-cromer"];
 
 /// Lets steps be made in one go, or does not, and counts.
 struct Witness {

@@ -67,7 +67,9 @@ fn one(method: &MethodInfo, reference: &[Account], claims: &mut Vec<Claim>) {
     for (i, column) in COLUMNS.iter().enumerate() {
         let name = format!("{}: {column}: order", method.name);
         claims.push(if !accurate {
-            Claim::absolute(name, slope(i), order, TOLERANCE)
+            // Central differences lose no energy in first order: their dashpots take it at other velocities.
+            let second = method.name == "central-difference" && *column == "numerical";
+            Claim::absolute(name, slope(i), if second { 2.0 } else { order }, TOLERANCE)
         } else {
             // That jump, and the reference, hide smaller errors; `order.rs` measures them, two-sided, on a net without
             // it.

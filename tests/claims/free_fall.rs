@@ -95,6 +95,7 @@ pub fn claims() -> Vec<Claim> {
         ("generalized-alpha", 4e-5),
         ("explicit-euler", 4e-3),
         ("euler-cromer", 4e-3),
+        ("central-difference", 4e-3),
         ("kang", 4e-3),
         ("backward-euler", 4e-3),
     ] {

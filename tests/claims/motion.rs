@@ -152,6 +152,7 @@ fn orders() -> Vec<Claim> {
         ("explicit-euler", 1.0, 1e-3),
         ("improved-euler-pec", 2.0, 2e-3),
         ("velocity-verlet", 2.0, 0.01),
+        ("central-difference", 2.0, 0.01),
         ("newmark", 2.0, 0.01),
         ("hht", 2.0, 5e-3),
         ("generalized-alpha", 2.0, 5e-3),

@@ -92,8 +92,9 @@ fn orders(claims: &mut Vec<Claim>) {
         ));
         // All that the account does not explain is error of the scheme, and vanishes with its order.
         let made = 0.5 * (ends[0].1 / ends[2].1).abs().log2();
-        claims.push(match order {
-            1..=2 => Claim::absolute(format!("{name}: order of the energy made"), made, f64::from(*order), 0.3),
+        let of_energy = if *name == "central-difference" { 2 } else { *order };
+        claims.push(match of_energy {
+            1..=2 => Claim::absolute(format!("{name}: order of the energy made"), made, f64::from(of_energy), 0.3),
             _ => Claim::between(format!("{name}: order of the energy made"), made, f64::from(*order) - 0.7, 20.0),
         });
     }
@@ -119,7 +120,7 @@ fn momenta(claims: &mut Vec<Claim>) {
             assert_eq!(outcome.status, Status::Completed, "{}", method.name);
             let name = method.name;
             claims.push(Claim::below(format!("{sheet}, {name}: momentum lost, share"), linear, 1e-12));
-            if ["velocity-verlet", "euler-cromer"].contains(&name) {
+            if ["velocity-verlet", "central-difference", "euler-cromer"].contains(&name) {
                 claims.push(Claim::below(format!("{sheet}, {name}: angular momentum lost, share"), angular, 1e-12));
             }
         }

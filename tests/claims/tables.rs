@@ -51,8 +51,10 @@ fn met_corners(claims: &mut Vec<Claim>) {
     let own = distance(&reference, &other);
     claims.push(Claim::below("corners at the ends of steps: the reference's own error [m, m/s]", own, 1e-12));
     for method in methods() {
+        // Nothing depends on velocity here, so central differences are velocity Verlet.
+        let order = if method.name == "central-difference" { 2 } else { method.order };
         // Deep enough for the next term of the error, coarse enough for the reference.
-        let first = match method.order {
+        let first = match order {
             1 => 13,
             2 => 10,
             3..=4 => 8,
@@ -64,7 +66,7 @@ fn met_corners(claims: &mut Vec<Claim>) {
         claims.push(Claim::absolute(
             format!("{}: order, corners at the ends of steps", method.name),
             (errors[0] / errors[1]).log2(),
-            f64::from(method.order),
+            f64::from(order),
             // The fifth-order term of Dormand & Prince is small: the next one still bends its slope.
             if method.order == 5 { 0.3 } else { 0.15 },
         ));

@@ -175,6 +175,7 @@ fn the_ledger_closes_row_by_row() {
         ("improved-euler", 2e-3),
         ("improved-euler-pec", 2e-3),
         ("velocity-verlet", 2e-3),
+        ("central-difference", 2e-3),
         ("rk4", 2e-6),
         ("esdirk4", 2e-6),
         ("newmark", 2e-3),

@@ -19,8 +19,8 @@
 //! to the estimate per step, not per unit of time: error per step with extrapolation (XEPS: Shampine 1977, Math. Comp.
 //! 31, 517-536; Hairer, Norsett & Wanner 1993, section II.4).
 //!
-//! [`doubled`], for higher orders and for first steps: the difference between one step and two half steps, divided by
-//! 2^p - 1 (Hairer, Norsett & Wanner 1993, section II.4).
+//! [`doubled`], for higher orders, for forces that lag behind the state, and for first steps: the difference between
+//! one step and two half steps, divided by 2^p - 1 (Hairer, Norsett & Wanner 1993, section II.4).
 
 use serde::{Deserialize, Serialize};
 

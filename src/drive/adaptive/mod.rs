@@ -227,7 +227,8 @@ impl Adaptive {
         from: &Point,
         to: &mut Point,
     ) -> Result<AdaptiveStep, DropReason> {
-        let by_parabola = self.spec.order <= ORDER_OF_PARABOLA && self.state.before.is_ready();
+        let known = self.spec.order <= ORDER_OF_PARABOLA && !context.stepper.lags();
+        let by_parabola = known && self.state.before.is_ready();
         let tried = if let Some(pair) = context.stepper.pair() {
             self.by_pair(&mut context, planned, pair, from, to)
         } else if by_parabola {

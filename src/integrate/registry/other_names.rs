@@ -44,9 +44,9 @@ static OTHER_NAMES: &[(&[&str], &str, &str)] = &[
         "whose positions are those of Verlet's and of the leapfrog method",
     ),
     (
-        &["centraldifference", "centraldifferences", "centraldiff", "cd", "cdm", "explicitnewmark", "explicit"],
-        "velocity-verlet",
-        "which is the method of central differences with velocities at whole steps",
+        &["centraldifferences", "centraldiff", "cd", "cdm", "explicitnewmark", "explicit"],
+        "central-difference",
+        "which is velocity-verlet where nothing depends on velocity",
     ),
     (&["rungekutta", "rk", "rungekutta4", "classicalrungekutta", "kutta"], "rk4", "Kutta's method of order four"),
     (

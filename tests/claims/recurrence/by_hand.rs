@@ -139,6 +139,13 @@ impl Case {
                 let star = o.a(x, m.v + h * a);
                 Motion { x, v: m.v + 0.5 * h * (a + star), a: 0.0 }
             }),
+            // The carried acceleration is the one at the velocity of the middle.
+            "central-difference" => Box::new(move |m| {
+                let middle = m.v + 0.5 * h * m.a;
+                let x = m.x + h * middle;
+                let a = o.a(x, middle);
+                Motion { x, v: middle + 0.5 * h * a, a }
+            }),
             "newmark" => {
                 let w = newmark(self.value("beta", 0.25), self.value("gamma", 0.5));
                 Box::new(move |m| newmark_family(o, h, &w, m))
