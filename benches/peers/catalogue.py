@@ -2,6 +2,7 @@
 
 A new peer is a program that speaks the line protocol of README.md and an entry in PEERS.
 """
+import json
 from dataclasses import dataclass, field
 
 from setup import HERE, OURS, PYTHON, TARGET
@@ -16,7 +17,7 @@ class SceneSpec:
     told: str
     stiff: float  # how many times shorter the explicit steps are than at K = 1e3
     overrides: list = field(default_factory=list)
-    air: bool = False
+    has: set = field(default_factory=lambda: {"springs"})  # what a program must know to run it
     asked: bool = False  # run only if --scene names it
 
 
@@ -24,11 +25,25 @@ STILL = ["system.network.aero=null", "system.network.springs.0.dashpot=null"]
 TIME = ["time.end=0.2", f"output.frames.every={FRAME}"]
 NET = "703 nodes, 1983 springs"
 STIFFEST = "system.network.springs.0.stiffness=1e7"
+
+
+def sheet(wrinkles):
+    """Overrides that put a membrane in place of the springs: E t = 2 k/sqrt(3) and nu = 1/3, which is what the net stands for."""
+    rule = {"on": "all", "thickness": 1e-4, "modulus": 2e7 / 3**0.5, "poisson": 1 / 3, "wrinkling": wrinkles}
+    return ["system.network.aero=null", "system.network.springs=[]", f"system.network.membranes={json.dumps([rule])}"]
+
+
+SHEETS = {"membranes", "wrinkling"}
+SHEET = "703 nodes, 1280 membrane triangles of E t = 1155 N/m"
+# Eight nodes of the outer edge: the sheet between them wrinkles and goes slack.
+HUNG = ['system.network.supports=[{"on": {"ids": [11, 25, 39, 54, 68, 83, 97, 111]}, "fix": "xyz"}]']
 SCENES = [
     SceneSpec("cloth-k1000", "cloth-k1000.json", f"{NET} of 1e3 N/m fall under gravity, undamped", 1, STILL + TIME),
     SceneSpec("cloth-k100000", "cloth-k100000.json", f"{NET} of 1e5 N/m fall under gravity, undamped", 10, STILL + TIME),
     SceneSpec("cloth-k10000000", "cloth-k100000.json", f"{NET} of 1e7 N/m fall under gravity", 100, [*STILL, *TIME, STIFFEST], asked=True),
-    SceneSpec("cloth-k1000-air", "cloth-k1000.json", f"{NET} of 1e3 N/m with relative dashpots in a wind of 50 m/s", 1, TIME, True),
+    SceneSpec("cloth-k1000-air", "cloth-k1000.json", f"{NET} of 1e3 N/m with relative dashpots in a wind of 50 m/s", 1, TIME, {"springs", "dashpots", "air"}),
+    SceneSpec("membrane", "cloth-k1000.json", f"{SHEET} fall under gravity, undamped", 1, sheet(False) + TIME, SHEETS - {"wrinkling"}),
+    SceneSpec("membrane-wrinkling", "cloth-k1000.json", f"{SHEET} that wrinkle, hung at eight points", 1, sheet(True) + HUNG + TIME, SHEETS),
 ]
 
 
@@ -38,7 +53,7 @@ class Peer:
     command: list
     needs: list  # names in missing.json without which it cannot run
     runs: object  # scene -> [(method, kind, values)]
-    air: bool = False
+    knows: set = field(default_factory=lambda: {"springs"})
     environment: dict = field(default_factory=dict)
 
 
@@ -65,13 +80,13 @@ def ours(s):
         ("newmark", "tol", [1e-1, 1e-2, 1e-3, 1e-4]),
         ("newmark-full", "step", IMPLICIT),
     ]
-    if not s.air:
+    if s.has == {"springs"}:
         runs.append(("kang", *steps(s, 20, 80)))
     return runs
 
 
 def plain_cpp(s):
-    return [("leapfrog", *steps(s, *VERLET)), ("rk4", *steps(s, *RK4))]
+    return [("leapfrog", *steps(s, *VERLET)), ("verlet", *steps(s, *VERLET)), ("rk4", *steps(s, *RK4))]
 
 
 def sundials(s):
@@ -121,15 +136,17 @@ def opensees_libraries():
     return {"LD_LIBRARY_PATH": ":".join(map(str, found))}
 
 
+NETS = {"springs", "dashpots", "air"}
+ALL = NETS | SHEETS
 PEERS = [
-    Peer("canopy-fem", [str(TARGET / OURS), "serve"], [OURS], ours, air=True),
-    Peer("cpp", [str(TARGET / "plain_cpp")], ["plain_cpp"], plain_cpp, air=True),
+    Peer("canopy-fem", [str(TARGET / OURS), "serve"], [OURS], ours, ALL),
+    Peer("cpp", [str(TARGET / "plain_cpp")], ["plain_cpp"], plain_cpp, ALL),
     Peer("eigen", [str(TARGET / "plain_eigen")], ["plain_eigen"], lambda s: [("newmark", "step", [*IMPLICIT, 2e-4])]),
-    Peer("sundials", [str(TARGET / "plain_sundials")], ["plain_sundials"], sundials, air=True),
-    Peer("scipy", python("peer_scipy.py"), ["scipy"], scipy, air=True),
-    Peer("numpy", python("peer_numpy.py"), ["numpy"], numpy_loop, air=True),
+    Peer("sundials", [str(TARGET / "plain_sundials")], ["plain_sundials"], sundials, ALL),
+    Peer("scipy", python("peer_scipy.py"), ["scipy"], scipy, NETS),
+    Peer("numpy", python("peer_numpy.py"), ["numpy"], numpy_loop, NETS),
     Peer("opensees", python("peer_opensees.py"), ["openseespy"], opensees, environment=opensees_libraries()),
-    Peer("kratos", python("peer_kratos.py"), KRATOS, kratos),
+    Peer("kratos", python("peer_kratos.py"), KRATOS, kratos, {"springs", "membranes"}),
 ]
 
 

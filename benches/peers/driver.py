@@ -59,8 +59,8 @@ class Bench:
             lacking = [missing[need] for need in peer.needs if need in missing]
             if lacking:
                 self.absent[peer.name] = lacking[0]
-            elif spec.air and not peer.air:
-                self.absent[peer.name] = "its model here has no air and no relative dashpots"
+            elif lacking := spec.has - peer.knows:
+                self.absent[peer.name] = "its model here has no " + ", no ".join(sorted(lacking))
             elif not peer.runs(spec):
                 self.absent[peer.name] = "every run would take minutes"
             else:
@@ -162,7 +162,8 @@ def compare(spec, args, missing):
             progress("")
             print(f"  {spec.name}: round {number + 1} of {args.rounds}, {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
         versions = {name: worker.version for name, worker in bench.workers.items()}
-        return report.Result(spec, runs, agreement, versions, bench.absent, args.rounds)
+        elements = len(bench.scene.ends) + len(bench.scene.triangles) + len(bench.scene.membranes)
+        return report.Result(spec, runs, agreement, versions, bench.absent, args.rounds, elements)
     finally:
         bench.stop()
 

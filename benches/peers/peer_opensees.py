@@ -36,9 +36,9 @@ def build(scene, method, step):
     ops.timeSeries("Constant", 1)
     ops.pattern("Plain", 1, 1)
     for i in np.flatnonzero(~scene.fixed).tolist():
-        ops.load(i + 1, *(scene.mass[i] * scene.gravity).tolist())
-        # At rest and unstretched the acceleration is gravity.
-        for axis, g in enumerate(scene.gravity.tolist(), start=1):
+        ops.load(i + 1, *scene.constant[i].tolist())
+        # At rest and unstretched nothing else accelerates.
+        for axis, g in enumerate((scene.constant[i] / scene.mass[i]).tolist(), start=1):
             if method == "newmark":
                 ops.setNodeAccel(i + 1, axis, g, "-commit")
             else:
@@ -48,7 +48,7 @@ def build(scene, method, step):
 def analysis(scene, method):
     ops.constraints("Plain")
     if method == "newmark":
-        weight = np.linalg.norm(scene.mass[~scene.fixed]) * np.linalg.norm(scene.gravity)
+        weight = np.linalg.norm(scene.constant[~scene.fixed])
         ops.numberer("RCM")
         ops.system(*SYSTEM)
         ops.test("NormUnbalance", 1e-8 * weight, 50, 0)

@@ -7,6 +7,7 @@ from measure import time_to
 
 TARGETS = [1e-2, 1e-4, 1e-6]
 OURS = "canopy-fem"
+END = 0.2  # [s] of every run
 
 
 @dataclass
@@ -19,6 +20,7 @@ class Result:
     versions: dict
     absent: dict
     rounds: int
+    elements: int  # springs and triangles
 
 
 def seconds(t):
@@ -26,18 +28,24 @@ def seconds(t):
     return f"{t:.3g} s" if t >= 0.9995 else f"{1e3 * t:.3g} ms"
 
 
+def a_step(result, run):
+    """Nanoseconds an element and step, where steps are fixed."""
+    return f"{1e9 * run.median * run.value / (END * result.elements):.3g}" if run.kind == "step" else ""
+
+
 def error_rows(result):
     """Every run, program by program, dearest last."""
-    head = ["program", "method", "step or tolerance", "error", "largest", "CPU", "least", "most", "runs", "work"]
+    head = ["program", "method", "step or tolerance", "error", "largest", "CPU", "least", "most", "ns/element/step", "runs", "work"]
     rows = []
     for run in sorted(result.runs, key=lambda r: (list(result.versions).index(r.peer), r.method, r.kind, -r.value)):
         told = [run.peer, run.method, run.pace]
         if run.done:
             spread = [seconds(t) for t in (run.median, min(run.seconds), max(run.seconds))]
-            rows.append([*told, f"{run.error:.3e}", f"{run.error_max:.1e}", *spread, str(len(run.seconds)), run.note])
+            errors, each = [f"{run.error:.3e}", f"{run.error_max:.1e}"], a_step(result, run)
+            rows.append([*told, *errors, *spread, each, str(len(run.seconds)), run.note])
         else:
-            rows.append([*told, run.status, "", "", "", "", "", run.note])
-    return head, rows + [[peer, "", "not run", "", "", "", "", "", "", why] for peer, why in result.absent.items()]
+            rows.append([*told, run.status, *[""] * 6, run.note])
+    return head, rows + [[peer, "", "not run", *[""] * 7, why] for peer, why in result.absent.items()]
 
 
 def target_rows(result):
@@ -91,7 +99,7 @@ def preface(result):
     agreed = "; ".join(result.agreement) or "nobody checked it"
     versions = "; ".join(f"{peer}: {version}" for peer, version in result.versions.items())
     return [
-        f"{result.spec.name}: {result.spec.told}; 0.2 s, 10 frames",
+        f"{result.spec.name}: {result.spec.told}; {END} s, 10 frames",
         f"at most {result.rounds} rounds, programs in turn; CPU: median processor time of the integration, one thread",
         f"reference: canopy-fem dop853 at 1e-11; {agreed}",
         f"versions: {versions}",

@@ -14,7 +14,7 @@ TARGET = ROOT / "target" / "peers"
 PYTHON = TARGET / "venv" / "bin" / "python"
 MISSING = TARGET / "missing.json"
 OURS = "peer_canopy_fem"
-CXX = ["-O3", "-march=native", "-std=c++17"]
+CXX = ["-O3", "-march=native", "-ffast-math", "-fno-finite-math-only", "-std=c++17"]  # a NaN must stay one
 # Debian's packages that are taken to pieces under target/peers where the system has them not, without being installed.
 DEBS = {"eigen3": "libeigen3-dev", "sundials": "libsundials-dev"}
 SUNDIALS = ["libsundials_arkode", "libsundials_cvode", "libsundials_nvecserial"]
