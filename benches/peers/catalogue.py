@@ -5,7 +5,7 @@ A new peer is a program that speaks the line protocol of README.md and an entry 
 import json
 from dataclasses import dataclass, field
 
-from setup import HERE, OURS, PYTHON, TARGET
+from setup import HERE, OURS, PROGRAM, PYTHON, TARGET
 
 FRAME = 0.02  # [s] between the frames that are compared
 
@@ -18,6 +18,7 @@ class SceneSpec:
     stiff: float  # how many times shorter the explicit steps are than at K = 1e3
     overrides: list = field(default_factory=list)
     has: set = field(default_factory=lambda: {"springs"})  # what a program must know to run it
+    targets: list = field(default_factory=lambda: [1e-2, 1e-4, 1e-6])  # errors whose times are compared
     asked: bool = False  # run only if --scene names it
 
 
@@ -33,6 +34,15 @@ def sheet(wrinkles):
     return ["system.network.aero=null", "system.network.springs=[]", f"system.network.membranes={json.dumps([rule])}"]
 
 
+def damped(stiffness, stiff, target):
+    """The cloth with its dashpots (c = tau k) under its weight and the dead pressure that the air takes in a wind of 50 m/s."""
+    load = {"on": "all", "pressure": 73.7, "kind": "dead", "direction": [0, 0, 1]}
+    told = f"{NET} of {stiffness:.0e} N/m with relative dashpots under weight and dead pressure"
+    overrides = ["system.network.aero=null", f"system.network.loads={json.dumps([load])}", *TIME]
+    case = f"cloth-k{stiffness:.0f}.json"
+    return SceneSpec(f"damped-k{stiffness:.0f}", case, told, stiff, overrides, {"springs", "dashpots"}, [target, 1e-4, 1e-6])
+
+
 SHEETS = {"membranes", "wrinkling"}
 SHEET = "703 nodes, 1280 membrane triangles of E t = 1155 N/m"
 # Eight nodes of the outer edge: the sheet between them wrinkles and goes slack.
@@ -42,6 +52,9 @@ SCENES = [
     SceneSpec("cloth-k100000", "cloth-k100000.json", f"{NET} of 1e5 N/m fall under gravity, undamped", 10, STILL + TIME),
     SceneSpec("cloth-k10000000", "cloth-k100000.json", f"{NET} of 1e7 N/m fall under gravity", 100, [*STILL, *TIME, STIFFEST], asked=True),
     SceneSpec("cloth-k1000-air", "cloth-k1000.json", f"{NET} of 1e3 N/m with relative dashpots in a wind of 50 m/s", 1, TIME, {"springs", "dashpots", "air"}),
+    damped(1e3, 1, 1.5e-3),
+    damped(1e4, 10**0.5, 5e-4),
+    damped(1e5, 10, 7e-5),
     SceneSpec("membrane", "cloth-k1000.json", f"{SHEET} fall under gravity, undamped", 1, sheet(False) + TIME, SHEETS - {"wrinkling"}),
     SceneSpec("membrane-wrinkling", "cloth-k1000.json", f"{SHEET} that wrinkle, hung at eight points", 1, sheet(True) + HUNG + TIME, SHEETS),
 ]
@@ -79,7 +92,11 @@ def ours(s):
         ("newmark", "step", [*IMPLICIT, 2e-4, 1e-4]),
         ("newmark", "tol", [1e-1, 1e-2, 1e-3, 1e-4]),
         ("newmark-full", "step", IMPLICIT),
+        ("esdirk4", "step", IMPLICIT),
+        ("esdirk4", "tol", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6]),
     ]
+    if "dashpots" in s.has:
+        runs.append(("euler-cromer", *steps(s, *VERLET)))
     if s.has == {"springs"}:
         runs.append(("kang", *steps(s, 20, 80)))
     return runs
@@ -91,13 +108,19 @@ def plain_cpp(s):
 
 def sundials(s):
     loose = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6]
+    # The preconditioner knows springs and dashpots.
+    preconditioned = [
+        ("bdf-cholesky", "tol", [1e-1, 3e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]),
+        ("esdirk4", "step", IMPLICIT),
+        ("esdirk4", "tol", [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]),
+    ]
     if s.stiff > 10:  # what is left out takes from a quarter of a minute to several
         return [("erk5", "tol", [1e-3, 1e-4, 1e-6]), ("bdf-cholesky", "tol", [1e-1, 3e-2, 1e-2, 1e-3])]
     return [
         ("erk5", "tol", [*loose, 1e-8]),
         ("erk8", "tol", loose[::2]),
-        ("bdf", "tol", loose if s.stiff == 1 else loose[1:4]),
-        ("bdf-cholesky", "tol", [1e-1, 3e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]),
+        ("bdf", "tol", loose if s.stiff < 4 else loose[1:4]),
+        *([] if SHEETS & s.has else preconditioned),
     ]
 
 
@@ -148,6 +171,17 @@ PEERS = [
     Peer("opensees", python("peer_opensees.py"), ["openseespy"], opensees, environment=opensees_libraries()),
     Peer("kratos", python("peer_kratos.py"), KRATOS, kratos, {"springs", "membranes"}),
 ]
+
+
+def whole_command(peer, scene, run, folder):
+    """The command of a process that makes one run, and what it reads from standard input."""
+    if peer.name != "canopy-fem":
+        return [*peer.command, str(TARGET / f"{scene.name}.txt")], f"{run.method} {run.kind} {run.value!r} {folder}/frames.bin\n"
+    method, full = run.method.removesuffix("-full"), ["solver.newton.strategy=full"] * run.method.endswith("-full")
+    setting = ["--step" if run.kind == "step" else "--tolerance", repr(run.value)]
+    sets = [word for pair in [*scene.overrides, *full] for word in ("--set", pair)]
+    solve = [str(TARGET / PROGRAM), "solve", name_of_case(scene), *sets, "--method", method, *setting]
+    return [*solve, "--out", f"{folder}/results", "--force", "--quiet"], ""
 
 
 def name_of_case(scene):

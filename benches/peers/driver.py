@@ -4,6 +4,7 @@ import itertools
 import json
 import os
 import platform
+import resource
 import subprocess
 import sys
 import time
@@ -11,11 +12,11 @@ import time
 import numpy as np
 
 import report
-from catalogue import OURS, PEERS, SCENES, TARGET, name_of_case
-from measure import Reference, Run
+from catalogue import OURS, PEERS, SCENES, TARGET, name_of_case, whole_command
+from measure import Reference, Run, cheapest
 from peer_common import read_scene
 from setup import MISSING, ROOT
-from workers import Lost, Worker
+from workers import SINGLE, Lost, Worker
 
 REFERENCES = [("canopy-fem", "dop853", 1e-11), ("scipy", "DOP853", 1e-11), ("sundials", "erk8", 1e-11)]
 # [s] A run that takes longer is made in so many rounds only.
@@ -29,6 +30,7 @@ def arguments():
     parser.add_argument("--quick", action="store_true", help="the first scene, every second step, two rounds")
     parser.add_argument("--scene", help="scenes, parted by commas: " + ", ".join(s.name + " (else left out)" * s.asked for s in SCENES))
     parser.add_argument("--only", help="programs, parted by commas, besides canopy-fem: " + ", ".join(p.name for p in PEERS[1:]))
+    parser.add_argument("--whole", action="store_true", help="time whole processes too: the cheapest run to every accuracy, as a process of its own")
     parser.add_argument("--rounds", type=int, help="times every run is made, in turn with all others (default 5)")
     parser.add_argument("--limit", type=float, default=10.0, help="[s] a run may take (default 10); what would take longer is not run")
     parser.add_argument("--out", default=str(ROOT / "out" / "peers"), help="folder for tables and diagrams (default out/peers)")
@@ -142,6 +144,25 @@ def due(run, runs, number, args):
     return run.status == "done" and all(run.median <= least or number < times for least, times in REPEATS)
 
 
+def time_whole(bench, runs, args):
+    """The cheapest run of every program to every accuracy as a process of its own, all in turn."""
+    chosen = {}
+    for peer in args.peers:
+        mine = [r for r in runs if r.peer == peer.name]
+        for run in filter(None, (cheapest(target, mine) for target in bench.spec.targets)):
+            chosen[id(run)] = (run, *whole_command(peer, bench.spec, run, TARGET))
+    environment = os.environ | SINGLE
+    for number in range(args.rounds):
+        for run, command, line in chosen.values():
+            if number and run.whole[0] > REPEATS[0][0]:
+                continue
+            peer = next(p for p in args.peers if p.name == run.peer)
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            subprocess.run(command, input=line, text=True, check=True, capture_output=True, env=environment | peer.environment)
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            run.whole.append(after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
+
+
 def compare(spec, args, missing):
     """All rounds of a scene."""
     bench = Bench(spec, args, missing)
@@ -161,6 +182,8 @@ def compare(spec, args, missing):
                     run.error, run.error_max = reference.errors(frames)
             progress("")
             print(f"  {spec.name}: round {number + 1} of {args.rounds}, {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
+        if args.whole:
+            time_whole(bench, runs, args)
         versions = {name: worker.version for name, worker in bench.workers.items()}
         elements = len(bench.scene.ends) + len(bench.scene.triangles) + len(bench.scene.membranes)
         return report.Result(spec, runs, agreement, versions, bench.absent, args.rounds, elements)

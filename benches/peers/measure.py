@@ -19,10 +19,15 @@ class Run:
     error: float = math.nan
     error_max: float = math.nan
     seconds: list = field(default_factory=list)
+    whole: list = field(default_factory=list)  # [s] of processes of their own, from start to end
 
     @property
     def median(self):
         return statistics.median(self.seconds) if self.seconds else math.nan
+
+    @property
+    def whole_median(self):
+        return statistics.median(self.whole) if self.whole else math.nan
 
     @property
     def done(self):
@@ -70,6 +75,11 @@ def time_to(target, runs):
         if found and (best is None or found[0] < best[0]):
             best = found
     return best
+
+
+def cheapest(target, runs):
+    """The run that reaches an error in the least time of integration, or None."""
+    return min((r for r in runs if r.done and r.error <= target), key=lambda r: r.median, default=None)
 
 
 def first_below(target, line):

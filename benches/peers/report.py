@@ -3,9 +3,8 @@ import csv
 import os
 from dataclasses import dataclass
 
-from measure import time_to
+from measure import cheapest, time_to
 
-TARGETS = [1e-2, 1e-4, 1e-6]
 OURS = "canopy-fem"
 END = 0.2  # [s] of every run
 
@@ -51,13 +50,14 @@ def error_rows(result):
 def target_rows(result):
     """Time to each accuracy, and how many times ours it is."""
     head = ["program"]
-    for target in TARGETS:
-        head += [f"to {target:.0e}", "times ours", "by"]
-    ours = {target: time_to(target, [r for r in result.runs if r.peer == OURS]) for target in TARGETS}
+    targets = result.spec.targets
+    for target in targets:
+        head += [f"to {target:.2g}", "times ours", "by"]
+    ours = {target: time_to(target, [r for r in result.runs if r.peer == OURS]) for target in targets}
     rows = []
     for peer in result.versions:
         row = [peer]
-        for target in TARGETS:
+        for target in targets:
             found = time_to(target, [r for r in result.runs if r.peer == peer])
             if found is None:
                 row += ["not reached", "", ""]
@@ -65,20 +65,37 @@ def target_rows(result):
             ratio = f"{found[0] / ours[target][0]:.2f}" if ours[target] else ""
             row += [seconds(found[0]), ratio, f"{found[1].method}, {'near ' if found[2] else ''}{found[1].pace}"]
         rows.append(row)
-    return head, rows + [[peer, "not run", *[""] * (3 * len(TARGETS) - 1)] for peer in result.absent]
+    return head, rows + [[peer, "not run", *[""] * (3 * len(targets) - 1)] for peer in result.absent]
+
+
+def whole_rows(result):
+    """The cheapest run to every accuracy: its integration, its whole process, and what these are of ours."""
+    head = ["to", "program", "by", "error", "integration", "times ours", "whole process", "times ours"]
+    rows = []
+    for target in result.spec.targets:
+        best = {peer: cheapest(target, [r for r in result.runs if r.peer == peer]) for peer in result.versions}
+        for peer, run in best.items():
+            if run is None or not run.whole:
+                continue
+            shown = [f"{target:.2g}", peer, f"{run.method}, {run.pace}", f"{run.error:.1e}"]
+            ours = best[OURS]
+            for mine, yours in ((run.median, ours and ours.median), (run.whole_median, ours and ours.whole_median)):
+                shown += [seconds(mine), f"{mine / yours:.2f}" if ours else ""]
+            rows.append(shown)
+    return head, rows
 
 
 def losses(result):
     """A sentence for every accuracy at which another program needs less time."""
-    told = []
-    for target in TARGETS:
+    told, targets = [], result.spec.targets
+    for target in targets:
         ours = time_to(target, [r for r in result.runs if r.peer == OURS])
         for peer in result.versions:
             found = time_to(target, [r for r in result.runs if r.peer == peer])
             if found and (ours is None or found[0] < ours[0]):
                 share = f"{found[0] / ours[0]:.2f} of our time" if ours else "which we do not reach"
-                told.append(f"we lose at {target:.0e}: {peer} ({found[1].method}) takes {share}")
-    return told or [f"no program here takes less time than ours at {', '.join(f'{t:.0e}' for t in TARGETS)}"]
+                told.append(f"we lose at {target:.2g}: {peer} ({found[1].method}) takes {share}")
+    return told or [f"no program here takes less time than ours at {', '.join(f'{t:.2g}' for t in targets)}"]
 
 
 def aligned(head, rows):
@@ -108,7 +125,10 @@ def preface(result):
 
 def text(result):
     """For the terminal."""
-    parts = [*preface(result), "", aligned(*error_rows(result)), "", aligned(*target_rows(result)), "", *losses(result), ""]
+    parts = [*preface(result), "", aligned(*error_rows(result)), "", aligned(*target_rows(result)), ""]
+    if any(run.whole for run in result.runs):
+        parts += [aligned(*whole_rows(result)), ""]
+    parts += [*losses(result), ""]
     return "\n".join(parts)
 
 
@@ -118,21 +138,23 @@ def write(results, out, head):
         page.write(f"# canopy-fem and what one could use instead\n\n{head}\n")
         for result in results:
             page.write(f"\n## {result.spec.name}\n\n" + "\n\n".join(preface(result)) + "\n\n")
+            if any(run.whole for run in result.runs):
+                page.write(markdown(*whole_rows(result)) + "\n\n")
             page.write(markdown(*target_rows(result)) + "\n\n" + "\n".join(f"* {row}" for row in losses(result)) + "\n\n")
             page.write(f"![error against time]({result.spec.name}.svg)\n\n{markdown(*error_rows(result))}\n")
     with open(os.path.join(out, "peers.csv"), "w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
-        head = "scene program version method kind value status error error_max cpu_seconds cpu_least cpu_most rounds note"
+        head = "scene program version method kind value status error error_max cpu_seconds cpu_least cpu_most rounds whole_seconds note"
         rows.writerow(head.split())
         for r in results:
             for run in r.runs:
-                shown = [""] * 6
+                shown = [""] * 7
                 if run.done:
-                    shown = [run.error, run.error_max, run.median, min(run.seconds), max(run.seconds), len(run.seconds)]
+                    shown = [run.error, run.error_max, run.median, min(run.seconds), max(run.seconds), len(run.seconds), run.whole_median]
                 what = [run.peer, r.versions[run.peer], run.method, run.kind, run.value, run.status]
                 rows.writerow([r.spec.name, *what, *shown, run.note])
             for peer, why in r.absent.items():
-                rows.writerow([r.spec.name, peer, "", "", "", "", "not run", *[""] * 6, why])
+                rows.writerow([r.spec.name, peer, "", "", "", "", "not run", *[""] * 7, why])
 
 
 def diagram(result, out):

@@ -13,7 +13,7 @@ ROOT = HERE.parent.parent
 TARGET = ROOT / "target" / "peers"
 PYTHON = TARGET / "venv" / "bin" / "python"
 MISSING = TARGET / "missing.json"
-OURS = "peer_canopy_fem"
+OURS, PROGRAM = "peer_canopy_fem", "canopy-fem"
 CXX = ["-O3", "-march=native", "-ffast-math", "-fno-finite-math-only", "-std=c++17"]  # a NaN must stay one
 # Debian's packages that are taken to pieces under target/peers where the system has them not, without being installed.
 DEBS = {"eigen3": "libeigen3-dev", "sundials": "libsundials-dev"}
@@ -105,10 +105,10 @@ def compile_cpp(name):
 def build_ours():
     """canopy-fem, as anybody builds it."""
     say("canopy-fem (cargo build --release)")
-    call(["cargo", "build", "--release", "--package", "canopy-fem-benches", "--bin", OURS], cwd=ROOT)
-    folder = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-    program = (ROOT / folder) / "release" / OURS
-    shutil.copy2(program, TARGET / OURS)
+    folder = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "release"
+    for package, program in (("canopy-fem", PROGRAM), ("canopy-fem-benches", OURS)):
+        call(["cargo", "build", "--release", "--package", package, "--bin", program], cwd=ROOT)
+        shutil.copy2(folder / program, TARGET / program)
 
 
 def prepare():
