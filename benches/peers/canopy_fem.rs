@@ -55,7 +55,9 @@ fn scene(net: &NetworkSpec, end: f64, every: f64) -> Result<String, Any> {
     let still = net.displacement.is_empty() && net.velocity.is_empty();
     let known = net.forces.is_empty() && net.bending.is_empty() && net.rayleigh.is_none();
     if !(still && known && net.springs.iter().all(|group| group.slack == Slack::None)) {
-        return Err("only springs without slack, relative dashpots, membranes, weight, dead pressure and air, from rest".into());
+        return Err(
+            "only springs without slack, relative dashpots, membranes, weight, dead pressure and air, from rest".into(),
+        );
     }
     let mut text = format!("time {end:?} {every:?}\nnodes {}\n", net.mesh.nodes.len());
     for (([x, y, z], m), fixed) in net.mesh.nodes.iter().zip(&net.mass).zip(&net.fixed) {

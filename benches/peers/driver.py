@@ -1,4 +1,5 @@
 """Runs the scenes through all programs in turn and prints what came of it; started by `run`."""
+
 import argparse
 import itertools
 import json
@@ -10,7 +11,6 @@ import sys
 import time
 
 import numpy as np
-
 import report
 from catalogue import OURS, PEERS, SCENES, TARGET, name_of_case, whole_command
 from measure import Reference, Run, cheapest
@@ -28,12 +28,24 @@ def arguments():
     told = "Error against processor time of canopy-fem and of what one could use instead."
     parser = argparse.ArgumentParser(prog="benches/peers/run", description=told)
     parser.add_argument("--quick", action="store_true", help="the first scene, every second step, two rounds")
-    parser.add_argument("--scene", help="scenes, parted by commas: " + ", ".join(s.name + " (else left out)" * s.asked for s in SCENES))
-    parser.add_argument("--only", help="programs, parted by commas, besides canopy-fem: " + ", ".join(p.name for p in PEERS[1:]))
-    parser.add_argument("--whole", action="store_true", help="time whole processes too: the cheapest run to every accuracy, as a process of its own")
+    parser.add_argument(
+        "--scene", help="scenes, parted by commas: " + ", ".join(s.name + " (else left out)" * s.asked for s in SCENES)
+    )
+    parser.add_argument(
+        "--only", help="programs, parted by commas, besides canopy-fem: " + ", ".join(p.name for p in PEERS[1:])
+    )
+    parser.add_argument(
+        "--whole",
+        action="store_true",
+        help="time whole processes too: the cheapest run to every accuracy, as a process of its own",
+    )
     parser.add_argument("--rounds", type=int, help="times every run is made, in turn with all others (default 5)")
-    parser.add_argument("--limit", type=float, default=10.0, help="[s] a run may take (default 10); what would take longer is not run")
-    parser.add_argument("--out", default=str(ROOT / "out" / "peers"), help="folder for tables and diagrams (default out/peers)")
+    parser.add_argument(
+        "--limit", type=float, default=10.0, help="[s] a run may take (default 10); what would take longer is not run"
+    )
+    parser.add_argument(
+        "--out", default=str(ROOT / "out" / "peers"), help="folder for tables and diagrams (default out/peers)"
+    )
     args = parser.parse_args()
     scenes = args.scene or (SCENES[0].name if args.quick else None)
     args.scenes = [s for s in SCENES if (s.name in scenes.split(",") if scenes else not s.asked)]
@@ -98,7 +110,11 @@ class Bench:
                     sys.exit(f"{self.spec.name}: no reference: {note}")
                 found = Reference(frames, self.scene.x0, ~self.scene.fixed)
             else:
-                away = f"is {found.errors(frames)[0]:.1e} of the motion away" if status == "done" else f"gave no solution ({note})"
+                away = (
+                    f"is {found.errors(frames)[0]:.1e} of the motion away"
+                    if status == "done"
+                    else f"gave no solution ({note})"
+                )
                 told.append(f"{peer} {method} {away}")
         return found, told
 
@@ -112,7 +128,9 @@ def plan(bench, args):
     lists = []
     for peer in args.peers:
         if peer.name in bench.workers:
-            runs = [(m, kind, v) for m, kind, values in peer.runs(bench.spec) for v in values[:: 2 if args.quick else 1]]
+            runs = [
+                (m, kind, v) for m, kind, values in peer.runs(bench.spec) for v in values[:: 2 if args.quick else 1]
+            ]
             lists.append([Run(peer.name, *run) for run in runs])
     return [run for turn in itertools.zip_longest(*lists) for run in turn if run is not None]
 
@@ -158,7 +176,9 @@ def time_whole(bench, runs, args):
                 continue
             peer = next(p for p in args.peers if p.name == run.peer)
             before = resource.getrusage(resource.RUSAGE_CHILDREN)
-            subprocess.run(command, input=line, text=True, check=True, capture_output=True, env=environment | peer.environment)
+            subprocess.run(
+                command, input=line, text=True, check=True, capture_output=True, env=environment | peer.environment
+            )
             after = resource.getrusage(resource.RUSAGE_CHILDREN)
             run.whole.append(after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
 
@@ -181,7 +201,11 @@ def compare(spec, args, missing):
                     run.seconds.append(seconds)
                     run.error, run.error_max = reference.errors(frames)
             progress("")
-            print(f"  {spec.name}: round {number + 1} of {args.rounds}, {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
+            print(
+                f"  {spec.name}: round {number + 1} of {args.rounds}, {time.monotonic() - began:.0f} s",
+                file=sys.stderr,
+                flush=True,
+            )
         if args.whole:
             time_whole(bench, runs, args)
         versions = {name: worker.version for name, worker in bench.workers.items()}
@@ -205,7 +229,10 @@ def main():
         report.diagram(result, args.out)
     head = f"`{command.strip()}` on {platform.machine()}, {report.processor()}, Python {platform.python_version()}"
     report.write(results, args.out, head)
-    print(f"written to {os.path.relpath(args.out)}: peers.md, peers.csv and a diagram a scene; {time.monotonic() - started:.0f} s in all")
+    print(
+        f"written to {os.path.relpath(args.out)}: peers.md, peers.csv and a diagram a scene;"
+        f" {time.monotonic() - started:.0f} s in all"
+    )
 
 
 if __name__ == "__main__":

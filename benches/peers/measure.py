@@ -1,4 +1,5 @@
 """Errors, medians, and how long a program takes to an accuracy."""
+
 import math
 import statistics
 from dataclasses import dataclass, field
@@ -39,8 +40,9 @@ class Run:
 
 
 class Reference:
-    """A solution all are measured against, with the definition of `canopy-fem tradeoff`: the root mean square over frames and
-    nodes of the distance, over that of the motion from the start; and the largest distance over the largest motion."""
+    """A solution all are measured against, with the definition of `canopy-fem tradeoff`: the root mean square over
+    frames and nodes of the distance, over that of the motion from the start; and the largest distance over the
+    largest motion."""
 
     def __init__(self, frames, start, free):
         self.frames = frames.reshape(-1, *start.shape)
@@ -60,8 +62,8 @@ class Reference:
 def time_to(target, runs):
     """[s] Least time in which one method's runs reach an error, with the run that gave it, or None.
 
-    Between two steps the time is read off the straight line in logarithms; a method whose cheapest run is better than asked
-    costs what that run costs, because larger steps diverged or were not tried.
+    Between two steps the time is read off the straight line in logarithms; a method whose cheapest run is better than
+    asked costs what that run costs, because larger steps diverged or were not tried.
     """
     best = None
     for key in sorted({(r.method, r.kind) for r in runs}):
@@ -84,7 +86,7 @@ def cheapest(target, runs):
 
 def first_below(target, line):
     """Time and run at which a falling line of runs passes the target."""
-    for before, run in zip([None, *line], line):
+    for before, run in zip([None, *line], line, strict=False):
         if run.error > target:
             continue
         if before is None:

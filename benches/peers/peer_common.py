@@ -1,4 +1,5 @@
 """What the Python peers share: the scene file, its forces in numpy, and the line protocol of README.md."""
+
 import sys
 import time
 from dataclasses import dataclass, field
@@ -19,7 +20,9 @@ class Scene:
     c: np.ndarray = field(default_factory=lambda: np.zeros(0))
     gravity: np.ndarray = field(default_factory=lambda: np.zeros(3))
     load: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))  # [N] constant forces beside the weight
-    membranes: np.ndarray = field(default_factory=lambda: np.zeros((0, 7)))  # corners, thickness, E, nu, whether it wrinkles
+    membranes: np.ndarray = field(
+        default_factory=lambda: np.zeros((0, 7))
+    )  # corners, thickness, E, nu, whether it wrinkles
     air: np.ndarray | None = None  # linear, quadratic, wind
     triangles: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), int))
 
@@ -40,7 +43,10 @@ class Scene:
 def read_scene(file):
     """Reads what `peer_canopy_fem export` writes."""
     scene, rows = Scene(), iter(open(file, encoding="ascii"))
-    table = lambda n, columns: np.array([next(rows).split() for _ in range(int(n))], dtype=float).reshape(-1, columns)
+
+    def table(n, columns):
+        return np.array([next(rows).split() for _ in range(int(n))], dtype=float).reshape(-1, columns)
+
     for row in rows:
         word, *rest = row.split()
         if word == "time":

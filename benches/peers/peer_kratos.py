@@ -1,23 +1,23 @@
 """Kratos: springs as TrussElement3D2N, membranes as MembraneElement3D3N with LinearElasticPlaneStress2DLaw,
 lumped masses as concentrated elements, weights and dead pressure as point loads.
 
-`newmark-cg`, `newmark-lu`: Newmark 1/2, 1/4 (Bossak with damping 0) with Newton's iteration to the same residual as ours, and the
-fastest iterative and the fastest direct solver of its packages. `central-difference`: its explicit scheme.
+`newmark-cg`, `newmark-lu`: Newmark 1/2, 1/4 (Bossak with damping 0) with Newton's iteration to the same residual as
+ours, and the fastest iterative and the fastest direct solver of its packages. `central-difference`: explicit.
 
-Its own truss law is linear in Green's strain, another spring than k (l - L). Ogden's law with the exponents 2 and 1 has the energy
-E (stretch - 1)^2/2 and is ours exactly.
+Its own truss law is linear in Green's strain, another spring than k (l - L). Ogden's law with the exponents 2 and 1 has
+the energy E (stretch - 1)^2/2 and is ours exactly.
 """
+
 import time
 
-import numpy as np
 import KratosMultiphysics as KM
+import numpy as np
 
 KM.Logger.GetDefaultOutput().SetSeverity(KM.Logger.Severity.WARNING)
 import KratosMultiphysics.ConstitutiveLawsApplication as CLA  # noqa: E402
 import KratosMultiphysics.LinearSolversApplication  # noqa: E402, F401
 import KratosMultiphysics.StructuralMechanicsApplication as SMA  # noqa: E402
 from KratosMultiphysics.python_linear_solver_factory import ConstructSolver  # noqa: E402
-
 from peer_common import Diverged, serve, steps_a_frame  # noqa: E402
 
 SOLVERS = {
@@ -32,7 +32,9 @@ def add_springs(scene, part):
     length = np.linalg.norm(scene.x0[scene.ends[:, 1]] - scene.x0[scene.ends[:, 0]], axis=1)
     if scene.damped or np.any(np.abs(length - scene.rest) > 1e-12 * length):
         raise ValueError("only unstretched springs without dashpots and air are modelled")
-    for e, ((a, b), k, l0) in enumerate(zip(scene.ends.tolist(), scene.k.tolist(), scene.rest.tolist()), start=1):
+    for e, ((a, b), k, l0) in enumerate(
+        zip(scene.ends.tolist(), scene.k.tolist(), scene.rest.tolist(), strict=True), start=1
+    ):
         properties = part.CreateNewProperties(e)
         properties[KM.YOUNG_MODULUS] = k * l0
         properties[KM.DENSITY] = 0.0
@@ -62,7 +64,15 @@ def build(scene):
     """The model part; whoever holds the model must outlive it."""
     model = KM.Model()
     part = model.CreateModelPart("cloth")
-    for variable in (KM.DISPLACEMENT, KM.VELOCITY, KM.ACCELERATION, KM.REACTION, KM.VOLUME_ACCELERATION, SMA.POINT_LOAD, *EXPLICIT):
+    for variable in (
+        KM.DISPLACEMENT,
+        KM.VELOCITY,
+        KM.ACCELERATION,
+        KM.REACTION,
+        KM.VOLUME_ACCELERATION,
+        SMA.POINT_LOAD,
+        *EXPLICIT,
+    ):
         part.AddNodalSolutionStepVariable(variable)
     part.ProcessInfo[KM.DOMAIN_SIZE] = 3
     part.SetBufferSize(2)
@@ -73,7 +83,7 @@ def build(scene):
     add_springs(scene, part)
     add_membranes(scene, part)
     plain, elements = part.CreateNewProperties(part.NumberOfProperties() + 1), part.NumberOfElements()
-    for i, (m, fixed, force) in enumerate(zip(scene.mass.tolist(), scene.fixed, scene.constant), start=1):
+    for i, (m, fixed, force) in enumerate(zip(scene.mass.tolist(), scene.fixed, scene.constant, strict=True), start=1):
         node = part.GetNode(i)
         if fixed:
             for displacement, _ in AXES:

@@ -111,11 +111,11 @@ static std::string esdirk(System &system, Job &job, SUNContext context, N_Vector
   // Faster on these scenes than its defaults, which extrapolate nothing: half the time.
   check(ARKStepSetPredictorMethod(ark, 1), "predictor");
   check(ARKStepSetLSetupFrequency(ark, 4), "factorisations");
-  check(ARKStepSetEpsLin(ark, 0.3), "GMRES");
   check(ARKStepSetMaxNonlinIters(ark, 10), "iterations");
   if (fixed) check(ARKStepSetFixedStep(ark, s.every / steps_a_frame(s, job)), "step");
   SUNLinearSolver gmres = SUNLinSol_SPGMR(y, SUN_PREC_LEFT, 5, context);
   check(ARKStepSetLinearSolver(ark, gmres, nullptr), "linear solver");
+  check(ARKStepSetEpsLin(ark, 0.3), "tolerance of GMRES");
   prepare_preconditioner(system);
   check(ARKStepSetPreconditioner(ark, setup, solve), "preconditioner");
   for (int frame = 1; frame <= s.frames(); frame++) {

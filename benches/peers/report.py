@@ -1,4 +1,5 @@
 """Tables and diagrams of the comparison."""
+
 import csv
 import os
 from dataclasses import dataclass
@@ -34,7 +35,19 @@ def a_step(result, run):
 
 def error_rows(result):
     """Every run, program by program, dearest last."""
-    head = ["program", "method", "step or tolerance", "error", "largest", "CPU", "least", "most", "ns/element/step", "runs", "work"]
+    head = [
+        "program",
+        "method",
+        "step or tolerance",
+        "error",
+        "largest",
+        "CPU",
+        "least",
+        "most",
+        "ns/element/step",
+        "runs",
+        "work",
+    ]
     rows = []
     for run in sorted(result.runs, key=lambda r: (list(result.versions).index(r.peer), r.method, r.kind, -r.value)):
         told = [run.peer, run.method, run.pace]
@@ -101,13 +114,19 @@ def losses(result):
 def aligned(head, rows):
     """A table in monospaced text."""
     widths = [max(len(row[i]) for row in [head, *rows]) if i < len(head) - 1 else 0 for i in range(len(head))]
-    line = lambda row: "  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
+
+    def line(row):
+        return "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+
     return "\n".join(map(line, [head, *rows]))
 
 
 def markdown(head, rows):
     """The same for a page."""
-    line = lambda row: "| " + " | ".join(row) + " |"
+
+    def line(row):
+        return "| " + " | ".join(row) + " |"
+
     return "\n".join([line(head), "|" + "---|" * len(head), *map(line, rows)])
 
 
@@ -140,17 +159,28 @@ def write(results, out, head):
             page.write(f"\n## {result.spec.name}\n\n" + "\n\n".join(preface(result)) + "\n\n")
             if any(run.whole for run in result.runs):
                 page.write(markdown(*whole_rows(result)) + "\n\n")
-            page.write(markdown(*target_rows(result)) + "\n\n" + "\n".join(f"* {row}" for row in losses(result)) + "\n\n")
+            page.write(
+                markdown(*target_rows(result)) + "\n\n" + "\n".join(f"* {row}" for row in losses(result)) + "\n\n"
+            )
             page.write(f"![error against time]({result.spec.name}.svg)\n\n{markdown(*error_rows(result))}\n")
     with open(os.path.join(out, "peers.csv"), "w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
-        head = "scene program version method kind value status error error_max cpu_seconds cpu_least cpu_most rounds whole_seconds note"
+        head = "scene program version method kind value status error error_max"
+        head += " cpu_seconds cpu_least cpu_most rounds whole_seconds note"
         rows.writerow(head.split())
         for r in results:
             for run in r.runs:
                 shown = [""] * 7
                 if run.done:
-                    shown = [run.error, run.error_max, run.median, min(run.seconds), max(run.seconds), len(run.seconds), run.whole_median]
+                    shown = [
+                        run.error,
+                        run.error_max,
+                        run.median,
+                        min(run.seconds),
+                        max(run.seconds),
+                        len(run.seconds),
+                        run.whole_median,
+                    ]
                 what = [run.peer, r.versions[run.peer], run.method, run.kind, run.value, run.status]
                 rows.writerow([r.spec.name, *what, *shown, run.note])
             for peer, why in r.absent.items():
@@ -171,10 +201,15 @@ def diagram(result, out):
     marks = "osD^v<>Px*h"
     for colour, peer in enumerate(result.versions):
         mine = [r for r in result.runs if r.peer == peer and r.done]
-        for mark, key in zip(marks, dict.fromkeys((r.method, r.kind) for r in mine)):
+        for mark, key in zip(marks, dict.fromkeys((r.method, r.kind) for r in mine), strict=False):
             line = sorted((r for r in mine if (r.method, r.kind) == key), key=lambda r: -r.value)
             label = f"{peer}: {key[0]}{', adaptive' if key[1] == 'tol' else ''}"
-            look = {"color": f"C{colour}", "lw": 2.2 if peer == OURS else 1.0, "ms": 5, "ls": "--" if key[1] == "tol" else "-"}
+            look = {
+                "color": f"C{colour}",
+                "lw": 2.2 if peer == OURS else 1.0,
+                "ms": 5,
+                "ls": "--" if key[1] == "tol" else "-",
+            }
             axes.loglog([r.median for r in line], [r.error for r in line], marker=mark, label=label, **look)
     axes.set_xlabel("processor time of the integration [s]")
     axes.set_ylabel("error: distance from the reference over the motion, root mean squares [-]")
@@ -189,6 +224,8 @@ def processor():
     """The processor's name, where the system tells it."""
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as rows:
-            return next((row.split(":", 1)[1].strip() for row in rows if row.startswith("model name")), "unknown processor")
+            return next(
+                (row.split(":", 1)[1].strip() for row in rows if row.startswith("model name")), "unknown processor"
+            )
     except OSError:
         return "unknown processor"

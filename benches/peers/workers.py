@@ -1,4 +1,5 @@
 """Programs as workers: each is started once for a scene, and answers one line for one run."""
+
 import os
 import select
 import subprocess
@@ -30,7 +31,7 @@ class Worker:
         self.version = self.answer("ready", limit)
 
     def answer(self, wanted, limit):
-        """The rest of the next line that begins with one of the wanted words; whatever else a program prints is dropped."""
+        """The rest of the next line that begins with one of the wanted words; what else a program prints is dropped."""
         until = time.monotonic() + limit
         while True:
             while b"\n" in self.rest:
