@@ -231,7 +231,13 @@ ALL = NETS | SHEETS
 PEERS = [
     Peer("canopy-fem", [str(TARGET / OURS), "serve"], [OURS], ours, ALL),
     Peer("cpp", [str(TARGET / "plain_cpp")], ["plain_cpp"], plain_cpp, ALL),
-    Peer("eigen", [str(TARGET / "plain_eigen")], ["plain_eigen"], lambda s: [("newmark", "step", [*IMPLICIT, 2e-4])]),
+    Peer(
+        "eigen",
+        [str(TARGET / "plain_eigen")],
+        ["plain_eigen"],
+        lambda s: [("newmark", "step", [*IMPLICIT, 2e-4])],
+        DAMPED,
+    ),
     Peer("sundials", [str(TARGET / "plain_sundials")], ["plain_sundials"], sundials, ALL),
     Peer("scipy", python("peer_scipy.py"), ["scipy"], scipy, NETS),
     Peer("numpy", python("peer_numpy.py"), ["numpy"], numpy_loop, NETS),

@@ -1,7 +1,7 @@
 """MuJoCo: nodes as bodies on three slides, springs as a flex of dimension 1, membranes as one of dimension 2 that only
 stretches.
 
-`euler`: its semi-implicit Euler (v, then x with the new v), of order 1. `rk4`. Its dashpots act along an edge, unlike ours.
+`euler`: its semi-implicit Euler (v, then x with the new v), of order 1. `rk4`. Its dashpots act along edges, not ours.
 """
 
 import time
