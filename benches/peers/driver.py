@@ -176,9 +176,8 @@ def time_whole(bench, runs, args):
                 continue
             peer = next(p for p in args.peers if p.name == run.peer)
             before = resource.getrusage(resource.RUSAGE_CHILDREN)
-            subprocess.run(
-                command, input=line, text=True, check=True, capture_output=True, env=environment | peer.environment
-            )
+            process = {"input": line, "env": environment | peer.environment, "cwd": TARGET}
+            subprocess.run(command, **process, text=True, check=True, capture_output=True)
             after = resource.getrusage(resource.RUSAGE_CHILDREN)
             run.whole.append(after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
 

@@ -198,9 +198,10 @@ def diagram(result, out):
     from matplotlib import pyplot
 
     figure, axes = pyplot.subplots(figsize=(10, 7))
-    marks = "osD^v<>Px*h"
+    marks = "osD^v<>Px*hXp8"
     for colour, peer in enumerate(result.versions):
-        mine = [r for r in result.runs if r.peer == peer and r.done]
+        # An error of 1 is as good as no motion.
+        mine = [r for r in result.runs if r.peer == peer and r.done and r.error < 1]
         for mark, key in zip(marks, dict.fromkeys((r.method, r.kind) for r in mine), strict=False):
             line = sorted((r for r in mine if (r.method, r.kind) == key), key=lambda r: -r.value)
             label = f"{peer}: {key[0]}{', adaptive' if key[1] == 'tol' else ''}"

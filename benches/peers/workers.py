@@ -24,9 +24,10 @@ class Worker:
     def start(self, limit=120.0):
         """Starts it and waits until it has read the scene."""
         with open(self.log, "ab") as log:
-            self.process = subprocess.Popen(
-                self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, env=self.environment
-            )
+            pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": log}
+            # Beside its log, because some write files of their own where they are started.
+            folder = os.path.dirname(self.log)
+            self.process = subprocess.Popen(self.command, **pipes, env=self.environment, cwd=folder)
         self.rest = b""
         self.version = self.answer("ready", limit)
 
