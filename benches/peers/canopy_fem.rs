@@ -11,13 +11,16 @@ use canopy_fem::case::Case;
 use canopy_fem::case::schema::Method;
 use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::drive::Status;
-use canopy_fem::model::spec::{DashpotKind, NetworkSpec, Slack};
+use canopy_fem::force::law::nodal::DeadPressure;
+use canopy_fem::force::law::series::LoadFactor;
+use canopy_fem::model::spec::{DashpotKind, NetworkSpec, PressureKind, Slack};
 use canopy_fem::process::cpu_seconds;
 use canopy_fem::solve::newton::Strategy;
 use canopy_fem::study::experiment::{Experiment, Start};
 use canopy_fem::study::frames::{Frames, Sampler};
 use canopy_fem::study::prepared_case::{PreparedCase, choice};
 use canopy_fem::study::row::StepSetting;
+use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::fmt::Write as _;
@@ -49,10 +52,12 @@ fn main() -> Result<(), Any> {
 
 /// The scene as text that any program reads without a library; refuses what the others are not told of.
 fn scene(net: &NetworkSpec, end: f64, every: f64) -> Result<String, Any> {
-    let plain = net.pressures.is_empty() && net.forces.is_empty() && net.rayleigh.is_none();
     let still = net.displacement.is_empty() && net.velocity.is_empty();
-    if !(plain && still && net.springs.iter().all(|group| group.slack == Slack::None)) {
-        return Err("only springs without slack, relative dashpots, gravity and air, from rest".into());
+    let known = net.forces.is_empty() && net.bending.is_empty() && net.rayleigh.is_none();
+    if !(still && known && net.springs.iter().all(|group| group.slack == Slack::None)) {
+        return Err(
+            "only springs without slack, relative dashpots, membranes, weight, dead pressure and air, from rest".into(),
+        );
     }
     let mut text = format!("time {end:?} {every:?}\nnodes {}\n", net.mesh.nodes.len());
     for (([x, y, z], m), fixed) in net.mesh.nodes.iter().zip(&net.mass).zip(&net.fixed) {
@@ -61,6 +66,16 @@ fn scene(net: &NetworkSpec, end: f64, every: f64) -> Result<String, Any> {
         }
         writeln!(text, "{x:?} {y:?} {z:?} {m:?} {}", u8::from(fixed[0]))?;
     }
+    let [gx, gy, gz] = net.gravity.unwrap_or_default();
+    writeln!(text, "gravity {gx:?} {gy:?} {gz:?}")?;
+    springs(net, &mut text)?;
+    membranes(net, &mut text)?;
+    pressures(net, &mut text)?;
+    air(net, &mut text)?;
+    Ok(text)
+}
+
+fn springs(net: &NetworkSpec, text: &mut String) -> Result<(), Any> {
     writeln!(text, "springs {}", net.springs.iter().map(|group| group.edges.len()).sum::<usize>())?;
     for group in &net.springs {
         let damping = match &group.dashpot {
@@ -73,17 +88,53 @@ fn scene(net: &NetworkSpec, end: f64, every: f64) -> Result<String, Any> {
             writeln!(text, "{a} {b} {k:?} {l:?} {c:?}")?;
         }
     }
-    let [gx, gy, gz] = net.gravity.unwrap_or_default();
-    writeln!(text, "gravity {gx:?} {gy:?} {gz:?}")?;
-    if let Some(air) = &net.air {
-        let [[wx, wy, wz]] = air.wind.value[..] else { return Err("the wind has a table".into()) };
-        writeln!(text, "air {:?} {:?} {wx:?} {wy:?} {wz:?}", air.linear, air.quadratic)?;
-        writeln!(text, "triangles {}", net.mesh.triangles.len())?;
-        for [a, b, c] in &net.mesh.triangles {
-            writeln!(text, "{a} {b} {c}")?;
+    Ok(())
+}
+
+/// Corners, thickness, Young's modulus, Poisson's ratio, and whether it wrinkles; at rest where the nodes are given.
+fn membranes(net: &NetworkSpec, text: &mut String) -> Result<(), Any> {
+    writeln!(text, "membranes {}", net.membranes.iter().map(|rule| rule.triangles.len()).sum::<usize>())?;
+    for rule in &net.membranes {
+        let (nu, [one, two]) = (rule.poisson, rule.modulus);
+        let shear = one / (2.0 * (1.0 + nu));
+        if one != two || (rule.shear - shear).abs() > 1e-12 * shear || rule.damping_time != 0.0 {
+            return Err("only isotropic membranes without damping".into());
+        }
+        for &triangle in &rule.triangles {
+            let [a, b, c] = net.mesh.triangles[triangle as usize];
+            writeln!(text, "{a} {b} {c} {:?} {one:?} {nu:?} {}", rule.thickness, u8::from(rule.wrinkling))?;
         }
     }
-    Ok(text)
+    Ok(())
+}
+
+/// Dead pressures as forces on nodes.
+fn pressures(net: &NetworkSpec, text: &mut String) -> Result<(), Any> {
+    let x: Vec<Vector3<f64>> = net.mesh.nodes.iter().map(|&x| x.into()).collect();
+    for load in &net.pressures {
+        let (PressureKind::Dead(direction), None) = (load.kind, &load.factor) else {
+            return Err("a pressure that follows the cloth or has a table".into());
+        };
+        let triangles: Vec<_> = load.triangles.iter().map(|&t| net.mesh.triangles[t as usize]).collect();
+        let (direction, factor) = (direction.map(Vector3::from), LoadFactor::default());
+        let lumped = DeadPressure { triangles: &triangles, pressure: load.pressure, direction, factor }.lump(&x);
+        writeln!(text, "forces {}", lumped.nodes.len())?;
+        for (node, f) in lumped.nodes.iter().zip(&lumped.force) {
+            writeln!(text, "{node} {:?} {:?} {:?}", f.x, f.y, f.z)?;
+        }
+    }
+    Ok(())
+}
+
+fn air(net: &NetworkSpec, text: &mut String) -> Result<(), Any> {
+    let Some(air) = &net.air else { return Ok(()) };
+    let [[wx, wy, wz]] = air.wind.value[..] else { return Err("the wind has a table".into()) };
+    writeln!(text, "air {:?} {:?} {wx:?} {wy:?} {wz:?}", air.linear, air.quadratic)?;
+    writeln!(text, "triangles {}", net.mesh.triangles.len())?;
+    for [a, b, c] in &net.mesh.triangles {
+        writeln!(text, "{a} {b} {c}")?;
+    }
+    Ok(())
 }
 
 /// Answers every line with `done|diverged|refused SECONDS NOTE`.

@@ -1,21 +1,22 @@
 """Runs the scenes through all programs in turn and prints what came of it; started by `run`."""
+
 import argparse
 import itertools
 import json
 import os
 import platform
+import resource
 import subprocess
 import sys
 import time
 
 import numpy as np
-
 import report
-from catalogue import OURS, PEERS, SCENES, TARGET, name_of_case
-from measure import Reference, Run
+from catalogue import OURS, PEERS, SCENES, TARGET, name_of_case, whole_command
+from measure import Reference, Run, cheapest
 from peer_common import read_scene
 from setup import MISSING, ROOT
-from workers import Lost, Worker
+from workers import SINGLE, Lost, Worker
 
 REFERENCES = [("canopy-fem", "dop853", 1e-11), ("scipy", "DOP853", 1e-11), ("sundials", "erk8", 1e-11)]
 # [s] A run that takes longer is made in so many rounds only.
@@ -27,11 +28,24 @@ def arguments():
     told = "Error against processor time of canopy-fem and of what one could use instead."
     parser = argparse.ArgumentParser(prog="benches/peers/run", description=told)
     parser.add_argument("--quick", action="store_true", help="the first scene, every second step, two rounds")
-    parser.add_argument("--scene", help="scenes, parted by commas: " + ", ".join(s.name + " (else left out)" * s.asked for s in SCENES))
-    parser.add_argument("--only", help="programs, parted by commas, besides canopy-fem: " + ", ".join(p.name for p in PEERS[1:]))
+    parser.add_argument(
+        "--scene", help="scenes, parted by commas: " + ", ".join(s.name + " (else left out)" * s.asked for s in SCENES)
+    )
+    parser.add_argument(
+        "--only", help="programs, parted by commas, besides canopy-fem: " + ", ".join(p.name for p in PEERS[1:])
+    )
+    parser.add_argument(
+        "--whole",
+        action="store_true",
+        help="time whole processes too: the cheapest run to every accuracy, as a process of its own",
+    )
     parser.add_argument("--rounds", type=int, help="times every run is made, in turn with all others (default 5)")
-    parser.add_argument("--limit", type=float, default=10.0, help="[s] a run may take (default 10); what would take longer is not run")
-    parser.add_argument("--out", default=str(ROOT / "out" / "peers"), help="folder for tables and diagrams (default out/peers)")
+    parser.add_argument(
+        "--limit", type=float, default=10.0, help="[s] a run may take (default 10); what would take longer is not run"
+    )
+    parser.add_argument(
+        "--out", default=str(ROOT / "out" / "peers"), help="folder for tables and diagrams (default out/peers)"
+    )
     args = parser.parse_args()
     scenes = args.scene or (SCENES[0].name if args.quick else None)
     args.scenes = [s for s in SCENES if (s.name in scenes.split(",") if scenes else not s.asked)]
@@ -59,8 +73,8 @@ class Bench:
             lacking = [missing[need] for need in peer.needs if need in missing]
             if lacking:
                 self.absent[peer.name] = lacking[0]
-            elif spec.air and not peer.air:
-                self.absent[peer.name] = "its model here has no air and no relative dashpots"
+            elif lacking := spec.has - peer.knows:
+                self.absent[peer.name] = "its model here has no " + ", no ".join(sorted(lacking))
             elif not peer.runs(spec):
                 self.absent[peer.name] = "every run would take minutes"
             else:
@@ -96,7 +110,11 @@ class Bench:
                     sys.exit(f"{self.spec.name}: no reference: {note}")
                 found = Reference(frames, self.scene.x0, ~self.scene.fixed)
             else:
-                away = f"is {found.errors(frames)[0]:.1e} of the motion away" if status == "done" else f"gave no solution ({note})"
+                away = (
+                    f"is {found.errors(frames)[0]:.1e} of the motion away"
+                    if status == "done"
+                    else f"gave no solution ({note})"
+                )
                 told.append(f"{peer} {method} {away}")
         return found, told
 
@@ -110,7 +128,9 @@ def plan(bench, args):
     lists = []
     for peer in args.peers:
         if peer.name in bench.workers:
-            runs = [(m, kind, v) for m, kind, values in peer.runs(bench.spec) for v in values[:: 2 if args.quick else 1]]
+            runs = [
+                (m, kind, v) for m, kind, values in peer.runs(bench.spec) for v in values[:: 2 if args.quick else 1]
+            ]
             lists.append([Run(peer.name, *run) for run in runs])
     return [run for turn in itertools.zip_longest(*lists) for run in turn if run is not None]
 
@@ -142,6 +162,26 @@ def due(run, runs, number, args):
     return run.status == "done" and all(run.median <= least or number < times for least, times in REPEATS)
 
 
+def time_whole(bench, runs, args):
+    """The cheapest run of every program to every accuracy as a process of its own, all in turn."""
+    chosen = {}
+    for peer in args.peers:
+        mine = [r for r in runs if r.peer == peer.name]
+        for run in filter(None, (cheapest(target, mine) for target in bench.spec.targets)):
+            chosen[id(run)] = (run, *whole_command(peer, bench.spec, run, TARGET))
+    environment = os.environ | SINGLE
+    for number in range(args.rounds):
+        for run, command, line in chosen.values():
+            if number and run.whole[0] > REPEATS[0][0]:
+                continue
+            peer = next(p for p in args.peers if p.name == run.peer)
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            process = {"input": line, "env": environment | peer.environment, "cwd": TARGET}
+            subprocess.run(command, **process, text=True, check=True, capture_output=True)
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            run.whole.append(after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
+
+
 def compare(spec, args, missing):
     """All rounds of a scene."""
     bench = Bench(spec, args, missing)
@@ -160,9 +200,16 @@ def compare(spec, args, missing):
                     run.seconds.append(seconds)
                     run.error, run.error_max = reference.errors(frames)
             progress("")
-            print(f"  {spec.name}: round {number + 1} of {args.rounds}, {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
+            print(
+                f"  {spec.name}: round {number + 1} of {args.rounds}, {time.monotonic() - began:.0f} s",
+                file=sys.stderr,
+                flush=True,
+            )
+        if args.whole:
+            time_whole(bench, runs, args)
         versions = {name: worker.version for name, worker in bench.workers.items()}
-        return report.Result(spec, runs, agreement, versions, bench.absent, args.rounds)
+        elements = len(bench.scene.ends) + len(bench.scene.triangles) + len(bench.scene.membranes)
+        return report.Result(spec, runs, agreement, versions, bench.absent, args.rounds, elements)
     finally:
         bench.stop()
 
@@ -181,7 +228,10 @@ def main():
         report.diagram(result, args.out)
     head = f"`{command.strip()}` on {platform.machine()}, {report.processor()}, Python {platform.python_version()}"
     report.write(results, args.out, head)
-    print(f"written to {os.path.relpath(args.out)}: peers.md, peers.csv and a diagram a scene; {time.monotonic() - started:.0f} s in all")
+    print(
+        f"written to {os.path.relpath(args.out)}: peers.md, peers.csv and a diagram a scene;"
+        f" {time.monotonic() - started:.0f} s in all"
+    )
 
 
 if __name__ == "__main__":

@@ -1,4 +1,5 @@
 """Errors, medians, and how long a program takes to an accuracy."""
+
 import math
 import statistics
 from dataclasses import dataclass, field
@@ -19,10 +20,15 @@ class Run:
     error: float = math.nan
     error_max: float = math.nan
     seconds: list = field(default_factory=list)
+    whole: list = field(default_factory=list)  # [s] of processes of their own, from start to end
 
     @property
     def median(self):
         return statistics.median(self.seconds) if self.seconds else math.nan
+
+    @property
+    def whole_median(self):
+        return statistics.median(self.whole) if self.whole else math.nan
 
     @property
     def done(self):
@@ -34,8 +40,9 @@ class Run:
 
 
 class Reference:
-    """A solution all are measured against, with the definition of `canopy-fem tradeoff`: the root mean square over frames and
-    nodes of the distance, over that of the motion from the start; and the largest distance over the largest motion."""
+    """A solution all are measured against, with the definition of `canopy-fem tradeoff`: the root mean square over
+    frames and nodes of the distance, over that of the motion from the start; and the largest distance over the
+    largest motion."""
 
     def __init__(self, frames, start, free):
         self.frames = frames.reshape(-1, *start.shape)
@@ -55,8 +62,8 @@ class Reference:
 def time_to(target, runs):
     """[s] Least time in which one method's runs reach an error, with the run that gave it, or None.
 
-    Between two steps the time is read off the straight line in logarithms; a method whose cheapest run is better than asked
-    costs what that run costs, because larger steps diverged or were not tried.
+    Between two steps the time is read off the straight line in logarithms; a method whose cheapest run is better than
+    asked costs what that run costs, because larger steps diverged or were not tried.
     """
     best = None
     for key in sorted({(r.method, r.kind) for r in runs}):
@@ -72,9 +79,14 @@ def time_to(target, runs):
     return best
 
 
+def cheapest(target, runs):
+    """The run that reaches an error in the least time of integration, or None."""
+    return min((r for r in runs if r.done and r.error <= target), key=lambda r: r.median, default=None)
+
+
 def first_below(target, line):
     """Time and run at which a falling line of runs passes the target."""
-    for before, run in zip([None, *line], line):
+    for before, run in zip([None, *line], line, strict=False):
         if run.error > target:
             continue
         if before is None:

@@ -1,4 +1,5 @@
 """What the Python peers share: the scene file, its forces in numpy, and the line protocol of README.md."""
+
 import sys
 import time
 from dataclasses import dataclass, field
@@ -18,6 +19,10 @@ class Scene:
     rest: np.ndarray = field(default_factory=lambda: np.zeros(0))
     c: np.ndarray = field(default_factory=lambda: np.zeros(0))
     gravity: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    load: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))  # [N] constant forces beside the weight
+    membranes: np.ndarray = field(
+        default_factory=lambda: np.zeros((0, 7))
+    )  # corners, thickness, E, nu, whether it wrinkles
     air: np.ndarray | None = None  # linear, quadratic, wind
     triangles: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), int))
 
@@ -29,20 +34,29 @@ class Scene:
     def damped(self):
         return self.air is not None or bool(np.any(self.c))
 
+    @property
+    def constant(self):
+        """[N] Weight and load of every node."""
+        return self.mass[:, None] * self.gravity + self.load
+
 
 def read_scene(file):
     """Reads what `peer_canopy_fem export` writes."""
     scene, rows = Scene(), iter(open(file, encoding="ascii"))
-    table = lambda n: np.array([next(rows).split() for _ in range(int(n))], dtype=float)
+
+    def table(n, columns):
+        return np.array([next(rows).split() for _ in range(int(n))], dtype=float).reshape(-1, columns)
+
     for row in rows:
         word, *rest = row.split()
         if word == "time":
             scene.end, scene.every = map(float, rest)
         elif word == "nodes":
-            t = table(rest[0])
+            t = table(rest[0], 5)
             scene.x0, scene.mass, scene.fixed = t[:, :3].copy(), t[:, 3].copy(), t[:, 4] != 0
+            scene.load = np.zeros_like(scene.x0)
         elif word == "springs":
-            t = table(rest[0])
+            t = table(rest[0], 5)
             scene.ends = t[:, :2].astype(int)
             scene.k, scene.rest, scene.c = (t[:, i].copy() for i in (2, 3, 4))
         elif word == "gravity":
@@ -50,7 +64,12 @@ def read_scene(file):
         elif word == "air":
             scene.air = np.array(rest, float)
         elif word == "triangles":
-            scene.triangles = table(rest[0]).astype(int)
+            scene.triangles = table(rest[0], 3).astype(int)
+        elif word == "membranes":
+            scene.membranes = table(rest[0], 7)
+        elif word == "forces":
+            t = table(rest[0], 4)
+            np.add.at(scene.load, t[:, 0].astype(int), t[:, 1:])
     return scene
 
 
@@ -58,13 +77,15 @@ class Accelerations:
     """f(x, v)/m of a scene, vectorised; `gather` sums elements' forces at the nodes."""
 
     def __init__(self, scene, gather):
+        if len(scene.membranes):
+            raise ValueError("there are no membranes here")
         self.scene = scene
         self.a, self.b = scene.ends[:, 0].copy(), scene.ends[:, 1].copy()
         self.at_springs = gather(scene.ends, [1.0, -1.0], len(scene.x0))
         if scene.air is not None:
             self.at_triangles = gather(scene.triangles, [1.0, 1.0, 1.0], len(scene.x0))
         self.inverse = np.where(scene.fixed, 0.0, 1.0 / scene.mass)[:, None]
-        self.weight = np.where(scene.fixed[:, None], 0.0, scene.gravity)
+        self.weight = self.inverse * scene.constant
         self.passes = 0
 
     def __call__(self, x, v):

@@ -1,22 +1,23 @@
-"""Kratos: springs as TrussElement3D2N, lumped masses as concentrated elements, weights as point loads.
+"""Kratos: springs as TrussElement3D2N, membranes as MembraneElement3D3N with LinearElasticPlaneStress2DLaw,
+lumped masses as concentrated elements, weights and dead pressure as point loads.
 
-`newmark-cg`, `newmark-lu`: Newmark 1/2, 1/4 (Bossak with damping 0) with Newton's iteration to the same residual as ours, and the
-fastest iterative and the fastest direct solver of its packages. `central-difference`: its explicit scheme.
+`newmark-cg`, `newmark-lu`: Newmark 1/2, 1/4 (Bossak with damping 0) with Newton's iteration to the same residual as
+ours, and the fastest iterative and the fastest direct solver of its packages. `central-difference`: explicit.
 
-Its own truss law is linear in Green's strain, another spring than k (l - L). Ogden's law with the exponents 2 and 1 has the energy
-E (stretch - 1)^2/2 and is ours exactly.
+Its own truss law is linear in Green's strain, another spring than k (l - L). Ogden's law with the exponents 2 and 1 has
+the energy E (stretch - 1)^2/2 and is ours exactly.
 """
+
 import time
 
-import numpy as np
 import KratosMultiphysics as KM
+import numpy as np
 
 KM.Logger.GetDefaultOutput().SetSeverity(KM.Logger.Severity.WARNING)
 import KratosMultiphysics.ConstitutiveLawsApplication as CLA  # noqa: E402
 import KratosMultiphysics.LinearSolversApplication  # noqa: E402, F401
 import KratosMultiphysics.StructuralMechanicsApplication as SMA  # noqa: E402
 from KratosMultiphysics.python_linear_solver_factory import ConstructSolver  # noqa: E402
-
 from peer_common import Diverged, serve, steps_a_frame  # noqa: E402
 
 SOLVERS = {
@@ -27,22 +28,13 @@ EXPLICIT = [SMA.MIDDLE_VELOCITY, KM.NODAL_MASS, KM.FORCE_RESIDUAL, KM.RESIDUAL_V
 AXES = [(KM.DISPLACEMENT_X, KM.REACTION_X), (KM.DISPLACEMENT_Y, KM.REACTION_Y), (KM.DISPLACEMENT_Z, KM.REACTION_Z)]
 
 
-def build(scene):
-    """The model part; whoever holds the model must outlive it."""
+def add_springs(scene, part):
     length = np.linalg.norm(scene.x0[scene.ends[:, 1]] - scene.x0[scene.ends[:, 0]], axis=1)
     if scene.damped or np.any(np.abs(length - scene.rest) > 1e-12 * length):
         raise ValueError("only unstretched springs without dashpots and air are modelled")
-    model = KM.Model()
-    part = model.CreateModelPart("cloth")
-    for variable in (KM.DISPLACEMENT, KM.VELOCITY, KM.ACCELERATION, KM.REACTION, KM.VOLUME_ACCELERATION, SMA.POINT_LOAD, *EXPLICIT):
-        part.AddNodalSolutionStepVariable(variable)
-    part.ProcessInfo[KM.DOMAIN_SIZE] = 3
-    part.SetBufferSize(2)
-    for i, x in enumerate(scene.x0.tolist(), start=1):
-        node = part.CreateNewNode(i, *x)
-        for displacement, reaction in AXES:
-            node.AddDof(displacement, reaction)
-    for e, ((a, b), k, l0) in enumerate(zip(scene.ends.tolist(), scene.k.tolist(), scene.rest.tolist()), start=1):
+    for e, ((a, b), k, l0) in enumerate(
+        zip(scene.ends.tolist(), scene.k.tolist(), scene.rest.tolist(), strict=True), start=1
+    ):
         properties = part.CreateNewProperties(e)
         properties[KM.YOUNG_MODULUS] = k * l0
         properties[KM.DENSITY] = 0.0
@@ -51,20 +43,58 @@ def build(scene):
         properties[CLA.OGDEN_BETA_1], properties[CLA.OGDEN_BETA_2] = 2.0, 1.0
         properties[KM.CONSTITUTIVE_LAW] = CLA.HyperElasticIsotropicOgden1D()
         part.CreateNewElement("TrussElement3D2N", e, [a + 1, b + 1], properties)
-    plain, springs = part.CreateNewProperties(len(scene.k) + 1), len(scene.k)
-    for i, (m, fixed) in enumerate(zip(scene.mass.tolist(), scene.fixed), start=1):
+
+
+def add_membranes(scene, part):
+    """One material for all triangles alike."""
+    first, materials = part.NumberOfElements() + 1, {}
+    for e, (a, b, c, *material) in enumerate(scene.membranes.tolist(), start=first):
+        if tuple(material) not in materials:
+            thickness, modulus, poisson, wrinkles = material
+            if wrinkles:
+                raise ValueError("its law of wrinkling leaves a sheet that starts unstrained slack for ever")
+            properties = materials[tuple(material)] = part.CreateNewProperties(part.NumberOfProperties() + 1)
+            properties[KM.YOUNG_MODULUS], properties[KM.POISSON_RATIO] = modulus, poisson
+            properties[KM.THICKNESS], properties[KM.DENSITY] = thickness, 0.0
+            properties[KM.CONSTITUTIVE_LAW] = SMA.LinearElasticPlaneStress2DLaw()
+        part.CreateNewElement("MembraneElement3D3N", e, [int(i) + 1 for i in (a, b, c)], materials[tuple(material)])
+
+
+def build(scene):
+    """The model part; whoever holds the model must outlive it."""
+    model = KM.Model()
+    part = model.CreateModelPart("cloth")
+    for variable in (
+        KM.DISPLACEMENT,
+        KM.VELOCITY,
+        KM.ACCELERATION,
+        KM.REACTION,
+        KM.VOLUME_ACCELERATION,
+        SMA.POINT_LOAD,
+        *EXPLICIT,
+    ):
+        part.AddNodalSolutionStepVariable(variable)
+    part.ProcessInfo[KM.DOMAIN_SIZE] = 3
+    part.SetBufferSize(2)
+    for i, x in enumerate(scene.x0.tolist(), start=1):
+        node = part.CreateNewNode(i, *x)
+        for displacement, reaction in AXES:
+            node.AddDof(displacement, reaction)
+    add_springs(scene, part)
+    add_membranes(scene, part)
+    plain, elements = part.CreateNewProperties(part.NumberOfProperties() + 1), part.NumberOfElements()
+    for i, (m, fixed, force) in enumerate(zip(scene.mass.tolist(), scene.fixed, scene.constant, strict=True), start=1):
         node = part.GetNode(i)
         if fixed:
             for displacement, _ in AXES:
                 node.Fix(displacement)
             continue
-        part.CreateNewElement("NodalConcentratedElement3D1N", springs + i, [i], plain).SetValue(KM.NODAL_MASS, m)
+        part.CreateNewElement("NodalConcentratedElement3D1N", elements + i, [i], plain).SetValue(KM.NODAL_MASS, m)
         part.CreateNewCondition("PointLoadCondition3D1N", i, [i], plain)
-        gravity = KM.Vector(scene.gravity.tolist())
         for buffer in (0, 1):
-            node.SetSolutionStepValue(SMA.POINT_LOAD, buffer, m * gravity)
-            # At rest and unstretched the acceleration is gravity.
-            node.SetSolutionStepValue(KM.ACCELERATION, buffer, gravity)
+            node.SetSolutionStepValue(SMA.POINT_LOAD, buffer, KM.Vector(force.tolist()))
+            # At rest and unstretched nothing else accelerates.
+            node.SetSolutionStepValue(KM.ACCELERATION, buffer, KM.Vector((force / m).tolist()))
     return model, part
 
 
@@ -80,7 +110,7 @@ def central_difference(part):
 def newmark(scene, part, solver):
     """Newton's iteration on Newmark's equations."""
     free = 3 * int(np.sum(~scene.fixed))
-    weight = np.linalg.norm(scene.mass[~scene.fixed]) * np.linalg.norm(scene.gravity)
+    weight = np.linalg.norm(scene.constant[~scene.fixed])
     settings = '{"damp_factor_m": 0.0, "newmark_beta": 0.25, "projection_variables_list": []}'
     scheme = SMA.StructuralMechanicsBossakScheme(KM.Parameters(settings))
     # The criterion divides the residual by the number of unknowns.

@@ -1,11 +1,11 @@
 """A vectorised numpy loop with fixed steps, as a thesis would write it: explicit Euler and velocity Verlet."""
-import numpy as np
 
+import numpy as np
 from peer_common import Accelerations, serve, steps_a_frame
 
 
 def gather(elements, signs, nodes):
-    """Sums at nodes by numpy's bincount, component by component: the whole pass takes half of what it does with np.add.at."""
+    """Sums at nodes by bincount, component by component: the whole pass takes half of what it does with np.add.at."""
     index = elements.T.ravel()
 
     def at_nodes(force):

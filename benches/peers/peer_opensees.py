@@ -1,16 +1,17 @@
 """OpenSees through OpenSeesPy: springs as corotational trusses with EA/L = k, lumped masses, nodal weights.
 
-`newmark`: Newmark 1/2, 1/4 with Newton's iteration, to the same residual as ours (1e-8 of the weight). `central-difference`: its
-fastest explicit integrator with a diagonal system. Both start wrongly unless told: Newmark from zero acceleration, the central
-differences half a step of velocity late, which leaves order 1. The nodes are given what makes both right.
+`newmark`: Newmark 1/2, 1/4 with Newton's iteration, to the same residual as ours (1e-8 of the weight).
+`central-difference`: its fastest explicit integrator with a diagonal system. Both start wrongly unless told: Newmark
+from zero acceleration, the central differences half a step of velocity late, which leaves order 1. The nodes are given
+what makes both right.
 """
+
 import os
 import sys
 import time
 
 import numpy as np
 import openseespy.opensees as ops
-
 from peer_common import Diverged, serve, steps_a_frame
 
 # The fastest of its symmetric and general sparse solvers on these nets, measured by --solvers.
@@ -24,21 +25,23 @@ def build(scene, method, step):
         raise ValueError("only unstretched springs without dashpots and air are modelled")
     ops.wipe()
     ops.model("basic", "-ndm", 3, "-ndf", 3)
-    for i, (x, m, fixed) in enumerate(zip(scene.x0.tolist(), scene.mass.tolist(), scene.fixed), start=1):
+    for i, (x, m, fixed) in enumerate(zip(scene.x0.tolist(), scene.mass.tolist(), scene.fixed, strict=True), start=1):
         ops.node(i, *x)
         if fixed:
             ops.fix(i, 1, 1, 1)
         else:
             ops.mass(i, m, m, m)
-    for e, ((a, b), k, l0) in enumerate(zip(scene.ends.tolist(), scene.k.tolist(), scene.rest.tolist()), start=1):
+    for e, ((a, b), k, l0) in enumerate(
+        zip(scene.ends.tolist(), scene.k.tolist(), scene.rest.tolist(), strict=True), start=1
+    ):
         ops.uniaxialMaterial("Elastic", e, k * l0)
         ops.element("corotTruss", e, a + 1, b + 1, 1.0, e)
     ops.timeSeries("Constant", 1)
     ops.pattern("Plain", 1, 1)
     for i in np.flatnonzero(~scene.fixed).tolist():
-        ops.load(i + 1, *(scene.mass[i] * scene.gravity).tolist())
-        # At rest and unstretched the acceleration is gravity.
-        for axis, g in enumerate(scene.gravity.tolist(), start=1):
+        ops.load(i + 1, *scene.constant[i].tolist())
+        # At rest and unstretched nothing else accelerates.
+        for axis, g in enumerate((scene.constant[i] / scene.mass[i]).tolist(), start=1):
             if method == "newmark":
                 ops.setNodeAccel(i + 1, axis, g, "-commit")
             else:
@@ -48,7 +51,7 @@ def build(scene, method, step):
 def analysis(scene, method):
     ops.constraints("Plain")
     if method == "newmark":
-        weight = np.linalg.norm(scene.mass[~scene.fixed]) * np.linalg.norm(scene.gravity)
+        weight = np.linalg.norm(scene.constant[~scene.fixed])
         ops.numberer("RCM")
         ops.system(*SYSTEM)
         ops.test("NormUnbalance", 1e-8 * weight, 50, 0)

@@ -1,10 +1,10 @@
 """SciPy's solve_ivp with a vectorised right-hand side; nodal sums are a product with a sparse incidence matrix."""
+
 import numpy as np
 import scipy
+from peer_common import Accelerations, Diverged, serve
 from scipy.integrate import solve_ivp
 from scipy.sparse import csr_array
-
-from peer_common import Accelerations, Diverged, serve
 
 
 def gather(elements, signs, nodes):
@@ -30,7 +30,9 @@ def run(scene, method, _kind, tolerance):
     times = scene.end * np.arange(1, scene.frames + 1) / scene.frames
     start = np.concatenate([scene.x0.ravel(), np.zeros(n)])
     with np.errstate(all="ignore"):
-        solution = solve_ivp(rhs, (0.0, scene.end), start, method=method, t_eval=times, rtol=tolerance, atol=tolerance / 100)
+        solution = solve_ivp(
+            rhs, (0.0, scene.end), start, method=method, t_eval=times, rtol=tolerance, atol=tolerance / 100
+        )
     if not solution.success:
         raise Diverged(solution.message)
     return f"{solution.nfev} force passes", solution.y[:n].T.reshape(len(times), -1, 3)

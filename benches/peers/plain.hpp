@@ -21,20 +21,41 @@ struct Triangle {
   int n[3];
 };
 
+// A triangle of constant strain of an isotropic St. Venant-Kirchhoff sheet.
+struct Membrane {
+  int n[3];
+  double r[3];        // inverse of the sides in the triangle's plane, the first one along x: r[0] r[1]; 0 r[2] [1/m]
+  double stiff, nu;   // E t A0/(1 - nu^2) [N m], Poisson's ratio
+  bool wrinkles;
+};
+
 struct Scene {
   double end = 0, every = 0;
   Vector x0, mass;         // 3 and 1 a node
   std::vector<int> fixed;  // 1 a node
   std::vector<Spring> springs;
   std::vector<Triangle> triangles;
+  std::vector<Membrane> membranes;
   double gravity[3] = {0, 0, 0};
+  Vector load;  // 3 a node, or empty
   double linear = 0, quadratic = 0, wind[3] = {0, 0, 0};  // dp = linear v_n + quadratic v_n |v_n|
-  Vector inverse_mass, weight;                             // 3 a node; 0 where fixed
+  Vector inverse_mass, weight;  // 3 a node; 0 where fixed; the weight has the load in it
   bool damped = false;
 
   int dofs() const { return (int)x0.size(); }
   int frames() const { return (int)std::lround(end / every); }
 };
+
+inline void add_rest_shape(Membrane &m, const Vector &x, double thickness, double modulus) {
+  double p[3], q[3], pp = 0, pq = 0, qq = 0;
+  for (int d = 0; d < 3; d++) {
+    p[d] = x[3 * m.n[1] + d] - x[3 * m.n[0] + d], q[d] = x[3 * m.n[2] + d] - x[3 * m.n[0] + d];
+    pp += p[d] * p[d], pq += p[d] * q[d], qq += q[d] * q[d];
+  }
+  double along = std::sqrt(pp), across = std::sqrt(qq - pq * pq / pp);
+  m.r[0] = 1 / along, m.r[1] = -pq / pp / across, m.r[2] = 1 / across;
+  m.stiff = modulus * thickness * 0.5 * along * across / (1 - m.nu * m.nu);
+}
 
 inline Scene read_scene(const char *file) {
   std::ifstream in(file);
@@ -55,6 +76,22 @@ inline Scene read_scene(const char *file) {
       for (Spring &e : s.springs) in >> e.a >> e.b >> e.k >> e.rest >> e.c, s.damped |= e.c != 0;
     }
     if (word == "gravity") in >> s.gravity[0] >> s.gravity[1] >> s.gravity[2];
+    if (word == "membranes") {
+      in >> n;
+      s.membranes.resize(n);
+      double thickness, modulus;
+      for (Membrane &m : s.membranes) {
+        in >> m.n[0] >> m.n[1] >> m.n[2] >> thickness >> modulus >> m.nu >> m.wrinkles;
+        add_rest_shape(m, s.x0, thickness, modulus);
+      }
+    }
+    if (word == "forces") {
+      in >> n;
+      s.load.resize(s.x0.size());
+      size_t node;
+      for (double f[3]; n-- && in >> node >> f[0] >> f[1] >> f[2];)
+        for (int d = 0; d < 3; d++) s.load[3 * node + d] += f[d];
+    }
     if (word == "air") in >> s.linear >> s.quadratic >> s.wind[0] >> s.wind[1] >> s.wind[2];
     if (word == "triangles") {
       in >> n;
@@ -63,11 +100,13 @@ inline Scene read_scene(const char *file) {
       s.damped = true;
     }
   }
-  if (s.x0.empty() || s.springs.empty() || in.bad()) throw std::runtime_error(std::string("no scene in ") + file);
+  if (s.x0.empty() || (s.springs.empty() && s.membranes.empty()) || in.bad()) throw std::runtime_error(std::string("no scene in ") + file);
   s.inverse_mass.assign(s.x0.size(), 0), s.weight.assign(s.x0.size(), 0);
-  for (size_t i = 0; i < s.mass.size(); i++)
-    for (int d = 0; d < 3; d++)
-      if (!s.fixed[i]) s.inverse_mass[3 * i + d] = 1 / s.mass[i], s.weight[3 * i + d] = s.mass[i] * s.gravity[d];
+  for (size_t i = 0; i < s.x0.size(); i++)
+    if (!s.fixed[i / 3]) {
+      s.inverse_mass[i] = 1 / s.mass[i / 3];
+      s.weight[i] = s.mass[i / 3] * s.gravity[i % 3] + (s.load.empty() ? 0 : s.load[i]);
+    }
   return s;
 }
 
@@ -89,23 +128,57 @@ inline void air_forces(const Scene &s, const double *x, const double *v, double 
   }
 }
 
+// Stresses (11, 22, 12) times A0 t of an isotropic sheet by its Green strains (11, 22, 12): plane stress, or the tension field.
+inline void sheet_stress(const Membrane &m, const double e[3], double out[3]) {
+  out[0] = m.stiff * (e[0] + m.nu * e[1]), out[1] = m.stiff * (e[1] + m.nu * e[0]), out[2] = m.stiff * (1 - m.nu) * e[2];
+  if (!m.wrinkles) return;
+  double mean = 0.5 * (e[0] + e[1]), half = 0.5 * (e[0] - e[1]), radius = std::sqrt(half * half + e[2] * e[2]);
+  double most = mean + radius, least = mean - radius;
+  if (least + m.nu * most >= 0) return;
+  // Wrinkled along the larger principal strain, or slack. A radius of 0 is slack, since then least = most < 0.
+  double pull = most > 0 ? m.stiff * (1 - m.nu * m.nu) * most / (2 * radius) : 0;
+  out[0] = pull * (radius + half), out[1] = pull * (radius - half), out[2] = pull * e[2];
+}
+
+inline void membrane_forces(const Scene &s, const double *x, double *f) {
+  for (const Membrane &m : s.membranes) {
+    const double *a = x + 3 * m.n[0], *b = x + 3 * m.n[1], *c = x + 3 * m.n[2];
+    double u[3], w[3], uu = 0, ww = 0, uw = 0;  // the columns of the deformation gradient
+    for (int d = 0; d < 3; d++) {
+      double p = b[d] - a[d], q = c[d] - a[d];
+      u[d] = p * m.r[0], w[d] = p * m.r[1] + q * m.r[2];
+      uu += u[d] * u[d], ww += w[d] * w[d], uw += u[d] * w[d];
+    }
+    double e[3] = {0.5 * (uu - 1), 0.5 * (ww - 1), 0.5 * uw}, t[3];
+    sheet_stress(m, e, t);
+    for (int d = 0; d < 3; d++) {
+      double p = t[0] * u[d] + t[2] * w[d], q = t[2] * u[d] + t[1] * w[d];
+      double on_b = m.r[0] * p + m.r[1] * q, on_c = m.r[2] * q;
+      f[3 * m.n[0] + d] += on_b + on_c, f[3 * m.n[1] + d] -= on_b, f[3 * m.n[2] + d] -= on_c;
+    }
+  }
+}
+
+template <bool DAMPED> void spring_forces(const Scene &s, const double *x, const double *v, double *f) {
+  for (const Spring &e : s.springs) {
+    int a = 3 * e.a, b = 3 * e.b;
+    double d[3] = {x[b] - x[a], x[b + 1] - x[a + 1], x[b + 2] - x[a + 2]};
+    double l = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    double pull = e.k * (l - e.rest) / l;
+    for (int i = 0; i < 3; i++) {
+      double t = pull * d[i];
+      if (DAMPED) t += e.c * (v[b + i] - v[a + i]);
+      f[a + i] += t, f[b + i] -= t;
+    }
+  }
+}
+
 // f(x, v), fixed nodes included: what hangs on them is multiplied by an inverse mass of 0.
 inline void forces(const Scene &s, const double *x, const double *v, double *f) {
   for (int i = 0; i < s.dofs(); i++) f[i] = s.weight[i];
-  for (const Spring &e : s.springs) {
-    int a = 3 * e.a, b = 3 * e.b;
-    double dx = x[b] - x[a], dy = x[b + 1] - x[a + 1], dz = x[b + 2] - x[a + 2];
-    double l = std::sqrt(dx * dx + dy * dy + dz * dz);
-    double t = e.k * (l - e.rest) / l;
-    f[a] += t * dx, f[a + 1] += t * dy, f[a + 2] += t * dz;
-    f[b] -= t * dx, f[b + 1] -= t * dy, f[b + 2] -= t * dz;
-  }
-  if (!s.damped) return;
-  for (const Spring &e : s.springs)
-    for (int d = 0; d < 3; d++) {
-      double t = e.c * (v[3 * e.b + d] - v[3 * e.a + d]);
-      f[3 * e.a + d] += t, f[3 * e.b + d] -= t;
-    }
+  if (s.damped) spring_forces<true>(s, x, v, f);
+  else spring_forces<false>(s, x, v, f);
+  membrane_forces(s, x, f);
   air_forces(s, x, v, f);
 }
 

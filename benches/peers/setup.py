@@ -1,5 +1,6 @@
-"""Makes everything ready in target/peers: a virtual environment, the C++ programs, canopy-fem. What fails is written down
-with its reason in target/peers/missing.json, and the others run. Standard library only."""
+"""Makes everything ready in target/peers: a virtual environment, the C++ programs, canopy-fem. What fails is written
+down with its reason in target/peers/missing.json, and the others run. Standard library only."""
+
 import hashlib
 import json
 import os
@@ -13,8 +14,10 @@ ROOT = HERE.parent.parent
 TARGET = ROOT / "target" / "peers"
 PYTHON = TARGET / "venv" / "bin" / "python"
 MISSING = TARGET / "missing.json"
-OURS = "peer_canopy_fem"
-CXX = ["-O3", "-march=native", "-std=c++17"]
+OURS, PROGRAM = "peer_canopy_fem", "canopy-fem"
+CXX = ["-O3", "-march=native", "-ffast-math", "-fno-finite-math-only", "-std=c++17"]  # a NaN must stay one
+# What no registry serves, and why it is not run.
+UNSERVED = "Particle_System_Simulator"
 # Debian's packages that are taken to pieces under target/peers where the system has them not, without being installed.
 DEBS = {"eigen3": "libeigen3-dev", "sundials": "libsundials-dev"}
 SUNDIALS = ["libsundials_arkode", "libsundials_cvode", "libsundials_nvecserial"]
@@ -42,7 +45,7 @@ def say(what):
 
 
 def environment():
-    """The virtual environment; requirements one by one, so that one that has no wheel here does not take the others along."""
+    """The virtual environment; requirements one by one, so that one without a wheel here does not take others along."""
     rows = [row for row in (HERE / "requirements.txt").read_text().splitlines() if row.strip()]
     stamp, key = TARGET / "venv" / "stamp.json", hashlib.sha256("\n".join(rows).encode()).hexdigest()
     if stamp.exists() and (known := json.loads(stamp.read_text()))["key"] == key:
@@ -105,16 +108,16 @@ def compile_cpp(name):
 def build_ours():
     """canopy-fem, as anybody builds it."""
     say("canopy-fem (cargo build --release)")
-    call(["cargo", "build", "--release", "--package", "canopy-fem-benches", "--bin", OURS], cwd=ROOT)
-    folder = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-    program = (ROOT / folder) / "release" / OURS
-    shutil.copy2(program, TARGET / OURS)
+    folder = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "release"
+    for package, program in (("canopy-fem", PROGRAM), ("canopy-fem-benches", OURS)):
+        call(["cargo", "build", "--release", "--package", package, "--bin", program], cwd=ROOT)
+        shutil.copy2(folder / program, TARGET / program)
 
 
 def prepare():
     """All of it; writes down what is missing and why."""
     TARGET.mkdir(parents=True, exist_ok=True)
-    missing = {}
+    missing = {UNSERVED: "PyPI has no package of it, only a repository"}
     steps = {"environment": environment, OURS: build_ours}
     steps |= {name: lambda name=name: compile_cpp(name) for name in ("plain_cpp", "plain_eigen", "plain_sundials")}
     for name, step in steps.items():

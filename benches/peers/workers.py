@@ -1,4 +1,5 @@
 """Programs as workers: each is started once for a scene, and answers one line for one run."""
+
 import os
 import select
 import subprocess
@@ -23,14 +24,15 @@ class Worker:
     def start(self, limit=120.0):
         """Starts it and waits until it has read the scene."""
         with open(self.log, "ab") as log:
-            self.process = subprocess.Popen(
-                self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, env=self.environment
-            )
+            pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": log}
+            # Beside its log, because some write files of their own where they are started.
+            folder = os.path.dirname(self.log)
+            self.process = subprocess.Popen(self.command, **pipes, env=self.environment, cwd=folder)
         self.rest = b""
         self.version = self.answer("ready", limit)
 
     def answer(self, wanted, limit):
-        """The rest of the next line that begins with one of the wanted words; whatever else a program prints is dropped."""
+        """The rest of the next line that begins with one of the wanted words; what else a program prints is dropped."""
         until = time.monotonic() + limit
         while True:
             while b"\n" in self.rest:
