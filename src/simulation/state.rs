@@ -104,9 +104,18 @@ impl Simulation {
 
     /// Positions and velocities at the end of the attempted step; `None` without one.
     pub fn attempted(&self) -> Option<NodeMotion> {
+        self.attempted_point().map(|end| self.nodes(end))
+    }
+
+    /// [s] Time at the end of the attempted step; `None` without one.
+    pub fn attempted_time(&self) -> Option<f64> {
+        self.attempted_point().map(|end| end.state.t)
+    }
+
+    fn attempted_point(&self) -> Option<&Point> {
         self.pending.as_ref().map(|pending| match pending {
-            super::Pending::Fixed(_) => self.nodes(&self.state.to),
-            super::Pending::Adaptive(_) => self.nodes(&self.state.from),
+            super::Pending::Fixed(_) => &self.state.to,
+            super::Pending::Adaptive(_) => &self.state.from,
         })
     }
 

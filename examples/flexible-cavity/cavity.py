@@ -1,0 +1,441 @@
+#!/usr/bin/env python3
+"""A cavity whose bottom is a flexible sheet, coupled with the flow of Kratos.
+
+    cavity.py make FOLDER --structure bars       writes mesh, case and parameters: also membrane, or kratos
+    cavity.py run FOLDER                         runs them, as Kratos' own main program does
+    cavity.py plot FIGURE FOLDER ...             draws the mid-point of the bottom of several runs
+
+The lid of a unit square moves with 1 - cos(2 pi t/5) m/s. Fluid enters at the left and leaves at the right, above
+y = 0.875 m. The bottom has modulus 250 N/m^2, thickness 2 mm and density 500 kg/m^3 (Mok 2001, Valdes 2007).
+"""
+
+import argparse
+import json
+import math
+import sys
+import time
+from pathlib import Path
+
+CELLS = 32
+STEP, END = 0.1, 40.0
+MODULUS, THICKNESS, DENSITY = 250.0, 0.002, 500.0
+# [m] from here up the sides are open
+SILL = 0.875
+SPEED = "(1-cos(2*pi*t/5))"
+
+
+def mdpa(nodes, cells, kind, parts, conditions=()):
+    """The text of a mesh file: nodes, elements of a kind, and parts, each of nodes, elements and conditions."""
+    lines = ["Begin Properties 0", "End Properties", "Begin Nodes"]
+    lines += [f"{i} {x:.17g} {y:.17g} 0.0" for i, (x, y) in enumerate(nodes, 1)]
+    lines += ["End Nodes", f"Begin Elements {kind}"]
+    lines += [f"{i} 0 {' '.join(str(n) for n in cell)}" for i, cell in enumerate(cells, 1)]
+    lines.append("End Elements")
+    for name, members in conditions:
+        lines += [f"Begin Conditions {name}", *(f"{i} 0 {' '.join(map(str, cell))}" for i, cell in members)]
+        lines.append("End Conditions")
+    for name, part in parts.items():
+        lines.append(f"Begin SubModelPart {name}")
+        for what in ("Nodes", "Elements", "Conditions"):
+            members = [f"  {i}" for i in part.get(what, ())]
+            lines += [f" Begin SubModelPart{what}", *members, f" End SubModelPart{what}"]
+        lines.append("End SubModelPart")
+    return "\n".join(lines) + "\n"
+
+
+def fluid_mesh():
+    """The square: triangles with alternating diagonals, and its sides."""
+    n = CELLS + 1
+    number = lambda i, j: j * n + i + 1
+    nodes = [(i / CELLS, j / CELLS) for j in range(n) for i in range(n)]
+    cells = []
+    for j in range(CELLS):
+        for i in range(CELLS):
+            a, b, c, d = number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)
+            cells += [(a, b, c), (a, c, d)] if (i + j) % 2 == 0 else [(a, b, d), (b, c, d)]
+    sill = round(SILL * CELLS)
+    sides = {
+        "Bottom": [number(i, 0) for i in range(n)],
+        "Lid": [number(i, CELLS) for i in range(n)],
+        "Inlet": [number(0, j) for j in range(sill, n)],
+        "Outlet": [number(CELLS, j) for j in range(sill, n)],
+        "Left": [number(0, j) for j in range(sill + 1)],
+        "Right": [number(CELLS, j) for j in range(sill + 1)],
+    }
+    parts, lines = {"Fluid": {"Nodes": range(1, n * n + 1), "Elements": range(1, len(cells) + 1)}}, []
+    for name, side in sides.items():
+        first = len(lines) + 1
+        lines += [(first + k, pair) for k, pair in enumerate(zip(side, side[1:]))]
+        parts[name] = {"Nodes": side, "Conditions": range(first, len(lines) + 1)}
+    return mdpa(nodes, cells, "Element2D3N", parts, [("LineCondition2D2N", lines)])
+
+
+def process(module, parameters, application="KratosMultiphysics", name=None):
+    """One process of Kratos."""
+    return {
+        "python_module": module,
+        "kratos_module": application,
+        "process_name": name or "".join(word.capitalize() for word in module.split("_")),
+        "Parameters": parameters,
+    }
+
+
+def part(name, **more):
+    return {"model_part_name": f"FluidModelPart.{name}", **more}
+
+
+def fluid_parameters(end):
+    """Incompressible flow on a mesh that follows the bottom."""
+    flow = "KratosMultiphysics.FluidDynamicsApplication"
+    still = [name for name in ("Lid", "Inlet", "Outlet", "Left", "Right")]
+    lu = {"solver_type": "LinearSolversApplication.sparse_lu"}
+    return {
+        "problem_data": {
+            "problem_name": "cavity", "parallel_type": "OpenMP", "echo_level": 0, "start_time": 0.0, "end_time": end,
+        },
+        "solver_settings": {
+            "solver_type": "ale_fluid",
+            "echo_level": 0,
+            "ale_boundary_parts": ["Bottom"],
+            "fluid_solver_settings": {
+                "solver_type": "Monolithic",
+                "model_part_name": "FluidModelPart",
+                "domain_size": 2,
+                "model_import_settings": {"input_type": "mdpa", "input_filename": "cavity"},
+                "material_import_settings": {"materials_filename": "FluidMaterials.json"},
+                "formulation": {"element_type": "qsvms", "dynamic_tau": 1.0, "use_orthogonal_subscales": False},
+                "maximum_iterations": 20,
+                "relative_velocity_tolerance": 1e-7,
+                "absolute_velocity_tolerance": 1e-9,
+                "relative_pressure_tolerance": 1e-7,
+                "absolute_pressure_tolerance": 1e-9,
+                "compute_reactions": True,
+                "reform_dofs_at_each_step": False,
+                "linear_solver_settings": lu,
+                "volume_model_part_name": "Fluid",
+                "skin_parts": ["Bottom", *still],
+                "no_skin_parts": [],
+                "time_scheme": "bossak",
+                "alpha": -0.3,
+                "time_stepping": {"automatic_time_step": False, "time_step": STEP},
+            },
+            "mesh_motion_solver_settings": {
+                "solver_type": "structural_similarity", "domain_size": 2, "linear_solver_settings": lu,
+            },
+        },
+        "processes": {
+            "boundary_conditions_process_list": [
+                process("apply_inlet_process", part("Lid", modulus=SPEED, direction=[1.0, 0.0, 0.0]), flow),
+                process(
+                    "apply_inlet_process",
+                    part("Inlet", modulus=f"{SPEED}*(y-{SILL})/{1 - SILL}", direction=[1.0, 0.0, 0.0]),
+                    flow,
+                ),
+                process("apply_outlet_process", part("Outlet", value=0.0), flow),
+                *(process("apply_noslip_process", part(name), flow) for name in ("Left", "Right", "Bottom")),
+                *(
+                    process(
+                        "assign_vector_variable_process",
+                        part(name, variable_name="MESH_DISPLACEMENT", constrained=[True] * 3, value=[0.0] * 3),
+                    )
+                    for name in still
+                ),
+                process(
+                    "fix_vector_variable_process",
+                    part("Bottom", variable_name="MESH_DISPLACEMENT", constrained=[True] * 3),
+                ),
+            ],
+            "output": [
+                process(
+                    "point_output_process",
+                    part(
+                        "Bottom",
+                        position=[0.5, 0.0, 0.0],
+                        entity_type="node",
+                        output_variables=["MESH_DISPLACEMENT"],
+                        output_file_settings={"file_name": "midpoint"},
+                    ),
+                )
+            ],
+        },
+    }
+
+
+def coupling_parameters(structure, model_part, size, force, end):
+    """Strong coupling: the flow, then the structure, until the displacement of the bottom rests."""
+    data = lambda name, variable: {"model_part_name": name, "variable_name": variable, "dimension": size}
+    return {
+        "problem_data": {
+            "problem_name": "flexible_cavity", "start_time": 0.0, "end_time": end, "echo_level": 0,
+            "print_colors": False, "parallel_type": "OpenMP",
+        },
+        "solver_settings": {
+            "type": "coupled_solvers.gauss_seidel_strong",
+            "echo_level": 1,
+            "num_coupling_iterations": 30,
+            "convergence_accelerators": [
+                {"type": "mvqn", "solver": "structure", "data_name": "disp", "horizon": 20, "alpha": 0.1}
+            ],
+            "convergence_criteria": [
+                {
+                    "type": "relative_norm_previous_residual", "solver": "structure", "data_name": "disp",
+                    "abs_tolerance": 1e-8, "rel_tolerance": 1e-6,
+                }
+            ],
+            "data_transfer_operators": {
+                "mapper": {"type": "kratos_mapping", "mapper_settings": {"mapper_type": "nearest_element"}}
+            },
+            "coupling_sequence": [
+                {
+                    "name": "fluid",
+                    "input_data_list": [
+                        {
+                            "data": "disp", "from_solver": "structure", "from_solver_data": "disp",
+                            "data_transfer_operator": "mapper",
+                        }
+                    ],
+                    "output_data_list": [],
+                },
+                {
+                    "name": "structure",
+                    "input_data_list": [
+                        {
+                            "data": "load", "from_solver": "fluid", "from_solver_data": "load",
+                            "data_transfer_operator": "mapper",
+                            "data_transfer_operator_options": ["swap_sign", "use_transpose"],
+                        }
+                    ],
+                    "output_data_list": [],
+                },
+            ],
+            "solvers": {
+                "fluid": {
+                    "type": "solver_wrappers.kratos.fluid_dynamics_wrapper",
+                    "solver_wrapper_settings": {"input_file": "ProjectParametersCFD"},
+                    "data": {
+                        "disp": {**data("FluidModelPart.Bottom", "MESH_DISPLACEMENT"), "dimension": 2},
+                        "load": {**data("FluidModelPart.Bottom", "REACTION"), "dimension": 2},
+                    },
+                },
+                "structure": {
+                    **structure,
+                    "data": {"disp": data(model_part, "DISPLACEMENT"), "load": data(model_part, force)},
+                },
+            },
+        },
+    }
+
+
+def own_case(kind, end):
+    """The bottom as a case of canopy-fem: bars of finite strain, or a strip of membranes one cell wide."""
+    n = CELLS + 1
+    rigidity, mass = MODULUS * THICKNESS, DENSITY * THICKNESS
+    network = {"gravity": [0, 0, 0]}
+    if kind == "bars":
+        nodes = [[i / CELLS, 0.0, 0.0] for i in range(n)]
+        mesh = {"nodes": nodes, "springs": [[i, i + 1] for i in range(CELLS)]}
+        ends = [0, CELLS]
+        network["springs"] = [{"on": "all", "axial_rigidity": rigidity, "law": "green", "linear_density": mass}]
+    else:
+        nodes = [[i / CELLS, 0.0, row / CELLS] for i in range(n) for row in (0, 1)]
+        mesh = {"nodes": nodes, "triangles": []}
+        for i in range(CELLS):
+            a, b, c, d = 2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1
+            mesh["triangles"] += [[a, b, c], [a, c, d]] if i % 2 == 0 else [[a, b, d], [b, c, d]]
+        ends = [0, 1, 2 * CELLS, 2 * CELLS + 1]
+        sheet = {"on": "all", "thickness": THICKNESS, "modulus": MODULUS, "poisson": 0.0}
+        network |= {"membranes": [sheet], "mass": {"areal_density": mass}}
+    mesh["groups"] = {"bottom": {"nodes": list(range(len(nodes)))}}
+    held = [{"on": {"ids": ends}, "fix": "xyz"}, {"on": "all", "fix": "z"}]
+    return {
+        "name": f"cavity-{kind}",
+        "system": {"network": {"mesh": {"explicit": mesh}, "supports": held, **network}},
+        "time": {"end": end, "method": "newmark", "step": STEP},
+    }
+
+
+def kratos_structure(end):
+    """The bottom as trusses of Kratos: mesh, materials and parameters by file name."""
+    n = CELLS + 1
+    nodes = [(i / CELLS, 0.0) for i in range(n)]
+    everything = {"Nodes": range(1, n + 1)}
+    parts = {
+        "Sheet": {**everything, "Elements": range(1, n)},
+        "Ends": {"Nodes": [1, n]},
+        "Interface": {**everything, "Conditions": range(1, n + 1)},
+    }
+    loads = [(i, (i,)) for i in range(1, n + 1)]
+    solid = "KratosMultiphysics.StructuralMechanicsApplication"
+    mesh = mdpa(
+        nodes, [(i, i + 1) for i in range(1, n)], "TrussElement3D2N", parts, [("PointLoadCondition3D1N", loads)]
+    )
+    held = lambda name, x, y: process(
+        "assign_vector_variable_process",
+        {
+            "model_part_name": f"Structure.{name}", "variable_name": "DISPLACEMENT",
+            "constrained": [x, y, True], "value": [0.0 if x else None, 0.0 if y else None, 0.0],
+        },
+    )
+    material = {
+        "constitutive_law": {"name": "TrussConstitutiveLaw"},
+        "Variables": {
+            "DENSITY": DENSITY, "YOUNG_MODULUS": MODULUS, "CROSS_AREA": THICKNESS, "TRUSS_PRESTRESS_PK2": 0.0,
+        },
+        "Tables": {},
+    }
+    parameters = {
+        "problem_data": {
+            "problem_name": "bottom", "parallel_type": "OpenMP", "echo_level": 0, "start_time": 0.0, "end_time": end,
+        },
+        "solver_settings": {
+            "solver_type": "dynamic",
+            "model_part_name": "Structure",
+            "domain_size": 3,
+            "echo_level": 0,
+            "analysis_type": "non_linear",
+            "time_integration_method": "implicit",
+            "scheme_type": "newmark",
+            "model_import_settings": {"input_type": "mdpa", "input_filename": "bottom"},
+            "material_import_settings": {"materials_filename": "StructureMaterials.json"},
+            "time_stepping": {"time_step": STEP},
+            "use_consistent_mass": False,
+            "convergence_criterion": "residual_criterion",
+            "residual_relative_tolerance": 1e-9,
+            "residual_absolute_tolerance": 1e-12,
+            "max_iteration": 50,
+            "line_search": False,
+            "linear_solver_settings": {"solver_type": "LinearSolversApplication.sparse_lu"},
+            "rotation_dofs": False,
+        },
+        "processes": {"constraints_process_list": [held("Ends", True, True), held("Sheet", False, False)]},
+    }
+    return {
+        "bottom.mdpa": mesh,
+        "StructureMaterials.json": {
+            "properties": [{"model_part_name": "Structure.Sheet", "properties_id": 1, "Material": material}]
+        },
+        "ProjectParametersCSM.json": parameters,
+    }
+
+
+def make(folder, kind, end):
+    """Writes all that a run reads."""
+    water = {
+        "constitutive_law": {"name": "Newtonian2DLaw"},
+        "Variables": {"DENSITY": 1.0, "DYNAMIC_VISCOSITY": 0.01},
+        "Tables": {},
+    }
+    files = {
+        "cavity.mdpa": fluid_mesh(),
+        "FluidMaterials.json": {
+            "properties": [{"model_part_name": "FluidModelPart.Fluid", "properties_id": 1, "Material": water}]
+        },
+        "ProjectParametersCFD.json": fluid_parameters(end),
+    }
+    if kind == "kratos":
+        files |= kratos_structure(end)
+        structure = {
+            "type": "solver_wrappers.kratos.structural_mechanics_wrapper",
+            "solver_wrapper_settings": {"input_file": "ProjectParametersCSM"},
+        }
+        files["ProjectParametersCoSim.json"] = coupling_parameters(structure, "Structure.Interface", 3, "POINT_LOAD", end)
+    else:
+        files["structure.json"] = own_case(kind, end)
+        structure = {
+            "type": "canopy_fem.kratos",
+            "solver_wrapper_settings": {"input_file": "structure.json", "domain_size": 2},
+        }
+        files["ProjectParametersCoSim.json"] = coupling_parameters(structure, "Structure.bottom", 2, "FORCE", end)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in files.items():
+        text = content if isinstance(content, str) else json.dumps(content, indent=2) + "\n"
+        (folder / name).write_text(text, encoding="utf-8")
+
+
+def run(folder):
+    """Runs the coupled simulation in its folder, and counts."""
+    import os
+
+    import KratosMultiphysics as KM
+    from KratosMultiphysics.CoSimulationApplication.co_simulation_analysis import CoSimulationAnalysis
+
+    class Counted(CoSimulationAnalysis):
+        """Counts steps and iterations of the coupling."""
+
+        steps = iterations = 0
+
+        def FinalizeSolutionStep(self):
+            import KratosMultiphysics.CoSimulationApplication as KMC
+
+            super().FinalizeSolutionStep()
+            self.steps += 1
+            self.iterations += self._GetSolver().process_info[KMC.COUPLING_ITERATION_NUMBER]
+
+    os.chdir(folder)
+    parameters = KM.Parameters(Path("ProjectParametersCoSim.json").read_text(encoding="utf-8"))
+    KM.Logger.GetDefaultOutput().SetSeverity(KM.Logger.Severity.WARNING)
+    analysis, begun = Counted(parameters), time.perf_counter()
+    analysis.Run()
+    took = time.perf_counter() - begun
+    print(f"{analysis.steps} steps, {took / analysis.steps:.3f} s and {analysis.iterations / analysis.steps:.2f} "
+          "iterations of the coupling a step")
+
+
+def curve(folder):
+    """Times [s] and heights [m] of the mid-point of a run."""
+    lines = (Path(folder) / "midpoint.dat").read_text(encoding="utf-8").splitlines()
+    rows = [line.split() for line in lines if line.strip() and not line.startswith("#")]
+    return [float(row[0]) for row in rows], [float(row[2]) for row in rows]
+
+
+def last_period(times, heights):
+    """[m] Least and greatest height of the last 5 s."""
+    last = [height for t, height in zip(times, heights) if t > times[-1] - 5.0 + 1e-9]
+    return min(last), max(last)
+
+
+def plot(figure, folders):
+    """Draws the runs in these folders, and prints the range of the last period and the distance to the last of them."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    pyplot.rcParams["svg.hashsalt"] = "cavity"
+    axes = pyplot.figure(figsize=(8, 3.6), layout="constrained").gca()
+    runs = {Path(folder).name: curve(folder) for folder in folders}
+    reference = list(runs.values())[-1]
+    for style, (name, (times, heights)) in zip(("-", "--", ":", "-."), runs.items()):
+        axes.plot(times, heights, style, label=name, linewidth=1.4)
+        apart = math.sqrt(sum((a - b) ** 2 for a, b in zip(heights, reference[1])) / len(heights))
+        low, high = last_period(times, heights)
+        print(f"{name}: last period {low:.4f} to {high:.4f} m; rms distance to {list(runs)[-1]} {apart:.5f} m")
+    for name, low, high, color in (("Valdes 2007", 0.1977, 0.2690, "0.35"), ("Mok 2001", 0.1430, 0.2139, "0.65")):
+        axes.fill_between([35, 40], low, high, color=color, alpha=0.25, label=f"{name}: last period", linewidth=0)
+    axes.set(xlabel="time [s]", ylabel="height of the mid-point [m]", xlim=(0, reference[0][-1]))
+    axes.legend(frameon=False, fontsize=8, loc="upper left")
+    axes.figure.savefig(figure, metadata={"Date": None} if str(figure).endswith(".svg") else None)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", required=True)
+    making = commands.add_parser("make")
+    making.add_argument("folder", type=Path)
+    making.add_argument("--structure", choices=["bars", "membrane", "kratos"], default="bars")
+    making.add_argument("--end", type=float, default=END)
+    commands.add_parser("run").add_argument("folder", type=Path)
+    drawing = commands.add_parser("plot")
+    drawing.add_argument("figure", type=Path)
+    drawing.add_argument("folders", nargs="+")
+    given = parser.parse_args()
+    if given.command == "make":
+        make(given.folder, given.structure, given.end)
+    elif given.command == "run":
+        run(given.folder)
+    else:
+        plot(given.figure, given.folders)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
