@@ -35,8 +35,8 @@ class Interface:
     """The nodes of a group as a flow sees them.
 
     In three dimensions each node is a point of the interface. In two, the scene has some depth along z: nodes with the
-    same x and y are one point, whose displacement is their mean, and whose force [N/m] times the depth they share.
-    So forces do the same work on both sides.
+    same x and y are one point. Its displacement is their mean, and they share its force [N/m] times the depth, each by
+    the part of the depth that is nearest to it. So forces do the same work on both sides.
 
     Args:
         sim: the scene.
@@ -62,7 +62,8 @@ class Interface:
         self._count = sim.node_count
         self._reference = sim.reference[self.nodes]
         self._point, self._first = _points(self._reference, dimensions)
-        self._sharing = np.bincount(self._point).astype(float)
+        # [-] share of each node in its point
+        self._share = _shares(self._reference[:, 2], self._point)
         self._scale = 1.0 if dimensions == 3 else _depth(self._reference, depth)
         of = np.full(self._count, -1)
         of[self.nodes] = self._point
@@ -89,11 +90,11 @@ class Interface:
 
     def mean(self, rows: _Array) -> _Array:
         """Values of all nodes, (n, 3), at the points, (k, dimensions)."""
-        return self._sum(rows[self.nodes, : self.dimensions]) / self._sharing[:, None]
+        return self._mean(rows[self.nodes])
 
     def displacements(self, positions: _Array) -> _Array:
         """[m] of the points, (k, dimensions), where the nodes of the scene are at these positions, (n, 3)."""
-        return self._sum((positions[self.nodes] - self._reference)[:, : self.dimensions]) / self._sharing[:, None]
+        return self._mean(positions[self.nodes] - self._reference)
 
     def spread(self, forces: npt.ArrayLike) -> _Array:
         """[N] forces on all nodes of the scene, (n, 3), for those on the points: (k, dimensions), [N] or [N/m].
@@ -116,12 +117,12 @@ class Interface:
                 f"{given[first].tolist()}; {len(wrong)} of {len(self)} points have a force that is not finite"
             )
         out = np.zeros((self._count, 3))
-        out[self.nodes, : self.dimensions] = self._scale * (given / self._sharing[:, None])[self._point]
+        out[self.nodes, : self.dimensions] = self._scale * self._share[:, None] * given[self._point]
         return out
 
-    def _sum(self, rows: _Array) -> _Array:
+    def _mean(self, rows: _Array) -> _Array:
         total = np.zeros((len(self), self.dimensions))
-        np.add.at(total, self._point, rows)
+        np.add.at(total, self._point, self._share[:, None] * rows[:, : self.dimensions])
         return total
 
 
@@ -136,6 +137,20 @@ def _points(reference: _Array, dimensions: int) -> tuple[npt.NDArray[np.int64], 
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
     return rank[inverse.ravel()], first[order]
+
+
+def _shares(z: _Array, point: npt.NDArray[np.int64]) -> _Array:
+    """The part of the depth of a point that is nearest to each of its nodes; equal parts where all are at one depth."""
+    order = np.lexsort((z, point))
+    same = np.diff(point[order]) == 0
+    half = np.where(same, np.diff(z[order]) / 2, 0.0)
+    parts = np.empty(len(z))
+    parts[order] = np.concatenate([[0.0], half]) + np.concatenate([half, [0.0]])
+    total = np.bincount(point, parts)
+    equal = 1.0 / np.bincount(point)
+    safe = np.where(total > 0, total, 1.0)
+    shares: _Array = np.where(total[point] > 0, parts / safe[point], equal[point])
+    return shares
 
 
 def _depth(reference: _Array, depth: float | None) -> float:

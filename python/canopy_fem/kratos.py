@@ -22,34 +22,41 @@ Tested with Kratos 10.4.4, which has wheels for Python 3.11.
 
 from __future__ import annotations
 
+import importlib.util
+import json
 import os
+import re
+import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from .coupling import Structure
-from .errors import CouplingError, Diverged
+from .errors import CanopyError, CouplingError, Diverged
 
 try:
     import KratosMultiphysics as KM
     from KratosMultiphysics.CoSimulationApplication.base_classes.co_simulation_solver_wrapper import (
         CoSimulationSolverWrapper,
     )
-except ImportError as error:
-    # Kratos itself would say only that this module cannot be imported, so this is no ImportError.
-    raise CouplingError(
-        f"Kratos with its CoSimulationApplication is not installed here: {error}\n"
-        "Its wheels are for Python 3.11: "
-        "pip install KratosMultiphysics KratosCoSimulationApplication KratosMappingApplication"
-    ) from error
+except ImportError:
+    # Said by `run`: where Kratos imports this module, it is there.
+    KM, CoSimulationSolverWrapper = None, object
 
-__all__ = ["Create", "Wrapper"]
+__all__ = ["Create", "Wrapper", "run"]
 
 _MODEL = "Structure"
 _FORCES = ("POINT_LOAD", "REACTION", "FORCE")
 _DISPLACEMENTS = ("DISPLACEMENT", "MESH_DISPLACEMENT")
 _VELOCITIES = ("VELOCITY", "MESH_VELOCITY")
+# Applications of Kratos that parameters need without naming them.
+_NEEDED = {
+    "fluid_dynamics_wrapper": "FluidDynamicsApplication",
+    "structural_mechanics_wrapper": "StructuralMechanicsApplication",
+    "kratos_mapping": "MappingApplication",
+    "ale_fluid": "MeshMovingApplication",
+}
 
 
 def Create(settings: Any, model: Any, solver_name: str) -> Wrapper:
@@ -260,6 +267,63 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
 
 
 def _overrides(given: Any) -> dict[str, Any]:
-    import json
-
     return dict(json.loads(given.WriteJsonString()))
+
+
+def run(parameters: str | os.PathLike[str]) -> None:
+    """Runs a coupled simulation of Kratos: ``python -m canopy_fem.kratos ProjectParametersCoSim.json`` in its folder.
+
+    As Kratos' own main program does, after a look at what the parameters need.
+
+    Raises:
+        CouplingError: Kratos or an application that the parameters need is not installed; or as `Wrapper`.
+        Diverged: a step of the structure cannot be solved.
+        OSError: the file cannot be read.
+    """
+    text = Path(parameters).read_text(encoding="utf-8")
+    missing = sorted(name for name in _applications(text, Path(".")) if not _is_installed(name))
+    if missing:
+        wheels = " ".join(name if name == "KratosMultiphysics" else f"Kratos{name}" for name in missing)
+        raise CouplingError(
+            f"{parameters} needs {', '.join(missing)}, which is not installed here\n"
+            f"Kratos 10.4.4 has wheels for Python 3.11: pip install {wheels}"
+        )
+    from KratosMultiphysics.CoSimulationApplication.co_simulation_analysis import CoSimulationAnalysis
+
+    CoSimulationAnalysis(KM.Parameters(text)).Run()
+
+
+def _applications(text: str, folder: Path, depth: int = 2) -> set[str]:
+    """What parameters need of Kratos, with the files that they name."""
+    names = {"KratosMultiphysics", "CoSimulationApplication", *re.findall(r"\b[A-Z]\w*Application\b", text)}
+    names |= {application for word, application in _NEEDED.items() if word in text}
+    for name in re.findall(r'"input_file"\s*:\s*"([^"]+)"', text) if depth else ():
+        path = folder / (name if name.endswith(".json") else f"{name}.json")
+        if path.is_file():
+            names |= _applications(path.read_text(encoding="utf-8"), folder, depth - 1)
+    return names
+
+
+def _is_installed(name: str) -> bool:
+    module = name if name == "KratosMultiphysics" else f"KratosMultiphysics.{name}"
+    try:
+        return importlib.util.find_spec(module) is not None
+    except ImportError:
+        return False
+
+
+def main() -> int:
+    """The command."""
+    if len(sys.argv) != 2:
+        print("usage: python -m canopy_fem.kratos PROJECT_PARAMETERS.json", file=sys.stderr)
+        return 2
+    try:
+        run(sys.argv[1])
+    except (CanopyError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 3 if isinstance(error, Diverged) else 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

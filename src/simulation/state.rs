@@ -397,11 +397,14 @@ impl Simulation {
 
     fn origin(&self) -> Origin {
         let method = &self.settings.method;
-        let (stiffness, x) = (self.scene.nodal_stiffness(), self.scene.initial_state().x);
         let mut checksum = RunningChecksum::default();
+        // The scene as it is before its events: a snapshot may be of another time than the present one.
+        self.scene.pass_events(0);
+        let (stiffness, x) = (self.scene.nodal_stiffness(), self.scene.initial_state().x);
         for numbers in [self.scene.inverse_mass(), &stiffness, &x] {
             checksum.add(bytemuck::cast_slice(numbers));
         }
+        self.scene.pass_events(self.state.events_passed());
         Origin {
             method: (method.info.name.to_owned(), method.parameters().map(|(_, value)| value).collect()),
             scene: checksum.mark().crc,
