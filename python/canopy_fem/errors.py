@@ -10,7 +10,16 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["CanopyError", "CaseError", "CouplingError", "Diverged", "Ended", "Fault", "InternalError", "SimulationError"]
+__all__ = [
+    "CanopyError",
+    "CaseError",
+    "CouplingError",
+    "Diverged",
+    "Ended",
+    "Fault",
+    "InternalError",
+    "SimulationError",
+]
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,10 @@ In the parameters of a coupled simulation, a solver of this type is a case file,
         }
     }
 
-The part `canopy` of the model `Structure` has the nodes of that group, in the order of the mesh, with lines, or triangles
-in three dimensions, between them, for mappers. Variables with forces on them go to the scene: FORCE, REACTION, and
-POINT_LOAD of Kratos' StructuralMechanicsApplication. DISPLACEMENT, VELOCITY, MESH_DISPLACEMENT and MESH_VELOCITY come from it.
+The part `canopy` of the model `Structure` has the nodes of that group, in the order of the mesh, with lines, or
+triangles in three dimensions, between them, for mappers. Forces on them are the variables FORCE, REACTION, or POINT_LOAD
+of Kratos' StructuralMechanicsApplication. DISPLACEMENT, VELOCITY, MESH_DISPLACEMENT and MESH_VELOCITY come from the
+scene.
 
 Tested with Kratos 10.4.4, which has wheels for Python 3.11.
 """
@@ -163,8 +164,8 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
                 import KratosMultiphysics.StructuralMechanicsApplication  # noqa: F401
             except ImportError:
                 raise CouplingError(
-                    f'"{self.name}": {name} is a variable of the StructuralMechanicsApplication, which is not installed; '
-                    "install it, or use FORCE"
+                    f'"{self.name}": {name} is a variable of the StructuralMechanicsApplication, which is not '
+                    "installed; install it, or use FORCE"
                 ) from None
         return KM.KratosGlobals.GetVariable(name)
 
@@ -235,9 +236,7 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
             name, group = data.variable.Name(), self._groups[data.model_part_name]
             if name in _FORCES:
                 continue
-            rows = (
-                self.structure.displacements(group) if name in _DISPLACEMENTS else self.structure.velocities(group)
-            )
+            rows = self.structure.displacements(group) if name in _DISPLACEMENTS else self.structure.velocities(group)
             data.SetData(rows[:, : data.dimension].ravel())
 
     def _save(self) -> Path:

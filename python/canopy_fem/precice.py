@@ -19,8 +19,8 @@ for each mesh:
         "case": "flap.json"
     }
 
-Data whose names begin with Force are read, in newtons on each vertex; those that begin with Displacement or Velocity are
-written. Meshes may have two dimensions; forces are then per metre of depth.
+Data whose names begin with Force are read, in newtons on each vertex; those that begin with Displacement or Velocity
+are written. Meshes may have two dimensions; forces are then per metre of depth.
 
 It speaks to version 3 of preCICE. It is tested with a stand-in for the library, not with the library itself.
 """
@@ -163,7 +163,7 @@ class Adapter:
 
     def _step(self) -> float:
         """Makes a step that the window and the case allow; its size [s]. preCICE is told of it with `advance`."""
-        step = self.participant.get_max_time_step_size()
+        step = float(self.participant.get_max_time_step_size())
         step = min(step, self.structure.case.step or step)
         for cut in range(_CUTS + 1):
             self._read(step)

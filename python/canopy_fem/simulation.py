@@ -98,8 +98,9 @@ class Simulation(_core.Simulation):
             raise TypeError("a network needs method, end, and step or tolerance")
         name, parameters = _method(method)
         settings = {"method": name, "parameters": parameters, "step": step, "tolerance": tolerance, "end": float(end)}
-        how_made = {"threads": threads, "keep_going": keep_going, "free_steps": free_steps}
-        return super().__new__(cls, source, settings=settings, **how_made)
+        return super().__new__(
+            cls, source, threads=threads, keep_going=keep_going, free_steps=free_steps, settings=settings
+        )
 
     def run(self, progress: bool | Callable[[float, float], object] = False) -> _core.Step | None:
         """Makes all steps that are left; the last one, or None if there was none left.

@@ -1,8 +1,8 @@
 """A stand-in for preCICE's module for Python, version 3, for one participant; the other is a function.
 
-It reads what it needs of a real configuration file, and is strict where the library is: about names, sizes, the order of
-calls, and that checkpoints are written and read. Its coupling is implicit: iterations with constant relaxation of the
-forces until they rest.
+It reads what it needs of a real configuration file, and is strict where the library is: about names, sizes, the order
+of calls, and that checkpoints are written and read. Its implicit coupling iterates with constant relaxation of the forces
+until they rest.
 """
 
 import xml.etree.ElementTree as ET
@@ -22,7 +22,9 @@ class Participant:
         assert (solver_process_index, solver_process_size) == (0, 1)
         # Names such as data:vector have prefixes that the file does not declare.
         with open(configuration_file_name, encoding="utf-8") as file:
-            root = ET.fromstring(file.read().replace("data:", "data-").replace("scheme:", "scheme-").replace("m2n:", ""))
+            root = ET.fromstring(
+                file.read().replace("data:", "data-").replace("scheme:", "scheme-").replace("m2n:", "")
+            )
         participant = root.find(f"participant[@name='{solver_name}']")
         assert participant is not None, f"no participant {solver_name}"
         self._mesh = participant.find("provide-mesh").get("name")

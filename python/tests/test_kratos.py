@@ -1,6 +1,7 @@
 """The solver for Kratos' CoSimulation. Most need Kratos, and run where `.ci/kratos` installs it."""
 
 import json
+import re
 import subprocess
 import sys
 
@@ -150,7 +151,9 @@ def test_another_step_than_that_of_the_case(folder):
 
 
 def test_forces_that_are_not_finite_lose_nothing(folder):
-    with pytest.raises(cf.CouplingError, match='solver "structure".*from t = 0.25 s(.|\n)*saved(.|\n)*point 2 at') as told:
+    with pytest.raises(
+        cf.CouplingError, match='solver "structure".*from t = 0.25 s(.|\n)*saved(.|\n)*point 2 at'
+    ) as told:
         run(folder, parameters(transfer="copy", flow={"breaks": 0.26}))
     state = folder / "saved" / "structure_0.25.state"
     assert str(state.relative_to(folder)) in str(told.value)
@@ -194,7 +197,7 @@ def test_parameters_that_cannot_be_used(folder, changes, words):
 
 
 def test_the_command_runs_and_tells(folder, monkeypatch):
-    """Its status is 0, 2 for what cannot be used, 3 for a step that cannot be solved; it names wheels that are missing."""
+    """Its status is 0, 2 for what cannot be used, 3 for a step that cannot be solved. It names missing wheels."""
     monkeypatch.setenv("PYTHONPATH", str(ROOT / "python" / "tests"))
     (folder / "strip.json").write_text(json.dumps(strip()))
     for given, status, words in (
@@ -224,6 +227,21 @@ def test_without_Kratos_the_command_says_how_to_get_it(tmp_path):
         assert "Python 3.11: pip install" in done.stderr and "KratosMultiphysics" in done.stderr
     else:
         pytest.skip("Kratos is installed")
+
+
+def snippet(word):
+    """The block of the guide's page that holds a word."""
+    page = (ROOT / "docs" / "guide" / "src" / "coupling.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```jsonc\n(.*?)```", page, flags=re.DOTALL)
+    return next(block for block in blocks if word in block)
+
+
+def test_the_guide_shows_the_solver_of_the_cavity(tmp_path):
+    assert command(CAVITY, "make", tmp_path, folder=tmp_path).returncode == 0
+    made = json.loads((tmp_path / "ProjectParametersCoSim.json").read_text())
+    shown = json.loads("{" + snippet("canopy_fem.kratos") + "}")
+    assert shown["structure"] == made["solver_settings"]["solvers"]["structure"]
+    assert cf.Case(tmp_path / "structure.json").name == "cavity-bars"
 
 
 @pytest.mark.parametrize("structure", ["bars", "membrane"])

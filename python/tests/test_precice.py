@@ -1,12 +1,14 @@
 """The participant of preCICE, against a stand-in for the library."""
 
 import json
+import re
 import subprocess
 import sys
 
 import numpy as np
 import precice_stand_in
 import pytest
+from conftest import ROOT
 
 import canopy_fem as cf
 from canopy_fem import precice
@@ -119,6 +121,13 @@ def tip(structure):
     return structure.displacements("surface")[-2]
 
 
+def test_the_guide_shows_this_configuration(folder):
+    page = (ROOT / "docs" / "guide" / "src" / "coupling.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```jsonc\n(.*?)```", page, flags=re.DOTALL)
+    shown = next(block for block in blocks if "participant_name" in block)
+    assert json.loads(shown) == json.loads((folder / "adapter.json").read_text())
+
+
 def test_the_flap_of_the_tutorial(folder):
     """Iterations end where the forces and the displacement of a window agree: as a step with the force at its end."""
     heights = []
@@ -164,7 +173,11 @@ def test_explicit_coupling(folder):
 
 
 def test_connectivity_and_initial_data(folder):
-    reconfigure(folder, "<coupling-scheme:parallel-implicit>", '<coupling-scheme:parallel-implicit stand-in-connectivity="true">')
+    reconfigure(
+        folder,
+        "<coupling-scheme:parallel-implicit>",
+        '<coupling-scheme:parallel-implicit stand-in-connectivity="true">',
+    )
     reconfigure(folder, 'from="Solid" to="Fluid" />', 'from="Solid" to="Fluid" initialize="true" />')
     structure = precice.run(folder / "adapter.json")
     edges = precice_stand_in.last.connectivity
@@ -200,7 +213,9 @@ def test_forces_that_are_not_finite_lose_nothing(folder):
 
     precice_stand_in.flow = breaks
     write(folder, save_file="flap.state")
-    with pytest.raises(cf.CouplingError, match='"Force" on "Solid-Mesh" at t = 0.04 s.*43 of 43 points(.|\n)*flap.state'):
+    with pytest.raises(
+        cf.CouplingError, match='"Force" on "Solid-Mesh" at t = 0.04 s.*43 of 43 points(.|\n)*flap.state'
+    ):
         precice.run(folder / "adapter.json")
     assert precice_stand_in.last.finalized
     write(folder, resume="flap.state")
