@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,9 +21,10 @@ import numpy.typing as npt
 
 from .case import Case
 from .errors import CouplingError, Diverged
+from .mesh import Mesh
 from .simulation import Motion, Simulation
 
-__all__ = ["Interface", "Structure"]
+__all__ = ["Frames", "Interface", "Structure", "frames"]
 
 _Array = npt.NDArray[np.float64]
 # How many times a step that cannot be solved is halved.
@@ -324,3 +326,45 @@ class Structure:
         self.rewind()
         self.sim.restore(state)
         self._from = self.sim.time
+
+
+class Frames:
+    """Where a structure is, for ParaView: a mesh file every so often, and ``NAME.pvd`` with their times.
+
+    Args:
+        structure: the structure; its case names the files.
+        folder: where they go; it is made.
+        every: [s] simulated time between two.
+
+    Raises:
+        OSError: the folder cannot be made, or a file not be written.
+    """
+
+    def __init__(self, structure: Structure, folder: str | os.PathLike[str], every: float) -> None:
+        self._structure, self._folder, self._every = structure, Path(folder), every
+        self._folder.mkdir(parents=True, exist_ok=True)
+        self._written: list[tuple[float, str]] = []
+        self.look()
+
+    def look(self) -> None:
+        """Writes a frame of the end of the last accepted step, if one is due."""
+        structure, time = self._structure, self._structure.time
+        if self._written and time < self._written[-1][0] + self._every * (1 - 1e-6):
+            return
+        sim, stem = structure.sim, structure.case.name
+        name = f"{stem}_{len(self._written):06}.vtu"
+        Mesh(sim.positions, edges=sim.edges, triangles=sim.triangles).write(self._folder / name, replace=True)
+        self._written.append((time, name))
+        rows = [f'    <DataSet timestep="{t:.17g}" part="0" file="{file}"/>' for t, file in self._written]
+        head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
+        text = head + "\n".join(rows) + "\n  </Collection>\n</VTKFile>\n"
+        (self._folder / f"{stem}.pvd").write_text(text, encoding="utf-8")
+
+
+def frames(structure: Structure, folder: str | os.PathLike[str], every: float) -> Frames | None:
+    """Frames of a structure; None where `every` is 0."""
+    if every == 0:
+        return None
+    if not (np.isfinite(every) and every > 0):
+        raise CouplingError(f"the time between frames is {every!r} s: give one above 0")
+    return Frames(structure, folder, every)

@@ -14,9 +14,9 @@ In the parameters of a coupled simulation, a solver of this type is a case file,
     }
 
 The part `canopy` of the model `Structure` has the nodes of that group, in the order of the mesh, with lines, or
-triangles in three dimensions, between them, for mappers. Forces on them are the variables FORCE, REACTION, or POINT_LOAD
-of Kratos' StructuralMechanicsApplication. DISPLACEMENT, VELOCITY, MESH_DISPLACEMENT and MESH_VELOCITY come from the
-scene.
+triangles in three dimensions, between them, for mappers. Forces on them are the variables FORCE, REACTION, or
+POINT_LOAD of Kratos' StructuralMechanicsApplication. DISPLACEMENT, VELOCITY, MESH_DISPLACEMENT and MESH_VELOCITY come
+from the scene.
 
 Tested with Kratos 10.4.4, which has wheels for Python 3.11.
 """
@@ -33,7 +33,7 @@ from typing import Any
 
 import numpy as np
 
-from .coupling import Structure
+from .coupling import Structure, frames
 from .errors import CanopyError, CouplingError, Diverged
 
 try:
@@ -75,6 +75,7 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
     ``time_step``      [s] step of the coupling; 0 is the step of the case. The case's is the longest within it
     ``num_threads``    threads of scenes above 2,000 nodes
     ``overrides``      other values of the case by dotted path
+    ``frames_every``   [s] writes where the scene is so often, for ParaView, into ``frames_folder``; 0 is never
     ``save_every``     [-] saves the state every so many steps of the coupling into ``save_folder``; 0 is never
     ``save_folder``    the folder; also where the last state goes when a step fails
     ``resume``         a file of a saved state to go on from
@@ -106,6 +107,7 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
         self._groups = parts
         self._every, self._folder = own["save_every"].GetInt(), Path(own["save_folder"].GetString())
         self._steps = 0
+        self._frames = frames(self.structure, own["frames_folder"].GetString(), own["frames_every"].GetDouble())
         self._build(size)
         if own["resume"].GetString():
             self.structure.restore(Path(own["resume"].GetString()).read_bytes())
@@ -215,6 +217,11 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
         if self._every and self._steps % self._every == 0:
             self._save()
 
+    def OutputSolutionStep(self) -> None:
+        """Writes a frame where one is due."""
+        if self._frames is not None:
+            self._frames.look()
+
     def _push(self) -> None:
         total: dict[str, Any] = {}
         for data in self.data_dict.values():
@@ -260,7 +267,7 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
         return KM.Parameters(
             """{
             "input_file": "", "domain_size": 3, "depth": 0.0, "time_step": 0.0, "num_threads": 1, "overrides": {},
-            "save_every": 0, "save_folder": "saved", "resume": ""
+            "frames_every": 0.0, "frames_folder": "frames", "save_every": 0, "save_folder": "saved", "resume": ""
         }"""
         )
 

@@ -38,7 +38,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .coupling import Structure
+from .coupling import Structure, frames
 from .errors import CanopyError, CouplingError, Diverged
 
 __all__ = ["Adapter", "run"]
@@ -53,6 +53,8 @@ _KEYS = {
     "overrides",
     "depth",
     "num_threads",
+    "frames_every",
+    "frames_folder",
     "resume",
     "save_file",
 }
@@ -65,8 +67,9 @@ class Adapter:
     Args:
         config: the file above, or a dictionary with its keys; paths in it are relative to its folder. Further keys:
             ``overrides`` (values of the case by dotted path), ``depth`` [m] of the scene in two dimensions,
-            ``num_threads``, ``resume`` (a saved state to begin from), ``save_file`` (where the state at the end goes,
-            and that before a step that fails).
+            ``num_threads``, ``frames_every`` [s] and ``frames_folder`` (where the scene is, for ParaView), ``resume``
+            (a saved state to begin from), ``save_file`` (where the state at the end goes, and that at the start of a
+            window in which a step fails).
         folder: to which paths in a dictionary are relative.
 
     Raises:
@@ -121,14 +124,19 @@ class Adapter:
         """
         try:
             self._connect()
+            every = float(self._given.get("frames_every", 0.0))
+            record = frames(self.structure, self._folder / self._given.get("frames_folder", "frames"), every)
             while self.participant.is_coupling_ongoing():
                 if self.participant.requires_writing_checkpoint():
                     self._checkpoint = self.structure.snapshot()
                 self.participant.advance(self._step())
                 if self.participant.requires_reading_checkpoint() and self._checkpoint is not None:
                     self.structure.restore(self._checkpoint)
-                elif each_window is not None and self.participant.is_time_window_complete():
-                    each_window(self.structure)
+                elif self.participant.is_time_window_complete():
+                    if record is not None:
+                        record.look()
+                    if each_window is not None:
+                        each_window(self.structure)
             self._save(self.structure.snapshot())
         except CanopyError as error:
             # Within an iteration the state is not yet that of the coupled problem.

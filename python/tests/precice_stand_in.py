@@ -1,8 +1,8 @@
 """A stand-in for preCICE's module for Python, version 3, for one participant; the other is a function.
 
 It reads what it needs of a real configuration file, and is strict where the library is: about names, sizes, the order
-of calls, and that checkpoints are written and read. Its implicit coupling iterates with constant relaxation of the forces
-until they rest.
+of calls, and that checkpoints are written and read. Its implicit coupling iterates, with constant relaxation of the
+forces, until they rest.
 """
 
 import xml.etree.ElementTree as ET

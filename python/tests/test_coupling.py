@@ -1,11 +1,13 @@
 """What couplings are made of: interfaces, steps that are made again, and free steps."""
 
+import re
+
 import numpy as np
 import pytest
 from conftest import cloth
 
 import canopy_fem as cf
-from canopy_fem.coupling import Interface, Structure
+from canopy_fem.coupling import Interface, Structure, frames
 
 
 def strip(**time):
@@ -190,6 +192,26 @@ def test_steps_of_no_size(step):
         Structure(strip(), ["bottom"]).solve(step)
     with pytest.raises(ValueError, match="above 0"):
         cf.Simulation(strip(), free_steps=True).attempt(step)
+
+
+def test_frames_show_where_the_scene_is(tmp_path):
+    structure = Structure(strip(), ["bottom"], dimensions=2)
+    record = frames(structure, tmp_path / "frames", 0.125)
+    for _ in range(5):
+        push(structure)
+        structure.solve(0.0625)
+        structure.accept()
+        record.look()
+    files = sorted(path.name for path in (tmp_path / "frames").iterdir())
+    assert files == ["strip.pvd", *(f"strip_00000{i}.vtu" for i in range(3))]
+    times = re.findall('timestep="([^"]+)".*file="([^"]+)"', (tmp_path / "frames" / "strip.pvd").read_text())
+    assert times == [("0", files[1]), ("0.125", files[2]), ("0.25", files[3])]
+    last = cf.mesh.read(tmp_path / "frames" / files[3])
+    assert 0 < last.nodes[8, 1] < structure.sim.positions[8, 1]
+    assert (last.triangles == structure.sim.triangles).all()
+    assert frames(structure, tmp_path, 0) is None
+    with pytest.raises(cf.CouplingError, match="give one above 0"):
+        frames(structure, tmp_path, -1.0)
 
 
 def test_free_steps_are_asked_for():
