@@ -12,6 +12,7 @@ y = 0.875 m. The bottom has modulus 250 N/m^2, thickness 2 mm and density 500 kg
 import argparse
 import json
 import math
+import os
 import sys
 import time
 from pathlib import Path
@@ -87,7 +88,7 @@ def part(name, **more):
 def fluid_parameters(end):
     """Incompressible flow on a mesh that follows the bottom."""
     flow = "KratosMultiphysics.FluidDynamicsApplication"
-    still = [name for name in ("Lid", "Inlet", "Outlet", "Left", "Right")]
+    still = ("Lid", "Inlet", "Outlet", "Left", "Right")
     lu = {"solver_type": "LinearSolversApplication.sparse_lu"}
     return {
         "problem_data": {
@@ -112,8 +113,8 @@ def fluid_parameters(end):
                 "compute_reactions": True,
                 "reform_dofs_at_each_step": False,
                 "linear_solver_settings": lu,
-                "volume_model_part_name": "Fluid",
-                "skin_parts": ["Bottom", *still],
+                "volume_model_part_name": "FluidModelPart.Fluid",
+                "skin_parts": [f"FluidModelPart.{name}" for name in ("Bottom", *still)],
                 "no_skin_parts": [],
                 "time_scheme": "bossak",
                 "alpha": -0.3,
@@ -145,7 +146,9 @@ def fluid_parameters(end):
                     part("Bottom", variable_name="MESH_DISPLACEMENT", constrained=[True] * 3),
                 ),
             ],
-            "output": [
+        },
+        "output_processes": {
+            "midpoint": [
                 process(
                     "point_output_process",
                     part(
@@ -352,9 +355,8 @@ def make(folder, kind, end):
 
 def run(folder):
     """Runs the coupled simulation in its folder, and counts."""
-    import os
-
     import KratosMultiphysics as KM
+    import KratosMultiphysics.CoSimulationApplication as KMC
     from KratosMultiphysics.CoSimulationApplication.co_simulation_analysis import CoSimulationAnalysis
 
     class Counted(CoSimulationAnalysis):
@@ -363,8 +365,6 @@ def run(folder):
         steps = iterations = 0
 
         def FinalizeSolutionStep(self):
-            import KratosMultiphysics.CoSimulationApplication as KMC
-
             super().FinalizeSolutionStep()
             self.steps += 1
             self.iterations += self._GetSolver().process_info[KMC.COUPLING_ITERATION_NUMBER]
@@ -372,11 +372,10 @@ def run(folder):
     os.chdir(folder)
     parameters = KM.Parameters(Path("ProjectParametersCoSim.json").read_text(encoding="utf-8"))
     KM.Logger.GetDefaultOutput().SetSeverity(KM.Logger.Severity.WARNING)
-    analysis, begun = Counted(parameters), time.perf_counter()
+    analysis, begun = Counted(parameters), time.process_time()
     analysis.Run()
-    took = time.perf_counter() - begun
-    print(f"{analysis.steps} steps, {took / analysis.steps:.3f} s and {analysis.iterations / analysis.steps:.2f} "
-          "iterations of the coupling a step")
+    took, steps = time.process_time() - begun, analysis.steps
+    print(f"{steps} steps, each {took / steps:.3f} s of the processor, {analysis.iterations / steps:.2f} iterations")
 
 
 def curve(folder):
@@ -411,7 +410,7 @@ def plot(figure, folders):
     for name, low, high, color in (("Valdes 2007", 0.1977, 0.2690, "0.35"), ("Mok 2001", 0.1430, 0.2139, "0.65")):
         axes.fill_between([35, 40], low, high, color=color, alpha=0.25, label=f"{name}: last period", linewidth=0)
     axes.set(xlabel="time [s]", ylabel="height of the mid-point [m]", xlim=(0, reference[0][-1]))
-    axes.legend(frameon=False, fontsize=8, loc="upper left")
+    axes.legend(frameon=False, fontsize=8, loc="lower right", ncols=2)
     axes.figure.savefig(figure, metadata={"Date": None} if str(figure).endswith(".svg") else None)
 
 

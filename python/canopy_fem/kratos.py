@@ -107,10 +107,10 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
         self._groups = parts
         self._every, self._folder = own["save_every"].GetInt(), Path(own["save_folder"].GetString())
         self._steps = 0
-        self._frames = frames(self.structure, own["frames_folder"].GetString(), own["frames_every"].GetDouble())
         self._build(size)
         if own["resume"].GetString():
             self.structure.restore(Path(own["resume"].GetString()).read_bytes())
+        self._frames = frames(self.structure, own["frames_folder"].GetString(), own["frames_every"].GetDouble())
 
     def _parts(self) -> dict[str, str]:
         """The group of each model part that the data name."""

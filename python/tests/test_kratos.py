@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import ROOT, cloth
 from test_coupling import strip
 
 import canopy_fem as cf
@@ -128,6 +128,46 @@ def test_a_flow_with_other_points(folder):
     assert total == pytest.approx([0.0, 0.25 * 0.05, 0.0], abs=1e-12)
 
 
+def test_surfaces_in_three_dimensions(folder):
+    """Kratos maps between two cloths of other cells: linear displacements exactly, forces with sum and moment."""
+    import KratosMultiphysics as KM
+    import KratosMultiphysics.MappingApplication  # noqa: F401
+    from KratosMultiphysics.MappingApplication import python_mapper_factory
+
+    from canopy_fem.kratos import Create
+
+    parts = []
+    for cells in (5, 8):
+        case = cloth(output={})
+        case["system"]["network"]["mesh"]["rectangle"] |= {"columns": cells, "rows": cells}
+        (folder / "cloth.json").write_text(json.dumps(case))
+        data = {"dimension": 3, "model_part_name": "Structure.all"}
+        settings = {
+            "type": "canopy_fem.kratos",
+            "solver_wrapper_settings": {"input_file": "cloth"},
+            "data": {"x": {**data, "variable_name": "DISPLACEMENT"}, "f": {**data, "variable_name": "FORCE"}},
+        }
+        solver = Create(KM.Parameters(json.dumps(settings)), None, "structure")
+        parts.append(solver.model["Structure.all"])
+        assert parts[-1].NumberOfElements() == 2 * cells**2
+    mapper = python_mapper_factory.CreateMapper(*parts, KM.Parameters('{"mapper_type": "nearest_element"}'))
+    for node in parts[0].Nodes:
+        node.SetSolutionStepValue(KM.DISPLACEMENT, [node.X, 2 * node.Y, node.X - node.Y])
+    mapper.Map(KM.DISPLACEMENT, KM.DISPLACEMENT)
+    for node in parts[1].Nodes:
+        assert list(node.GetSolutionStepValue(KM.DISPLACEMENT)) == pytest.approx([node.X, 2 * node.Y, node.X - node.Y])
+        node.SetSolutionStepValue(KM.FORCE, [0.0, node.X, 1.0])
+    mapper.InverseMap(KM.FORCE, KM.FORCE, KM.Mapper.USE_TRANSPOSE)
+    sums = [
+        np.sum(
+            [[*f, node.X * f[2], node.Y * f[2]] for node in part.Nodes for f in [node.GetSolutionStepValue(KM.FORCE)]],
+            0,
+        )
+        for part in parts
+    ]
+    assert sums[0] == pytest.approx(sums[1])
+
+
 def test_it_goes_on_from_a_saved_state(folder):
     whole = run(folder, parameters()).sim.positions
     run(folder, parameters(end=0.25, save_every=2, save_folder="states"))
@@ -145,8 +185,10 @@ def test_it_goes_on_from_a_saved_state(folder):
 def test_another_step_than_that_of_the_case(folder):
     """Steps of the coupling that are not those of the case are made in parts, again in every iteration."""
     case = strip(step=0.02)
-    structure = run(folder, parameters(time_step=0.0625), case)
+    structure = run(folder, parameters(time_step=0.0625, frames_every=0.1), case)
     assert structure.sim.step_count == 8 * 4
+    times = re.findall('timestep="([^"]+)"', (folder / "frames" / "strip.pvd").read_text())
+    assert [float(t) for t in times] == pytest.approx([0.0, 0.125, 0.25, 0.375, 0.5])
     assert structure.sim.positions == pytest.approx(alone(8).positions, abs=2e-4)
 
 

@@ -199,10 +199,11 @@ def test_a_saved_state_is_where_another_run_begins(folder):
 def test_a_step_that_cannot_be_solved_is_made_shorter(folder):
     """preCICE is told of the shorter steps, which it takes."""
     write(folder, {**flap(), "solver": {"newton": {"max_iterations": 4, "strategy": "full"}}})
+    reconfigure(folder, 'max-time value="0.1"', 'max-time value="0.02"')
     precice_stand_in.flow = lambda t, points, moved: 1e4 * channel(1.0, points, 0.0 * moved)
     structure = precice.run(folder / "adapter.json")
     assert min(precice_stand_in.last.steps) < 0.01
-    assert structure.time == pytest.approx(0.1, rel=1e-12)
+    assert structure.time == pytest.approx(0.02, rel=1e-12)
 
 
 def test_forces_that_are_not_finite_lose_nothing(folder):
