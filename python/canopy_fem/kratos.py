@@ -86,6 +86,9 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
         CouplingError: parameters that cannot be used.
     """
 
+    time_step: float
+    """[s] step of the coupling; who drives it may change it between two steps, and after one that was refused"""
+
     def __init__(self, settings: Any, model: Any, solver_name: str) -> None:
         super().__init__(settings, model, solver_name)
         own = self.settings["solver_wrapper_settings"]
@@ -101,8 +104,8 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
             overrides=_overrides(own["overrides"]),
             threads=own["num_threads"].GetInt(),
         )
-        self._step = own["time_step"].GetDouble() or self.structure.case.step or 0.0
-        if not self._step > 0:
+        self.time_step = own["time_step"].GetDouble() or self.structure.case.step or 0.0
+        if not self.time_step > 0:
             raise CouplingError(f'"{self.name}": give "time_step", or a case with a fixed time.step')
         self._groups = parts
         self._every, self._folder = own["save_every"].GetInt(), Path(own["save_folder"].GetString())
@@ -180,12 +183,12 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
         Raises:
             CouplingError: the coupling is at another time than the structure.
         """
-        if abs(current_time - self.structure.time) > 1e-6 * self._step:
+        if abs(current_time - self.structure.time) > 1e-6 * self.time_step:
             raise CouplingError(
                 f'"{self.name}" is at t = {self.structure.time:g} s, the coupling at {current_time:g} s: '
                 'start_time of the coupling, "resume" and the saved states of all solvers must belong together'
             )
-        self._until = current_time + self._step
+        self._until = current_time + self.time_step
         root = self.model[_MODEL]
         root.CloneTimeStep(self._until)
         root.ProcessInfo[KM.STEP] += 1

@@ -216,6 +216,31 @@ def test_a_step_that_cannot_be_solved_is_cut_or_told(folder):
     assert told.value.report["cause"] and "structure_0.state" in str(told.value)
 
 
+def test_a_coupling_may_cut_a_step_that_was_refused(folder):
+    """A program that drives the solver itself catches the refusal, and asks for a shorter step from the same start."""
+    import KratosMultiphysics as KM
+
+    from canopy_fem.kratos import Create
+
+    case = {**strip(step=0.5), "solver": {"newton": {"max_iterations": 2, "strategy": "full"}}}
+    (folder / "strip.json").write_text(json.dumps(case))
+    settings = parameters(time_step=0.5)["solver_settings"]["solvers"]["structure"]
+    solver = Create(KM.Parameters(json.dumps(settings)), None, "structure")
+    solver.Initialize()
+    load, shown = solver.GetInterfaceData("load"), solver.GetInterfaceData("disp")
+    assert solver.AdvanceInTime(0.0) == 0.5
+    load.SetData(np.tile([0.0, 5.0], 9))
+    with pytest.raises(cf.Diverged):
+        solver.SolveSolutionStep()
+    solver.time_step = 0.005
+    assert solver.AdvanceInTime(0.0) == 0.005
+    load.SetData(np.tile([0.0, 5.0], 9))
+    solver.SolveSolutionStep()
+    solver.FinalizeSolutionStep()
+    assert solver.structure.time == 0.005
+    assert shown.GetData().reshape(9, 2)[4, 1] > 0
+
+
 def test_interfaces_of_other_sizes(folder):
     with pytest.raises(Exception, match="sizes of the data are not matching: 18 != 28"):
         run(folder, parameters(transfer="copy", cells=13))
