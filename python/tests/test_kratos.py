@@ -316,7 +316,9 @@ def test_a_cavity_with_a_flexible_bottom(tmp_path, structure):
     """Its first 20 steps. The values are those of the first run; a fluid of Kratos has no closed form."""
     needs_kratos()
     pytest.importorskip("KratosMultiphysics.FluidDynamicsApplication")
-    for words in (["make", tmp_path, "--structure", structure, "--end", "2.0"], ["run", tmp_path]):
+    pytest.importorskip("matplotlib")
+    made, drawn = ["make", tmp_path, "--structure", structure, "--end", "2.0"], ["plot", tmp_path / "p.svg", tmp_path]
+    for words in (made, ["run", tmp_path], drawn):
         done = command(CAVITY, *words, folder=tmp_path)
         assert done.returncode == 0, done.stderr
     rows = np.loadtxt(tmp_path / "midpoint.dat")
