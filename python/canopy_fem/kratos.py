@@ -23,6 +23,7 @@ Tested with Kratos 10.4.4, which has wheels for Python 3.11.
 
 from __future__ import annotations
 
+import difflib
 import importlib.util
 import json
 import os
@@ -92,7 +93,11 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
     def __init__(self, settings: Any, model: Any, solver_name: str) -> None:
         super().__init__(settings, model, solver_name)
         own = self.settings["solver_wrapper_settings"]
-        own.ValidateAndAssignDefaults(self._own_defaults())
+        known = self._own_defaults()
+        for key in set(own.keys()) - set(known.keys()):
+            near = difflib.get_close_matches(key, known.keys(), 1) or sorted(known.keys())
+            raise CouplingError(f'"{solver_name}": "{key}" is no setting; did you mean {" or ".join(near)}?')
+        own.ValidateAndAssignDefaults(known)
         size = own["domain_size"].GetInt()
         depth = own["depth"].GetDouble()
         parts = self._parts()
@@ -299,7 +304,12 @@ def run(parameters: str | os.PathLike[str]) -> None:
         )
     from KratosMultiphysics.CoSimulationApplication.co_simulation_analysis import CoSimulationAnalysis
 
-    CoSimulationAnalysis(KM.Parameters(text)).Run()
+    try:
+        CoSimulationAnalysis(KM.Parameters(text)).Run()
+    except Exception as error:
+        if "sizes of the data are not matching" not in str(error):
+            raise
+        raise CouplingError(f"{error}\nThe interfaces have other points: use kratos_mapping, not copy") from error
 
 
 def _applications(text: str, folder: Path, depth: int = 2) -> set[str]:

@@ -254,6 +254,7 @@ def test_interfaces_of_other_sizes(folder):
         ({"force": "TEMPERATURE"}, "no variable of the coupling; known: POINT_LOAD, REACTION, FORCE"),
         ({"input_file": ""}, '"input_file"'),
         ({"domain_size": 1}, "2 or 3 dimensions"),
+        ({"sav_every": 3}, '"sav_every" is no setting; did you mean save_every'),
         ({"resume": "none.state"}, "none.state"),
         ({"overrides": {"time.method": "newmrk"}}, "newmark"),
     ],
@@ -270,6 +271,7 @@ def test_the_command_runs_and_tells(folder, monkeypatch):
     for given, status, words in (
         (parameters(), 0, ""),
         (parameters(transfer="copy", flow={"breaks": 0.26}), 2, "not finite"),
+        (parameters(transfer="copy", cells=13), 2, "18 != 28 for interface data"),
         (parameters(overrides={"solver.newton.max_iterations": 1}, flow={"push": 40.0}), 3, "Newton"),
     ):
         (folder / "both.json").write_text(json.dumps(given))
