@@ -31,6 +31,7 @@
 //! | make steps | [`Simulation::step`], [`Simulation::advance`], [`Simulation::run_until`] |
 //! | stop on the way | [`Simulation::run_until_or`] |
 //! | give up on a step | [`Simulation::stop_on`] |
+//! | give the size of a step | [`Simulation::attempt_of`] |
 //! | look at a step first | [`Simulation::attempt`]; [`Simulation::accept`] or [`Simulation::drop_attempt`] |
 //! | read nodes | [`Simulation::positions`], [`Simulation::velocities`], [`Simulation::reactions`] |
 //! | read springs and energies | [`Simulation::tensions`], [`Simulation::energies`] |
@@ -336,13 +337,34 @@ impl Simulation {
     /// # Errors
     /// As [`Simulation::step`], and when an attempted step still waits.
     pub fn attempt(&mut self) -> Result<(), SimulationError> {
+        self.attempt_next(None)
+    }
+
+    /// The same with a step of `h` [s], which ends earlier where an event of the scene lies within it: for a coupling
+    /// whose steps are not those of the case. The end of the run does not limit it.
+    ///
+    /// # Errors
+    /// As [`Simulation::attempt`]; also settings without `free_steps`, and a size that is not above 0, not finite or
+    /// lost in the rounding of the time.
+    pub fn attempt_of(&mut self, h: f64) -> Result<(), SimulationError> {
+        if !self.settings.free_steps {
+            return Err(SimulationError::NotFree);
+        }
+        if !(h > 0.0 && h.is_finite() && self.time() + h > self.time()) {
+            let needed = "a finite number above 0 that time can hold";
+            return Err(RunError::OutOfRange { what: "step [s]", value: h, needed }.into());
+        }
+        self.attempt_next(Some(h))
+    }
+
+    fn attempt_next(&mut self, h: Option<f64>) -> Result<(), SimulationError> {
         self.idle()?;
         let made = self.at_work(Stop::NEVER, |run, stepper| {
-            let Some(tick) = run.next() else { return Ok(None) };
+            let Some(tick) = run.next_of(h) else { return Ok(None) };
             if !run.spec.keep_going {
                 run.state.failure = None;
             }
-            if run.spec.step.fixed().is_some() {
+            if run.spec.free_steps || run.spec.step.fixed().is_some() {
                 return Ok(Some(run.fixed_step(stepper, tick).map(Pending::Fixed)));
             }
             let before = Box::new(run.state.snapshot(stepper));

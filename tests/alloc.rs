@@ -206,6 +206,7 @@ fn adaptive_blocks(scene: &Network, method: &str) -> u64 {
     let stop = AtomicBool::new(false);
     let mut marks = Marks { blocks: [0; 2], stop: &stop };
     let spec = RunSpec {
+        free_steps: false,
         end: 100.0,
         step,
         frames_every: None,

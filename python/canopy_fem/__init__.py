@@ -10,6 +10,7 @@ The engine of the program ``canopy-fem``. Units are SI; nodes, edges and triangl
 `Network`                          masses and springs from arrays
 `rollout`                          many runs at once, on a pool of threads
 `check`, `tradeoff`, `sweep`, …    studies
+`coupling`, `kratos`, `precice`    couplings with flow solvers
 `mesh`                             generators, files, meshio, pyvista
 `CaseError`, `Diverged`, …         exceptions
 =================================  ===================================================================
@@ -18,7 +19,7 @@ The engine of the program ``canopy-fem``. Units are SI; nodes, edges and triangl
 from . import mesh
 from ._core import Energies, Rollout, Step, __version__, methods, schema
 from .case import Case
-from .errors import CanopyError, CaseError, Diverged, Ended, Fault, InternalError, SimulationError
+from .errors import CanopyError, CaseError, CouplingError, Diverged, Ended, Fault, InternalError, SimulationError
 from .results import CaseWarning, Result, load, run, static
 from .simulation import Motion, Network, Simulation
 from .studies import check, program, rollout, stability, sweep, tradeoff
@@ -28,6 +29,7 @@ __all__ = [
     "Case",
     "CaseError",
     "CaseWarning",
+    "CouplingError",
     "Diverged",
     "Ended",
     "Energies",

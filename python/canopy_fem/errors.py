@@ -10,7 +10,16 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["CanopyError", "CaseError", "Diverged", "Ended", "Fault", "InternalError", "SimulationError"]
+__all__ = [
+    "CanopyError",
+    "CaseError",
+    "CouplingError",
+    "Diverged",
+    "Ended",
+    "Fault",
+    "InternalError",
+    "SimulationError",
+]
 
 
 @dataclass(frozen=True)
@@ -37,6 +46,11 @@ class CaseError(CanopyError, ValueError):
     def __init__(self, message: str = "", faults: Iterable[Mapping[str, Any] | Fault] = ()) -> None:
         super().__init__(message)
         self.faults: list[Fault] = [fault if isinstance(fault, Fault) else Fault(**fault) for fault in faults]
+
+
+class CouplingError(CanopyError, RuntimeError):
+    """What another program of a coupling gives or asks, and cannot be used: an interface of another size, forces that
+    are not finite, a program that is not installed. The structure is where its last whole step ended."""
 
 
 class SimulationError(CanopyError, RuntimeError):

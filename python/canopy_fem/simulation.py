@@ -63,6 +63,8 @@ class Simulation(_core.Simulation):
         source: a `Case`, a case file, a dictionary, or a `Network`.
         threads: threads of scenes above 2,000 nodes; results do not depend on it.
         keep_going: go on past a divergence until a value is not finite.
+        free_steps: `attempt` may be given the size of each step, as couplings need; the case's own fixed step is then
+            only the size of steps for which none is given, and a tolerance is not used.
         method, step, tolerance, end: of a network: a method as in a case (``"newmark"`` or
             ``{"hht": {"alpha": -0.1}}``), the fixed step [s] or the relative tolerance of adaptive steps, the end [s].
 
@@ -79,6 +81,7 @@ class Simulation(_core.Simulation):
         *,
         threads: int = 1,
         keep_going: bool = False,
+        free_steps: bool = False,
         method: str | Mapping[str, Mapping[str, float]] | None = None,
         step: float | None = None,
         tolerance: float | None = None,
@@ -90,12 +93,14 @@ class Simulation(_core.Simulation):
             if given:
                 raise TypeError(f"{', '.join(given)}: a case has them itself; give overrides to Case")
             core: Any = as_case(source)._core
-            return super().__new__(cls, core, threads=threads, keep_going=keep_going)
+            return super().__new__(cls, core, threads=threads, keep_going=keep_going, free_steps=free_steps)
         if method is None or end is None:
             raise TypeError("a network needs method, end, and step or tolerance")
         name, parameters = _method(method)
         settings = {"method": name, "parameters": parameters, "step": step, "tolerance": tolerance, "end": float(end)}
-        return super().__new__(cls, source, threads=threads, keep_going=keep_going, settings=settings)
+        return super().__new__(
+            cls, source, threads=threads, keep_going=keep_going, free_steps=free_steps, settings=settings
+        )
 
     def run(self, progress: bool | Callable[[float, float], object] = False) -> _core.Step | None:
         """Makes all steps that are left; the last one, or None if there was none left.
@@ -116,15 +121,20 @@ class Simulation(_core.Simulation):
                 tell(self.time, end)
         return step
 
-    def attempt(self) -> Motion:
+    def attempt(self, step: float | None = None) -> Motion:
         """Computes the next step without accepting it, and shows its end. `accept` or `drop` must follow.
 
         For implicit coupling, where the forces of a step depend on its end.
 
+        Args:
+            step: [s] its size, which a simulation with `free_steps` takes; cut where an event of the scene lies within
+                it, such as a support that lets go. The end of the case does not limit it.
+
         Raises:
             Diverged, Ended, SimulationError: as `step`, and when an attempted step still waits.
+            ValueError: a step of 0 or less, or not finite.
         """
-        return Motion(*super().attempt())
+        return Motion(*super().attempt(step))
 
     @property
     def forces(self) -> Forces:

@@ -1,7 +1,7 @@
 //! What the engine refuses, as exceptions of `canopy_fem.errors`.
 
 use canopy_fem::case::CaseError as BadCase;
-use canopy_fem::drive::Failure;
+use canopy_fem::drive::{Failure, RunError};
 use canopy_fem::mesh::MeshError;
 use canopy_fem::simulation::{RecordError, SetupError, SimulationError as Refusal};
 use pyo3::exceptions::{PyOSError, PyValueError};
@@ -78,6 +78,7 @@ pub fn of_simulation(py: Python<'_>, error: Refusal) -> PyErr {
         Refusal::Failed(failure) => of_failure(py, text, failure),
         Refusal::Ended { .. } => Ended::new_err(text),
         Refusal::Setup(SetupError::Threads(_)) => PyOSError::new_err(text),
+        Refusal::Run(RunError::OutOfRange { .. }) => PyValueError::new_err(text),
         Refusal::Setup(_) | Refusal::Run(_) => CaseError::new_err(text),
         Refusal::Shape { .. }
         | Refusal::NotFinite { .. }

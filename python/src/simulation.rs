@@ -65,12 +65,13 @@ impl Settings {
 impl Simulation {
     /// A case, or a network with its settings, at t = 0.
     #[new]
-    #[pyo3(signature = (source, *, threads=1, keep_going=false, settings=None))]
+    #[pyo3(signature = (source, *, threads=1, keep_going=false, free_steps=false, settings=None))]
     fn new(
         py: Python<'_>,
         source: &Bound<'_, PyAny>,
         threads: usize,
         keep_going: bool,
+        free_steps: bool,
         settings: Option<Settings>,
     ) -> PyResult<Self> {
         let threads = checked_threads(threads)?;
@@ -79,12 +80,12 @@ impl Simulation {
                 let case = case.get().case.clone();
                 engine(py, move || {
                     let problem = case.problem();
-                    let settings = RunSettings { keep_going, ..RunSettings::of_case(problem, threads) };
+                    let settings = RunSettings { keep_going, free_steps, ..RunSettings::of_case(problem, threads) };
                     Ok::<_, RecordError>(door::Simulation::of_scene(scene_of(&case, threads)?, settings)?)
                 })?
             }
             (_, Ok(network), Some(settings)) => {
-                let settings = RunSettings { threads, keep_going, ..settings.run()? };
+                let settings = RunSettings { threads, keep_going, free_steps, ..settings.run()? };
                 let spec = network.get().spec()?;
                 engine(py, move || Ok(door::Simulation::new(spec, settings)?))?
             }
@@ -144,8 +145,21 @@ impl Simulation {
     }
 
     /// Computes the next step without accepting it: its positions and velocities, each (n, 3).
-    fn attempt<'py>(&self, py: Python<'py>) -> Motion<'py> {
-        let motion = self.with(py, |sim| sim.attempt().map(|()| sim.attempted()))?;
+    ///
+    /// Its size is step [s], which a simulation with free steps takes, and is cut where an event of the scene lies
+    /// within it.
+    ///
+    /// Raises:
+    ///     ValueError: a step of 0 or less, or not finite. Else as `step`.
+    #[pyo3(signature = (step=None))]
+    fn attempt<'py>(&self, py: Python<'py>, step: Option<f64>) -> Motion<'py> {
+        let motion = self.with(py, |sim| {
+            match step {
+                None => sim.attempt()?,
+                Some(h) => sim.attempt_of(h)?,
+            }
+            Ok(sim.attempted())
+        })?;
         let motion = motion.ok_or_else(|| SimulationError::new_err("the step has no end"))?;
         Ok((of_rows(py, motion.positions)?, of_rows(py, motion.velocities)?))
     }
@@ -291,6 +305,12 @@ impl Simulation {
     #[getter]
     fn time(&self) -> PyResult<f64> {
         Ok(self.lock()?.time())
+    }
+
+    /// [s] time at the end of the attempted step; None without one
+    #[getter]
+    fn attempted_time(&self) -> PyResult<Option<f64>> {
+        Ok(self.lock()?.attempted_time())
     }
 
     /// [s] end of the run

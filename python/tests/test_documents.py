@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
-PAGES = [ROOT / "docs" / "python.md", ROOT / "docs" / "guide" / "src" / "python.md"]
+GUIDE = ROOT / "docs" / "guide" / "src"
+PAGES = [ROOT / "docs" / "python.md", GUIDE / "python.md", GUIDE / "coupling.md"]
 NOTEBOOKS = sorted((ROOT / "python" / "notebooks").glob("*.ipynb"))
 
 
@@ -24,7 +25,7 @@ def test_notebooks_run(path, tmp_path):
     nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
 
 
-@pytest.mark.parametrize("page", PAGES, ids=["reference", "guide"])
+@pytest.mark.parametrize("page", PAGES, ids=["reference", "guide", "coupling"])
 def test_pages_run(page, tmp_path, monkeypatch):
     """The blocks of a page, one after the other, in one program."""
     for package in ("scipy", "matplotlib", "pandas", "pyvista"):

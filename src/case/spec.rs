@@ -46,6 +46,7 @@ impl Problem {
     /// The specification for [`crate::drive::run`].
     pub fn run_spec(&self, keep_going: bool) -> RunSpec<'_> {
         RunSpec {
+            free_steps: false,
             end: self.time.end,
             step: self.time.step,
             frames_every: self.output.frames_every,

@@ -157,6 +157,36 @@ impl EventSteps {
     }
 }
 
+/// Steps whose sizes a program gives.
+#[derive(Clone, Debug)]
+pub struct FreeSteps {
+    /// [s] size of a step for which it gives none
+    pub step: f64,
+    /// [s] end of those
+    pub end: f64,
+    /// [s] times of events, ascending: a step ends there at the latest
+    pub events: Vec<f64>,
+}
+
+impl FreeSteps {
+    /// The step from `t` [s] of size `h` [s].
+    pub fn tick(&self, t: f64, h: f64) -> Tick {
+        let slack = 4.0 * f64::EPSILON;
+        let event = self.events.iter().copied().find(|event| event - t > slack * event);
+        match event.filter(|event| t + h > *event - SLACK * h) {
+            Some(event) => Tick { h: event - t, t: event },
+            None => Tick { h, t: t + h },
+        }
+    }
+
+    /// The step from `t` [s] for which the program gives no size; `None` at the end.
+    pub fn next(&self, t: f64) -> Option<Tick> {
+        let left = self.end - t;
+        let h = if left <= self.step * (1.0 + SLACK) { left } else { self.step };
+        (left > SLACK * self.step).then(|| self.tick(t, h))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -30,6 +30,8 @@ pub struct RunSpec<'a> {
     pub end: f64,
     /// its steps
     pub step: Step,
+    /// whether a program gives the size of each step, whatever `step` is
+    pub free_steps: bool,
     /// [s] interval of the frames; `None` where only ends of steps are shown. Adaptive steps of a scheme with an
     /// embedded pair end at its multiples, because cubic interpolation would be less accurate than such a step; other
     /// steps do not
@@ -45,6 +47,11 @@ pub struct RunSpec<'a> {
 }
 
 impl RunSpec<'_> {
+    /// [s] The step, where all steps have this size.
+    pub fn steps_of_one_size(&self) -> Option<f64> {
+        self.step.fixed().filter(|_| !self.free_steps)
+    }
+
     /// Checks the numbers of the specification.
     ///
     /// # Errors

@@ -134,6 +134,14 @@ impl Run<'_> {
         self.state.policy.next(self.state.steps, self.state.from.state.t)
     }
 
+    /// The next step, of `h` [s] where a program gives it.
+    pub(crate) fn next_of(&self, h: Option<f64>) -> Option<Tick> {
+        match (&self.state.policy, h) {
+            (StepPolicy::Free(steps), Some(h)) => Some(steps.tick(self.state.from.state.t, h)),
+            _ => self.next(),
+        }
+    }
+
     /// Passes the events that the accepted state has reached. A snapshot is always of the state after them.
     fn pass_events(&mut self, stepper: &mut Stepper<'_>) -> Result<(), RunError> {
         let (scene, state) = (self.scene, &mut *self.state);
@@ -229,7 +237,7 @@ impl RunState {
         if let Some(found) = [state.x.len(), state.v.len()].into_iter().find(|n| *n != needed) {
             return Err(RunError::OtherState { found, needed });
         }
-        scene.sample_tables(spec.step.fixed());
+        scene.sample_tables(spec.steps_of_one_size());
         let (policy, passed) = StepPolicy::at(scene, stepper, spec, (None, state.t));
         let mut from = Point { state, forces: scene.new_forces() };
         let mut counters = Counters::default();
@@ -249,7 +257,7 @@ impl RunState {
     ) -> Result<Self, RunError> {
         spec.check()?;
         spec.passes(scene, &snapshot)?;
-        scene.sample_tables(spec.step.fixed());
+        scene.sample_tables(spec.steps_of_one_size());
         let Snapshot { step: steps, t, x, v, forces, carried, counters, ledger, row, watch, failure, doubt, adaptive } =
             snapshot;
         let (policy, passed) = StepPolicy::at(scene, stepper, spec, (adaptive, t));
@@ -296,6 +304,11 @@ impl RunState {
             doubt: None,
             blocks: step_block::StepBlocks::default(),
         }
+    }
+
+    /// [-] Events of the scene that are passed.
+    pub fn events_passed(&self) -> usize {
+        self.passed
     }
 
     /// What a snapshot is made of.

@@ -62,6 +62,9 @@ impl RunSpec<'_> {
         if let Some(found) = [x.len(), v.len()].into_iter().find(|n| *n != needed) {
             return Err(RunError::OtherScene { found, needed });
         }
+        if self.free_steps {
+            return Ok(());
+        }
         let Step::Fixed(step_size) = self.step else {
             // The tolerance is divided over the run, so the end must be the same too.
             if snapshot.adaptive.is_none() || t > self.end {

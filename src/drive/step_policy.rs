@@ -1,16 +1,17 @@
 //! The choice of the next step of a run: of fixed size, or of the size that a tolerance allows.
 
 use super::adaptive::{Adaptive, AdaptiveSpec, AdaptiveState, PlannedStep};
-use super::clock::{EventSteps, FixedSteps, Step, Tick};
+use super::clock::{EventSteps, FixedSteps, FreeSteps, Step, Tick};
 use super::outcome::RunSpec;
 use crate::integrate::registry::Family;
 use crate::integrate::stepper::Stepper;
 use crate::scene::Scene;
 
-/// Steps of one size, or of the size a tolerance allows.
+/// Steps of one size, of the size a tolerance allows, or of the sizes a program gives.
 pub(super) enum StepPolicy {
     Fixed(EventSteps),
     Adaptive(Box<Adaptive>),
+    Free(FreeSteps),
 }
 
 impl StepPolicy {
@@ -34,6 +35,11 @@ impl StepPolicy {
     /// Starts at t = 0, or continues from the adaptive steps of an earlier run.
     fn of(scene: &dyn Scene, stepper: &Stepper<'_>, spec: RunSpec<'_>, state: Option<AdaptiveState>) -> Self {
         match spec.step {
+            step if spec.free_steps => StepPolicy::Free(FreeSteps {
+                step: step.fixed().unwrap_or(spec.end),
+                end: spec.end,
+                events: scene.events().to_vec(),
+            }),
             Step::Fixed(step) => StepPolicy::Fixed(EventSteps::new(FixedSteps::new(step, spec.end), scene.events())),
             Step::Adaptive(tolerance) => {
                 // Kang's filter also damps slow motion.
@@ -54,6 +60,7 @@ impl StepPolicy {
         match self {
             StepPolicy::Fixed(clock) => (steps < clock.count()).then(|| clock.tick(steps + 1)),
             StepPolicy::Adaptive(policy) => policy.next(t).map(|PlannedStep { h, t, .. }| Tick { h, t }),
+            StepPolicy::Free(steps) => steps.next(t),
         }
     }
 
@@ -61,7 +68,7 @@ impl StepPolicy {
     pub fn passed(&self, scene: &dyn Scene, t: f64) -> usize {
         let events = match self {
             StepPolicy::Fixed(clock) => clock.events(),
-            StepPolicy::Adaptive(_) => scene.events(),
+            StepPolicy::Adaptive(_) | StepPolicy::Free(_) => scene.events(),
         };
         events.partition_point(|event| event - t <= 4.0 * f64::EPSILON * event)
     }
@@ -69,7 +76,7 @@ impl StepPolicy {
     /// What adaptive steps keep.
     pub fn state(&self) -> Option<&AdaptiveState> {
         match self {
-            StepPolicy::Fixed(_) => None,
+            StepPolicy::Fixed(_) | StepPolicy::Free(_) => None,
             StepPolicy::Adaptive(policy) => Some(policy.state()),
         }
     }

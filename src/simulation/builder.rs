@@ -22,6 +22,9 @@ pub struct RunSettings {
     pub step: Step,
     /// [s] adaptive steps of schemes with their own error estimate end at multiples of this
     pub frames_every: Option<f64>,
+    /// whether [`attempt_of`](super::Simulation::attempt_of) gives the size of each step; others are then as long as a
+    /// fixed step
+    pub free_steps: bool,
     /// go on past a divergence until a value stops being finite
     pub keep_going: bool,
     /// which failures and warnings are diagnosed, which takes force passes of its own
@@ -55,6 +58,7 @@ impl RunSettings {
             end,
             step,
             frames_every: None,
+            free_steps: false,
             keep_going: false,
             explain: Explain::Failures,
             threads: 1,
@@ -76,6 +80,7 @@ impl RunSettings {
         RunSpec {
             end: self.end,
             step: self.step,
+            free_steps: self.free_steps,
             frames_every: self.frames_every,
             keep_going: self.keep_going,
             explain: self.explain,

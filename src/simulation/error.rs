@@ -47,6 +47,9 @@ pub enum SimulationError {
         /// whether there is one
         pending: bool,
     },
+    /// A size of step for a simulation whose case says what steps it makes.
+    #[error("the simulation makes the steps of its case: steps of other sizes need a simulation with free steps")]
+    NotFree,
     /// A slice does not have a row for each node.
     #[error("{what} has {found} rows, the scene {needed} nodes")]
     Shape {

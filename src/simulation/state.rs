@@ -104,9 +104,18 @@ impl Simulation {
 
     /// Positions and velocities at the end of the attempted step; `None` without one.
     pub fn attempted(&self) -> Option<NodeMotion> {
+        self.attempted_point().map(|end| self.nodes(end))
+    }
+
+    /// [s] Time at the end of the attempted step; `None` without one.
+    pub fn attempted_time(&self) -> Option<f64> {
+        self.attempted_point().map(|end| end.state.t)
+    }
+
+    fn attempted_point(&self) -> Option<&Point> {
         self.pending.as_ref().map(|pending| match pending {
-            super::Pending::Fixed(_) => self.nodes(&self.state.to),
-            super::Pending::Adaptive(_) => self.nodes(&self.state.from),
+            super::Pending::Fixed(_) => &self.state.to,
+            super::Pending::Adaptive(_) => &self.state.from,
         })
     }
 
@@ -388,11 +397,14 @@ impl Simulation {
 
     fn origin(&self) -> Origin {
         let method = &self.settings.method;
-        let (stiffness, x) = (self.scene.nodal_stiffness(), self.scene.initial_state().x);
         let mut checksum = RunningChecksum::default();
+        // The scene as it is before its events: a snapshot may be of another time than the present one.
+        self.scene.pass_events(0);
+        let (stiffness, x) = (self.scene.nodal_stiffness(), self.scene.initial_state().x);
         for numbers in [self.scene.inverse_mass(), &stiffness, &x] {
             checksum.add(bytemuck::cast_slice(numbers));
         }
+        self.scene.pass_events(self.state.events_passed());
         Origin {
             method: (method.info.name.to_owned(), method.parameters().map(|(_, value)| value).collect()),
             scene: checksum.mark().crc,

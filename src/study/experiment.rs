@@ -145,7 +145,8 @@ impl<'a> Experiment<'a> {
         stop: &AtomicBool,
     ) -> Result<Outcome, RunError> {
         let Experiment { scene, method, step, end, frames_every, keep_going, explain, interrupt, .. } = *self;
-        let spec = RunSpec { end, step, frames_every, keep_going, explain, interrupt, method };
+        let free_steps = false;
+        let spec = RunSpec { end, step, free_steps, frames_every, keep_going, explain, interrupt, method };
         match start {
             Start::Initial => drive::run(scene, stepper, spec, observers, stop),
             Start::State(state) => drive::run_from(scene, stepper, spec, state, observers, stop),

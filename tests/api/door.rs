@@ -4,7 +4,7 @@
 use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::drive::clock::Tolerance;
 use canopy_fem::mesh::source::MeshSource;
-use canopy_fem::model::spec::{DashpotKind, Slack};
+use canopy_fem::model::spec::{DashpotKind, ReleaseSpec, Slack};
 use canopy_fem::simulation::{
     ForceDerivative, Load, NetworkBuilder, NodalForce, RunSettings, Simulation, SimulationError, SpringLaw,
     build_scene, derivative_error,
@@ -208,6 +208,40 @@ fn a_change_meets_snapshots_and_attempts() {
             sim.advance(5).expect("it goes on");
         }
         assert_same(&sim, &other);
+    }
+}
+
+/// Free steps of one size have the bits of fixed ones, end at events, and go on from snapshots of either side of one.
+#[test]
+fn free_steps_are_those_a_program_gives() {
+    let (h, event) = (0.5_f64.powi(11), 5.5 * 0.5_f64.powi(11));
+    for method in METHODS {
+        let mut network = cloth(4).build().expect("a mesh");
+        network.releases.push(ReleaseSpec { t: event, nodes: vec![(0, [true; 3])] });
+        let settings = RunSettings::fixed(method, h, 1.0).expect("registered");
+        let mut fixed = Simulation::new(network.clone(), settings.clone()).expect("it starts");
+        let mut free = Simulation::new(network, RunSettings { free_steps: true, ..settings }).expect("it starts");
+        assert!(matches!(fixed.attempt_of(h), Err(SimulationError::NotFree)));
+        for bad in [0.0, -h, f64::NAN, f64::INFINITY] {
+            assert!(matches!(free.attempt_of(bad), Err(SimulationError::Run(_))), "{bad}");
+        }
+        let before = free.snapshot().expect("idle");
+        for _ in 0..2 {
+            for end in [1.0, 2.0, 3.0, 4.0, 5.0, 5.5] {
+                free.attempt_of(h).expect("it is made");
+                assert_eq!(free.attempted_time(), Some(end * h), "{method}");
+                free.accept().expect("it is right");
+            }
+            let after = free.snapshot().expect("idle");
+            free.restore(&before).expect("the same scene");
+            assert_eq!(free.time(), 0.0);
+            free.restore(&after).expect("the same scene");
+            free.attempt_of(0.5 * h).expect("it is made");
+            free.accept().expect("it is right");
+            fixed.run_until(6.0 * h).expect("it goes on");
+            assert_eq!((free.time(), free.positions()), (fixed.time(), fixed.positions()), "{method}");
+            free.restore(&before).expect("the same scene");
+        }
     }
 }
 

@@ -22,7 +22,7 @@ impl Run<'_> {
                 return Ok(Ok(()));
             }
             let kept = match &mut self.state.policy {
-                StepPolicy::Fixed(_) => self.fixed_step(stepper, tick).map(AdaptiveStep::Single),
+                StepPolicy::Fixed(_) | StepPolicy::Free(_) => self.fixed_step(stepper, tick).map(AdaptiveStep::Single),
                 StepPolicy::Adaptive(_) => match self.adaptive_step(stepper) {
                     Ok(Some(kept)) => Ok(kept),
                     Ok(None) => continue,
