@@ -53,6 +53,7 @@ mod dirk;
 pub mod dop853;
 pub mod dormand_prince;
 mod embedded;
+pub mod energy_momentum;
 mod equations;
 pub mod esdirk4;
 pub mod euler_cromer;

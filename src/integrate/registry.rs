@@ -2,6 +2,7 @@
 //! it, so a scheme is registered here and nowhere else.
 
 use super::backward_euler::BackwardEuler;
+use super::energy_momentum::EnergyMomentum;
 use super::euler_cromer::EULER_CROMER;
 use super::euler_richardson::EulerRichardson;
 use super::explicit_euler::ExplicitEuler;
@@ -244,5 +245,24 @@ static METHODS: &[MethodInfo] = &[
         linear: LinearStep::DISSIPATIVE,
         source: "Kennedy & Carpenter 2003, ARK4(3)6L[2]SA",
         build: |_, solver| esdirk4::scheme(solver),
+    },
+    MethodInfo {
+        name: "energy-momentum",
+        order: 2,
+        order_with: Some(|p| if p[0] == 0.0 { 2 } else { 1 }),
+        family: Family::Implicit,
+        evaluations: [0, 0],
+        parameters: &[ParameterInfo {
+            name: "dissipation",
+            default: 0.0,
+            min: 0.0,
+            min_included: true,
+            max: 1.0,
+            doc: "[-] damping inside of elements; 0 keeps the energy, above it the order is 1",
+        }],
+        stability: "every step, on nonlinear scenes too: elastic energy is kept, or falls with dissipation",
+        linear: LinearStep { partitioned: |p| p[0] != 0.0, ..LinearStep::PLAIN },
+        source: "Greenspan 1984; Simo & Tarnow 1992; Gonzalez 1996; Armero & Romero 2001",
+        build: |p, solver| Scheme::Implicit(Box::new(EnergyMomentum::new(p[0], solver))),
     },
 ];

@@ -17,13 +17,13 @@ use crate::force::schedule::step_block::NodeStateMut;
 use crate::force::schedule::step_boundary::StepBoundary;
 use crate::force::schedule::sweep::{PartTarget, Sweep, Term, Terms};
 use crate::force::schedule::threads::{SUMS, Threads};
-use crate::force::{ForceTerm, NodeState};
+use crate::force::{ForceTerm, MeanStep, NodeState};
 use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::motion::motion;
 use crate::model::state::{State, StateRef};
 use crate::model::step_block::{self, StepSummary};
-use crate::model::system::{KickDriftBlock, System, TermInfo, single_step};
+use crate::model::system::{KickDriftBlock, StepMean, System, TermInfo, single_step};
 use crate::model::workers::Workers;
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -234,6 +234,35 @@ impl Network {
         Some(self.parts.get(term)?[0]?.tally)
     }
 
+    /// A pass over all terms at a state; elastic forces are means over the step around it, if one is given.
+    pub(super) fn evaluate_with(&self, mean: Option<StepMean>, at: StateRef<'_>, out: &mut Forces) {
+        self.pass_into(out, |[total, external, dissipative], tallies| {
+            let (own, outside) = tallies.split_at_mut(self.tallies());
+            let sums = [&mut *total, &mut *external, dissipative];
+            match mean {
+                None => self.sweep.pass((self, node_state(at)), &self.threads, sums, own),
+                Some(mean) => {
+                    self.sweep.pass((&WithoutMeans(self), node_state(at)), &self.threads, sums, own);
+                    self.add_means(MeanStep { at: node_state(at), mean }, total, own);
+                }
+            }
+            if let Some(tally) = outside.first_mut() {
+                *tally = self.add_laws(at, [&mut *total, &mut *external]);
+            }
+            self.add_apparent(node_state(at), [total, external], own);
+        });
+        self.add_supports(at, out);
+    }
+
+    /// Adds the elastic forces [N] that are means over a step, element by element.
+    fn add_means(&self, step: MeanStep<'_>, total: &mut [Vector3<f64>], tallies: &mut [Tally]) {
+        for (term, parts) in self.terms.iter().zip(&self.parts) {
+            if let (Some(mean), Some(part)) = (term.mean(), parts[0]) {
+                tallies[part.tally] = mean.add_mean(step, total);
+            }
+        }
+    }
+
     /// A pass over all terms, with the forces at fixed degrees of freedom turned into reactions.
     fn pass_into(&self, out: &mut Forces, pass: impl FnOnce([&mut [Vector3<f64>]; SUMS], &mut [Tally])) {
         let Forces { total, external, dissipative, reactions, tallies } = out;
@@ -292,6 +321,27 @@ impl Terms for Network {
     }
 }
 
+/// The terms without elastic parts that are means over a step.
+struct WithoutMeans<'a>(&'a Network);
+
+impl Terms for WithoutMeans<'_> {
+    fn count(&self) -> usize {
+        self.0.count()
+    }
+
+    fn tallies(&self) -> usize {
+        self.0.tallies()
+    }
+
+    fn term(&self, i: usize) -> Term<'_> {
+        let Term { forces, mut parts } = self.0.term(i);
+        if self.0.terms[i].mean().is_some() {
+            parts[0] = None;
+        }
+        Term { forces, parts }
+    }
+}
+
 /// Some of the parts of terms, in one sum.
 struct SelectedTerms<'a>(&'a [(&'a dyn ForceTerm, usize)]);
 
@@ -343,16 +393,7 @@ impl System for Network {
     }
 
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces) {
-        self.pass_into(out, |[total, external, dissipative], tallies| {
-            let (own, outside) = tallies.split_at_mut(self.tallies());
-            let sums = [&mut *total, &mut *external, dissipative];
-            self.sweep.pass((self, node_state(at)), &self.threads, sums, own);
-            if let Some(tally) = outside.first_mut() {
-                *tally = self.add_laws(at, [&mut *total, &mut *external]);
-            }
-            self.add_apparent(node_state(at), [total, external], own);
-        });
-        self.add_supports(at, out);
+        self.evaluate_with(None, at, out);
     }
 
     fn longest_block(&self) -> usize {

@@ -2,10 +2,10 @@
 
 use super::network::{Network, by_node, node_state};
 use crate::assembly::{Assembler, Nodes, PatternError, Recorder, TangentSystem};
-use crate::force::{ForceTerm, RankOne, TangentForm, TangentSink};
+use crate::force::{ForceTerm, MeanStep, RankOne, TangentForm, TangentSink};
 use crate::model::forces::Forces;
 use crate::model::state::StateRef;
-use crate::model::system::{System, Weights};
+use crate::model::system::{StepMean, System, Weights};
 use crate::startup::{Phase, timed};
 
 impl Network {
@@ -26,6 +26,16 @@ impl Network {
     fn couplings(&self) -> impl Iterator<Item = (&dyn ForceTerm, usize)> {
         let numbers = |term: &dyn ForceTerm| term.scene_numbers().map_or(0, |numbers| numbers.count());
         self.force_terms().flat_map(move |term| (0..numbers(term)).map(move |number| (term, number)))
+    }
+
+    /// The tangents of [`Network::emit_tangents`], with elastic forces that are means over a step.
+    fn emit_mean_tangents(&self, step: MeanStep<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
+        for term in &self.terms {
+            match term.mean() {
+                Some(mean) => mean.mean_tangent(step, w, form, sink),
+                None => term.tangent(step.at, w, form, sink),
+            }
+        }
     }
 
     fn assemble_form(&self, at: StateRef<'_>, w: Weights, form: TangentForm, assembler: &mut Assembler) {
@@ -86,6 +96,27 @@ impl TangentSystem for Network {
 
     fn assemble_convex(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
         self.assemble_form(at, w, TangentForm { convex: true, symmetric: false }, assembler);
+    }
+
+    fn mean_forces(&self, middle: StateRef<'_>, mean: StepMean, out: &mut Forces) {
+        self.evaluate_with(Some(mean), middle, out);
+    }
+
+    fn mean_assembler(&self) -> Result<Assembler, PatternError> {
+        self.pattern_of(false)
+    }
+
+    fn assemble_mean(
+        &self,
+        middle: StateRef<'_>,
+        mean: StepMean,
+        w: Weights,
+        form: TangentForm,
+        assembler: &mut Assembler,
+    ) {
+        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
+        self.emit_mean_tangents(MeanStep { at: node_state(middle), mean }, w, form, &mut sink);
+        self.emit_law_tangents(middle, w, form, &mut sink);
     }
 
     fn turns_over(&self, from: &[f64], to: &[f64]) -> bool {

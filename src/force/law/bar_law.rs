@@ -7,7 +7,9 @@
 
 use crate::force::kernel::batch::{Batch, BufferReads, Elements, Kernel, Records};
 use crate::force::kernel::element_block::vector;
-use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
+use crate::force::law::curve::{MeanTension, Tension};
+use crate::force::law::mean_bar::MeanBar;
+use crate::force::{ForceTerm, MeanForce, MeanStep, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
 use crate::model::unit_vector::unit_vector;
@@ -79,6 +81,30 @@ impl BarData {
     }
 }
 
+/// [-] Changes of length over the rest length below which the tension at the mean length is the mean tension to rounding;
+/// the quotient of the energies would be less exact.
+const SHORT: f64 = 1e-5;
+
+impl BarData {
+    /// Bar `i` over a step; its law is any function.
+    fn mean_bar(&self, step: MeanStep<'_>, i: usize) -> MeanBar {
+        let rest = self.rest_length[i];
+        MeanBar::new(step.sides(self.nodes[i]), |lengths @ [l0, l1]| {
+            let [start, end] = lengths.map(|l| self.law.at(l, rest));
+            let way = l1 - l0;
+            let mean = if way.abs() > SHORT * rest.max(l0) {
+                let force = (end.energy - start.energy) / way;
+                MeanTension { force, slope: (end.tension - force) / way }
+            } else {
+                let middle = self.law.at(0.5 * (l0 + l1), rest);
+                MeanTension { force: middle.tension, slope: 0.5 * middle.stiffness }
+            };
+            let tension = |at: BarForce| Tension { force: at.tension, slope: at.stiffness, energy: at.energy };
+            mean.dissipating(lengths, [start, end].map(tension), step.mean.dissipation)
+        })
+    }
+}
+
 impl Kernel<2> for BarData {
     const READS: BufferReads = BufferReads { x: true, v: false };
 
@@ -109,11 +135,28 @@ impl ForceTerm for LawBars {
         self.kernel().emit(at, w.k, sink, |k| if form.convex { k.max(0.0) } else { k });
     }
 
+    fn mean(&self) -> Option<&dyn MeanForce> {
+        Some(self)
+    }
+
     fn add_stiffness(&self, nodes: &mut [f64]) {
         let data = self.kernel();
         for (ends, &rest) in data.nodes.iter().zip(&data.rest_length) {
             let k = data.law.at(rest, rest).stiffness.abs();
             ends.iter().for_each(|&node| nodes[node as usize] += k);
         }
+    }
+}
+
+impl MeanForce for LawBars {
+    fn add_mean(&self, step: MeanStep<'_>, f: &mut [Vector3<f64>]) -> Tally {
+        let data = self.kernel();
+        (0..).zip(&data.nodes).for_each(|(i, &nodes)| data.mean_bar(step, i).add(nodes, f));
+        Tally::default()
+    }
+
+    fn mean_tangent(&self, step: MeanStep<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
+        let data = self.kernel();
+        (0..).zip(&data.nodes).for_each(|(i, &nodes)| sink.edge(nodes, data.mean_bar(step, i).block(form) * w.k));
     }
 }

@@ -15,12 +15,15 @@
 //! three times this energy.) Equilateral triangles are a plate of Poisson's ratio -1/3 (Seung & Nelson 1988), so a
 //! narrow strip with free sides bends with 8/9 B; one of halves of squares with 4/5 B.
 //!
+//! The mean over a step ([`crate::force::MeanForce`]) is the force in its middle, or with dissipation that at
+//! x + chi h/2 v: the mean stress and chi/2 of its change.
+//!
 //! K is emitted as a sum over pairs of nodes: as the weights add up to 0, |y|^2 is the sum of -w_i w_j |x_i - x_j|^2
 //! over all pairs.
 
 use crate::force::kernel::batch::{Batch, BufferReads, Elements, Kernel, Records};
 use crate::force::kernel::element_block::{add, vector};
-use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
+use crate::force::{ForceTerm, MeanForce, MeanStep, NodeState, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
@@ -107,6 +110,10 @@ impl<const N: usize> ForceTerm for Bending<N> {
         true
     }
 
+    fn mean(&self) -> Option<&dyn MeanForce> {
+        Some(self)
+    }
+
     fn tangent(&self, _: NodeState<'_>, w: Weights, _: TangentForm, sink: &mut dyn TangentSink) {
         let data = self.kernel();
         for (nodes, BendingElement { weights, stiffness }) in data.nodes.iter().zip(&data.elements) {
@@ -126,6 +133,28 @@ impl<const N: usize> ForceTerm for Bending<N> {
                 nodes[node as usize] += stiffness * w * w;
             }
         }
+    }
+}
+
+impl<const N: usize> MeanForce for Bending<N> {
+    fn add_mean(&self, MeanStep { at, mean }: MeanStep<'_>, f: &mut [Vector3<f64>]) -> Tally {
+        let (data, ahead) = (self.kernel(), mean.dissipation * mean.half);
+        for (nodes, BendingElement { weights, stiffness }) in data.nodes.iter().zip(&data.elements) {
+            let [from, speed] = [at.x, at.v].map(|of| of[nodes[0] as usize]);
+            let mut y = Vector3::zeros();
+            for (&node, w) in nodes.iter().zip(weights) {
+                let node = node as usize;
+                y += ((at.x[node] - from) + (at.v[node] - speed) * ahead) * *w;
+            }
+            for (&node, w) in nodes.iter().zip(weights) {
+                f[node as usize] -= y * (stiffness * w);
+            }
+        }
+        Tally::default()
+    }
+
+    fn mean_tangent(&self, step: MeanStep<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
+        self.tangent(step.at, Weights { k: (1.0 + step.mean.dissipation) * w.k, ..w }, form, sink);
     }
 }
 

@@ -13,10 +13,11 @@ use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::star_batches::{AxialForce, AxialLaw, Measured};
 use crate::force::law::curve::{Bar, CurveKind, Tension};
 use crate::force::law::dashpot::{self, Damping};
-use crate::force::law::slack::{TensionLaw, tension, with_law};
+use crate::force::law::mean_bar::MeanBar;
+use crate::force::law::slack::{TensionLaw, mean_tension, pull, tension, with_law};
 use crate::force::law::spring::{Coefficient, Cut, SpringData, SpringsAt, Stretch};
 use crate::force::law::stretch::{InLocalBuffer, SpringLengths, largest};
-use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
+use crate::force::{ForceTerm, MeanForce, MeanStep, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::Real;
 use crate::model::spec::DashpotKind;
@@ -75,6 +76,35 @@ impl DampedSprings {
 
     fn kind(&self) -> Option<DashpotKind> {
         self.dashpots.as_ref().map(|dashpots| dashpots.kind)
+    }
+
+    /// Emits the elastic block of every spring, and those of dashpots at a state.
+    fn emit(
+        &self,
+        (at, w, form): (NodeState<'_>, Weights, TangentForm),
+        sink: &mut dyn TangentSink,
+        elastic_block: impl Fn(usize, (Stretch, Tension)) -> Matrix3<f64>,
+    ) {
+        let springs = &self.springs;
+        if self.cut.get() {
+            // The pattern of the matrix stays.
+            return springs.nodes.iter().for_each(|&nodes| sink.edge(nodes, Matrix3::zeros()));
+        }
+        let springs_at = springs.at(at.t, at.x);
+        for (i, &nodes) in springs.nodes.iter().enumerate() {
+            let elastic = elastic_state(springs, springs_at, i);
+            let mut block = elastic_block(i, elastic) * w.k;
+            if let Some(Dashpots { kind, coefficient }) = &self.dashpots {
+                let c = coefficient.at(i);
+                let axial = || axial_state(springs, elastic, at.v, (i, c));
+                block += match kind {
+                    DashpotKind::Relative => Matrix3::from_diagonal_element(w.c * c),
+                    DashpotKind::Axial if form.symmetric => axial().velocity_tangent(w),
+                    DashpotKind::Axial => axial().tangent(w),
+                };
+            }
+            sink.edge(nodes, block);
+        }
     }
 
     /// Adds the forces of the parts, one after the other, where rest lengths are times a factor. Returns also dE/ds,
@@ -294,27 +324,12 @@ impl ForceTerm for DampedSprings {
     /// For a spring B = (T/l)(I - n n^T) + (dT/dl) n n^T; the convex form has max(T, 0) in place of T. For an axial
     /// dashpot the symmetric form is c n n^T, the velocity part.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
-        let springs = &self.springs;
-        if self.cut.get() {
-            // The pattern of the matrix stays.
-            return springs.nodes.iter().for_each(|&nodes| sink.edge(nodes, Matrix3::zeros()));
-        }
-        let springs_at = springs.at(at.t, at.x);
-        for (i, &nodes) in springs.nodes.iter().enumerate() {
-            let elastic @ (stretch, t) = elastic_state(springs, springs_at, i);
-            let kept = |number: f64| if form.convex { number.max(0.0) } else { number };
-            let mut block = stretch.block(kept(t.force), kept(t.slope)) * w.k;
-            if let Some(Dashpots { kind, coefficient }) = &self.dashpots {
-                let c = coefficient.at(i);
-                let axial = || axial_state(springs, elastic, at.v, (i, c));
-                block += match kind {
-                    DashpotKind::Relative => Matrix3::from_diagonal_element(w.c * c),
-                    DashpotKind::Axial if form.symmetric => axial().velocity_tangent(w),
-                    DashpotKind::Axial => axial().tangent(w),
-                };
-            }
-            sink.edge(nodes, block);
-        }
+        let kept = |number: f64| if form.convex { number.max(0.0) } else { number };
+        self.emit((at, w, form), sink, |_, (stretch, t)| stretch.block(kept(t.force), kept(t.slope)));
+    }
+
+    fn mean(&self) -> Option<&dyn MeanForce> {
+        Some(self)
     }
 
     fn set_rest_lengths(&mut self, rest_length: &Arc<[f64]>) {
@@ -328,5 +343,41 @@ impl ForceTerm for DampedSprings {
                 nodes[node as usize] += self.springs.stiffness.at(i);
             }
         }
+    }
+}
+
+impl DampedSprings {
+    /// Spring `i` over a step, with the factor of the rest lengths in its middle.
+    fn mean_bar(&self, step: MeanStep<'_>, springs_at: SpringsAt<'_>, i: usize) -> MeanBar {
+        let (springs, bar) = (&self.springs, self.springs.bar(springs_at, i));
+        MeanBar::new(step.sides(springs.nodes[i]), |lengths| {
+            let e = lengths.map(|l| l - bar.l0);
+            mean_tension(&springs.curve, springs.slack, bar, e, step.mean.dissipation)
+        })
+    }
+}
+
+impl MeanForce for DampedSprings {
+    fn add_mean(&self, step: MeanStep<'_>, f: &mut [Vector3<f64>]) -> Tally {
+        let (springs, mut reeled) = (&self.springs, 0.0);
+        if self.cut.get() {
+            return Tally::default();
+        }
+        let springs_at = springs.at(step.at.t, step.at.x);
+        for (i, &nodes) in springs.nodes.iter().enumerate() {
+            let mean = self.mean_bar(step, springs_at, i);
+            mean.add(nodes, f);
+            if springs.rest_scale.is_some() {
+                let bar = springs.bar(springs_at, i);
+                let pulls = mean.lengths.map(|l| pull(&springs.curve, springs.slack, bar, l - bar.l0));
+                reeled += 0.5 * (pulls[0] + pulls[1]) * springs.rest_length[i];
+            }
+        }
+        Tally { energy: 0.0, power: reeled }
+    }
+
+    fn mean_tangent(&self, step: MeanStep<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
+        let springs_at = self.springs.at(step.at.t, step.at.x);
+        self.emit((step.at, w, form), sink, |i, _| self.mean_bar(step, springs_at, i).block(form));
     }
 }
