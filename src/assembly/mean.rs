@@ -89,8 +89,9 @@ impl TangentSystem for MeanSystem<'_> {
         self.write(at, w, TangentForm::EXACT, assembler);
     }
 
+    /// Symmetric too, so that its directions lead downhill: along them the residual falls as that of a potential does.
     fn assemble_convex(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
-        self.write(at, w, TangentForm { convex: true, symmetric: false }, assembler);
+        self.write(at, w, TangentForm { convex: true, symmetric: true }, assembler);
     }
 
     fn symmetric_assembler(&self) -> Result<Option<Assembler>, PatternError> {

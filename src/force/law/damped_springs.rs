@@ -14,7 +14,7 @@ use crate::force::kernel::star_batches::{AxialForce, AxialLaw, Measured};
 use crate::force::law::curve::{Bar, CurveKind, Tension};
 use crate::force::law::dashpot::{self, Damping};
 use crate::force::law::mean_bar::MeanBar;
-use crate::force::law::slack::{TensionLaw, mean_tension, pull, tension, with_law};
+use crate::force::law::slack::{TensionLaw, tension, with_law};
 use crate::force::law::spring::{Coefficient, Cut, SpringData, SpringsAt, Stretch};
 use crate::force::law::stretch::{InLocalBuffer, SpringLengths, largest};
 use crate::force::{ForceTerm, MeanForce, MeanStep, NodeState, TangentForm, TangentSink, outer};
@@ -348,36 +348,42 @@ impl ForceTerm for DampedSprings {
 
 impl DampedSprings {
     /// Spring `i` over a step, with the factor of the rest lengths in its middle.
-    fn mean_bar(&self, step: MeanStep<'_>, springs_at: SpringsAt<'_>, i: usize) -> MeanBar {
-        let (springs, bar) = (&self.springs, self.springs.bar(springs_at, i));
-        MeanBar::new(step.sides(springs.nodes[i]), |lengths| {
-            let e = lengths.map(|l| l - bar.l0);
-            mean_tension(&springs.curve, springs.slack, bar, e, step.mean.dissipation)
+    fn mean_bar(&self, law: &impl TensionLaw, (step, at): (MeanStep<'_>, SpringsAt<'_>), i: usize) -> MeanBar {
+        let bar = self.springs.bar(at, i);
+        MeanBar::new(step.sides(self.springs.nodes[i]), |lengths| {
+            law.mean_with(bar, lengths.map(|l| l - bar.l0), step.mean.dissipation)
         })
+    }
+
+    /// Adds their mean forces. Returns dE/ds, negative [J], where rest lengths are times a factor.
+    fn add_means(&self, law: &impl TensionLaw, step: MeanStep<'_>, f: &mut [Vector3<f64>]) -> f64 {
+        let (springs, at, mut reeled) = (&self.springs, self.springs.at(step.at.t, step.at.x), 0.0);
+        for (i, &nodes) in springs.nodes.iter().enumerate() {
+            let mean = self.mean_bar(law, (step, at), i);
+            mean.add(nodes, f);
+            if springs.rest_scale.is_some() {
+                let bar = springs.bar(at, i);
+                let [start, end] = mean.lengths.map(|l| law.pull(bar, l - bar.l0));
+                reeled += 0.5 * (start + end) * springs.rest_length[i];
+            }
+        }
+        reeled
     }
 }
 
 impl MeanForce for DampedSprings {
     fn add_mean(&self, step: MeanStep<'_>, f: &mut [Vector3<f64>]) -> Tally {
-        let (springs, mut reeled) = (&self.springs, 0.0);
-        if self.cut.get() {
-            return Tally::default();
-        }
-        let springs_at = springs.at(step.at.t, step.at.x);
-        for (i, &nodes) in springs.nodes.iter().enumerate() {
-            let mean = self.mean_bar(step, springs_at, i);
-            mean.add(nodes, f);
-            if springs.rest_scale.is_some() {
-                let bar = springs.bar(springs_at, i);
-                let pulls = mean.lengths.map(|l| pull(&springs.curve, springs.slack, bar, l - bar.l0));
-                reeled += 0.5 * (pulls[0] + pulls[1]) * springs.rest_length[i];
-            }
-        }
-        Tally { energy: 0.0, power: reeled }
+        let power = match self.cut.get() {
+            true => 0.0,
+            false => with_law!(&self.springs.curve, self.springs.slack, law => self.add_means(&law, step, f)),
+        };
+        Tally { energy: 0.0, power }
     }
 
     fn mean_tangent(&self, step: MeanStep<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
-        let springs_at = self.springs.at(step.at.t, step.at.x);
-        self.emit((step.at, w, form), sink, |i, _| self.mean_bar(step, springs_at, i).block(form));
+        let at = self.springs.at(step.at.t, step.at.x);
+        with_law!(&self.springs.curve, self.springs.slack, law => {
+            self.emit((step.at, w, form), sink, |i, _| self.mean_bar(&law, (step, at), i).block(form));
+        });
     }
 }

@@ -17,7 +17,6 @@ pub(in crate::force) struct MeanBar {
     middle: Vector3<f64>,
     /// [m] l, the mean length
     mean_length: f64,
-    /// n_1
     end: Vector3<f64>,
     tension: MeanTension,
 }
@@ -26,13 +25,7 @@ impl MeanBar {
     /// From the vectors [m] between its ends at the start, in the middle and at the end of the step, and the law.
     pub fn new([start, middle, end]: [Vector3<f64>; 3], tension: impl FnOnce([f64; 2]) -> MeanTension) -> Self {
         let lengths = [start, end].map(|d| d.norm());
-        MeanBar {
-            lengths,
-            middle,
-            mean_length: 0.5 * (lengths[0] + lengths[1]),
-            end: end.try_normalize(0.0).unwrap_or_default(),
-            tension: tension(lengths),
-        }
+        MeanBar { lengths, middle, mean_length: 0.5 * (lengths[0] + lengths[1]), end, tension: tension(lengths) }
     }
 
     /// T/l; 0 for an element without a length.
@@ -53,7 +46,9 @@ impl MeanBar {
         let (across, along) = (kept(self.over_length()), kept(2.0 * self.tension.slope));
         let [left, right] = match form.symmetric {
             true => [self.middle.try_normalize(0.0).unwrap_or_default(); 2],
-            false if self.mean_length > 0.0 => [self.middle / self.mean_length, self.end],
+            false if self.mean_length > 0.0 => {
+                [self.middle / self.mean_length, self.end.try_normalize(0.0).unwrap_or_default()]
+            }
             false => [Vector3::zeros(); 2],
         };
         Matrix3::from_diagonal_element(across) + outer(left, right) * (along - across)

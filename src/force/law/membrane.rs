@@ -387,9 +387,8 @@ impl ForceTerm for Membrane {
     }
 
     fn add_stiffness(&self, nodes: &mut [f64]) {
-        let Sheet { poisson, compliance, .. } = self.data.sheet;
         let [one, two] = self.data.squares();
-        let largest = one.max(two) * (1.0 / (1.0 - poisson.abs())).max(2.0 / compliance);
+        let largest = one.max(two) * self.data.sheet.stiffest();
         for (corners, shape) in self.data.triangles.iter().zip(self.data.shapes.iter()) {
             for (&node, g) in corners.iter().zip(shape.gradients()) {
                 nodes[node as usize] += shape.area * g.norm_squared() * largest;

@@ -14,6 +14,12 @@ pub trait TensionLaw: Copy + Send + Sync {
     /// As [`Curve::mean`].
     fn mean(&self, bar: Bar, between: [f64; 2]) -> MeanTension;
 
+    /// The same with the dissipation chi [-] inside of elements ([`crate::force::MeanForce`]).
+    fn mean_with(&self, bar: Bar, between: [f64; 2], chi: f64) -> MeanTension {
+        let mean = self.mean(bar, between);
+        if chi == 0.0 { mean } else { mean.dissipating(between, between.map(|e| self.at(bar, e)), chi) }
+    }
+
     /// As [`Curve::pull`].
     fn pull<R: Real>(&self, bar: Bar<R>, e: R) -> R;
 
@@ -189,22 +195,6 @@ pub(in crate::force) use with_law;
 /// The law of any springs, when speed does not matter.
 pub fn tension(curve: &CurveKind, slack: Slack, bar: Bar, e: f64) -> Tension {
     with_law!(curve, slack, law => law.at(bar, e))
-}
-
-/// As [`Curve::pull`], for any springs.
-pub fn pull(curve: &CurveKind, slack: Slack, bar: Bar, e: f64) -> f64 {
-    with_law!(curve, slack, law => law.pull(bar, e))
-}
-
-/// The mean tension of any springs between two elongations [m], with the dissipation chi [-] ([`crate::force::MeanForce`]).
-pub fn mean_tension(curve: &CurveKind, slack: Slack, bar: Bar, e: [f64; 2], dissipation: f64) -> MeanTension {
-    with_law!(curve, slack, law => {
-        let mean = law.mean(bar, e);
-        if dissipation == 0.0 {
-            return mean;
-        }
-        mean.dissipating(e, e.map(|e| law.at(bar, e)), dissipation)
-    })
 }
 
 #[cfg(test)]

@@ -170,6 +170,11 @@ impl Sheet {
         Uniaxial { cos: found.cos * sign(d), sin: found.sin * sign(g), ..found }
     }
 
+    /// [-] Bound of all eigenvalues of C^-1 for tensors.
+    pub fn stiffest(&self) -> f64 {
+        (1.0 / (1.0 - self.poisson.abs())).max(2.0 / self.compliance)
+    }
+
     /// What it is at a strain.
     pub fn wrinkling(&self, e: Voigt) -> Wrinkling {
         if !self.wrinkles || smallest_principal(self.full(e)) >= 0.0 {
