@@ -60,10 +60,10 @@ pub trait TangentSystem: System {
         let _ = (at, weights, convex, assembler);
     }
 
-    /// Overwrites `out` with the forces of a step as an energy-momentum method has them, from the state in its middle:
-    /// elastic forces are discrete gradients of their energies V between both ends (Gonzalez 1996), and all others those
-    /// in the middle. The work of the elastic forces over the step is exactly the change of V, plus what is
-    /// dissipated inside of elements. Their energies are not found.
+    /// Overwrites `out` with the forces of a step as an energy-momentum method has them, from the state in its middle.
+    /// Elastic forces are discrete gradients of their energies V between both ends (Gonzalez 1996), all others those in
+    /// the middle. The work of the elastic forces over the step is exactly the loss of V, less what is dissipated
+    /// inside of elements. Their energies are not found.
     fn mean_forces(&self, middle: StateRef<'_>, mean: StepMean, out: &mut Forces);
 
     /// The pattern of [`TangentSystem::assemble_mean`] in its exact forms.
@@ -74,8 +74,8 @@ pub trait TangentSystem: System {
         self.assembler()
     }
 
-    /// Writes the tangent of the [mean forces](TangentSystem::mean_forces) f, w.m M - w.k df/dx - w.c df/dv, where df/dx
-    /// belongs to a middle that moves while the start of the step stays. It is not symmetric but in the symmetric form,
+    /// Writes the tangent of the [mean forces](TangentSystem::mean_forces) f, w.m M - w.k df/dx - w.c df/dv. df/dx is
+    /// that of a middle which moves while the start of the step stays. It is symmetric in the symmetric form only,
     /// whose pattern is that of [`TangentSystem::symmetric_assembler`].
     fn assemble_mean(
         &self,

@@ -6,8 +6,8 @@
 //! -f . (x_1 - x_0) = V(x_1) - V(x_0) + D,   D >= 0          sum f = 0,  sum x f^T symmetric
 //! ```
 //! D = 0 without dissipation. With chi > 0, chi/2 of the change of the stress s over the step is added to its mean
-//! (Armero & Romero 2001, their internal dissipation of first order): D = chi/2 (s_1 - s_0) . (e_1 - e_0), which is never
-//! negative, as the stress grows with the strain e.
+//! (Armero & Romero 2001, their internal dissipation of first order): D = chi/2 (s_1 - s_0) . (e_1 - e_0), which is
+//! never negative, as the stress grows with the strain e.
 
 use super::{NodeState, TangentForm, TangentSink};
 use crate::model::forces::Tally;
@@ -39,7 +39,7 @@ pub trait MeanForce {
     /// [power](Tally::power).
     fn add_mean(&self, step: MeanStep<'_>, f: &mut [Vector3<f64>]) -> Tally;
 
-    /// As [`ForceTerm::tangent`](super::ForceTerm::tangent), for all parts: -df/dx is that of a middle which moves while
-    /// x_0 stays, and of other parts than the elastic one that in the middle.
+    /// As [`ForceTerm::tangent`](super::ForceTerm::tangent), for all parts. -df/dx is that of a middle which moves
+    /// while x_0 stays; other parts than the elastic one have that in the middle.
     fn mean_tangent(&self, step: MeanStep<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink);
 }

@@ -46,7 +46,7 @@ pub struct Network {
     /// of every part of every term
     pub(super) infos: Vec<TermInfo>,
     /// sum of every part of every term, and its place among these
-    parts: Vec<[Option<PartTarget>; PARTS]>,
+    pub(super) parts: Vec<[Option<PartTarget>; PARTS]>,
     pub(super) springs: Vec<SpringBatch>,
     pub(super) membranes: Vec<MembraneBatch>,
     /// whether some edge has several springs
@@ -63,7 +63,7 @@ pub struct Network {
     couples_blocks: bool,
     /// air that canopies take along
     pub(super) apparent: Vec<ApparentMass>,
-    sweep: Sweep,
+    pub(super) sweep: Sweep,
     pub(super) threads: Threads,
     /// the user's mesh, for pictures
     pub(super) mesh: Mesh,
@@ -241,10 +241,7 @@ impl Network {
             let sums = [&mut *total, &mut *external, dissipative];
             match mean {
                 None => self.sweep.pass((self, node_state(at)), &self.threads, sums, own),
-                Some(mean) => {
-                    self.sweep.pass((&WithoutMeans(self), node_state(at)), &self.threads, sums, own);
-                    self.add_means(MeanStep { at: node_state(at), mean }, total, own);
-                }
+                Some(mean) => self.mean_pass(MeanStep { at: node_state(at), mean }, sums, own),
             }
             if let Some(tally) = outside.first_mut() {
                 *tally = self.add_laws(at, [&mut *total, &mut *external]);
@@ -252,15 +249,6 @@ impl Network {
             self.add_apparent(node_state(at), [total, external], own);
         });
         self.add_supports(at, out);
-    }
-
-    /// Adds the elastic forces [N] that are means over a step, element by element.
-    fn add_means(&self, step: MeanStep<'_>, total: &mut [Vector3<f64>], tallies: &mut [Tally]) {
-        for (term, parts) in self.terms.iter().zip(&self.parts) {
-            if let (Some(mean), Some(part)) = (term.mean(), parts[0]) {
-                tallies[part.tally] = mean.add_mean(step, total);
-            }
-        }
     }
 
     /// A pass over all terms, with the forces at fixed degrees of freedom turned into reactions.
@@ -318,27 +306,6 @@ impl Terms for Network {
 
     fn is_position_only(&self) -> bool {
         self.infos.iter().all(|info| sum_of_role(info.role) > 0 || !info.velocity_dependent)
-    }
-}
-
-/// The terms without elastic parts that are means over a step.
-struct WithoutMeans<'a>(&'a Network);
-
-impl Terms for WithoutMeans<'_> {
-    fn count(&self) -> usize {
-        self.0.count()
-    }
-
-    fn tallies(&self) -> usize {
-        self.0.tallies()
-    }
-
-    fn term(&self, i: usize) -> Term<'_> {
-        let Term { forces, mut parts } = self.0.term(i);
-        if self.0.terms[i].mean().is_some() {
-            parts[0] = None;
-        }
-        Term { forces, parts }
     }
 }
 

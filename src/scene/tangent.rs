@@ -28,16 +28,6 @@ impl Network {
         self.force_terms().flat_map(move |term| (0..numbers(term)).map(move |number| (term, number)))
     }
 
-    /// The tangents of [`Network::emit_tangents`], with elastic forces that are means over a step.
-    fn emit_mean_tangents(&self, step: MeanStep<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
-        for term in &self.terms {
-            match term.mean() {
-                Some(mean) => mean.mean_tangent(step, w, form, sink),
-                None => term.tangent(step.at, w, form, sink),
-            }
-        }
-    }
-
     fn assemble_form(&self, at: StateRef<'_>, w: Weights, form: TangentForm, assembler: &mut Assembler) {
         let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
         self.emit_tangents(at, w, form, &mut sink);

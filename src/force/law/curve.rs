@@ -58,7 +58,8 @@ pub trait Curve: Copy + Send + Sync {
     /// Tension, slope and energy at elongation `e` [m].
     fn at<R: Real>(&self, bar: Bar<R>, e: R) -> Tension<R>;
 
-    /// The mean tension between two elongations [m], (E_1 - E_0)/(e_1 - e_0), without the cancellation of this quotient.
+    /// The mean tension between two elongations [m], (E_1 - E_0)/(e_1 - e_0), without the cancellation of this
+    /// quotient.
     fn mean(&self, bar: Bar, between: [f64; 2]) -> MeanTension;
 
     /// [N] -dE/dl0 at a fixed length and stiffness: the work of reeling in. `tension` is that at elongation `e` [m].
@@ -127,8 +128,8 @@ pub struct Kink {
 }
 
 impl Kink {
-    /// Its share (p_1^2 - p_0^2)/(2 (r_1 - r_0)) in the mean of phi between two strains, and the derivative by r_1; p is
-    /// how far a strain is beyond it.
+    /// Its share (p_1^2 - p_0^2)/(2 (r_1 - r_0)) in the mean of phi between two strains, and the derivative by r_1. p
+    /// is how far a strain is beyond it.
     fn mean(&self, [r0, r1]: [f64; 2]) -> [f64; 2] {
         let [p0, p1] = [r0, r1].map(|r| ((r - self.at) * self.side).max(0.0));
         let share = |p: f64| p / (r1 - r0).abs();

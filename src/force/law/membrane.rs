@@ -178,8 +178,8 @@ impl MembraneData {
         [strain, total]
     }
 
-    /// Blocks of `w.c C + w.k K` of triangle `i`, elastic and damping parts together; the elastic one is a mean over the
-    /// step around the state, if one is given.
+    /// Blocks of `w.c C + w.k K` of triangle `i`, elastic and damping parts together. The elastic one is a mean over
+    /// the step around the state, if one is given.
     fn blocks(
         &self,
         i: usize,
@@ -387,8 +387,9 @@ impl ForceTerm for Membrane {
     }
 
     fn add_stiffness(&self, nodes: &mut [f64]) {
+        let Sheet { poisson, compliance, .. } = self.data.sheet;
         let [one, two] = self.data.squares();
-        let largest = one.max(two) * self.data.sheet.stiffest();
+        let largest = one.max(two) * (1.0 / (1.0 - poisson.abs())).max(2.0 / compliance);
         for (corners, shape) in self.data.triangles.iter().zip(self.data.shapes.iter()) {
             for (&node, g) in corners.iter().zip(shape.gradients()) {
                 nodes[node as usize] += shape.area * g.norm_squared() * largest;

@@ -170,9 +170,9 @@ impl Sheet {
         Uniaxial { cos: found.cos * sign(d), sin: found.sin * sign(g), ..found }
     }
 
-    /// [-] Bound of all eigenvalues of C^-1 for tensors.
-    pub fn stiffest(&self) -> f64 {
-        (1.0 / (1.0 - self.poisson.abs())).max(2.0 / self.compliance)
+    /// C^-1 E, with compression.
+    pub fn taut_stress(&self, strain: Voigt) -> Voigt {
+        self.full(strain)
     }
 
     /// What it is at a strain.

@@ -13,7 +13,7 @@ const NUMBERS: [f64; 40] = [
 const WORDS: [&str; 37] = [
     "all", "boundary", "interior", "seams", "lines", "outer", "inner", "xyz", "z", "xy", "tension-only", "step", "corrected", "paper",
     "follower", "dead", "explicit-euler", "euler-cromer", "euler-richardson", "improved-euler", "improved-euler-pec",
-    "velocity-verlet", "rk4", "newmark", "hht", "kang", "backward-euler", "generalized-alpha", "esdirk4", "full", "auto", "lu", "cholesky", "cg",
+    "velocity-verlet", "rk4", "newmark", "hht", "kang", "backward-euler", "generalized-alpha", "esdirk4", "energy-momentum", "full", "auto", "lu", "cholesky", "cg",
     "crossed", "regular", "velocity", "tension",
 ];
 

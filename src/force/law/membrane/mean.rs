@@ -1,23 +1,32 @@
-//! The mean force of a membrane over a step (Simo & Tarnow 1992), with Gonzalez' correction (1996) where it wrinkles.
+//! The mean force of a membrane over a step (Simo & Tarnow 1992), also where it wrinkles.
 //!
 //! ```text
 //! f_a = -A0 F S g_a,     F = (F_0 + F_1)/2,   dE = E_1 - E_0,   sum of -f . dx = A0 S : dE
-//! S   = (S_0 + S_1)/2 + k dE,     k = 1/2 (S_1 : E_0 - S_0 : E_1)/(dE : dE)
+//! S   = integral of S(E_0 + s dE) over s from 0 to 1,      dS/dE_1 = integral of s S'(E_0 + s dE)
 //! K_ab = A0 [(g_a . S g_b) I + 2 B_a^T (dS/dE_1) B_1b]       B at F, B_1 at F_1
 //! ```
-//! W is homogeneous, 1/2 S : E, so that A0 S : dE is the change of energy. Between two taut states k = 0. As W is convex
-//! with a largest second derivative C, |k| <= C/8: where rounding says more, the strain has hardly changed.
+//! The integral is the change of W, and its tangent is symmetric and positive semidefinite, as W is convex. It is cut
+//! where the line crosses the cones of taut and of slack strains. There S is linear; between them, in wrinkles, it is
+//! summed at five points (Gauss), and what W has more or less than that sum is added along dE (Gonzalez 1996).
 
 use super::{Membrane, MembraneData, strain_along};
-use crate::force::law::tension_field::{Voigt, Wrinkling};
+use crate::force::law::tension_field::{Sheet, Voigt, Wrinkling};
 use crate::force::{MeanForce, MeanStep, TangentForm, TangentSink};
 use crate::model::forces::Tally;
 use crate::model::system::{StepMean, Weights};
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector3};
 
-/// [-] Change of strain over strain below which a wrinkled triangle, whose stress is smooth, has no correction: it
-/// would be rounding.
-const STILL: f64 = 1e-6;
+/// [-] Change of strain over strain below which the sum at five points is the integral to rounding.
+const STILL: f64 = 1e-2;
+
+/// Gauss' points in an interval, and their weights. With fewer the tangent would miss how the cuts move.
+const GAUSS: [[f64; 2]; 5] = [
+    [0.046_910_077_030_668, 0.118_463_442_528_094_5],
+    [0.230_765_344_947_158_5, 0.239_314_335_249_683_2],
+    [0.5, 0.284_444_444_444_444_4],
+    [0.769_234_655_052_841_5, 0.239_314_335_249_683_2],
+    [0.953_089_922_969_332, 0.118_463_442_528_094_5],
+];
 
 /// Stress of a triangle over a step, in scaled axes.
 pub(super) struct MeanSheet {
@@ -29,17 +38,21 @@ pub(super) struct MeanSheet {
     pub symmetric: Matrix3<f64>,
 }
 
-/// Two strains, their stresses, and their difference.
-struct Ends {
-    strain: [Voigt; 2],
-    stress: [Voigt; 2],
+/// The strains of a step.
+struct Way<'a> {
+    data: &'a MembraneData,
+    ends: [Voigt; 2],
     /// dE
     change: Voigt,
+}
+
+/// What is added along dE.
+struct Correction {
+    k: f64,
     /// dE : dE
     square: f64,
-    k: f64,
-    /// whether k follows the strain
-    exact: bool,
+    /// S without it
+    sum: Voigt,
 }
 
 fn dot(a: Voigt, b: Voigt) -> f64 {
@@ -51,46 +64,105 @@ fn tensor([e11, e22, twice]: Voigt) -> Voigt {
     [e11, e22, 0.5 * twice]
 }
 
-impl Ends {
-    fn mean(&self, dissipation: f64) -> Voigt {
-        let ([s0, s1], d) = (self.stress, tensor(self.change));
-        [0, 1, 2].map(|j| 0.5 * (s0[j] + s1[j]) + self.k * d[j] + 0.5 * dissipation * (s1[j] - s0[j]))
+/// Where the determinant of a + s b, two symmetric tensors, is 0 for s in (0, 1); 1 for what there is not.
+fn zeros([a11, a22, a12]: Voigt, [b11, b22, b12]: Voigt) -> [f64; 2] {
+    let (c, half, a) = (a11 * a22 - a12 * a12, 0.5 * (a11 * b22 + a22 * b11) - a12 * b12, b11 * b22 - b12 * b12);
+    let root = (half * half - a * c).max(0.0).sqrt();
+    let q = -(half + root.copysign(half));
+    [q / a, c / q].map(|s| if s > 0.0 && s < 1.0 { s } else { 1.0 })
+}
+
+impl Way<'_> {
+    fn at(&self, s: f64) -> Voigt {
+        [0, 1, 2].map(|j| self.ends[0][j] + s * self.change[j])
+    }
+
+    /// Shows points s of the way from 0 to 1, their strains, and their weights in the mean of a stress.
+    fn each(&self, mut visit: impl FnMut(f64, Voigt, f64)) {
+        let sheet: &Sheet = &self.data.sheet;
+        let state = |s: f64| sheet.wrinkling(self.at(s));
+        let [start, end] = self.ends.map(|strain| sheet.wrinkling(strain));
+        if start == end && start != Wrinkling::Wrinkled {
+            // The two cones are convex.
+            return visit(0.5, self.at(0.5), 1.0);
+        }
+        let [taut, slack] = [
+            zeros(sheet.taut_stress(self.ends[0]), sheet.taut_stress(self.change)),
+            zeros(tensor(self.ends[0]), tensor(self.change)),
+        ];
+        let mut cuts = [0.0, taut[0], taut[1], slack[0], slack[1], 1.0];
+        cuts.sort_by(f64::total_cmp);
+        for cut in cuts.windows(2).filter(|cut| cut[1] > cut[0]) {
+            let (from, length) = (cut[0], cut[1] - cut[0]);
+            let middle = from + 0.5 * length;
+            match state(middle) {
+                Wrinkling::Slack => {}
+                Wrinkling::Taut => visit(middle, self.at(middle), length),
+                Wrinkling::Wrinkled => {
+                    for [x, weight] in GAUSS {
+                        let s = from + x * length;
+                        visit(s, self.at(s), weight * length);
+                    }
+                }
+            }
+        }
+    }
+
+    /// S without dissipation, and what was added for it.
+    fn stress(&self) -> (Voigt, Option<Correction>) {
+        let mut sum = [0.0; 3];
+        self.each(|_, strain, weight| {
+            let stress = self.data.sheet.stress(strain);
+            sum.iter_mut().zip(stress).for_each(|(sum, stress)| *sum += weight * stress);
+        });
+        let ([e0, e1], d) = (self.ends, tensor(self.change));
+        let square = dot(d, self.change);
+        let still = STILL * STILL * dot(tensor(e0), e0).max(dot(tensor(e1), e1));
+        if !self.data.sheet.wrinkles || square <= still {
+            return (sum, None);
+        }
+        // W is homogeneous: 1/2 S : E.
+        let [w0, w1] = self.ends.map(|strain| 0.5 * dot(self.data.sheet.stress(strain), strain));
+        let k = ((w1 - w0) - dot(sum, self.change)) / square;
+        ([0, 1, 2].map(|j| sum[j] + k * d[j]), Some(Correction { k, square, sum }))
+    }
+
+    fn with_dissipation(&self, stress: Voigt, chi: f64) -> Voigt {
+        if chi == 0.0 {
+            return stress;
+        }
+        let [s0, s1] = self.ends.map(|strain| self.data.sheet.stress(strain));
+        [0, 1, 2].map(|j| stress[j] + 0.5 * chi * (s1[j] - s0[j]))
     }
 }
 
 impl MembraneData {
-    /// The ends of a step at whose middle a triangle has this deformation and this rate of it.
-    fn ends(&self, [f, rate]: [&Matrix3x2<f64>; 2], half: f64) -> Ends {
+    /// The step at whose middle a triangle has this deformation and this rate of it.
+    fn way(&self, [f, rate]: [&Matrix3x2<f64>; 2], half: f64) -> Way<'_> {
         let by = rate * half;
-        let strain @ [e0, e1] = [f - by, f + by].map(|f| self.strain(&f));
-        let stress @ [s0, s1] = [e0, e1].map(|strain| self.sheet.stress(strain));
-        let change = strain_along([f, &by]).map(|e| 2.0 * e);
-        let square = dot(tensor(change), change);
-        let mut ends = Ends { strain, stress, change, square, k: 0.0, exact: false };
-        let still = || square <= STILL * STILL * dot(tensor(e0), e0).max(dot(tensor(e1), e1));
-        match strain.map(|strain| self.sheet.wrinkling(strain)) {
-            [Wrinkling::Taut, Wrinkling::Taut] | [Wrinkling::Slack, Wrinkling::Slack] => {}
-            [Wrinkling::Wrinkled, Wrinkling::Wrinkled] if still() => {}
-            _ if square > 0.0 => {
-                let (k, largest) = (0.5 * (dot(s1, e0) - dot(s0, e1)) / square, self.sheet.stiffest() / 8.0);
-                (ends.k, ends.exact) = (k.clamp(-largest, largest), k.abs() <= largest);
-            }
-            _ => {}
-        }
-        ends
+        let ends = [f - by, f + by].map(|f| self.strain(&f));
+        Way { data: self, ends, change: strain_along([f, &by]).map(|e| 2.0 * e) }
     }
 
     /// The stress of a triangle over a step, with its tangents.
     pub(super) fn mean_sheet(&self, f: [&Matrix3x2<f64>; 2], mean: StepMean) -> MeanSheet {
-        let ends = self.ends(f, mean.half);
-        let [c0, c1] = ends.strain.map(|strain| self.stiffness(strain));
-        let (grown, k) = (1.0 + mean.dissipation, ends.k);
-        let mut exact = c1 * grown + Matrix3::from_diagonal(&Vector3::new(2.0 * k, 2.0 * k, k));
-        if ends.exact {
-            let [d, e0, s0] = [tensor(ends.change), ends.strain[0], ends.stress[0]].map(Vector3::from);
-            exact += d * (c1 * e0 - s0 - 4.0 * k * d).transpose() / ends.square;
+        let way = self.way(f, mean.half);
+        let mut symmetric = Matrix3::zeros();
+        way.each(|s, strain, weight| symmetric += self.stiffness(strain) * (2.0 * s * weight));
+        let (stress, correction) = way.stress();
+        let mut exact = symmetric;
+        if let Some(Correction { k, square, sum }) = correction {
+            let [d, change, sum, end] =
+                [tensor(way.change), way.change, sum, self.sheet.stress(way.ends[1])].map(Vector3::from);
+            let slope = 2.0 * (end - sum) - symmetric * change - 4.0 * k * d;
+            exact += Matrix3::from_diagonal(&Vector3::new(2.0 * k, 2.0 * k, k)) + d * slope.transpose() / square;
         }
-        MeanSheet { stress: ends.mean(mean.dissipation), exact, symmetric: (c0 + c1) * (0.5 * grown) }
+        if mean.dissipation > 0.0 {
+            let damping = self.stiffness(way.ends[1]) * mean.dissipation;
+            exact += damping;
+            symmetric += damping;
+        }
+        MeanSheet { stress: way.with_dissipation(stress, mean.dissipation), exact, symmetric }
     }
 }
 
@@ -98,7 +170,8 @@ impl MeanForce for Membrane {
     fn add_mean(&self, MeanStep { at, mean }: MeanStep<'_>, f: &mut [Vector3<f64>]) -> Tally {
         for (i, nodes) in self.data.triangles.iter().enumerate() {
             let [middle, rate] = [at.x, at.v].map(|of| self.data.deformation(i, of));
-            let [s11, s22, s12] = self.data.ends([&middle, &rate], mean.half).mean(mean.dissipation);
+            let way = self.data.way([&middle, &rate], mean.half);
+            let [s11, s22, s12] = way.with_dissipation(way.stress().0, mean.dissipation);
             let shape = &self.data.shapes[i];
             let force = middle * (Matrix2::new(s11, s12, s12, s22) * -shape.area);
             for (&node, g) in nodes.iter().zip(shape.gradients()) {
