@@ -17,10 +17,10 @@
 //!
 //! The mean over a step ([`crate::force::MeanForce`]) is the force at y in its middle, with dissipation times 1 + c:
 //! ```text
-//! c = chi (|y_1| - |y_0|)/(|y_1| + |y_0|)        D = k/2 chi (|y_1| - |y_0|)^2        y is that of a spring of no length
+//! c = chi (|y_1| - |y_0|)/(|y_1| + |y_0|)        D = k/2 chi (|y_1| - |y_0|)^2
 //! K_ij = w_i w_j B,     B = k [(1 + c) I + 4 chi |y_0|/(|y_1| + |y_0|)^2 y n_1^T],      n_1 = y_1/|y_1|
 //! ```
-//! Along y it turns nothing.
+//! So it is a spring of no length with the ends of y, and turns nothing.
 //!
 //! K is emitted as a sum over pairs of nodes: as the weights add up to 0, |y|^2 is the sum of -w_i w_j |x_i - x_j|^2
 //! over all pairs.
