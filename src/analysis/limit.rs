@@ -178,6 +178,7 @@ mod tests {
             ("newmark", Some(("gamma", 0.6))),
             ("hht", Some(("alpha", 0.0))),
             ("generalized-alpha", Some(("rho_inf", 1.0))),
+            ("energy-momentum", Some(("dissipation", 0.5))),
         ];
         let given = |p: Option<(&str, f64)>| p.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
         plain.chain(other).map(|(name, p)| MethodChoice::new(name, &given(p)).unwrap()).collect()
@@ -315,7 +316,7 @@ mod tests {
     #[test]
     fn unconditionally_stable_methods_have_no_limit_and_linear_acceleration_has_its_own() {
         let rates = Rates { frequency: 10.0, damping: 0.0, ..Default::default() };
-        for name in ["newmark", "hht", "backward-euler", "generalized-alpha", "esdirk4"] {
+        for name in ["newmark", "hht", "backward-euler", "generalized-alpha", "esdirk4", "energy-momentum"] {
             let method = MethodChoice::with_defaults(name).unwrap();
             assert_eq!(critical_step(&method, rates), f64::INFINITY, "{name}");
         }

@@ -1,9 +1,10 @@
 //! A damped oscillator m x'' = -k x - c x', m = 1: what a scheme's stability is tried on.
 
 use crate::assembly::{Assembler, PatternError, TangentSystem};
+use crate::force::TangentForm;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::state::{State, StateRef};
-use crate::model::system::{System, TermInfo, Weights};
+use crate::model::system::{StepMean, System, TermInfo, Weights};
 
 const SPRING: TermInfo = TermInfo::of("spring", Role::Elastic);
 const DAMPING: TermInfo = TermInfo { name: "damping", role: Role::Dissipative, velocity_dependent: true, ..SPRING };
@@ -72,6 +73,22 @@ impl TangentSystem for Oscillator {
 
     fn assemble(&self, _at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
         assembler.values_mut()[0] = w.m + w.c * self.c + w.k * self.k;
+    }
+
+    fn mean_forces(&self, middle: StateRef<'_>, mean: StepMean, out: &mut Forces) {
+        self.evaluate(middle, out);
+        out.total[0] -= self.k * mean.dissipation * mean.half * middle.v[0];
+    }
+
+    fn assemble_mean(
+        &self,
+        middle: StateRef<'_>,
+        mean: StepMean,
+        w: Weights,
+        _: TangentForm,
+        assembler: &mut Assembler,
+    ) {
+        self.assemble(middle, Weights { k: (1.0 + mean.dissipation) * w.k, ..w }, assembler);
     }
 
     fn nodal_stiffness(&self) -> Vec<f64> {

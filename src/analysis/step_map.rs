@@ -8,6 +8,7 @@ use super::modes::ModeShape;
 use super::operators::{Linearised, Matrices};
 use super::vectors::norm;
 use crate::assembly::{Assembler, PatternError, SceneInterfaces, TangentSystem};
+use crate::force::TangentForm;
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
@@ -17,7 +18,7 @@ use crate::model::forces::{Forces, Role, Tally};
 use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
 use crate::model::stop::Stop;
-use crate::model::system::{System, TermInfo, Weights};
+use crate::model::system::{StepMean, System, TermInfo, Weights};
 use faer::c64;
 use std::sync::Arc;
 
@@ -284,6 +285,24 @@ impl TangentSystem for LinearScene {
                 *value = w.m * mass + w.c * c + w.k * k;
             }
         }
+    }
+
+    /// The whole of K counts as that of elastic forces.
+    fn mean_forces(&self, middle: StateRef<'_>, mean: StepMean, out: &mut Forces) {
+        let ahead = mean.dissipation * mean.half;
+        let x: Vec<f64> = middle.x.iter().zip(middle.v).map(|(x, v)| x + ahead * v).collect();
+        self.evaluate(StateRef { x: &x, ..middle }, out);
+    }
+
+    fn assemble_mean(
+        &self,
+        middle: StateRef<'_>,
+        mean: StepMean,
+        w: Weights,
+        _: TangentForm,
+        assembler: &mut Assembler,
+    ) {
+        self.assemble(middle, Weights { k: (1.0 + mean.dissipation) * w.k, ..w }, assembler);
     }
 
     fn nodal_stiffness(&self) -> Vec<f64> {

@@ -9,12 +9,14 @@
 
 mod assembler;
 mod export;
+mod mean;
 mod pattern;
 mod record;
 mod system;
 
 pub use assembler::{Assembler, MatrixSink, Nodes};
 pub use export::{ExportError, write_matrix_market};
+pub use mean::MeanSystem;
 pub use pattern::{Pattern, PatternError};
 pub use record::{Emission, Recorder};
 pub use system::{SceneInterfaces, TangentSystem};

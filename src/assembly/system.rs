@@ -1,9 +1,10 @@
 //! The contract between a system and implicit schemes: its tangents, assembled.
 
 use super::{Assembler, PatternError};
+use crate::force::TangentForm;
 use crate::model::forces::Forces;
 use crate::model::state::StateRef;
-use crate::model::system::{SpringGraph, System, Weights};
+use crate::model::system::{SpringGraph, StepMean, System, Weights};
 
 /// The interface that implicit schemes need besides forces: the tangents.
 pub trait TangentSystem: System {
@@ -58,6 +59,32 @@ pub trait TangentSystem: System {
     fn assemble_symmetric(&self, at: StateRef<'_>, weights: Weights, convex: bool, assembler: &mut Assembler) {
         let _ = (at, weights, convex, assembler);
     }
+
+    /// Overwrites `out` with the forces of a step as an energy-momentum method has them, from the state in its middle.
+    /// Elastic forces are discrete gradients of their energies V between both ends (Gonzalez 1996), all others those in
+    /// the middle. The work of the elastic forces over the step is exactly the loss of V, less what is dissipated
+    /// inside of elements. Their energies are not found.
+    fn mean_forces(&self, middle: StateRef<'_>, mean: StepMean, out: &mut Forces);
+
+    /// The pattern of [`TangentSystem::assemble_mean`] in its exact forms.
+    ///
+    /// # Errors
+    /// As [`TangentSystem::assembler`].
+    fn mean_assembler(&self) -> Result<Assembler, PatternError> {
+        self.assembler()
+    }
+
+    /// Writes the tangent of the [mean forces](TangentSystem::mean_forces) f, w.m M - w.k df/dx - w.c df/dv. df/dx is
+    /// that of a middle which moves while the start of the step stays. It is symmetric in the symmetric form only,
+    /// whose pattern is that of [`TangentSystem::symmetric_assembler`].
+    fn assemble_mean(
+        &self,
+        middle: StateRef<'_>,
+        mean: StepMean,
+        weights: Weights,
+        form: TangentForm,
+        assembler: &mut Assembler,
+    );
 
     /// Whether a spring turns by more than 90 degrees between the positions `from` and `to` [m] `[n_dof]`; `true` if
     /// unknown. Only then can a first guess lie near the mirror image of the solution.

@@ -54,7 +54,10 @@
 
 pub mod kernel;
 pub mod law;
+mod mean;
 pub mod schedule;
+
+pub use mean::{MeanForce, MeanStep};
 
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
@@ -131,6 +134,11 @@ pub trait ForceTerm: kernel::batch::BlockForces {
     /// nodes of the whole scene, by one of its [scene numbers](kernel::batch::BlockForces::scene_numbers).
     fn rank_one(&self, which: usize, at: NodeState<'_>, w: Weights, part: RankOne<'_>) {
         let _ = (which, at, w, part);
+    }
+
+    /// Its elastic part as a mean over a step; `None` if that is the force in the middle, or if it has none.
+    fn mean(&self) -> Option<&dyn MeanForce> {
+        None
     }
 
     /// Replaces the rest lengths [m] of its springs, `[n_springs]` in their order. Terms without springs do nothing.

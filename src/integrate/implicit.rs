@@ -111,14 +111,51 @@ impl<M: ImplicitScheme> Implicit<M> {
         self.attempt_with(step, Some(stage), to, counters)
     }
 
+    /// Attempts a step of a system that need not outlive it.
+    ///
+    /// # Errors
+    /// When Newton's iteration does not converge.
+    pub(super) fn attempt_step<'s>(
+        &mut self,
+        step: StepInput<'s, dyn TangentSystem + 's>,
+        to: &mut Point,
+        counters: &mut Counters,
+    ) -> Result<StepReport, StepError> {
+        self.attempt_with(step, None, to, counters)
+    }
+
     /// [m/s^2] The acceleration at the end of the last attempt `[n_dof]`.
     pub(super) fn acceleration_at_end(&self) -> &[f64] {
         self.solver.as_ref().map_or(&[], |s| &s.workspace.a_next)
     }
 
-    fn attempt_with(
+    /// [`Integrator::start`] for a system that need not outlive it.
+    ///
+    /// # Errors
+    /// When matrices or solvers cannot be set up.
+    pub(super) fn start_with(&mut self, system: &dyn TangentSystem, at: &Point) -> Result<(), StepError> {
+        let tangents = Tangents::new(system, self.spec.newton.strategy, self.spec.linear)?;
+        let (n, unknowns) = (system.n_dof(), tangents.dof.len());
+        let zero = || vec![0.0; n];
+        self.a = at.forces.total.iter().zip(system.inverse_mass()).map(|(f, m)| m * f).collect();
+        self.solver = Some(Solver {
+            newton: Newton::new(self.spec.newton, unknowns),
+            linear: LinearState { tangents, cache: FactorCache::new(n), mass_weight: None },
+            dofs: DofData::of(system),
+            workspace: Workspace::new(at),
+            z: vec![0.0; unknowns],
+            a: zero(),
+            expected: zero(),
+            guessed_well: true,
+        });
+        self.trend = Trend { before: zero(), straight: false };
+        (self.made_with, self.attempted, self.anew) = (0.0, 0.0, false);
+        Ok(())
+    }
+
+    fn attempt_with<'s>(
         &mut self,
-        StepInput { system, from, h, t_next }: StepInput<'_, dyn TangentSystem>,
+        StepInput { system, from, h, t_next }: StepInput<'s, dyn TangentSystem + 's>,
         stage: Option<StageAttempt<'_>>,
         to: &mut Point,
         counters: &mut Counters,
@@ -176,24 +213,8 @@ impl<M: ImplicitScheme> Implicit<M> {
 }
 
 impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
-    fn start(&mut self, system: &dyn TangentSystem, at: &Point) -> Result<(), StepError> {
-        let tangents = Tangents::new(system, self.spec.newton.strategy, self.spec.linear)?;
-        let (n, unknowns) = (system.n_dof(), tangents.dof.len());
-        let zero = || vec![0.0; n];
-        self.a = at.forces.total.iter().zip(system.inverse_mass()).map(|(f, m)| m * f).collect();
-        self.solver = Some(Solver {
-            newton: Newton::new(self.spec.newton, unknowns),
-            linear: LinearState { tangents, cache: FactorCache::new(n), mass_weight: None },
-            dofs: DofData::of(system),
-            workspace: Workspace::new(at),
-            z: vec![0.0; unknowns],
-            a: zero(),
-            expected: zero(),
-            guessed_well: true,
-        });
-        self.trend = Trend { before: zero(), straight: false };
-        (self.made_with, self.attempted, self.anew) = (0.0, 0.0, false);
-        Ok(())
+    fn start(&mut self, system: &(dyn TangentSystem + 'static), at: &Point) -> Result<(), StepError> {
+        self.start_with(system, at)
     }
 
     fn attempt(

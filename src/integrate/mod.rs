@@ -26,6 +26,9 @@
 //! W (`dirk.rs`), and owns one per stage otherwise: an engine carries one kept factor and one first guess from step to
 //! step. `check` counts one solve per step where it makes no trial runs.
 //!
+//! A scheme whose forces depend on both ends of a step gives its engine a system that has them, as
+//! `energy_momentum.rs` does.
+//!
 //! # A scheme of a program's own
 //! A program that only uses the library takes methods from the [`registry`], or writes a [`registry::MethodInfo`] of
 //! its own ([`registry::MethodChoice::of`], `examples/own_scheme.rs`):
@@ -54,6 +57,7 @@ mod dirk;
 pub mod dop853;
 pub mod dormand_prince;
 mod embedded;
+pub mod energy_momentum;
 mod equations;
 pub mod esdirk4;
 pub mod euler_cromer;

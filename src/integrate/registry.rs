@@ -3,6 +3,7 @@
 
 use super::backward_euler::BackwardEuler;
 use super::central_difference::CENTRAL_DIFFERENCE;
+use super::energy_momentum::EnergyMomentum;
 use super::euler_cromer::EULER_CROMER;
 use super::euler_richardson::EulerRichardson;
 use super::explicit_euler::ExplicitEuler;
@@ -261,5 +262,24 @@ static METHODS: &[MethodInfo] = &[
         },
         source: "Belytschko, Liu, Moran & Elkhodary 2014, Box 5.1",
         build: |_, _| Scheme::Explicit(Box::new(CENTRAL_DIFFERENCE)),
+    },
+    MethodInfo {
+        name: "energy-momentum",
+        order: 2,
+        order_with: Some(|p| if p[0] == 0.0 { 2 } else { 1 }),
+        family: Family::Implicit,
+        evaluations: [0, 0],
+        parameters: &[ParameterInfo {
+            name: "dissipation",
+            default: 0.0,
+            min: 0.0,
+            min_included: true,
+            max: 1.0,
+            doc: "[-] damping inside of elements; 0 keeps the energy, above it the order is 1",
+        }],
+        stability: "every step, on nonlinear scenes too: elastic energy is kept, or falls with dissipation",
+        linear: LinearStep { partitioned: |p| p[0] != 0.0, ..LinearStep::PLAIN },
+        source: "Greenspan 1984; Simo & Tarnow 1992; Gonzalez 1996; Armero & Romero 2001",
+        build: |p, solver| Scheme::Implicit(Box::new(EnergyMomentum::new(p[0], solver))),
     },
 ];

@@ -154,6 +154,16 @@ pub struct Weights {
     pub k: f64,
 }
 
+/// The step around a state x, v in its middle, over which elastic forces are averaged: it leads from x - h/2 v to
+/// x + h/2 v.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepMean {
+    /// [s] h/2
+    pub half: f64,
+    /// [-] chi in [0, 1] of the dissipation inside of elements; 0 for none
+    pub dissipation: f64,
+}
+
 /// Which dissipative forces of a scene are the viscosity h sum_j k_ij (v_j - v_i) that Kang's filter already contains.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Viscosity {

@@ -15,6 +15,7 @@ mod check_elements;
 mod events;
 mod external;
 mod graph;
+mod mean;
 mod motion;
 pub mod network;
 pub mod numbering;

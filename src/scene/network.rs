@@ -17,13 +17,13 @@ use crate::force::schedule::step_block::NodeStateMut;
 use crate::force::schedule::step_boundary::StepBoundary;
 use crate::force::schedule::sweep::{PartTarget, Sweep, Term, Terms};
 use crate::force::schedule::threads::{SUMS, Threads};
-use crate::force::{ForceTerm, NodeState};
+use crate::force::{ForceTerm, MeanStep, NodeState};
 use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::motion::motion;
 use crate::model::state::{State, StateRef};
 use crate::model::step_block::{self, StepSummary};
-use crate::model::system::{KickDriftBlock, System, TermInfo, single_step};
+use crate::model::system::{KickDriftBlock, StepMean, System, TermInfo, single_step};
 use crate::model::workers::Workers;
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -46,7 +46,7 @@ pub struct Network {
     /// of every part of every term
     pub(super) infos: Vec<TermInfo>,
     /// sum of every part of every term, and its place among these
-    parts: Vec<[Option<PartTarget>; PARTS]>,
+    pub(super) parts: Vec<[Option<PartTarget>; PARTS]>,
     pub(super) springs: Vec<SpringBatch>,
     pub(super) membranes: Vec<MembraneBatch>,
     /// whether some edge has several springs
@@ -63,7 +63,7 @@ pub struct Network {
     couples_blocks: bool,
     /// air that canopies take along
     pub(super) apparent: Vec<ApparentMass>,
-    sweep: Sweep,
+    pub(super) sweep: Sweep,
     pub(super) threads: Threads,
     /// the user's mesh, for pictures
     pub(super) mesh: Mesh,
@@ -234,6 +234,23 @@ impl Network {
         Some(self.parts.get(term)?[0]?.tally)
     }
 
+    /// A pass over all terms at a state; elastic forces are means over the step around it, if one is given.
+    pub(super) fn evaluate_with(&self, mean: Option<StepMean>, at: StateRef<'_>, out: &mut Forces) {
+        self.pass_into(out, |[total, external, dissipative], tallies| {
+            let (own, outside) = tallies.split_at_mut(self.tallies());
+            let sums = [&mut *total, &mut *external, dissipative];
+            match mean {
+                None => self.sweep.pass((self, node_state(at)), &self.threads, sums, own),
+                Some(mean) => self.mean_pass(MeanStep { at: node_state(at), mean }, sums, own),
+            }
+            if let Some(tally) = outside.first_mut() {
+                *tally = self.add_laws(at, [&mut *total, &mut *external]);
+            }
+            self.add_apparent(node_state(at), [total, external], own);
+        });
+        self.add_supports(at, out);
+    }
+
     /// A pass over all terms, with the forces at fixed degrees of freedom turned into reactions.
     fn pass_into(&self, out: &mut Forces, pass: impl FnOnce([&mut [Vector3<f64>]; SUMS], &mut [Tally])) {
         let Forces { total, external, dissipative, reactions, tallies } = out;
@@ -343,16 +360,7 @@ impl System for Network {
     }
 
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces) {
-        self.pass_into(out, |[total, external, dissipative], tallies| {
-            let (own, outside) = tallies.split_at_mut(self.tallies());
-            let sums = [&mut *total, &mut *external, dissipative];
-            self.sweep.pass((self, node_state(at)), &self.threads, sums, own);
-            if let Some(tally) = outside.first_mut() {
-                *tally = self.add_laws(at, [&mut *total, &mut *external]);
-            }
-            self.add_apparent(node_state(at), [total, external], own);
-        });
-        self.add_supports(at, out);
+        self.evaluate_with(None, at, out);
     }
 
     fn longest_block(&self) -> usize {

@@ -6,11 +6,12 @@
 
 use super::{BoundBuffer, Scene, Suspect};
 use crate::assembly::{Assembler, PatternError, SceneInterfaces, TangentSystem};
+use crate::force::TangentForm;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::observables::Observables;
 use crate::model::spec::PendulumSpec;
 use crate::model::state::{State, StateRef};
-use crate::model::system::{System, TermInfo, Weights};
+use crate::model::system::{StepMean, System, TermInfo, Weights};
 
 /// A pendulum; its one degree of freedom is the angle [rad], its mass the moment of inertia.
 #[derive(Clone, Debug)]
@@ -110,6 +111,27 @@ impl TangentSystem for Pendulum {
         assembler.values_mut()[0] = w.m / self.inverse_inertia[0] + w.c * self.spec.damping + w.k * k;
     }
 
+    /// -(V_1 - V_0)/(theta_1 - theta_0) = -m g L sin(theta) sin(u)/u for the angle theta in the middle, with
+    /// u = h/2 theta'.
+    fn mean_forces(&self, middle: StateRef<'_>, mean: StepMean, out: &mut Forces) {
+        self.evaluate(middle, out);
+        let (theta, u) = (middle.x[0], mean.half * middle.v[0]);
+        out.total[0] += self.weight_moment() * theta.sin() * (1.0 - sinc(u)[0]);
+    }
+
+    fn assemble_mean(
+        &self,
+        middle: StateRef<'_>,
+        mean: StepMean,
+        w: Weights,
+        _: TangentForm,
+        assembler: &mut Assembler,
+    ) {
+        let (theta, [sinc, slope]) = (middle.x[0], sinc(mean.half * middle.v[0]));
+        let k = self.weight_moment() * (theta.cos() * sinc + theta.sin() * slope);
+        assembler.values_mut()[0] = w.m / self.inverse_inertia[0] + w.c * self.spec.damping + w.k * k;
+    }
+
     fn nodal_stiffness(&self) -> Vec<f64> {
         vec![self.weight_moment()]
     }
@@ -117,6 +139,16 @@ impl TangentSystem for Pendulum {
     fn force_scale(&self, _forces: &Forces) -> f64 {
         self.weight_moment()
     }
+}
+
+/// sin(u)/u and its derivative, by their series where quotients would lose digits.
+fn sinc(u: f64) -> [f64; 2] {
+    let square = u * u;
+    if u.abs() < 1e-2 {
+        return [1.0 - square / 6.0 * (1.0 - square / 20.0), -u / 3.0 * (1.0 - square / 10.0 * (1.0 - square / 28.0))];
+    }
+    let (sin, cos) = u.sin_cos();
+    [sin / u, (u * cos - sin) / square]
 }
 
 impl Observables for Pendulum {

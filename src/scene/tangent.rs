@@ -2,10 +2,10 @@
 
 use super::network::{Network, by_node, node_state};
 use crate::assembly::{Assembler, Nodes, PatternError, Recorder, TangentSystem};
-use crate::force::{ForceTerm, RankOne, TangentForm, TangentSink};
+use crate::force::{ForceTerm, MeanStep, RankOne, TangentForm, TangentSink};
 use crate::model::forces::Forces;
 use crate::model::state::StateRef;
-use crate::model::system::{System, Weights};
+use crate::model::system::{StepMean, System, Weights};
 use crate::startup::{Phase, timed};
 
 impl Network {
@@ -86,6 +86,27 @@ impl TangentSystem for Network {
 
     fn assemble_convex(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
         self.assemble_form(at, w, TangentForm { convex: true, symmetric: false }, assembler);
+    }
+
+    fn mean_forces(&self, middle: StateRef<'_>, mean: StepMean, out: &mut Forces) {
+        self.evaluate_with(Some(mean), middle, out);
+    }
+
+    fn mean_assembler(&self) -> Result<Assembler, PatternError> {
+        self.pattern_of(false)
+    }
+
+    fn assemble_mean(
+        &self,
+        middle: StateRef<'_>,
+        mean: StepMean,
+        w: Weights,
+        form: TangentForm,
+        assembler: &mut Assembler,
+    ) {
+        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
+        self.emit_mean_tangents(MeanStep { at: node_state(middle), mean }, w, form, &mut sink);
+        self.emit_law_tangents(middle, w, form, &mut sink);
     }
 
     fn turns_over(&self, from: &[f64], to: &[f64]) -> bool {

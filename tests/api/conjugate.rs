@@ -322,8 +322,9 @@ fn trajectories_are_those_of_direct_solvers() {
                     solved(&case, &[&common[..], &own].concat())
                 };
                 let direct = with("auto", "full");
-                let strategies: &[&str] =
-                    if scene == "calm" { &["auto", "modified", "full"] } else { &["auto", "modified"] };
+                // The tangent of a discrete gradient is not symmetric even in calm air.
+                let symmetric = scene == "calm" && method.name != "energy-momentum";
+                let strategies: &[&str] = if symmetric { &["auto", "modified", "full"] } else { &["auto", "modified"] };
                 for strategy in strategies {
                     let found = with("cg", strategy);
                     let (off, counters) = (apart(&direct, &found), found.outcome.counters);

@@ -14,7 +14,7 @@ const STEPS: u64 = 20;
 type Work = (&'static str, u64, u64);
 
 /// 20 steps of 0.5 ms of cloth-k1000, which has velocity-dependent forces and a tangent that is not symmetric.
-const FINE: [Work; 16] = [
+const FINE: [Work; 17] = [
     ("explicit-euler", 21, 0),
     ("euler-cromer", 21, 0),
     ("euler-richardson", 41, 0),
@@ -31,15 +31,17 @@ const FINE: [Work; 16] = [
     ("generalized-alpha", 41, 20),
     ("esdirk4", 201, 100),
     ("central-difference", 21, 0),
+    ("energy-momentum", 42, 21),
 ];
 
 /// The same cloth in 20 steps of 10 ms, where Newton has work to do.
-const COARSE: [Work; 5] = [
+const COARSE: [Work; 6] = [
     ("newmark", 63, 42),
     ("hht", 63, 42),
     ("backward-euler", 64, 43),
     ("generalized-alpha", 63, 42),
     ("esdirk4", 301, 200),
+    ("energy-momentum", 61, 40),
 ];
 
 fn counters(force_evaluations: u64, newton: u64) -> Counters {

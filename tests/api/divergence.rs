@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 /// Methods that make energy in undamped oscillations whatever the step.
 const GROWING: [&str; 4] = ["explicit-euler", "euler-richardson", "improved-euler", "improved-euler-pec"];
-const IMPLICIT: [&str; 5] = ["newmark", "hht", "generalized-alpha", "backward-euler", "esdirk4"];
+const IMPLICIT: [&str; 6] = ["newmark", "hht", "generalized-alpha", "backward-euler", "esdirk4", "energy-momentum"];
 
 fn of(network: Value) -> Case {
     case_of(

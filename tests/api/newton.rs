@@ -7,7 +7,7 @@ use crate::common::run::{case_of, run};
 use canopy_fem::drive::Status;
 use serde_json::{Value, json};
 
-const IMPLICIT: [&str; 5] = ["newmark", "hht", "generalized-alpha", "backward-euler", "esdirk4"];
+const IMPLICIT: [&str; 6] = ["newmark", "hht", "generalized-alpha", "backward-euler", "esdirk4", "energy-momentum"];
 
 /// Masses on x-directed springs of 1 m from anchors of their own, displaced along x.
 struct Bob {

@@ -2,6 +2,7 @@
 //! or power against its force; and what its information says against its forces. A failure names the term, the state
 //! and the bad entry.
 
+mod means;
 mod scenes;
 mod tiles;
 

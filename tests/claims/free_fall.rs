@@ -93,6 +93,7 @@ pub fn claims() -> Vec<Claim> {
         ("newmark", 4e-5),
         ("hht", 4e-5),
         ("generalized-alpha", 4e-5),
+        ("energy-momentum", 4e-5),
         ("explicit-euler", 4e-3),
         ("euler-cromer", 4e-3),
         ("central-difference", 4e-3),

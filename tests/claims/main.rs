@@ -21,6 +21,7 @@ mod dissipation;
 mod elastic_pendulum;
 mod elastica;
 mod energy_ledger;
+mod energy_momentum;
 mod energy_numerical;
 mod energy_oscillator;
 mod equilibrium;
@@ -76,6 +77,7 @@ const GROUPS: &[Group] = &[
     ("energy of an oscillator", energy_oscillator::claims),
     ("energy lost by a scheme", energy_numerical::claims),
     ("energy ledger", energy_ledger::claims),
+    ("energy-momentum", energy_momentum::claims),
     ("dissipation of an oscillator", dissipation::claims),
     ("tolerance of the pendulum", tolerance::pendulum),
     ("tolerance of a cloth", tolerance::cloth),

@@ -129,6 +129,7 @@ fn every_method() -> Vec<Claim> {
     for (name, tolerance) in [
         ("velocity-verlet", 1e-6),
         ("newmark", 1e-6),
+        ("energy-momentum", 1e-6),
         ("generalized-alpha", 1e-6),
         ("dormand-prince", 1e-9),
         ("kang", 1e-4),
@@ -154,6 +155,7 @@ fn orders() -> Vec<Claim> {
         ("velocity-verlet", 2.0, 0.01),
         ("central-difference", 2.0, 0.01),
         ("newmark", 2.0, 0.01),
+        ("energy-momentum", 2.0, 0.01),
         ("hht", 2.0, 5e-3),
         ("generalized-alpha", 2.0, 5e-3),
         ("rk4", 4.0, 0.015625),
@@ -254,7 +256,7 @@ fn directions() -> Vec<Claim> {
         })
     };
     let mut claims = Vec::new();
-    for name in ["velocity-verlet", "newmark", "rk4", "hht"] {
+    for name in ["velocity-verlet", "newmark", "rk4", "hht", "energy-momentum"] {
         let ran = run(&case_of(&case(name), &[]));
         let [x, y, z] = ran.positions[0];
         claims.push(Claim::absolute(format!("{name}: driven along x [m]"), x, 1.0, 1e-13));
@@ -280,7 +282,7 @@ fn dense() -> Vec<Claim> {
     // y = A/(1 - r^2) (sin(W t) - r sin(w t)).
     let exact = amplitude / (1.0 - ratio * ratio) * ((drive * END).sin() - ratio * (w() * END).sin());
     let mut claims = Vec::new();
-    for name in ["velocity-verlet", "newmark", "hht", "generalized-alpha", "improved-euler"] {
+    for name in ["velocity-verlet", "newmark", "hht", "generalized-alpha", "improved-euler", "energy-momentum"] {
         let case = |h: f64| moved(rows(h, &sine), M, timed(name, h));
         let found = order_of(&case, 1.0 / 128.0, &|ran| x(ran) - exact);
         claims.push(Claim::absolute(format!("{name}: order with a row a step"), found, 2.0, 0.25));

@@ -34,7 +34,7 @@ const fn scheme(name: &'static str, order: i32, constant: f64, pure: bool) -> Sc
 /// order. Two-step Adams-Bashforth, trapezium, Euler: the textbook's. Verlet turns by 2 asin(w h/2). Generalised alpha:
 /// (beta - (af - am) af - 1/12)/2, by expansion of its characteristic polynomial; HHT is the case am = 0, af = -alpha.
 /// Kang's sweeps are exact for one spring to an anchor: backward Euler.
-const SCHEMES: [Scheme; 15] = [
+const SCHEMES: [Scheme; 16] = [
     scheme("explicit-euler", 1, -1.0 / 2.0, true),
     scheme("backward-euler", 1, 1.0 / 2.0, true),
     scheme("kang", 1, 1.0 / 2.0, false),
@@ -44,6 +44,7 @@ const SCHEMES: [Scheme; 15] = [
     scheme("velocity-verlet", 2, -1.0 / 24.0, false),
     scheme("central-difference", 2, -1.0 / 24.0, false),
     scheme("newmark", 2, 1.0 / 12.0, true),
+    scheme("energy-momentum", 2, 1.0 / 12.0, true),
     scheme("hht", 2, 0.5 * (0.3025 - 0.01 - 1.0 / 12.0), false),
     scheme("generalized-alpha", 2, 0.5 * (25.0 / 81.0 - 4.0 / 81.0 - 1.0 / 12.0), false),
     scheme("rk4", 4, -1.0 / 120.0, true),

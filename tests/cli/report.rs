@@ -139,6 +139,7 @@ fn other_names_of_methods_are_known() {
         ("hht-alpha", "hht"),
         ("generalised-alpha", "generalized-alpha"),
         ("SDIRK4", "esdirk4"),
+        ("Simo-Tarnow", "energy-momentum"),
     ] {
         let ended = bench.run(&["check", "sail.json", "--method", name]);
         assert_eq!(ended.code, Some(2), "{name}");

@@ -183,6 +183,7 @@ fn the_ledger_closes_row_by_row() {
         ("kang", 1.0),
         ("backward-euler", 1.0),
         ("generalized-alpha", 2e-3),
+        ("energy-momentum", 1e-7),
     ] {
         let ended = bench.solve(&["--force", "--quiet", "--method", method]);
         assert_eq!(ended.code, Some(0), "{method}: {}", ended.stderr);

@@ -7,7 +7,9 @@
 
 use crate::force::kernel::batch::{Batch, BufferReads, Elements, Kernel, Records};
 use crate::force::kernel::element_block::vector;
-use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
+use crate::force::law::curve::{MeanTension, Tension};
+use crate::force::law::mean_bar::MeanBar;
+use crate::force::{ForceTerm, MeanForce, MeanStep, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
 use crate::model::unit_vector::unit_vector;
@@ -79,6 +81,30 @@ impl BarData {
     }
 }
 
+/// [-] Changes of length over the rest length below which the tension at the mean length is the mean tension to
+/// rounding. The quotient of the energies would be less exact.
+const SHORT: f64 = 1e-5;
+
+impl BarData {
+    /// Bar `i` over a step; its law is any function.
+    fn mean_bar(&self, step: MeanStep<'_>, i: usize) -> MeanBar {
+        let rest = self.rest_length[i];
+        MeanBar::new(step.sides(self.nodes[i]), |lengths @ [l0, l1]| {
+            let [start, end] = lengths.map(|l| self.law.at(l, rest));
+            let way = l1 - l0;
+            let mean = if way.abs() > SHORT * rest.max(l0) {
+                let force = (end.energy - start.energy) / way;
+                MeanTension { force, slope: (end.tension - force) / way }
+            } else {
+                let middle = self.law.at(0.5 * (l0 + l1), rest);
+                MeanTension { force: middle.tension, slope: 0.5 * middle.stiffness }
+            };
+            let tension = |at: BarForce| Tension { force: at.tension, slope: at.stiffness, energy: at.energy };
+            mean.dissipating(lengths, [start, end].map(tension), step.mean.dissipation)
+        })
+    }
+}
+
 impl Kernel<2> for BarData {
     const READS: BufferReads = BufferReads { x: true, v: false };
 
@@ -109,11 +135,97 @@ impl ForceTerm for LawBars {
         self.kernel().emit(at, w.k, sink, |k| if form.convex { k.max(0.0) } else { k });
     }
 
+    fn mean(&self) -> Option<&dyn MeanForce> {
+        Some(self)
+    }
+
     fn add_stiffness(&self, nodes: &mut [f64]) {
         let data = self.kernel();
         for (ends, &rest) in data.nodes.iter().zip(&data.rest_length) {
             let k = data.law.at(rest, rest).stiffness.abs();
             ends.iter().for_each(|&node| nodes[node as usize] += k);
+        }
+    }
+}
+
+impl MeanForce for LawBars {
+    fn add_mean(&self, step: MeanStep<'_>, f: &mut [Vector3<f64>]) -> Tally {
+        let data = self.kernel();
+        (0..).zip(&data.nodes).for_each(|(i, &nodes)| data.mean_bar(step, i).add(nodes, f));
+        Tally::default()
+    }
+
+    fn mean_tangent(&self, step: MeanStep<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
+        let data = self.kernel();
+        (0..).zip(&data.nodes).for_each(|(i, &nodes)| sink.edge(nodes, data.mean_bar(step, i).block(form) * w.k));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::system::StepMean;
+
+    /// T = k e + q e^3.
+    struct Cubic;
+
+    impl BarLaw for Cubic {
+        fn at(&self, length: f64, rest_length: f64) -> BarForce {
+            let e = length - rest_length;
+            BarForce {
+                tension: 70.0 * e + 900.0 * e.powi(3),
+                stiffness: 70.0 + 2700.0 * e * e,
+                energy: 35.0 * e * e + 225.0 * e.powi(4),
+            }
+        }
+    }
+
+    fn data() -> BarData {
+        BarData { nodes: vec![[0, 1]], rest_length: vec![1.1], law: Arc::new(Cubic) }
+    }
+
+    /// The force on the first end over a step with these vectors between the ends.
+    fn force(middle: Vector3<f64>, change: Vector3<f64>, dissipation: f64) -> (Vector3<f64>, MeanBar) {
+        let (x, v) = ([Vector3::zeros(), middle], [Vector3::zeros(), change]);
+        let at = NodeState { t: 0.0, x: &x, v: &v };
+        let bar = data().mean_bar(MeanStep { at, mean: StepMean { half: 1.0, dissipation } }, 0);
+        let mut f = [Vector3::zeros(); 2];
+        bar.add([0, 1], &mut f);
+        assert_eq!(f[0], -f[1]);
+        (f[0], bar)
+    }
+
+    /// The work of a step is the change of the energy, whether the bar changes much or hardly; dissipation takes some.
+    #[test]
+    fn the_mean_force_of_any_law_does_the_work_of_its_energy() {
+        let (middle, way) = (Vector3::new(1.0, 0.3, -0.2), Vector3::new(0.2, -0.1, 0.15));
+        for size in [1.0, 1e-2, 1e-4, 1e-5, 1e-6, 1e-9] {
+            let change = way * size;
+            let energy = |d: Vector3<f64>| Cubic.at(d.norm(), 1.1).energy;
+            let gain = energy(middle + change) - energy(middle - change);
+            let work = |chi: f64| 2.0 * force(middle, change, chi).0.dot(&change);
+            assert!((work(0.0) - gain).abs() < 3e-15, "{size}: {} and not {gain}", work(0.0));
+            assert!(work(1.0) > work(0.0), "{size}");
+        }
+    }
+
+    /// The middle moves, and the start stays.
+    #[test]
+    fn its_tangent_equals_differences() {
+        let (middle, change) = (Vector3::new(1.0, 0.3, -0.2), Vector3::new(0.2, -0.1, 0.15));
+        for (size, chi) in [(1.0, 0.0), (1.0, 0.6), (1e-7, 0.0)] {
+            let block = force(middle, change * size, chi).1.block(TangentForm::EXACT);
+            for axis in 0..3 {
+                let d = 1e-5;
+                let moved = |by: f64| {
+                    let mut step = Vector3::zeros();
+                    step[axis] = by;
+                    force(middle + step, change * size + step, chi).0
+                };
+                let difference = (moved(d) - moved(-d)) / (2.0 * d);
+                let off = (block.column(axis) - difference).norm();
+                assert!(off < 1e-6 * block.norm(), "{size}, {axis}: {off}");
+            }
         }
     }
 }

@@ -15,12 +15,19 @@
 //! three times this energy.) Equilateral triangles are a plate of Poisson's ratio -1/3 (Seung & Nelson 1988), so a
 //! narrow strip with free sides bends with 8/9 B; one of halves of squares with 4/5 B.
 //!
+//! The mean over a step ([`crate::force::MeanForce`]) is the force at y in its middle, with dissipation times 1 + c:
+//! ```text
+//! c = chi (|y_1| - |y_0|)/(|y_1| + |y_0|)        D = k/2 chi (|y_1| - |y_0|)^2
+//! K_ij = w_i w_j B,     B = k [(1 + c) I + 4 chi |y_0|/(|y_1| + |y_0|)^2 y n_1^T],      n_1 = y_1/|y_1|
+//! ```
+//! So it is a spring of no length with the ends of y, and turns nothing.
+//!
 //! K is emitted as a sum over pairs of nodes: as the weights add up to 0, |y|^2 is the sum of -w_i w_j |x_i - x_j|^2
 //! over all pairs.
 
 use crate::force::kernel::batch::{Batch, BufferReads, Elements, Kernel, Records};
 use crate::force::kernel::element_block::{add, vector};
-use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
+use crate::force::{ForceTerm, MeanForce, MeanStep, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
@@ -97,6 +104,21 @@ impl<const N: usize> Kernel<N> for BendingData<N> {
     }
 }
 
+impl<const N: usize> Bending<N> {
+    /// Emits w_i w_j k times the block of every element, pair by pair.
+    fn emit(&self, sink: &mut dyn TangentSink, block: impl Fn(&[u32; N], &BendingElement<N>) -> Matrix3<f64>) {
+        let data = self.kernel();
+        for (nodes, element @ BendingElement { weights, stiffness }) in data.nodes.iter().zip(&data.elements) {
+            let block = block(nodes, element);
+            for i in 0..N {
+                for j in i + 1..N {
+                    sink.edge([nodes[i], nodes[j]], block * (-stiffness * weights[i] * weights[j]));
+                }
+            }
+        }
+    }
+}
+
 impl<const N: usize> ForceTerm for Bending<N> {
     fn parts(&self) -> &[TermInfo] {
         const INFO: TermInfo = TermInfo::of("bending", Role::Elastic);
@@ -107,16 +129,12 @@ impl<const N: usize> ForceTerm for Bending<N> {
         true
     }
 
+    fn mean(&self) -> Option<&dyn MeanForce> {
+        Some(self)
+    }
+
     fn tangent(&self, _: NodeState<'_>, w: Weights, _: TangentForm, sink: &mut dyn TangentSink) {
-        let data = self.kernel();
-        for (nodes, BendingElement { weights, stiffness }) in data.nodes.iter().zip(&data.elements) {
-            for i in 0..N {
-                for j in i + 1..N {
-                    let pair = -w.k * stiffness * weights[i] * weights[j];
-                    sink.edge([nodes[i], nodes[j]], Matrix3::from_diagonal_element(pair));
-                }
-            }
-        }
+        self.emit(sink, |_, _| Matrix3::from_diagonal_element(w.k));
     }
 
     fn add_stiffness(&self, nodes: &mut [f64]) {
@@ -126,6 +144,68 @@ impl<const N: usize> ForceTerm for Bending<N> {
                 nodes[node as usize] += stiffness * w * w;
             }
         }
+    }
+}
+
+/// y over a step with dissipation.
+struct MeanBend {
+    /// y in the middle, and n_1
+    y: Vector3<f64>,
+    end: Vector3<f64>,
+    /// |y_0|, |y_1|
+    sizes: [f64; 2],
+    chi: f64,
+}
+
+impl MeanBend {
+    fn of<const N: usize>(MeanStep { at, mean }: MeanStep<'_>, nodes: &[u32; N], weights: &[f64; N]) -> Self {
+        let y_of = |of: &[Vector3<f64>]| {
+            let from = of[nodes[0] as usize];
+            nodes.iter().zip(weights).fold(Vector3::zeros(), |y, (&node, w)| y + (of[node as usize] - from) * *w)
+        };
+        let (y, change) = (y_of(at.x), y_of(at.v) * mean.half);
+        let ends = [y - change, y + change];
+        let end = ends[1].try_normalize(0.0).unwrap_or_default();
+        MeanBend { y, end, sizes: ends.map(|y| y.norm()), chi: mean.dissipation }
+    }
+
+    /// |y_0| + |y_1|, and 1 + c.
+    fn factors(&self) -> [f64; 2] {
+        let [start, end] = self.sizes;
+        let sum = start + end;
+        [sum, if sum > 0.0 { 1.0 + self.chi * (end - start) / sum } else { 1.0 }]
+    }
+
+    /// B/k; in the symmetric form with the direction of y on both sides.
+    fn block(&self, form: TangentForm) -> Matrix3<f64> {
+        let [sum, factor] = self.factors();
+        let along = if form.symmetric {
+            let n = self.y.try_normalize(0.0).unwrap_or_default();
+            outer(n, n) * self.chi
+        } else if sum > 0.0 {
+            outer(self.y, self.end) * (4.0 * self.chi * self.sizes[0] / (sum * sum))
+        } else {
+            Matrix3::zeros()
+        };
+        Matrix3::from_diagonal_element(factor) + along
+    }
+}
+
+impl<const N: usize> MeanForce for Bending<N> {
+    fn add_mean(&self, step: MeanStep<'_>, f: &mut [Vector3<f64>]) -> Tally {
+        let data = self.kernel();
+        for (nodes, BendingElement { weights, stiffness }) in data.nodes.iter().zip(&data.elements) {
+            let bend = MeanBend::of(step, nodes, weights);
+            let force = bend.y * (stiffness * bend.factors()[1]);
+            for (&node, w) in nodes.iter().zip(weights) {
+                f[node as usize] -= force * *w;
+            }
+        }
+        Tally::default()
+    }
+
+    fn mean_tangent(&self, step: MeanStep<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
+        self.emit(sink, |nodes, element| MeanBend::of(step, nodes, &element.weights).block(form) * w.k);
     }
 }
 

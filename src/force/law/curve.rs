@@ -24,6 +24,26 @@ pub struct Tension<R = f64> {
     pub energy: R,
 }
 
+/// A spring's mean tension between two elongations.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeanTension {
+    /// [N]
+    pub force: f64,
+    /// [N/m] its derivative by the second elongation
+    pub slope: f64,
+}
+
+impl MeanTension {
+    /// With chi/2 of the change of the tension added, unless it falls while the spring becomes longer.
+    pub fn dissipating(self, [e0, e1]: [f64; 2], [t0, t1]: [Tension; 2], chi: f64) -> Self {
+        let change = t1.force - t0.force;
+        if change * (e1 - e0) <= 0.0 {
+            return self;
+        }
+        MeanTension { force: self.force + 0.5 * chi * change, slope: self.slope + 0.5 * chi * t1.slope }
+    }
+}
+
 /// What a spring brings to its law.
 #[derive(Clone, Copy, Debug)]
 pub struct Bar<R = f64> {
@@ -37,6 +57,10 @@ pub struct Bar<R = f64> {
 pub trait Curve: Copy + Send + Sync {
     /// Tension, slope and energy at elongation `e` [m].
     fn at<R: Real>(&self, bar: Bar<R>, e: R) -> Tension<R>;
+
+    /// The mean tension between two elongations [m], (E_1 - E_0)/(e_1 - e_0), without the cancellation of this
+    /// quotient.
+    fn mean(&self, bar: Bar, between: [f64; 2]) -> MeanTension;
 
     /// [N] -dE/dl0 at a fixed length and stiffness: the work of reeling in. `tension` is that at elongation `e` [m].
     fn pull<R: Real>(&self, bar: Bar<R>, e: R, tension: Tension<R>) -> R {
@@ -55,6 +79,10 @@ impl Curve for Linear {
     fn at<R: Real>(&self, Bar { k, .. }: Bar<R>, e: R) -> Tension<R> {
         let force = k * e;
         Tension { force, slope: k, energy: k.all(0.5) * force * e }
+    }
+
+    fn mean(&self, Bar { k, .. }: Bar, [e0, e1]: [f64; 2]) -> MeanTension {
+        MeanTension { force: 0.5 * k * (e0 + e1), slope: 0.5 * k }
     }
 
     #[inline(always)]
@@ -78,6 +106,14 @@ impl Curve for Green {
         let slope = k * (e.all(1.5) * stretch * stretch - half);
         Tension { force: linear * stretch * mean, slope, energy: half * linear * e * (mean * mean) }
     }
+
+    /// With the Green strains E = r (1 + r/2): k l0 (E_0 + E_1)/2 (1 + (r_0 + r_1)/2).
+    fn mean(&self, Bar { k, l0 }: Bar, [e0, e1]: [f64; 2]) -> MeanTension {
+        let [r0, r1] = [e0, e1].map(|e| if l0 > 0.0 { e / l0 } else { 0.0 });
+        let (green, stretch) = (e0 * (1.0 + 0.5 * r0) + e1 * (1.0 + 0.5 * r1), 1.0 + 0.5 * (r0 + r1));
+        let strain = r0 * (1.0 + 0.5 * r0) + r1 * (1.0 + 0.5 * r1);
+        MeanTension { force: 0.5 * k * green * stretch, slope: 0.5 * k * ((1.0 + r1) * stretch + 0.5 * strain) }
+    }
 }
 
 /// A kink of a piecewise linear curve.
@@ -89,6 +125,22 @@ pub struct Kink {
     pub change: f64,
     /// [-] 1 for a kink at a strain of 0 or above, -1 for one below
     pub side: f64,
+}
+
+impl Kink {
+    /// Its share (p_1^2 - p_0^2)/(2 (r_1 - r_0)) in the mean of phi between two strains, and the derivative by r_1. p
+    /// is how far a strain is beyond it.
+    fn mean(&self, [r0, r1]: [f64; 2]) -> [f64; 2] {
+        let [p0, p1] = [r0, r1].map(|r| ((r - self.at) * self.side).max(0.0));
+        let share = |p: f64| p / (r1 - r0).abs();
+        let [mean, slope] = match [p0 > 0.0, p1 > 0.0] {
+            [false, false] => [0.0; 2],
+            [true, true] => [0.5 * (p0 + p1), 0.5],
+            [false, true] => [0.5 * p1 * share(p1), share(p1) - 0.5 * share(p1).powi(2)],
+            [true, false] => [0.5 * p0 * share(p0), 0.5 * share(p0).powi(2)],
+        };
+        [self.change * mean, self.change * self.side * slope]
+    }
 }
 
 /// phi of a table: its slope just below the strain 0, and its kinks.
@@ -138,6 +190,15 @@ impl Curve for Tabled<'_> {
         }
         let size = k * l0;
         Tension { force: size * force, slope: k * slope, energy: r.all(0.5) * size * l0 * energy }
+    }
+
+    fn mean(&self, Bar { k, l0 }: Bar, between: [f64; 2]) -> MeanTension {
+        let r = between.map(|e| if l0 > 0.0 { e / l0 } else { 0.0 });
+        let mut found = [0.5 * self.0.slope * (r[0] + r[1]), 0.5 * self.0.slope];
+        for kink in &self.0.kinks {
+            found.iter_mut().zip(kink.mean(r)).for_each(|(found, share)| *found += share);
+        }
+        MeanTension { force: k * l0 * found[0], slope: k * found[1] }
     }
 }
 

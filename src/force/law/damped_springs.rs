@@ -13,10 +13,11 @@ use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::star_batches::{AxialForce, AxialLaw, Measured};
 use crate::force::law::curve::{Bar, CurveKind, Tension};
 use crate::force::law::dashpot::{self, Damping};
+use crate::force::law::mean_bar::MeanBar;
 use crate::force::law::slack::{TensionLaw, tension, with_law};
 use crate::force::law::spring::{Coefficient, Cut, SpringData, SpringsAt, Stretch};
 use crate::force::law::stretch::{InLocalBuffer, SpringLengths, largest};
-use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
+use crate::force::{ForceTerm, MeanForce, MeanStep, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::Real;
 use crate::model::spec::DashpotKind;
@@ -75,6 +76,35 @@ impl DampedSprings {
 
     fn kind(&self) -> Option<DashpotKind> {
         self.dashpots.as_ref().map(|dashpots| dashpots.kind)
+    }
+
+    /// Emits the elastic block of every spring, and those of dashpots at a state.
+    fn emit(
+        &self,
+        (at, w, form): (NodeState<'_>, Weights, TangentForm),
+        sink: &mut dyn TangentSink,
+        elastic_block: impl Fn(usize, (Stretch, Tension)) -> Matrix3<f64>,
+    ) {
+        let springs = &self.springs;
+        if self.cut.get() {
+            // The pattern of the matrix stays.
+            return springs.nodes.iter().for_each(|&nodes| sink.edge(nodes, Matrix3::zeros()));
+        }
+        let springs_at = springs.at(at.t, at.x);
+        for (i, &nodes) in springs.nodes.iter().enumerate() {
+            let elastic = elastic_state(springs, springs_at, i);
+            let mut block = elastic_block(i, elastic) * w.k;
+            if let Some(Dashpots { kind, coefficient }) = &self.dashpots {
+                let c = coefficient.at(i);
+                let axial = || axial_state(springs, elastic, at.v, (i, c));
+                block += match kind {
+                    DashpotKind::Relative => Matrix3::from_diagonal_element(w.c * c),
+                    DashpotKind::Axial if form.symmetric => axial().velocity_tangent(w),
+                    DashpotKind::Axial => axial().tangent(w),
+                };
+            }
+            sink.edge(nodes, block);
+        }
     }
 
     /// Adds the forces of the parts, one after the other, where rest lengths are times a factor. Returns also dE/ds,
@@ -294,27 +324,12 @@ impl ForceTerm for DampedSprings {
     /// For a spring B = (T/l)(I - n n^T) + (dT/dl) n n^T; the convex form has max(T, 0) in place of T. For an axial
     /// dashpot the symmetric form is c n n^T, the velocity part.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
-        let springs = &self.springs;
-        if self.cut.get() {
-            // The pattern of the matrix stays.
-            return springs.nodes.iter().for_each(|&nodes| sink.edge(nodes, Matrix3::zeros()));
-        }
-        let springs_at = springs.at(at.t, at.x);
-        for (i, &nodes) in springs.nodes.iter().enumerate() {
-            let elastic @ (stretch, t) = elastic_state(springs, springs_at, i);
-            let kept = |number: f64| if form.convex { number.max(0.0) } else { number };
-            let mut block = stretch.block(kept(t.force), kept(t.slope)) * w.k;
-            if let Some(Dashpots { kind, coefficient }) = &self.dashpots {
-                let c = coefficient.at(i);
-                let axial = || axial_state(springs, elastic, at.v, (i, c));
-                block += match kind {
-                    DashpotKind::Relative => Matrix3::from_diagonal_element(w.c * c),
-                    DashpotKind::Axial if form.symmetric => axial().velocity_tangent(w),
-                    DashpotKind::Axial => axial().tangent(w),
-                };
-            }
-            sink.edge(nodes, block);
-        }
+        let kept = |number: f64| if form.convex { number.max(0.0) } else { number };
+        self.emit((at, w, form), sink, |_, (stretch, t)| stretch.block(kept(t.force), kept(t.slope)));
+    }
+
+    fn mean(&self) -> Option<&dyn MeanForce> {
+        Some(self)
     }
 
     fn set_rest_lengths(&mut self, rest_length: &Arc<[f64]>) {
@@ -328,5 +343,47 @@ impl ForceTerm for DampedSprings {
                 nodes[node as usize] += self.springs.stiffness.at(i);
             }
         }
+    }
+}
+
+impl DampedSprings {
+    /// Spring `i` over a step, with the factor of the rest lengths in its middle.
+    fn mean_bar(&self, law: &impl TensionLaw, (step, at): (MeanStep<'_>, SpringsAt<'_>), i: usize) -> MeanBar {
+        let bar = self.springs.bar(at, i);
+        MeanBar::new(step.sides(self.springs.nodes[i]), |lengths| {
+            law.mean_with(bar, lengths.map(|l| l - bar.l0), step.mean.dissipation)
+        })
+    }
+
+    /// Adds their mean forces. Returns dE/ds, negative [J], where rest lengths are times a factor.
+    fn add_means(&self, law: &impl TensionLaw, step: MeanStep<'_>, f: &mut [Vector3<f64>]) -> f64 {
+        let (springs, at, mut reeled) = (&self.springs, self.springs.at(step.at.t, step.at.x), 0.0);
+        for (i, &nodes) in springs.nodes.iter().enumerate() {
+            let mean = self.mean_bar(law, (step, at), i);
+            mean.add(nodes, f);
+            if springs.rest_scale.is_some() {
+                let bar = springs.bar(at, i);
+                let [start, end] = mean.lengths.map(|l| law.pull(bar, l - bar.l0));
+                reeled += 0.5 * (start + end) * springs.rest_length[i];
+            }
+        }
+        reeled
+    }
+}
+
+impl MeanForce for DampedSprings {
+    fn add_mean(&self, step: MeanStep<'_>, f: &mut [Vector3<f64>]) -> Tally {
+        let power = match self.cut.get() {
+            true => 0.0,
+            false => with_law!(&self.springs.curve, self.springs.slack, law => self.add_means(&law, step, f)),
+        };
+        Tally { energy: 0.0, power }
+    }
+
+    fn mean_tangent(&self, step: MeanStep<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
+        let at = self.springs.at(step.at.t, step.at.x);
+        with_law!(&self.springs.curve, self.springs.slack, law => {
+            self.emit((step.at, w, form), sink, |i, _| self.mean_bar(&law, (step, at), i).block(form));
+        });
     }
 }

@@ -13,15 +13,17 @@
 //! C_ab = A0 tau B_a^T S'(E + tau dE/dt) B_b
 //! ```
 
+mod mean;
+
 use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, Records};
 use crate::force::kernel::element_block::{ElementBlock, vector};
 use crate::force::kernel::sheet_batches::{Group, GroupShapes, SIDE_BY_SIDE, SheetLaw, SheetPass, SheetStress};
 use crate::force::law::rayleigh_membrane::RestTriangle;
 use crate::force::law::tension_field::{Sheet, Voigt, Wrinkling};
-use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
+use crate::force::{ForceTerm, MeanForce, NodeState, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::{self, Real};
-use crate::model::system::{TermInfo, Weights};
+use crate::model::system::{StepMean, TermInfo, Weights};
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
 use std::ops::Range;
 use std::sync::Arc;
@@ -156,40 +158,72 @@ impl MembraneData {
     /// Triangle `i` at positions `rest` [m], for Rayleigh damping with the factor `beta` [s].
     pub fn at_rest(&self, i: usize, rest: &[Vector3<f64>], beta: f64) -> RestTriangle {
         let (f, shape) = (self.deformation(i, rest), &self.shapes[i]);
-        let taut = Sheet { wrinkles: false, ..self.sheet }.tangent([0.0; 3]);
-        let matrix = Matrix3::from_fn(|i, j| taut[i][j]) * (beta * shape.area);
+        let matrix = matrix(Sheet { wrinkles: false, ..self.sheet }.tangent([0.0; 3])) * (beta * shape.area);
         RestTriangle { by_node: shape.gradients().map(|g| strain_by_node(&f, &g)), matrix }
     }
 
-    /// Blocks of `w.c C + w.k K` of triangle `i`, elastic and damping parts together.
-    fn blocks(&self, i: usize, at: NodeState<'_>, w: Weights, form: TangentForm) -> [[Matrix3<f64>; 3]; 3] {
-        let (RestShape { area, .. }, g) = (self.shapes[i], self.shapes[i].gradients());
-        let f = self.deformation(i, at.x);
-        let (strain, tau) = (self.strain(&f), self.damping_time);
-        let b = g.map(|g| strain_by_node(&f, &g));
-        let rate = self.deformation(i, at.v);
-        let mut total = strain;
+    /// dS/dE.
+    fn stiffness(&self, strain: Voigt) -> Matrix3<f64> {
+        matrix(self.sheet_at(strain).tangent(strain))
+    }
+
+    /// Strain E of a triangle, and E + tau dE/dt at the rate of its deformation.
+    fn strains(&self, [f, rate]: [&Matrix3x2<f64>; 2]) -> [Voigt; 2] {
+        let strain = self.strain(f);
+        let (mut total, tau) = (strain, self.damping_time);
         if tau > 0.0 {
-            let c = f.transpose() * rate;
-            let moved = [c[(0, 0)], c[(1, 1)], c[(0, 1)] + c[(1, 0)]];
+            let moved = strain_along([f, rate]);
             (0..3).for_each(|j| total[j] += tau * moved[j]);
         }
-        let matrix = |strain: Voigt| {
-            let tangent = self.sheet_at(strain).tangent(strain);
-            Matrix3::from_fn(|i, j| tangent[i][j])
-        };
+        [strain, total]
+    }
+
+    /// Blocks of `w.c C + w.k K` of triangle `i`, elastic and damping parts together. The elastic one is a mean over
+    /// the step around the state, if one is given.
+    fn blocks(
+        &self,
+        i: usize,
+        (at, mean): (NodeState<'_>, Option<StepMean>),
+        w: Weights,
+        form: TangentForm,
+    ) -> [[Matrix3<f64>; 3]; 3] {
+        let (RestShape { area, .. }, g) = (self.shapes[i], self.shapes[i].gradients());
+        let [f, rate] = [at.x, at.v].map(|of| self.deformation(i, of));
+        let (strains @ [strain, total], tau) = (self.strains([&f, &rate]), self.damping_time);
+        let b = g.map(|g| strain_by_node(&f, &g));
         // The symmetric form is that of the elastic stress, with damping by velocities alone.
-        let damped = if tau > 0.0 { matrix(total) } else { Matrix3::zeros() };
+        let damped = if tau > 0.0 { self.stiffness(total) } else { Matrix3::zeros() };
         let exact = tau > 0.0 && !form.symmetric;
-        let stress = self.sheet.stress(if exact { total } else { strain });
+        let moved = || {
+            let rates = g.map(|g| strain_by_node(&rate, &g) * tau);
+            [0, 1, 2].map(|q| b[q] + rates[q])
+        };
+        let nothing = (Matrix3::zeros(), b);
+        let (stress, products) = match mean {
+            None if exact => (self.sheet.stress(total), [(damped, moved()), nothing, nothing]),
+            None => (self.sheet.stress(strain), [(self.stiffness(strain), b), nothing, nothing]),
+            Some(mean) => {
+                let found = self.mean_sheet([&f, &rate], mean);
+                let elastic = match form.symmetric {
+                    true => (found.symmetric, b),
+                    false => (found.exact, g.map(|g| strain_by_node(&(f + rate * mean.half), &g))),
+                };
+                if exact {
+                    let [without, with] = strains.map(|strain| self.sheet.stress(strain));
+                    let stress = [0, 1, 2].map(|j| found.stress[j] + (with[j] - without[j]));
+                    (stress, [elastic, (damped, moved()), (-self.stiffness(strain), b)])
+                } else {
+                    (found.stress, [elastic, nothing, nothing])
+                }
+            }
+        };
         let stress = Matrix2::new(stress[0], stress[2], stress[2], stress[1]);
         let stress = if form.convex { without_compression(stress) } else { stress };
-        let stiffness = if exact { damped } else { matrix(strain) };
-        let rates = g.map(|g| strain_by_node(&rate, &g) * tau);
+        let used = if mean.is_some() && exact { 3 } else { 1 };
         let block = |p: usize, q: usize| {
-            let moved = if exact { b[q] + rates[q] } else { b[q] };
             let along = Matrix3::from_diagonal_element(g[p].dot(&(stress * g[q])));
-            let k = along + b[p].transpose() * stiffness * moved;
+            let terms = products[..used].iter().map(|(matrix, by)| b[p].transpose() * matrix * by[q]);
+            let k = terms.fold(along, |sum, term| sum + term);
             (k * w.k + b[p].transpose() * damped * b[q] * (tau * w.c)) * area
         };
         [0, 1, 2].map(|p| [0, 1, 2].map(|q| block(p, q)))
@@ -206,6 +240,16 @@ fn without_compression(stress: Matrix2<f64>) -> Matrix2<f64> {
     let eigen = stress.symmetric_eigen();
     let kept = eigen.eigenvalues.map(|value| value.max(0.0));
     eigen.eigenvectors * Matrix2::from_diagonal(&kept) * eigen.eigenvectors.transpose()
+}
+
+fn matrix(rows: [Voigt; 3]) -> Matrix3<f64> {
+    Matrix3::from_fn(|i, j| rows[i][j])
+}
+
+/// d(E11, E22, 2 E12) of a deformation that changes by the second matrix.
+fn strain_along([f, change]: [&Matrix3x2<f64>; 2]) -> Voigt {
+    let c = f.transpose() * change;
+    [c[(0, 0)], c[(1, 1)], c[(0, 1)] + c[(1, 0)]]
 }
 
 /// d(E11, E22, 2 E12)/dx of the node with the gradient g.
@@ -334,8 +378,12 @@ impl ForceTerm for Membrane {
     /// The convex form leaves out compression where the stress turns with the triangle.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         for (i, &nodes) in self.data.triangles.iter().enumerate() {
-            sink.triangle(nodes, &self.data.blocks(i, at, w, form));
+            sink.triangle(nodes, &self.data.blocks(i, (at, None), w, form));
         }
+    }
+
+    fn mean(&self) -> Option<&dyn MeanForce> {
+        Some(self)
     }
 
     fn add_stiffness(&self, nodes: &mut [f64]) {

@@ -1,7 +1,7 @@
 //! When springs are slack: their curve of tension ([`crate::force::law::curve`]) is clamped at one elongation (thesis
 //! Eq. 3, both readings).
 
-use crate::force::law::curve::{Bar, Curve, CurveKind, Tension};
+use crate::force::law::curve::{Bar, Curve, CurveKind, MeanTension, Tension};
 use crate::model::quad::Real;
 use crate::model::spec::Slack;
 
@@ -10,6 +10,15 @@ use crate::model::spec::Slack;
 pub trait TensionLaw: Copy + Send + Sync {
     /// Tension, slope and energy at elongation `e` [m].
     fn at<R: Real>(&self, bar: Bar<R>, e: R) -> Tension<R>;
+
+    /// As [`Curve::mean`].
+    fn mean(&self, bar: Bar, between: [f64; 2]) -> MeanTension;
+
+    /// The same with the dissipation chi [-] inside of elements ([`crate::force::MeanForce`]).
+    fn mean_with(&self, bar: Bar, between: [f64; 2], chi: f64) -> MeanTension {
+        let mean = self.mean(bar, between);
+        if chi == 0.0 { mean } else { mean.dissipating(between, between.map(|e| self.at(bar, e)), chi) }
+    }
 
     /// As [`Curve::pull`].
     fn pull<R: Real>(&self, bar: Bar<R>, e: R) -> R;
@@ -26,6 +35,10 @@ impl<C: Curve> TensionLaw for Plain<C> {
     #[inline(always)]
     fn at<R: Real>(&self, bar: Bar<R>, e: R) -> Tension<R> {
         self.0.at(bar, e)
+    }
+
+    fn mean(&self, bar: Bar, between: [f64; 2]) -> MeanTension {
+        self.0.mean(bar, between)
     }
 
     #[inline(always)]
@@ -112,6 +125,27 @@ impl<C: Curve> TensionLaw for Clamped<C> {
         let slope = slope.where_not_negative(e - e.all(lower)).where_not_negative(e.all(upper) - e);
         // Beyond a limit the force is constant, so its work is linear in the elongation.
         Tension { force, slope, energy: energy + force * (e - c) }
+    }
+
+    /// The share w of the way that is taut has the mean of the curve there, the rest the tension at the limit.
+    fn mean(&self, bar: Bar, [e0, e1]: [f64; 2]) -> MeanTension {
+        let [c0, c1] = [e0, e1].map(|e| self.clamped(e));
+        let taut = self.curve.mean(bar, [self.taut(c0), self.taut(c1)]);
+        if c0 == e0 && c1 == e1 {
+            return taut;
+        }
+        // Each kind has one limit.
+        let limit = if c0 == e0 { c1 } else { c0 };
+        let (slack, way) = (self.curve.at(bar, self.taut(limit)).force, e1 - e0);
+        if c0 == c1 {
+            return MeanTension { force: slack, slope: 0.0 };
+        }
+        let w = (c1 - c0) / way;
+        let slope = match c1 == e1 {
+            true => (1.0 - w) / way * (taut.force - slack) + w * taut.slope,
+            false => -w / way * (taut.force - slack),
+        };
+        MeanTension { force: w * taut.force + (1.0 - w) * slack, slope }
     }
 
     #[inline(always)]

@@ -170,6 +170,11 @@ impl Sheet {
         Uniaxial { cos: found.cos * sign(d), sin: found.sin * sign(g), ..found }
     }
 
+    /// C^-1 E, with compression.
+    pub fn taut_stress(&self, strain: Voigt) -> Voigt {
+        self.full(strain)
+    }
+
     /// What it is at a strain.
     pub fn wrinkling(&self, e: Voigt) -> Wrinkling {
         if !self.wrinkles || smallest_principal(self.full(e)) >= 0.0 {

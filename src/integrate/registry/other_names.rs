@@ -101,6 +101,20 @@ static OTHER_NAMES: &[(&[&str], &str, &str)] = &[
         "generalized-alpha",
         "",
     ),
+    (
+        &[
+            "emm",
+            "edmc",
+            "simotarnow",
+            "greenspan",
+            "gonzalez",
+            "discretegradient",
+            "energyconserving",
+            "implicitmidpoint",
+        ],
+        "energy-momentum",
+        "the implicit midpoint rule with discrete gradients",
+    ),
 ];
 
 #[cfg(test)]

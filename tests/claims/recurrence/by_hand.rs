@@ -116,6 +116,13 @@ fn esdirk4(o: Oscillator, h: f64, m: Motion) -> Motion {
     stage
 }
 
+/// x1 - x0 = h u and v1 - v0 = 2 (u - v0) with u = (v0 + v1)/2; the spring acts at x0 + (1 + chi) h u/2.
+fn energy_momentum(o: Oscillator, h: f64, chi: f64, m: Motion) -> Motion {
+    let w2 = o.frequency.powi(2);
+    let u = (2.0 * m.v - h * w2 * m.x + h * o.push) / (2.0 + 0.5 * (1.0 + chi) * h * h * w2 + h * o.d());
+    Motion { x: m.x + h * u, v: 2.0 * u - m.v, a: 0.0 }
+}
+
 impl Case {
     /// The recurrence, `steps` steps from rest of everything but x and v.
     pub fn expected(&self, o: Oscillator, h: f64, damper: Damper, start: Motion, steps: usize) -> Vec<Motion> {
@@ -163,6 +170,10 @@ impl Case {
             }
             "backward-euler" => Box::new(move |m| backward_euler(o, h, m)),
             "esdirk4" => Box::new(move |m| esdirk4(o, h, m)),
+            "energy-momentum" => {
+                let chi = self.value("dissipation", 0.0);
+                Box::new(move |m| energy_momentum(o, h, chi, m))
+            }
             "kang" => Box::new(move |m| kang(o, h, damper, m)),
             other => panic!("write the recurrence of {other} here"),
         };
