@@ -242,8 +242,11 @@ fn main() {
                 assert_eq!(blocks(&calm, method.name, 50, strategy), 0, "{}, {strategy:?}", method.name);
                 assert_eq!(blocks(&windy, method.name, 50, strategy), 0, "{} with air, {strategy:?}", method.name);
             }
-            let newton = (Strategy::Full, LinearChoice::Cg);
-            assert_eq!(blocks(&calm, method.name, 50, newton), 0, "{} by conjugate gradients", method.name);
+            // The tangent of a discrete gradient is not symmetric.
+            if method.name != "energy-momentum" {
+                let newton = (Strategy::Full, LinearChoice::Cg);
+                assert_eq!(blocks(&calm, method.name, 50, newton), 0, "{} by conjugate gradients", method.name);
+            }
         }
     }
     // So many nodes that each of two threads has a part of its own in a block.

@@ -66,6 +66,11 @@ fn one(method: &MethodInfo, reference: &[Account], claims: &mut Vec<Claim>) {
     let accurate = method.order > 4 || method.name == "esdirk4";
     for (i, column) in COLUMNS.iter().enumerate() {
         let name = format!("{}: {column}: order", method.name);
+        if method.name == "energy-momentum" && *column == "numerical" {
+            // It makes and loses none, whatever the step.
+            claims.push(Claim::below(format!("{name} has none: worst [J]"), e1[i].max(e2[i]), 1e-11));
+            continue;
+        }
         claims.push(if !accurate {
             // Central differences lose no energy in first order: their dashpots take it at other velocities.
             let second = method.name == "central-difference" && *column == "numerical";

@@ -206,7 +206,8 @@ fn a_kept_factor_is_made_again() {
             for (strategy, linear) in
                 [("modified", "auto"), ("quasi", "auto"), ("quasi", "cg"), ("modified", "cholesky")]
             {
-                if linear == "cholesky" && what == "sail" {
+                // Their tangents are not symmetric.
+                if linear == "cholesky" && (what == "sail" || method.name == "energy-momentum") {
                     continue;
                 }
                 let sets =
