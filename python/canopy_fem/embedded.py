@@ -1,0 +1,466 @@
+"""A flow of Kratos about a thin surface without mesh motion; no porosity, no turbulence model, no friction, no compression.
+
+The fluid is incompressible and slips along the surface, which is impermeable: cloth loses no air. Below the size of the
+mesh the stabilised elements are the only model of turbulence. Air that a moving surface passes keeps its history.
+
+The surface is a set of triangles that may go anywhere within a fixed box of tetrahedra. Elements that it cuts have
+separate pressures and velocities on its two sides (Kratos' `embedded_weakly_compressible_navier_stokes_discontinuous`;
+Zorrilla, Larese and Rossi 2019). Where an element is cut only in part, at the edge of a surface, it is cut as a whole.
+
+>>> flow = Flow(mesh, points, triangles, stream=[0, 0, 10], step=0.005)      # doctest: +SKIP
+>>> forces = flow.advance()                                                  # doctest: +SKIP
+>>> coupled = Coupled(flow, structure, "canopy")                             # doctest: +SKIP
+>>> coupled.advance()                                                        # doctest: +SKIP
+
+Tested with Kratos 10.4.4, which has wheels for Python 3.11.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .background import Box, nodal_forces
+from .coupling import Structure
+from .errors import CouplingError
+
+__all__ = ["Coupled", "Flow", "FlowDiverged", "KratosMissing", "NotCoupled", "SurfaceOutside"]
+
+_Array = npt.NDArray[np.float64]
+_Indices = npt.NDArray[np.int64]
+# [-] distance of a node from the surface, as a share of the size of bricks, below which it counts as on it.
+_APART = 1e-3
+_NEEDED = ("FluidDynamicsApplication", "LinearSolversApplication", "CoSimulationApplication")
+
+
+class KratosMissing(CouplingError):
+    """Kratos, or applications of it, are not installed; `packages` lists them."""
+
+    def __init__(self, packages: list[str]) -> None:
+        super().__init__(
+            f"this needs {', '.join(packages)}, which cannot be imported here\n"
+            f"Kratos 10.4.4 has wheels for Python 3.11: pip install {' '.join(packages)}"
+        )
+        self.packages = packages
+
+
+class FlowDiverged(CouplingError):
+    """A flow with values that are not finite, or beyond all measure: `time` [s], `speed` [m/s] and `stream` [m/s]."""
+
+    def __init__(self, time: float, speed: float, stream: float) -> None:
+        super().__init__(
+            f"the flow has diverged in the step to t = {time:g} s: its greatest speed is {speed:g} m/s in a stream of "
+            f"{stream:g} m/s\nMake the step smaller, or the mesh finer about the surface"
+        )
+        self.time, self.speed, self.stream = time, speed, stream
+
+
+class SurfaceOutside(CouplingError):
+    """A surface that leaves the box: `node`, its `position` [m], and `low` and `high` [m] of the box."""
+
+    def __init__(self, node: int, position: _Array, low: _Array, high: _Array) -> None:
+        where = [[round(float(x), 6) for x in row] for row in (position, low, high)]
+        super().__init__(f"node {node} of the surface is at {where[0]} m, outside the box from {where[1]} to {where[2]} m")
+        self.node, self.position, self.low, self.high = node, position, low, high
+
+
+class NotCoupled(CouplingError):
+    """Iterations of flow and structure that have not converged: `time` [s], `residual` and `tolerance` [-]."""
+
+    def __init__(self, time: float, iterations: int, residual: float, tolerance: float) -> None:
+        super().__init__(
+            f"flow and structure do not agree in the step to t = {time:g} s: after {iterations} iterations the "
+            f"displacements change by {residual:.2g} of the step's, the tolerance is {tolerance:.2g}"
+        )
+        self.time, self.iterations, self.residual, self.tolerance = time, iterations, residual, tolerance
+
+
+class Flow:
+    """A stream about a surface.
+
+    Faces of the box where the stream enters have its velocity, those where it leaves have no pressure, and along those
+    that it is parallel to the fluid slips. It starts everywhere with the velocity of the stream.
+
+    Args:
+        mesh: the box, of `canopy_fem.background.box`.
+        points: [m] nodes of the surface, (n, 3).
+        triangles: their numbers, (t, 3).
+        stream: [m/s] (3,).
+        step: [s] of the flow; `stream * step` of half a fine brick to a whole one is a good choice.
+        density: [kg/m^3] of the fluid.
+        viscosity: [Pa s] of the fluid.
+        iterations: Newton's iterations of a step, at most.
+
+    Raises:
+        KratosMissing: Kratos is not installed, or not for this Python.
+        SurfaceOutside: the surface leaves the box.
+        ValueError: arrays of other shapes, or values that are not finite or not above 0.
+    """
+
+    def __init__(
+        self,
+        mesh: Box,
+        points: npt.ArrayLike,
+        triangles: npt.ArrayLike,
+        *,
+        stream: npt.ArrayLike,
+        step: float,
+        density: float = 1.225,
+        viscosity: float = 1.8e-5,
+        iterations: int = 5,
+    ) -> None:
+        self.mesh, self.stream = mesh, np.asarray(stream, dtype=float)
+        self.triangles: _Indices = np.asarray(triangles, dtype=np.int64)
+        if self.stream.shape != (3,) or not np.isfinite(self.stream).all() or not self.stream.any():
+            raise ValueError(f"stream is {stream!r}: give three components [m/s], not all of them 0")
+        for name, value in (("step", step), ("density", density), ("viscosity", viscosity)):
+            if not (np.isfinite(value) and value > 0):
+                raise ValueError(f"{name} is {value!r}: it must be above 0 and finite")
+        if self.triangles.ndim != 2 or self.triangles.shape[1] != 3 or not len(self.triangles):
+            raise ValueError(f"triangles have the shape {self.triangles.shape}: give (t, 3)")
+        self.step, self.density, self._open = float(step), float(density), False
+        self._points = self._checked(points)
+        self._kratos()
+        self._build_fluid(viscosity, iterations)
+        self._build_surface()
+        self._place(self._points, None)
+
+    @property
+    def time(self) -> float:
+        """[s] end of the last step"""
+        return float(self._part.ProcessInfo[self._km.TIME])
+
+    @property
+    def points(self) -> _Array:
+        """[m] nodes of the surface, (n, 3)"""
+        return self._points.copy()
+
+    def begin(self) -> None:
+        """Begins a step, which `solve` may compute several times and `accept` ends."""
+        self._solver.AdvanceInTime(self.time)
+        self._solver.InitializeSolutionStep()
+        self._open = True
+
+    def solve(self, points: npt.ArrayLike, velocities: npt.ArrayLike | None = None) -> _Array:
+        """[N] forces on the nodes of the surface, (n, 3), at the end of the step, where it is here by then.
+
+        Args:
+            points: [m] (n, 3).
+            velocities: [m/s] (n, 3); left out, the surface is at rest.
+
+        Raises:
+            FlowDiverged: values of the flow that are not finite, or speeds above a hundred times the stream.
+            SurfaceOutside: the surface leaves the box.
+            ValueError: arrays of another shape.
+        """
+        if not self._open:
+            raise CouplingError("a step of the flow begins with `begin`")
+        moved = self._checked(points)
+        speeds = None if velocities is None else np.asarray(velocities, dtype=float)
+        if speeds is not None and (speeds.shape != moved.shape or not np.isfinite(speeds).all()):
+            raise ValueError(f"velocities must be finite, and have the shape {moved.shape}")
+        self._points = moved
+        self._place(moved, speeds)
+        self._solver.SolveSolutionStep()
+        self._check()
+        at, forces = self.facets()
+        return nodal_forces(moved, self.triangles, at, forces)
+
+    def accept(self) -> None:
+        """Ends the step."""
+        self._solver.FinalizeSolutionStep()
+        self._open = False
+
+    def advance(self, points: npt.ArrayLike | None = None, velocities: npt.ArrayLike | None = None) -> _Array:
+        """Makes a step, and returns the forces [N] on the nodes of the surface, (n, 3); see `solve`."""
+        self.begin()
+        forces = self.solve(self._points if points is None else points, velocities)
+        self.accept()
+        return forces
+
+    def facets(self) -> tuple[_Array, _Array]:
+        """Where the surface cuts the mesh: centres [m] and forces [N] of the fluid on these facets, (m, 3) each."""
+        km = self._km
+        self._skin.GenerateSkin()
+        for side, variable in (("positive", km.POSITIVE_FACE_PRESSURE), ("negative", km.NEGATIVE_FACE_PRESSURE)):
+            self._skin.InterpolateDiscontinuousMeshVariableToSkin(km.PRESSURE, variable, side)
+        part, read = self._cut, km.VariableUtils()
+        count = part.NumberOfNodes()
+        if not count:
+            return np.zeros((0, 3)), np.zeros((0, 3))
+        front = np.array(read.GetSolutionStepValuesVector(part.Nodes, km.POSITIVE_FACE_PRESSURE, 0))
+        back = np.array(read.GetSolutionStepValuesVector(part.Nodes, km.NEGATIVE_FACE_PRESSURE, 0))
+        place = np.array(read.GetInitialPositionsVector(part.Nodes, 3)).reshape(count, 3)
+        row = {node.Id: i for i, node in enumerate(part.Nodes)}
+        corners = np.array([[row[node.Id] for node in cell.GetNodes()] for cell in part.Conditions])
+        spots = place[corners]
+        # The normal is towards the negative side.
+        area = 0.5 * np.cross(spots[:, 1] - spots[:, 0], spots[:, 2] - spots[:, 0])
+        return spots.mean(axis=1), (front - back)[corners].mean(axis=1)[:, None] * area
+
+    def velocities(self) -> _Array:
+        """[m/s] of the fluid at the nodes of the mesh, (n, 3)"""
+        return self._values(self._km.VELOCITY, 3)
+
+    def pressures(self) -> _Array:
+        """[Pa] at the nodes of the mesh, (n,)"""
+        return self._values(self._km.PRESSURE, 1)[:, 0]
+
+    def _values(self, variable: Any, width: int) -> _Array:
+        read = self._km.VariableUtils()
+        given = (self._part.Nodes, variable, 0) + ((3,) if width == 3 else ())
+        return np.array(read.GetSolutionStepValuesVector(*given)).reshape(-1, width)
+
+    def _checked(self, points: npt.ArrayLike) -> _Array:
+        given = np.array(points, dtype=float)
+        if given.ndim != 2 or given.shape[1] != 3 or len(given) <= self.triangles.max():
+            raise ValueError(f"points have the shape {given.shape}: give (n, 3), with every node of the triangles")
+        # Also true of what is not a number.
+        wrong = np.flatnonzero(~((given > self.mesh.low) & (given < self.mesh.high)).all(axis=1))
+        if len(wrong):
+            first = int(wrong[0])
+            raise SurfaceOutside(first, given[first], self.mesh.low, self.mesh.high)
+        return given
+
+    def _check(self) -> None:
+        speed = np.sqrt((self.velocities() ** 2).sum(axis=1)).max()
+        stream = float(np.linalg.norm(self.stream))
+        if not (speed < 100 * stream and np.isfinite(self.pressures()).all()):
+            raise FlowDiverged(self.time, float(speed), stream)
+
+    def _kratos(self) -> None:
+        import importlib
+
+        missing = []
+        for name in ("KratosMultiphysics", *_NEEDED):
+            try:
+                importlib.import_module(name if name == "KratosMultiphysics" else f"KratosMultiphysics.{name}")
+            except ImportError:
+                missing.append(name if name == "KratosMultiphysics" else f"Kratos{name}")
+        if missing:
+            raise KratosMissing(missing)
+        import KratosMultiphysics as km
+
+        self._km = km
+        km.Logger.GetDefaultOutput().SetSeverity(km.Logger.Severity.WARNING)
+
+    def _build_fluid(self, viscosity: float, iterations: int) -> None:
+        km = self._km
+        import KratosMultiphysics.FluidDynamicsApplication as fluid
+        from KratosMultiphysics.FluidDynamicsApplication.navier_stokes_embedded_solver import CreateSolver
+
+        self._model = km.Model()
+        speed = float(np.linalg.norm(self.stream))
+        settings = _settings(self.step, speed, self.density * speed**2, iterations)
+        self._solver = CreateSolver(self._model, km.Parameters(json.dumps(settings)))
+        self._part = part = self._model["Fluid"]
+        self._solver.AddVariables()
+        properties = part.CreateNewProperties(1)
+        for variable, value in ((km.DENSITY, self.density), (km.DYNAMIC_VISCOSITY, viscosity), (km.SOUND_VELOCITY, 1e12)):
+            properties.SetValue(variable, value)
+        properties.SetValue(km.CONSTITUTIVE_LAW, fluid.Newtonian3DLaw())
+        for i, place in enumerate(self.mesh.nodes.tolist(), 1):
+            part.CreateNewNode(i, *place)
+        for i, cell in enumerate((self.mesh.tetrahedra + 1).tolist(), 1):
+            part.CreateNewElement("Element3D4N", i, cell, properties)
+        volume = part.CreateSubModelPart("Volume")
+        volume.AddNodes(list(range(1, len(self.mesh.nodes) + 1)))
+        volume.AddElements(list(range(1, len(self.mesh.tetrahedra) + 1)))
+        part.CreateSubModelPart("Sides")
+        self._solver.ImportModelPart()
+        self._solver.PrepareModelPart()
+        self._solver.AddDofs()
+        self._bound()
+        self._solver.Initialize()
+
+    def _bound(self) -> None:
+        """Conditions on the faces of the box, and the flow at the start."""
+        km, write = self._km, self._km.VariableUtils()
+        nodes = list(self._part.Nodes)
+        every = np.tile(self.stream, len(nodes))
+        for buffer in range(self._part.GetBufferSize()):
+            write.SetSolutionStepValuesVector(self._part.Nodes, km.VELOCITY, km.Vector(every), buffer)
+        axes = (km.VELOCITY_X, km.VELOCITY_Y, km.VELOCITY_Z)
+        for axis in range(3):
+            for end in (0, 1):
+                # [m/s] out of the box
+                out = self.stream[axis] * (2 * end - 1)
+                fixed = axes if out < 0 else (km.PRESSURE,) if out > 0 else (axes[axis],)
+                for node in self.mesh.side(axis, end):
+                    for variable in fixed:
+                        nodes[node].Fix(variable)
+
+    def _build_surface(self) -> None:
+        km = self._km
+        self._surface = surface = self._model.CreateModelPart("Surface")
+        surface.AddNodalSolutionStepVariable(km.VELOCITY)
+        for i, place in enumerate(self._points.tolist(), 1):
+            surface.CreateNewNode(i, *place)
+        properties = surface.CreateNewProperties(1)
+        for i, cell in enumerate((self.triangles + 1).tolist(), 1):
+            surface.CreateNewElement("Element3D3N", i, cell, properties)
+        self._cut = cut = self._model.CreateModelPart("Cut")
+        for variable in (km.NORMAL, km.POSITIVE_FACE_PRESSURE, km.NEGATIVE_FACE_PRESSURE):
+            cut.AddNodalSolutionStepVariable(variable)
+        volume = self._solver.GetComputingModelPart()
+        both = '{"calculate_elemental_edge_distances": true, "calculate_elemental_edge_distances_extrapolated": true}'
+        self._distance = km.CalculateDiscontinuousDistanceToSkinProcess3D(volume, surface, km.Parameters(both))
+        self._elements = list(volume.Elements)
+        corners = self.mesh.nodes[self.mesh.tetrahedra]
+        self._first, self._last = corners.min(axis=1), corners.max(axis=1)
+        self._skin = km.EmbeddedSkinUtility3D(volume, cut, "discontinuous")
+
+    def _place(self, points: _Array, velocities: _Array | None) -> None:
+        """Cuts the mesh where the surface is."""
+        km = self._km
+        for node, place in zip(self._surface.Nodes, points.tolist(), strict=True):
+            node.X, node.Y, node.Z = place
+        self._distance.Execute()
+        self._part_clearly()
+        import KratosMultiphysics.FluidDynamicsApplication  # noqa: F401
+
+        variable = km.KratosGlobals.GetVariable("EMBEDDED_VELOCITY")
+        km.VariableUtils().SetNonHistoricalVariableToZero(variable, self._part.Elements)
+        if velocities is not None:
+            flat = km.Vector(velocities.ravel())
+            km.VariableUtils().SetSolutionStepValuesVector(self._surface.Nodes, km.VELOCITY, flat, 0)
+            self._distance.CalculateEmbeddedVariableFromSkin(km.VELOCITY, variable)
+
+    def _part_clearly(self) -> None:
+        """Mends what Kratos cannot divide: elements with a node on the surface, and those that it hardly touches."""
+        km, least = self._km, _APART * self.mesh.size
+        low, high = self._points.min(axis=0), self._points.max(axis=0)
+        whole, uncut = km.Vector([-1.0] * 6), km.Vector([1.0] * 4)
+        for index in np.flatnonzero(((self._first <= high) & (self._last >= low)).all(axis=1)):
+            element = self._elements[index]
+            distances = np.array(element.GetValue(km.ELEMENTAL_DISTANCES))
+            if element.Is(km.TO_SPLIT) and np.isfinite(distances).all():
+                if np.abs(distances).min() >= least:
+                    continue
+                clear = np.where(np.abs(distances) >= least, distances, np.where(distances < 0, -least, least))
+                element.SetValue(km.ELEMENTAL_DISTANCES, km.Vector(clear))
+            elif np.abs(distances).min() < least or not np.isfinite(distances).all():
+                element.SetValue(km.ELEMENTAL_DISTANCES, uncut)
+                element.Set(km.TO_SPLIT, False)
+            else:
+                continue
+            # What Kratos has made of the old distances.
+            element.SetValue(km.ELEMENTAL_EDGE_DISTANCES_EXTRAPOLATED, whole)
+
+
+class Coupled:
+    """A flow and a structure that exchange forces and positions in every step until they agree.
+
+    The unknown is where the surface is at the end of the step. Iterations are quasi-Newton (IQN-ILS, Degroote 2009, as
+    Kratos has it), since cloth is lighter than the air that it moves: with one exchange a step it would diverge.
+
+    Args:
+        flow: the flow, whose surface is that of the interface: `Coupled.surface`.
+        structure: the scene, at the time at which the surface is let go.
+        group: its interface.
+        tolerance: [-] change of the displacements in an iteration, as a share of those of the step.
+        iterations: at most so many in a step.
+        relaxation: [-] share of the first correction of all that is made; small for light cloth.
+        horizon: from so many steps before iterations learn.
+
+    Raises:
+        CouplingError: another number of nodes, or a surface elsewhere.
+    """
+
+    def __init__(
+        self,
+        flow: Flow,
+        structure: Structure,
+        group: str,
+        *,
+        tolerance: float = 1e-2,
+        iterations: int = 20,
+        relaxation: float = 0.1,
+        horizon: int = 4,
+    ) -> None:
+        from KratosMultiphysics.CoSimulationApplication.convergence_accelerators import iqnils
+
+        self.flow, self.structure, self.group = flow, structure, group
+        self.tolerance, self.iterations = tolerance, iterations
+        points, _ = self.surface(structure, group)
+        if points.shape != flow.points.shape or np.abs(points - flow.points).max() > 1e-6 * flow.mesh.size:
+            raise CouplingError(f'the surface of the flow is not that of the interface "{group}": make it of `surface`')
+        settings = {"type": "iqnils", "iteration_horizon": 20, "timestep_horizon": horizon, "alpha": relaxation}
+        self._quasi = iqnils.Create(flow._km.Parameters(json.dumps(settings)))
+        self._quasi.Initialize()
+        self.forces = np.zeros_like(points)
+
+    @staticmethod
+    def surface(structure: Structure, group: str) -> tuple[_Array, _Indices]:
+        """Points [m] and triangles of an interface, for `Flow`."""
+        interface = structure.interfaces[group]
+        return interface.points + structure.displacements(group), interface.triangles
+
+    def advance(self) -> int:
+        """Makes a step of the flow's size, and returns the number of iterations. `forces` are those at its end.
+
+        Raises:
+            NotCoupled: the iterations do not converge; `forces`, flow and structure are those of the last one.
+            FlowDiverged, SurfaceOutside: as `Flow.solve`.
+            Diverged: the structure cannot be solved under the forces.
+        """
+        flow, structure, rest = self.flow, self.structure, self.structure.interfaces[self.group].points
+        start = structure.displacements(self.group)
+        trial = start + flow.step * structure.velocities(self.group)
+        flow.begin()
+        self._quasi.InitializeSolutionStep()
+        for iteration in range(1, self.iterations + 1):
+            self.forces = flow.solve(rest + trial, (trial - start) / flow.step)
+            structure.push(self.group, self.forces)
+            structure.solve(flow.step)
+            change = structure.displacements(self.group) - trial
+            residual = float(np.linalg.norm(change) / max(np.linalg.norm(trial + change - start), 1e-12))
+            if residual <= self.tolerance:
+                self._quasi.FinalizeSolutionStep()
+                structure.accept()
+                flow.accept()
+                return iteration
+            trial = trial + self._quasi.UpdateSolution(change.ravel(), trial.ravel()).reshape(trial.shape)
+        raise NotCoupled(flow.time, self.iterations, residual, self.tolerance)
+
+
+def _settings(step: float, speed: float, pressure: float, iterations: int) -> dict[str, Any]:
+    """Kratos' parameters, with tolerances for this speed [m/s] and pressure [Pa]."""
+    return {
+        "solver_type": "Embedded",
+        "model_part_name": "Fluid",
+        "domain_size": 3,
+        "model_import_settings": {"input_type": "use_input_model_part"},
+        "distance_reading_settings": {"import_mode": "from_mdpa"},
+        # Done here, as it leaves elements that cannot be divided.
+        "distance_modification_settings": {"distance_threshold": 1e-12},
+        "maximum_iterations": iterations,
+        "relative_velocity_tolerance": 1e-3,
+        "absolute_velocity_tolerance": 1e-5 * speed,
+        "relative_pressure_tolerance": 1e-3,
+        "absolute_pressure_tolerance": 1e-5 * pressure,
+        "volume_model_part_name": "Fluid.Volume",
+        "skin_parts": ["Fluid.Sides"],
+        "no_skin_parts": [],
+        "assign_neighbour_elements_to_conditions": False,
+        "time_stepping": {"automatic_time_step": False, "time_step": step},
+        "formulation": {
+            "element_type": "embedded_weakly_compressible_navier_stokes_discontinuous",
+            "is_slip": True,
+            "slip_length": 1e8,
+            "penalty_coefficient": 10.0,
+            "dynamic_tau": 1.0,
+        },
+        "linear_solver_settings": {
+            "solver_type": "amgcl",
+            "krylov_type": "lgmres",
+            "smoother_type": "ilu0",
+            "coarsening_type": "aggregation",
+            "max_iteration": 200,
+            "tolerance": 1e-4,
+            "scaling": False,
+        },
+    }
