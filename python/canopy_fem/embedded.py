@@ -33,6 +33,10 @@ _Array = npt.NDArray[np.float64]
 _Indices = npt.NDArray[np.int64]
 # [-] distance of a node from the surface, as a share of the size of bricks, below which it counts as on it.
 _APART = 1e-3
+# Barycentric coordinates of the centres of nine equal parts of a facet.
+_PLACES = np.array(
+    [[7, 1, 1], [1, 7, 1], [1, 1, 7], [4, 4, 1], [4, 1, 4], [1, 4, 4], [5, 2, 2], [2, 5, 2], [2, 2, 5]]
+) / 9.0  # fmt: skip
 _NEEDED = ("FluidDynamicsApplication", "LinearSolversApplication", "CoSimulationApplication")
 
 
@@ -182,7 +186,11 @@ class Flow:
         return forces
 
     def facets(self) -> tuple[_Array, _Array]:
-        """Where the surface cuts the mesh: centres [m] and forces [N] of the fluid on these facets, (m, 3) each."""
+        """Where the surface cuts the mesh: places [m] and forces [N] of the fluid there, (m, 3) each.
+
+        Each facet, which is where the surface cuts an element, is several places, as it may be larger than a triangle of
+        the surface. The pressure is linear on it.
+        """
         km = self._km
         self._skin.GenerateSkin()
         for side, variable in (("positive", km.POSITIVE_FACE_PRESSURE), ("negative", km.NEGATIVE_FACE_PRESSURE)):
@@ -198,8 +206,10 @@ class Flow:
         corners = np.array([[row[node.Id] for node in cell.GetNodes()] for cell in part.Conditions])
         spots = place[corners]
         # The normal is towards the negative side.
-        area = 0.5 * np.cross(spots[:, 1] - spots[:, 0], spots[:, 2] - spots[:, 0])
-        return spots.mean(axis=1), (front - back)[corners].mean(axis=1)[:, None] * area
+        area = 0.5 * np.cross(spots[:, 1] - spots[:, 0], spots[:, 2] - spots[:, 0]) / len(_PLACES)
+        jump = (front - back)[corners] @ _PLACES.T
+        at = np.einsum("pc,fcx->fpx", _PLACES, spots)
+        return at.reshape(-1, 3), (jump[:, :, None] * area[:, None, :]).reshape(-1, 3)
 
     def velocities(self) -> _Array:
         """[m/s] of the fluid at the nodes of the mesh, (n, 3)"""
