@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+"""Thin surfaces in a stream, with the flow of Kratos: a rigid disc, a rigid cup, and a canopy that fills.
+
+    surface.py rigid disc TABLE.csv --size 0.2       a disc or a cup (open towards the stream) of 1 m; its drag over time
+    surface.py fill RUN.npz --size 0.08              a canopy of 1 m, let go with a narrow skirt in a wind of 10 m/s
+    surface.py plot PICTURE.png RUN.npz              pictures of the canopy while it fills
+    surface.py drag PICTURE.svg TABLE.csv ...        drag of rigid surfaces over time
+
+What is not modelled: porosity of the cloth, friction, turbulence below the size of the mesh.
+"""
+
+import argparse
+import csv
+import time
+from pathlib import Path
+
+import numpy as np
+
+from canopy_fem.background import box
+from canopy_fem.coupling import Structure
+from canopy_fem.embedded import Coupled, Flow
+
+# [m/s], [m]
+WIND, DIAMETER = 10.0, 1.0
+
+
+def rigid(kind, rings=10, sectors=40):
+    """Nodes [m] and triangles of a disc or a hemisphere of 1 m in diameter, which is open towards -z."""
+    ring, sector = np.meshgrid(np.arange(1, rings + 1) / rings, 2 * np.pi * np.arange(sectors) / sectors, indexing="ij")
+    slope = np.pi / 2 * ring
+    radius = 0.5 * ring if kind == "disc" else 0.5 * np.sin(slope)
+    height = 0.0 * ring if kind == "disc" else 0.5 * np.cos(slope) - 0.25
+    nodes = np.stack([radius * np.cos(sector), radius * np.sin(sector), height], axis=2).reshape(-1, 3)
+    nodes = np.concatenate([[[0.0, 0.0, 0.0 if kind == "disc" else 0.25]], nodes])
+    number = 1 + np.arange(rings * sectors).reshape(rings, sectors)
+    a, b = number[:-1], number[1:]
+    c, d = np.roll(b, -1, axis=1), np.roll(a, -1, axis=1)
+    inner = np.stack([0 * number[0], number[0], np.roll(number[0], -1)], axis=1)
+    rows = [np.stack(three, axis=2).reshape(-1, 3) for three in ((a, b, c), (a, c, d))]
+    # A little off the planes of the mesh.
+    return nodes + [0.0031, 0.0017, 0.0113], np.concatenate([inner, *rows])
+
+
+def drag(kind, table, size, end):
+    """Writes time [D/V] and drag coefficient, referred to the area of the opening."""
+    points, triangles = rigid(kind)
+    mesh = box([-4, -4, -3.2], [4, 4, 6.4], [[-0.75, -0.75, -0.5], [0.75, 0.75, 1.0]], size, 1.45)
+    flow = Flow(mesh, points, triangles, stream=[0, 0, 1], step=0.8 * size, density=1.0, viscosity=1e-5)
+    began, rows = time.monotonic(), []
+    while flow.time < end:
+        force = flow.advance().sum(axis=0)
+        rows.append((flow.time, force[2] / (0.5 * np.pi / 4)))
+    with open(table, "w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([("time", "drag_coefficient"), *rows])
+    each = (time.monotonic() - began) / len(rows)
+    print(f"{kind}: {len(mesh.tetrahedra)} tetrahedra, {each:.2f} s a step, drag coefficient {rows[-1][1]:.3f}")
+
+
+def canopy():
+    """A flat circular canopy of 1 m with 12 lines to a point that is held; its skirt is narrow at the start."""
+    tape = {"axial_rigidity": 500.0, "slack": "tension-only", "dashpot": {"axial": {"time": 0.002}}}
+    cloth = {"membrane": {"modulus": 5e7, "thickness": 1e-4}, "slack": "tension-only"}
+    return {
+        "name": "filling",
+        "system": {
+            "network": {
+                "mesh": {
+                    "parachute": {
+                        "type": "flat-circular",
+                        "nominal_diameter": DIAMETER,
+                        "gores": 12,
+                        "radial_segments": 6,
+                        "vent_diameter": 0.08,
+                        "lines": {"length": 0.9, "segments": 1},
+                        "reefing": {"diameter": 0.3},
+                        "start": "inflated",
+                    }
+                },
+                "mass": {"areal_density": 0.2},
+                "springs": [
+                    {"on": {"group": "cloth"}, **cloth, "dashpot": {"axial": {"time": 0.002}}},
+                    {"on": {"group": "radials"}, "linear_density": 0.001, **tape},
+                    {"on": {"group": "lines"}, "linear_density": 0.002, **tape},
+                ],
+                "supports": [{"on": {"group": "confluence"}, "fix": "xyz"}],
+            }
+        },
+        "time": {"end": 1.0, "method": "hht", "step": 0.002},
+    }
+
+
+def fill(run, size, steps):
+    """Writes times, positions, triangles and forces of the canopy."""
+    structure = Structure(canopy(), ["canopy"])
+    points, triangles = Coupled.surface(structure, "canopy")
+    low, high = points[:, 2].min(), points[:, 2].max()
+    fine = [[-0.48, -0.48, low - 0.15], [0.48, 0.48, high + 0.1]]
+    mesh = box([-1.5, -1.5, low - 1.0], [1.5, 1.5, high + 1.8], fine, size, 1.7)
+    flow = Flow(mesh, points, triangles, stream=[0, 0, WIND], step=0.8 * size / WIND, iterations=2)
+    # The flow forms while the canopy is held.
+    for _ in range(5):
+        flow.advance()
+    coupled = Coupled(flow, structure, "canopy", tolerance=5e-3)
+    began, rows = time.monotonic(), [(structure.time, points, np.zeros_like(points), 0)]
+    for _ in range(steps):
+        count = coupled.advance()
+        rows.append((structure.time, flow.points, coupled.forces, count))
+        x, y, z = coupled.forces.sum(axis=0)
+        width = 2 * np.hypot(*flow.points[:, :2].T).max()
+        print(f"t {structure.time:.4f} s: {count} iterations, width {width:.3f} m, force {x:.1f} {y:.1f} {z:.1f} N", flush=True)
+        times, positions, forces, counts = (np.array(column) for column in zip(*rows, strict=True))
+        np.savez(run, time=times, positions=positions, forces=forces, iterations=counts, triangles=triangles)
+    each = (time.monotonic() - began) / steps
+    print(f"{len(mesh.tetrahedra)} tetrahedra, {each:.2f} s a step, {counts[1:].mean():.1f} iterations a step")
+
+
+def plot(picture, run):
+    """Six pictures of the canopy from the side, and width and force over time."""
+    plt = _pyplot()
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    data = np.load(run)
+    figure = plt.figure(figsize=(9, 5.6), dpi=80, layout="constrained")
+    grid = figure.add_gridspec(2, 6, height_ratios=[1, 1])
+    times, positions, triangles = data["time"], data["positions"], data["triangles"]
+    for column, index in enumerate(np.linspace(0, len(times) - 1, 6).round().astype(int)):
+        axes = figure.add_subplot(grid[0, column], projection="3d")
+        faces = positions[index][triangles]
+        normal = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+        shade = 0.35 + 0.6 * np.abs(normal @ [0.5, -0.7, 0.5]) / np.linalg.norm(normal, axis=1)
+        axes.add_collection3d(Poly3DCollection(faces, facecolors=plt.cm.Blues(shade), edgecolors="black", linewidths=0.2))
+        axes.set(xlim=(-0.4, 0.4), ylim=(-0.4, 0.4), zlim=(-0.1, 0.6), box_aspect=(0.8, 0.8, 0.7), title=f"{times[index]:.3f} s")
+        axes.view_init(elev=8, azim=-60)
+        axes.set_axis_off()
+    width = 2 * np.hypot(positions[:, :, 0], positions[:, :, 1]).max(axis=1)
+    for half, values, label in ((grid[1, :3], width, "width [m]"), (grid[1, 3:], data["forces"].sum(axis=1)[:, 2], "force [N]")):
+        axes = figure.add_subplot(half)
+        axes.plot(times, values)
+        axes.set(xlabel="time [s]", ylabel=label, ylim=(0, None))
+    figure.savefig(picture)
+
+
+def compare(picture, tables):
+    """Drag coefficients over time."""
+    plt = _pyplot()
+    figure, axes = plt.subplots(figsize=(7, 3.4), layout="constrained")
+    for table in tables:
+        rows = np.genfromtxt(table, delimiter=",", skip_header=1)
+        axes.plot(rows[:, 0], rows[:, 1], label=Path(table).stem)
+    axes.axhline(1.17, color="grey", linestyle=":", label="disc, measured")
+    axes.axhspan(1.33, 1.42, color="grey", alpha=0.3, linewidth=0, label="cup, measured")
+    axes.set(xlabel="time [D/V]", ylabel="drag coefficient [-]", ylim=(0, 2.5))
+    axes.legend(frameon=False, fontsize=8)
+    figure.savefig(picture)
+
+
+def _pyplot():
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot
+
+    return matplotlib.pyplot
+
+
+def main():
+    """The command."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", required=True)
+    one = commands.add_parser("rigid")
+    one.add_argument("kind", choices=["disc", "cup"])
+    one.add_argument("table")
+    one.add_argument("--size", type=float, default=0.2, help="[m] of the bricks about the surface")
+    one.add_argument("--end", type=float, default=8.0, help="[D/V]")
+    one = commands.add_parser("fill")
+    one.add_argument("run")
+    one.add_argument("--size", type=float, default=0.08, help="[m] of the bricks about the canopy")
+    one.add_argument("--steps", type=int, default=60)
+    one = commands.add_parser("plot")
+    one.add_argument("picture")
+    one.add_argument("run")
+    one = commands.add_parser("drag")
+    one.add_argument("picture")
+    one.add_argument("tables", nargs="+")
+    given = parser.parse_args()
+    if given.command == "rigid":
+        drag(given.kind, given.table, given.size, given.end)
+    elif given.command == "fill":
+        fill(given.run, given.size, given.steps)
+    elif given.command == "plot":
+        plot(given.picture, given.run)
+    else:
+        compare(given.picture, given.tables)
+
+
+if __name__ == "__main__":
+    main()
