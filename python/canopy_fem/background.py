@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Box", "box", "nodal_forces"]
+__all__ = ["Box", "box", "nearest", "nodal_forces"]
 
 _Array = npt.NDArray[np.float64]
 _Indices = npt.NDArray[np.int64]
@@ -106,7 +106,7 @@ def nodal_forces(points: _Array, triangles: _Indices, at: _Array, forces: _Array
     """
     if not len(at):
         return np.zeros((len(points), 3))
-    which, share = _nearest(points, triangles, at)
+    which, share = nearest(points, triangles, at)
     corners = points[triangles]
     pushed = np.zeros((len(triangles), 3, 3))
     np.add.at(pushed, which, share[:, :, None] * forces[:, None, :])
@@ -123,8 +123,11 @@ def nodal_forces(points: _Array, triangles: _Indices, at: _Array, forces: _Array
     return total
 
 
-def _nearest(points: _Array, triangles: _Indices, at: _Array) -> tuple[_Indices, _Array]:
-    """The nearest triangle of each place, and the shares of its corners, which are within 0 and 1."""
+def nearest(points: _Array, triangles: _Indices, at: _Array) -> tuple[_Indices, _Array]:
+    """The nearest triangle of each place (m, 3), (m,), and the shares of its corners in its nearest point, (m, 3).
+
+    Among the triangles whose centres are nearest, so that it is exact where triangles are of like size.
+    """
     corners = points[triangles]
     centres = corners.mean(axis=1)
     count = min(_CANDIDATES, len(triangles))

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .background import Box, nodal_forces
+from .background import Box, nearest, nodal_forces
 from .coupling import Structure
 from .errors import CouplingError
 
@@ -306,7 +306,6 @@ class Flow:
     def _build_surface(self) -> None:
         km = self._km
         self._surface = surface = self._model.CreateModelPart("Surface")
-        surface.AddNodalSolutionStepVariable(km.VELOCITY)
         for i, place in enumerate(self._points.tolist(), 1):
             surface.CreateNewNode(i, *place)
         properties = surface.CreateNewProperties(1)
@@ -318,7 +317,7 @@ class Flow:
         volume = self._solver.GetComputingModelPart()
         both = '{"calculate_elemental_edge_distances": true, "calculate_elemental_edge_distances_extrapolated": true}'
         self._distance = km.CalculateDiscontinuousDistanceToSkinProcess3D(volume, surface, km.Parameters(both))
-        self._elements = list(volume.Elements)
+        self._elements, self._nodes = list(volume.Elements), list(volume.Nodes)
         corners = self.mesh.nodes[self.mesh.tetrahedra]
         self._first, self._last = corners.min(axis=1), corners.max(axis=1)
         self._skin = km.EmbeddedSkinUtility3D(volume, cut, "discontinuous")
@@ -330,21 +329,33 @@ class Flow:
             node.X, node.Y, node.Z = place
         self._distance.Execute()
         self._part_clearly()
-        import KratosMultiphysics.FluidDynamicsApplication  # noqa: F401
+        self._carry(points, velocities)
 
+    def _carry(self, points: _Array, velocities: _Array | None) -> None:
+        """Gives nodes of elements that are cut the velocity of the surface where it is nearest; Kratos interpolates it."""
+        km = self._km
         variable = km.KratosGlobals.GetVariable("EMBEDDED_VELOCITY")
-        km.VariableUtils().SetNonHistoricalVariableToZero(variable, self._part.Elements)
-        if velocities is not None:
-            flat = km.Vector(velocities.ravel())
-            km.VariableUtils().SetSolutionStepValuesVector(self._surface.Nodes, km.VELOCITY, flat, 0)
-            self._distance.CalculateEmbeddedVariableFromSkin(km.VELOCITY, variable)
+        km.VariableUtils().SetNonHistoricalVariableToZero(variable, self._part.Nodes)
+        if velocities is None or not velocities.any():
+            return
+        near = self._near()
+        cut = near[[self._elements[index].Is(km.TO_SPLIT) for index in near]]
+        nodes = np.unique(self.mesh.tetrahedra[cut])
+        which, share = nearest(points, self.triangles, self.mesh.nodes[nodes])
+        moves = np.einsum("mc,mcx->mx", share, velocities[self.triangles[which]])
+        for node, move in zip(nodes, moves.tolist(), strict=True):
+            self._nodes[node].SetValue(variable, km.Array3(move))
+
+    def _near(self) -> _Indices:
+        """Elements that reach into the extent of the surface."""
+        low, high = self._points.min(axis=0), self._points.max(axis=0)
+        return np.flatnonzero(((self._first <= high) & (self._last >= low)).all(axis=1))
 
     def _part_clearly(self) -> None:
         """Mends what Kratos cannot divide: elements with a node on the surface, and those that it hardly touches."""
         km, least = self._km, _APART * self.mesh.size
-        low, high = self._points.min(axis=0), self._points.max(axis=0)
         whole, uncut = km.Vector([-1.0] * 6), km.Vector([1.0] * 4)
-        for index in np.flatnonzero(((self._first <= high) & (self._last >= low)).all(axis=1)):
+        for index in self._near():
             element = self._elements[index]
             distances = np.array(element.GetValue(km.ELEMENTAL_DISTANCES))
             if element.Is(km.TO_SPLIT) and np.isfinite(distances).all():
