@@ -23,6 +23,7 @@ Tested with Kratos 10.4.4, which has wheels for Python 3.11.
 
 from __future__ import annotations
 
+import difflib
 import importlib.util
 import json
 import os
@@ -86,10 +87,17 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
         CouplingError: parameters that cannot be used.
     """
 
+    time_step: float
+    """[s] step of the coupling; who drives it may change it between two steps, and after one that was refused"""
+
     def __init__(self, settings: Any, model: Any, solver_name: str) -> None:
         super().__init__(settings, model, solver_name)
         own = self.settings["solver_wrapper_settings"]
-        own.ValidateAndAssignDefaults(self._own_defaults())
+        known = self._own_defaults()
+        for key in set(own.keys()) - set(known.keys()):
+            near = difflib.get_close_matches(key, known.keys(), 1) or sorted(known.keys())
+            raise CouplingError(f'"{solver_name}": "{key}" is no setting; did you mean {" or ".join(near)}?')
+        own.ValidateAndAssignDefaults(known)
         size = own["domain_size"].GetInt()
         depth = own["depth"].GetDouble()
         parts = self._parts()
@@ -101,8 +109,8 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
             overrides=_overrides(own["overrides"]),
             threads=own["num_threads"].GetInt(),
         )
-        self._step = own["time_step"].GetDouble() or self.structure.case.step or 0.0
-        if not self._step > 0:
+        self.time_step = own["time_step"].GetDouble() or self.structure.case.step or 0.0
+        if not self.time_step > 0:
             raise CouplingError(f'"{self.name}": give "time_step", or a case with a fixed time.step')
         self._groups = parts
         self._every, self._folder = own["save_every"].GetInt(), Path(own["save_folder"].GetString())
@@ -180,12 +188,12 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
         Raises:
             CouplingError: the coupling is at another time than the structure.
         """
-        if abs(current_time - self.structure.time) > 1e-6 * self._step:
+        if abs(current_time - self.structure.time) > 1e-6 * self.time_step:
             raise CouplingError(
                 f'"{self.name}" is at t = {self.structure.time:g} s, the coupling at {current_time:g} s: '
                 'start_time of the coupling, "resume" and the saved states of all solvers must belong together'
             )
-        self._until = current_time + self._step
+        self._until = current_time + self.time_step
         root = self.model[_MODEL]
         root.CloneTimeStep(self._until)
         root.ProcessInfo[KM.STEP] += 1
@@ -296,7 +304,12 @@ def run(parameters: str | os.PathLike[str]) -> None:
         )
     from KratosMultiphysics.CoSimulationApplication.co_simulation_analysis import CoSimulationAnalysis
 
-    CoSimulationAnalysis(KM.Parameters(text)).Run()
+    try:
+        CoSimulationAnalysis(KM.Parameters(text)).Run()
+    except Exception as error:
+        if "sizes of the data are not matching" not in str(error):
+            raise
+        raise CouplingError(f"{error}\nThe interfaces have other points: use kratos_mapping, not copy") from error
 
 
 def _applications(text: str, folder: Path, depth: int = 2) -> set[str]:

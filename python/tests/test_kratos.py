@@ -216,6 +216,31 @@ def test_a_step_that_cannot_be_solved_is_cut_or_told(folder):
     assert told.value.report["cause"] and "structure_0.state" in str(told.value)
 
 
+def test_a_coupling_may_cut_a_step_that_was_refused(folder):
+    """A program that drives the solver itself catches the refusal, and asks for a shorter step from the same start."""
+    import KratosMultiphysics as KM
+
+    from canopy_fem.kratos import Create
+
+    case = {**strip(step=0.5), "solver": {"newton": {"max_iterations": 2, "strategy": "full"}}}
+    (folder / "strip.json").write_text(json.dumps(case))
+    settings = parameters(time_step=0.5)["solver_settings"]["solvers"]["structure"]
+    solver = Create(KM.Parameters(json.dumps(settings)), None, "structure")
+    solver.Initialize()
+    load, shown = solver.GetInterfaceData("load"), solver.GetInterfaceData("disp")
+    assert solver.AdvanceInTime(0.0) == 0.5
+    load.SetData(np.tile([0.0, 5.0], 9))
+    with pytest.raises(cf.Diverged):
+        solver.SolveSolutionStep()
+    solver.time_step = 0.005
+    assert solver.AdvanceInTime(0.0) == 0.005
+    load.SetData(np.tile([0.0, 5.0], 9))
+    solver.SolveSolutionStep()
+    solver.FinalizeSolutionStep()
+    assert solver.structure.time == 0.005
+    assert shown.GetData().reshape(9, 2)[4, 1] > 0
+
+
 def test_interfaces_of_other_sizes(folder):
     with pytest.raises(Exception, match="sizes of the data are not matching: 18 != 28"):
         run(folder, parameters(transfer="copy", cells=13))
@@ -229,6 +254,7 @@ def test_interfaces_of_other_sizes(folder):
         ({"force": "TEMPERATURE"}, "no variable of the coupling; known: POINT_LOAD, REACTION, FORCE"),
         ({"input_file": ""}, '"input_file"'),
         ({"domain_size": 1}, "2 or 3 dimensions"),
+        ({"sav_every": 3}, '"sav_every" is no setting; did you mean save_every'),
         ({"resume": "none.state"}, "none.state"),
         ({"overrides": {"time.method": "newmrk"}}, "newmark"),
     ],
@@ -245,6 +271,7 @@ def test_the_command_runs_and_tells(folder, monkeypatch):
     for given, status, words in (
         (parameters(), 0, ""),
         (parameters(transfer="copy", flow={"breaks": 0.26}), 2, "not finite"),
+        (parameters(transfer="copy", cells=13), 2, "18 != 28 for interface data"),
         (parameters(overrides={"solver.newton.max_iterations": 1}, flow={"push": 40.0}), 3, "Newton"),
     ):
         (folder / "both.json").write_text(json.dumps(given))
@@ -291,7 +318,9 @@ def test_a_cavity_with_a_flexible_bottom(tmp_path, structure):
     """Its first 20 steps. The values are those of the first run; a fluid of Kratos has no closed form."""
     needs_kratos()
     pytest.importorskip("KratosMultiphysics.FluidDynamicsApplication")
-    for words in (["make", tmp_path, "--structure", structure, "--end", "2.0"], ["run", tmp_path]):
+    pytest.importorskip("matplotlib")
+    made, drawn = ["make", tmp_path, "--structure", structure, "--end", "2.0"], ["plot", tmp_path / "p.svg", tmp_path]
+    for words in (made, ["run", tmp_path], drawn):
         done = command(CAVITY, *words, folder=tmp_path)
         assert done.returncode == 0, done.stderr
     rows = np.loadtxt(tmp_path / "midpoint.dat")

@@ -22,8 +22,8 @@ pub struct RunSettings {
     pub step: Step,
     /// [s] adaptive steps of schemes with their own error estimate end at multiples of this
     pub frames_every: Option<f64>,
-    /// whether [`Simulation::attempt_of`](super::Simulation::attempt_of) gives the size of each step; others are then as
-    /// long as a fixed step
+    /// whether [`attempt_of`](super::Simulation::attempt_of) gives the size of each step; others are then as long as a
+    /// fixed step
     pub free_steps: bool,
     /// go on past a divergence until a value stops being finite
     pub keep_going: bool,
