@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Thin surfaces in a stream, with the flow of Kratos: a rigid disc, a rigid cup, and a canopy that fills.
 
-    surface.py rigid disc TABLE.csv --size 0.2       a disc or a cup (open towards the stream) of 1 m; its drag over time
+    surface.py rigid disc TABLE.csv --size 0.2       drag of a disc or a cup, open upstream, of 1 m
     surface.py fill RUN.npz --size 0.08              a canopy of 1 m, let go with a narrow skirt in a wind of 10 m/s
     surface.py plot PICTURE.png RUN.npz              pictures of the canopy while it fills
     surface.py drag PICTURE.svg TABLE.csv ...        drag of rigid surfaces over time
@@ -18,7 +18,8 @@ import numpy as np
 
 from canopy_fem.background import box
 from canopy_fem.coupling import Structure
-from canopy_fem.embedded import Coupled, Flow
+from canopy_fem.embedded import Flow
+from canopy_fem.embedded_coupling import Coupled
 
 # [m/s], [m]
 WIND, DIAMETER = 10.0, 1.0
@@ -107,7 +108,8 @@ def fill(run, size, steps):
         rows.append((structure.time, flow.points, coupled.forces, count))
         x, y, z = coupled.forces.sum(axis=0)
         width = 2 * np.hypot(*flow.points[:, :2].T).max()
-        print(f"t {structure.time:.4f} s: {count} iterations, width {width:.3f} m, force {x:.1f} {y:.1f} {z:.1f} N", flush=True)
+        line = f"t {structure.time:.4f} s: {count} iterations, width {width:.3f} m, force {x:.1f} {y:.1f} {z:.1f} N"
+        print(line, flush=True)
         times, positions, forces, counts = (np.array(column) for column in zip(*rows, strict=True))
         np.savez(run, time=times, positions=positions, forces=forces, iterations=counts, triangles=triangles)
     each = (time.monotonic() - began) / steps
@@ -128,12 +130,15 @@ def plot(picture, run):
         faces = positions[index][triangles]
         normal = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
         shade = 0.35 + 0.6 * np.abs(normal @ [0.5, -0.7, 0.5]) / np.linalg.norm(normal, axis=1)
-        axes.add_collection3d(Poly3DCollection(faces, facecolors=plt.cm.Blues(shade), edgecolors="black", linewidths=0.2))
-        axes.set(xlim=(-0.4, 0.4), ylim=(-0.4, 0.4), zlim=(-0.1, 0.6), box_aspect=(0.8, 0.8, 0.7), title=f"{times[index]:.3f} s")
+        colours = plt.cm.Blues(shade)
+        axes.add_collection3d(Poly3DCollection(faces, facecolors=colours, edgecolors="black", linewidths=0.2))
+        axes.set(xlim=(-0.4, 0.4), ylim=(-0.4, 0.4), zlim=(-0.1, 0.6), box_aspect=(0.8, 0.8, 0.7))
+        axes.set_title(f"{times[index]:.3f} s")
         axes.view_init(elev=8, azim=-60)
         axes.set_axis_off()
     width = 2 * np.hypot(positions[:, :, 0], positions[:, :, 1]).max(axis=1)
-    for half, values, label in ((grid[1, :3], width, "width [m]"), (grid[1, 3:], data["forces"].sum(axis=1)[:, 2], "force [N]")):
+    force = data["forces"].sum(axis=1)[:, 2]
+    for half, values, label in ((grid[1, :3], width, "width [m]"), (grid[1, 3:], force, "force [N]")):
         axes = figure.add_subplot(half)
         axes.plot(times, values)
         axes.set(xlabel="time [s]", ylabel=label, ylim=(0, None))

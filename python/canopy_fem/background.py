@@ -64,7 +64,8 @@ def box(low: npt.ArrayLike, high: npt.ArrayLike, fine: npt.ArrayLike, size: floa
         raise ValueError(f"the fine region {inner.tolist()} must have a volume, and lie within {low} to {high}")
     if not (np.isfinite(size) and size > 0 and np.isfinite(growth) and growth >= 1):
         raise ValueError(f"size {size!r} m must be above 0, growth {growth!r} at least 1")
-    lines = [_line(low[a], *inner[:, a], high[a], size, growth) for a in range(3)]
+    ends = np.stack([low, inner[0], inner[1], high], axis=1)
+    lines = [_line(*(float(x) for x in ends[axis]), size=size, growth=growth) for axis in range(3)]
     x, y, z = np.meshgrid(*lines, indexing="ij")
     nodes = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
     number = np.arange(len(nodes)).reshape(x.shape)
@@ -84,7 +85,7 @@ def _line(low: float, first: float, last: float, high: float, size: float, growt
         while size * sum(growth**i for i in range(1, count + 1)) < length * (1 - 1e-9):
             count += 1
         steps = growth ** np.arange(1, count + 1)
-        return np.cumsum(steps) / steps.sum() * length
+        return np.asarray(np.cumsum(steps) / steps.sum() * length)
 
     before, after = first - outwards(first - low)[::-1], last + outwards(high - last)
     # The ends exactly, for `side`.

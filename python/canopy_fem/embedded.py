@@ -1,7 +1,7 @@
-"""A flow of Kratos about a thin surface without mesh motion; no porosity, no turbulence model, no friction, no compression.
+"""A flow of Kratos about a thin surface on a fixed mesh; no porosity, friction, turbulence model or compressibility.
 
-The fluid is incompressible and slips along the surface, which is impermeable: cloth loses no air. Below the size of the
-mesh the stabilised elements are the only model of turbulence. Air that a moving surface passes keeps its history.
+Cloth loses no air, and the fluid slips along it. Below the size of the mesh, the stabilisation of the elements is the
+only model of turbulence. Nodes that a moving surface passes keep the velocity that they had on its other side.
 
 The surface is a set of triangles that may go anywhere within a fixed box of tetrahedra. Elements that it cuts have
 separate pressures and velocities on its two sides (Kratos' `embedded_weakly_compressible_navier_stokes_discontinuous`;
@@ -9,8 +9,8 @@ Zorrilla, Larese and Rossi 2019). Where an element is cut only in part, at the e
 
 >>> flow = Flow(mesh, points, triangles, stream=[0, 0, 10], step=0.005)      # doctest: +SKIP
 >>> forces = flow.advance()                                                  # doctest: +SKIP
->>> coupled = Coupled(flow, structure, "canopy")                             # doctest: +SKIP
->>> coupled.advance()                                                        # doctest: +SKIP
+
+`canopy_fem.embedded_coupling` couples it with a scene.
 
 Tested with Kratos 10.4.4, which has wheels for Python 3.11.
 """
@@ -24,10 +24,9 @@ import numpy as np
 import numpy.typing as npt
 
 from .background import Box, nearest, nodal_forces
-from .coupling import Structure
-from .errors import CouplingError
+from .errors import CouplingError, FlowDiverged, KratosMissing, SurfaceOutside
 
-__all__ = ["Coupled", "Flow", "FlowDiverged", "KratosMissing", "NotCoupled", "SurfaceOutside"]
+__all__ = ["Flow", "FlowDiverged", "KratosMissing", "SurfaceOutside"]
 
 _Array = npt.NDArray[np.float64]
 _Indices = npt.NDArray[np.int64]
@@ -38,48 +37,6 @@ _PLACES = np.array(
     [[7, 1, 1], [1, 7, 1], [1, 1, 7], [4, 4, 1], [4, 1, 4], [1, 4, 4], [5, 2, 2], [2, 5, 2], [2, 2, 5]]
 ) / 9.0  # fmt: skip
 _NEEDED = ("FluidDynamicsApplication", "LinearSolversApplication", "CoSimulationApplication")
-
-
-class KratosMissing(CouplingError):
-    """Kratos, or applications of it, are not installed; `packages` lists them."""
-
-    def __init__(self, packages: list[str]) -> None:
-        super().__init__(
-            f"this needs {', '.join(packages)}, which cannot be imported here\n"
-            f"Kratos 10.4.4 has wheels for Python 3.11: pip install {' '.join(packages)}"
-        )
-        self.packages = packages
-
-
-class FlowDiverged(CouplingError):
-    """A flow with values that are not finite, or beyond all measure: `time` [s], `speed` [m/s] and `stream` [m/s]."""
-
-    def __init__(self, time: float, speed: float, stream: float) -> None:
-        super().__init__(
-            f"the flow has diverged in the step to t = {time:g} s: its greatest speed is {speed:g} m/s in a stream of "
-            f"{stream:g} m/s\nMake the step smaller, or the mesh finer about the surface"
-        )
-        self.time, self.speed, self.stream = time, speed, stream
-
-
-class SurfaceOutside(CouplingError):
-    """A surface that leaves the box: `node`, its `position` [m], and `low` and `high` [m] of the box."""
-
-    def __init__(self, node: int, position: _Array, low: _Array, high: _Array) -> None:
-        where = [[round(float(x), 6) for x in row] for row in (position, low, high)]
-        super().__init__(f"node {node} of the surface is at {where[0]} m, outside the box from {where[1]} to {where[2]} m")
-        self.node, self.position, self.low, self.high = node, position, low, high
-
-
-class NotCoupled(CouplingError):
-    """Iterations of flow and structure that have not converged: `time` [s], `residual` and `tolerance` [-]."""
-
-    def __init__(self, time: float, iterations: int, residual: float, tolerance: float) -> None:
-        super().__init__(
-            f"flow and structure do not agree in the step to t = {time:g} s: after {iterations} iterations the "
-            f"positions change by {residual:.2g} of the size of the mesh, the tolerance is {tolerance:.2g}"
-        )
-        self.time, self.iterations, self.residual, self.tolerance = time, iterations, residual, tolerance
 
 
 class Flow:
@@ -123,8 +80,13 @@ class Flow:
         for name, value in (("step", step), ("density", density), ("viscosity", viscosity)):
             if not (np.isfinite(value) and value > 0):
                 raise ValueError(f"{name} is {value!r}: it must be above 0 and finite")
-        if self.triangles.ndim != 2 or self.triangles.shape[1] != 3 or not len(self.triangles):
-            raise ValueError(f"triangles have the shape {self.triangles.shape}: give (t, 3)")
+        if (
+            self.triangles.ndim != 2
+            or self.triangles.shape[1] != 3
+            or not self.triangles.size
+            or self.triangles.min() < 0
+        ):
+            raise ValueError(f"triangles have the shape {self.triangles.shape}: give (t, 3), numbers from 0")
         self.step, self.density, self._open = float(step), float(density), False
         self._points = self._checked(points)
         self._kratos()
@@ -143,7 +105,13 @@ class Flow:
         return self._points.copy()
 
     def begin(self) -> None:
-        """Begins a step, which `solve` may compute several times and `accept` ends."""
+        """Begins a step, which `solve` may compute several times and `accept` ends; or again one that did not end."""
+        if self._open:
+            read = self._km.VariableUtils()
+            for variable, width in ((self._km.VELOCITY, (3,)), (self._km.PRESSURE, ())):
+                before = read.GetSolutionStepValuesVector(self._part.Nodes, variable, 1, *width)
+                read.SetSolutionStepValuesVector(self._part.Nodes, variable, before, 0)
+            return
         self._solver.AdvanceInTime(self.time)
         self._solver.InitializeSolutionStep()
         self._open = True
@@ -156,7 +124,9 @@ class Flow:
             velocities: [m/s] (n, 3); left out, the surface is at rest.
 
         Raises:
-            FlowDiverged: values of the flow that are not finite, or speeds above a hundred times the stream.
+            FlowDiverged: values of the flow that are not finite, or speeds above a hundred times the stream. `begin`
+                then goes back to the start of the step.
+            CouplingError: there is no step, or Kratos cannot solve it.
             SurfaceOutside: the surface leaves the box.
             ValueError: arrays of another shape.
         """
@@ -168,7 +138,10 @@ class Flow:
             raise ValueError(f"velocities must be finite, and have the shape {moved.shape}")
         self._points = moved
         self._place(moved, speeds)
-        self._solver.SolveSolutionStep()
+        try:
+            self._solver.SolveSolutionStep()
+        except RuntimeError as error:
+            raise CouplingError(f"Kratos cannot solve the step to t = {self.time:g} s: {error}") from error
         self._check()
         at, forces = self.facets()
         return nodal_forces(moved, self.triangles, at, forces)
@@ -188,8 +161,8 @@ class Flow:
     def facets(self) -> tuple[_Array, _Array]:
         """Where the surface cuts the mesh: places [m] and forces [N] of the fluid there, (m, 3) each.
 
-        Each facet, which is where the surface cuts an element, is several places, as it may be larger than a triangle of
-        the surface. The pressure is linear on it.
+        A facet, where the surface cuts an element, is several places, as it may be larger than a triangle of the
+        surface. The pressure is linear on it.
         """
         km = self._km
         self._skin.GenerateSkin()
@@ -222,7 +195,8 @@ class Flow:
     def _values(self, variable: Any, width: int) -> _Array:
         read = self._km.VariableUtils()
         given = (self._part.Nodes, variable, 0) + ((3,) if width == 3 else ())
-        return np.array(read.GetSolutionStepValuesVector(*given)).reshape(-1, width)
+        values: _Array = np.array(read.GetSolutionStepValuesVector(*given)).reshape(-1, width)
+        return values
 
     def _checked(self, points: npt.ArrayLike) -> _Array:
         given = np.array(points, dtype=float)
@@ -269,7 +243,11 @@ class Flow:
         self._part = part = self._model["Fluid"]
         self._solver.AddVariables()
         properties = part.CreateNewProperties(1)
-        for variable, value in ((km.DENSITY, self.density), (km.DYNAMIC_VISCOSITY, viscosity), (km.SOUND_VELOCITY, 1e12)):
+        for variable, value in (
+            (km.DENSITY, self.density),
+            (km.DYNAMIC_VISCOSITY, viscosity),
+            (km.SOUND_VELOCITY, 1e12),
+        ):
             properties.SetValue(variable, value)
         properties.SetValue(km.CONSTITUTIVE_LAW, fluid.Newtonian3DLaw())
         for i, place in enumerate(self.mesh.nodes.tolist(), 1):
@@ -324,7 +302,6 @@ class Flow:
 
     def _place(self, points: _Array, velocities: _Array | None) -> None:
         """Cuts the mesh where the surface is."""
-        km = self._km
         for node, place in zip(self._surface.Nodes, points.tolist(), strict=True):
             node.X, node.Y, node.Z = place
         self._distance.Execute()
@@ -332,7 +309,7 @@ class Flow:
         self._carry(points, velocities)
 
     def _carry(self, points: _Array, velocities: _Array | None) -> None:
-        """Gives nodes of elements that are cut the velocity of the surface where it is nearest; Kratos interpolates it."""
+        """Gives nodes of elements that are cut the velocity of the surface where it is nearest."""
         km = self._km
         variable = km.KratosGlobals.GetVariable("EMBEDDED_VELOCITY")
         km.VariableUtils().SetNonHistoricalVariableToZero(variable, self._part.Nodes)
@@ -370,82 +347,6 @@ class Flow:
                 continue
             # What Kratos has made of the old distances.
             element.SetValue(km.ELEMENTAL_EDGE_DISTANCES_EXTRAPOLATED, whole)
-
-
-class Coupled:
-    """A flow and a structure that exchange forces and positions in every step until they agree.
-
-    The unknown is where the surface is at the end of the step. Iterations are quasi-Newton (IQN-ILS, Degroote 2009, as
-    Kratos has it), since cloth is lighter than the air that it moves: with one exchange a step it would diverge.
-
-    Args:
-        flow: the flow, whose surface is that of the interface: `Coupled.surface`.
-        structure: the scene, at the time at which the surface is let go.
-        group: its interface.
-        tolerance: [-] change of positions in an iteration, as the root of their mean square over the size of fine bricks.
-        iterations: at most so many in a step.
-        relaxation: [-] share of the first correction of all that is made; small for light cloth.
-        horizon: from so many steps before iterations learn.
-
-    Raises:
-        CouplingError: another number of nodes, or a surface elsewhere.
-    """
-
-    def __init__(
-        self,
-        flow: Flow,
-        structure: Structure,
-        group: str,
-        *,
-        tolerance: float = 5e-3,
-        iterations: int = 20,
-        relaxation: float = 0.1,
-        horizon: int = 4,
-    ) -> None:
-        from KratosMultiphysics.CoSimulationApplication.convergence_accelerators import iqnils
-
-        self.flow, self.structure, self.group = flow, structure, group
-        self.tolerance, self.iterations = tolerance, iterations
-        points, _ = self.surface(structure, group)
-        if points.shape != flow.points.shape or np.abs(points - flow.points).max() > 1e-6 * flow.mesh.size:
-            raise CouplingError(f'the surface of the flow is not that of the interface "{group}": make it of `surface`')
-        settings = {"type": "iqnils", "iteration_horizon": 20, "timestep_horizon": horizon, "alpha": relaxation}
-        self._quasi = iqnils.Create(flow._km.Parameters(json.dumps(settings)))
-        self._quasi.Initialize()
-        self.forces = np.zeros_like(points)
-
-    @staticmethod
-    def surface(structure: Structure, group: str) -> tuple[_Array, _Indices]:
-        """Points [m] and triangles of an interface, for `Flow`."""
-        interface = structure.interfaces[group]
-        return interface.points + structure.displacements(group), interface.triangles
-
-    def advance(self) -> int:
-        """Makes a step of the flow's size, and returns the number of iterations. `forces` are those at its end.
-
-        Raises:
-            NotCoupled: the iterations do not converge; `forces`, flow and structure are those of the last one.
-            FlowDiverged, SurfaceOutside: as `Flow.solve`.
-            Diverged: the structure cannot be solved under the forces.
-        """
-        flow, structure, rest = self.flow, self.structure, self.structure.interfaces[self.group].points
-        start = structure.displacements(self.group)
-        trial = start + flow.step * structure.velocities(self.group)
-        flow.begin()
-        self._quasi.InitializeSolutionStep()
-        for iteration in range(1, self.iterations + 1):
-            self.forces = flow.solve(rest + trial, (trial - start) / flow.step)
-            structure.push(self.group, self.forces)
-            structure.solve(flow.step)
-            change = structure.displacements(self.group) - trial
-            residual = float(np.sqrt((change**2).sum(axis=1).mean()) / flow.mesh.size)
-            if residual <= self.tolerance:
-                self._quasi.FinalizeSolutionStep()
-                structure.accept()
-                flow.accept()
-                return iteration
-            trial = trial + self._quasi.UpdateSolution(change.ravel(), trial.ravel()).reshape(trial.shape)
-        raise NotCoupled(flow.time, self.iterations, residual, self.tolerance)
 
 
 def _settings(step: float, speed: float, pressure: float, iterations: int) -> dict[str, Any]:
