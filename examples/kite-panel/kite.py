@@ -22,7 +22,7 @@ CHORD, SPAN = 1.0, 3.0
 COLUMNS, ROWS = 10, 18
 SPEED, DENSITY, INCIDENCE = 10.0, 1.225, np.radians(8.0)
 WIND = SPEED * np.array([np.cos(INCIDENCE), 0.0, np.sin(INCIDENCE)])
-STEP, END = 1e-3, 1.5
+STEP, END = 1e-3, 0.5
 
 
 def case():
@@ -122,7 +122,8 @@ def draw(path, history, positions):
     right = figure.add_subplot(1, 2, 2, projection="3d")
     x, y, z = np.moveaxis(positions.reshape(ROWS + 1, COLUMNS + 1, 3), 2, 0)
     right.plot_surface(x, y, z, cmap="viridis", linewidth=0.3, edgecolor="white")
-    right.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]", zlim=(0, 0.2), box_aspect=(CHORD, SPAN, 0.6))
+    right.set(xlabel="x [m]", ylabel="y [m]", zlim=(0, 0.2), box_aspect=(1.5 * CHORD, SPAN, 0.6))
+    right.set(xticks=[0, 0.5, 1], yticks=[0, 1, 2, 3], zticks=[0, 0.1, 0.2])
     figure.savefig(path)
 
 

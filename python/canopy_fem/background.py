@@ -64,8 +64,10 @@ def box(low: npt.ArrayLike, high: npt.ArrayLike, fine: npt.ArrayLike, size: floa
         raise ValueError(f"the fine region {inner.tolist()} must have a volume, and lie within {low} to {high}")
     if not (np.isfinite(size) and size > 0 and np.isfinite(growth) and growth >= 1):
         raise ValueError(f"size {size!r} m must be above 0, growth {growth!r} at least 1")
-    ends = np.stack([low, inner[0], inner[1], high], axis=1)
-    lines = [_line(*(float(x) for x in ends[axis]), size=size, growth=growth) for axis in range(3)]
+    lines = [
+        _line(float(low[axis]), float(inner[0, axis]), float(inner[1, axis]), float(high[axis]), size, growth)
+        for axis in range(3)
+    ]
     x, y, z = np.meshgrid(*lines, indexing="ij")
     nodes = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
     number = np.arange(len(nodes)).reshape(x.shape)

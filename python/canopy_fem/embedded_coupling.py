@@ -49,7 +49,7 @@ class Coupled:
         structure: Structure,
         group: str,
         *,
-        tolerance: float = 5e-3,
+        tolerance: float = 2e-2,
         iterations: int = 20,
         relaxation: float = 0.1,
         horizon: int = 4,
