@@ -49,15 +49,15 @@ def case():
     }
 
 
-def panels(rows):
+def panels(rows, columns):
     """Corners of the panels, (p, 4, 3), counter-clockwise from leading edge, of values at the nodes, (n, 3)."""
-    grid = rows.reshape(ROWS + 1, COLUMNS + 1, 3)
+    grid = rows.reshape(-1, columns + 1, 3)
     return np.stack([grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]], axis=2).reshape(-1, 4, 3)
 
 
-def lattice(positions):
+def lattice(positions, columns):
     """The panels as PanelAero knows them."""
-    a, b, c, d = np.moveaxis(panels(positions), 1, 0)
+    a, b, c, d = np.moveaxis(panels(positions, columns), 1, 0)
     normal = np.cross(c - a, d - b)
     twice = np.linalg.norm(normal, axis=1)
     first, second = a + 0.25 * (b - a), d + 0.25 * (c - d)
@@ -74,10 +74,10 @@ def lattice(positions):
     }
 
 
-def air(positions, velocities):
-    """Places [m] and forces [N] of the air on the panels, (p, 3) each."""
-    grid = lattice(positions)
-    relative = WIND - panels(velocities).mean(axis=1)
+def air(positions, velocities, wind=WIND, columns=COLUMNS):
+    """Places [m] and forces [N] of the air on the panels, (p, 3) each, which stand in rows along the wind."""
+    grid = lattice(positions, columns)
+    relative = wind - panels(velocities, columns).mean(axis=1)
     # [-] flow through the panels that the vortices must cancel, over the speed
     through = np.einsum("px,px->p", relative, grid["N"]) / SPEED
     influence, _ = VLM.calc_Qjj(grid, Ma=0.0)
