@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .case import Case
-from .errors import CouplingError, Diverged
+from .errors import CouplingError, Diverged, SimulationError
 from .mesh import Mesh
 from .simulation import Motion, Simulation
 
@@ -215,6 +215,12 @@ class Structure:
         self._start: bytes | None = None
         self._from = self.sim.time
         self._end: Motion | None = None
+        for group, interface in self.interfaces.items():
+            self.push(group, np.zeros_like(interface.points))
+        try:
+            self._put_forces()
+        except SimulationError as error:
+            raise CouplingError(f'"{self.case.name}" cannot be coupled: {error}') from None
 
     @property
     def time(self) -> float:
@@ -245,8 +251,7 @@ class Structure:
         parts = max(1, int(np.ceil(step / self._longest * (1 - _SLACK))))
         for cut in range(self._cuts + 1):
             self.rewind()
-            for name, force in self._forces.items():
-                self.sim.forces[name] = force
+            self._put_forces()
             try:
                 self._end = self._make(step, parts << cut)
                 return
@@ -254,6 +259,10 @@ class Structure:
                 if cut == self._cuts:
                     self.rewind()
                     raise
+
+    def _put_forces(self) -> None:
+        for name, force in self._forces.items():
+            self.sim.forces[name] = force
 
     def _make(self, step: float, parts: int) -> Motion:
         """Makes the parts of a step. The last remains an attempt, so that a step of one part costs no copy."""

@@ -184,6 +184,9 @@ def test_interfaces_that_cannot_be_made():
             Structure(strip(), [group], **more)
     with pytest.raises(cf.CouplingError, match="at least one interface"):
         Structure(strip(), [])
+    swing = {"pendulum": {"length": 1, "mass": 2, "damping": 0, "gravity": 9.81, "angle": 0.5}}
+    with pytest.raises(cf.CouplingError, match='"swing" cannot be coupled: this scene has no forces from outside'):
+        Structure({"name": "swing", "system": swing, "time": {"end": 1, "step": 0.1, "method": "rk4"}}, ["all"])
 
 
 @pytest.mark.parametrize("step", [0.0, -1.0, float("nan"), float("inf")])
