@@ -3,8 +3,8 @@
 
     sail.py                 prints the lift of the sail by both, for some tensions
 
-The sail is two-dimensional: a strip that is 400 chords wide, in the vortex lattice of PanelAero. The tension coefficient
-is C_T = T / (q c), the tension [N/m] over dynamic pressure and chord. Below C_T = 1.73 it has no equilibrium.
+The sail is two-dimensional: a strip that is 400 chords wide, in the vortex lattice of PanelAero. Its tension
+coefficient is C_T = T / (q c), with the tension [N/m], dynamic pressure and chord. Below 1.73 it has no equilibrium.
 """
 
 import numpy as np
@@ -21,8 +21,8 @@ WIND = SPEED * np.array([np.cos(INCIDENCE), 0.0, np.sin(INCIDENCE)])
 def theory(tension, terms=40):
     """Lift coefficient over 2 pi times the incidence, and camber over chord and incidence, of Thwaites' sail equation.
 
-    Glauert's series, with x = (1 - cos t) / 2: the vorticity is A0 cot(t/2) + sum An sin(n t), and the slope of the sail
-    is 1 - A0 + sum An cos(n t). Equilibrium, z'' = -4 / C_T times the vorticity, is integrated once, with a constant.
+    Glauert's series, with x = (1 - cos t) / 2: the vorticity is A0 cot(t/2) + sum An sin(n t), and the slope of the
+    sail is 1 - A0 + sum An cos(n t). Equilibrium, z'' = -4 / C_T times the vorticity, is integrated once, with a constant.
     """
     t = np.pi * (np.arange(terms + 1) + 0.5) / (terms + 1)
 

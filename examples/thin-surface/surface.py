@@ -120,22 +120,27 @@ def fill(run, size, steps):
 def plot(picture, run):
     """Six pictures of the canopy from the side, and width and force over time."""
     plt = _pyplot()
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+    from matplotlib.collections import LineCollection, PolyCollection
 
-    data = np.load(run)
-    figure = plt.figure(figsize=(9, 5.6), dpi=80, layout="constrained")
-    grid = figure.add_gridspec(2, 6, height_ratios=[1, 1])
+    structure, data = Structure(canopy(), ["canopy"]), np.load(run)
+    skirt = np.flatnonzero(np.isin(structure.interfaces["canopy"].nodes, structure.sim.select("skirt")))
+    held = structure.sim.positions[structure.sim.select("confluence")[0]]
     times, positions, triangles = data["time"], data["positions"], data["triangles"]
+    figure = plt.figure(figsize=(9, 6), dpi=80, layout="constrained")
+    grid = figure.add_gridspec(2, 6, height_ratios=[1.1, 1])
+    # From a little above: the axes of the picture, and the depth.
+    right, up, depth = np.array([1.0, 0, 0]), np.array([0, -0.2, 0.98]), np.array([0, 0.98, 0.2])
     for column, index in enumerate(np.linspace(0, len(times) - 1, 6).round().astype(int)):
-        axes = figure.add_subplot(grid[0, column], projection="3d")
-        faces = positions[index][triangles]
-        normal = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
-        shade = 0.35 + 0.6 * np.abs(normal @ [0.5, -0.7, 0.5]) / np.linalg.norm(normal, axis=1)
-        colours = plt.cm.Blues(shade)
-        axes.add_collection3d(Poly3DCollection(faces, facecolors=colours, edgecolors="black", linewidths=0.2))
-        axes.set(xlim=(-0.4, 0.4), ylim=(-0.4, 0.4), zlim=(-0.1, 0.6), box_aspect=(0.8, 0.8, 0.7))
-        axes.set_title(f"{times[index]:.3f} s")
-        axes.view_init(elev=8, azim=-60)
+        axes = figure.add_subplot(grid[0, column])
+        nodes = positions[index]
+        flat = np.stack([nodes @ right, nodes @ up], axis=1)
+        faces = triangles[np.argsort(-(nodes @ depth)[triangles].mean(axis=1))]
+        normal = np.cross(nodes[faces[:, 1]] - nodes[faces[:, 0]], nodes[faces[:, 2]] - nodes[faces[:, 0]])
+        shade = 0.3 + 0.6 * np.abs(normal @ [0.5, -0.6, 0.6]) / np.linalg.norm(normal, axis=1)
+        lines = [(flat[node], (held @ right, held @ up)) for node in skirt]
+        axes.add_collection(LineCollection(lines, colors="grey", linewidths=0.5))
+        axes.add_collection(PolyCollection(flat[faces], facecolors=plt.cm.Blues(shade), edgecolors="k", linewidths=0.2))
+        axes.set(xlim=(-0.46, 0.46), ylim=(-0.8, 0.5), aspect="equal", title=f"{times[index]:.3f} s")
         axes.set_axis_off()
     width = 2 * np.hypot(positions[:, :, 0], positions[:, :, 1]).max(axis=1)
     force = data["forces"].sum(axis=1)[:, 2]
