@@ -120,8 +120,8 @@ def test_a_surface_outside_the_box_is_refused():
 
 
 def test_a_plate_has_drag_and_forces_of_the_fluid_on_it():
-    """The forces on the nodes have the sum and the moment of those on the facets, and push downstream, like a stream of
-    the other direction by symmetry of the mesh."""
+    """The forces on the nodes have the sum and the moment of those on the facets, and push downstream. The mesh is
+    coarse and the start sudden, so the drag is above that of a plate in a steady stream, 1.2."""
     one = flow()
     for _ in range(6):
         forces = one.advance()
@@ -129,7 +129,7 @@ def test_a_plate_has_drag_and_forces_of_the_fluid_on_it():
     assert np.allclose(forces.sum(axis=0), facets.sum(axis=0), atol=1e-9)
     assert np.allclose(moment(one.points, forces), moment(at, facets), atol=1e-9)
     coefficient = forces[:, 2].sum() / (0.5 * 1.2 * 2.0**2)
-    assert 0.8 < coefficient < 3.0
+    assert 1.2 < coefficient < 4.0
     assert np.abs(forces[:, :2].sum(axis=0)).max() < 0.1 * forces[:, 2].sum()
     assert abs(one.time - 0.6) < 1e-12
 
