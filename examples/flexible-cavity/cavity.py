@@ -43,14 +43,15 @@ def make(folder, kind, end):
             "type": "solver_wrappers.kratos.structural_mechanics_wrapper",
             "solver_wrapper_settings": {"input_file": "ProjectParametersCSM"},
         }
-        files["ProjectParametersCoSim.json"] = coupling_parameters(structure, "Structure.Interface", 2, "POINT_LOAD", end)
+        coupling = coupling_parameters(structure, "Structure.Interface", 2, "POINT_LOAD", end)
     else:
         files["structure.json"] = own_case(kind, end)
         structure = {
             "type": "canopy_fem.kratos",
             "solver_wrapper_settings": {"input_file": "structure.json", "domain_size": 2},
         }
-        files["ProjectParametersCoSim.json"] = coupling_parameters(structure, "Structure.bottom", 2, "FORCE", end)
+        coupling = coupling_parameters(structure, "Structure.bottom", 2, "FORCE", end)
+    files["ProjectParametersCoSim.json"] = coupling
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in files.items():
         text = content if isinstance(content, str) else json.dumps(content, indent=2) + "\n"
