@@ -54,7 +54,7 @@ def box(low: npt.ArrayLike, high: npt.ArrayLike, fine: npt.ArrayLike, size: floa
 
     >>> mesh = box([-1, -1, -1], [1, 1, 2], [[-0.5] * 3, [0.5] * 3], 0.25)
     >>> len(mesh.nodes), len(mesh.tetrahedra)
-    (700, 2880)
+    (891, 3840)
     """
     low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
     inner = np.asarray(fine, dtype=float)
