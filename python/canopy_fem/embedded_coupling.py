@@ -81,11 +81,18 @@ class Coupled:
             FlowDiverged, SurfaceOutside: as `Flow.solve`.
             Diverged: the structure cannot be solved under the forces.
         """
-        flow, structure, rest = self.flow, self.structure, self.structure.interfaces[self.group].points
-        start = structure.displacements(self.group)
-        trial = start + flow.step * structure.velocities(self.group)
-        flow.begin()
+        self.structure.rewind()
+        self.flow.begin()
         self._quasi.InitializeSolutionStep()
+        try:
+            return self._iterate()
+        finally:
+            self._quasi.FinalizeSolutionStep()
+
+    def _iterate(self) -> int:
+        flow, structure, rest = self.flow, self.structure, self.structure.interfaces[self.group].points
+        start, residual = structure.displacements(self.group), np.inf
+        trial = start + flow.step * structure.velocities(self.group)
         for iteration in range(1, self.iterations + 1):
             self.forces = flow.solve(rest + trial, (trial - start) / flow.step)
             structure.push(self.group, self.forces)
@@ -93,7 +100,6 @@ class Coupled:
             change = structure.displacements(self.group) - trial
             residual = float(np.sqrt((change**2).sum(axis=1).mean()) / flow.mesh.size)
             if residual <= self.tolerance:
-                self._quasi.FinalizeSolutionStep()
                 structure.accept()
                 flow.accept()
                 return iteration
