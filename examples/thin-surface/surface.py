@@ -91,6 +91,12 @@ def canopy():
     }
 
 
+def widths(positions):
+    """[m] Twice the greatest distance of a node from the middle, seen along the wind, of nodes at some times."""
+    aside = positions[:, :, :2] - positions[:, :, :2].mean(axis=1, keepdims=True)
+    return 2 * np.linalg.norm(aside, axis=2).max(axis=1)
+
+
 def fill(run, size, steps):
     """Writes times, positions, triangles and forces of the canopy."""
     structure = Structure(canopy(), ["canopy"])
@@ -108,7 +114,7 @@ def fill(run, size, steps):
         count = coupled.advance()
         rows.append((structure.time, flow.points, coupled.forces, count))
         x, y, z = coupled.forces.sum(axis=0)
-        width = 2 * np.hypot(*flow.points[:, :2].T).max()
+        width = widths(flow.points[None])[0]
         line = f"t {structure.time:.4f} s: {count} iterations, width {width:.3f} m, force {x:.1f} {y:.1f} {z:.1f} N"
         print(line, flush=True)
         times, positions, forces, counts = (np.array(column) for column in zip(*rows, strict=True))
@@ -140,9 +146,9 @@ def plot(picture, run):
         lines = [(flat[node], (held @ right, held @ up)) for node in skirt]
         axes.add_collection(LineCollection(lines, colors="grey", linewidths=0.5))
         axes.add_collection(PolyCollection(flat[faces], facecolors=plt.cm.Blues(shade), edgecolors="k", linewidths=0.2))
-        axes.set(xlim=(-0.46, 0.46), ylim=(-0.8, 0.5), aspect="equal", title=f"{times[index]:.3f} s")
+        axes.set(xlim=(-0.54, 0.54), ylim=(-0.8, 0.5), aspect="equal", title=f"{times[index]:.3f} s")
         axes.set_axis_off()
-    width = 2 * np.hypot(positions[:, :, 0], positions[:, :, 1]).max(axis=1)
+    width = widths(positions)
     force = data["forces"].sum(axis=1)[:, 2]
     for half, values, label in ((grid[1, :3], width, "width [m]"), (grid[1, 3:], force, "force [N]")):
         axes = figure.add_subplot(half)
