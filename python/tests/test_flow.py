@@ -207,13 +207,33 @@ def test_the_surface_must_be_that_of_the_structure():
         Coupled(both.flow, other, "all")
 
 
+def run(*words, folder):
+    done = subprocess.run([sys.executable, SURFACE, *words], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
 def test_the_example_makes_a_table_of_the_drag(tmp_path):
     pytest.importorskip("KratosMultiphysics.FluidDynamicsApplication")
-    words = ["rigid", "disc", tmp_path / "disc.csv", "--size", "0.5", "--end", "1.0"]
-    done = subprocess.run([sys.executable, SURFACE, *words], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    pytest.importorskip("matplotlib")
+    run("rigid", "disc", "disc.csv", "--size", "0.5", "--end", "1.0", folder=tmp_path)
     rows = np.genfromtxt(tmp_path / "disc.csv", delimiter=",", skip_header=1)
     assert len(rows) == 3 and rows[-1, 0] >= 1.0 and 0.5 < rows[-1, 1] < 5.0
+    run("drag", "drag.svg", "disc.csv", folder=tmp_path)
+    assert "disc" in (tmp_path / "drag.svg").read_text()
+
+
+def test_the_example_lets_a_canopy_fill(tmp_path):
+    """Its first steps on a coarse mesh: it widens, and forces and positions are kept."""
+    pytest.importorskip("KratosMultiphysics.CoSimulationApplication")
+    pytest.importorskip("matplotlib")
+    said = run("fill", "run.npz", "--size", "0.16", "--steps", "2", folder=tmp_path)
+    assert "iterations a step" in said
+    data = np.load(tmp_path / "run.npz")
+    wide = np.hypot(data["positions"][:, :, 0], data["positions"][:, :, 1]).max(axis=1)
+    assert len(data["time"]) == 3 and wide[-1] > wide[0] and data["forces"][-1, :, 2].sum() > 0
+    run("plot", "run.png", "run.npz", folder=tmp_path)
+    assert (tmp_path / "run.png").stat().st_size > 10_000
 
 
 def example(name):
