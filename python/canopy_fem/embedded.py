@@ -5,7 +5,7 @@ only model of turbulence. Nodes that a moving surface passes keep the velocity t
 
 The surface is a set of triangles that may go anywhere within a fixed box of tetrahedra. Elements that it cuts have
 separate pressures and velocities on its two sides (Kratos' `embedded_weakly_compressible_navier_stokes_discontinuous`;
-Zorrilla, Larese and Rossi 2019). Where an element is cut only in part, at the edge of a surface, it is cut as a whole.
+Zorrilla, Larese and Rossi 2019). At its edge, an element that is cut only in part counts as a whole in the forces.
 
 >>> flow = Flow(mesh, points, triangles, stream=[0, 0, 10], step=0.005)      # doctest: +SKIP
 >>> forces = flow.advance()                                                  # doctest: +SKIP
