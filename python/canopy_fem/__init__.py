@@ -11,6 +11,7 @@ The engine of the program ``canopy-fem``. Units are SI; nodes, edges and triangl
 `rollout`                          many runs at once, on a pool of threads
 `check`, `tradeoff`, `sweep`, …    studies
 `coupling`, `kratos`, `precice`    couplings with flow solvers
+`embedded`, `embedded_coupling`    thin surfaces in a flow of Kratos
 `mesh`                             generators, files, meshio, pyvista
 `CaseError`, `Diverged`, …         exceptions
 =================================  ===================================================================

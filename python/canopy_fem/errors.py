@@ -17,8 +17,12 @@ __all__ = [
     "Diverged",
     "Ended",
     "Fault",
+    "FlowDiverged",
     "InternalError",
+    "KratosMissing",
+    "NotCoupled",
     "SimulationError",
+    "SurfaceOutside",
 ]
 
 
@@ -51,6 +55,50 @@ class CaseError(CanopyError, ValueError):
 class CouplingError(CanopyError, RuntimeError):
     """What another program of a coupling gives or asks, and cannot be used: an interface of another size, forces that
     are not finite, a program that is not installed. The structure is where its last whole step ended."""
+
+
+class KratosMissing(CouplingError):
+    """Kratos, or applications of it, are not installed; `packages` lists them."""
+
+    def __init__(self, packages: list[str]) -> None:
+        super().__init__(
+            f"this needs {', '.join(packages)}, which cannot be imported here\n"
+            f"Kratos 10.4.4 has wheels for Python 3.11: pip install {' '.join(packages)}"
+        )
+        self.packages = packages
+
+
+class FlowDiverged(CouplingError):
+    """A flow with values that are not finite, or beyond all measure: `time` [s], `speed` [m/s] and `stream` [m/s]."""
+
+    def __init__(self, time: float, speed: float, stream: float) -> None:
+        super().__init__(
+            f"the flow has diverged in the step to t = {time:g} s: its greatest speed is {speed:g} m/s in a stream of "
+            f"{stream:g} m/s\nMake the step smaller, or the mesh finer about the surface"
+        )
+        self.time, self.speed, self.stream = time, speed, stream
+
+
+class SurfaceOutside(CouplingError):
+    """A surface that leaves the box: `node`, its `position` [m], and `low` and `high` [m] of the box."""
+
+    def __init__(self, node: int, position: Any, low: Any, high: Any) -> None:
+        where = [[round(float(x), 6) for x in row] for row in (position, low, high)]
+        super().__init__(
+            f"node {node} of the surface is at {where[0]} m, outside the box from {where[1]} to {where[2]} m"
+        )
+        self.node, self.position, self.low, self.high = node, position, low, high
+
+
+class NotCoupled(CouplingError):
+    """Iterations of flow and structure that have not converged: `time` [s], `residual` and `tolerance` [-]."""
+
+    def __init__(self, time: float, iterations: int, residual: float, tolerance: float) -> None:
+        super().__init__(
+            f"flow and structure do not agree in the step to t = {time:g} s: after {iterations} iterations the "
+            f"positions change by {residual:.2g} of the size of the mesh, the tolerance is {tolerance:.2g}"
+        )
+        self.time, self.iterations, self.residual, self.tolerance = time, iterations, residual, tolerance
 
 
 class SimulationError(CanopyError, RuntimeError):

@@ -7,7 +7,7 @@ import pytest
 from conftest import ROOT
 
 GUIDE = ROOT / "docs" / "guide" / "src"
-PAGES = [ROOT / "docs" / "python.md", GUIDE / "python.md", GUIDE / "coupling.md"]
+PAGES = [ROOT / "docs" / "python.md", GUIDE / "python.md", GUIDE / "coupling.md", GUIDE / "flow.md"]
 NOTEBOOKS = sorted((ROOT / "python" / "notebooks").glob("*.ipynb"))
 
 
@@ -25,7 +25,7 @@ def test_notebooks_run(path, tmp_path):
     nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
 
 
-@pytest.mark.parametrize("page", PAGES, ids=["reference", "guide", "coupling"])
+@pytest.mark.parametrize("page", PAGES, ids=["reference", "guide", "coupling", "flow"])
 def test_pages_run(page, tmp_path, monkeypatch):
     """The blocks of a page, one after the other, in one program."""
     for package in ("scipy", "matplotlib", "pandas", "pyvista"):
