@@ -132,7 +132,7 @@ def cell(summary):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", default="target/release/canopy-fem")
+    parser.add_argument("--program", default="canopy-fem", help="the program, if it is not on the path")
     parser.add_argument("--methods", help="names, separated by commas; all if not given")
     parser.add_argument("--scenes", help="names, separated by commas; all if not given")
     parser.add_argument("--steps", type=int, default=300)
