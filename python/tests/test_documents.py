@@ -21,7 +21,8 @@ def test_notebooks_run(path, tmp_path):
     code = [cell for cell in notebook.cells if cell.cell_type == "code"]
     assert [cell.execution_count for cell in code] == list(range(1, len(code) + 1))
     assert path.stat().st_size < 200_000
-    (tmp_path / "assets").symlink_to(ROOT / "assets")
+    for folder in ("assets", "examples"):
+        (tmp_path / folder).symlink_to(ROOT / folder)
     nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
 
 
