@@ -12,7 +12,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+import sys
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .case import Case
-from .errors import CouplingError, Diverged, SimulationError
+from .errors import CanopyError, CouplingError, Diverged, SimulationError
 from .mesh import Mesh
 from .simulation import Motion, Simulation
 
@@ -377,3 +378,21 @@ def frames(structure: Structure, folder: str | os.PathLike[str], every: float) -
     if not (np.isfinite(every) and every > 0):
         raise CouplingError(f"the time between frames is {every!r} s: give one above 0")
     return Frames(structure, folder, every)
+
+
+def command(usage: str, run: Callable[[str], object]) -> int:
+    """The status of a command that runs a coupling by its file, the only argument.
+
+    Args:
+        usage: how the command is called.
+        run: runs the coupling of a file.
+    """
+    if len(sys.argv) != 2:
+        print(f"usage: {usage}", file=sys.stderr)
+        return 2
+    try:
+        run(sys.argv[1])
+    except (CanopyError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 3 if isinstance(error, Diverged) else 2
+    return 0

@@ -34,8 +34,8 @@ from typing import Any
 
 import numpy as np
 
-from .coupling import Structure, frames
-from .errors import CanopyError, CouplingError, Diverged
+from .coupling import Structure, command, frames
+from .errors import CouplingError, Diverged
 
 try:
     import KratosMultiphysics as KM
@@ -333,15 +333,7 @@ def _is_installed(name: str) -> bool:
 
 def main() -> int:
     """The command."""
-    if len(sys.argv) != 2:
-        print("usage: python -m canopy_fem.kratos PROJECT_PARAMETERS.json", file=sys.stderr)
-        return 2
-    try:
-        run(sys.argv[1])
-    except (CanopyError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 3 if isinstance(error, Diverged) else 2
-    return 0
+    return command("python -m canopy_fem.kratos PROJECT_PARAMETERS.json", run)
 
 
 if __name__ == "__main__":

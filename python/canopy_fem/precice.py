@@ -38,7 +38,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .coupling import Structure, frames
+from .coupling import Structure, command, frames
 from .errors import CanopyError, CouplingError, Diverged
 
 __all__ = ["Adapter", "run"]
@@ -269,15 +269,7 @@ def run(config: str | os.PathLike[str] | Mapping[str, Any], **more: Any) -> Stru
 
 def main() -> int:
     """The command."""
-    if len(sys.argv) != 2:
-        print("usage: python -m canopy_fem.precice ADAPTER.json", file=sys.stderr)
-        return 2
-    try:
-        run(sys.argv[1])
-    except (CanopyError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 3 if isinstance(error, Diverged) else 2
-    return 0
+    return command("python -m canopy_fem.precice ADAPTER.json", run)
 
 
 if __name__ == "__main__":
