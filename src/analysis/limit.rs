@@ -34,11 +34,7 @@ pub fn critical_step(method: &MethodChoice, rates: Rates) -> f64 {
     // In units of the faster rate, so that the search interval is the same for every scene.
     let unit = rates.frequency.max(rates.damping);
     let oscillator = Oscillator { k: (rates.frequency / unit).powi(2), c: rates.damping / unit };
-    let stable_at =
-        |h: f64, tolerance: f64| spectral_radius(method, oscillator, h).is_some_and(|r| r <= 1.0 + tolerance);
-    // At large steps the map is badly scaled and its radius carries more rounding; an unstable method is far above 1
-    // there.
-    if stable_at(37.0, 1e-6) && stable_at(400.0, 1e-4) {
+    if !limited_on(method, oscillator) {
         return f64::INFINITY;
     }
     // The farthest limit is that of dop853: w h = 6.4 at damping ratio 1, where the faster rate is the damping, twice
@@ -46,18 +42,34 @@ pub fn critical_step(method: &MethodChoice, rates: Rates) -> f64 {
     let (mut stable, mut unstable) = (0.0, 16.0);
     for _ in 0..40 {
         let middle = 0.5 * (stable + unstable);
-        if stable_at(middle, ROUNDING) { stable = middle } else { unstable = middle }
+        if stable_at(method, oscillator, middle, ROUNDING) { stable = middle } else { unstable = middle }
     }
     // Damping below rounding in such a step is none: that of modes which air or dashpots do not act on.
     let undamped = 0.5 * oscillator.c * stable <= ROUNDING;
     if undamped && stable < NO_LIMIT_BELOW { 0.0 } else { stable / unit }
 }
 
+/// Whether `method` has a limit on an undamped oscillator.
+pub(super) fn limited(method: &MethodChoice) -> bool {
+    method.info.family != Family::MatrixFree && limited_on(method, Oscillator { k: 1.0, c: 0.0 })
+}
+
+/// Whether `method` has a limit on an oscillator whose faster rate is 1.
+fn limited_on(method: &MethodChoice, oscillator: Oscillator) -> bool {
+    // At large steps the map is badly scaled and its radius carries more rounding; an unstable method is far above 1
+    // there.
+    !(stable_at(method, oscillator, 37.0, 1e-6) && stable_at(method, oscillator, 400.0, 1e-4))
+}
+
+fn stable_at(method: &MethodChoice, oscillator: Oscillator, h: f64, tolerance: f64) -> bool {
+    spectral_radius(method, oscillator, h).is_some_and(|r| r <= 1.0 + tolerance)
+}
+
 /// Whether `method` is stable at step `h` [s] on the oscillator of `rates`.
 pub(super) fn stable(method: &MethodChoice, rates: Rates, h: f64) -> bool {
     let unit = rates.frequency.max(rates.damping);
     let oscillator = Oscillator { k: (rates.frequency / unit).powi(2), c: rates.damping / unit };
-    unit == 0.0 || spectral_radius(method, oscillator, h * unit).is_some_and(|r| r <= 1.0 + ROUNDING)
+    unit == 0.0 || stable_at(method, oscillator, h * unit, ROUNDING)
 }
 
 /// [-] Growth of the oscillation of `rates` in one step of `h` [s]; below 1 it dies out. `None` when a step cannot be
@@ -109,11 +121,13 @@ fn highest(method: &MethodChoice, oscillator: Oscillator, h: f64, [x, v]: [f64; 
 
 /// Spectral radius of one step; `None` when a step cannot be made at all.
 fn spectral_radius(method: &MethodChoice, oscillator: Oscillator, h: f64) -> Option<f64> {
-    let mut map = step_map(method, oscillator, h)?;
+    let columns = step_map(method, oscillator, h)?;
+    let n = columns.len();
+    let (mut map, mut square) = (columns.concat(), vec![0.0; n * n]);
     let mut log = 0.0;
     let mut weight = 1.0;
     for _ in 0..=SQUARINGS {
-        let size = map.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let size = map.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         if size == 0.0 {
             return Some(0.0);
         }
@@ -122,16 +136,16 @@ fn spectral_radius(method: &MethodChoice, oscillator: Oscillator, h: f64) -> Opt
         }
         log += weight * size.ln();
         weight *= 0.5;
-        map.iter_mut().flatten().for_each(|x| *x /= size);
-        map = squared(&map);
+        map.iter_mut().for_each(|x| *x /= size);
+        // Columns: (A A) e_j = sum over k of A_kj (A e_k).
+        for (j, column) in square.chunks_mut(n).enumerate() {
+            for (i, entry) in column.iter_mut().enumerate() {
+                *entry = (0..n).map(|k| map[k * n + i] * map[j * n + k]).sum();
+            }
+        }
+        std::mem::swap(&mut map, &mut square);
     }
     Some(log.exp())
-}
-
-fn squared(map: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let n = map.len();
-    // Columns: (A A) e_j = sum over k of A_kj (A e_k).
-    (0..n).map(|j| (0..n).map(|i| (0..n).map(|k| map[k][i] * map[j][k]).sum()).collect()).collect()
 }
 
 /// Columns of the linear map that one step of the scheme is on (x, v, carried numbers).

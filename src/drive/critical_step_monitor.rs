@@ -3,8 +3,7 @@
 //! with the critical step. Only where this measure comes close to the step is the spectrum computed, and only then can
 //! there be a warning.
 
-use crate::analysis::critical::step_by_bounds;
-use crate::analysis::critical::{CostLimits, CriticalStep, remedy};
+use crate::analysis::critical::{CostLimits, CriticalStep, plainly_stable, remedy, step_by_bounds};
 use crate::analysis::spectrum::Spectrum;
 use crate::analysis::warnings::worth;
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
@@ -134,12 +133,19 @@ impl<'a> CriticalStepMonitor<'a> {
     fn estimate(&mut self, at: StateRef<'_>, h: f64) {
         let now = step_by_bounds(self.monitored.scene, at, &mut self.buffer);
         let estimate = self.ratio.unwrap_or(1.0) * now;
-        if estimate < NEAR * h && !self.warned && now < self.ask_below && self.asked < MOST_ASKED {
+        let Monitored { scene, method, .. } = self.monitored;
+        let near = estimate < NEAR * h && !self.warned && now < self.ask_below && self.asked < MOST_ASKED;
+        let plain = if near { plainly_stable(scene, at, method, h) } else { None };
+        if let Some(bound) = plain {
+            // The measure where this bound would come down to the step.
+            self.ask_below = now * FALLEN.max(h / bound.step);
+        }
+        if near && plain.is_none() {
             self.asked += 1;
             self.ask_below = FALLEN * now;
             let effort = CostLimits { stop: self.monitored.stop, ..CostLimits::START };
-            let mut spectrum = Spectrum::with(self.monitored.scene, at, effort);
-            let found = spectrum.critical_step(self.monitored.method);
+            let mut spectrum = Spectrum::with(scene, at, effort);
+            let found = spectrum.critical_step(method);
             if spectrum.stopped() {
                 return;
             }

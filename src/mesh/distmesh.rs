@@ -16,6 +16,7 @@ use super::polish::polish;
 use super::random::SplitMix64;
 use super::sdf::{SizeFunction, turned_off_seams};
 use super::{Mesh, MeshError, quality, topology};
+use multiversion::multiversion;
 use nalgebra::Vector2;
 
 /// [-] length of the springs over the wanted length, so that the nodes spread to the boundary (`Fscale`)
@@ -112,6 +113,7 @@ fn relax(plan: &MeshPlan, start: &mut Layout) -> Result<Flips, MeshError> {
     }
     let count = start.points.len();
     let mut bars = Bars::default();
+    let mut size = vec![0.0; count];
     let mut last = vec![Vector2::repeat(f64::INFINITY); count];
     let mut forces = vec![Vector2::zeros(); count];
     let mut momentum = vec![Vector2::zeros(); count];
@@ -119,15 +121,16 @@ fn relax(plan: &MeshPlan, start: &mut Layout) -> Result<Flips, MeshError> {
     let mut flips = Flips::default();
 
     for iteration in 0..ITERATIONS {
-        if moved_far(&plan.size, &start.points, &last) {
+        wanted_lengths(&plan.size, &start.points, &mut size);
+        if moved_far(&size, &start.points, &last) {
             if !flips.follow(&start.points) {
                 flips = Flips::new(triangulate_plan(plan, start)?, &start.constraints);
             }
-            bars = Bars::new(&flips, &start.freedom);
+            bars.take(&flips, &start.freedom);
             last.copy_from_slice(&start.points);
         }
-        bars.forces(&plan.size, &start.points, &mut forces);
-        movement = step(plan, start, &bars, &forces, &mut momentum);
+        bars.forces(&size, &start.points, &mut forces);
+        movement = step(plan, start, (&bars, &size), &forces, &mut momentum);
         if movement < REST || plan.is_large() && iteration >= LARGE_ITERATIONS {
             return Ok(flips);
         }
@@ -135,60 +138,91 @@ fn relax(plan: &MeshPlan, start: &mut Layout) -> Result<Flips, MeshError> {
     Err(MeshError::NotRelaxed { iterations: ITERATIONS, movement, tolerance: REST })
 }
 
-fn moved_far(size: &SizeFunction, points: &[Vector2<f64>], last: &[Vector2<f64>]) -> bool {
+/// Writes the wanted edge length [m] at every point.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn wanted_lengths(size: &SizeFunction, points: &[Vector2<f64>], lengths: &mut [f64]) {
+    for (length, point) in lengths.iter_mut().zip(points) {
+        *length = size.at(point.norm());
+    }
+}
+
+fn moved_far(size: &[f64], points: &[Vector2<f64>], last: &[Vector2<f64>]) -> bool {
     // In this form a point with NaN counts as far, and the triangulation will refuse it.
-    let near =
-        |(p, q): (&Vector2<f64>, &Vector2<f64>)| (p - q).norm_squared() < (RETRIANGULATE * size.at(p.norm())).powi(2);
-    !points.iter().zip(last).all(near)
+    let near = |((p, q), size): ((&Vector2<f64>, &Vector2<f64>), &f64)| {
+        (p - q).norm_squared() < (RETRIANGULATE * size).powi(2)
+    };
+    !points.iter().zip(last).zip(size).all(near)
 }
 
 /// Edges with at least one end that can move, as springs.
 #[derive(Default)]
 struct Bars {
     ends: Vec<[u32; 2]>,
-    /// [m] wanted edge length at each node, filled by every force pass
-    size: Vec<f64>,
     /// bars at each node
     degree: Vec<u32>,
+    /// of every bar in the last force pass
+    measured: Vec<MeasuredBar>,
+}
+
+/// A bar while its force is computed.
+#[derive(Clone, Copy, Default)]
+struct MeasuredBar {
+    /// [m] from its first end to the second
+    across: Vector2<f64>,
+    /// [m^2] length squared
+    square: f64,
+    /// [m] wanted length
+    wanted: f64,
 }
 
 impl Bars {
-    fn new(flips: &Flips, freedom: &[Freedom]) -> Self {
+    /// Takes the edges of a triangulation.
+    fn take(&mut self, flips: &Flips, freedom: &[Freedom]) {
         let moves = |bar: &[u32; 2]| bar.iter().any(|&n| freedom[n as usize] != Freedom::Fixed);
-        let ends: Vec<_> = flips.edges().filter(moves).collect();
-        let mut degree = vec![0; freedom.len()];
-        for &n in ends.iter().flatten() {
-            degree[n as usize] += 1;
+        self.ends.clear();
+        self.ends.extend(flips.edges().filter(moves));
+        self.degree.clear();
+        self.degree.resize(freedom.len(), 0);
+        for &n in self.ends.iter().flatten() {
+            self.degree[n as usize] += 1;
         }
-        Self { size: vec![0.0; freedom.len()], ends, degree }
+        self.measured.resize(self.ends.len(), MeasuredBar::default());
     }
 
     /// Forces max(F0 - L, 0), repulsive only; the wanted lengths are scaled so that their squares sum up to those of
-    /// the actual ones.
-    fn forces(&mut self, size: &SizeFunction, points: &[Vector2<f64>], forces: &mut [Vector2<f64>]) {
-        for (h, point) in self.size.iter_mut().zip(points) {
-            *h = size.at(point.norm());
-        }
-        // The size function is almost linear along a bar, so its value in the middle is taken as the mean of the ends.
-        let wanted = |bar: &[u32; 2]| 0.5 * (self.size[bar[0] as usize] + self.size[bar[1] as usize]);
-        let (mut sum_actual, mut sum_wanted) = (0.0, 0.0);
-        for bar in &self.ends {
-            let [a, b] = bar.map(|n| points[n as usize]);
-            sum_actual += (a - b).norm_squared();
-            sum_wanted += wanted(bar).powi(2);
-        }
-        let scale = OVERLENGTH * (sum_actual / sum_wanted).sqrt();
+    /// the actual ones. `size` has the wanted lengths at the nodes.
+    fn forces(&mut self, size: &[f64], points: &[Vector2<f64>], forces: &mut [Vector2<f64>]) {
         forces.fill(Vector2::zeros());
-        for bar in &self.ends {
-            let [a, b] = bar.map(|n| points[n as usize]);
-            let (across, full) = (b - a, scale * wanted(bar));
-            let square = across.norm_squared();
-            if square < full * full && square > 0.0 {
-                let force = across * (full / square.sqrt() - 1.0);
-                forces[bar[0] as usize] -= force;
-                forces[bar[1] as usize] += force;
-            }
-        }
+        add_forces(&self.ends, &mut self.measured, (size, points), forces);
+    }
+}
+
+/// In three loops, the middle one of which has roots and quotients alone, so that they are computed side by side.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn add_forces(
+    ends: &[[u32; 2]],
+    measured: &mut [MeasuredBar],
+    (size, points): (&[f64], &[Vector2<f64>]),
+    forces: &mut [Vector2<f64>],
+) {
+    let (mut sum_actual, mut sum_wanted) = (0.0, 0.0);
+    for (&[a, b], bar) in ends.iter().zip(&mut *measured) {
+        let across = points[b as usize] - points[a as usize];
+        // The size function is almost linear along a bar, so its value in the middle is taken as the mean of the ends.
+        let wanted = 0.5 * (size[a as usize] + size[b as usize]);
+        *bar = MeasuredBar { across, square: across.norm_squared(), wanted };
+        sum_actual += bar.square;
+        sum_wanted += wanted.powi(2);
+    }
+    let scale = OVERLENGTH * (sum_actual / sum_wanted).sqrt();
+    for MeasuredBar { across, square, wanted } in &mut *measured {
+        let full = scale * *wanted;
+        let share = if *square < full * full && *square > 0.0 { full / square.sqrt() - 1.0 } else { 0.0 };
+        *across *= share;
+    }
+    for (&[a, b], MeasuredBar { across: force, .. }) in ends.iter().zip(measured) {
+        forces[a as usize] -= *force;
+        forces[b as usize] += *force;
     }
 }
 
@@ -200,7 +234,7 @@ impl Bars {
 fn step(
     plan: &MeshPlan,
     start: &mut Layout,
-    bars: &Bars,
+    (bars, size): (&Bars, &[f64]),
     forces: &[Vector2<f64>],
     momentum: &mut [Vector2<f64>],
 ) -> f64 {
@@ -210,7 +244,7 @@ fn step(
     let mut largest: f64 = 0.0;
     for node in 0..start.points.len() {
         let point = start.points[node];
-        let h = bars.size[node];
+        let h = size[node];
         let mut push = STEP / f64::from(bars.degree[node].max(1)) * forces[node];
         match start.freedom[node] {
             Freedom::Fixed => continue,

@@ -21,6 +21,8 @@ pub struct TermInfo {
     pub role: Role,
     /// whether the force depends on velocity
     pub velocity_dependent: bool,
+    /// whether it depends on velocity by a matrix C that is the same at every state between two events
+    pub constant_damping: bool,
     /// whether it is a follower load, which turns with its surface and so adds to the stiffness
     pub follower: bool,
     /// whether it acts on triangles, even if it is lumped to their nodes
@@ -33,7 +35,15 @@ impl TermInfo {
     /// A term that depends on positions and time only, is not a follower load or made of springs, and does not act on
     /// triangles.
     pub const fn of(name: &'static str, role: Role) -> Self {
-        TermInfo { name, role, velocity_dependent: false, follower: false, on_triangles: false, linear_springs: false }
+        TermInfo {
+            name,
+            role,
+            velocity_dependent: false,
+            constant_damping: false,
+            follower: false,
+            on_triangles: false,
+            linear_springs: false,
+        }
     }
 }
 

@@ -3,16 +3,37 @@
 //! A positive semidefinite element matrix of b x b blocks lies below b times its block diagonal. So the sum over all
 //! elements lies below the largest eigenvalue of any node's 3 x 3 block (in the spirit of Irons & Treharne 1971, by
 //! nodes). Fixed ends do not count in b. On a regular triangular net the bound is exact.
+//!
+//! An edge with the block B may be divided unequally: it lies below (1 + r) B at one end and (1 + 1/r) B at the other,
+//! for any r > 0. The sharper bound takes for r the ratio of shares of the two nodes, and lowers these shares, round
+//! after round, where eigenvalues are large (in the spirit of Collatz 1942, who bounds matrices without negative
+//! entries so). It takes edges that are alike in all directions by triangles ([`super::bound_by_triangles`]).
 
+use super::bound_by_triangles::AlikeEdges;
 use super::network::{Network, by_node};
 use crate::force::{TangentForm, TangentSink};
 use crate::model::state::StateRef;
-use crate::model::system::Weights;
+use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
 
-/// Buffer of one block per node, reused between passes.
+/// Buffers of passes over one scene, and what stays the same between them.
 #[derive(Clone, Debug, Default)]
-pub struct BoundBuffer(Vec<Block>);
+pub struct BoundBuffer {
+    /// one of every node
+    blocks: Vec<Block>,
+    /// the last bound on C alone, where C is the same at every state of a phase
+    damping: Option<DampingBound>,
+}
+
+/// A bound on C, and what it belongs to.
+#[derive(Clone, Copy, Debug)]
+struct DampingBound {
+    /// events that are passed
+    passed: usize,
+    /// weight of C
+    c: f64,
+    found: (f64, usize),
+}
 
 /// [-] Relative error of the largest eigenvalue where eigenvalues of a block nearly coincide, as in an isotropic net:
 /// rounding moves them by some 1e-8. Larger values by less than this share count as equal, and the bound includes it.
@@ -25,12 +46,58 @@ impl Network {
     /// The bound [1/s^2 or 1/s, by the weights] and the degree of freedom where it is reached. Proved if K and C are
     /// symmetric (compressive geometric stiffness is dropped); else a measure that grows with the eigenvalue.
     pub(super) fn node_bound(&self, at: StateRef<'_>, w: Weights, buffer: &mut BoundBuffer) -> (f64, usize) {
-        let BoundBuffer(blocks) = buffer;
+        let BoundBuffer { blocks, damping } = buffer;
+        let constant = |info: &TermInfo| info.constant_damping || !info.velocity_dependent;
+        if w.k != 0.0 || !self.infos.iter().all(constant) {
+            return self.bound_in_pass(at, w, blocks, None);
+        }
+        let (passed, c) = (self.phases.passed(), w.c);
+        let known = damping.filter(|known| known.passed == passed && known.c == c);
+        let found = known.map_or_else(|| self.bound_in_pass(at, w, blocks, None), |known| known.found);
+        *damping = Some(DampingBound { passed, c, found });
+        found
+    }
+
+    /// The same from up to [`ROUNDS`] passes, with edges divided unequally.
+    pub(super) fn sharper_node_bound(&self, at: StateRef<'_>, w: Weights) -> (f64, usize) {
+        let (mut blocks, mut best) = (Vec::new(), (f64::INFINITY, 0));
+        let mut unequal = Unequal { share: vec![1.0; self.phase().fixed.len()], alike: AlikeEdges::default() };
+        for _ in 0..ROUNDS {
+            let found = self.bound_in_pass(at, w, &mut blocks, Some(&mut unequal));
+            let settled = found.0.is_nan() || found.0 >= SETTLED * best.0;
+            if found.0.is_nan() || found.0 < best.0 {
+                best = found;
+            }
+            if settled {
+                break;
+            }
+            let shares = unequal.share.iter_mut().zip(&blocks);
+            for ((share, block), inverse) in shares.zip(by_node(&self.phase().inverse_mass)) {
+                let size = (size(&scaled(block, *inverse)) / found.0).max(LEAST);
+                // The power 3/2 of it; shares swing from 2 on.
+                *share /= size * size.sqrt();
+            }
+        }
+        best
+    }
+
+    fn bound_in_pass(
+        &self,
+        at: StateRef<'_>,
+        w: Weights,
+        blocks: &mut Vec<Block>,
+        mut unequal: Option<&mut Unequal>,
+    ) -> (f64, usize) {
         blocks.clear();
         blocks.resize(self.phase().fixed.len(), Block::default());
-        let mut sink = Diagonal { blocks, fixed: &self.phase().fixed };
+        let mut sink = Diagonal { blocks, fixed: &self.phase().fixed, unequal: unequal.as_deref_mut() };
         let form = TangentForm { convex: true, symmetric: false };
         self.emit_tangents(at, w, form, &mut sink);
+        if let Some(Unequal { share, alike }) = unequal {
+            alike.bound(share, |node, value| {
+                blocks[node as usize].iter_mut().take(3).for_each(|sum| *sum += value);
+            });
+        }
         let (mut most, mut dof) = (0.0, 0);
         for (i, (block, inverse)) in blocks.iter().zip(by_node(&self.phase().inverse_mass)).enumerate() {
             let block = scaled(block, *inverse);
@@ -44,6 +111,19 @@ impl Network {
         }
         ((1.0 + MARGIN) * most, dof)
     }
+}
+
+/// Most passes of the sharper bound.
+const ROUNDS: usize = 8;
+/// [-] A bound above this share of the best one before ends them.
+const SETTLED: f64 = 0.99;
+/// [-] Smallest eigenvalue of a node, over the largest, that its share follows.
+const LEAST: f64 = 0.3;
+
+/// A mean of the eigenvalues of a positive semidefinite block in which the largest count most: tr A^2/tr A.
+fn size([xx, yy, zz, xy, yz, zx]: &Block) -> f64 {
+    let squares = xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + yz * yz + zx * zx);
+    if squares > 0.0 { squares / (xx + yy + zz) } else { 0.0 }
 }
 
 /// M^-1/2 A M^-1/2.
@@ -76,10 +156,20 @@ fn largest_root([xx, yy, zz, xy, yz, zx]: &Block) -> f64 {
     mean + 2.0 * p * (half.clamp(-1.0, 1.0).acos() / 3.0).cos()
 }
 
+/// How edges are divided.
+struct Unequal {
+    /// [-] of every node in its edges
+    share: Vec<f64>,
+    /// those that are taken by triangles
+    alike: AlikeEdges,
+}
+
 /// Sums the diagonal blocks of elements, each times the number of its ends that can move.
 struct Diagonal<'a> {
     blocks: &'a mut [Block],
     fixed: &'a [[bool; 3]],
+    /// else all edges are divided equally
+    unequal: Option<&'a mut Unequal>,
 }
 
 impl Diagonal<'_> {
@@ -128,9 +218,19 @@ impl TangentSink for Diagonal<'_> {
     }
 
     fn edge(&mut self, nodes: [u32; 2], block: Matrix3<f64>) {
-        let block = symmetric(self.moving(nodes), &block);
-        for i in nodes {
-            self.add(i, &block);
+        let (moving, mut times) = (self.moving(nodes), [1.0; 2]);
+        if moving == 2.0 {
+            times = [2.0; 2];
+            if let Some(Unequal { share, alike }) = &mut self.unequal {
+                if block == Matrix3::from_diagonal_element(block.m11) {
+                    return alike.push(nodes, block.m11);
+                }
+                let [a, b] = nodes.map(|i| share[i as usize]);
+                times = [1.0 + a / b, 1.0 + b / a];
+            }
+        }
+        for (i, times) in nodes.into_iter().zip(times) {
+            self.add(i, &symmetric(times, &block));
         }
     }
 

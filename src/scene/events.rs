@@ -83,7 +83,7 @@ impl Phases {
     }
 
     /// Number of events that are passed, at most all.
-    fn passed(&self) -> usize {
+    pub fn passed(&self) -> usize {
         self.passed.load(Ordering::Relaxed).min(self.times.len())
     }
 

@@ -6,6 +6,7 @@
 mod air_pressure;
 mod apparent;
 mod bound;
+mod bound_by_triangles;
 mod branches;
 mod build;
 mod build_surface;
@@ -188,6 +189,11 @@ pub trait Scene: TangentSystem + Observables {
     /// degree of freedom where it is reached. Proved for symmetric scenes and weights of at least 0; else a measure
     /// that grows with the eigenvalue.
     fn rate_bound(&self, at: StateRef<'_>, w: crate::model::system::Weights, buffer: &mut BoundBuffer) -> (f64, usize);
+
+    /// The same bound from several passes, mostly sharper.
+    fn sharper_rate_bound(&self, at: StateRef<'_>, w: crate::model::system::Weights) -> (f64, usize) {
+        self.rate_bound(at, w, &mut BoundBuffer::default())
+    }
 }
 
 /// The node of a degree of freedom, and the fastest spring at it, in words.

@@ -3,7 +3,7 @@
 use crate::common::Random;
 use crate::common::polynomials::{size, stability_polynomial};
 use crate::common::run::case_of;
-use canopy_fem::analysis::critical::{Confidence, CriticalStep};
+use canopy_fem::analysis::critical::{Confidence, CriticalStep, ElementBounds};
 use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
@@ -302,6 +302,36 @@ fn coupled_damping_agrees_with_the_dense_step() {
         let cromer = critical(&*scene, "euler-cromer");
         let truth = dense_limit(&*scene, "euler-cromer", 1.5 * cromer.step);
         assert_certified(cromer, (truth, 2e-3), &format!("net {seed}"));
+    }
+}
+
+/// Bounds from the elements hold and promise no step that is unstable, whether C shares modes with K or not.
+#[test]
+fn bounds_promise_no_unstable_step() {
+    for (seed, coefficient, every) in [(31, 0.5, 1), (32, 4.0, 1), (33, 40.0, 1), (34, 4.0, 2), (35, 40.0, 3)] {
+        let mut net = random_net(seed, 4, 0.3);
+        for rule in net["springs"].as_array_mut().expect("rules").iter_mut().step_by(every) {
+            rule["dashpot"] = json!({"relative": {"coefficient": coefficient}});
+        }
+        let scene = scene(&network(net));
+        let start = scene.initial_state();
+        for weights in [Weights { m: 0.0, c: 0.0, k: 1.0 }, Weights { m: 0.0, c: 1.0, k: 0.0 }] {
+            let (a, _) = dense(&*scene, weights);
+            let eigen = a.self_adjoint_eigen(Side::Lower).expect("symmetric");
+            let truth = eigen.S().column_vector().iter().copied().fold(0.0, f64::max);
+            let (once, _) = scene.rate_bound(start.as_ref(), weights, &mut BoundBuffer::default());
+            let (sharper, _) = scene.sharper_rate_bound(start.as_ref(), weights);
+            println!("net {seed}: {:.3} and {:.3} times the dense value", once / truth, sharper / truth);
+            assert!(sharper >= truth * (1.0 - 1e-12), "net {seed}: {sharper} is no bound on {truth}");
+            assert!(sharper < 0.99 * once, "net {seed}: {sharper} is not sharper than {once}");
+        }
+        for info in methods().iter().filter(|m| m.family == Family::Explicit) {
+            let bound = ElementBounds::of(&*scene, start.as_ref()).critical_step(&method(info.name)).step;
+            let most = 2.0 * critical(&*scene, info.name).step;
+            let truth = dense_limit_of_carrying(&*scene, info.name, most);
+            println!("net {seed}, {}: {:.3} of the limit", info.name, bound / truth);
+            assert!(bound <= truth * (1.0 + 2e-3), "net {seed}, {}: {bound} is unstable from {truth} on", info.name);
+        }
     }
 }
 

@@ -361,6 +361,25 @@ fn gravity_energy(name: &str, scene: &Network, sample: &Sample) {
     assert!((energy + work).abs() < 1e-12 * (1.0 + work.abs()), "{name}: {energy} {work}");
 }
 
+/// C of a scene whose terms all say that theirs is constant is the same at any two states.
+#[test]
+fn constant_damping_is_declared_truthfully() {
+    let mut constant = 0;
+    for (name, spec) in scenes() {
+        let scene = build(spec);
+        let mut damping = scene.terms().iter().filter(|info| info.velocity_dependent).peekable();
+        let declared = damping.peek().is_some() && damping.all(|info| info.constant_damping);
+        let of = |seed| {
+            let mut assembler = scene.assembler().unwrap();
+            scene.assemble(Sample::new(&scene, seed).at(), Weights { m: 0.0, c: 1.0, k: 0.0 }, &mut assembler);
+            assembler.values().to_vec()
+        };
+        constant += usize::from(declared);
+        assert!(!declared || (1..STATES).all(|seed| of(seed) == of(0)), "{name}: C changes with the state");
+    }
+    assert!(constant > 0);
+}
+
 /// What diagnoses ask of a term is what its forces do. A term that says nothing of itself would be missing from them in
 /// silence.
 #[test]

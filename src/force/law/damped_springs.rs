@@ -29,7 +29,7 @@ use std::sync::Arc;
 const SPRINGS: TermInfo = TermInfo { linear_springs: true, ..BARS };
 const BARS: TermInfo = TermInfo::of("springs", Role::Elastic);
 const AXIAL: TermInfo = dashpots("axial dashpots");
-const RELATIVE: TermInfo = dashpots("relative dashpots");
+const RELATIVE: TermInfo = TermInfo { constant_damping: true, ..dashpots("relative dashpots") };
 
 const fn dashpots(name: &'static str) -> TermInfo {
     TermInfo { velocity_dependent: true, ..TermInfo::of(name, Role::Dissipative) }
@@ -81,6 +81,7 @@ impl DampedSprings {
     /// Emits the elastic block of every spring, and those of dashpots at a state.
     fn emit(
         &self,
+        law: impl TensionLaw,
         (at, w, form): (NodeState<'_>, Weights, TangentForm),
         sink: &mut dyn TangentSink,
         elastic_block: impl Fn(usize, (Stretch, Tension)) -> Matrix3<f64>,
@@ -92,7 +93,8 @@ impl DampedSprings {
         }
         let springs_at = springs.at(at.t, at.x);
         for (i, &nodes) in springs.nodes.iter().enumerate() {
-            let elastic = elastic_state(springs, springs_at, i);
+            let stretch = springs.stretch(springs_at, i);
+            let elastic = (stretch, law.at(springs.bar(springs_at, i), stretch.elongation));
             let mut block = elastic_block(i, elastic) * w.k;
             if let Some(Dashpots { kind, coefficient }) = &self.dashpots {
                 let c = coefficient.at(i);
@@ -325,7 +327,9 @@ impl ForceTerm for DampedSprings {
     /// dashpot the symmetric form is c n n^T, the velocity part.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         let kept = |number: f64| if form.convex { number.max(0.0) } else { number };
-        self.emit((at, w, form), sink, |_, (stretch, t)| stretch.block(kept(t.force), kept(t.slope)));
+        with_law!(&self.springs.curve, self.springs.slack, law => {
+            self.emit(law, (at, w, form), sink, |_, (stretch, t)| stretch.block(kept(t.force), kept(t.slope)));
+        });
     }
 
     fn mean(&self) -> Option<&dyn MeanForce> {
@@ -383,7 +387,7 @@ impl MeanForce for DampedSprings {
     fn mean_tangent(&self, step: MeanStep<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         let at = self.springs.at(step.at.t, step.at.x);
         with_law!(&self.springs.curve, self.springs.slack, law => {
-            self.emit((step.at, w, form), sink, |i, _| self.mean_bar(&law, (step, at), i).block(form));
+            self.emit(law, (step.at, w, form), sink, |i, _| self.mean_bar(&law, (step, at), i).block(form));
         });
     }
 }

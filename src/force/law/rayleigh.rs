@@ -14,6 +14,10 @@ use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
+const fn constant_damping(name: &'static str) -> TermInfo {
+    TermInfo { velocity_dependent: true, constant_damping: true, ..TermInfo::of(name, Role::Dissipative) }
+}
+
 /// The mass-proportional part.
 #[derive(Clone, Debug)]
 pub struct RayleighMass {
@@ -48,8 +52,7 @@ impl NodeLaw for RayleighMass {
 
 impl ForceTerm for RayleighMass {
     fn parts(&self) -> &[TermInfo] {
-        const INFO: TermInfo =
-            TermInfo { velocity_dependent: true, ..TermInfo::of("rayleigh mass damping", Role::Dissipative) };
+        const INFO: TermInfo = constant_damping("rayleigh mass damping");
         &[INFO]
     }
 
@@ -103,8 +106,7 @@ impl Kernel<2> for RayleighData {
 
 impl ForceTerm for RayleighStiffness {
     fn parts(&self) -> &[TermInfo] {
-        const INFO: TermInfo =
-            TermInfo { velocity_dependent: true, ..TermInfo::of("rayleigh stiffness damping", Role::Dissipative) };
+        const INFO: TermInfo = constant_damping("rayleigh stiffness damping");
         &[INFO]
     }
 
