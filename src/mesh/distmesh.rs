@@ -238,34 +238,46 @@ fn step(
     forces: &[Vector2<f64>],
     momentum: &mut [Vector2<f64>],
 ) -> f64 {
-    let (ring, seams) = (plan.size.ring, plan.seams);
     let uphill: f64 = forces.iter().zip(momentum.iter()).map(|(f, m)| f.dot(m)).sum();
     let memory = if uphill < 0.0 { 0.0 } else { MOMENTUM };
     let mut largest: f64 = 0.0;
     for node in 0..start.points.len() {
-        let point = start.points[node];
+        let (point, freedom) = (start.points[node], start.freedom[node]);
         let h = size[node];
         let mut push = STEP / f64::from(bars.degree[node].max(1)) * forces[node];
-        match start.freedom[node] {
+        match freedom {
             Freedom::Fixed => continue,
             Freedom::Free => {}
             Freedom::Ray(direction) => push = push.dot(&direction) * direction,
         }
-        let target = |by: Vector2<f64>| match start.freedom[node] {
-            Freedom::Ray(direction) => {
-                // Kept away from the centre, which on a disc is the common end of the seams.
-                let radius = (point + by).dot(&direction).max(plan.hub + CLEARANCE * h);
-                ring.pushed_inside(radius * direction, CLEARANCE * h)
-            }
-            _ => {
-                let inside = ring.pushed_inside(point + by, CLEARANCE * h);
-                turned_off_seams(plan.off_hub(inside, CLEARANCE * h), seams, CLEARANCE * h)
-            }
+        let target = |to: Vector2<f64>| {
+            // Mostly the node stays clear of everything.
+            let clear = freedom == Freedom::Free
+                && plan.seams == 0
+                && plan.hub == 0.0
+                && plan.size.ring.signed_distance(to) <= -CLEARANCE * h;
+            if clear { to } else { kept_clear(plan, freedom, to, CLEARANCE * h) }
         };
-        largest = largest.max((target(push) - point).norm() / h);
-        let moved = target(push + memory * momentum[node]);
+        largest = largest.max((target(point + push) - point).norm() / h);
+        let moved = target(point + (push + memory * momentum[node]));
         momentum[node] = moved - point;
         start.points[node] = moved;
     }
     largest
+}
+
+/// The place nearest to `to`, on its ray if it has one, at least `depth` [m] from boundary, hub and seams.
+#[inline(never)]
+fn kept_clear(plan: &MeshPlan, freedom: Freedom, to: Vector2<f64>, depth: f64) -> Vector2<f64> {
+    match freedom {
+        Freedom::Ray(direction) => {
+            // Kept away from the centre, which on a disc is the common end of the seams.
+            let radius = to.dot(&direction).max(plan.hub + depth);
+            plan.size.ring.pushed_inside(radius * direction, depth)
+        }
+        _ => {
+            let inside = plan.size.ring.pushed_inside(to, depth);
+            turned_off_seams(plan.off_hub(inside, depth), plan.seams, depth)
+        }
+    }
 }
