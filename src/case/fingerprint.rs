@@ -161,6 +161,7 @@ impl Fingerprint {
             pressures,
             forces,
             rayleigh,
+            mass_scaling,
             displacement,
             velocity,
         } = spec;
@@ -196,6 +197,9 @@ impl Fingerprint {
         }
         self.sum("system.network.loads", &(pressures, forces))?;
         self.text("system.network.damping.rayleigh", rayleigh)?;
+        if mass_scaling.is_some() {
+            self.text("time.mass_scaling.step", mass_scaling)?;
+        }
         self.sum("system.network.initial", &(displacement, velocity))
     }
 

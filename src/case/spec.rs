@@ -90,6 +90,17 @@ pub enum SystemSpec {
     Pendulum(PendulumSpec),
 }
 
+impl SystemSpec {
+    /// The same without mass scaling.
+    #[must_use]
+    pub fn with_real_masses(mut self) -> Self {
+        if let SystemSpec::Network(spec) = &mut self {
+            spec.mass_scaling = None;
+        }
+        self
+    }
+}
+
 /// End and steps of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeSpec {

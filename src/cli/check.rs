@@ -94,6 +94,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let mut text = heading(&problem, &warnings)
         + &describe_answer(&problem, &forecast, &stable)?
         + &size
+        + &scene.added_mass().map_or_else(String::new, |added| format!("  mass scaling    {}\n", added.text()))
         + &models.describe(&args.case.case);
     text.push_str(&notes(args, &acknowledged, &warnings));
     if args.all {

@@ -26,11 +26,7 @@ impl Network {
     /// symmetric (compressive geometric stiffness is dropped); else a measure that grows with the eigenvalue.
     pub(super) fn node_bound(&self, at: StateRef<'_>, w: Weights, buffer: &mut BoundBuffer) -> (f64, usize) {
         let BoundBuffer(blocks) = buffer;
-        blocks.clear();
-        blocks.resize(self.phase().fixed.len(), Block::default());
-        let mut sink = Diagonal { blocks, fixed: &self.phase().fixed };
-        let form = TangentForm { convex: true, symmetric: false };
-        self.emit_tangents(at, w, form, &mut sink);
+        sum_blocks(blocks, &self.phase().fixed, |sink| self.emit_tangents(at, w, FORM, sink));
         let (mut most, mut dof) = (0.0, 0);
         for (i, (block, inverse)) in blocks.iter().zip(by_node(&self.phase().inverse_mass)).enumerate() {
             let block = scaled(block, *inverse);
@@ -44,6 +40,26 @@ impl Network {
         }
         ((1.0 + MARGIN) * most, dof)
     }
+}
+
+/// What is emitted for a bound.
+pub(super) const FORM: TangentForm = TangentForm { convex: true, symmetric: false };
+
+/// The blocks of a matrix that `emit` gives element by element.
+fn sum_blocks(blocks: &mut Vec<Block>, fixed: &[[bool; 3]], emit: impl FnOnce(&mut dyn TangentSink)) {
+    blocks.clear();
+    blocks.resize(fixed.len(), Block::default());
+    emit(&mut Diagonal { blocks, fixed });
+}
+
+/// Bounds by node: the matrix that `emit` gives lies below the diagonal one with these numbers, in the directions that
+/// are not fixed.
+pub(super) fn largest_by_node(fixed: &[[bool; 3]], emit: impl FnOnce(&mut dyn TangentSink)) -> Vec<f64> {
+    let mut blocks = Vec::new();
+    sum_blocks(&mut blocks, fixed, emit);
+    let free = |fixed: &[bool; 3]| Vector3::from(fixed.map(|fixed| f64::from(!fixed)));
+    let bound = |(block, fixed): (&Block, &[bool; 3])| (1.0 + MARGIN) * largest_root(&scaled(block, free(fixed)));
+    blocks.iter().zip(fixed).map(bound).collect()
 }
 
 /// M^-1/2 A M^-1/2.

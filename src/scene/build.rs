@@ -7,6 +7,7 @@ use super::build_surface::MembraneBatch;
 use super::canopy_shape::CanopyShape;
 use super::check::{BuildError, check, check_bars};
 use super::events::Phases;
+use super::mass_scaling::Unscaled;
 use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
@@ -29,6 +30,7 @@ use crate::force::law::spring::{Coefficient, Cut, SpringData};
 use crate::force::law::stream::Stream;
 use crate::force::law::triangle::AreaVector;
 use crate::force::schedule::threads::Threads;
+use crate::model::added_mass::AddedMass;
 use crate::model::spec::{
     CavitySpec, DashpotKind, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, RestScaleSpec, Series, SpringGroup,
     StreamSpec, support_velocity,
@@ -94,11 +96,13 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     builder.drag();
     builder.loads(&start);
     builder.rayleigh(&mass, &reference);
+    let velocity = initial_velocity(&spec);
+    let velocity = if velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity[at(i)]).collect() };
+    let scaled = builder.scale_masses([&reference, &start], &velocity, (&fixed, &mass))?;
+    let (inertia, added_mass) = scaled.map_or((mass.clone(), None), |(inertia, added)| (inertia.into(), Some(added)));
     let Builder { terms, springs, membranes, loads, mut tables, stream, shapes: canopies, pressures, apparent, .. } =
         builder;
     tables.extend(stream.clone().map(|stream| stream as Arc<dyn SampledTable>));
-    let velocity = initial_velocity(&spec);
-    let velocity = if velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity[at(i)]).collect() };
     let gravity = spec.gravity.map_or(Vector3::zeros(), Vector3::from);
     let winds = spec.air.iter().map(|air| &air.wind).chain(spec.stream.iter().map(|stream| &stream.wind));
     let gusts = spec.stream.iter().flat_map(|stream| &stream.gusts);
@@ -112,11 +116,13 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let mut corners: Vec<f64> = tabled.chain(gusts).chain(fillings).chain(spec.events()).collect();
     corners.sort_by(f64::total_cmp);
     corners.dedup();
-    let phases = Phases::new(&spec, &mass, &numbering);
+    let phases = Phases::new(&spec, &inertia, &numbering);
     Ok(Network::assemble_parts(super::network::Parts {
         numbering,
         phases,
-        mass,
+        weighed: mass,
+        mass: inertia,
+        added_mass,
         start,
         velocity,
         gravity,
@@ -261,6 +267,25 @@ impl Builder<'_> {
         let acceleration = Table::new(table.clone());
         self.tables.push(acceleration.clone());
         self.terms.push(Box::new(BaseAcceleration::new(acceleration, mass)));
+    }
+
+    /// [kg] The inertia of every node, if masses are scaled, and what that adds.
+    fn scale_masses(
+        &mut self,
+        [reference, start]: [&[Vector3<f64>]; 2],
+        velocity: &[[f64; 3]],
+        (fixed, mass): (&[[bool; 3]], &[f64]),
+    ) -> Result<Option<(Vec<f64>, AddedMass)>, BuildError> {
+        let Some(step) = self.spec.mass_scaling else { return Ok(None) };
+        let mut moving: Vec<Vector3<f64>> = velocity.iter().copied().map(Vector3::from).collect();
+        moving.resize(mass.len(), Vector3::zeros());
+        let (terms, springs, numbering) = (&self.terms, &self.springs, self.numbering);
+        let unscaled = Unscaled { terms, springs, reference, start, velocity: &moving, fixed, mass, numbering };
+        let (inertia, added) = unscaled.scale(step)?;
+        // Inertia in an accelerated frame is a force on all of it.
+        let more: Vec<f64> = inertia.iter().zip(mass).map(|(inertia, mass)| inertia - mass).collect();
+        self.base(fixed, &more);
+        Ok(Some((inertia, added)))
     }
 
     fn air(&mut self) {
