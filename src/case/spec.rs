@@ -75,6 +75,13 @@ impl Problem {
         }
     }
 
+    /// The same without mass scaling.
+    #[must_use]
+    pub fn with_real_masses(mut self) -> Self {
+        self.system = self.take_system().with_real_masses();
+        self
+    }
+
     /// Takes the system out, so that a large mesh is not kept twice; an empty network remains.
     pub fn take_system(&mut self) -> SystemSpec {
         std::mem::replace(&mut self.system, SystemSpec::Network(Box::default()))
