@@ -7,7 +7,6 @@ use super::build_surface::MembraneBatch;
 use super::canopy_shape::CanopyShape;
 use super::check::{BuildError, check, check_bars};
 use super::events::Phases;
-use super::mass_scaling::Unscaled;
 use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
@@ -30,7 +29,6 @@ use crate::force::law::spring::{Coefficient, Cut, SpringData};
 use crate::force::law::stream::Stream;
 use crate::force::law::triangle::AreaVector;
 use crate::force::schedule::threads::Threads;
-use crate::model::added_mass::AddedMass;
 use crate::model::spec::{
     CavitySpec, DashpotKind, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, RestScaleSpec, Series, SpringGroup,
     StreamSpec, support_velocity,
@@ -177,9 +175,9 @@ fn initial_velocity(spec: &NetworkSpec) -> Vec<[f64; 3]> {
 
 pub(super) struct Builder<'a> {
     pub(super) spec: &'a NetworkSpec,
-    numbering: &'a Numbering,
+    pub(super) numbering: &'a Numbering,
     pub(super) terms: Vec<Box<dyn ForceTerm>>,
-    springs: Vec<SpringBatch>,
+    pub(super) springs: Vec<SpringBatch>,
     pub(super) membranes: Vec<MembraneBatch>,
     loads: Vec<(Load, Arc<Scale>)>,
     tables: Vec<Arc<dyn SampledTable>>,
@@ -261,31 +259,12 @@ impl Builder<'_> {
         self.terms.push(Box::new(Gravity::new((Vector3::from(g), scale), mass.iter().copied(), start.clone())));
     }
 
-    fn base(&mut self, fixed: &[[bool; 3]], mass: &[f64]) {
+    pub(super) fn base(&mut self, fixed: &[[bool; 3]], mass: &[f64]) {
         let Some(table) = &self.spec.base_acceleration else { return };
         let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
         let acceleration = Table::new(table.clone());
         self.tables.push(acceleration.clone());
         self.terms.push(Box::new(BaseAcceleration::new(acceleration, mass)));
-    }
-
-    /// [kg] The inertia of every node, if masses are scaled, and what that adds.
-    fn scale_masses(
-        &mut self,
-        [reference, start]: [&[Vector3<f64>]; 2],
-        velocity: &[[f64; 3]],
-        (fixed, mass): (&[[bool; 3]], &[f64]),
-    ) -> Result<Option<(Vec<f64>, AddedMass)>, BuildError> {
-        let Some(step) = self.spec.mass_scaling else { return Ok(None) };
-        let mut moving: Vec<Vector3<f64>> = velocity.iter().copied().map(Vector3::from).collect();
-        moving.resize(mass.len(), Vector3::zeros());
-        let (terms, springs, numbering) = (&self.terms, &self.springs, self.numbering);
-        let unscaled = Unscaled { terms, springs, reference, start, velocity: &moving, fixed, mass, numbering };
-        let (inertia, added) = unscaled.scale(step)?;
-        // Inertia in an accelerated frame is a force on all of it.
-        let more: Vec<f64> = inertia.iter().zip(mass).map(|(inertia, mass)| inertia - mass).collect();
-        self.base(fixed, &more);
-        Ok(Some((inertia, added)))
     }
 
     fn air(&mut self) {

@@ -6,6 +6,7 @@
 //! at the start, and on the mesh as given, stretched until none of its springs is slack.
 
 use super::bound::{FORM, largest_by_node};
+use super::build::Builder;
 use super::check::BuildError;
 use super::network::SpringBatch;
 use super::numbering::Numbering;
@@ -18,21 +19,45 @@ use nalgebra::Vector3;
 /// [-] Stretch of the mesh that makes springs taut which have the lengths of its edges.
 const TAUT: f64 = 1.0 + 1e-9;
 
+impl Builder<'_> {
+    /// [kg] The inertia of every node, if masses are scaled, and what that adds.
+    ///
+    /// # Errors
+    /// When every node has the mass that it needs.
+    pub(super) fn scale_masses(
+        &mut self,
+        [reference, start]: [&[Vector3<f64>]; 2],
+        velocity: &[[f64; 3]],
+        (fixed, mass): (&[[bool; 3]], &[f64]),
+    ) -> Result<Option<(Vec<f64>, AddedMass)>, BuildError> {
+        let Some(step) = self.spec.mass_scaling else { return Ok(None) };
+        let mut moving: Vec<Vector3<f64>> = velocity.iter().copied().map(Vector3::from).collect();
+        moving.resize(mass.len(), Vector3::zeros());
+        let (terms, springs, numbering) = (&self.terms, &self.springs, self.numbering);
+        let unscaled = Unscaled { terms, springs, reference, start, velocity: &moving, fixed, mass, numbering };
+        let (inertia, added) = unscaled.scale(step)?;
+        // Inertia in an accelerated frame is a force on all of it.
+        let more: Vec<f64> = inertia.iter().zip(mass).map(|(inertia, mass)| inertia - mass).collect();
+        self.base(fixed, &more);
+        Ok(Some((inertia, added)))
+    }
+}
+
 /// A network before it is put together, in internal numbering.
-pub(super) struct Unscaled<'a> {
-    pub terms: &'a [Box<dyn ForceTerm>],
-    pub springs: &'a [SpringBatch],
+struct Unscaled<'a> {
+    terms: &'a [Box<dyn ForceTerm>],
+    springs: &'a [SpringBatch],
     /// [m] the mesh as given
-    pub reference: &'a [Vector3<f64>],
+    reference: &'a [Vector3<f64>],
     /// [m]
-    pub start: &'a [Vector3<f64>],
+    start: &'a [Vector3<f64>],
     /// [m/s] at the start
-    pub velocity: &'a [Vector3<f64>],
+    velocity: &'a [Vector3<f64>],
     /// what never becomes free
-    pub fixed: &'a [[bool; 3]],
+    fixed: &'a [[bool; 3]],
     /// [kg]
-    pub mass: &'a [f64],
-    pub numbering: &'a Numbering,
+    mass: &'a [f64],
+    numbering: &'a Numbering,
 }
 
 impl Unscaled<'_> {
@@ -40,7 +65,7 @@ impl Unscaled<'_> {
     ///
     /// # Errors
     /// When every node has as much.
-    pub fn scale(&self, step: f64) -> Result<(Vec<f64>, AddedMass), BuildError> {
+    fn scale(&self, step: f64) -> Result<(Vec<f64>, AddedMass), BuildError> {
         let stretch = self.stretch();
         let taut: Vec<Vector3<f64>> = self.reference.iter().map(|x| stretch * x).collect();
         let [at_start, when_taut] = [self.start, &taut].map(|x| self.needed(x, step));
