@@ -12,7 +12,6 @@ use super::prepared_case::PreparedCase;
 use super::reference::{Reference, ReferenceReport};
 use crate::case::fingerprint::Fingerprint;
 use crate::case::schema::ClothModel;
-use crate::case::spec::SystemSpec;
 use crate::case::{Case, Problem};
 
 /// A model that a study compares with another.
@@ -60,8 +59,7 @@ impl From<ClothModel> for Model {
 
 /// The models that a study of a case compares, the one that errors are measured against first; none if it has one only.
 pub(super) fn compared(case: &Case, cloth: &[ClothModel]) -> Result<Vec<Model>, StudyError> {
-    let scaled = matches!(&case.problem().system, SystemSpec::Network(spec) if spec.mass_scaling.is_some());
-    match (scaled, cloth) {
+    match (case.has_scaled_masses(), cloth) {
         (true, []) => Ok(vec![Model::RealMass, Model::ScaledMass]),
         (true, _) => {
             let why = "models of cloth are compared with real masses: leave time.mass_scaling out, or models";

@@ -180,8 +180,17 @@ fn check_tells_what_is_added() {
         "{}",
         ended.stdout
     );
+    assert!(
+        ended.stdout.contains("canopy-fem tradeoff case.json measures what the added mass costs"),
+        "{}",
+        ended.stdout
+    );
     let told: Value = serde_json::from_str(&run(&bench, &case, &["check", "--json"]).stdout).expect("JSON");
     assert!(near(&told["added_mass"]["added"], 0.49, 1e-6), "{told}");
+    // What it recommends has these masses, so it is explicit.
+    let methods: Vec<&Value> =
+        told["critical_steps"].as_array().expect("a list").iter().map(|m| &m["method"]).collect();
+    assert!(methods.contains(&&json!("rk4")) && !methods.contains(&&json!("newmark")), "{methods:?}");
 }
 
 /// A checkpoint of other masses is refused.
@@ -239,6 +248,12 @@ fn a_study_measures_the_error_of_scaled_masses() {
     assert!(page.contains("Explicit methods run with scaled masses too, for steps of 0.0026 s"));
     let table = std::fs::read_to_string(bench.path("out/tradeoff.csv")).expect("a table");
     assert!(table.contains("\nscaled-mass,velocity-verlet") && !table.contains("scaled-mass,newmark"), "{table}");
+    // `check` looks where a study of this name is.
+    std::fs::create_dir_all(bench.path("out/pair")).expect("made");
+    let ended = run(&bench, &case, &[&["tradeoff", "--out", "out/pair"], &methods[..]].concat());
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let checked = run(&bench, &case, &["check"]);
+    assert!(checked.stdout.contains(&said), "{}", checked.stdout);
     // Models of cloth are another comparison.
     let ended = run(&bench, &case, &["tradeoff", "--models", "net,membrane", "--out", "models"]);
     assert!(ended.code == Some(2) && ended.stderr.contains("leave time.mass_scaling out"), "{}", ended.stderr);
