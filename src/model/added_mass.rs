@@ -3,7 +3,8 @@
 use crate::format_number::{counted, figures};
 use serde::{Deserialize, Serialize};
 
-/// Mass that was added for longer steps. Only inertia is added: weight and damping by mass are those of the real masses.
+/// Mass that was added for longer steps. Only inertia is added: weight and damping by mass are those of the real
+/// masses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AddedMass {
     /// [s] step of central differences that the elements allow with it, by their bound

@@ -61,7 +61,8 @@ struct Unscaled<'a> {
 }
 
 impl Unscaled<'_> {
-    /// [kg] The inertia of every node with which central differences are stable in steps of `step` [s], and what that adds.
+    /// [kg] The inertia of every node with which central differences are stable in steps of `step` [s], and what that
+    /// adds.
     ///
     /// # Errors
     /// When every node has as much.
