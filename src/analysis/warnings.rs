@@ -105,6 +105,19 @@ pub fn worth(limit: CriticalStep) -> &'static str {
     }
 }
 
+/// [-] Share of the mass that moves up to which mass scaling adds no doubt.
+const LITTLE: f64 = 0.05;
+
+/// A warning if mass scaling adds much.
+pub fn mass_warning(scene: &dyn Scene) -> Option<Warning> {
+    let added = scene.added_mass().filter(|added| added.share > LITTLE)?;
+    let text = format!(
+        "mass scaling: {}; what moves fast may move otherwise, so compare with a run for a shorter step, or let tradeoff measure the error",
+        added.text()
+    );
+    Some(Warning::new(WarningCode::AddedMass, text))
+}
+
 /// A warning for a step that is too large, with both numbers.
 pub fn step_warning(Planned { scene, method, step, .. }: Planned<'_>, limit: CriticalStep) -> Option<Warning> {
     let name = method.info.name;

@@ -92,6 +92,11 @@ impl Case {
         Ok(problem)
     }
 
+    /// Whether masses are scaled.
+    pub fn has_scaled_masses(&self) -> bool {
+        matches!(&self.problem.system, SystemSpec::Network(spec) if spec.mass_scaling.is_some())
+    }
+
     /// Whether the case has cloth of a known modulus, which can be both models.
     pub fn has_sheets(&self) -> bool {
         match (&self.problem.system, &self.geometry) {

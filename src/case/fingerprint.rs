@@ -17,6 +17,9 @@ use crate::checksum::{FilePrefix, RunningChecksum};
 use crate::drive::clock::Step;
 use crate::model::spec::NetworkSpec;
 
+/// The part that says for which step masses are scaled.
+const SCALED: &str = "time.mass_scaling.step";
+
 /// The parts of a case.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fingerprint {
@@ -161,6 +164,7 @@ impl Fingerprint {
             pressures,
             forces,
             rayleigh,
+            mass_scaling,
             displacement,
             velocity,
         } = spec;
@@ -196,6 +200,9 @@ impl Fingerprint {
         }
         self.sum("system.network.loads", &(pressures, forces))?;
         self.text("system.network.damping.rayleigh", rayleigh)?;
+        if mass_scaling.is_some() {
+            self.text(SCALED, mass_scaling)?;
+        }
         self.sum("system.network.initial", &(displacement, velocity))
     }
 
@@ -229,7 +236,8 @@ impl Fingerprint {
     /// Whether another case has the same scene over the same time, whatever its method, steps and output.
     pub fn same_scene(&self, other: &Fingerprint) -> bool {
         let scene = |of: &Fingerprint| -> Vec<FingerprintPart> {
-            let part = |part: &&FingerprintPart| part.key.starts_with("system.") || part.key == "time.end";
+            let others = ["time.end", SCALED];
+            let part = |part: &&FingerprintPart| part.key.starts_with("system.") || others.contains(&part.key.as_str());
             of.parts.iter().filter(part).cloned().collect()
         };
         scene(self) == scene(other)

@@ -75,6 +75,13 @@ impl Problem {
         }
     }
 
+    /// The same without mass scaling.
+    #[must_use]
+    pub fn with_real_masses(mut self) -> Self {
+        self.system = self.take_system().with_real_masses();
+        self
+    }
+
     /// Takes the system out, so that a large mesh is not kept twice; an empty network remains.
     pub fn take_system(&mut self) -> SystemSpec {
         std::mem::replace(&mut self.system, SystemSpec::Network(Box::default()))
@@ -88,6 +95,17 @@ pub enum SystemSpec {
     Network(Box<NetworkSpec>),
     /// a simple pendulum
     Pendulum(PendulumSpec),
+}
+
+impl SystemSpec {
+    /// The same without mass scaling.
+    #[must_use]
+    pub fn with_real_masses(mut self) -> Self {
+        if let SystemSpec::Network(spec) = &mut self {
+            spec.mass_scaling = None;
+        }
+        self
+    }
 }
 
 /// End and steps of a run.

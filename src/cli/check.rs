@@ -94,6 +94,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let mut text = heading(&problem, &warnings)
         + &describe_answer(&problem, &forecast, &stable)?
         + &size
+        + &scene.added_mass().map_or_else(String::new, |added| format!("  mass scaling    {}\n", added.text()))
         + &models.describe(&args.case.case);
     text.push_str(&notes(args, &acknowledged, &warnings));
     if args.all {
@@ -214,7 +215,9 @@ fn candidates(problem: &Problem, scene: &dyn Scene, limits: &mut Limits<'_>) -> 
         !needs_network && !outside_filter(method, scene)
     };
     let mut limit = |method: &MethodChoice| known(method).then(|| limits.critical_step(method));
-    problem.method.among_all().map(|method| Candidate { limit: limit(&method), method }).collect()
+    // Masses are scaled for explicit methods only.
+    let fits = |method: &MethodChoice| scene.added_mass().is_none() || method.info.family == Family::Explicit;
+    problem.method.among_all().filter(fits).map(|method| Candidate { limit: limit(&method), method }).collect()
 }
 
 /// The sizes of a mesh that is a generated parachute.

@@ -1,4 +1,4 @@
-//! What `check` says of the models of cloth: the error of the cheaper one where a study has measured it, else how to
+//! What `check` says of models, cloth as a net or scaled masses: their error where a study has measured it, else how to
 //! measure it.
 
 use crate::case::{Case, Problem, Source};
@@ -11,10 +11,10 @@ use crate::study::store::Store;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// What is known of the models that a case's cloth can have.
+/// What is known of the models that a case can have.
 pub(super) struct KnownModels {
-    /// whether the cloth can be both a net and membranes
-    comparable: bool,
+    /// flags of a study that compares them, and what it measures; `None` where there is one model only
+    comparison: Option<[&'static str; 2]>,
     /// the folder where results of the case are looked for
     pub folder: PathBuf,
     /// what a study there has found
@@ -24,18 +24,21 @@ pub(super) struct KnownModels {
 impl KnownModels {
     /// Also splits the case into the data of a run and its source.
     pub(super) fn of(case: Case) -> (Self, Problem, Source) {
-        let comparable = case.has_sheets();
+        let comparison = if case.has_scaled_masses() {
+            Some(["", "what the added mass costs in accuracy"])
+        } else {
+            case.has_sheets().then_some([" --models net,membrane", "what a net of springs costs in accuracy"])
+        };
         let folder = PathBuf::from("out").join(file_stem(&case.problem().name));
-        let answers = if comparable { measured(&case, &folder).unwrap_or_default() } else { Vec::new() };
+        let answers = if comparison.is_some() { measured(&case, &folder).unwrap_or_default() } else { Vec::new() };
         let (problem, source) = case.split();
-        (KnownModels { comparable, folder, answers }, problem, source)
+        (KnownModels { comparison, folder, answers }, problem, source)
     }
 
     /// A line for each model.
     pub(super) fn describe(&self, case: &Path) -> String {
-        if self.comparable && self.answers.is_empty() {
-            let command = format!("canopy-fem tradeoff {} --models net,membrane", case.display());
-            return format!("  models          {command} measures what a net of springs costs in accuracy\n");
+        if let Some([flags, what]) = self.comparison.filter(|_| self.answers.is_empty()) {
+            return format!("  models          canopy-fem tradeoff {}{flags} measures {what}\n", case.display());
         }
         let line = |answer: &ModelAnswer| {
             format!("  models          {} (measured in {})\n", answer.sentence, self.folder.display())

@@ -57,6 +57,9 @@ pub(super) fn report(
     if let Some(t) = summary.resumed_from {
         let _ = writeln!(text, "  resumed         from t = {} s", figures(t, 12));
     }
+    if let Some(added) = &summary.added_mass {
+        let _ = writeln!(text, "  mass scaling    {}", added.text());
+    }
     describe_cost(&mut text, outcome, summary);
     if !failed {
         let _ = writeln!(text, "  energy error    {}", energy_verdict(outcome));

@@ -377,6 +377,9 @@ pub struct NetworkSpec {
     pub forces: Vec<NodalLoad>,
     /// Rayleigh damping, if any
     pub rayleigh: Option<RayleighSpec>,
+    /// [s] if given, nodes get more inertia until their elements allow steps of this size with central differences;
+    /// weight and Rayleigh damping stay those of `mass`
+    pub mass_scaling: Option<f64>,
     /// [m] initial displacement of every node; empty = zero
     pub displacement: Vec<[f64; 3]>,
     /// [m/s] initial velocity of every node, zero at fixed degrees of freedom, which have those of their motion; empty

@@ -12,6 +12,7 @@ use crate::case::spec::Problem;
 use crate::drive::observer::{LedgerRow, ObserveError};
 use crate::drive::{Failure, Outcome, Status};
 use crate::integrate::Counters;
+use crate::model::added_mass::AddedMass;
 use crate::model::group_totals::GroupTotals;
 use crate::model::system::System;
 use crate::process::{self, Cost};
@@ -126,6 +127,9 @@ pub struct Summary {
     pub energy_error: f64,
     /// the energy account at the end
     pub final_ledger: LedgerRow,
+    /// what mass scaling has added; not given without mass scaling
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub added_mass: Option<AddedMass>,
     /// largest values of the gauges; not given without gauges
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub peaks: Vec<Peak>,
@@ -175,6 +179,7 @@ impl Summary {
             critical_step: Some(critical_step).filter(|s| s.is_finite()),
             energy_error: outcome.energy_error,
             final_ledger: outcome.ledger,
+            added_mass: None,
             peaks: Vec::new(),
             groups: BTreeMap::new(),
             at_rest: problem.time.until_rest.map(|_| outcome.ended_early),

@@ -88,11 +88,8 @@ impl Network {
         blocks: &mut Vec<Block>,
         mut unequal: Option<&mut Unequal>,
     ) -> (f64, usize) {
-        blocks.clear();
-        blocks.resize(self.phase().fixed.len(), Block::default());
-        let mut sink = Diagonal { blocks, fixed: &self.phase().fixed, unequal: unequal.as_deref_mut() };
-        let form = TangentForm { convex: true, symmetric: false };
-        self.emit_tangents(at, w, form, &mut sink);
+        let emit = |sink: &mut dyn TangentSink| self.emit_tangents(at, w, FORM, sink);
+        sum_blocks(blocks, &self.phase().fixed, unequal.as_deref_mut(), emit);
         if let Some(Unequal { share, alike }) = unequal {
             alike.bound(share, |node, value| {
                 blocks[node as usize].iter_mut().take(3).for_each(|sum| *sum += value);
@@ -124,6 +121,31 @@ const LEAST: f64 = 0.3;
 fn size([xx, yy, zz, xy, yz, zx]: &Block) -> f64 {
     let squares = xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + yz * yz + zx * zx);
     if squares > 0.0 { squares / (xx + yy + zz) } else { 0.0 }
+}
+
+/// What is emitted for a bound.
+pub(super) const FORM: TangentForm = TangentForm { convex: true, symmetric: false };
+
+/// The blocks of a matrix that `emit` gives element by element.
+fn sum_blocks(
+    blocks: &mut Vec<Block>,
+    fixed: &[[bool; 3]],
+    unequal: Option<&mut Unequal>,
+    emit: impl FnOnce(&mut dyn TangentSink),
+) {
+    blocks.clear();
+    blocks.resize(fixed.len(), Block::default());
+    emit(&mut Diagonal { blocks, fixed, unequal });
+}
+
+/// Bounds by node: the matrix that `emit` gives lies below the diagonal one with these numbers, in the directions that
+/// are not fixed.
+pub(super) fn largest_by_node(fixed: &[[bool; 3]], emit: impl FnOnce(&mut dyn TangentSink)) -> Vec<f64> {
+    let mut blocks = Vec::new();
+    sum_blocks(&mut blocks, fixed, None, emit);
+    let free = |fixed: &[bool; 3]| Vector3::from(fixed.map(|fixed| f64::from(!fixed)));
+    let bound = |(block, fixed): (&Block, &[bool; 3])| (1.0 + MARGIN) * largest_root(&scaled(block, free(fixed)));
+    blocks.iter().zip(fixed).map(bound).collect()
 }
 
 /// M^-1/2 A M^-1/2.

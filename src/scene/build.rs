@@ -94,11 +94,13 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     builder.drag();
     builder.loads(&start);
     builder.rayleigh(&mass, &reference);
+    let velocity = initial_velocity(&spec);
+    let velocity = if velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity[at(i)]).collect() };
+    let scaled = builder.scale_masses([&reference, &start], &velocity, (&fixed, &mass))?;
+    let (inertia, added_mass) = scaled.map_or((mass.clone(), None), |(inertia, added)| (inertia.into(), Some(added)));
     let Builder { terms, springs, membranes, loads, mut tables, stream, shapes: canopies, pressures, apparent, .. } =
         builder;
     tables.extend(stream.clone().map(|stream| stream as Arc<dyn SampledTable>));
-    let velocity = initial_velocity(&spec);
-    let velocity = if velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity[at(i)]).collect() };
     let gravity = spec.gravity.map_or(Vector3::zeros(), Vector3::from);
     let winds = spec.air.iter().map(|air| &air.wind).chain(spec.stream.iter().map(|stream| &stream.wind));
     let gusts = spec.stream.iter().flat_map(|stream| &stream.gusts);
@@ -112,11 +114,13 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let mut corners: Vec<f64> = tabled.chain(gusts).chain(fillings).chain(spec.events()).collect();
     corners.sort_by(f64::total_cmp);
     corners.dedup();
-    let phases = Phases::new(&spec, &mass, &numbering);
+    let phases = Phases::new(&spec, &inertia, &numbering);
     Ok(Network::assemble_parts(super::network::Parts {
         numbering,
         phases,
-        mass,
+        weighed: mass,
+        mass: inertia,
+        added_mass,
         start,
         velocity,
         gravity,
@@ -171,9 +175,9 @@ fn initial_velocity(spec: &NetworkSpec) -> Vec<[f64; 3]> {
 
 pub(super) struct Builder<'a> {
     pub(super) spec: &'a NetworkSpec,
-    numbering: &'a Numbering,
+    pub(super) numbering: &'a Numbering,
     pub(super) terms: Vec<Box<dyn ForceTerm>>,
-    springs: Vec<SpringBatch>,
+    pub(super) springs: Vec<SpringBatch>,
     pub(super) membranes: Vec<MembraneBatch>,
     loads: Vec<(Load, Arc<Scale>)>,
     tables: Vec<Arc<dyn SampledTable>>,
@@ -255,7 +259,7 @@ impl Builder<'_> {
         self.terms.push(Box::new(Gravity::new((Vector3::from(g), scale), mass.iter().copied(), start.clone())));
     }
 
-    fn base(&mut self, fixed: &[[bool; 3]], mass: &[f64]) {
+    pub(super) fn base(&mut self, fixed: &[[bool; 3]], mass: &[f64]) {
         let Some(table) = &self.spec.base_acceleration else { return };
         let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
         let acceleration = Table::new(table.clone());

@@ -40,6 +40,17 @@ pub enum BuildError {
         /// [kg] its mass
         mass: f64,
     },
+    /// Mass scaling that adds nothing.
+    #[error(
+        "mass scaling for steps of {step} s adds nothing: every node has at least {:.3} times the mass that they need; leave time.mass_scaling out",
+        1.0 / needed
+    )]
+    NothingToScale {
+        /// [s] the step that is wanted
+        step: f64,
+        /// [-] largest share of a node's mass that is needed
+        needed: f64,
+    },
     /// Nothing can move.
     #[error("the scene has no free degree of freedom")]
     NothingFree,

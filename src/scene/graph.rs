@@ -52,7 +52,7 @@ impl SpringGraph for Network {
 
     fn weight(&self) -> Vec<f64> {
         let g = self.gravity();
-        self.mass.iter().flat_map(|&m| <[f64; 3]>::from(m * g)).collect()
+        self.weighed.iter().flat_map(|&m| <[f64; 3]>::from(m * g)).collect()
     }
 
     fn viscosity(&self) -> Viscosity {

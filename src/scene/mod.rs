@@ -16,6 +16,7 @@ mod check_elements;
 mod events;
 mod external;
 mod graph;
+mod mass_scaling;
 mod mean;
 mod motion;
 pub mod network;
@@ -34,6 +35,7 @@ pub use pendulum::Pendulum;
 
 use crate::assembly::{SceneInterfaces, TangentSystem};
 use crate::force::law::series::Scale;
+use crate::model::added_mass::AddedMass;
 use crate::model::observables::Observables;
 use crate::model::state::{State, StateRef};
 use crate::model::system::TermInfo;
@@ -131,6 +133,11 @@ pub trait Scene: TangentSystem + Observables {
     /// `None` if the scene has no such state.
     fn state_of(&self, t: f64, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Option<State> {
         let _ = (t, positions, velocities);
+        None
+    }
+
+    /// What mass scaling has added; `None` where masses are not scaled.
+    fn added_mass(&self) -> Option<AddedMass> {
         None
     }
 

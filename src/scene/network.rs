@@ -19,6 +19,7 @@ use crate::force::schedule::sweep::{PartTarget, Sweep, Term, Terms};
 use crate::force::schedule::threads::{SUMS, Threads};
 use crate::force::{ForceTerm, MeanStep, NodeState};
 use crate::mesh::Mesh;
+use crate::model::added_mass::AddedMass;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::motion::motion;
 use crate::model::state::{State, StateRef};
@@ -34,7 +35,11 @@ pub struct Network {
     pub(super) phases: Phases,
     /// fixed at t = 0
     pub(super) fixed_dofs: Vec<u32>,
+    /// [kg] inertia of every node
     pub(super) mass: Arc<[f64]>,
+    /// [kg] mass of every node that has weight: the same but for masses that are scaled
+    pub(super) weighed: Arc<[f64]>,
+    pub(super) added_mass: Option<AddedMass>,
     pub(super) start: Arc<[Vector3<f64>]>,
     velocity: Vec<[f64; 3]>,
     gravity: Vector3<f64>,
@@ -92,7 +97,11 @@ pub struct SpringBatch {
 pub(super) struct Parts {
     pub numbering: Numbering,
     pub phases: Phases,
+    /// [kg] inertia
     pub mass: Arc<[f64]>,
+    /// [kg] what has weight
+    pub weighed: Arc<[f64]>,
+    pub added_mass: Option<AddedMass>,
     pub start: Arc<[Vector3<f64>]>,
     pub velocity: Vec<[f64; 3]>,
     /// [m/s^2]
@@ -132,6 +141,8 @@ impl Network {
             numbering: p.numbering,
             phases: p.phases,
             mass: p.mass,
+            weighed: p.weighed,
+            added_mass: p.added_mass,
             start: p.start,
             velocity: p.velocity,
             gravity: p.gravity,

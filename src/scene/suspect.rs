@@ -6,6 +6,7 @@ use super::{BoundBuffer, Load, Scene, Suspect};
 use crate::assembly::{SceneInterfaces, TangentSystem};
 use crate::force::law::series::Scale;
 use crate::force::{ForceTerm, TangentForm, TangentSink};
+use crate::model::added_mass::AddedMass;
 use crate::model::bounds::extent;
 use crate::model::forces::Role;
 use crate::model::state::{State, StateRef};
@@ -23,6 +24,10 @@ impl Scene for Network {
     fn enable_external(&mut self, kind: ExternalKind) -> bool {
         self.enable(kind);
         true
+    }
+
+    fn added_mass(&self) -> Option<AddedMass> {
+        self.added_mass
     }
 
     fn loads(&self) -> &[(Load, Arc<Scale>)] {

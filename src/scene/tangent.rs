@@ -124,7 +124,7 @@ impl TangentSystem for Network {
         for (i, (total, inverse)) in by_node(&forces.total).iter().zip(by_node(&self.phase().inverse_mass)).enumerate()
         {
             let free = inverse.map(|inverse| f64::from(inverse > 0.0));
-            let weight = self.mass[i] * gravity;
+            let weight = self.weighed[i] * gravity;
             let load = by_node(&forces.external).get(i).map_or(weight, |e| *e + weight).component_mul(&free);
             external += load.norm_squared();
             internal += (*total - load).norm_squared();

@@ -75,7 +75,7 @@ const STEPS_WORTH: u32 = 100;
 pub fn record_static(case: &Case, how: StaticSettings<'_>, stop: &AtomicBool) -> Result<RecordedStatic, RecordError> {
     let problem = case.problem();
     let case_digest = Fingerprint::of(problem)?.digest();
-    let scene = build_scene(problem.system.clone(), how.threads)?;
+    let scene = build_scene(problem.system.clone().with_real_masses(), how.threads)?;
     check_solver(problem, &*scene, case.source())?;
     let replace = how.earlier == EarlierResults::Replace;
     let folder = ResultFolder::prepare(how.out, &problem.name, replace)?;

@@ -1,7 +1,7 @@
 //! A whole run that writes the files of `canopy-fem solve`.
 
 use super::{RunSettings, SetupError, Simulation, SimulationError, bind, build_scene, check_solver, doubts_at_end};
-use crate::analysis::warnings::{Planned, limit_at_start, slack_warning, step_warning};
+use crate::analysis::warnings::{Planned, limit_at_start, mass_warning, slack_warning, step_warning};
 use crate::case::fingerprint::{Fingerprint, FingerprintError};
 use crate::case::spec::Problem;
 use crate::case::{Case, CaseError};
@@ -112,7 +112,7 @@ pub fn record(
     let step = problem.time.step.fixed().map(|step| step.min(problem.time.end));
     let plan = Planned { scene: &*scene, method: &problem.method, step, end: problem.time.end, stop: Stop::on(stop) };
     let limit = limit_at_start(plan);
-    let found = [step_warning(plan, limit), slack_warning(plan, limit)].into_iter().flatten();
+    let found = [mass_warning(&*scene), step_warning(plan, limit), slack_warning(plan, limit)].into_iter().flatten();
     let mut warnings: Vec<Warning> = problem.warnings.iter().cloned().chain(problem.sort_out(found).1).collect();
     let recorded = RecorderSpec::of(problem, folder.dir());
     let recorder = match &checkpoint {
@@ -142,7 +142,7 @@ pub fn record(
     let outcome = simulation.run(&mut all, stop)?;
     let summary = Summary::new(problem, &*scene, &outcome, limit.step, stopwatch.read());
     let (peaks, groups) = (recorder.peaks(), problem.group_totals());
-    let summary = Summary { resumed_from, case_digest, peaks, groups, ..summary };
+    let summary = Summary { resumed_from, case_digest, peaks, groups, added_mass: scene.added_mass(), ..summary };
     summary.write(&folder.file(SUMMARY))?;
     // The checkpoint of an interrupt, which the case did not ask for.
     if outcome.status == Status::Completed && every.is_none() {

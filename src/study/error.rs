@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::models::Model;
 use super::reference::ReferenceFailure;
 use crate::case::fingerprint::FingerprintError;
-use crate::case::schema::ClothModel;
 use crate::case::{CaseError, ClothModelError};
 use crate::integrate::registry::MethodError;
 use crate::plot::PlotError;
@@ -19,11 +19,11 @@ pub enum StudyError {
     /// The cloth has no other model.
     #[error("models: {0}")]
     ClothModel(#[from] ClothModelError),
-    /// A model of the cloth has no solution to compare.
-    #[error("the cloth as a {}: {source}", model.word())]
+    /// A model has no solution to compare.
+    #[error("{}: {source}", model.words())]
     OfModel {
         /// the model
-        model: ClothModel,
+        model: Model,
         /// why
         source: Box<StudyError>,
     },

@@ -1,7 +1,8 @@
-//! Models of the cloth in a study that compares them: what the cheaper one costs in accuracy.
+//! Models in a study that compares them: cloth as a net or as membranes, scaled or real masses. What the cheaper one
+//! costs in accuracy.
 //!
-//! All runs are measured against the solution with membranes. The solution of the net, as accurate as that, differs
-//! from it by the error of the model, which no step makes smaller.
+//! All runs are measured against the solution with membranes, or with real masses. The solution of the net, or with
+//! scaled masses, is as accurate as that. It differs by the error of the model, which no step makes smaller.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,21 +14,80 @@ use crate::case::fingerprint::Fingerprint;
 use crate::case::schema::ClothModel;
 use crate::case::{Case, Problem};
 
-/// A model of the cloth in a study that compares them.
+/// A model that a study compares with another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Model {
+    /// cloth as springs
+    Net,
+    /// cloth as membranes
+    Membrane,
+    /// the masses of the case
+    RealMass,
+    /// those with what mass scaling adds, for explicit methods
+    ScaledMass,
+}
+
+impl Model {
+    /// The model whose solution errors are measured against.
+    pub fn reference(self) -> Self {
+        match self {
+            Model::Net | Model::Membrane => Model::Membrane,
+            Model::RealMass | Model::ScaledMass => Model::RealMass,
+        }
+    }
+
+    /// The words in reports.
+    pub fn words(self) -> &'static str {
+        match self {
+            Model::Net => "net",
+            Model::Membrane => "membrane",
+            Model::RealMass => "real masses",
+            Model::ScaledMass => "scaled masses",
+        }
+    }
+}
+
+impl From<ClothModel> for Model {
+    fn from(cloth: ClothModel) -> Self {
+        match cloth {
+            ClothModel::Net => Model::Net,
+            ClothModel::Membrane => Model::Membrane,
+        }
+    }
+}
+
+/// The models that a study of a case compares, the one that errors are measured against first; none if it has one only.
+pub(super) fn compared(case: &Case, cloth: &[ClothModel]) -> Result<Vec<Model>, StudyError> {
+    match (case.has_scaled_masses(), cloth) {
+        (true, []) => Ok(vec![Model::RealMass, Model::ScaledMass]),
+        (true, _) => {
+            let why = "models of cloth are compared with real masses: leave time.mass_scaling out, or models";
+            Err(StudyError::Usage(why.to_owned()))
+        }
+        (false, cloth) => Ok([ClothModel::Membrane, ClothModel::Net]
+            .into_iter()
+            .filter(|model| cloth.contains(model))
+            .map(Model::from)
+            .collect()),
+    }
+}
+
+/// A model in a study that compares them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelReport {
     /// the model
-    pub model: ClothModel,
+    pub model: Model,
     /// what the case is with it
     pub fingerprint: Fingerprint,
-    /// what the model costs in accuracy; `None` for the membranes themselves
+    /// what the model costs in accuracy; `None` for the model that others are compared with
     pub error: Option<ModelError>,
 }
 
-/// How far the solution of a model is from that with membranes.
+/// How far the solution of a model is from that of the model it is compared with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelError {
-    /// [-] root mean square over frames and nodes, over that of the motion of the membranes
+    /// [-] root mean square over frames and nodes, over that of the motion
     pub error: f64,
     /// [-] largest distance over the largest motion
     pub error_max: f64,
@@ -35,20 +95,22 @@ pub struct ModelError {
     pub solution: ReferenceReport,
 }
 
-/// The data of a run of a case, with its cloth as a model if one is given.
+/// The data of a run of a case as a model, if one is given.
 ///
 /// # Errors
 /// Cloth that the model cannot stand for.
-pub(super) fn problem_of(case: &Case, model: Option<ClothModel>) -> Result<Problem, StudyError> {
+pub(super) fn problem_of(case: &Case, model: Option<Model>) -> Result<Problem, StudyError> {
     Ok(match model {
-        Some(model) => case.as_model(model)?,
-        None => case.problem().clone(),
+        Some(Model::Net) => case.as_model(ClothModel::Net)?,
+        Some(Model::Membrane) => case.as_model(ClothModel::Membrane)?,
+        Some(Model::RealMass) => case.problem().clone().with_real_masses(),
+        Some(Model::ScaledMass) | None => case.problem().clone(),
     })
 }
 
-/// A case with its cloth as a model, and its solution.
+/// A case as a model, and its solution.
 pub(super) struct Solved {
-    pub model: Option<ClothModel>,
+    pub model: Option<Model>,
     pub prepared: PreparedCase,
     pub reference: Reference,
 }
@@ -66,7 +128,7 @@ impl Solved {
     }
 
     /// What is told of it.
-    pub fn report(&self, model: ClothModel, error: Option<ModelError>) -> ModelReport {
+    pub fn report(&self, model: Model, error: Option<ModelError>) -> ModelReport {
         ModelReport { model, fingerprint: self.prepared.fingerprint.clone(), error }
     }
 }

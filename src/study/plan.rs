@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::error::StudyError;
-use super::models::{ModelReport, Solved, problem_of};
+use super::models::{Model, ModelReport, Solved, compared, problem_of};
 use super::options::StudyOptions;
 use super::prepared_case::{PreparedCase, choice, fingerprint_of};
 use super::reference::{Reference, ReferenceBuilder, ReferenceReport};
@@ -18,9 +18,9 @@ use crate::analysis::critical::CostLimits;
 use crate::analysis::spectrum::Spectrum;
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
-use crate::case::schema::{ClothModel, Method};
+use crate::case::schema::Method;
 use crate::drive::clock::Step;
-use crate::integrate::registry::{MethodChoice, methods};
+use crate::integrate::registry::{Family, MethodChoice, methods};
 use crate::model::stop::Stop;
 use crate::output::sanitize::file_stem;
 
@@ -70,16 +70,16 @@ pub struct Variant {
     pub end: f64,
     /// [s] critical step at the start, method by method; only those with a limit
     pub critical_steps: BTreeMap<String, f64>,
-    /// the reference; where models are compared, that of the membranes
+    /// the reference; where models are compared, that of the membranes, or that with real masses
     pub reference: ReferenceReport,
-    /// models of the cloth that are compared; empty: the cloth is as the case has it
+    /// models that are compared; empty: the case as it is
     #[serde(default)]
     pub models: Vec<ModelReport>,
 }
 
 impl Variant {
     /// What the case is as a run of this variant takes it.
-    pub fn fingerprint_of(&self, model: Option<ClothModel>) -> &Fingerprint {
+    pub fn fingerprint_of(&self, model: Option<Model>) -> &Fingerprint {
         let of_model = self.models.iter().find(|report| Some(report.model) == model);
         of_model.map_or(&self.fingerprint, |report| &report.fingerprint)
     }
@@ -131,19 +131,20 @@ impl Planner<'_> {
                 1.0 => "reference".to_owned(),
                 _ => format!("reference, {factor} times as stiff"),
             };
-            let models = &self.options.models;
-            let first = self.solve(&case, (!models.is_empty()).then_some(ClothModel::Membrane), &of)?;
+            let models = compared(&case, &self.options.models)?;
+            let base = models.first().map(|model| model.reference());
+            let first = self.solve(&case, base, &of)?;
             keep(number, &first.reference)?;
             let mut listed = Listed::default();
             let mut reports = Vec::new();
-            if models.is_empty() || models.contains(&ClothModel::Membrane) {
+            if base.is_none_or(|base| models.contains(&base)) {
                 self.list(&first, &mut listed)?;
                 reports.extend(first.model.map(|model| first.report(model, None)));
             }
-            if models.contains(&ClothModel::Net) {
-                let net = self.solve(&case, Some(ClothModel::Net), "the net's own solution")?;
-                reports.push(net.report(ClothModel::Net, Some(first.error_of(&net)?)));
-                self.list(&net, &mut listed)?;
+            for model in models.into_iter().filter(|model| Some(*model) != base) {
+                let other = self.solve(&case, Some(model), &format!("{}: its own solution", model.words()))?;
+                reports.push(other.report(model, Some(first.error_of(&other)?)));
+                self.list(&other, &mut listed)?;
             }
             jobs.extend(by_cost(listed.runs, number));
             variants.push(Variant {
@@ -174,8 +175,8 @@ impl Planner<'_> {
         })
     }
 
-    /// The case with its cloth as a model, and its solution; `what` is told of it.
-    fn solve(&self, case: &Case, model: Option<ClothModel>, what: &str) -> Result<Solved, StudyError> {
+    /// The case as a model, and its solution; `what` is told of it.
+    fn solve(&self, case: &Case, model: Option<Model>, what: &str) -> Result<Solved, StudyError> {
         let of_model = |source: StudyError| match model {
             Some(model) if !matches!(source, StudyError::InterruptedReference | StudyError::ClothModel(_)) => {
                 StudyError::OfModel { model, source: Box::new(source) }
@@ -215,7 +216,9 @@ impl Planner<'_> {
         let mut spectrum = Spectrum::with(&*prepared.scene, state.as_ref(), effort);
         let scales = StepScales::of(&spectrum, prepared.every, prepared.end(), reference.account.motion.period());
         let mut settings: Vec<MethodSettings> = Vec::new();
-        for (method, choice) in self.methods()? {
+        // The steps of other methods do not depend on the lightest nodes.
+        let fits = |choice: &MethodChoice| *model != Some(Model::ScaledMass) || choice.info.family == Family::Explicit;
+        for (method, choice) in self.methods()?.into_iter().filter(|(_, choice)| fits(choice)) {
             let limit = spectrum.critical_step(&choice).step;
             if limit.is_finite() {
                 listed.critical_steps.insert(labelled(&method, *model), limit);
@@ -285,7 +288,7 @@ struct Listed {
 struct PlannedRun {
     /// [s] nominal cost
     seconds: f64,
-    model: Option<ClothModel>,
+    model: Option<Model>,
     method: Method,
     setting: StepSetting,
 }
@@ -325,7 +328,7 @@ fn by_cost(mut runs: Vec<PlannedRun>, variant: usize) -> Vec<Job> {
             StepSetting::Tolerance(t) => format!("tol{t:.2e}"),
         };
         let method_stem: String = file_stem(&label(&method)).chars().take(LONGEST).collect();
-        let model_stem = model.map_or_else(String::new, |model| format!("{}-", model.word()));
+        let model_stem = model.map_or_else(String::new, |model| format!("{}-", file_stem(model.words())));
         let id = format!("v{variant}-{number:04}-{model_stem}{method_stem}-{what}");
         Job { id, variant, model, method, setting }
     };

@@ -4,12 +4,11 @@ use minijinja::{Value, context};
 use serde::Serialize;
 
 use super::error::StudyError;
-use super::models::ModelError;
+use super::models::{Model, ModelError};
 use super::pareto::{TIE, cheapest};
 use super::plan::{Plan, Variant};
 use super::row::{Row, RowStatus, StepSetting};
 use super::template::render;
-use crate::case::schema::ClothModel;
 use crate::integrate::registry::Family;
 
 /// Accuracies asked about: powers of ten from here down to the reference's error.
@@ -89,14 +88,14 @@ pub struct StiffnessCrossover {
     pub sentence: String,
 }
 
-/// What a model of the cloth costs in accuracy and in time, beside membranes.
+/// What a model costs in accuracy and in time, beside the one it is compared with.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModelAnswer {
     /// [-] number of the variant
     pub variant: usize,
     /// the model
-    pub model: ClothModel,
-    /// [-] how far its solution is from that with membranes
+    pub model: Model,
+    /// [-] how far the two solutions are apart
     pub error: f64,
     /// [-] largest distance over the largest motion
     pub error_max: f64,
@@ -106,8 +105,8 @@ pub struct ModelAnswer {
     pub within: Option<f64>,
     /// the cheapest run of the model within it
     pub own: Option<Pick>,
-    /// the cheapest run with membranes within it
-    pub membrane: Option<Pick>,
+    /// the cheapest run within it of the model that errors are measured against
+    pub reference: Option<Pick>,
     /// the answer as a sentence
     pub sentence: String,
 }
@@ -225,17 +224,17 @@ impl<'a> VariantRows<'a> {
     }
 
     /// What a model costs.
-    fn model(&self, model: ClothModel, found: &ModelError) -> Result<ModelAnswer, StudyError> {
+    fn model(&self, model: Model, found: &ModelError) -> Result<ModelAnswer, StudyError> {
         let ModelError { error, error_max, ref solution } = *found;
         let known_to = self.reference_error + solution.error;
         let within = Some(WITHIN * error.max(known_to)).filter(|within| *within < 1.0);
-        let cheapest = |of: ClothModel| self.cheapest(within?, |row| row.job.model == Some(of));
-        let (own, membrane) = (cheapest(model), cheapest(ClothModel::Membrane));
+        let cheapest = |of: Model| self.cheapest(within?, |row| row.job.model == Some(of));
+        let (own, reference) = (cheapest(model), cheapest(model.reference()));
         let sentence = sentence(
-            context! { about => "model", tie => TIE, model, error, error_max, known_to, within, own, membrane },
+            context! { about => "model", tie => TIE, model, error, error_max, known_to, within, own, reference },
         )?;
         let variant = self.variant;
-        Ok(ModelAnswer { variant, model, error, error_max, known_to, within, own, membrane, sentence })
+        Ok(ModelAnswer { variant, model, error, error_max, known_to, within, own, reference, sentence })
     }
 
     /// Goes through all errors that were reached, in descending order, and compares the families at each.

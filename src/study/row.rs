@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::case::schema::{ClothModel, Method};
+use super::models::Model;
+use crate::case::schema::Method;
 use crate::integrate::Counters;
 use crate::integrate::registry::Family;
 
@@ -23,9 +24,9 @@ pub struct Job {
     pub id: String,
     /// number of the variant of the case, see [`super::plan::Variant`]
     pub variant: usize,
-    /// model of the cloth, in a study that compares models
+    /// its model, in a study that compares models
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub model: Option<ClothModel>,
+    pub model: Option<Model>,
     /// method and the parameters that were given
     pub method: Method,
     /// steps
@@ -127,10 +128,10 @@ impl Row {
     }
 }
 
-/// A method in a word, with the model of the cloth if there is one.
-pub(super) fn labelled(method: &Method, model: Option<ClothModel>) -> String {
+/// A method in a word, with its model if there is one.
+pub(super) fn labelled(method: &Method, model: Option<Model>) -> String {
     let method = label(method);
-    model.map_or(method.clone(), |model| format!("{method} ({})", model.word()))
+    model.map_or(method.clone(), |model| format!("{method} ({})", model.words()))
 }
 
 /// A method in a word: `newmark`, `hht(alpha=-0.2)`.

@@ -10,14 +10,13 @@ use serde::{Deserialize, Serialize};
 
 use super::error::StudyError;
 use super::measure::{PreparedVariant, RunEnd};
-use super::models::problem_of;
+use super::models::{Model, problem_of};
 use super::pareto::mark_front;
 use super::plan::{Plan, Variant};
 use super::prepared_case::{PreparedCase, choice};
 use super::row::{Job, Row, RowStatus, RunResult, StepSetting, median};
 use super::store::Store;
 use crate::case::Case;
-use crate::case::schema::ClothModel;
 use crate::format_number::figures;
 
 /// A share of the runs: number `part` of `of`, counted from 1.
@@ -100,7 +99,7 @@ impl Runner<'_> {
         deadline: Option<Instant>,
         left: &mut BTreeMap<String, String>,
     ) -> Result<(), StudyError> {
-        let mut prepared: BTreeMap<Option<ClothModel>, PreparedVariant> = BTreeMap::new();
+        let mut prepared: BTreeMap<Option<Model>, PreparedVariant> = BTreeMap::new();
         for pass in 0..self.plan.asked.repeat as usize {
             for (number, job) in self.plan.jobs.iter().enumerate().filter(|(_, job)| job.variant == variant) {
                 if self.shard.is_some_and(|shard| !shard.has(number)) || left.contains_key(&job.id) {
@@ -138,11 +137,11 @@ impl Runner<'_> {
         Ok(())
     }
 
-    /// Builds the scene of a variant, with its cloth as a model, and reads the reference.
+    /// Builds the scene of a variant, as a model, and reads the reference.
     fn prepare(
         &self,
         number: usize,
-        model: Option<ClothModel>,
+        model: Option<Model>,
         deadline: Option<Instant>,
     ) -> Result<PreparedVariant, StudyError> {
         let folder = self.store.plan_path();

@@ -12,6 +12,7 @@ mod failures;
 mod gauges;
 mod group_frames;
 mod initial_from;
+mod mass_scaling;
 mod matrices;
 mod mesh;
 mod parachutes;

@@ -6,6 +6,6 @@ mod page;
 mod refusals;
 mod sharing;
 mod sweep;
-mod table;
+pub mod table;
 mod truth;
 mod vary;

@@ -75,7 +75,8 @@ pub(crate) fn build(
             {
                 tables::warn_of_short_pulses(&at, network, tables::StepTimes { h, end: spec.end }, faults);
             }
-            (spec.map(|spec| SystemSpec::Network(Box::new(spec))), geometry)
+            let mass_scaling = timing.as_ref().and_then(|timing| timing.mass_scaling);
+            (spec.map(|spec| SystemSpec::Network(Box::new(NetworkSpec { mass_scaling, ..spec }))), geometry)
         }
     };
     let nodes = match &system {

@@ -90,6 +90,7 @@ pub(super) fn network(
         pressures: loads.pressures,
         forces: loads.forces,
         rayleigh,
+        mass_scaling: None,
         displacement: start.displacement,
         velocity: start.velocity,
     };

@@ -4,7 +4,7 @@
 use super::numbers::{fraction, positive};
 use crate::case::diagnostics::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Method, Solver, Study, System, Time, UntilRest};
+use crate::case::schema::{MassScaling, Method, Solver, Study, System, Time, UntilRest};
 use crate::case::spec::TimeSpec;
 use crate::drive::at_rest::RestSpec;
 use crate::drive::clock::{Step, Tolerance};
@@ -27,6 +27,8 @@ pub(super) struct Timing {
     pub method: MethodChoice,
     /// end and step
     pub spec: TimeSpec,
+    /// [s] step for which masses are scaled
+    pub mass_scaling: Option<f64>,
 }
 
 /// Checks the `time` section.
@@ -46,7 +48,29 @@ pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Opt
         adaptive @ Step::Adaptive(_) => adaptive,
     };
     let until_rest = time.until_rest.map(|rest| until_rest(&at.key("until_rest"), rest, end, faults));
-    Some(Timing { method: method?, spec: TimeSpec { end: end?, step, until_rest: until_rest.flatten() } })
+    let mass_scaling = time.mass_scaling.and_then(|given| mass_scaling(&at, given, (method.as_ref(), system), faults));
+    Some(Timing { mass_scaling, method: method?, spec: TimeSpec { end: end?, step, until_rest: until_rest.flatten() } })
+}
+
+/// [s] The step for which masses are scaled.
+fn mass_scaling(
+    at: &Pointer,
+    given: MassScaling,
+    (method, system): (Option<&MethodChoice>, &System),
+    faults: &mut Faults<'_>,
+) -> Option<f64> {
+    let at = at.key("mass_scaling");
+    if let Some(method) = method.filter(|method| method.info.family != Family::Explicit) {
+        let hint =
+            "only explicit steps are limited by the lightest nodes; leave mass_scaling out, or take an explicit method";
+        let value = format!("mass scaling with {}", method.info.name);
+        faults.add_value(&at, value, "only with explicit methods", Some(hint.to_owned()));
+    }
+    if let System::Pendulum(_) = system {
+        faults.add_value(&at, "mass scaling of a pendulum", "only with a network", None);
+    }
+    let step = at.key("step");
+    (positive(&step, given.step, faults) && in_range(&step, given.step, faults)).then_some(given.step)
 }
 
 /// [-] Looks of a run at whether its scene is at rest, if the case does not say how often.

@@ -36,7 +36,7 @@ pub use solver::{Newton, Solver};
 pub use springs::{Dashpot, DashpotRule, ElasticLawRule, Membrane, SlackRule, SpringRule};
 pub use surface::{BendingRule, MembraneRule, Modulus};
 pub use table::{Factor, FactorTable, VectorTable, vectors};
-pub use time::{ClothModel, Study, Time, UntilRest};
+pub use time::{ClothModel, MassScaling, Study, Time, UntilRest};
 pub use wind::{Atmosphere, ExponentialAtmosphere, Gust, Wind, WindPart, WindSum};
 
 /// A simulation case for canopy-fem. Values are SI. Comments (`//` and `/* */`) and trailing commas are allowed.

@@ -20,8 +20,21 @@ pub struct Time {
     pub step: Option<f64>,
     /// Error that the run may make; the size of the steps follows from it, with any method.
     pub tolerance: Option<Tolerance>,
+    /// Nodes whose elements would not allow a wanted step get more mass, as explicit codes do. Only inertia is added:
+    /// weight and Rayleigh damping are those of the real masses. Only with explicit methods.
+    pub mass_scaling: Option<MassScaling>,
     /// The run ends before its time once the scene is at rest; the summary says so in `at_rest`.
     pub until_rest: Option<UntilRest>,
+}
+
+/// For how long a step nodes get more mass.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MassScaling {
+    /// [s] Step that the elements are to allow, by their bound for central differences: what DT2MS is in LS-DYNA. The
+    /// step of the run may differ; `check` finds the critical one.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub step: f64,
 }
 
 /// When a scene is at rest: no degree of freedom is faster than `speed`, and the forces would not make one faster

@@ -201,7 +201,7 @@ fn front(study: &Study, number: usize, [x, y]: [Span; 2], at: impl Fn(&Row) -> O
 /// Name and error of every model whose solution differs from the reference.
 pub(super) fn model_errors(variant: Option<&Variant>) -> impl Iterator<Item = (String, f64)> + '_ {
     let models = variant.into_iter().flat_map(|variant| &variant.models);
-    models.filter_map(|report| Some((format!("error of the {}", report.model.word()), report.error.as_ref()?.error)))
+    models.filter_map(|report| Some((format!("error of the {}", report.model.words()), report.error.as_ref()?.error)))
 }
 
 /// A line at an error, such as the bound below which nothing is ranked, and its name.

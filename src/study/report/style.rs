@@ -4,9 +4,10 @@
 //! matrix, squares and diamonds for implicit ones. Fixed steps are full lines with filled marks, adaptive steps dashed
 //! lines with open ones.
 
-use crate::case::schema::{ClothModel, Method};
+use crate::case::schema::Method;
 use crate::integrate::registry::{Family, methods};
 use crate::plot::chart::{Line, Marker, Stroke};
+use crate::study::models::Model;
 use crate::study::row::{Row, RowStatus, StepSetting, labelled};
 use crate::study::runner::Study;
 
@@ -20,8 +21,8 @@ const OF_METHODS: [usize; COLORS] = [0, 3, 12, 6, 9, 1, 4, 7, 8, 2, 5, 10, 11, 1
 pub(in crate::study) const BLACK: usize = 6;
 /// Methods of a family that have the same shape of marks.
 const SHAPE: usize = 6;
-/// The turn whose shapes are left for nets.
-const OF_NETS: usize = 5;
+/// The turn whose shapes are left for the cheaper one of two models.
+const OF_CHEAPER: usize = 5;
 
 /// The colour of a curve by its number.
 pub(in crate::study) fn curve_color(number: usize) -> usize {
@@ -60,7 +61,7 @@ const FAMILIES: [(Family, &str); 3] =
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Style {
     pub method: Method,
-    pub model: Option<ClothModel>,
+    pub model: Option<Model>,
     pub family: Family,
     /// number in the palette
     pub color: usize,
@@ -89,16 +90,15 @@ impl Style {
 }
 
 /// One style a method, family by family, in the order of the plan. Where models are compared, a method has the same
-/// colour in both, and marks of another shape as a net.
+/// colour in both, and marks of another shape with the cheaper one.
 pub(super) fn styles(study: &Study) -> Vec<Style> {
     let mut styles: Vec<Style> = Vec::new();
     for (family, _) in FAMILIES {
         let first = styles.len();
         for row in study.rows.iter().filter(|row| row.family == family) {
             if !styles.iter().any(|style| style.is_of(row)) {
-                let net = row.job.model == Some(ClothModel::Net);
-                let others = styles.iter().skip(first).filter(|style| style.model != Some(ClothModel::Net)).count();
-                let turn = if net { OF_NETS } else { others / SHAPE };
+                let others = styles.iter().skip(first).filter(|style| !is_cheaper(style.model)).count();
+                let turn = if is_cheaper(row.job.model) { OF_CHEAPER } else { others / SHAPE };
                 let method = row.job.method.clone();
                 let model = row.job.model;
                 styles.push(Style { method, model, family, color: 0, markers: markers(family, turn) });
@@ -117,6 +117,11 @@ pub(super) fn styles(study: &Study) -> Vec<Style> {
         style.color = color.map_or(BLACK, |(_, color)| *color);
     }
     styles
+}
+
+/// Whether a model is compared with a more accurate one.
+fn is_cheaper(model: Option<Model>) -> bool {
+    model.is_some_and(|model| model != model.reference())
 }
 
 /// A family takes another shape after every six methods.

@@ -1,7 +1,7 @@
 //! Models of the cloth: what a net costs beside membranes, and that both come from either.
 
-use canopy_fem::case::schema::ClothModel;
 use canopy_fem::study::Study;
+use canopy_fem::study::models::Model;
 use serde_json::{Value, json};
 
 use super::table::{counted, study};
@@ -104,12 +104,12 @@ fn a_sheet_at_zero_is_none() {
     let found = study(&bench.path("out"));
     let report = found.plan.variants[0].models.iter().find_map(|report| report.error.as_ref()).expect("of the net");
     assert!((0.05..0.5).contains(&report.error) && report.solution.error < 1e-6, "{report:?}");
-    let finest = |model: ClothModel| {
+    let finest = |model: Model| {
         let of_model = found.rows.iter().filter(|row| row.job.model == Some(model));
         of_model.filter_map(|row| row.measured.error).fold(f64::INFINITY, f64::min)
     };
-    assert!((finest(ClothModel::Net) / report.error - 1.0).abs() < 0.05, "{:e}", finest(ClothModel::Net));
-    assert!(finest(ClothModel::Membrane) < 0.02 * report.error, "{:e}", finest(ClothModel::Membrane));
+    assert!((finest(Model::Net) / report.error - 1.0).abs() < 0.05, "{:e}", finest(Model::Net));
+    assert!(finest(Model::Membrane) < 0.02 * report.error, "{:e}", finest(Model::Membrane));
     let error = canopy_fem::format_number::figures(report.error, 2);
     let said = format!("s a net the solution differs from that with membranes by {error} of the motion");
     let page = std::fs::read_to_string(bench.path("out/tradeoff.html")).expect("a page");
@@ -163,7 +163,7 @@ fn a_net_alone_is_measured_against_membranes() {
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     let alone = study(&bench.path("out"));
     let of_net = |study: &Study| -> Vec<Option<f64>> {
-        let rows = study.rows.iter().filter(|row| row.job.model == Some(ClothModel::Net));
+        let rows = study.rows.iter().filter(|row| row.job.model == Some(Model::Net));
         rows.map(|row| row.measured.error).collect()
     };
     assert_eq!((alone.rows.len(), of_net(&alone)), (2, of_net(&both)));

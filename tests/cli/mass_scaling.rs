@@ -1,0 +1,260 @@
+//! Mass scaling: how much is added and where, that only inertia is, what is said of it, and its error in a study.
+
+use crate::bench::{Bench, Ended};
+use crate::study::table::study;
+use canopy_fem::study::models::Model;
+use serde_json::{Value, json};
+
+/// [N/m] and [kg] of [`pair`].
+const STIFFNESS: f64 = 1e4;
+const MASSES: [f64; 2] = [1.0, 0.01];
+
+/// Two free masses on a spring, stretched by 0.1 m and moving at 3 m/s. By the bound each needs k h^2/2.
+fn pair(scaling: f64, step: f64) -> Value {
+    json!({
+        "name": "pair",
+        "system": {"network": {
+            "mesh": {"explicit": {"nodes": [[0, 0, 0], [1, 0, 0]], "springs": [[0, 1]]}},
+            "mass": {"nodal": MASSES},
+            "springs": [{"on": "all", "stiffness": STIFFNESS}],
+            "initial": {"displacement": [[0, 0, 0], [0.1, 0, 0]], "velocity": [3, 0, 0]}
+        }},
+        "time": {"end": 0.1, "method": "velocity-verlet", "step": step, "mass_scaling": {"step": scaling}},
+        "output": {"frames": {"every": 0.005}, "probes": [{"name": "a", "on": {"ids": [0]}}, {"name": "b", "on": {"ids": [1]}}]},
+        "acknowledge": ["loose-nodes"]
+    })
+}
+
+/// A mass of 0.01 kg under a damped spring of 100 N/m, until it is at rest.
+fn weight(loads: Value) -> Value {
+    let mut network = json!({
+        "mesh": {"explicit": {"nodes": [[0, 0, 0], [0, 0, -1]], "springs": [[0, 1]]}},
+        "mass": {"nodal": 0.01},
+        "springs": [{"on": "all", "stiffness": 100.0, "dashpot": {"axial": {"coefficient": 2.0}}}],
+        "supports": [{"on": {"ids": [0]}, "fix": "xyz"}]
+    });
+    network.as_object_mut().expect("an object").extend(loads.as_object().expect("an object").clone());
+    json!({
+        "name": "weight", "system": {"network": network},
+        "time": {"end": 100.0, "method": "central-difference", "step": 0.02, "mass_scaling": {"step": 0.1},
+                 "until_rest": {"speed": 1e-9}},
+        "output": {"probes": [{"name": "weight", "on": {"ids": [1]}}]}
+    })
+}
+
+fn run(bench: &Bench, case: &Value, command: &[&str]) -> Ended {
+    std::fs::write(bench.path("case.json"), case.to_string()).expect("written");
+    bench.run(&[&command[..1], &["case.json"], &command[1..]].concat())
+}
+
+fn solved(case: &Value) -> (Bench, Ended) {
+    let bench = Bench::new();
+    let ended = run(&bench, case, &["solve", "--out", "out"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    (bench, ended)
+}
+
+fn near(found: &Value, expected: f64, within: f64) -> bool {
+    found.as_f64().is_some_and(|found| (found / expected - 1.0).abs() < within)
+}
+
+/// [m] Places of both masses at time `t` [s]: the closed form with these masses, whose period is that of the reduced
+/// mass, and whose centre moves at 3 m/s.
+fn places(t: f64, [a, b]: [f64; 2]) -> [f64; 2] {
+    let (share, omega) = (b / (a + b), (STIFFNESS * (a + b) / (a * b)).sqrt());
+    let (centre, stretch) = (3.0 * t + share * 1.1, 1.0 + 0.1 * (omega * t).cos());
+    [centre - share * stretch, centre + (1.0 - share) * stretch]
+}
+
+/// The light mass gets what a step of 0.01 s needs, 0.5 kg, and no more. So the pair swings as these masses do, keeps
+/// its momentum, and the account of its energy adds up.
+#[test]
+fn two_masses_swing_with_the_period_of_the_scaled_one() {
+    let (bench, ended) = solved(&pair(0.01, 1e-5));
+    let results = bench.results();
+    let (summary, probes) = (results.summary(), results.table("probes.csv"));
+    let added = &summary["added_mass"];
+    for (what, expected) in [("step", 0.01), ("added", 0.49), ("share", 0.49 / 1.01), ("share_of_nodes", 49.0)] {
+        assert!(near(&added[what], expected, 1e-6), "{what}: {added}");
+    }
+    assert_eq!([&added["nodes"], &added["largest_at"]], [&json!(1), &json!(1)]);
+    assert!(near(&added["largest_factor"], 50.0, 1e-6) && summary["energy_error"].as_f64() < Some(1e-6), "{summary}");
+    let said = "mass scaling    0.49 kg added for steps of 0.01 s: 49 % of all that moves";
+    assert!(ended.stdout.contains(said), "{}", ended.stdout);
+    assert!(ended.stderr.contains("[added-mass]"), "{}", ended.stderr);
+    let (t, x, node) = (probes.column("t"), probes.column("x"), probes.column("node"));
+    assert_eq!(t.len(), 42);
+    for ((t, x), node) in t.iter().zip(x).zip(node) {
+        let expected = places(*t, [1.0, 0.5])[node as usize];
+        assert!((x - expected).abs() < 1e-6, "node {node} at {t} s: {x} for {expected}");
+    }
+}
+
+/// The step that was asked for is stable, as the bound proves; without scaling it is far from that.
+#[test]
+fn the_step_that_is_asked_for_is_stable() {
+    let (bench, _) = solved(&pair(0.01, 0.01));
+    assert!(bench.results().summary()["critical_step"].as_f64() >= Some(0.01));
+    let mut without = pair(0.01, 0.01);
+    without["time"].as_object_mut().expect("an object").remove("mass_scaling");
+    assert_eq!(run(&bench, &without, &["solve", "--out", "without"]).code, Some(3));
+}
+
+/// A weight hangs as low as its own mass pulls, although it has 35 times the inertia: k h^2/4 + c h/2. In an
+/// accelerated frame all inertia pulls.
+#[test]
+fn weight_stays_and_inertia_grows() {
+    let inertia = 100.0 * 0.01 / 4.0 + 2.0 * 0.1 / 2.0;
+    let shaken = json!({"base_acceleration": {"table": [[0, 0, 0, 0.5], [1000, 0, 0, 0.5]]}});
+    for (loads, force) in [(json!({"gravity": [0, 0, -9.81]}), 0.01 * 9.81), (shaken, inertia * 0.5)] {
+        let (bench, ended) = solved(&weight(loads));
+        assert!(ended.stdout.contains("at rest         yes"), "{}", ended.stdout);
+        let summary = bench.results().summary();
+        assert!(near(&summary["added_mass"]["largest_factor"], inertia / 0.01, 1e-6), "{summary}");
+        let sag = -1.0 - bench.results().table("probes.csv").column("z").last().expect("a row");
+        assert!((sag * 100.0 / force - 1.0).abs() < 1e-6, "{sag} m under {force} N");
+    }
+}
+
+/// An equilibrium and its modes are those of the real masses.
+#[test]
+fn statics_know_no_scaling() {
+    let bench = Bench::new();
+    let case = weight(json!({"gravity": [0, 0, -9.81]}));
+    let ended = run(&bench, &case, &["static", "--modes", "1", "--out", "out"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let summary = bench.results().summary();
+    assert!(summary["added_mass"].is_null());
+    // The pendulum of a spring that is stretched by 0.01 * 9.81/100 m.
+    let hertz = (9.81 / (1.0 + 9.81e-4_f64)).sqrt() / std::f64::consts::TAU;
+    assert!(near(&summary["equilibrium"]["frequencies"][0], hertz, 1e-6), "{summary}");
+}
+
+/// A spring that is slack at the start, its rest length 1.25 times its edge, counts as one that is taut.
+#[test]
+fn slack_springs_count_as_taut() {
+    let mut slack = pair(0.01, 1e-3);
+    slack["system"]["network"]["springs"][0] =
+        json!({"on": "all", "stiffness": STIFFNESS, "slack": "tension-only", "rest_scale": 1.25});
+    let (bench, _) = solved(&slack);
+    let added = &bench.results().summary()["added_mass"];
+    assert!(near(&added["largest_factor"], 50.0, 1e-6), "{added}");
+}
+
+/// Where it has no meaning it is refused, with the place.
+#[test]
+fn what_cannot_be_scaled_is_refused() {
+    let bench = Bench::new();
+    for (method, said) in [("newmark", "mass scaling with newmark"), ("kang", "mass scaling with kang")] {
+        let mut case = pair(0.01, 0.01);
+        case["time"]["method"] = json!(method);
+        let ended = run(&bench, &case, &["solve", "--out", "out"]);
+        assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+        assert!(ended.stderr.contains("/time/mass_scaling") && ended.stderr.contains(said), "{}", ended.stderr);
+    }
+    let pendulum = json!({"name": "p", "system": {"pendulum": {"angle": 0.5, "length": 1, "mass": 1, "gravity": 9.81}},
+        "time": {"end": 1, "method": "rk4", "step": 0.01, "mass_scaling": {"step": 0.1}}});
+    let ended = run(&bench, &pendulum, &["solve", "--out", "out"]);
+    assert!(ended.code == Some(2) && ended.stderr.contains("only with a network"), "{}", ended.stderr);
+    let ended = run(&bench, &pair(1e-4, 1e-5), &["solve", "--out", "out"]);
+    let said = "adds nothing: every node has at least 200.000 times the mass";
+    assert!(ended.code == Some(2) && ended.stderr.contains(said), "{}", ended.stderr);
+}
+
+/// A little mass raises no doubt: 2.4 % here.
+#[test]
+fn little_mass_is_no_warning() {
+    let (bench, ended) = solved(&pair(0.0026, 1e-4));
+    assert!(near(&bench.results().summary()["added_mass"]["share"], (0.0338 - 0.01) / 1.01, 1e-5));
+    assert!(!ended.stderr.contains("added-mass"), "{}", ended.stderr);
+}
+
+/// `check` tells what is added, in words and for programs.
+#[test]
+fn check_tells_what_is_added() {
+    let bench = Bench::new();
+    let case = pair(0.01, 1e-3);
+    let ended = run(&bench, &case, &["check"]);
+    assert!(
+        ended.stdout.contains("mass scaling    0.49 kg added") && ended.stdout.contains("[added-mass]"),
+        "{}",
+        ended.stdout
+    );
+    assert!(
+        ended.stdout.contains("canopy-fem tradeoff case.json measures what the added mass costs"),
+        "{}",
+        ended.stdout
+    );
+    let told: Value = serde_json::from_str(&run(&bench, &case, &["check", "--json"]).stdout).expect("JSON");
+    assert!(near(&told["added_mass"]["added"], 0.49, 1e-6), "{told}");
+    // What it recommends has these masses, so it is explicit.
+    let methods: Vec<&Value> =
+        told["critical_steps"].as_array().expect("a list").iter().map(|m| &m["method"]).collect();
+    assert!(methods.contains(&&json!("rk4")) && !methods.contains(&&json!("newmark")), "{methods:?}");
+}
+
+/// A checkpoint of other masses is refused.
+#[test]
+fn a_run_goes_on_with_the_same_masses_only() {
+    let mut case = pair(0.01, 1e-4);
+    case["output"]["checkpoint"] = json!({"every": 0.05});
+    let (bench, _) = solved(&case);
+    std::fs::remove_file(bench.path("out/summary.json")).expect("removed");
+    case["time"]["mass_scaling"]["step"] = json!(0.02);
+    let ended = run(&bench, &case, &["solve", "--resume", "--out", "out"]);
+    assert!(ended.code == Some(2) && ended.stderr.contains("time.mass_scaling.step"), "{}", ended.stderr);
+}
+
+/// A study runs explicit methods with both masses, implicit ones with the real masses, and measures all against these:
+/// the error of scaled masses is the distance of two closed forms.
+#[test]
+fn a_study_measures_the_error_of_scaled_masses() {
+    let bench = Bench::new();
+    let methods = ["--methods", "velocity-verlet,newmark", "--steps", "1e-5", "--repeat", "1"];
+    let mut case = pair(0.0026, 1e-4);
+    case["system"]["network"]["initial"]["velocity"] = json!([0.01, 0, 0]);
+    case["time"]["end"] = json!(0.01);
+    case["output"]["frames"]["every"] = json!(0.001);
+    let ended = run(&bench, &case, &[&["tradeoff", "--out", "out"], &methods[..]].concat());
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let found = study(&bench.path("out"));
+    let of = |method: &str, model| {
+        let rows = found.rows.iter().filter(|row| row.job.method.name == method && row.job.model == Some(model));
+        rows.filter_map(|row| row.measured.error).collect::<Vec<f64>>()
+    };
+    let slower = |places: [f64; 2], t: f64| places.map(|x| x - 2.99 * t);
+    let (mut apart, mut moved) = (0.0, 0.0);
+    for frame in 1..=10 {
+        let t = 0.001 * f64::from(frame);
+        let [real, scaled] = [MASSES, [1.0, 0.0338]].map(|masses| slower(places(t, masses), t));
+        for (i, start) in [0.0, 1.1].into_iter().enumerate() {
+            apart += (real[i] - scaled[i]).powi(2);
+            moved += (real[i] - start).powi(2);
+        }
+    }
+    let expected = f64::sqrt(apart / moved);
+    let reports = &found.plan.variants[0].models;
+    let error = reports.iter().find_map(|report| report.error.as_ref()).expect("of scaled masses").error;
+    assert!((error / expected - 1.0).abs() < 1e-5, "{error} for {expected}");
+    assert!((of("velocity-verlet", Model::ScaledMass)[0] / expected - 1.0).abs() < 1e-3);
+    assert!(of("velocity-verlet", Model::RealMass)[0] < 1e-3 && of("newmark", Model::RealMass)[0] < 1e-3);
+    assert!(of("newmark", Model::ScaledMass).is_empty());
+    let said = format!(
+        "ith scaled masses the solution differs from that with real masses by {} of the motion",
+        canopy_fem::format_number::figures(error, 2)
+    );
+    let page = std::fs::read_to_string(bench.path("out/tradeoff.html")).expect("a page");
+    assert!(ended.stdout.contains(&said) && page.contains(&said), "{}", ended.stdout);
+    assert!(page.contains("Explicit methods run with scaled masses too, for steps of 0.0026 s"));
+    let table = std::fs::read_to_string(bench.path("out/tradeoff.csv")).expect("a table");
+    assert!(table.contains("\nscaled-mass,velocity-verlet") && !table.contains("scaled-mass,newmark"), "{table}");
+    // `check` looks where a study of this name is.
+    std::fs::create_dir_all(bench.path("out/pair")).expect("made");
+    let ended = run(&bench, &case, &[&["tradeoff", "--out", "out/pair"], &methods[..]].concat());
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let checked = run(&bench, &case, &["check"]);
+    assert!(checked.stdout.contains(&said), "{}", checked.stdout);
+    // Models of cloth are another comparison.
+    let ended = run(&bench, &case, &["tradeoff", "--models", "net,membrane", "--out", "models"]);
+    assert!(ended.code == Some(2) && ended.stderr.contains("leave time.mass_scaling out"), "{}", ended.stderr);
+}
