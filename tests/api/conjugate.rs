@@ -412,7 +412,7 @@ fn halves_of_a_net_give_the_same_bits_on_any_number_of_threads() {
 /// threads.
 #[test]
 fn deflation_of_a_large_stiff_net() {
-    let net = serde_json::json!({"system": {"network": {
+    let net = serde_json::json!({"name": "net", "system": {"network": {
         "mesh": {"rectangle": {"width": 1.0, "height": 1.0, "columns": 249, "rows": 249}},
         "mass": {"areal_density": 0.1}, "springs": [{"on": "all", "stiffness": 1e4}],
         "supports": [{"on": "boundary", "fix": "xyz"}], "gravity": [0, 0, -9.81]}},
