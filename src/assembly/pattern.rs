@@ -55,6 +55,18 @@ impl Pattern {
         node
     }
 
+    /// Every pair of coupled nodes of a symmetric pattern, the lower first. `node` is [`Pattern::node_of_unknown`].
+    pub(crate) fn coupled_nodes<'a>(&'a self, node: &'a [u32]) -> impl Iterator<Item = (u32, u32)> + 'a {
+        (0..).zip(self.node_start.windows(2)).filter(|(_, unknowns)| unknowns[0] < unknowns[1]).flat_map(
+            move |(g, unknowns)| {
+                // All unknowns of a node have the same neighbours.
+                let others = self.column(unknowns[0] as usize).iter().map(|&row| (row, node[row as usize]));
+                let first = move |(row, other)| other != g && row == self.node_start[other as usize];
+                others.filter(move |&pair| first(pair)).map(move |(_, other)| (g, other))
+            },
+        )
+    }
+
     /// Slot of entry (i, j), if it is stored.
     pub fn slot(&self, i: u32, j: u32) -> Option<u32> {
         let first = *self.col_ptr.get(j as usize)?;

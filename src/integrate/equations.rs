@@ -261,6 +261,10 @@ impl NonlinearProblem for Equations<'_> {
         self.counters.cg_iterations
     }
 
+    fn cg_cost(&self) -> f64 {
+        self.linear.tangents.cg_cost()
+    }
+
     fn take_frozen(&mut self) {
         self.linear.mass_weight = Some(self.linear.cache.weights().m);
         self.linear.tangents.take(TangentKind::Frozen);

@@ -258,6 +258,11 @@ impl Tangents {
         self.frozen.as_ref().is_some_and(|factor| factor.linear.prefers_other_solver(expected))
     }
 
+    /// [-] Cost of an iteration of conjugate gradients with the reused tangent over one without deflation.
+    pub fn cg_cost(&self) -> f64 {
+        self.frozen.as_ref().map_or(1.0, |factor| factor.linear.cg_cost())
+    }
+
     /// Factorises the symmetric tangent, or its convex part on request; `None` if the scene reuses none.
     ///
     /// # Errors

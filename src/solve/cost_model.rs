@@ -16,9 +16,10 @@ use std::sync::Arc;
 /// [-] Iterations of an average solve over those of the trial. Its right-hand side is smoother, and the last solve of a
 /// step need not be exact: 0.55 to 0.75 on square nets of 10,000 and 90,000 nodes.
 const EASIER: f64 = 0.65;
-/// [-] Relative residual of the trial. Solves may leave its square, which takes twice as many iterations.
-const TRIAL: f64 = 0.0316;
-/// [-] The first matrix gets CG even if the trial predicts this many times the affordable iterations. CG costs little
+/// [-] Iterations of an average solve over those of the trial where a matrix needs deflation: there all right-hand sides
+/// take about as many.
+const DEFLATED: f64 = 2.6;
+/// [-] Without deflation the first matrix gets CG even if the trial predicts this many times the affordable iterations. CG costs little
 /// to set up and real solves soon show if it is dearer; the cost of an unneeded factor is lost.
 const DOUBT: f64 = 1.3;
 
@@ -84,7 +85,7 @@ impl CostModel {
         Cost { iteration: gain * (self.factor_solve * stored + self.newton * n), setup: gain * setup }
     }
 
-    /// Of CG with this many iterations in an average solve. Starting and finishing a solve cost one iteration more.
+    /// Of CG with this many iterations in an average solve, each counted as its cost over one without deflation. Starting and finishing a solve cost one iteration more.
     fn cg(&self, pattern: &Pattern, iterations: f64) -> Cost {
         let (n, entries) = (pattern.n() as f64, pattern.nonzeros() as f64);
         let iteration = self.cg_iteration * entries * (iterations + 1.0) + self.newton * n;
@@ -193,20 +194,20 @@ impl AutoSolver {
         let one = COSTS.cg(&self.pattern, 1.0).iteration - none.iteration;
         let allowed = Cost::iteration_for(none.setup, self.expected.reuse, cholesky_work) - none.iteration;
         let known = self.expected.cg_iterations > 0.0;
-        let allowed = allowed / one * if known { 1.0 } else { DOUBT };
+        let cost = self.cg.cg_cost();
+        let (twice, doubt) = if self.cg.deflated() { (DEFLATED * cost, 1.0) } else { (2.0 * EASIER, DOUBT) };
+        let allowed = allowed / one * if known { 1.0 } else { doubt };
         let (iterations, cg_converged) = match self.expected.cg_iterations {
             seen if known => (seen, seen <= allowed),
-            _ => {
-                let twice = 2.0 * EASIER;
-                match self.cg.trial_solve(TRIAL, (allowed / twice).clamp(0.0, f64::from(u32::MAX)) as u32) {
-                    Ok(iterations) => (twice * f64::from(iterations), true),
-                    Err(LinearError::Stalled { iterations, .. }) => (twice * (f64::from(iterations) + 1.0), false),
-                    Err(other) => return Err(other),
-                }
-            }
+            _ => match self.cg.trial_solve((allowed / twice).clamp(0.0, f64::from(u32::MAX)) as u32) {
+                Ok(iterations) => (twice * f64::from(iterations), true),
+                Err(LinearError::Stalled { iterations, .. }) => (twice * (f64::from(iterations) + 1.0), false),
+                Err(other) => return Err(other),
+            },
         };
         let cg_work = COSTS.cg(&self.pattern, iterations).with_reuse(self.expected.reuse);
-        let cg_iterations = iterations.min(if cg_converged { f64::INFINITY } else { allowed.max(0.0) }).round() as u32;
+        let shown = iterations.min(if cg_converged { f64::INFINITY } else { allowed.max(0.0) });
+        let cg_iterations = (shown / cost).round() as u32;
         Ok(Some(Prediction { cholesky_work, cg_work, cg_iterations, cg_converged, factor_nonzeros, factor_operations }))
     }
 }
@@ -225,7 +226,10 @@ impl LinearSolver for AutoSolver {
     fn choose(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         let before = (self.iterates, self.prediction.is_some());
         (self.iterates, self.factored) = (false, false);
-        if self.cg.factor(values)? == Inertia::Indefinite {
+        // Earlier matrices may have shown that CG is dearer: then it need not be set up.
+        let known = self.expected.cg_iterations > 0.0;
+        let dearer = known && self.compare()?.is_some_and(|p| !p.cg_converged);
+        if !dearer && self.cg.factor(values)? == Inertia::Indefinite {
             return Ok(Inertia::Indefinite);
         }
         match self.compare() {

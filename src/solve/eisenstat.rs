@@ -1,6 +1,7 @@
 //! Triangular solves with L over the nodes, forward and backward, and Eisenstat's product made of them.
 
 use super::bsr::{BLOCK, NodeBlocks, columns, packed, times, unpacked};
+use super::deflation::CoarseRows;
 use nalgebra::Vector3;
 use prefetch_index::prefetch_index;
 use std::ops::Range;
@@ -34,14 +35,18 @@ impl NodeBlocks {
     /// v <- (I + L)^-1 v
     pub fn forward(&self, v: &mut [f32x4]) {
         for g in 0..self.nodes() {
-            self.take_below(g, v);
+            let column = self.column(g);
+            self.fetch(column.start.wrapping_add(AHEAD));
+            self.take_below(column, v[g], v);
         }
     }
 
     /// v <- (I + L^T)^-1 v
     pub fn backward(&self, v: &mut [f32x4]) {
         for g in (0..self.nodes()).rev() {
-            v[g] -= self.above(g, v);
+            let column = self.column(g);
+            self.fetch(column.start.wrapping_sub(AHEAD));
+            v[g] -= self.above(column, v);
         }
     }
 
@@ -61,22 +66,17 @@ impl NodeBlocks {
         blocks.zip(self.row[column].iter().map(|&row| row as usize))
     }
 
-    /// v <- v - (column g of L) v_g, in the forward sweep; returns v_g.
+    /// v <- v - (column of L) y
     #[inline(always)]
-    fn take_below(&self, g: usize, v: &mut [f32x4]) -> f32x4 {
-        let (y, column) = (v[g], self.column(g));
-        self.fetch(column.start.wrapping_add(AHEAD));
+    fn take_below(&self, column: Range<usize>, y: f32x4, v: &mut [f32x4]) {
         for (block, row) in self.blocks(column) {
             v[row] -= times(columns(block), y);
         }
-        y
     }
 
-    /// Row g of L^T v, in the backward sweep.
+    /// Row of L^T v, of the node whose column of L this is.
     #[inline(always)]
-    fn above(&self, g: usize, v: &[f32x4]) -> f32x4 {
-        let column = self.column(g);
-        self.fetch(column.start.wrapping_sub(AHEAD));
+    fn above(&self, column: Range<usize>, v: &[f32x4]) -> f32x4 {
         let [mut x, mut y, mut z] = [f32x4::ZERO; 3];
         for (block, row) in self.blocks(column) {
             let [a, b, c] = columns(block);
@@ -98,7 +98,9 @@ impl NodeBlocks {
     pub fn back(&self, z: &[f32x4], beta: f32, sweep: Sweep<'_>) {
         let Sweep { p, t, q } = sweep;
         for g in (0..self.nodes()).rev() {
-            let above = self.above(g, t);
+            let column = self.column(g);
+            self.fetch(column.start.wrapping_sub(AHEAD));
+            let above = self.above(column, t);
             p[g] = z[g] + p[g] * beta;
             t[g] = p[g] - above;
             q[g] = above + times(self.surplus[g].columns(), t[g]);
@@ -110,9 +112,44 @@ impl NodeBlocks {
         let Sweep { p, t, q } = sweep;
         let (mut along, mut squares) = (Vector3::zeros(), Vector3::zeros());
         for g in 0..self.nodes() {
-            q[g] = self.take_below(g, q) + t[g];
+            let (column, y) = (self.column(g), q[g]);
+            self.fetch(column.start.wrapping_add(AHEAD));
+            self.take_below(column, y, q);
+            q[g] = y + t[g];
             along += unpacked(p[g] * q[g]).cast::<f64>();
             squares += unpacked(p[g] * p[g]).cast::<f64>();
+        }
+        Curvature { along: along.sum(), squares: squares.sum() }
+    }
+
+    /// u <- (I + L^T)^-1 r, and the sums of (A Z)^T u.
+    pub fn back_residual(&self, r: &[f32x4], u: &mut [f32x4], coarse: &mut CoarseRows) {
+        for g in (0..self.nodes()).rev() {
+            let column = self.column(g);
+            self.fetch(column.start.wrapping_sub(AHEAD));
+            u[g] = r[g] - self.above(column, u);
+            coarse.restrict(g, u[g]);
+        }
+    }
+
+    /// The same product in one forward sweep, of a given t and its p = (I + L^T) t:
+    ///
+    /// ```text
+    /// q = (I + L)^-1 A t = t + (I + L)^-1 (L^T t + J t)
+    /// ```
+    /// q is 0 before, but for what a separator gets from its halves.
+    pub fn product(&self, t: &[f32x4], q: &mut [f32x4]) -> Curvature {
+        let (mut along, mut squares) = (Vector3::zeros(), Vector3::zeros());
+        for g in 0..self.nodes() {
+            let column = self.column(g);
+            self.fetch(column.start.wrapping_add(AHEAD));
+            let above = self.above(column.clone(), t);
+            let y = q[g] + above + times(self.surplus[g].columns(), t[g]);
+            self.take_below(column, y, q);
+            q[g] = y + t[g];
+            let p = t[g] + above;
+            along += unpacked(p * q[g]).cast::<f64>();
+            squares += unpacked(p * p).cast::<f64>();
         }
         Curvature { along: along.sum(), squares: squares.sum() }
     }

@@ -92,7 +92,8 @@ pub const REUSED_RELATIVE: f64 = 1e-3;
 pub struct ExpectedUse {
     /// [-] useful Newton iterations it will serve, over the square root of its cost in iterations
     pub reuse: f64,
-    /// [-] iterations of conjugate gradients in an average solve; 0 before any was seen
+    /// [-] iterations of conjugate gradients in an average solve, each counted as [`LinearSolver::cg_cost`]; 0 before
+    /// any was seen
     pub cg_iterations: f64,
 }
 
@@ -246,6 +247,11 @@ pub trait LinearSolver: Send {
     fn prefers_other_solver(&self, expected: ExpectedUse) -> bool {
         let _ = expected;
         false
+    }
+
+    /// [-] Cost of an iteration of conjugate gradients with the last matrix over one without deflation.
+    fn cg_cost(&self) -> f64 {
+        1.0
     }
 
     /// Work since construction.

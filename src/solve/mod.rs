@@ -2,8 +2,10 @@
 
 mod bsr;
 mod cholesky;
+mod coarse_matrix;
 mod conjugate;
 mod cost_model;
+mod deflation;
 mod eisenstat;
 mod failure;
 mod forcing;

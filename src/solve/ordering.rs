@@ -74,18 +74,8 @@ struct Graph(Adjacency);
 impl Graph {
     fn new(pattern: &Pattern) -> Self {
         let n = pattern.node_start.len() - 1;
-        let node_of = pattern.node_of_unknown();
-        let mut pairs = Vec::new();
-        for g in 0..n as u32 {
-            let mut last = NONE;
-            for &row in pattern.column(pattern.node_start[g as usize] as usize) {
-                let other = node_of[row as usize];
-                if other != g && other != last {
-                    pairs.extend([(g, other), (other, g)]);
-                }
-                last = other;
-            }
-        }
+        let node = pattern.node_of_unknown();
+        let mut pairs: Vec<_> = pattern.coupled_nodes(&node).flat_map(|(a, b)| [(a, b), (b, a)]).collect();
         pairs.sort_unstable();
         pairs.dedup();
         Graph(Adjacency::new(n, pairs.iter().copied()))
@@ -120,13 +110,7 @@ impl Graph {
             if part.len() <= LEAF {
                 continue;
             }
-            let axis = longest_axis(part, position);
-            let middle = part.len() / 2;
-            part.select_nth_unstable_by(middle, |&a, &b| {
-                let coordinate = |g: u32| position[g as usize][axis];
-                coordinate(a).total_cmp(&coordinate(b)).then(a.cmp(&b))
-            });
-            let [left, right, separator] = self.cut(part.split_at(middle), &mut marks);
+            let [left, right, separator] = self.cut(halve(part, position), &mut marks);
             let reordered = left.iter().chain(&right).chain(&separator);
             for (slot, &g) in part.iter_mut().zip(reordered) {
                 *slot = g;
@@ -229,6 +213,17 @@ impl Graph {
 struct Marks {
     of: Vec<u32>,
     last: u32,
+}
+
+/// Divides nodes into two halves across their longest extent; on a tie the lower numbers come first.
+pub(super) fn halve<'a>(part: &'a mut [u32], position: &[[f64; 3]]) -> (&'a [u32], &'a [u32]) {
+    let axis = longest_axis(part, position);
+    let middle = part.len() / 2;
+    part.select_nth_unstable_by(middle, |&a, &b| {
+        let coordinate = |g: u32| position[g as usize][axis];
+        coordinate(a).total_cmp(&coordinate(b)).then(a.cmp(&b))
+    });
+    part.split_at(middle)
 }
 
 fn longest_axis(part: &[u32], position: &[[f64; 3]]) -> usize {

@@ -8,10 +8,13 @@
 //! ```
 
 use super::bsr::{NodeBlocks, packed, unpacked};
+use super::coarse_matrix::CoarseMatrix;
+use super::deflation::CoarseRows;
 use super::eisenstat::{Curvature, Sweep};
+use super::linear::LinearError;
 use super::twisted_factorization::Subdomain;
 use crate::assembly::Pattern;
-use crate::mesh::random::Lcg;
+use crate::mesh::random::{Lcg, pseudo_random};
 use crate::model::workers::Workers;
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -28,19 +31,22 @@ pub(super) struct SubdomainSystem {
     x: Vec<f32x4>,
     pub(super) r: Vec<f32x4>,
     pub(super) p: Vec<f32x4>,
-    t: Vec<f32x4>,
+    pub(super) t: Vec<f32x4>,
     pub(super) q: Vec<f32x4>,
-    reductions: Reductions,
+    /// with deflation: (I + L^T)^-1 r
+    pub(super) u: Vec<f32x4>,
+    pub(super) coarse: CoarseRows,
+    pub(super) reductions: Reductions,
 }
 
 /// Results of an operation in a subdomain.
 #[derive(Clone, Copy, Default)]
-struct Reductions {
+pub(super) struct Reductions {
     /// whether the blocks are positive definite
     positive_definite: bool,
     /// r . r
     square: f64,
-    curvature: Curvature,
+    pub(super) curvature: Curvature,
 }
 
 impl SubdomainSystem {
@@ -52,6 +58,8 @@ impl SubdomainSystem {
             p: own,
             t: all.clone(),
             q: all,
+            u: Vec::new(),
+            coarse: CoarseRows::default(),
             blocks,
             reductions: Reductions::default(),
         }
@@ -68,7 +76,7 @@ impl SubdomainSystem {
     }
 
     /// Adds the contributions of the halves to the separator's q.
-    fn add_halves(&mut self, halves: &[SubdomainSystem; 2]) {
+    pub(super) fn add_halves(&mut self, halves: &[SubdomainSystem; 2]) {
         for half in halves {
             for (q, other) in self.q.iter_mut().zip(&half.q[half.blocks.nodes()..]) {
                 *q += *other;
@@ -92,10 +100,13 @@ impl SubdomainSystem {
         self.reductions.square = squared(&self.r);
     }
 
-    /// q <- E^-1 Y^-1 b
-    fn gather(&mut self, b: impl Fn(usize) -> f32) {
+    /// q <- E^-1 Y^-1 b, and with deflation its sums
+    fn gather(&mut self, b: impl Fn(usize) -> f32, deflated: bool) {
         let own = self.blocks.nodes();
         self.blocks.gather(b, &mut self.q);
+        if deflated {
+            self.coarse.project(&self.q[..own]);
+        }
         self.q[own..].fill(f32x4::ZERO);
     }
 
@@ -109,11 +120,12 @@ impl SubdomainSystem {
         self.reductions.curvature = self.blocks.forth(Sweep { p: &mut self.p, t: &mut self.t, q: &mut self.q });
     }
 
-    /// x += alpha p, r -= alpha q
-    fn advance(&mut self, alpha: f32) {
+    /// x += alpha p, r -= alpha q; with deflation x += alpha t
+    fn advance(&mut self, alpha: f32, deflated: bool) {
         let mut sum = Vector3::zeros();
-        for (((x, r), p), q) in self.x.iter_mut().zip(&mut self.r).zip(&self.p).zip(&self.q) {
-            *x += *p * alpha;
+        let step = if deflated { &self.t } else { &self.p };
+        for (((x, r), step), q) in self.x.iter_mut().zip(&mut self.r).zip(step).zip(&self.q) {
+            *x += *step * alpha;
             *r -= *q * alpha;
             sum += unpacked(*r * *r).cast::<f64>();
         }
@@ -127,7 +139,11 @@ pub(super) struct PartitionedSystem {
     pub(super) separator: SubdomainSystem,
     /// Y^-1: one over the root of W's diagonal
     pub(super) scale: Vec<f64>,
-    workers: Workers,
+    /// made by the first deflation
+    pub(super) coarse: Option<CoarseMatrix>,
+    /// whether solves use deflation
+    pub(super) deflated: bool,
+    pub(super) workers: Workers,
 }
 
 impl PartitionedSystem {
@@ -138,7 +154,8 @@ impl PartitionedSystem {
         let workers = if subdomains[1].own.is_empty() { Workers::default() } else { workers };
         let part = |subdomain| SubdomainSystem::new(NodeBlocks::new(Arc::clone(pattern), subdomain, &node));
         let [first, second, separator] = subdomains.map(part);
-        PartitionedSystem { halves: [first, second], separator, scale: vec![0.0; pattern.n()], workers }
+        let scale = vec![0.0; pattern.n()];
+        PartitionedSystem { halves: [first, second], separator, scale, coarse: None, deflated: false, workers }
     }
 
     fn all(&self) -> impl Iterator<Item = &SubdomainSystem> {
@@ -152,7 +169,8 @@ impl PartitionedSystem {
     /// Factorises W: `values` [nonzeros], with the share `omega` [-] of the fill added to the pivots. Returns `false`
     /// if a diagonal block is not positive definite or an off-diagonal one is too large for that.
     pub fn set_values(&mut self, values: &[f64], omega: f64) -> bool {
-        let PartitionedSystem { halves, separator, scale, workers } = self;
+        self.deflated = false;
+        let PartitionedSystem { halves, separator, scale, workers, .. } = self;
         let diagonals = &separator.blocks.pattern.col_ptr;
         workers.each(scale, |range, scale| {
             for (scale, &first) in scale.iter_mut().zip(&diagonals[range]) {
@@ -181,34 +199,49 @@ impl PartitionedSystem {
 
     /// r <- (I + L)^-1 E^-1 Y^-1 b / s, where s is the largest entry of Y^-1 b; `b` `[n]`. Returns s and r . r.
     pub fn set_right_hand_side(&mut self, b: &[f64]) -> [f64; 2] {
-        let PartitionedSystem { halves, separator, scale, workers } = self;
-        let scale = &*scale;
+        let scale = &self.scale;
         let most = |range: Range<usize>| {
             b[range.clone()].iter().zip(&scale[range]).fold(0.0_f64, |most, (b, scale)| most.max((b * scale).abs()))
         };
-        let size = workers.fold(b.len(), 0.0, most, f64::max);
+        let size = self.workers.fold(b.len(), 0.0, most, f64::max);
         let inverse = if size >= f64::MIN_POSITIVE { size.recip() } else { 0.0 };
-        let single = |u: usize| (b[u] * scale[u] * inverse) as f32;
+        [size, self.set_scaled(|scale, u| (b[u] * scale[u] * inverse) as f32)]
+    }
+
+    /// r <- (I + L)^-1 E^-1 b, for `b` of Y^-1 and an unknown; returns r . r.
+    fn set_scaled(&mut self, b: impl Fn(&[f64], usize) -> f32 + Sync) -> f64 {
+        let PartitionedSystem { halves, separator, scale, workers, deflated, .. } = self;
+        let single = |u: usize| b(scale, u);
         both(workers, halves, |half| {
-            half.gather(single);
+            half.gather(single, *deflated);
             half.forward();
             half.store_residual();
         });
-        separator.gather(single);
+        separator.gather(single, *deflated);
         separator.add_halves(halves);
         separator.forward();
         separator.store_residual();
-        [size, self.sum(|found| found.square)]
+        self.sum(|found| found.square)
     }
 
-    /// x^ <- 0, p <- 0
-    pub fn begin(&mut self) {
+    /// x^ <- 0, p <- 0, or what deflation begins with; `first` and the result are r . r.
+    ///
+    /// # Errors
+    /// An r that is not finite.
+    pub fn begin(&mut self, first: f64) -> Result<f64, LinearError> {
         both(&self.workers, &mut self.halves, SubdomainSystem::begin);
         self.separator.begin();
+        if self.deflated { self.begin_deflated() } else { Ok(first) }
     }
 
     /// p <- r + beta p, q <- (I + L)^-1 (I + J + L + L^T) (I + L^T)^-1 p
-    pub fn product(&mut self, beta: f32) -> Curvature {
+    ///
+    /// # Errors
+    /// An r that is not finite.
+    pub fn product(&mut self, beta: f32) -> Result<Curvature, LinearError> {
+        if self.deflated {
+            return self.deflated_product(beta);
+        }
         let PartitionedSystem { halves, separator, workers, .. } = self;
         separator.back(beta);
         both(workers, halves, |half| {
@@ -218,35 +251,49 @@ impl PartitionedSystem {
         });
         separator.add_halves(halves);
         separator.forth();
+        Ok(self.curvature())
+    }
+
+    pub(super) fn curvature(&self) -> Curvature {
         Curvature { along: self.sum(|found| found.curvature.along), squares: self.sum(|found| found.curvature.squares) }
     }
 
     /// x^ += alpha p, r -= alpha q; returns r . r.
     pub fn advance(&mut self, alpha: f32) -> f64 {
-        both(&self.workers, &mut self.halves, |half| half.advance(alpha));
-        self.separator.advance(alpha);
+        let deflated = self.deflated;
+        both(&self.workers, &mut self.halves, |half| half.advance(alpha, deflated));
+        self.separator.advance(alpha, deflated);
         self.sum(|found| found.square)
     }
 
     /// b <- s Y^-1 E^-T (I + L^T)^-1 x^
     pub fn finish(&mut self, s: f64, b: &mut [f64]) {
-        let PartitionedSystem { halves, separator, scale, workers } = self;
+        let PartitionedSystem { halves, separator, scale, workers, deflated, .. } = self;
         let factors = (s, &**scale);
         let (first, rest) = b.split_at_mut(separator.blocks.unknowns()[0].start);
         let (middle, second) = rest.split_at_mut(separator.blocks.unknowns()[0].len());
-        separator.backward();
-        separator.blocks.scatter(&separator.t, factors, middle);
-        let [one, other] = halves;
-        let finish = |half: &mut SubdomainSystem, b: &mut [f64]| {
-            half.copy_separator(separator);
-            half.backward();
-            half.blocks.scatter(&half.t, factors, b);
+        if !*deflated {
+            separator.backward();
+        }
+        let scatter = |part: &SubdomainSystem, b: &mut [f64]| {
+            part.blocks.scatter(if *deflated { &part.x } else { &part.t }, factors, b);
         };
-        join(workers, (one, first), (other, second), |(half, b)| finish(half, b));
+        scatter(separator, middle);
+        let [one, other] = halves;
+        join(workers, (one, first), (other, second), |(half, b)| {
+            if !*deflated {
+                half.copy_separator(separator);
+                half.backward();
+            }
+            scatter(half, b);
+        });
     }
 
     /// Sets r to a fixed pseudo-random vector, which has a part of every mode; returns r . r.
     pub fn set_trial_right_hand_side(&mut self) -> f64 {
+        if self.deflated {
+            return self.set_scaled(|_, u| pseudo_random(u) as f32);
+        }
         let mut random = Lcg::default();
         for part in self.halves.iter_mut().chain([&mut self.separator]) {
             part.r.fill_with(|| packed(Vector3::from_fn(|_, _| random.next())));
@@ -262,7 +309,11 @@ impl PartitionedSystem {
     }
 }
 
-fn both(workers: &Workers, [one, other]: &mut [SubdomainSystem; 2], work: impl Fn(&mut SubdomainSystem) + Sync) {
+pub(super) fn both(
+    workers: &Workers,
+    [one, other]: &mut [SubdomainSystem; 2],
+    work: impl Fn(&mut SubdomainSystem) + Sync,
+) {
     join(workers, one, other, work);
 }
 

@@ -68,6 +68,11 @@ pub trait NonlinearProblem {
         0
     }
 
+    /// [-] Cost of one of them with the reused matrix ([`super::LinearSolver::cg_cost`]).
+    fn cg_cost(&self) -> f64 {
+        1.0
+    }
+
     /// Makes [`NonlinearProblem::solve`] use the factor of the last [`NonlinearProblem::freeze`], which may be from an
     /// earlier step.
     fn take_frozen(&mut self) {}

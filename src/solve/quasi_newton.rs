@@ -45,7 +45,7 @@ pub struct FactorHistory {
     pub expected: ExpectedUse,
     /// solves by conjugate gradients with it
     pub cg_solves: u32,
-    /// their iterations
+    /// their iterations, each counted as [`super::LinearSolver::cg_cost`]
     pub cg_iterations: u32,
     /// steps left on the exact tangent after a frozen factor failed
     pub rest: u32,
@@ -375,7 +375,8 @@ impl Iteration<'_> {
         let iterations = self.problem.cg_iterations() - before;
         if iterations > 0 {
             self.frozen.cg_solves = self.frozen.cg_solves.saturating_add(1);
-            self.frozen.cg_iterations = self.frozen.cg_iterations.saturating_add(iterations as u32);
+            let cost = (iterations as f64 * self.problem.cg_cost()).round() as u32;
+            self.frozen.cg_iterations = self.frozen.cg_iterations.saturating_add(cost);
         }
         dz.iter_mut().for_each(|dz| *dz = -*dz);
         let Some(lambda) = self.search(z) else { return Ok(Step::Stuck) };

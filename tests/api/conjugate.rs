@@ -1,7 +1,7 @@
 //! Conjugate gradients: solutions, what they notice, the trajectories of runs that use them, and when `auto` takes
 //! them.
 
-use crate::common::run::{Run, apart, asset, changed, run, run_with};
+use crate::common::run::{Run, apart, asset, case_of, changed, run, run_with};
 use crate::common::{Random, spring_group, square};
 use canopy_fem::assembly::{Pattern, TangentSystem};
 use canopy_fem::case::Case;
@@ -406,4 +406,24 @@ fn halves_of_a_net_give_the_same_bits_on_any_number_of_threads() {
     for other in [two, three] {
         assert!(one.state == other.state && one.outcome.counters == other.outcome.counters);
     }
+}
+
+/// Deflation of a large stiff net: few iterations, the trajectory of Cholesky, and the same bits on any number of
+/// threads.
+#[test]
+fn deflation_of_a_large_stiff_net() {
+    let net = serde_json::json!({"name": "net", "system": {"network": {
+        "mesh": {"rectangle": {"width": 1.0, "height": 1.0, "columns": 249, "rows": 249}},
+        "mass": {"areal_density": 0.1}, "springs": [{"on": "all", "stiffness": 1e4}],
+        "supports": [{"on": "boundary", "fix": "xyz"}], "gravity": [0, 0, -9.81]}},
+        "time": {"end": 4e-3, "step": 2e-3, "method": "newmark"}, "output": {}});
+    let case = case_of(&net, &[]);
+    let [one, two] = [1, 2].map(|threads| run_with(&changed(&case, &[("solver.linear", "cg")]), threads));
+    assert!(one.state == two.state && one.outcome.counters == two.outcome.counters);
+    let c = one.outcome.counters;
+    assert!(c.cg_iterations > 5 * c.linear_solves && c.cg_iterations < 30 * c.linear_solves, "{c:?}");
+    let exact = run(&changed(&case, &[("solver.linear", "cholesky")]));
+    let sag = exact.state.x.iter().skip(2).step_by(3).fold(0.0_f64, |most, z| most.max(z.abs()));
+    let off = one.state.x.iter().zip(&exact.state.x).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    assert!(off < 1e-6 * sag, "{off:e} of {sag:e}");
 }

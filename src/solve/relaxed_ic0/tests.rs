@@ -249,9 +249,9 @@ fn the_operations_are_those_of_their_factors() {
         let squares: f64 = r.iter().map(|r| r.norm_squared()).sum();
         assert!((square - squares).abs() < 1e-5 * squares);
 
-        system.begin();
-        system.product(0.0);
-        let curvature = system.product(0.5);
+        system.begin(square).expect("finite");
+        system.product(0.0).expect("finite");
+        let curvature = system.product(0.5).expect("finite");
         let p: Vec<Vector3<f64>> = r.iter().map(|r| *r * 1.5).collect();
         near("p <- r + beta p", &by_node(&system, |part| &part.p), &p);
         let mut u = p.clone();
@@ -305,6 +305,56 @@ fn overflow_is_told_and_forgotten() {
                 below(&system).iter().all(|(.., block)| block.iter().all(|entry| entry.is_finite())),
                 "unknown {u}"
             );
+        }
+    }
+}
+
+/// With deflation, b - W x of every iterate sums to zero over each aggregate and direction, and the solution is reached.
+#[test]
+fn deflated_residuals_have_no_sums() {
+    for separator in SEPARATORS {
+        let (mut system, pattern) = (system(&separator), pattern());
+        for seed in 1..10 {
+            let values = values(&pattern, seed);
+            assert!(system.deflate(&values, 3).expect("an analysis"), "seed {seed}");
+            let aggregates = system.coarse.as_ref().map(|coarse| coarse.aggregate.clone()).unwrap_or_default();
+            assert_eq!(aggregates.iter().max(), Some(&3), "four aggregates");
+            // Of the size of W's diagonal, as forces are.
+            let b: Vec<f64> = (0..pattern.n()).map(|u| (u as f64).cos() / system.scale[u]).collect();
+            let [s, first] = system.set_right_hand_side(&b);
+            let mut square = system.begin(first).expect("finite");
+            let (mut beta, mut x) = (0.0, vec![0.0; pattern.n()]);
+            let mut left = vec![0.0; pattern.n()];
+            for iteration in 0..25 {
+                system.finish(s, &mut x);
+                pattern.multiply(&values, &x, &mut left);
+                left.iter_mut().zip(&b).for_each(|(left, b)| *left = b - *left);
+                let mut sums = vec![[[0.0; 3]; 2]; 4];
+                for (u, left) in left.iter().enumerate() {
+                    let [sum, size] = &mut sums[aggregates[pattern.dof[u] as usize / 3] as usize];
+                    let i = pattern.dof[u] as usize % 3;
+                    (sum[i], size[i]) = (sum[i] + left, size[i] + b[u].abs());
+                }
+                for [sum, size] in &sums {
+                    for (sum, size) in sum.iter().zip(size) {
+                        assert!(
+                            sum.abs() <= 2e-4 * size,
+                            "{separator:?}, seed {seed}, {iteration}: {sum:e} of {size:e}"
+                        );
+                    }
+                }
+                if square < 1e-9 * first {
+                    break;
+                }
+                let curvature = system.product(beta).expect("finite");
+                let before = square;
+                square = system.advance((square / curvature.along) as f32);
+                beta = (square / before) as f32;
+            }
+            let scaled =
+                |v: &[f64]| v.iter().zip(&system.scale).map(|(v, scale)| (v * scale).powi(2)).sum::<f64>().sqrt();
+            let (rest, size) = (scaled(&left), scaled(&b));
+            assert!(rest < 1e-3 * size, "{separator:?}, seed {seed}: {rest:e} of {size:e} left");
         }
     }
 }
