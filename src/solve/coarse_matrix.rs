@@ -142,8 +142,8 @@ impl CoarseMatrix {
     }
 }
 
-/// Nodes of an aggregate, at most. On nets of 100,000 nodes half as many take 0.9 times the iterations, twice as many 1.2
-/// times.
+/// Nodes of an aggregate, at most. On nets of 100,000 nodes half as many take 0.9 times the iterations, twice as many
+/// 1.2 times.
 const LARGEST: usize = 64;
 /// Aggregates of larger scenes have more nodes, so that there are no more of them than this: a solve with the coarse
 /// matrix takes a seventh of an iteration at 100,000 nodes.

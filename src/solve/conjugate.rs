@@ -126,8 +126,8 @@ impl ConjugateGradients {
         })
     }
 
-    /// Solves for a fixed pseudo-random right-hand side to the relative residual [`TRIAL`] in at most `most` iterations.
-    /// Returns the number of iterations.
+    /// Solves for a fixed pseudo-random right-hand side to the relative residual [`TRIAL`] in at most `most`
+    /// iterations. Returns their number.
     ///
     /// # Errors
     /// As [`LinearSolver::solve`].

@@ -16,11 +16,11 @@ use std::sync::Arc;
 /// [-] Iterations of an average solve over those of the trial. Its right-hand side is smoother, and the last solve of a
 /// step need not be exact: 0.55 to 0.75 on square nets of 10,000 and 90,000 nodes.
 const EASIER: f64 = 0.65;
-/// [-] Iterations of an average solve over those of the trial where a matrix needs deflation: there all right-hand sides
-/// take about as many.
+/// [-] Iterations of an average solve over those of the trial where a matrix needs deflation. There all right-hand
+/// sides take about as many.
 const DEFLATED: f64 = 2.6;
-/// [-] Without deflation the first matrix gets CG even if the trial predicts this many times the affordable iterations. CG costs little
-/// to set up and real solves soon show if it is dearer; the cost of an unneeded factor is lost.
+/// [-] Without deflation the first matrix gets CG even if the trial predicts this many times the affordable iterations.
+/// CG costs little to set up and real solves soon show if it is dearer; the cost of an unneeded factor is lost.
 const DOUBT: f64 = 1.3;
 
 /// Costs of solvers in units of work: a multiplication and addition at the speed of memory, about 0.14 ns. The values
@@ -85,7 +85,8 @@ impl CostModel {
         Cost { iteration: gain * (self.factor_solve * stored + self.newton * n), setup: gain * setup }
     }
 
-    /// Of CG with this many iterations in an average solve, each counted as its cost over one without deflation. Starting and finishing a solve cost one iteration more.
+    /// Of CG with this many iterations in an average solve, each counted as its cost over one without deflation.
+    /// Starting and finishing a solve cost one iteration more.
     fn cg(&self, pattern: &Pattern, iterations: f64) -> Cost {
         let (n, entries) = (pattern.n() as f64, pattern.nonzeros() as f64);
         let iteration = self.cg_iteration * entries * (iterations + 1.0) + self.newton * n;

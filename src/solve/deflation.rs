@@ -161,7 +161,8 @@ impl SubdomainSystem {
 }
 
 impl PartitionedSystem {
-    /// Factorises W with deflation by aggregates of at most `largest` nodes; `values` [nonzeros]. Returns `false` if W is found not to be positive definite.
+    /// Factorises W with deflation by aggregates of at most `largest` nodes; `values` [nonzeros]. Returns `false` if W
+    /// is found not to be positive definite.
     ///
     /// # Errors
     /// When the analysis of the coarse matrix fails.
