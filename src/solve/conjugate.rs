@@ -29,6 +29,11 @@ use std::sync::Arc;
 const RELATIVE: f64 = 1e-10;
 /// [-] least relative residual of a solve in single precision, which has seven digits
 const SINGLE: f64 = 1e-6;
+/// [-] The same with deflation. Below it, rounding brings back translations of aggregates, on which iterations have no
+/// effect.
+const SINGLE_DEFLATED: f64 = 1e-4;
+/// [-] Growth of a residual that shows the same earlier.
+const DRIFT: f64 = 1e3;
 /// [-] Refinement stops if a round leaves more than this share of the residual: rounding dominates.
 const ROUND: f64 = 0.1;
 /// [-] Share of the largest p . W p / p . p below which the sign of p . W p is rounding.
@@ -176,7 +181,7 @@ impl ConjugateGradients {
         let stalled = |iterations, square| LinearError::Stalled { iterations, residual: left(square), asked: relative };
         let (mut beta, mut largest) = (0.0, 1.0_f64);
         while square > 0.0 && left(square) > if self.iterations < FEW { enough } else { relative } {
-            if self.iterations == self.most {
+            if self.iterations == self.most || self.deflated() && left(square) > DRIFT {
                 return Err(stalled(self.iterations, square));
             }
             self.iterations += 1;
@@ -207,10 +212,16 @@ impl ConjugateGradients {
     /// Replaces b `[n]` by an approximation of W^-1 b, as accurate as asked for and as single precision allows.
     fn round(&mut self, b: &mut [f64], asked: Accuracy) -> Result<(), LinearError> {
         let RightHandSide { scale, first } = self.set_right_hand_side(b)?;
-        let possible = Accuracy { relative: asked.relative.max(SINGLE), enough: asked.enough.max(SINGLE), ..asked };
+        let least = self.least_residual();
+        let possible = Accuracy { relative: asked.relative.max(least), enough: asked.enough.max(least), ..asked };
         self.iterate(first, possible)?;
         self.system.finish(scale, b);
         Ok(())
+    }
+
+    /// [-] Least relative residual of a solve without refinement.
+    fn least_residual(&self) -> f64 {
+        if self.deflated() { SINGLE_DEFLATED } else { SINGLE }
     }
 
     /// r <- (I + L)^-1 E^-1 b over the scale of b.
@@ -304,7 +315,7 @@ impl LinearSolver for ConjugateGradients {
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
         self.iterations = 0;
         let asked = self.accuracy;
-        if asked.relative < SINGLE || asked.checked {
+        if asked.relative < self.least_residual() || asked.checked {
             self.refine(values, b, asked)?
         } else {
             self.round(b, asked)?

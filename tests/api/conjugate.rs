@@ -418,12 +418,17 @@ fn deflation_of_a_large_stiff_net() {
         "supports": [{"on": "boundary", "fix": "xyz"}], "gravity": [0, 0, -9.81]}},
         "time": {"end": 4e-3, "step": 2e-3, "method": "newmark"}, "output": {}});
     let case = case_of(&net, &[]);
-    let [one, two] = [1, 2].map(|threads| run_with(&changed(&case, &[("solver.linear", "cg")]), threads));
+    let case = changed(&case, &[("solver.linear", "cg")]);
+    let [one, two] = [1, 2].map(|threads| run_with(&case, threads));
     assert!(one.state == two.state && one.outcome.counters == two.outcome.counters);
     let c = one.outcome.counters;
     assert!(c.cg_iterations > 5 * c.linear_solves && c.cg_iterations < 30 * c.linear_solves, "{c:?}");
     let exact = run(&changed(&case, &[("solver.linear", "cholesky")]));
     let sag = exact.state.x.iter().skip(2).step_by(3).fold(0.0_f64, |most, z| most.max(z.abs()));
-    let off = one.state.x.iter().zip(&exact.state.x).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
-    assert!(off < 1e-6 * sag, "{off:e} of {sag:e}");
+    // Newton's last iterations ask for more than single precision has.
+    let full = run(&changed(&case, &[("solver.newton.strategy", "full"), ("solver.newton.relative", "1e-11")]));
+    for (found, most) in [(one, 1e-6), (full, 1e-8)] {
+        let off = found.state.x.iter().zip(&exact.state.x).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        assert!(off < most * sag, "{off:e} of {sag:e}");
+    }
 }
