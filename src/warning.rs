@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "kebab-case")]
 pub enum WarningCode {
     /// Mass scaling that adds so much mass that the motion may be another.
-    AddedMass,
+    MassScaling,
     /// Air pressure above 1.5 times the dynamic pressure of the wind.
     AirPressure,
     /// Mass per area of the triangles outside the range of cloth.

@@ -112,10 +112,10 @@ const LITTLE: f64 = 0.05;
 pub fn mass_warning(scene: &dyn Scene) -> Option<Warning> {
     let added = scene.added_mass().filter(|added| added.share > LITTLE)?;
     let text = format!(
-        "mass scaling: {}; what moves fast may move otherwise, so compare with a run for a shorter step, or let tradeoff measure the error",
+        "mass scaling: {}; what moves fast may move otherwise, and a body that falls freely falls slower by this share, so compare with a run for a shorter step, or let tradeoff measure the error",
         added.text()
     );
-    Some(Warning::new(WarningCode::AddedMass, text))
+    Some(Warning::new(WarningCode::MassScaling, text))
 }
 
 /// A warning for a step that is too large, with both numbers.

@@ -55,7 +55,7 @@ impl Report<'_> {
             "unknowns": unknowns,
             "nodes": scene.reference().len(),
             "mass": totals.mass,
-            "added_mass": scene.added_mass(),
+            "mass_scaling": scene.added_mass(),
             "canopies": totals.canopies,
             "groups": groups,
             "symmetric": scene.symmetric(),

@@ -57,7 +57,7 @@ pub(super) fn report(
     if let Some(t) = summary.resumed_from {
         let _ = writeln!(text, "  resumed         from t = {} s", figures(t, 12));
     }
-    if let Some(added) = &summary.added_mass {
+    if let Some(added) = &summary.mass_scaling {
         let _ = writeln!(text, "  mass scaling    {}", added.text());
     }
     describe_cost(&mut text, outcome, summary);

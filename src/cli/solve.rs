@@ -164,8 +164,8 @@ impl<'a> PreparedRun<'a> {
         let summary = Summary::new(problem, scene, &outcome, limit.step, stopwatch.read());
         let peaks = recorder.peaks();
         let groups = self.groups.clone();
-        let (added_mass, startup) = (scene.added_mass(), self.account.read());
-        let summary = Summary { resumed_from, case_digest, peaks, groups, startup, added_mass, ..summary };
+        let (mass_scaling, startup) = (scene.added_mass(), self.account.read());
+        let summary = Summary { resumed_from, case_digest, peaks, groups, startup, mass_scaling, ..summary };
         summary.write(&folder.file(SUMMARY))?;
         // The checkpoint of an interrupt, which the case did not ask for.
         if outcome.status == Status::Completed && every.is_none() {

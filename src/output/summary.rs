@@ -129,7 +129,7 @@ pub struct Summary {
     pub final_ledger: LedgerRow,
     /// what mass scaling has added; not given without mass scaling
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub added_mass: Option<AddedMass>,
+    pub mass_scaling: Option<AddedMass>,
     /// largest values of the gauges; not given without gauges
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub peaks: Vec<Peak>,
@@ -179,7 +179,7 @@ impl Summary {
             critical_step: Some(critical_step).filter(|s| s.is_finite()),
             energy_error: outcome.energy_error,
             final_ledger: outcome.ledger,
-            added_mass: None,
+            mass_scaling: None,
             peaks: Vec::new(),
             groups: BTreeMap::new(),
             at_rest: problem.time.until_rest.map(|_| outcome.ended_early),

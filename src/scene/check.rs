@@ -42,8 +42,7 @@ pub enum BuildError {
     },
     /// Mass scaling that adds nothing.
     #[error(
-        "mass scaling for steps of {step} s adds nothing: every node has at least {:.3} times the mass that they need; leave time.mass_scaling out",
-        1.0 / needed
+        "mass scaling for steps of {step} s adds nothing: no node needs more than {needed:.3} of its mass for them; leave time.mass_scaling out"
     )]
     NothingToScale {
         /// [s] the step that is wanted

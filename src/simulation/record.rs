@@ -142,7 +142,7 @@ pub fn record(
     let outcome = simulation.run(&mut all, stop)?;
     let summary = Summary::new(problem, &*scene, &outcome, limit.step, stopwatch.read());
     let (peaks, groups) = (recorder.peaks(), problem.group_totals());
-    let summary = Summary { resumed_from, case_digest, peaks, groups, added_mass: scene.added_mass(), ..summary };
+    let summary = Summary { resumed_from, case_digest, peaks, groups, mass_scaling: scene.added_mass(), ..summary };
     summary.write(&folder.file(SUMMARY))?;
     // The checkpoint of an interrupt, which the case did not ask for.
     if outcome.status == Status::Completed && every.is_none() {

@@ -110,7 +110,7 @@ impl CoarseMatrix {
                 }
             }
         }
-        // In single precision where that is exact enough: solves take half the time.
+        // The factor is in single precision where that is exact enough: solves then take half the time.
         matches!(self.solver.prepare(&self.values), Ok(Inertia::Definite))
     }
 

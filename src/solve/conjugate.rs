@@ -45,7 +45,7 @@ const LARGE: usize = 50_000;
 /// Iterations of a trial above which it does.
 const EASY: u32 = 20;
 /// [-] Time of an iteration with deflation over that of one without: 2.4 at 100,000 nodes, 2 at a million.
-const DEFLATED: f64 = 2.3;
+const DEFLATED_COST: f64 = 2.3;
 /// Iterations after which M is checked for being nearly singular.
 const PROBE: u32 = 3;
 /// [-] Largest p . W p / p . p of a range of nodes. It is 0.8 to 2 on taut nets, where fill in the pivots helps. Where
@@ -138,7 +138,8 @@ impl ConjugateGradients {
     /// As [`LinearSolver::solve`].
     pub(super) fn trial_solve(&mut self, most: u32) -> Result<u32, LinearError> {
         match self.tried {
-            Some(iterations) => Ok(iterations),
+            Some(iterations) if iterations <= most => Ok(iterations),
+            Some(_) => Err(LinearError::Stalled { iterations: most, residual: 1.0, asked: TRIAL }),
             None => self.iterate_on_trial(TRIAL, most).map(|()| *self.tried.insert(self.iterations)),
         }
     }
@@ -297,15 +298,12 @@ impl LinearSolver for ConjugateGradients {
         let nodes = self.pattern.position.len();
         let large = nodes >= LARGE;
         let served = self.system.set_values(values, RELAXATION) && self.relaxation_serves();
-        if served && (!large || self.is_easy()) {
+        let made = served || self.system.set_values(values, 0.0);
+        if made && (!large || self.is_easy()) {
             return Ok(Inertia::Unknown);
         }
         self.tried = None;
-        let made = match large {
-            true => self.system.deflate(values, largest_aggregate(nodes))?,
-            false => self.system.set_values(values, 0.0),
-        };
-        if made {
+        if made && self.system.deflate(values, largest_aggregate(nodes))? {
             return Ok(Inertia::Unknown);
         }
         self.indefinite += 1;
@@ -328,7 +326,7 @@ impl LinearSolver for ConjugateGradients {
     }
 
     fn cg_cost(&self) -> f64 {
-        if self.deflated() { DEFLATED } else { 1.0 }
+        if self.deflated() { DEFLATED_COST } else { 1.0 }
     }
 
     fn work(&self) -> SolverWork {

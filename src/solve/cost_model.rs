@@ -18,7 +18,7 @@ use std::sync::Arc;
 const EASIER: f64 = 0.65;
 /// [-] Iterations of an average solve over those of the trial where a matrix needs deflation. There all right-hand
 /// sides take about as many.
-const DEFLATED: f64 = 2.6;
+const DEFLATED_TRIAL: f64 = 2.6;
 /// [-] Without deflation the first matrix gets CG even if the trial predicts this many times the affordable iterations.
 /// CG costs little to set up and real solves soon show if it is dearer; the cost of an unneeded factor is lost.
 const DOUBT: f64 = 1.3;
@@ -196,7 +196,7 @@ impl AutoSolver {
         let allowed = Cost::iteration_for(none.setup, self.expected.reuse, cholesky_work) - none.iteration;
         let known = self.expected.cg_iterations > 0.0;
         let cost = self.cg.cg_cost();
-        let (twice, doubt) = if self.cg.deflated() { (DEFLATED * cost, 1.0) } else { (2.0 * EASIER, DOUBT) };
+        let (twice, doubt) = if self.cg.deflated() { (DEFLATED_TRIAL * cost, 1.0) } else { (2.0 * EASIER, DOUBT) };
         let allowed = allowed / one * if known { 1.0 } else { doubt };
         let (iterations, cg_converged) = match self.expected.cg_iterations {
             seen if known => (seen, seen <= allowed),
@@ -288,6 +288,10 @@ impl LinearSolver for AutoSolver {
     fn prefers_other_solver(&self, ExpectedUse { reuse, cg_iterations }: ExpectedUse) -> bool {
         let (Some(e), true, true) = (&self.elimination, cg_iterations > 0.0, self.iterates) else { return false };
         COSTS.cholesky(&self.pattern, e).with_reuse(reuse) < COSTS.cg(&self.pattern, cg_iterations).with_reuse(reuse)
+    }
+
+    fn cg_cost(&self) -> f64 {
+        self.cg.cg_cost()
     }
 
     fn work(&self) -> SolverWork {

@@ -22,8 +22,9 @@ pub enum LinearChoice {
     /// Sparse LU.
     Lu,
     /// Conjugate gradients, preconditioned by an incomplete factorisation of which only the pivots are stored: little
-    /// memory, for small steps and large meshes. Large stiff nets get deflation. If the tangent is not symmetric, its
-    /// symmetric part is used; the strategy must then not be `full`.
+    /// memory, for small steps and large meshes. In large stiff nets, translations of groups of nodes are solved for
+    /// directly (deflation). If the tangent is not symmetric, its symmetric part is used; the strategy must then not be
+    /// `full`.
     Cg,
 }
 
