@@ -156,21 +156,23 @@ pub fn plainly_stable(scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice
 const BETWEEN: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
 /// Bounds on the fastest rates of a scene from some passes over its elements: at most 8 each on K and C.
-pub struct ElementBounds {
+pub struct ElementBounds<'a> {
+    scene: &'a dyn Scene,
+    at: StateRef<'a>,
     /// bounds, and the degrees of freedom where they are reached
     pub rates: Rates,
     damped: bool,
     symmetric: bool,
 }
 
-impl ElementBounds {
+impl<'a> ElementBounds<'a> {
     /// Computes the bounds at a state.
-    pub fn of(scene: &dyn Scene, at: StateRef<'_>) -> Self {
+    pub fn of(scene: &'a dyn Scene, at: StateRef<'a>) -> Self {
         let (square, frequency_dof) = scene.sharper_rate_bound(at, STIFFNESS);
         let damped = scene.velocity_dependent();
         let (damping, damping_dof) = if damped { scene.sharper_rate_bound(at, DAMPING) } else { (0.0, 0) };
         let rates = Rates { frequency: square.sqrt(), frequency_dof, damping, damping_dof };
-        ElementBounds { rates, damped, symmetric: scene.symmetric() }
+        ElementBounds { scene, at, rates, damped, symmetric: scene.symmetric() }
     }
 
     /// Whether every mode has the limit of an oscillator with its own quotients of K and C, if the scene is symmetric:
@@ -203,7 +205,26 @@ impl ElementBounds {
             true => Confidence::Certified { at_most: f64::INFINITY },
             false => Confidence::Estimate,
         };
-        CriticalStep { step: least, confidence, dof: both.frequency_dof, rates: both }
+        let found = CriticalStep { step: least, confidence, dof: both.frequency_dof, rates: both };
+        found.with_rest(self.scene, self.at, method)
+    }
+}
+
+impl CriticalStep {
+    /// The same for a method that makes short steps of stiff springs: at most the step that all other forces allow, by
+    /// the bounds of their elements. Resonance between the two is not looked for, so that it is an estimate.
+    pub(super) fn with_rest(self, scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice) -> Self {
+        let substeps = method.substeps();
+        if substeps == 1.0 {
+            return self;
+        }
+        let (square, dof) = scene.rest_rate_bound(substeps, at, STIFFNESS);
+        let damped = scene.velocity_dependent();
+        let (damping, damping_dof) = if damped { scene.rest_rate_bound(substeps, at, DAMPING) } else { (0.0, 0) };
+        let step = Pencil::EULER_CROMER.singular_at(square, damping);
+        let rates = Rates { frequency: square.sqrt(), frequency_dof: dof, damping, damping_dof };
+        let found = if step < self.step { CriticalStep { step, dof, rates, ..self } } else { self };
+        CriticalStep { confidence: Confidence::Estimate, ..found }
     }
 }
 

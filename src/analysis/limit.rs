@@ -38,8 +38,8 @@ pub fn critical_step(method: &MethodChoice, rates: Rates) -> f64 {
         return f64::INFINITY;
     }
     // The farthest limit is that of dop853: w h = 6.4 at damping ratio 1, where the faster rate is the damping, twice
-    // w.
-    let (mut stable, mut unstable) = (0.0, 16.0);
+    // w. Substeps make it longer.
+    let (mut stable, mut unstable) = (0.0, 16.0 * method.substeps());
     for _ in 0..40 {
         let middle = 0.5 * (stable + unstable);
         if stable_at(method, oscillator, middle, ROUNDING) { stable = middle } else { unstable = middle }
@@ -58,7 +58,8 @@ pub(super) fn limited(method: &MethodChoice) -> bool {
 fn limited_on(method: &MethodChoice, oscillator: Oscillator) -> bool {
     // At large steps the map is badly scaled and its radius carries more rounding; an unstable method is far above 1
     // there.
-    !(stable_at(method, oscillator, 37.0, 1e-6) && stable_at(method, oscillator, 400.0, 1e-4))
+    let [first, second] = [37.0, 400.0].map(|h| h * method.substeps());
+    !(stable_at(method, oscillator, first, 1e-6) && stable_at(method, oscillator, second, 1e-4))
 }
 
 fn stable_at(method: &MethodChoice, oscillator: Oscillator, h: f64, tolerance: f64) -> bool {

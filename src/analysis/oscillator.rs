@@ -4,7 +4,7 @@ use crate::assembly::{Assembler, PatternError, TangentSystem};
 use crate::force::TangentForm;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::state::{State, StateRef};
-use crate::model::system::{StepMean, System, TermInfo, Weights};
+use crate::model::system::{StepMean, StiffPart, System, TermInfo, Weights};
 
 const SPRING: TermInfo = TermInfo::of("spring", Role::Elastic);
 const DAMPING: TermInfo = TermInfo { name: "damping", role: Role::Dissipative, velocity_dependent: true, ..SPRING };
@@ -55,6 +55,11 @@ impl System for Oscillator {
 
     fn kinetic_energy(&self, v: &[f64]) -> f64 {
         0.5 * v[0] * v[0]
+    }
+
+    /// The only spring is the stiffest.
+    fn stiff_part(&self, _ratio: f64) -> Option<StiffPart> {
+        Some(StiffPart { dofs: vec![0], system: Box::new(*self), share: 1.0 })
     }
 
     fn velocity_dependent(&self) -> bool {

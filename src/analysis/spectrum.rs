@@ -100,6 +100,12 @@ impl<'a> Spectrum<'a> {
 
     /// The largest stable step of a method.
     pub fn critical_step(&mut self, method: &MethodChoice) -> CriticalStep {
+        let (scene, at) = (self.linear.scene, self.linear.at);
+        self.of_all_forces(method).with_rest(scene, at, method)
+    }
+
+    /// The same of a method that takes all forces in steps of one size.
+    fn of_all_forces(&mut self, method: &MethodChoice) -> CriticalStep {
         if !has_limit(method) {
             return CriticalStep::none();
         }
@@ -107,7 +113,7 @@ impl<'a> Spectrum<'a> {
             return self.undamped(method);
         }
         if self.symmetric()
-            && let Some(pencil) = method.info.linear.pencil
+            && let Some(pencil) = method.pencil()
             && let Some(found) = self.definite_below(pencil)
         {
             return found;
@@ -215,7 +221,9 @@ impl<'a> Spectrum<'a> {
         let mut dof = mode.dof;
         let steppable = self.damped && self.linear.scene.n_dof() <= self.effort.step;
         // An implicit scheme would need what it carries at every state.
-        let stepped_alone = method.partitioned() && method.info.family == Family::Explicit;
+        let explicit = method.info.family == Family::Explicit;
+        // The linearised scene does not know its stiff springs.
+        let stepped_alone = method.partitioned() && explicit && method.substeps() == 1.0;
         if stepped_alone && steppable && step < self.effort.sharpen_below && step > 0.0 {
             let most = self.fixed_velocity(method);
             let search = Search { guess: step.min(most.0), unit, stop: self.effort.stop };

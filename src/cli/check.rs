@@ -188,7 +188,7 @@ impl Totals {
 /// The source of the critical steps of methods.
 enum Limits<'a> {
     Searched(Box<Spectrum<'a>>),
-    Bounded(ElementBounds),
+    Bounded(ElementBounds<'a>),
 }
 
 impl<'a> Limits<'a> {

@@ -18,9 +18,13 @@ pub struct LinearStep {
     pub fixed_velocity: Option<f64>,
     /// the scheme whose step has the same eigenvalues, for a method whose step depends on more than the state and what
     /// the scheme carries
-    pub like: Option<fn() -> Scheme>,
-    /// the matrix that is positive definite only in stable steps of symmetric scenes, for a method with such a matrix
+    pub like: Option<fn(&[f64]) -> Scheme>,
+    /// the matrix that is positive definite only in stable steps of symmetric scenes, for a method with such a matrix;
+    /// with substeps, that of a short step
     pub pencil: Option<Pencil>,
+    /// [-] short steps of stiff springs in a step: the limit that these set is so many times longer. 1 for a method that
+    /// makes one step of everything
+    pub substeps: fn(&[f64]) -> f64,
 }
 
 /// The matrix m M - c h C - k h^2 K. No eigenvalue of the step passes -1 while it is positive definite.
@@ -36,8 +40,14 @@ pub struct Pencil {
 
 impl LinearStep {
     /// A method that is a function of h L for all its parameters and may keep or raise the energy of an oscillation.
-    pub const PLAIN: LinearStep =
-        LinearStep { partitioned: |_| false, always_dissipates: false, fixed_velocity: None, like: None, pencil: None };
+    pub const PLAIN: LinearStep = LinearStep {
+        partitioned: |_| false,
+        always_dissipates: false,
+        fixed_velocity: None,
+        like: None,
+        pencil: None,
+        substeps: |_| 1.0,
+    };
     /// The same for a partitioned method.
     pub const PARTITIONED: LinearStep = LinearStep { partitioned: |_| true, ..LinearStep::PLAIN };
     /// The same for a method that removes energy in every step.
@@ -47,6 +57,11 @@ impl LinearStep {
 impl Pencil {
     /// 4 M - 2 h C - h^2 K.
     pub const EULER_CROMER: Pencil = Pencil { m: 4.0, c: 2.0, k: 1.0 };
+
+    /// The same for steps that are made of so many.
+    pub(super) fn in_steps(self, substeps: f64) -> Self {
+        Pencil { c: self.c / substeps, k: self.k / (substeps * substeps), ..self }
+    }
 
     /// Its weights for a step `h` [s].
     pub fn at(self, h: f64) -> Weights {

@@ -72,6 +72,7 @@ pub mod improved_euler_pec;
 pub mod kang;
 pub mod kick_drift;
 pub mod linear_step;
+pub mod multirate;
 pub mod newmark;
 #[cfg(test)]
 mod order_conditions;

@@ -14,6 +14,7 @@ use super::improved_euler::ImprovedEuler;
 use super::improved_euler_pec::ImprovedEulerPec;
 use super::kang::Kang;
 use super::linear_step::{LinearStep, Pencil};
+use super::multirate::Multirate;
 use super::newmark::Newmark;
 use super::rk4::Rk4;
 use super::stage::NewmarkParameters;
@@ -154,6 +155,7 @@ static METHODS: &[MethodInfo] = &[
                 min: 0.0,
                 min_included: false,
                 max: 0.5,
+                whole: false,
                 doc: "[-] weight of the new acceleration in the displacement",
             },
             ParameterInfo {
@@ -162,6 +164,7 @@ static METHODS: &[MethodInfo] = &[
                 min: 0.5,
                 min_included: true,
                 max: 1.0,
+                whole: false,
                 doc: "[-] weight of the new acceleration in the velocity; above 1/2 it damps and is of order 1",
             },
         ],
@@ -185,6 +188,7 @@ static METHODS: &[MethodInfo] = &[
             min: -1.0 / 3.0,
             min_included: true,
             max: 0.0,
+            whole: false,
             doc: "[-] numerical damping of high frequencies; 0 is Newmark 1/4, 1/2",
         }],
         stability: "every step on linear scenes",
@@ -228,6 +232,7 @@ static METHODS: &[MethodInfo] = &[
             min: 0.0,
             min_included: true,
             max: 1.0,
+            whole: false,
             doc: "[-] spectral radius at infinite frequency; 1 damps nothing",
         }],
         stability: "every step on linear scenes",
@@ -257,11 +262,36 @@ static METHODS: &[MethodInfo] = &[
         stability: "w h < 2 undamped, where it is velocity Verlet; 2 (sqrt(1 + zeta^2) - zeta) damped",
         linear: LinearStep {
             pencil: Some(Pencil::EULER_CROMER),
-            like: Some(|| Scheme::Explicit(Box::new(EULER_CROMER))),
+            like: Some(|_| Scheme::Explicit(Box::new(EULER_CROMER))),
             ..LinearStep::PARTITIONED
         },
         source: "Belytschko, Liu, Moran & Elkhodary 2014, Box 5.1",
         build: |_, _| Scheme::Explicit(Box::new(CENTRAL_DIFFERENCE)),
+    },
+    MethodInfo {
+        name: "multirate",
+        order: 1,
+        order_with: None,
+        family: Family::Explicit,
+        evaluations: [2, 2],
+        parameters: &[ParameterInfo {
+            name: "substeps",
+            default: 4.0,
+            min: 1.0,
+            min_included: true,
+            max: 32.0,
+            whole: true,
+            doc: "[-] short steps of stiff springs in one step",
+        }],
+        stability: "w h < 2 substeps undamped where springs set the limit; as central-difference where other forces do",
+        linear: LinearStep {
+            substeps: |p| p[0],
+            pencil: Some(Pencil::EULER_CROMER),
+            like: Some(|p| Scheme::Explicit(Box::new(Multirate::at_half_steps(p[0] as u32)))),
+            ..LinearStep::PARTITIONED
+        },
+        source: "Tuckerman, Berne & Martyna 1992, section II; Neal & Belytschko 1989",
+        build: |p, _| Scheme::Explicit(Box::new(Multirate::new(p[0] as u32))),
     },
     MethodInfo {
         name: "energy-momentum",
@@ -275,6 +305,7 @@ static METHODS: &[MethodInfo] = &[
             min: 0.0,
             min_included: true,
             max: 1.0,
+            whole: false,
             doc: "[-] damping inside of elements; 0 keeps the energy, above it the order is 1",
         }],
         stability: "every step, on nonlinear scenes too: elastic energy is kept, or falls with dissipation",

@@ -133,8 +133,39 @@ pub trait System: Send + Sync {
         &ALONE
     }
 
+    /// The springs that limit explicit steps most: those at nodes whose springs allow steps of less than `ratio` times the
+    /// shortest that any node allows. `None` if there are none.
+    fn stiff_part(&self, ratio: f64) -> Option<StiffPart> {
+        let _ = ratio;
+        None
+    }
+
     /// Whether any force depends on velocity (then some explicit schemes need a second evaluation).
     fn velocity_dependent(&self) -> bool;
+}
+
+/// The stiff springs of a system, with their nodes, as a system of their own.
+pub struct StiffPart {
+    /// what its degrees of freedom are in the whole system
+    pub dofs: Vec<u32>,
+    /// these springs and their dashpots alone
+    pub system: Box<dyn System>,
+    /// [-] its elements over those of the whole system
+    pub share: f64,
+}
+
+impl std::fmt::Debug for StiffPart {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let StiffPart { dofs, share, .. } = self;
+        f.debug_struct("StiffPart").field("dofs", dofs).field("share", share).finish_non_exhaustive()
+    }
+}
+
+impl StiffPart {
+    /// Takes its values from a vector of the whole system.
+    pub fn gather(&self, all: &[f64], own: &mut [f64]) {
+        own.iter_mut().zip(&self.dofs).for_each(|(own, &dof)| *own = all[dof as usize]);
+    }
 }
 
 /// Makes the single step of [`System::advance`] with complete force passes.

@@ -47,23 +47,29 @@ impl Network {
     /// symmetric (compressive geometric stiffness is dropped); else a measure that grows with the eigenvalue.
     pub(super) fn node_bound(&self, at: StateRef<'_>, w: Weights, buffer: &mut BoundBuffer) -> (f64, usize) {
         let BoundBuffer { blocks, damping } = buffer;
+        let emit = |sink: &mut dyn TangentSink| self.emit_tangents(at, w, FORM, sink);
         let constant = |info: &TermInfo| info.constant_damping || !info.velocity_dependent;
         if w.k != 0.0 || !self.infos.iter().all(constant) {
-            return self.bound_in_pass(at, w, blocks, None);
+            return self.bound_in_pass(emit, blocks, None);
         }
         let (passed, c) = (self.phases.passed(), w.c);
         let known = damping.filter(|known| known.passed == passed && known.c == c);
-        let found = known.map_or_else(|| self.bound_in_pass(at, w, blocks, None), |known| known.found);
+        let found = known.map_or_else(|| self.bound_in_pass(emit, blocks, None), |known| known.found);
         *damping = Some(DampingBound { passed, c, found });
         found
     }
 
     /// The same from up to [`ROUNDS`] passes, with edges divided unequally.
     pub(super) fn sharper_node_bound(&self, at: StateRef<'_>, w: Weights) -> (f64, usize) {
+        self.bound_in_rounds(|sink| self.emit_tangents(at, w, FORM, sink))
+    }
+
+    /// The same of what `emit` gives.
+    pub(super) fn bound_in_rounds(&self, emit: impl Fn(&mut dyn TangentSink)) -> (f64, usize) {
         let (mut blocks, mut best) = (Vec::new(), (f64::INFINITY, 0));
         let mut unequal = Unequal { share: vec![1.0; self.phase().fixed.len()], alike: AlikeEdges::default() };
         for _ in 0..ROUNDS {
-            let found = self.bound_in_pass(at, w, &mut blocks, Some(&mut unequal));
+            let found = self.bound_in_pass(&emit, &mut blocks, Some(&mut unequal));
             let settled = found.0.is_nan() || found.0 >= SETTLED * best.0;
             if found.0.is_nan() || found.0 < best.0 {
                 best = found;
@@ -83,12 +89,10 @@ impl Network {
 
     fn bound_in_pass(
         &self,
-        at: StateRef<'_>,
-        w: Weights,
+        emit: impl FnOnce(&mut dyn TangentSink),
         blocks: &mut Vec<Block>,
         mut unequal: Option<&mut Unequal>,
     ) -> (f64, usize) {
-        let emit = |sink: &mut dyn TangentSink| self.emit_tangents(at, w, FORM, sink);
         sum_blocks(blocks, &self.phase().fixed, unequal.as_deref_mut(), emit);
         if let Some(Unequal { share, alike }) = unequal {
             alike.bound(share, |node, value| {

@@ -48,8 +48,7 @@ impl Phases {
             let mut of_user = spec.fixed.clone();
             spec.releases.iter().filter(|release| release.t <= begun).for_each(|release| release.apply(&mut of_user));
             let fixed: Vec<[bool; 3]> = numbering.user.iter().map(|&node| of_user[node as usize]).collect();
-            let inverse = fixed.iter().zip(mass).flat_map(|(f, &m)| f.map(|f| if f { 0.0 } else { 1.0 / m }));
-            let inverse_mass = inverse.collect();
+            let inverse_mass = inverse_mass(&fixed, mass);
             let released = all.first().map(|first| {
                 let before = first.fixed.as_flattened().iter().zip(fixed.as_flattened()).filter(|(held, _)| **held);
                 before.map(|(_, held)| !held).collect()
@@ -64,6 +63,19 @@ impl Phases {
         let begun = |t: &f64| divisions.partition_point(|division| division <= t);
         let phase = std::iter::once(0).chain(times.iter().map(begun)).collect();
         Phases { times, phase, all, passed: AtomicUsize::new(0) }
+    }
+
+    /// A single phase without events, of nodes of these masses [kg].
+    pub fn lasting(fixed: Vec<[bool; 3]>, mass: &[f64]) -> Self {
+        let phase = Phase {
+            inverse_mass: inverse_mass(&fixed, mass),
+            fixed,
+            released: Vec::new(),
+            cut: Vec::new(),
+            moved: Moved::default(),
+            graph: OnceLock::new(),
+        };
+        Phases { times: Vec::new(), phase: vec![0], all: vec![phase], passed: AtomicUsize::new(0) }
     }
 
     /// [s] The events.
@@ -98,6 +110,11 @@ impl Phases {
     pub fn current(&self) -> &Phase {
         &self.all[self.phase[self.passed()]]
     }
+}
+
+/// [1/kg] of every degree of freedom, 0 where it is fixed.
+fn inverse_mass(fixed: &[[bool; 3]], mass: &[f64]) -> Vec<f64> {
+    fixed.iter().zip(mass).flat_map(|(f, &m)| f.map(|f| if f { 0.0 } else { 1.0 / m })).collect()
 }
 
 impl Network {

@@ -23,6 +23,7 @@ pub mod network;
 pub mod numbering;
 mod pendulum;
 mod picture;
+mod stiff_part;
 mod suspect;
 mod tangent;
 
@@ -200,6 +201,12 @@ pub trait Scene: TangentSystem + Observables {
     /// The same bound from several passes, mostly sharper.
     fn sharper_rate_bound(&self, at: StateRef<'_>, w: crate::model::system::Weights) -> (f64, usize) {
         self.rate_bound(at, w, &mut BoundBuffer::default())
+    }
+
+    /// The same of all forces but those of the [stiff springs](crate::model::system::System::stiff_part).
+    fn rest_rate_bound(&self, ratio: f64, at: StateRef<'_>, w: crate::model::system::Weights) -> (f64, usize) {
+        let _ = ratio;
+        self.sharper_rate_bound(at, w)
     }
 }
 

@@ -24,7 +24,7 @@ use crate::model::forces::{Forces, Role, Tally};
 use crate::model::motion::motion;
 use crate::model::state::{State, StateRef};
 use crate::model::step_block::{self, StepSummary};
-use crate::model::system::{KickDriftBlock, StepMean, System, TermInfo, single_step};
+use crate::model::system::{KickDriftBlock, StepMean, StiffPart, System, TermInfo, single_step};
 use crate::model::workers::Workers;
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -150,7 +150,7 @@ impl Network {
             corners: p.corners,
             tables: p.tables,
             terms: p.terms,
-            shared_edges: shares_edges(&p.springs, p.mesh.edges.len()),
+            shared_edges: shares_edges(&p.springs),
             springs: p.springs,
             membranes: p.membranes,
             external: None,
@@ -286,10 +286,11 @@ impl Network {
     }
 }
 
-/// Whether two springs are on one of so many edges.
-fn shares_edges(springs: &[SpringBatch], edges: usize) -> bool {
-    let mut taken = vec![false; edges];
-    springs.iter().flat_map(|batch| &batch.edges).any(|&edge| std::mem::replace(&mut taken[edge as usize], true))
+/// Whether two springs are on one edge.
+fn shares_edges(springs: &[SpringBatch]) -> bool {
+    let edges = || springs.iter().flat_map(|batch| &batch.edges);
+    let mut taken = vec![false; edges().max().map_or(0, |&last| last as usize + 1)];
+    edges().any(|&edge| std::mem::replace(&mut taken[edge as usize], true))
 }
 
 /// The sum of a pass that terms of a role add to.
@@ -446,6 +447,10 @@ impl System for Network {
 
     fn corners(&self) -> Vec<f64> {
         self.corners.clone()
+    }
+
+    fn stiff_part(&self, ratio: f64) -> Option<StiffPart> {
+        self.stiff_springs(ratio)
     }
 
     fn velocity_dependent(&self) -> bool {

@@ -172,6 +172,10 @@ impl Scene for Network {
         self.sharper_node_bound(at, w)
     }
 
+    fn rest_rate_bound(&self, ratio: f64, at: StateRef<'_>, w: Weights) -> (f64, usize) {
+        self.bound_without_stiff(ratio, at, w)
+    }
+
     fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         let mut product = Product { p: by_node(p), y: bytemuck::cast_slice_mut(y) };

@@ -85,6 +85,11 @@ impl Threads {
         Ok(Threads::of(Workers::with_caller(n)?))
     }
 
+    /// The same threads for another scene, which has its own local buffers.
+    pub fn again(&self) -> Self {
+        Threads::of(self.workers.clone())
+    }
+
     /// The threads, for loops over nodes.
     pub fn workers(&self) -> &Workers {
         &self.workers

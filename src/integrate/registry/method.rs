@@ -2,7 +2,7 @@
 
 use super::{methods, other_name};
 use crate::integrate::implicit::SolverSpec;
-use crate::integrate::linear_step::LinearStep;
+use crate::integrate::linear_step::{LinearStep, Pencil};
 use crate::integrate::stepper::Scheme;
 use std::collections::BTreeMap;
 
@@ -31,6 +31,8 @@ pub struct ParameterInfo {
     pub min_included: bool,
     /// largest value, always allowed
     pub max: f64,
+    /// whether only whole numbers are allowed
+    pub whole: bool,
     /// one line for the schema and `methods`
     pub doc: &'static str,
 }
@@ -112,12 +114,14 @@ fn hint(name: &str) -> String {
 impl ParameterInfo {
     /// The range as text, e.g. `(0, 0.5]`.
     pub fn range(&self) -> String {
-        format!("{}{}, {}]", if self.min_included { '[' } else { '(' }, self.min, self.max)
+        let whole = if self.whole { "the whole numbers of " } else { "" };
+        format!("{whole}{}{}, {}]", if self.min_included { '[' } else { '(' }, self.min, self.max)
     }
 
     /// Whether a value is allowed; a number that is not finite never is.
     pub fn allows(&self, value: f64) -> bool {
-        value <= self.max && (value > self.min || self.min_included && value == self.min)
+        let in_range = value <= self.max && (value > self.min || self.min_included && value == self.min);
+        in_range && (!self.whole || value == value.trunc())
     }
 }
 
@@ -183,7 +187,7 @@ impl MethodChoice {
     /// A scheme whose step on linear scenes is a map of the state and what it carries, with the eigenvalues of this
     /// method's.
     pub fn linear_scheme(&self, solver: SolverSpec) -> Scheme {
-        self.info.linear.like.map_or_else(|| self.scheme(solver), |like| like())
+        self.info.linear.like.map_or_else(|| self.scheme(solver), |like| like(&self.values))
     }
 
     /// [-] Order of accuracy with these parameters.
@@ -194,6 +198,16 @@ impl MethodChoice {
     /// Whether it is a partitioned method with these parameters ([`LinearStep::partitioned`]).
     pub fn partitioned(&self) -> bool {
         (self.info.linear.partitioned)(&self.values)
+    }
+
+    /// [-] Short steps of stiff springs in a step ([`LinearStep::substeps`]).
+    pub fn substeps(&self) -> f64 {
+        (self.info.linear.substeps)(&self.values)
+    }
+
+    /// The matrix of its stable steps ([`LinearStep::pencil`]), if it has one.
+    pub fn pencil(&self) -> Option<Pencil> {
+        self.info.linear.pencil.map(|pencil| pencil.in_steps(self.substeps()))
     }
 
     /// The parameters by name.

@@ -1,0 +1,187 @@
+//! The springs that limit explicit steps most, as a network of their own nodes.
+//!
+//! A node with the spring matrix K and the dashpot matrix C, bounded by its elements ([`super::bound`]), allows steps of
+//! central differences up to h = 4/(c + sqrt(c^2 + 4 k)), with k and c the largest eigenvalues of K and C over its mass.
+//! Springs count as taut, in the directions that they have at t = 0. A spring is stiff if a node at one of its ends allows
+//! less than some number of times the shortest of these steps.
+
+use super::bound::{FORM, largest_by_node};
+use super::events::Phases;
+use super::network::{Network, Parts, SpringBatch, node_state};
+use super::numbering::Numbering;
+use crate::force::ForceTerm;
+use crate::format_number::counted;
+use crate::force::law::damped_springs::{DampedSprings, Dashpots};
+use crate::force::law::spring::{Coefficient, SpringData};
+use crate::force::{TangentSink, outer};
+use crate::mesh::Mesh;
+use crate::model::spec::DashpotKind;
+use crate::model::state::StateRef;
+use crate::model::system::{StiffPart, Weights};
+use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
+
+impl Network {
+    /// See [`System::stiff_part`].
+    pub(super) fn stiff_springs(&self, ratio: f64) -> Option<StiffPart> {
+        let is_stiff = self.stiff(ratio);
+        let all = self.carrying().flat_map(|batch| batch.data.nodes.iter());
+        let mut nodes: Vec<u32> = all.filter(|nodes| is_stiff(nodes)).flatten().copied().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        if nodes.is_empty() {
+            return None;
+        }
+        let place = |node: u32| nodes.partition_point(|&before| before < node) as u32;
+        let springs: Vec<SpringBatch> =
+            self.carrying().filter_map(|batch| part_of(batch, &is_stiff, place)).collect();
+        let elements = self.terms.iter().map(|term| term.elements()).sum::<usize>();
+        let share = springs.iter().map(|batch| batch.data.nodes.len()).sum::<usize>() as f64 / elements as f64;
+        let dofs = nodes.iter().flat_map(|&node| 3 * node..3 * node + 3).collect();
+        log::info!(
+            "stiff springs: {} at {}, {:.0} % of all elements",
+            counted(springs.iter().map(|batch| batch.data.nodes.len()).sum::<usize>() as u64, "spring", "springs"),
+            counted(nodes.len() as u64, "node", "nodes"),
+            100.0 * share
+        );
+        Some(StiffPart { dofs, share, system: Box::new(self.of_springs(springs, &nodes)) })
+    }
+
+    /// These springs alone, of which node `i` is `nodes[i]` here.
+    fn of_springs(&self, springs: Vec<SpringBatch>, nodes: &[u32]) -> Network {
+        let of = |node: &u32| *node as usize;
+        let mass: Arc<[f64]> = nodes.iter().map(|node| self.mass[of(node)]).collect();
+        let fixed = nodes.iter().map(|node| self.phase().fixed[of(node)]).collect();
+        Network::assemble_parts(Parts {
+            numbering: Numbering { user: nodes.to_vec(), internal: Vec::new() },
+            phases: Phases::lasting(fixed, &mass),
+            weighed: mass.clone(),
+            mass,
+            added_mass: None,
+            start: nodes.iter().map(|node| self.start[of(node)]).collect(),
+            velocity: Vec::new(),
+            gravity: Vector3::zeros(),
+            loads: Vec::new(),
+            corners: Vec::new(),
+            tables: Vec::new(),
+            stream: None,
+            canopies: Vec::new(),
+            pressures: Vec::new(),
+            apparent: Vec::new(),
+            terms: springs.iter().map(|batch| Box::new(term_of(batch)) as Box<dyn ForceTerm>).collect(),
+            springs,
+            membranes: Vec::new(),
+            threads: self.threads.again(),
+            mesh: Mesh::default(),
+        })
+    }
+
+    /// The bound on the largest eigenvalue of all forces but those of stiff springs; see [`super::bound`].
+    pub(super) fn bound_without_stiff(&self, ratio: f64, at: StateRef<'_>, w: Weights) -> (f64, usize) {
+        let is_stiff = self.stiff(ratio);
+        // Springs are the first terms, one a batch.
+        let (springs, others) = self.terms.split_at(self.springs.len());
+        self.bound_in_rounds(|sink| {
+            let mut rest = Rest { is_stiff: &is_stiff, sink };
+            springs.iter().for_each(|term| term.tangent(node_state(at), w, FORM, &mut rest));
+            others.iter().for_each(|term| term.tangent(node_state(at), w, FORM, rest.sink));
+            self.emit_law_tangents(at, w, FORM, rest.sink);
+        })
+    }
+
+    /// Which springs are stiff, by their nodes.
+    fn stiff(&self, ratio: f64) -> impl Fn(&[u32; 2]) -> bool + use<> {
+        let steps = self.allowed_steps();
+        let limit = ratio * steps.iter().copied().fold(f64::INFINITY, f64::min);
+        move |nodes| nodes.iter().any(|&node| steps[node as usize] < limit)
+    }
+
+    /// [s] The step that the springs at each node allow, infinite where there are none.
+    fn allowed_steps(&self) -> Vec<f64> {
+        let fixed = &self.phase().fixed;
+        // All directions for a spring without one.
+        let along = |[a, b]: [u32; 2]| {
+            let n = (self.start[b as usize] - self.start[a as usize]).try_normalize(0.0);
+            n.map_or(Matrix3::identity(), |n| outer(n, n))
+        };
+        let by_node = |block: &dyn Fn(&SpringBatch, usize) -> Matrix3<f64>| {
+            largest_by_node(fixed, |sink| {
+                for batch in self.carrying() {
+                    batch.data.nodes.iter().enumerate().for_each(|(i, &nodes)| sink.edge(nodes, block(batch, i)));
+                }
+            })
+        };
+        let stiffness = by_node(&|batch, i| along(batch.data.nodes[i]) * batch.data.stiffness.at(i));
+        let damping = by_node(&|batch, i| match batch.axial {
+            true => along(batch.data.nodes[i]) * batch.dashpot.at(i),
+            false => Matrix3::from_diagonal_element(batch.dashpot.at(i)),
+        });
+        let rates = stiffness.iter().zip(&damping).zip(self.mass.iter()).zip(fixed);
+        let step = |(((k, c), m), fixed): (((&f64, &f64), &f64), &[bool; 3])| {
+            let held = *fixed == [true; 3];
+            if held { f64::INFINITY } else { 4.0 / (c / m + ((c / m).powi(2) + 4.0 * k / m).sqrt()) }
+        };
+        rates.map(step).collect()
+    }
+}
+
+/// Takes the tangents of springs that are not stiff.
+struct Rest<'a, F> {
+    is_stiff: &'a F,
+    sink: &'a mut dyn TangentSink,
+}
+
+impl<F: Fn(&[u32; 2]) -> bool> TangentSink for Rest<'_, F> {
+    fn pair(&mut self, nodes: [u32; 2], block: Matrix3<f64>) {
+        self.sink.pair(nodes, block);
+    }
+
+    fn edge(&mut self, nodes: [u32; 2], block: Matrix3<f64>) {
+        if !(self.is_stiff)(&nodes) {
+            self.sink.edge(nodes, block);
+        }
+    }
+
+    fn segment(&mut self, nodes: [u32; 2], blocks: &[[Matrix3<f64>; 2]; 2]) {
+        self.sink.segment(nodes, blocks);
+    }
+
+    fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]) {
+        self.sink.triangle(nodes, blocks);
+    }
+}
+
+fn term_of(batch: &SpringBatch) -> DampedSprings {
+    let kind = if batch.axial { DashpotKind::Axial } else { DashpotKind::Relative };
+    let coefficient = batch.dashpot.clone();
+    let dashpots = (!matches!(coefficient, Coefficient::Uniform(0.0))).then_some(Dashpots { kind, coefficient });
+    DampedSprings::new(batch.data.clone(), dashpots).cut_with(batch.cut.clone())
+}
+
+/// The springs of a batch that `keep` names, between nodes with other numbers.
+fn part_of(
+    batch: &SpringBatch,
+    keep: impl Fn(&[u32; 2]) -> bool,
+    place: impl Fn(u32) -> u32,
+) -> Option<SpringBatch> {
+    let kept: Vec<usize> = (0..batch.data.nodes.len()).filter(|&i| keep(&batch.data.nodes[i])).collect();
+    let pick = |values: &Coefficient| -> Coefficient {
+        Coefficient::from_values(&kept.iter().map(|&i| values.at(i)).collect::<Vec<_>>())
+    };
+    let lengths = |values: &[f64]| kept.iter().map(|&i| values[i]).collect();
+    if kept.is_empty() {
+        return None;
+    }
+    Some(SpringBatch {
+        data: SpringData {
+            nodes: kept.iter().map(|&i| batch.data.nodes[i].map(&place)).collect(),
+            rest_length: lengths(&batch.data.rest_length),
+            stiffness: pick(&batch.data.stiffness),
+            ..batch.data.clone()
+        },
+        given: lengths(&batch.given),
+        edges: kept.iter().map(|&i| batch.edges[i]).collect(),
+        dashpot: pick(&batch.dashpot),
+        ..batch.clone()
+    })
+}
