@@ -132,6 +132,10 @@ impl CostLimits<'static> {
         CostLimits { factorise: 20_000, step: 6_000, sharpen_below: f64::INFINITY, stop: Stop::NEVER };
 }
 
+/// [-] Damping forces beside stiff springs count so much more: they see velocities half a short step late, and grew
+/// slowly from 0.85 of their own limit on where stiff springs acted on the same nodes.
+const LAGGING: f64 = 1.25;
+
 /// [-] Share of a critical step by bounds up to which a step is taken as stable without a search: where every mode of a
 /// symmetric scene has a limit of its own, where damping may couple modes in a step, and where forces of the air or
 /// others are not symmetric.
@@ -221,9 +225,9 @@ impl CriticalStep {
         let (square, dof) = scene.rest_rate_bound(substeps, at, STIFFNESS);
         let damped = scene.velocity_dependent();
         let (damping, damping_dof) = if damped { scene.rest_rate_bound(substeps, at, DAMPING) } else { (0.0, 0) };
-        let step = Pencil::EULER_CROMER.singular_at(square, damping);
+        let step = Pencil::EULER_CROMER.singular_at(square, LAGGING * damping);
         let rates = Rates { frequency: square.sqrt(), frequency_dof: dof, damping, damping_dof };
-        let found = if step < self.step { CriticalStep { step, dof, rates, ..self } } else { self };
+        let found = if step > 0.0 && step < self.step { CriticalStep { step, dof, rates, ..self } } else { self };
         CriticalStep { confidence: Confidence::Estimate, ..found }
     }
 }

@@ -194,6 +194,7 @@ mod tests {
             ("hht", Some(("alpha", 0.0))),
             ("generalized-alpha", Some(("rho_inf", 1.0))),
             ("energy-momentum", Some(("dissipation", 0.5))),
+            ("multirate", Some(("substeps", 3.0))),
         ];
         let given = |p: Option<(&str, f64)>| p.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
         plain.chain(other).map(|(name, p)| MethodChoice::new(name, &given(p)).unwrap()).collect()
@@ -254,15 +255,17 @@ mod tests {
 
     #[test]
     fn a_pencil_is_singular_at_the_limit() {
-        let given = methods().iter().filter_map(|info| info.linear.pencil.map(|pencil| (info.name, pencil)));
-        for (name, pencil) in given {
-            let method = MethodChoice::with_defaults(name).unwrap();
+        for info in methods() {
+            let (name, method) = (info.name, MethodChoice::with_defaults(info.name).unwrap());
+            let Some(pencil) = method.pencil() else { continue };
+            // Short steps are one map of several, which near the limit is worse conditioned.
+            let close = if method.substeps() > 1.0 { 1e-3 } else { 1e-7 };
             // Undamped, two eigenvalues meet at the limit, where rounding counts by its root.
             for zeta in [0.0, 0.05, 0.4, 1.0, 3.0] {
                 let (frequency, damping) = (20.0, 40.0 * zeta);
                 let found = critical_step(&method, Rates { frequency, damping, ..Rates::default() });
                 let expected = pencil.singular_at(frequency * frequency, damping);
-                assert!((found / expected - 1.0).abs() < 1e-7, "{name} at {zeta}: {found}, {expected}");
+                assert!((found / expected - 1.0).abs() < close, "{name} at {zeta}: {found}, {expected}");
             }
         }
     }
@@ -286,7 +289,7 @@ mod tests {
     /// The table "Critical steps" of structural dynamics: w h at damping ratio 0, 0.1 and 1.
     #[test]
     fn limits_equal_the_known_ones() {
-        let known: [(&str, [f64; 3]); 10] = [
+        let known: [(&str, [f64; 3]); 11] = [
             ("explicit-euler", [0.0, 0.2, 2.0]),
             ("euler-cromer", [2.0, 1.8099, 0.8284]),
             ("improved-euler", [0.0, 1.0497, 2.0]),
@@ -294,6 +297,8 @@ mod tests {
             ("improved-euler-pec", [0.0, 0.6492, 1.0]),
             ("velocity-verlet", [2.0, 1.8435, 1.0]),
             ("central-difference", [2.0, 1.8099, 0.8284]),
+            // Six times those.
+            ("multirate", [12.0, 10.8594, 4.9706]),
             ("rk4", [2.8284, 2.9508, 2.7853]),
             ("dormand-prince", [0.9972, 2.6814, 3.3066]),
             ("dop853", [5.9604, 6.2810, 6.3937]),
@@ -308,7 +313,8 @@ mod tests {
                 let frequency = 250.0;
                 let rates = Rates { frequency, damping: 2.0 * zeta * frequency, ..Default::default() };
                 let found = critical_step(&method, rates) * frequency;
-                assert!((found - limit).abs() < 2e-4, "{name} at damping ratio {zeta}: {found}, known {limit}");
+                let close = 2e-4 * method.substeps();
+                assert!((found - limit).abs() < close, "{name} at damping ratio {zeta}: {found}, known {limit}");
             }
         }
     }

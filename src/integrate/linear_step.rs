@@ -22,8 +22,8 @@ pub struct LinearStep {
     /// the matrix that is positive definite only in stable steps of symmetric scenes, for a method with such a matrix;
     /// with substeps, that of a short step
     pub pencil: Option<Pencil>,
-    /// [-] short steps of stiff springs in a step: the limit that these set is so many times longer. 1 for a method that
-    /// makes one step of everything
+    /// [-] short steps of stiff springs in a step: the limit that these set is so many times longer. 1 for a method
+    /// that makes one step of everything
     pub substeps: fn(&[f64]) -> f64,
 }
 

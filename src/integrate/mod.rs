@@ -257,6 +257,11 @@ pub trait Integrator<S: ?Sized>: Send {
         CarriedState::default()
     }
 
+    /// The same into one that was saved before. Allocates nothing where a scheme carries vectors of its own.
+    fn save_into(&self, to: &mut CarriedState) {
+        *to = self.save();
+    }
+
     /// Restores the carried state; called after [`Integrator::start`].
     ///
     /// # Errors

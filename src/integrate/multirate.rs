@@ -58,6 +58,12 @@ impl Multirate {
     pub fn at_half_steps(substeps: u32) -> Self {
         Multirate { scheme: EULER_CROMER, ..Multirate::new(substeps) }
     }
+
+    /// The vectors that it carries, those that the scene has.
+    fn carried(&self) -> impl Iterator<Item = &Vec<f64>> {
+        let forces = self.stiff.iter().map(|stiff| &stiff.carried);
+        forces.flat_map(|forces| [&forces.total, &forces.dissipative]).filter(|vector| !vector.is_empty())
+    }
 }
 
 impl Integrator<dyn System> for Multirate {
@@ -115,13 +121,22 @@ impl Integrator<dyn System> for Multirate {
     }
 
     fn save(&self) -> CarriedState {
-        let vectors = self.stiff.iter().flat_map(|stiff| [&stiff.carried.total, &stiff.carried.dissipative]);
-        CarriedState { vectors: vectors.filter(|v| !v.is_empty()).cloned().collect(), ..CarriedState::default() }
+        CarriedState { vectors: self.carried().cloned().collect(), ..CarriedState::default() }
+    }
+
+    fn save_into(&self, to: &mut CarriedState) {
+        to.vectors.resize(self.carried().count(), Vec::new());
+        to.vectors.iter_mut().zip(self.carried()).for_each(|(to, from)| to.clone_from(from));
     }
 
     fn restore(&mut self, saved: &CarriedState) -> Result<(), StepError> {
-        let vectors = self.stiff.iter_mut().flat_map(|stiff| [&mut stiff.carried.total, &mut stiff.carried.dissipative]);
-        saved.take_into(&mut vectors.filter(|v| !v.is_empty()).collect::<Vec<_>>())
+        let Some(StiffSprings { carried: Forces { total, dissipative, .. }, .. }) = &mut self.stiff else {
+            return saved.take_into(&mut []);
+        };
+        match dissipative.is_empty() {
+            true => saved.take_into(&mut [total]),
+            false => saved.take_into(&mut [total, dissipative]),
+        }
     }
 }
 

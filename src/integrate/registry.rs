@@ -276,7 +276,7 @@ static METHODS: &[MethodInfo] = &[
         evaluations: [2, 2],
         parameters: &[ParameterInfo {
             name: "substeps",
-            default: 4.0,
+            default: 6.0,
             min: 1.0,
             min_included: true,
             max: 32.0,

@@ -138,6 +138,11 @@ impl<'a> Stepper<'a> {
         each!(&self.0, scheme, _system => scheme.save())
     }
 
+    /// See [`Integrator::save_into`].
+    pub fn save_into(&self, to: &mut CarriedState) {
+        each!(&self.0, scheme, _system => scheme.save_into(to));
+    }
+
     /// See [`Integrator::restore`].
     ///
     /// # Errors

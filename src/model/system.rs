@@ -133,8 +133,8 @@ pub trait System: Send + Sync {
         &ALONE
     }
 
-    /// The springs that limit explicit steps most: those at nodes whose springs allow steps of less than `ratio` times the
-    /// shortest that any node allows. `None` if there are none.
+    /// The springs that limit explicit steps most: those at nodes whose springs allow steps of less than `ratio` times
+    /// the shortest that any node allows. `None` if there are none.
     fn stiff_part(&self, ratio: f64) -> Option<StiffPart> {
         let _ = ratio;
         None

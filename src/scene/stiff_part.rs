@@ -1,19 +1,19 @@
 //! The springs that limit explicit steps most, as a network of their own nodes.
 //!
-//! A node with the spring matrix K and the dashpot matrix C, bounded by its elements ([`super::bound`]), allows steps of
-//! central differences up to h = 4/(c + sqrt(c^2 + 4 k)), with k and c the largest eigenvalues of K and C over its mass.
-//! Springs count as taut, in the directions that they have at t = 0. A spring is stiff if a node at one of its ends allows
-//! less than some number of times the shortest of these steps.
+//! The springs and dashpots at a node, bounded by its elements ([`super::bound`]), allow steps of central differences
+//! up to h = 4/(c + sqrt(c^2 + 4 k)), with k and c the largest eigenvalues of these bounds on K and C, over its mass.
+//! Springs count as taut, in the directions that they have at t = 0. A spring is stiff if a node at one of its ends
+//! allows less than some number of times the shortest of these steps.
 
 use super::bound::{FORM, largest_by_node};
 use super::events::Phases;
 use super::network::{Network, Parts, SpringBatch, node_state};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
-use crate::format_number::counted;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
 use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::{TangentSink, outer};
+use crate::format_number::counted;
 use crate::mesh::Mesh;
 use crate::model::spec::DashpotKind;
 use crate::model::state::StateRef;
@@ -33,8 +33,7 @@ impl Network {
             return None;
         }
         let place = |node: u32| nodes.partition_point(|&before| before < node) as u32;
-        let springs: Vec<SpringBatch> =
-            self.carrying().filter_map(|batch| part_of(batch, &is_stiff, place)).collect();
+        let springs: Vec<SpringBatch> = self.carrying().filter_map(|batch| part_of(batch, &is_stiff, place)).collect();
         let elements = self.terms.iter().map(|term| term.elements()).sum::<usize>();
         let share = springs.iter().map(|batch| batch.data.nodes.len()).sum::<usize>() as f64 / elements as f64;
         let dofs = nodes.iter().flat_map(|&node| 3 * node..3 * node + 3).collect();
@@ -159,11 +158,7 @@ fn term_of(batch: &SpringBatch) -> DampedSprings {
 }
 
 /// The springs of a batch that `keep` names, between nodes with other numbers.
-fn part_of(
-    batch: &SpringBatch,
-    keep: impl Fn(&[u32; 2]) -> bool,
-    place: impl Fn(u32) -> u32,
-) -> Option<SpringBatch> {
+fn part_of(batch: &SpringBatch, keep: impl Fn(&[u32; 2]) -> bool, place: impl Fn(u32) -> u32) -> Option<SpringBatch> {
     let kept: Vec<usize> = (0..batch.data.nodes.len()).filter(|&i| keep(&batch.data.nodes[i])).collect();
     let pick = |values: &Coefficient| -> Coefficient {
         Coefficient::from_values(&kept.iter().map(|&i| values.at(i)).collect::<Vec<_>>())

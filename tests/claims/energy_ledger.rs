@@ -73,7 +73,8 @@ fn one(method: &MethodInfo, reference: &[Account], claims: &mut Vec<Claim>) {
         }
         claims.push(if !accurate {
             // Central differences lose no energy in first order: their dashpots take it at other velocities.
-            let second = method.name == "central-difference" && *column == "numerical";
+            let lags = ["central-difference", "multirate"].contains(&method.name);
+            let second = lags && *column == "numerical";
             Claim::absolute(name, slope(i), if second { 2.0 } else { order }, TOLERANCE)
         } else {
             // That jump, and the reference, hide smaller errors; `order.rs` measures them, two-sided, on a net without

@@ -97,6 +97,7 @@ pub fn claims() -> Vec<Claim> {
         ("explicit-euler", 4e-3),
         ("euler-cromer", 4e-3),
         ("central-difference", 4e-3),
+        ("multirate", 4e-3),
         ("kang", 4e-3),
         ("backward-euler", 4e-3),
     ] {

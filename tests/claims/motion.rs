@@ -154,6 +154,7 @@ fn orders() -> Vec<Claim> {
         ("improved-euler-pec", 2.0, 2e-3),
         ("velocity-verlet", 2.0, 0.01),
         ("central-difference", 2.0, 0.01),
+        ("multirate", 2.0, 0.01),
         ("newmark", 2.0, 0.01),
         ("energy-momentum", 2.0, 0.01),
         ("hht", 2.0, 5e-3),

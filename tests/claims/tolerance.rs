@@ -110,7 +110,7 @@ fn follows(case: &Case, what: &str, count: u32, fits: impl Fn(&MethodInfo) -> bo
             format!("{what}, {name}: most / least over {decades} decades"),
             spread,
             // On its way from long to short steps the error of central differences goes from second to first order.
-            if name == "central-difference" { 2.0 * FACTOR } else { FACTOR },
+            if ["central-difference", "multirate"].contains(&name) { 2.0 * FACTOR } else { FACTOR },
         )])
     });
     rows.collect()

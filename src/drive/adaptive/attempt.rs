@@ -49,19 +49,21 @@ impl AttemptContext<'_, '_> {
         Ok(StepReport { forces_at_end: true, ..report })
     }
 
-    /// Second half of a step. If `judge` refuses the step, the first half is taken back too.
+    /// Second half of a step, with what the scheme carries before it in `carried`. If `judge` refuses the step, the
+    /// first half is taken back too.
     fn second_half(
         &mut self,
+        carried: &mut CarriedState,
         middle: &Point,
         (t_next, end): (f64, &mut Point),
         judge: impl FnOnce(&Point, &Point) -> Result<(), DropReason>,
-    ) -> Result<(StepReport, CarriedState), DropReason> {
-        let carried = self.stepper.save();
+    ) -> Result<StepReport, DropReason> {
+        self.stepper.save_into(carried);
         self.stepper.accept();
         match self.step(middle, t_next, end).and_then(|report| judge(middle, end).map(|()| report)) {
-            Ok(report) => Ok((report, carried)),
+            Ok(report) => Ok(report),
             Err(dropped) => {
-                self.stepper.restore(&carried).map_err(DropReason::Unsolved)?;
+                self.stepper.restore(carried).map_err(DropReason::Unsolved)?;
                 Err(dropped)
             }
         }
@@ -118,6 +120,7 @@ impl Adaptive {
     ) -> Result<AdaptiveStep, DropReason> {
         // Moved out and back, because `judge` needs the rest of `self`.
         let mut pair = self.pair.take().unwrap_or_else(|| Box::new([from.clone(), from.clone()]));
+        let mut carried = std::mem::take(&mut self.carried);
         let [whole, second] = &mut *pair;
         let middle = from.state.t + 0.5 * planned.h;
         let whole_step =
@@ -129,12 +132,11 @@ impl Adaptive {
                 let derivatives = doubled(self.spec.order, &pair, inverse_mass, &mut self.error);
                 self.judge(planned, EstimateInfo { derivatives, most_growth: GROWTH[1], pair: None }, end)
             };
-            let (last, carried) = context.second_half(to, (planned.t, second), judge)?;
-            self.carried = carried;
+            let last = context.second_half(&mut carried, to, (planned.t, second), judge)?;
             self.state.memory.refresh(context.scene, second.state.as_ref(), &self.error.v, &mut self.product);
             Ok(AdaptiveStep::Halves([first, last]))
         });
-        self.pair = Some(pair);
+        (self.pair, self.carried) = (Some(pair), carried);
         if tried.is_ok() {
             self.state.before.remember(planned.t - middle, to, context.scene.inverse_mass());
         }

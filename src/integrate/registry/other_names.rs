@@ -48,6 +48,11 @@ static OTHER_NAMES: &[(&[&str], &str, &str)] = &[
         "central-difference",
         "which is velocity-verlet where nothing depends on velocity",
     ),
+    (
+        &["respa", "rrespa", "verleti", "subcycling", "substepping", "localtimestep", "multipletimestep", "mts"],
+        "multirate",
+        "which makes short steps of stiff springs (r-RESPA)",
+    ),
     (&["rungekutta", "rk", "rungekutta4", "classicalrungekutta", "kutta"], "rk4", "Kutta's method of order four"),
     (
         &[

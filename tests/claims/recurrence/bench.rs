@@ -100,6 +100,9 @@ pub fn cases() -> Vec<Case> {
     for rho_inf in [0.0, 0.3, 0.5, 1.0] {
         add("generalized-alpha", &[("rho_inf", rho_inf)]);
     }
+    for substeps in [1.0, 2.0, 5.0] {
+        add("multirate", &[("substeps", substeps)]);
+    }
     for dissipation in [0.1, 0.5, 1.0] {
         add("energy-momentum", &[("dissipation", dissipation)]);
     }

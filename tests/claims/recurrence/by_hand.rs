@@ -74,6 +74,30 @@ fn adams_bashforth(o: Oscillator, h: f64, start: Motion, steps: usize) -> Vec<Mo
     motions
 }
 
+/// Half a long kick by all but spring and dashpot, m steps of central differences with these, half a long kick. Forces
+/// are those before the last half kick of the short steps.
+fn multirate(o: Oscillator, (h, m): (f64, f64), damper: Damper, start: Motion, steps: usize) -> Vec<Motion> {
+    let along_spring = [Damper::Axial, Damper::Relative, Damper::FromStep].contains(&damper);
+    let d = if along_spring { o.d() } else { 0.0 };
+    let spring = |x: f64, v: f64| -o.frequency.powi(2) * x - d * v;
+    let others = |v: f64| o.push - (o.d() - d) * v;
+    let Motion { mut x, mut v, .. } = start;
+    let (mut s, mut g) = (spring(x, v), others(v));
+    let mut step = || {
+        v += 0.5 * h * g;
+        for _ in 0..m as usize {
+            v += 0.5 * h / m * s;
+            x += h / m * v;
+            s = spring(x, v);
+            g = others(v);
+            v += 0.5 * h / m * s;
+        }
+        v += 0.5 * h * g;
+        Motion { x, v, a: 0.0 }
+    };
+    (0..steps).map(|_| step()).collect()
+}
+
 /// dv = F h/(m + h^2 k) with F = -k x + h k (0 - v); damping and load act outside the filter.
 fn kang(o: Oscillator, h: f64, damper: Damper, m: Motion) -> Motion {
     let k = o.frequency.powi(2);
@@ -133,6 +157,7 @@ impl Case {
                 let coefficients = runge_kutta.unwrap_or_default();
                 Box::new(move |m| polynomial(o, h, &coefficients, m))
             }
+            "multirate" => return multirate(o, (h, self.value("substeps", 6.0)), damper, start, steps),
             "improved-euler-pec" => return adams_bashforth(o, h, start, steps),
             "euler-cromer" => Box::new(move |m| {
                 // x_{n+1} from its own row of the matrix [[1 - w^2 h^2, h - d h^2], [-w^2 h, 1 - d h]].

@@ -10,11 +10,11 @@ const NUMBERS: [f64; 40] = [
     0.999_999_999, 1.000_000_001,
 ];
 
-const WORDS: [&str; 40] = [
+const WORDS: [&str; 41] = [
     "all", "boundary", "interior", "seams", "lines", "outer", "inner", "xyz", "z", "xy", "tension-only", "step", "corrected", "paper",
     "follower", "dead", "explicit-euler", "euler-cromer", "euler-richardson", "improved-euler", "improved-euler-pec",
     "velocity-verlet", "central-difference", "rk4", "newmark", "hht", "kang", "backward-euler", "generalized-alpha",
-    "esdirk4", "energy-momentum", "full", "auto", "lu", "cholesky", "cg", "crossed", "regular", "velocity", "tension",
+    "esdirk4", "multirate", "energy-momentum", "full", "auto", "lu", "cholesky", "cg", "crossed", "regular", "velocity", "tension",
 ];
 
 /// A generator of SplitMix64 (Steele, Lea & Flood 2014).
