@@ -28,7 +28,7 @@ pub(super) fn run(args: &MethodsArgs) -> String {
         };
         let _ = writeln!(text, "{:<20} {:>5}  {:<9}  {:<11}  {}", m.name, m.order, needs, evaluations(m), m.stability);
         for p in m.parameters {
-            let _ = writeln!(text, "{:<20}   {} in {}, default {}: {}", "", p.name, p.range(), p.default, p.doc);
+            let _ = writeln!(text, "{:<20}   {}: {}, default {}: {}", "", p.name, p.allowed(), p.default, p.doc);
         }
         let _ = writeln!(text, "{:<20}   {}", "", m.source);
     }
@@ -40,7 +40,7 @@ pub(super) fn run(args: &MethodsArgs) -> String {
 /// Newton's iterations decide.
 fn entry(m: &MethodInfo) -> Value {
     let parameter = |p: &ParameterInfo| {
-        json!({"name": p.name, "default": p.default, "min": p.min, "min_included": p.min_included, "max": p.max,
+        json!({"name": p.name, "default": p.default, "min": p.min, "min_included": p.min_included, "max": p.max, "whole": p.whole,
                "description": p.doc})
     };
     json!({

@@ -161,8 +161,8 @@ fn method(at: &Pointer, method: &Method, faults: &mut Faults<'_>) -> Option<Meth
             let hint = did_you_mean(&name, names).unwrap_or_default();
             faults.add_key(&at.key(method).key(&name), format!("parameters of {method}: {known}"), hint);
         }
-        MethodError::OutOfRange { method, name, range, .. } => {
-            faults.add(&at.key(method).key(name), format!("a number in {range}"));
+        MethodError::OutOfRange { method, name, allowed, .. } => {
+            faults.add(&at.key(method).key(name), allowed);
         }
     }
     None

@@ -84,5 +84,6 @@ fn parameter(p: &ParameterInfo) -> Value {
     let least = if p.min_included { "minimum" } else { "exclusiveMinimum" };
     // Parameters of methods are ratios, so their unit is [-].
     let description = if p.doc.starts_with('[') { p.doc.to_owned() } else { format!("[-] {}", p.doc) };
-    json!({"type": "number", "description": description, "default": p.default, least: p.min, "maximum": p.max})
+    let kind = if p.whole { "integer" } else { "number" };
+    json!({"type": kind, "description": description, "default": p.default, least: p.min, "maximum": p.max})
 }

@@ -93,7 +93,7 @@ pub enum MethodError {
         known: String,
     },
     /// A parameter is out of range.
-    #[error("{method}: {name} = {value} is outside {range}")]
+    #[error("{method}: {name} = {value} is not {allowed}")]
     OutOfRange {
         /// the method
         method: &'static str,
@@ -101,8 +101,8 @@ pub enum MethodError {
         name: &'static str,
         /// the value given
         value: f64,
-        /// e.g. "[-0.3333, 0]"
-        range: String,
+        /// e.g. "a number in [-0.3333, 0]"
+        allowed: String,
     },
 }
 
@@ -112,10 +112,10 @@ fn hint(name: &str) -> String {
 }
 
 impl ParameterInfo {
-    /// The range as text, e.g. `(0, 0.5]`.
-    pub fn range(&self) -> String {
-        let whole = if self.whole { "the whole numbers of " } else { "" };
-        format!("{whole}{}{}, {}]", if self.min_included { '[' } else { '(' }, self.min, self.max)
+    /// What is allowed as text, e.g. `a number in (0, 0.5]`.
+    pub fn allowed(&self) -> String {
+        let number = if self.whole { "a whole number" } else { "a number" };
+        format!("{number} in {}{}, {}]", if self.min_included { '[' } else { '(' }, self.min, self.max)
     }
 
     /// Whether a value is allowed; a number that is not finite never is.
@@ -155,7 +155,7 @@ impl MethodChoice {
         for p in info.parameters {
             let value = given.get(p.name).copied().unwrap_or(p.default);
             if !p.allows(value) {
-                return Err(MethodError::OutOfRange { method: info.name, name: p.name, value, range: p.range() });
+                return Err(MethodError::OutOfRange { method: info.name, name: p.name, value, allowed: p.allowed() });
             }
             values.push(value);
         }

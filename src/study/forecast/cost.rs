@@ -88,18 +88,19 @@ pub struct TangentCost {
 }
 
 impl TangentCost {
-    /// [s] What an assembly, a factorisation and a solve cost nominally, by counts alone.
-    pub fn nominal(&self) -> [f64; 3] {
+    /// [s] What an assembly, a factorisation, a solve and in it an iteration of conjugate gradients cost nominally, by
+    /// counts alone.
+    pub fn nominal(&self) -> [f64; 4] {
         let (n, entries) = (self.unknowns as f64, self.factor_nonzeros.unwrap_or(0) as f64);
         let assembly = ASSEMBLY * self.matrix_nonzeros as f64;
         if self.cg_iterations > 0 {
             // Nothing is factorised; beginning and ending a solve takes as long as an iteration.
-            let solve = CG_ITERATION * (self.cg_iterations + 1) as f64;
-            return [assembly + CG_READY * self.matrix_nonzeros as f64, 0.0, solve * self.matrix_nonzeros as f64];
+            let iteration = CG_ITERATION * self.matrix_nonzeros as f64;
+            return [assembly + CG_READY * self.matrix_nonzeros as f64, 0.0, iteration, iteration];
         }
         match self.factor_operations {
-            Some(operations) => [assembly, operations / OPERATIONS + FACTOR * entries, SOLVE * entries],
-            None => [assembly, LU * n.powf(1.5), LU * n],
+            Some(operations) => [assembly, operations / OPERATIONS + FACTOR * entries, SOLVE * entries, 0.0],
+            None => [assembly, LU * n.powf(1.5), LU * n, 0.0],
         }
     }
 

@@ -45,7 +45,14 @@ pub struct Estimate {
 }
 
 fn by_name<S: Serializer>(work: &Work, serializer: S) -> Result<S::Ok, S::Error> {
-    let names = ["force_evaluations", "tangent_assemblies", "factorizations", "linear_solves", "newton_iterations"];
+    let names = [
+        "force_evaluations",
+        "tangent_assemblies",
+        "factorizations",
+        "linear_solves",
+        "newton_iterations",
+        "cg_iterations",
+    ];
     let mut map = serializer.serialize_map(Some(names.len()))?;
     names.iter().zip(work).try_for_each(|(name, n)| map.serialize_entry(name, n))?;
     map.end()
@@ -126,8 +133,8 @@ mod tests {
     /// mean a second simulated.
     #[test]
     fn parts_of_a_run_count_by_the_time_they_stand_for() {
-        let dear = Sample { steps: 2.0, simulated: 1.0, seconds: 4.0, work: [6.0; 5] };
-        let cheap = Sample { steps: 1.0, simulated: 2.0, seconds: 1.0, work: [2.0; 5] };
+        let dear = Sample { steps: 2.0, simulated: 1.0, seconds: 4.0, work: [6.0; 6] };
+        let cheap = Sample { steps: 1.0, simulated: 2.0, seconds: 1.0, work: [2.0; 6] };
         let fixed = Estimate::of(&[dear, cheap], 10.0, Some(10)).expect("samples");
         assert_eq!((fixed.steps, fixed.cpu_seconds, fixed.work[0]), (10.0, 15.0, 25.0));
         let adaptive = Estimate::of(&[dear, cheap], 10.0, None).expect("samples");
@@ -140,9 +147,9 @@ mod tests {
     /// the end was seen.
     #[test]
     fn a_run_that_was_begun_goes_on_as_later_samples_do() {
-        let sample = Sample { steps: 100.0, simulated: 1.0, seconds: 10.0, work: [100.0; 5] };
+        let sample = Sample { steps: 100.0, simulated: 1.0, seconds: 10.0, work: [100.0; 6] };
         let begun = StartSample { sample, pace: [50.0, 150.0] };
-        let later = Sample { steps: 1.0, simulated: 0.1, seconds: 0.2, work: [2.0; 5] };
+        let later = Sample { steps: 1.0, simulated: 0.1, seconds: 0.2, work: [2.0; 6] };
         let run = Estimate::begun(&begun, &[later], 10.0);
         assert!((run.steps - 190.0).abs() < 1e-9 && (run.cpu_seconds - 28.0).abs() < 1e-9, "{run:?}");
         assert!((run.work[0] - 280.0).abs() < 1e-9 && run.doubtful);

@@ -29,17 +29,17 @@ const OVERHEAD: [f64; 2] = [3e-7, 4e-9];
 /// kept all sums apart).
 const AGAIN: f64 = 0.7;
 /// [-] Assumed work of an implicit step: two iterations and a convergence test.
-const UNTRIED: Work = [3.0, 2.0, 2.0, 2.0, 2.0];
+const UNTRIED: Work = [3.0, 2.0, 2.0, 2.0, 2.0, 0.0];
 /// The same where a matrix is kept.
-const KEPT: Work = [3.0, 0.0, 0.0, 2.0, 2.0];
+const KEPT: Work = [3.0, 0.0, 0.0, 2.0, 2.0, 0.0];
 
 /// What the units of work cost on a scene, nominally.
 #[derive(Clone, Copy, Debug)]
 pub struct NominalCosts {
     /// [s] a step without its work
     step: f64,
-    /// [s] force pass, assembly, factorisation, solve
-    work: [f64; 4],
+    /// [s] what each kind of work costs
+    work: Work,
     /// whether forces depend on velocities
     moving: bool,
     /// what an implicit step is expected to need
@@ -49,10 +49,11 @@ pub struct NominalCosts {
 impl NominalCosts {
     /// Those of a scene; `tangent` where implicit steps are possible.
     pub fn new(scene: &dyn Scene, tangent: Option<&TangentCost>) -> NominalCosts {
-        let [assembly, factorization, solve] = tangent.map_or([0.0; 3], TangentCost::nominal);
+        let [assembly, factorization, solve, iteration] = tangent.map_or([0.0; 4], TangentCost::nominal);
         let step = OVERHEAD[0] + OVERHEAD[1] * scene.n_dof() as f64;
-        let implicit = if tangent.is_some_and(|t| t.kept) { KEPT } else { UNTRIED };
-        let work = [nominal_pass(scene), assembly, factorization, solve];
+        let mut implicit = if tangent.is_some_and(|t| t.kept) { KEPT } else { UNTRIED };
+        implicit[5] = implicit[3] * tangent.map_or(0.0, |t| t.cg_iterations as f64);
+        let work = [nominal_pass(scene), assembly, factorization, solve, 0.0, iteration];
         NominalCosts { step, work, moving: scene.velocity_dependent(), implicit }
     }
 
@@ -74,7 +75,7 @@ impl NominalCosts {
         let passes = f64::from(method.info.evaluations[usize::from(self.moving)]) - self.saved(method);
         match method.info.family {
             Family::Implicit => self.cost(steps, self.implicit.map(|n| n * steps)),
-            Family::Explicit | Family::MatrixFree => self.cost(steps, [passes.max(1.0) * steps, 0.0, 0.0, 0.0, 0.0]),
+            Family::Explicit | Family::MatrixFree => self.cost(steps, [passes.max(1.0) * steps, 0.0, 0.0, 0.0, 0.0, 0.0]),
         }
     }
 
@@ -145,7 +146,7 @@ mod tests {
     /// the account alone costs as much as any, and is known when it was made.
     #[test]
     fn a_pass_at_the_same_positions_costs_less_and_one_for_the_account_as_much() {
-        let units = NominalCosts { step: 0.0, work: [1.0, 0.0, 0.0, 0.0], moving: true, implicit: KEPT };
+        let units = NominalCosts { step: 0.0, work: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0], moving: true, implicit: KEPT };
         let method = |name| MethodChoice::with_defaults(name).expect("in the registry");
         let cost = |name, passes: f64, account_passes: f64| {
             let work = [10.0 * passes, 0.0, 0.0, 0.0, 0.0];

@@ -21,12 +21,15 @@ const LEAST: u64 = 6;
 /// Number of first steps that are always made one by one: they touch their memory for the first time.
 pub(super) const COLD: u64 = 2;
 
-/// [-] Counted work: force passes, assemblies, factorisations, solves, Newton iterations.
-pub type Work = [f64; 5];
+/// [-] Counted work: force passes, assemblies, factorisations, solves, Newton iterations, iterations of conjugate
+/// gradients.
+pub type Work = [f64; 6];
 
 /// Counted work as numbers that can be divided.
 pub(super) fn work(c: Counters) -> Work {
-    [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves, c.newton_iterations]
+    let Counters { force_evaluations, tangent_assemblies, factorizations, .. } = c;
+    let Counters { linear_solves, newton_iterations, cg_iterations, .. } = c;
+    [force_evaluations, tangent_assemblies, factorizations, linear_solves, newton_iterations, cg_iterations]
         .map(|n| n as f64)
 }
 

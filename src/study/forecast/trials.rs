@@ -208,7 +208,7 @@ impl<'a> Trials<'a> {
         if steps.is_none() {
             return Err("not tried: adaptive steps of a scene this large cost more than a forecast may".to_owned());
         }
-        let (seconds, work) = (passes * self.force.pass_seconds, [passes, 0.0, 0.0, 0.0, 0.0]);
+        let (seconds, work) = (passes * self.force.pass_seconds, [passes, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let made = self.estimate(&[Sample { steps: 1.0, simulated: 1.0, seconds, work }], steps)?;
         Ok(Estimate { basis: Basis::Counts, ..made })
     }
@@ -220,7 +220,7 @@ impl<'a> Trials<'a> {
             steps: 1.0,
             simulated: 1.0,
             seconds: iterations * iteration + (passes - iterations) * self.force.pass_seconds,
-            work: [passes, iterations, iterations, iterations, iterations],
+            work: [passes, iterations, iterations, iterations, iterations, 0.0],
         };
         let sample = learnt.or(steps.map(|_| untried)).ok_or_else(|| {
             format!(
