@@ -11,7 +11,7 @@ use crate::model::forces::Role;
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
 use crate::model::system::TermInfo;
-use crate::scene::{BoundBuffer, Scene};
+use crate::scene::{BesideStiff, BoundBuffer, Scene};
 
 /// [-] Share of a critical step that is advised. Scenes stiffen, and close to its limit a scheme is stable but
 /// inaccurate: velocity Verlet inflates the energy of the fastest oscillation by 1/(1 - (wh/2)^2), fivefold at 0.9, by
@@ -132,9 +132,9 @@ impl CostLimits<'static> {
         CostLimits { factorise: 20_000, step: 6_000, sharpen_below: f64::INFINITY, stop: Stop::NEVER };
 }
 
-/// [-] Damping forces beside stiff springs count so much more: they see velocities half a short step late, and grew
-/// slowly from 0.85 of their own limit on where stiff springs acted on the same nodes.
-const LAGGING: f64 = 1.25;
+/// [-] Long steps, over the limit of a short one, where other elastic forces act on the nodes of stiff springs. From
+/// pi/2 on a long step is half a period of the fastest of these, whose motion such forces then raise.
+const BEFORE_RESONANCE: f64 = 1.5;
 
 /// [-] Share of a critical step by bounds up to which a step is taken as stable without a search: where every mode of a
 /// symmetric scene has a limit of its own, where damping may couple modes in a step, and where forces of the air or
@@ -216,20 +216,49 @@ impl<'a> ElementBounds<'a> {
 
 impl CriticalStep {
     /// The same for a method that makes short steps of stiff springs: at most the step that all other forces allow, by
-    /// the bounds of their elements. Resonance between the two is not looked for, so that it is an estimate.
+    /// the bounds of their elements, and short of resonance where these act on the same nodes. An estimate.
     pub(super) fn with_rest(self, scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice) -> Self {
         let substeps = method.substeps();
         if substeps == 1.0 {
             return self;
         }
-        let (square, dof) = scene.rest_rate_bound(substeps, at, STIFFNESS);
-        let damped = scene.velocity_dependent();
-        let (damping, damping_dof) = if damped { scene.rest_rate_bound(substeps, at, DAMPING) } else { (0.0, 0) };
-        let step = Pencil::EULER_CROMER.singular_at(square, LAGGING * damping);
-        let rates = Rates { frequency: square.sqrt(), frequency_dof: dof, damping, damping_dof };
-        let found = if step > 0.0 && step < self.step { CriticalStep { step, dof, rates, ..self } } else { self };
-        CriticalStep { confidence: Confidence::Estimate, ..found }
+        let of_short_step = self.step / substeps;
+        let Some(BesideStiff { stiffness, damping, on_short_nodes }) = scene.beside_stiff(substeps, at) else {
+            return CriticalStep { step: of_short_step, confidence: Confidence::Estimate, ..self };
+        };
+        let most = if on_short_nodes { self.step.min(BEFORE_RESONANCE * of_short_step) } else { self.step };
+        let capped = CriticalStep { step: most, confidence: Confidence::Estimate, ..self };
+        let rates = Rates {
+            frequency: stiffness.0.sqrt(),
+            frequency_dof: stiffness.1,
+            damping: damping.0,
+            damping_dof: damping.1,
+        };
+        match rest_step([stiffness.0, damping.0]) {
+            // Numbers overflow, or a bound is none.
+            step if !(step > 0.0) => CriticalStep { step: of_short_step, ..capped },
+            step if step < most => CriticalStep { step, dof: stiffness.1, rates, ..capped },
+            _ => capped,
+        }
     }
+}
+}
+
+/// [s] The limit of central differences with the bounds on K [1/s^2] and C [1/s] of forces beside stiff springs.
+fn rest_step([k, c]: [f64; 2]) -> f64 {
+    Pencil::EULER_CROMER.singular_at(k, c)
+}
+
+/// [s] A measure of the limit of a method: what grows and falls with it as the scene changes.
+pub(crate) fn measure_of_limit(
+    method: &MethodChoice,
+    scene: &dyn Scene,
+    at: StateRef<'_>,
+    buffer: &mut BoundBuffer,
+) -> f64 {
+    let (all, substeps) = (step_by_bounds(scene, at, buffer), method.substeps());
+    let rest = if substeps > 1.0 { scene.beside_stiff(substeps, at) } else { None };
+    rest.map_or(all, |rest| (substeps * all).min(rest_step([rest.stiffness.0, rest.damping.0])))
 }
 
 /// [s] The limit of Euler-Cromer if the element bounds on the rates were reached. The limits of other methods scale

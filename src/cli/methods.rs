@@ -40,8 +40,8 @@ pub(super) fn run(args: &MethodsArgs) -> String {
 /// Newton's iterations decide.
 fn entry(m: &MethodInfo) -> Value {
     let parameter = |p: &ParameterInfo| {
-        json!({"name": p.name, "default": p.default, "min": p.min, "min_included": p.min_included, "max": p.max, "whole": p.whole,
-               "description": p.doc})
+        json!({"name": p.name, "default": p.default, "min": p.min, "min_included": p.min_included, "max": p.max,
+               "whole": p.whole, "description": p.doc})
     };
     json!({
         "name": m.name,

@@ -3,7 +3,7 @@
 //! with the critical step. Only where this measure comes close to the step is the spectrum computed, and only then can
 //! there be a warning.
 
-use crate::analysis::critical::{CostLimits, CriticalStep, plainly_stable, remedy, step_by_bounds};
+use crate::analysis::critical::{CostLimits, CriticalStep, measure_of_limit, plainly_stable, remedy};
 use crate::analysis::spectrum::Spectrum;
 use crate::analysis::warnings::worth;
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
@@ -16,6 +16,8 @@ use crate::warning::WarningCode;
 
 /// Cost of a pass over the elements, in force passes.
 const PASSES: u32 = 5;
+/// The same where forces beside stiff springs have bounds of their own, from several passes.
+const REST_PASSES: u32 = 40;
 /// One over the share of a run that may be spent.
 const SHARE: u32 = 100;
 /// At first, the steps between two estimates are the steps made so far divided by this.
@@ -87,9 +89,10 @@ impl<'a> CriticalStepMonitor<'a> {
         // The cost of an implicit step is more than its force passes.
         let [still, moving] = method.info.evaluations;
         let evaluations = if damped { moving } else { still }.max(1);
-        let every = u64::from((SHARE * PASSES * (1 + u32::from(damped))).div_ceil(evaluations));
+        let passes = if method.substeps() > 1.0 { REST_PASSES } else { PASSES };
+        let every = u64::from((SHARE * passes * (1 + u32::from(damped))).div_ceil(evaluations));
         let mut buffer = BoundBuffer::default();
-        let at_start = step_by_bounds(scene, scene.initial_state().as_ref(), &mut buffer);
+        let at_start = measure_of_limit(method, scene, scene.initial_state().as_ref(), &mut buffer);
         let known = start.step.is_finite() && at_start > 0.0 && at_start.is_finite();
         let ratio = known.then(|| start.step / at_start);
         // The user is warned about the start itself before the run.
@@ -131,7 +134,7 @@ impl<'a> CriticalStepMonitor<'a> {
     }
 
     fn estimate(&mut self, at: StateRef<'_>, h: f64) {
-        let now = step_by_bounds(self.monitored.scene, at, &mut self.buffer);
+        let now = measure_of_limit(self.monitored.method, self.monitored.scene, at, &mut self.buffer);
         let estimate = self.ratio.unwrap_or(1.0) * now;
         let Monitored { scene, method, .. } = self.monitored;
         let near = estimate < NEAR * h && !self.warned && now < self.ask_below && self.asked < MOST_ASKED;

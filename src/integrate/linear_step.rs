@@ -18,7 +18,7 @@ pub struct LinearStep {
     pub fixed_velocity: Option<f64>,
     /// the scheme whose step has the same eigenvalues, for a method whose step depends on more than the state and what
     /// the scheme carries
-    pub like: Option<fn(&[f64]) -> Scheme>,
+    pub like: Option<fn() -> Scheme>,
     /// the matrix that is positive definite only in stable steps of symmetric scenes, for a method with such a matrix;
     /// with substeps, that of a short step
     pub pencil: Option<Pencil>,

@@ -7,23 +7,22 @@
 //! m times, at nodes of stiff springs, h = H/m:
 //!     v += h/2 M^-1 s,   x += h v,   s = s(x, v),   v += h/2 M^-1 s
 //! x_{n+1} = x_n + H v                               all other nodes
-//! f_{n+1} = f(t_{n+1}, x_{n+1}, v*),   g_{n+1} = f_{n+1} - s        v*: before the last kick by s
+//! g_{n+1} = f(t_{n+1}, x_{n+1}, v) - s(x_{n+1}, v)
 //! v_{n+1} = v + H/2 M^-1 g_{n+1}
 //! ```
-//! Each part is made by [`central differences`](super::central_difference): order 2 for what depends on positions, 1
-//! for what depends on velocities; without stiff springs, or with m = 1, these are the steps of that scheme. One pass
-//! over all forces a step, which has g and the forces for the ledger, and m passes over the stiff springs, on their
-//! nodes alone. Limit: m times that of central differences where springs set it, and the limit of g. A step near half
-//! a period of a stiff spring may gain energy by resonance with g (Ma, Izaguirre & Skeel 2003).
+//! Both parts are made by [`central differences`](super::central_difference): order 2 for what depends on positions, 1
+//! for what depends on velocities. Without stiff springs, or with m = 1, these are the steps of that scheme. One pass
+//! over all forces a step, which has g and the forces for the ledger, and m passes over the stiff springs on their
+//! nodes alone, with dashpots one more for g. Limit: m times that of central differences where springs set it, and the
+//! limit of g. A step near half a period of a stiff spring may gain energy by resonance with forces in g on the same
+//! nodes (Ma, Izaguirre & Skeel 2003).
 
 use super::central_difference::CENTRAL_DIFFERENCE;
-use super::euler_cromer::EULER_CROMER;
-use super::kick_drift::KickDrift;
 use super::{CarriedState, Counters, Integrator, StageWork, StepError, StepInput, StepReport};
 use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::state::State;
-use crate::model::step_block::{KickDriftScheme, StepStart, StepSummary};
+use crate::model::step_block::{StepStart, StepSummary};
 use crate::model::system::{KickDriftBlock, StiffPart, System};
 
 /// The scheme; carries the forces of the stiff springs.
@@ -31,8 +30,6 @@ use crate::model::system::{KickDriftBlock, StiffPart, System};
 pub struct Multirate {
     /// m
     substeps: u32,
-    /// of the long steps and of the short ones
-    scheme: KickDrift,
     stiff: Option<StiffSprings>,
 }
 
@@ -40,8 +37,12 @@ pub struct Multirate {
 #[derive(Debug)]
 struct StiffSprings {
     part: StiffPart,
-    /// s at the last accepted state, at the velocities v*
-    carried: Forces,
+    /// s at the last accepted state, at the velocities of the last short step
+    lagging: Vec<f64>,
+    /// s there at the velocities of g
+    beside: Forces,
+    /// the two at the end of the step attempted last; at the velocities of the last short step in `at`
+    next_beside: Forces,
     /// their nodes at both ends of a block of short steps; after the last, `at` is its end
     at: Point,
     next: Point,
@@ -51,18 +52,15 @@ struct StiffSprings {
 impl Multirate {
     /// With m short steps in a long one.
     pub fn new(substeps: u32) -> Self {
-        Multirate { substeps, scheme: CENTRAL_DIFFERENCE, stiff: None }
-    }
-
-    /// The same with velocities at half steps: the step is then a map of the state alone, with the same eigenvalues.
-    pub fn at_half_steps(substeps: u32) -> Self {
-        Multirate { scheme: EULER_CROMER, ..Multirate::new(substeps) }
+        Multirate { substeps, stiff: None }
     }
 
     /// The vectors that it carries, those that the scene has.
     fn carried(&self) -> impl Iterator<Item = &Vec<f64>> {
-        let forces = self.stiff.iter().map(|stiff| &stiff.carried);
-        forces.flat_map(|forces| [&forces.total, &forces.dissipative]).filter(|vector| !vector.is_empty())
+        let vectors = self.stiff.iter().flat_map(|StiffSprings { lagging, beside, .. }| {
+            [lagging, &beside.total, &beside.dissipative]
+        });
+        vectors.filter(|vector| !vector.is_empty())
     }
 }
 
@@ -80,35 +78,36 @@ impl Integrator<dyn System> for Multirate {
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
-        let inverse_mass = system.inverse_mass();
-        let [long, short] = [h, h / f64::from(self.substeps)].map(|h| (self.scheme.step)(h, true));
+        let (inverse_mass, half) = (system.inverse_mass(), 0.5 * h);
+        let long = (CENTRAL_DIFFERENCE.step)(h, true);
         let start = |dofs| StepStart::of(from, inverse_mass, dofs);
         to.state.t = t_next;
         system.workers().both((&mut to.state.x, &mut to.state.v), |dofs, x, v| long.begin(start(dofs), x, v));
-        let mut dissipated = 0.0;
+        let mut made = StageWork::default();
         if let Some(stiff) = &mut self.stiff {
-            stiff.begin((from, &to.state), long, inverse_mass);
-            dissipated = stiff.advance(self.substeps, short, t_next, counters);
-            stiff.end(&mut to.state, short, inverse_mass);
+            stiff.begin((from, &to.state), half, inverse_mass);
+            made = stiff.advance(self.substeps, t_next, counters);
+            stiff.end(&mut to.state);
         }
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
         let Point { state: State { x, v, .. }, forces } = to;
         long.kick_again(start(0..v.len()), v, &forces.total);
         let Some(stiff) = &self.stiff else { return Ok(StepReport { forces_at_end: true, ..Default::default() }) };
-        stiff.kick_again(v, [long, short], inverse_mass);
-        let way = [&from.state.x[..], x];
-        let work = |of: fn(&Forces) -> &[f64]| system.work([of(&from.forces), of(forces)], way);
-        let reeling = |forces: &Forces| 0.5 * h * system.reeling_power([from.state.t, t_next], &forces.tallies);
+        stiff.take_back(v, half, inverse_mass);
+        let (way, times) = ([&from.state.x[..], x], [from.state.t, t_next]);
+        let all = work_by_ends(system, [&from.forces, forces], way, times);
+        let of_stiff = stiff.work_by_ends(way, times);
         let work = StageWork {
-            external: work(|f| &f.external) + reeling(&from.forces) + reeling(forces),
-            dissipated: dissipated + stiff.work_by_ends(way) - work(|f| &f.dissipative),
+            external: all.external - of_stiff.external + made.external,
+            dissipated: all.dissipated - of_stiff.dissipated + made.dissipated,
         };
         Ok(StepReport { work: Some(work), forces_at_end: true, ..Default::default() })
     }
 
     fn accept(&mut self) {
-        if let Some(StiffSprings { carried, at, .. }) = &mut self.stiff {
-            std::mem::swap(carried, &mut at.forces);
+        if let Some(StiffSprings { lagging, beside, next_beside, at, .. }) = &mut self.stiff {
+            std::mem::swap(lagging, &mut at.forces.total);
+            std::mem::swap(beside, next_beside);
         }
     }
 
@@ -130,49 +129,64 @@ impl Integrator<dyn System> for Multirate {
     }
 
     fn restore(&mut self, saved: &CarriedState) -> Result<(), StepError> {
-        let Some(StiffSprings { carried: Forces { total, dissipative, .. }, .. }) = &mut self.stiff else {
+        let Some(StiffSprings { lagging, beside: Forces { total, dissipative, .. }, .. }) = &mut self.stiff else {
             return saved.take_into(&mut []);
         };
         match dissipative.is_empty() {
-            true => saved.take_into(&mut [total]),
-            false => saved.take_into(&mut [total, dissipative]),
+            true => saved.take_into(&mut [lagging, total]),
+            false => saved.take_into(&mut [lagging, total, dissipative]),
         }
+    }
+}
+
+/// The works of a step by its ends: 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n), and what changes of rest lengths do.
+fn work_by_ends(system: &dyn System, forces: [&Forces; 2], way: [&[f64]; 2], times: [f64; 2]) -> StageWork {
+    let work = |of: fn(&Forces) -> &[f64]| system.work(forces.map(of), way);
+    let reeled: f64 = forces.map(|forces| system.reeling_power(times, &forces.tallies)).iter().sum();
+    StageWork {
+        external: work(|f| &f.external) + 0.5 * (times[1] - times[0]) * reeled,
+        dissipated: -work(|f| &f.dissipative),
     }
 }
 
 impl StiffSprings {
     fn of(part: StiffPart) -> Self {
         let at = Point { state: part.system.initial_state(), forces: part.system.new_forces() };
-        StiffSprings { carried: at.forces.clone(), next: at.clone(), at, summaries: Vec::new(), part }
+        let Forces { total, .. } = &at.forces;
+        let (lagging, beside, next) = (total.clone(), at.forces.clone(), at.clone());
+        StiffSprings { lagging, next_beside: beside.clone(), beside, next, at, summaries: Vec::new(), part }
     }
 
     /// Finds the forces at a state of the scene, to be carried.
     fn evaluate_at(&mut self, state: &State) {
-        let StiffSprings { part, carried, at: Point { state: own, .. }, .. } = self;
+        let StiffSprings { part, lagging, beside, at: Point { state: own, .. }, .. } = self;
         own.t = state.t;
         part.gather(&state.x, &mut own.x);
         part.gather(&state.v, &mut own.v);
-        part.system.evaluate(own.as_ref(), carried);
+        part.system.evaluate(own.as_ref(), beside);
+        lagging.copy_from_slice(&beside.total);
     }
 
     /// The start of the short steps: x_n, and the velocities of all nodes after the long kick without that of s.
-    fn begin(&mut self, (from, to): (&Point, &State), long: KickDriftScheme, inverse_mass: &[f64]) {
-        let StiffSprings { part, carried, at: Point { state: State { t, x, v }, forces }, .. } = self;
+    fn begin(&mut self, (from, to): (&Point, &State), half: f64, inverse_mass: &[f64]) {
+        let StiffSprings { part, lagging, beside, at: Point { state: State { t, x, v }, forces }, .. } = self;
         *t = from.state.t;
-        forces.copy_from(carried);
+        forces.copy_from(beside);
+        forces.total.copy_from_slice(lagging);
         part.gather(&from.state.x, x);
-        for ((v, s), &dof) in v.iter_mut().zip(&carried.total).zip(&part.dofs) {
+        for ((v, s), &dof) in v.iter_mut().zip(&beside.total).zip(&part.dofs) {
             let dof = dof as usize;
-            *v = to.v[dof] - long.begin * (inverse_mass[dof] * s);
+            *v = to.v[dof] - half * (inverse_mass[dof] * s);
         }
     }
 
-    /// Makes the short steps, in blocks as long as possible. Returns the energy [J] that the stiff springs take.
-    fn advance(&mut self, substeps: u32, short: KickDriftScheme, t_next: f64, counters: &mut Counters) -> f64 {
-        let StiffSprings { part: StiffPart { system, share, .. }, at, next, summaries, .. } = self;
+    /// Makes the short steps, in blocks as long as possible, and finds s at their end for g. Returns their works.
+    fn advance(&mut self, substeps: u32, t_next: f64, counters: &mut Counters) -> StageWork {
+        let StiffSprings { part: StiffPart { system, share, .. }, at, next, next_beside, summaries, .. } = self;
         let (begun, longest) = (at.state.t, system.longest_block() as u32);
         let time = |step: u32| begun + (t_next - begun) * (f64::from(step) / f64::from(substeps));
-        let (mut made, mut dissipated) = (0, 0.0);
+        let scheme = (CENTRAL_DIFFERENCE.step)((t_next - begun) / f64::from(substeps), true);
+        let (mut made, mut work) = (0, StageWork::default());
         while made < substeps {
             let steps = (substeps - made).min(longest.max(1));
             summaries.resize(if longest < 2 { 0 } else { steps as usize }, StepSummary::default());
@@ -181,46 +195,59 @@ impl StiffSprings {
             }
             made += steps;
             next.state.t = time(made);
-            let block = KickDriftBlock { scheme: short, from: at };
+            let block = KickDriftBlock { scheme, from: at };
             system.advance(&mut next.state, &mut next.forces, block, summaries);
-            dissipated -= if summaries.is_empty() {
-                system.work([&at.forces.dissipative, &next.forces.dissipative], [&at.state.x, &next.state.x])
-            } else {
-                summaries.iter().map(|summary| summary.nodes.work.dissipative).sum()
-            };
+            if summaries.is_empty() {
+                let (forces, way) = ([&at.forces, &next.forces], [&at.state.x[..], &next.state.x]);
+                work.add(1.0, work_by_ends(&**system, forces, way, [at.state.t, next.state.t]));
+            }
+            let (mut t, mut tallies) = (at.state.t, &at.forces.tallies);
+            for summary in summaries.iter() {
+                let reeled = [tallies, &summary.tallies].map(|tallies| system.reeling_power([t, summary.t], tallies));
+                let reeled = 0.5 * (summary.t - t) * reeled.iter().sum::<f64>();
+                let works = &summary.nodes.work;
+                work.add(1.0, StageWork { external: works.external + reeled, dissipated: -works.dissipative });
+                (t, tallies) = (summary.t, &summary.tallies);
+            }
             std::mem::swap(at, next);
         }
-        counters.force_evaluations += (*share * f64::from(substeps)).ceil() as u64;
-        dissipated
+        let again = system.velocity_dependent();
+        if again {
+            system.evaluate(at.state.as_ref(), next_beside);
+        } else {
+            next_beside.copy_from(&at.forces);
+        }
+        counters.force_evaluations += (*share * f64::from(substeps + u32::from(again))).ceil() as u64;
+        work
     }
 
-    /// Gives the scene the nodes at the end of the short steps, with the velocities v*.
-    fn end(&self, to: &mut State, short: KickDriftScheme, inverse_mass: &[f64]) {
-        let StiffSprings { part, at: Point { state: State { x, v, .. }, forces }, .. } = self;
-        let last = short.end.unwrap_or_default();
-        for (((x, v), s), &dof) in x.iter().zip(v).zip(&forces.total).zip(&part.dofs) {
-            let dof = dof as usize;
-            to.x[dof] = *x;
-            to.v[dof] = v - last * (inverse_mass[dof] * s);
+    /// Gives the scene the nodes at the end of the short steps.
+    fn end(&self, to: &mut State) {
+        let StiffSprings { part, at: Point { state: State { x, v, .. }, .. }, .. } = self;
+        for ((x, v), &dof) in x.iter().zip(v).zip(&part.dofs) {
+            (to.x[dof as usize], to.v[dof as usize]) = (*x, *v);
         }
     }
 
-    /// The last kicks, where all forces have made that of the long step: the short one by s.
-    fn kick_again(&self, v: &mut [f64], [long, short]: [KickDriftScheme; 2], inverse_mass: &[f64]) {
-        let less = short.end.unwrap_or_default() - long.end.unwrap_or_default();
-        for (s, &dof) in self.at.forces.total.iter().zip(&self.part.dofs) {
+    /// Takes s out of the last long kick.
+    fn take_back(&self, v: &mut [f64], half: f64, inverse_mass: &[f64]) {
+        for (s, &dof) in self.next_beside.total.iter().zip(&self.part.dofs) {
             let dof = dof as usize;
-            v[dof] += less * (inverse_mass[dof] * s);
+            v[dof] -= half * (inverse_mass[dof] * s);
         }
     }
 
-    /// [J] Work of the dissipative part of s over the long step by its ends, 1/2 (s_n + s_{n+1}) . (x_{n+1} - x_n).
-    fn work_by_ends(&self, [x_n, x]: [&[f64]; 2]) -> f64 {
-        let forces = self.carried.dissipative.iter().zip(&self.at.forces.dissipative);
-        let works = forces.zip(&self.part.dofs).map(|((s_n, s), &dof)| {
-            let dof = dof as usize;
-            0.5 * (s_n + s) * (x[dof] - x_n[dof])
-        });
-        works.sum()
+    /// The works of s over the long step by its ends, which those of all forces by their ends contain.
+    fn work_by_ends(&self, [x_n, x]: [&[f64]; 2], times: [f64; 2]) -> StageWork {
+        let StiffSprings { part: StiffPart { dofs, system, .. }, beside, next_beside, .. } = self;
+        let work = |[f_n, f]: [&[f64]; 2]| -> f64 {
+            let forces = f_n.iter().zip(f).zip(dofs);
+            forces.map(|((f_n, f), &dof)| 0.5 * (f_n + f) * (x[dof as usize] - x_n[dof as usize])).sum()
+        };
+        let reeled: f64 = [beside, next_beside].map(|s| system.reeling_power(times, &s.tallies)).iter().sum();
+        StageWork {
+            external: work([&beside.external, &next_beside.external]) + 0.5 * (times[1] - times[0]) * reeled,
+            dissipated: -work([&beside.dissipative, &next_beside.dissipative]),
+        }
     }
 }

@@ -262,7 +262,7 @@ static METHODS: &[MethodInfo] = &[
         stability: "w h < 2 undamped, where it is velocity Verlet; 2 (sqrt(1 + zeta^2) - zeta) damped",
         linear: LinearStep {
             pencil: Some(Pencil::EULER_CROMER),
-            like: Some(|_| Scheme::Explicit(Box::new(EULER_CROMER))),
+            like: Some(|| Scheme::Explicit(Box::new(EULER_CROMER))),
             ..LinearStep::PARTITIONED
         },
         source: "Belytschko, Liu, Moran & Elkhodary 2014, Box 5.1",
@@ -287,7 +287,6 @@ static METHODS: &[MethodInfo] = &[
         linear: LinearStep {
             substeps: |p| p[0],
             pencil: Some(Pencil::EULER_CROMER),
-            like: Some(|p| Scheme::Explicit(Box::new(Multirate::at_half_steps(p[0] as u32)))),
             ..LinearStep::PARTITIONED
         },
         source: "Tuckerman, Berne & Martyna 1992, section II; Neal & Belytschko 1989",

@@ -34,9 +34,9 @@ struct Triangle {
 }
 
 impl AlikeEdges {
-    /// Takes an edge with the block c I, unless all are there.
+    /// Takes an edge with the block c I, unless all are there. One with c below 0, as of a hinge, lies below 0.
     pub fn push(&mut self, [a, b]: [u32; 2], c: f64) {
-        if !self.complete && c != 0.0 {
+        if !self.complete && c > 0.0 {
             self.edges.push(Edge { nodes: [a.min(b), a.max(b)], c, triangles: 0.0 });
         }
     }

@@ -65,14 +65,14 @@ impl Phases {
         Phases { times, phase, all, passed: AtomicUsize::new(0) }
     }
 
-    /// A single phase without events, of nodes of these masses [kg].
-    pub fn lasting(fixed: Vec<[bool; 3]>, mass: &[f64]) -> Self {
+    /// A single phase without events, of nodes of these masses [kg]; supports that are moved from outside hold `moved`.
+    pub fn lasting(fixed: Vec<[bool; 3]>, mass: &[f64], moved: Vec<u32>) -> Self {
         let phase = Phase {
             inverse_mass: inverse_mass(&fixed, mass),
+            moved: Moved::from_outside(moved, &fixed),
             fixed,
             released: Vec::new(),
             cut: Vec::new(),
-            moved: Moved::default(),
             graph: OnceLock::new(),
         };
         Phases { times: Vec::new(), phase: vec![0], all: vec![phase], passed: AtomicUsize::new(0) }

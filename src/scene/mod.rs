@@ -65,6 +65,17 @@ pub enum Load {
     Forces(usize),
 }
 
+/// Forces beside stiff springs, by bounds on their elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BesideStiff {
+    /// [1/s^2] largest eigenvalue of M^-1 K, and the degree of freedom where it is reached
+    pub stiffness: (f64, usize),
+    /// [1/s] largest eigenvalue of M^-1 C, likewise
+    pub damping: (f64, usize),
+    /// whether elastic forces that are no springs act on the nodes that limit explicit steps most
+    pub on_short_nodes: bool,
+}
+
 /// What a run needs of a scene besides forces, tangents and output.
 pub trait Scene: TangentSystem + Observables {
     /// The interfaces that schemes use.
@@ -203,10 +214,11 @@ pub trait Scene: TangentSystem + Observables {
         self.rate_bound(at, w, &mut BoundBuffer::default())
     }
 
-    /// The same of all forces but those of the [stiff springs](crate::model::system::System::stiff_part).
-    fn rest_rate_bound(&self, ratio: f64, at: StateRef<'_>, w: crate::model::system::Weights) -> (f64, usize) {
-        let _ = ratio;
-        self.sharper_rate_bound(at, w)
+    /// Bounds on all forces but those of the [stiff springs](crate::model::system::System::stiff_part) at a state;
+    /// `None` where no spring is stiff.
+    fn beside_stiff(&self, ratio: f64, at: StateRef<'_>) -> Option<BesideStiff> {
+        let _ = (ratio, at);
+        None
     }
 }
 

@@ -49,6 +49,13 @@ impl Support {
 }
 
 impl Moved {
+    /// Degrees of freedom whose positions and velocities are given with every state.
+    pub fn from_outside(dofs: Vec<u32>, fixed: &[[bool; 3]]) -> Self {
+        let held = |dof: &u32| fixed.as_flattened()[..*dof as usize].iter().filter(|fixed| **fixed).count() as u32;
+        let reactions = dofs.iter().map(held).collect();
+        Moved { supports: Vec::new(), dofs, reactions }
+    }
+
     /// Those of `supports` that hold something where this is `fixed`, `[n_nodes][3]`; `at_first` is what is fixed at t
     /// = 0.
     pub fn new(supports: &[Support], fixed: &[[bool; 3]], at_first: &[[bool; 3]]) -> Self {

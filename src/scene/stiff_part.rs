@@ -9,22 +9,26 @@ use super::bound::{FORM, largest_by_node};
 use super::events::Phases;
 use super::network::{Network, Parts, SpringBatch, node_state};
 use super::numbering::Numbering;
+use super::BesideStiff;
 use crate::force::ForceTerm;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
 use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::{TangentSink, outer};
 use crate::format_number::counted;
 use crate::mesh::Mesh;
+use crate::model::forces::Role;
 use crate::model::spec::DashpotKind;
 use crate::model::state::StateRef;
 use crate::model::system::{StiffPart, Weights};
 use nalgebra::{Matrix3, Vector3};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 impl Network {
     /// See [`System::stiff_part`].
     pub(super) fn stiff_springs(&self, ratio: f64) -> Option<StiffPart> {
-        let is_stiff = self.stiff(ratio);
+        let is_short = self.short_nodes(ratio);
+        let is_stiff = |nodes: &[u32; 2]| nodes.iter().any(|&node| is_short(node));
         let all = self.carrying().flat_map(|batch| batch.data.nodes.iter());
         let mut nodes: Vec<u32> = all.filter(|nodes| is_stiff(nodes)).flatten().copied().collect();
         nodes.sort_unstable();
@@ -50,10 +54,13 @@ impl Network {
     fn of_springs(&self, springs: Vec<SpringBatch>, nodes: &[u32]) -> Network {
         let of = |node: &u32| *node as usize;
         let mass: Arc<[f64]> = nodes.iter().map(|node| self.mass[of(node)]).collect();
-        let fixed = nodes.iter().map(|node| self.phase().fixed[of(node)]).collect();
+        let fixed: Vec<[bool; 3]> = nodes.iter().map(|node| self.phase().fixed[of(node)]).collect();
+        let all_moved: BTreeSet<u32> = self.phase().moved.dofs.iter().copied().collect();
+        let dofs = (0..).zip(nodes.iter().flat_map(|node| 3 * node..3 * node + 3));
+        let moved = dofs.filter(|(_, dof)| all_moved.contains(dof)).map(|(own, _)| own).collect();
         Network::assemble_parts(Parts {
             numbering: Numbering { user: nodes.to_vec(), internal: Vec::new() },
-            phases: Phases::lasting(fixed, &mass),
+            phases: Phases::lasting(fixed, &mass, moved),
             weighed: mass.clone(),
             mass,
             added_mass: None,
@@ -67,7 +74,7 @@ impl Network {
             canopies: Vec::new(),
             pressures: Vec::new(),
             apparent: Vec::new(),
-            terms: springs.iter().map(|batch| Box::new(term_of(batch)) as Box<dyn ForceTerm>).collect(),
+            terms: springs.iter().map(|batch| Box::new(springs_of(batch)) as Box<dyn ForceTerm>).collect(),
             springs,
             membranes: Vec::new(),
             threads: self.threads.again(),
@@ -75,24 +82,37 @@ impl Network {
         })
     }
 
-    /// The bound on the largest eigenvalue of all forces but those of stiff springs; see [`super::bound`].
-    pub(super) fn bound_without_stiff(&self, ratio: f64, at: StateRef<'_>, w: Weights) -> (f64, usize) {
-        let is_stiff = self.stiff(ratio);
+    /// See [`super::Scene::beside_stiff`].
+    pub(super) fn forces_beside_stiff(&self, ratio: f64, at: StateRef<'_>) -> Option<BesideStiff> {
+        let is_short = self.short_nodes(ratio);
+        let is_stiff = |nodes: &[u32; 2]| nodes.iter().any(|&node| is_short(node));
+        if !self.carrying().any(|batch| batch.data.nodes.iter().any(is_stiff)) {
+            return None;
+        }
         // Springs are the first terms, one a batch.
         let (springs, others) = self.terms.split_at(self.springs.len());
-        self.bound_in_rounds(|sink| {
-            let mut rest = Rest { is_stiff: &is_stiff, sink };
-            springs.iter().for_each(|term| term.tangent(node_state(at), w, FORM, &mut rest));
-            others.iter().for_each(|term| term.tangent(node_state(at), w, FORM, rest.sink));
-            self.emit_law_tangents(at, w, FORM, rest.sink);
+        let bound = |w: Weights| {
+            self.bound_in_rounds(|sink| {
+                let mut rest = Rest { is_stiff: &is_stiff, sink };
+                springs.iter().for_each(|term| term.tangent(node_state(at), w, FORM, &mut rest));
+                others.iter().for_each(|term| term.tangent(node_state(at), w, FORM, rest.sink));
+                self.emit_law_tangents(at, w, FORM, rest.sink);
+            })
+        };
+        let elastic = others.iter().filter(|term| term.parts().iter().any(|part| part.role == Role::Elastic));
+        let mut elements = elastic.flat_map(|term| (0..term.elements()).filter_map(|i| term.element(i)));
+        Some(BesideStiff {
+            stiffness: bound(Weights { m: 0.0, c: 0.0, k: 1.0 }),
+            damping: bound(Weights { m: 0.0, c: 1.0, k: 0.0 }),
+            on_short_nodes: elements.any(|nodes| nodes.iter().any(|&node| is_short(node))),
         })
     }
 
-    /// Which springs are stiff, by their nodes.
-    fn stiff(&self, ratio: f64) -> impl Fn(&[u32; 2]) -> bool + use<> {
+    /// Which nodes allow less than `ratio` times the shortest step.
+    fn short_nodes(&self, ratio: f64) -> impl Fn(u32) -> bool + use<> {
         let steps = self.allowed_steps();
         let limit = ratio * steps.iter().copied().fold(f64::INFINITY, f64::min);
-        move |nodes| nodes.iter().any(|&node| steps[node as usize] < limit)
+        move |node| steps[node as usize] < limit
     }
 
     /// [s] The step that the springs at each node allow, infinite where there are none.
@@ -150,7 +170,7 @@ impl<F: Fn(&[u32; 2]) -> bool> TangentSink for Rest<'_, F> {
     }
 }
 
-fn term_of(batch: &SpringBatch) -> DampedSprings {
+fn springs_of(batch: &SpringBatch) -> DampedSprings {
     let kind = if batch.axial { DashpotKind::Axial } else { DashpotKind::Relative };
     let coefficient = batch.dashpot.clone();
     let dashpots = (!matches!(coefficient, Coefficient::Uniform(0.0))).then_some(Dashpots { kind, coefficient });

@@ -2,7 +2,7 @@
 
 use super::external::{ExternalForces, ExternalKind};
 use super::network::{Network, by_node, node_state};
-use super::{BoundBuffer, Load, Scene, Suspect};
+use super::{BesideStiff, BoundBuffer, Load, Scene, Suspect};
 use crate::assembly::{SceneInterfaces, TangentSystem};
 use crate::force::law::series::Scale;
 use crate::force::{ForceTerm, TangentForm, TangentSink};
@@ -172,8 +172,8 @@ impl Scene for Network {
         self.sharper_node_bound(at, w)
     }
 
-    fn rest_rate_bound(&self, ratio: f64, at: StateRef<'_>, w: Weights) -> (f64, usize) {
-        self.bound_without_stiff(ratio, at, w)
+    fn beside_stiff(&self, ratio: f64, at: StateRef<'_>) -> Option<BesideStiff> {
+        self.forces_beside_stiff(ratio, at)
     }
 
     fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {

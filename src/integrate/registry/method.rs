@@ -187,7 +187,7 @@ impl MethodChoice {
     /// A scheme whose step on linear scenes is a map of the state and what it carries, with the eigenvalues of this
     /// method's.
     pub fn linear_scheme(&self, solver: SolverSpec) -> Scheme {
-        self.info.linear.like.map_or_else(|| self.scheme(solver), |like| like(&self.values))
+        self.info.linear.like.map_or_else(|| self.scheme(solver), |like| like())
     }
 
     /// [-] Order of accuracy with these parameters.

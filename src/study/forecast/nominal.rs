@@ -75,7 +75,9 @@ impl NominalCosts {
         let passes = f64::from(method.info.evaluations[usize::from(self.moving)]) - self.saved(method);
         match method.info.family {
             Family::Implicit => self.cost(steps, self.implicit.map(|n| n * steps)),
-            Family::Explicit | Family::MatrixFree => self.cost(steps, [passes.max(1.0) * steps, 0.0, 0.0, 0.0, 0.0, 0.0]),
+            Family::Explicit | Family::MatrixFree => {
+                self.cost(steps, [passes.max(1.0) * steps, 0.0, 0.0, 0.0, 0.0, 0.0])
+            }
         }
     }
 

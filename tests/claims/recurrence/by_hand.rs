@@ -74,8 +74,7 @@ fn adams_bashforth(o: Oscillator, h: f64, start: Motion, steps: usize) -> Vec<Mo
     motions
 }
 
-/// Half a long kick by all but spring and dashpot, m steps of central differences with these, half a long kick. Forces
-/// are those before the last half kick of the short steps.
+/// Half a long kick by all but spring and dashpot, m steps of central differences with these, half a long kick.
 fn multirate(o: Oscillator, (h, m): (f64, f64), damper: Damper, start: Motion, steps: usize) -> Vec<Motion> {
     let along_spring = [Damper::Axial, Damper::Relative, Damper::FromStep].contains(&damper);
     let d = if along_spring { o.d() } else { 0.0 };
@@ -89,9 +88,9 @@ fn multirate(o: Oscillator, (h, m): (f64, f64), damper: Damper, start: Motion, s
             v += 0.5 * h / m * s;
             x += h / m * v;
             s = spring(x, v);
-            g = others(v);
             v += 0.5 * h / m * s;
         }
+        g = others(v);
         v += 0.5 * h * g;
         Motion { x, v, a: 0.0 }
     };
