@@ -2,6 +2,7 @@
 //! are taut.
 
 use super::critical::{Confidence, CostLimits, CriticalStep, has_limit, plainly_stable, remedy};
+use super::limit::critical_step;
 use super::rates::Rates;
 use super::spectrum::Spectrum;
 use crate::format_number::figures;
@@ -13,6 +14,8 @@ use crate::warning::{Warning, WarningCode};
 
 /// [-] strain that rounding of coordinates makes
 const ROUNDING: f64 = 1e-9;
+/// [-] error that rounding makes in an undamped limit, where two eigenvalues meet
+const MEETING: f64 = 1e-6;
 
 /// A method on a scene, with the step it is to take.
 #[derive(Clone, Copy)]
@@ -54,6 +57,11 @@ fn limit_at(Planned { scene, method, step, stop, .. }: Planned<'_>, at: StateRef
 pub fn slack_warning(planned: Planned<'_>, limit: CriticalStep) -> Option<Warning> {
     let Planned { scene, method, step, stop, .. } = planned;
     let step = step.filter(|_| has_limit(method) && !stop.asked())?;
+    // Scaled masses are those for taut springs.
+    let fastest = scene.added_mass().map(|added| Rates { frequency: 2.0 / added.step, ..Rates::default() });
+    if fastest.is_some_and(|rates| step <= (1.0 + MEETING) * critical_step(method, rates)) {
+        return None;
+    }
     let start = scene.initial_state();
     let slack = slack(scene, start.as_ref())?;
     // The scene is scaled until the slackest spring is taut: the others then carry some tension, which stiffens them a

@@ -141,6 +141,61 @@ fn slack_springs_count_as_taut() {
     assert!(near(&added["largest_factor"], 50.0, 1e-6), "{added}");
 }
 
+/// Four masses with a spring of finite strain between any two, and dashpots that end their swinging. With a `tether`, a
+/// loose line of 20 times its edge hangs from one to a weight beside it.
+fn braced(tether: Option<&Value>) -> Value {
+    let mut springs = vec![json!([0, 1]), json!([1, 2]), json!([2, 3]), json!([3, 0]), json!([0, 2]), json!([1, 3])];
+    let dashpot = json!({"axial": {"time": 1e-3}});
+    let own = json!({"on": {"ids": [0, 1, 2, 3, 4, 5]}, "stiffness": STIFFNESS, "dashpot": dashpot, "law": "green"});
+    let mut rules = vec![own];
+    if let Some(slack) = tether {
+        let mut line = json!({"on": {"ids": [6]}, "stiffness": STIFFNESS, "dashpot": dashpot, "rest_scale": 20});
+        let object = slack.as_object().expect("an object").clone();
+        line.as_object_mut().expect("an object").extend(object);
+        springs.push(json!([2, 4]));
+        rules.push(line);
+    }
+    json!({
+        "name": "braced",
+        "system": {"network": {
+            "mesh": {"explicit": {
+                "nodes": [[0, 0, 0], [1, 0, 0], [1.6, 0.7, 0], [0, 1.2, 0], [3, 1, 0]], "springs": springs
+            }},
+            "mass": {"nodal": [0.01, 0.01, 0.01, 0.01, 10.0]},
+            "springs": rules,
+            "initial": {"velocity": [[0.3, 0, 0], [0, 0.2, 0], [0.3, 0.1, 0], [0, -0.2, 0], [0, 0, 0]]}
+        }},
+        "time": {"end": 5.0, "method": "central-difference", "step": 0.005, "mass_scaling": {"step": 0.005}},
+        "acknowledge": ["loose-nodes"]
+    })
+}
+
+/// A loose line counts as taut, and so do dashpots of one that gets shorter, without a stretch of the other springs:
+/// these would be many times stiffer by their finite strain. The step that is asked for is stable.
+#[test]
+fn one_loose_line_does_not_scale_the_others() {
+    let added = |case: &Value| {
+        let (bench, ended) = solved(case);
+        let summary = bench.results().summary();
+        // [J] Of 0.05 J at the start.
+        assert!(summary["final_ledger"]["elastic"].as_f64() < Some(1e-6), "{summary}");
+        assert!(!ended.stderr.contains("slack-springs"), "{}", ended.stderr);
+        summary["mass_scaling"]["added"].as_f64().expect("a number")
+    };
+    let without = added(&braced(None));
+    // [kg] What the line needs along it, if its other end is heavy enough for half of it.
+    let line = STIFFNESS * 0.005_f64.powi(2) / 2.0 + STIFFNESS * 1e-3 * 0.005;
+    for slack in [
+        json!({"slack": "tension-only"}),
+        json!({"slack": "tension-only", "law": "green"}),
+        json!({"slack": {"dead_zone": 0.5}, "law": "green"}),
+        json!({"slack": {"compression_limit": 1e-12}}),
+    ] {
+        let with = added(&braced(Some(&slack)));
+        assert!(with > without + 0.1 * line && with < without + line, "{slack}: {with} kg and {without} kg");
+    }
+}
+
 /// Where it has no meaning it is refused, with the place.
 #[test]
 fn what_cannot_be_scaled_is_refused() {
