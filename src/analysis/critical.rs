@@ -104,8 +104,12 @@ pub fn remedy(limit: &CriticalStep, h: f64) -> String {
     }
 }
 
-/// An implicit method for a step `h` [s]. Newmark's may gain energy if a step is long for the fastest modes.
+/// An implicit method for a step `h` [s]. Newmark's may gain energy if a step is long for the fastest modes, as it is
+/// for those that scaled masses make slower.
 pub fn implicit_for(rates: Rates, h: f64) -> &'static str {
+    if rates.scaled_masses {
+        return "--method backward-euler without time.mass_scaling";
+    }
     if h * rates.frequency <= JUMPS { "--method newmark" } else { "--method backward-euler" }
 }
 
@@ -169,7 +173,8 @@ impl ElementBounds {
         let (square, frequency_dof) = scene.sharper_rate_bound(at, STIFFNESS);
         let damped = scene.velocity_dependent();
         let (damping, damping_dof) = if damped { scene.sharper_rate_bound(at, DAMPING) } else { (0.0, 0) };
-        let rates = Rates { frequency: square.sqrt(), frequency_dof, damping, damping_dof };
+        let scaled_masses = scene.added_mass().is_some();
+        let rates = Rates { frequency: square.sqrt(), frequency_dof, damping, damping_dof, scaled_masses };
         ElementBounds { rates, damped, symmetric: scene.symmetric() }
     }
 

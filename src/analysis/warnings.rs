@@ -1,7 +1,7 @@
 //! Warnings about a step, before a run: above the critical step, or above what the scene needs once its slack springs
 //! are taut.
 
-use super::critical::{Confidence, CostLimits, CriticalStep, has_limit, plainly_stable, remedy};
+use super::critical::{Confidence, CostLimits, CriticalStep, has_limit, implicit_for, plainly_stable, remedy};
 use super::limit::critical_step;
 use super::rates::Rates;
 use super::spectrum::Spectrum;
@@ -68,7 +68,7 @@ pub fn slack_warning(planned: Planned<'_>, limit: CriticalStep) -> Option<Warnin
     // little across.
     let longer = |x: &f64| x * slack.stretch;
     let taut = State { x: start.x.iter().map(longer).collect(), ..start.clone() };
-    let taut = limit_at(planned, taut.as_ref()).step;
+    let CriticalStep { step: taut, rates, .. } = limit_at(planned, taut.as_ref());
     let name = method.info.name;
     let hidden = taut < limit.step && (step > taut || slack.count == slack.of);
     hidden.then(|| {
@@ -79,7 +79,10 @@ pub fn slack_warning(planned: Planned<'_>, limit: CriticalStep) -> Option<Warnin
             figures(limit.step, 3),
             figures(taut, 3),
             figures(step, 4),
-            if step > taut { format!(": take a step below {} s, or --method newmark", figures(taut, 2)) } else { String::new() }
+            match step > taut {
+                true => format!(": take a step below {} s, or {}", figures(taut, 2), implicit_for(rates, step)),
+                false => String::new(),
+            }
         );
         Warning::new(WarningCode::SlackSprings, text)
     })

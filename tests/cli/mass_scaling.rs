@@ -216,6 +216,36 @@ fn what_cannot_be_scaled_is_refused() {
     assert!(ended.code == Some(2) && ended.stderr.contains(said), "{}", ended.stderr);
 }
 
+/// Implicit methods refuse scaled masses, so where a step is too long they are advised without these: before the run,
+/// and where it fails, with and without dashpots.
+#[test]
+fn advice_knows_that_implicit_methods_take_real_masses() {
+    let bench = Bench::new();
+    let dashpot = json!({"axial": {"coefficient": 1e-3}});
+    for damped in [false, true] {
+        let mut case = pair(0.01, 0.05);
+        case["time"]["end"] = json!(10.0);
+        if damped {
+            case["system"]["network"]["springs"][0]["dashpot"] = dashpot.clone();
+        }
+        let ended = run(&bench, &case, &["solve", "--force", "--out", "out"]);
+        let advice = " s or smaller, or --method backward-euler without time.mass_scaling";
+        assert!(ended.code == Some(3) && ended.stderr.matches(advice).count() >= 2, "{}", ended.stderr);
+        assert_eq!(ended.stderr.matches("--method").count(), ended.stderr.matches(advice).count(), "{}", ended.stderr);
+    }
+    let mut slack = pair(0.01, 0.02);
+    slack["system"]["network"]["springs"][0]["slack"] = json!("tension-only");
+    slack["system"]["network"]["springs"][0]["rest_scale"] = json!(1.25);
+    let ended = run(&bench, &slack, &["check"]);
+    let said = "or --method backward-euler without time.mass_scaling [slack-springs]";
+    assert!(ended.stdout.contains(said), "{}", ended.stdout);
+    let refused = run(&bench, &slack, &["solve", "--method", "backward-euler", "--force", "--out", "out"]);
+    assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+    slack["time"].as_object_mut().expect("an object").remove("mass_scaling");
+    let taken = run(&bench, &slack, &["solve", "--method", "backward-euler", "--force", "--out", "out"]);
+    assert_eq!(taken.code, Some(0), "{}", taken.stderr);
+}
+
 /// A little mass raises no doubt: 2.4 % here.
 #[test]
 fn little_mass_is_no_warning() {
