@@ -343,3 +343,34 @@ fn a_study_measures_the_error_of_scaled_masses() {
     let ended = run(&bench, &case, &["tradeoff", "--models", "net,membrane", "--out", "models"]);
     assert!(ended.code == Some(2) && ended.stderr.contains("leave time.mass_scaling out"), "{}", ended.stderr);
 }
+
+/// Springs that are 100 times as soft need no added mass: a sweep of the stiffness goes on with the real masses there,
+/// and says so. A study of such a case alone is refused, as a run is.
+#[test]
+fn a_sweep_of_the_stiffness_goes_on_where_no_mass_is_needed() {
+    let bench = Bench::new();
+    let mut case = pair(0.01, 1e-3);
+    case["time"]["end"] = json!(0.01);
+    case["output"]["frames"]["every"] = json!(0.001);
+    let study_of = ["tradeoff", "--methods", "velocity-verlet", "--steps", "1e-4", "--repeat", "1"];
+    let sweep = [&study_of[..], &["--stiffness-sweep", "0.01,1", "--out", "out"]].concat();
+    let ended = run(&bench, &case, &sweep);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let found = study(&bench.path("out"));
+    for variant in &found.plan.variants {
+        let models: Vec<Model> = variant.models.iter().map(|report| report.model).collect();
+        let expected = match variant.stiffness_factor {
+            1.0 => &[Model::RealMass, Model::ScaledMass][..],
+            _ => &[Model::RealMass],
+        };
+        assert_eq!(models, expected);
+    }
+    assert_eq!(found.rows.len(), 3, "with both masses where some are added");
+    let said = "no node needs more than 0.5 of its mass for steps of 0.01 s, so that all runs have the real masses";
+    let page = std::fs::read_to_string(bench.path("out/tradeoff.html")).expect("a page");
+    assert!(ended.stdout.contains(said) && page.contains(&said[1..]), "{}", ended.stdout);
+    assert!(page.contains("Explicit methods run with scaled masses too"));
+    case["system"]["network"]["springs"][0]["stiffness"] = json!(0.01 * STIFFNESS);
+    let refused = run(&bench, &case, &[&study_of[..], &["--out", "one"]].concat());
+    assert!(refused.code == Some(2) && refused.stderr.contains("adds nothing: no node needs"), "{}", refused.stderr);
+}
