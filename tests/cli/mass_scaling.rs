@@ -381,3 +381,29 @@ fn a_sweep_of_the_stiffness_goes_on_where_no_mass_is_needed() {
     let refused = run(&bench, &case, &[&study_of[..], &["--out", "one"]].concat());
     assert!(refused.code == Some(2) && refused.stderr.contains("adds nothing: no node needs"), "{}", refused.stderr);
 }
+
+/// A sweep tells the mass that was added to each run; without mass scaling it has no such columns.
+#[test]
+fn a_sweep_tells_the_added_mass_of_each_run() {
+    let bench = Bench::new();
+    let case = pair(0.01, 1e-4);
+    let ended = run(&bench, &case, &["sweep", "--vary", "time.mass_scaling.step=0.01,0.02", "--out", "out"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let table = std::fs::read_to_string(bench.path("out/sweep.csv")).expect("a table");
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let column = |name: &str| -> Vec<f64> {
+        let place = rows[0].iter().position(|other| *other == name).expect(name);
+        rows[1..].iter().map(|row| row[place].parse().expect("a number")).collect()
+    };
+    for (name, expected) in [("added_mass", [0.49, 2.99]), ("added_mass_share", [0.49 / 1.01, 2.99 / 1.01])] {
+        for (found, expected) in column(name).into_iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-6, "{name}: {found} for {expected}");
+        }
+    }
+    let mut real = case;
+    real["time"].as_object_mut().expect("an object").remove("mass_scaling");
+    let ended = run(&bench, &real, &["sweep", "--vary", "time.step=1e-4,2e-4", "--out", "real"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let table = std::fs::read_to_string(bench.path("real/sweep.csv")).expect("a table");
+    assert!(!table.contains("added_mass"), "{table}");
+}

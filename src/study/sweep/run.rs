@@ -14,6 +14,7 @@ use crate::drive::max_displacement::MaxDisplacement;
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, Resumable, UpcomingStep, Wants};
 use crate::drive::{Explain, RunError, Status};
 use crate::integrate::Counters;
+use crate::model::added_mass::AddedMass;
 use crate::model::stop::Stop;
 use crate::output::gauges::Peak;
 use crate::output::largest::{LargestSoFar, LargestValues};
@@ -56,6 +57,9 @@ pub struct SweepResult {
     pub counters: Counters,
     /// largest values of the gauges
     pub peaks: Vec<Peak>,
+    /// what mass scaling has added
+    #[serde(default)]
+    pub mass_scaling: Option<AddedMass>,
 }
 
 /// A run and what came of it.
@@ -212,7 +216,8 @@ impl SweepRunner<'_> {
         if outcome.status == Status::Interrupted {
             return Ok(RunEnd::OutOfTime(outcome.t_end));
         }
-        Ok(RunEnd::Done(SweepResult::of(measured(&outcome, None, seconds), &largest, farthest.distance)))
+        let result = SweepResult::of(measured(&outcome, None, seconds), &largest, farthest.distance);
+        Ok(RunEnd::Done(SweepResult { mass_scaling: scene.added_mass(), ..result }))
     }
 }
 
@@ -236,6 +241,7 @@ impl SweepResult {
             t_end,
             counters,
             peaks: if completed { largest.peaks() } else { Vec::new() },
+            mass_scaling: None,
         }
     }
 }
