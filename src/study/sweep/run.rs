@@ -93,7 +93,7 @@ pub struct SweepRunner<'a> {
 
 /// How a run ended, if the user did not interrupt it.
 enum RunEnd {
-    Done(SweepResult),
+    Done(Box<SweepResult>),
     /// the budget was spent at this time [s] of the run, where it is saved
     OutOfTime(f64),
 }
@@ -155,7 +155,7 @@ impl SweepRunner<'_> {
             RunEnd::OutOfTime(t) => {
                 Ok(Some(format!("the budget was spent at t = {t:.3e} s of it; run the sweep again to go on")))
             }
-            RunEnd::Done(result) => self.store.keep_measured(job, &result).map(|()| None),
+            RunEnd::Done(result) => self.store.keep_measured(job, &*result).map(|()| None),
         }
     }
 
@@ -217,7 +217,7 @@ impl SweepRunner<'_> {
             return Ok(RunEnd::OutOfTime(outcome.t_end));
         }
         let result = SweepResult::of(measured(&outcome, None, seconds), &largest, farthest.distance);
-        Ok(RunEnd::Done(SweepResult { mass_scaling: scene.added_mass(), ..result }))
+        Ok(RunEnd::Done(Box::new(SweepResult { mass_scaling: scene.added_mass(), ..result })))
     }
 }
 
@@ -247,7 +247,7 @@ impl SweepResult {
 }
 
 fn refused(note: String) -> RunEnd {
-    RunEnd::Done(SweepResult { status: RowStatus::Refused, note, ..SweepResult::default() })
+    RunEnd::Done(Box::new(SweepResult { status: RowStatus::Refused, note, ..SweepResult::default() }))
 }
 
 /// The observer of a run: measures, and saves the run where it may stop.
