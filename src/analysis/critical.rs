@@ -1,7 +1,8 @@
 //! Critical steps: what one is worth, what to advise where a step is above it, and bounds from one pass over the
 //! elements. [`Spectrum`](super::spectrum::Spectrum) finds sharper ones.
 
-use super::limit::{critical_step, limited, stable};
+pub use super::limit::has_limit;
+use super::limit::{critical_step, stable};
 use super::operators::{DAMPING, STIFFNESS};
 use super::rates::Rates;
 use crate::format_number::{figures, two_digits};
@@ -45,12 +46,6 @@ pub struct CriticalStep {
     pub dof: usize,
     /// the rates of that mode
     pub rates: Rates,
-}
-
-/// Whether a method has a stability limit on an oscillator. Kang's filter has none; forces outside it may set one that
-/// is not found here.
-pub fn has_limit(method: &MethodChoice) -> bool {
-    limited(method)
 }
 
 /// Whether a limit is unknown: velocity-dependent forces, follower forces, and elastic ones other than those of linear
