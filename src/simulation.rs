@@ -54,6 +54,7 @@
 //! By `numerical` a run is judged: the other energies add up by its definition, and with smaller steps h it falls as h
 //! to the order of the method.
 
+mod attempt;
 mod builder;
 mod derivative;
 mod doubts;
@@ -61,6 +62,7 @@ mod equilibrium;
 mod error;
 mod follow;
 mod record;
+mod saved;
 mod state;
 
 pub use crate::force::law::bar_law::{BarForce, BarLaw, Bars};
@@ -78,11 +80,11 @@ use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, UpcomingStep, Wants};
 use crate::drive::{Changed, Outcome, Run, RunError, RunSpec, RunState, Snapshot};
 use crate::force::schedule::threads::Threads;
-use crate::integrate::StepReport;
 use crate::integrate::stepper::{Scheme, Stepper};
 use crate::model::spec::NetworkSpec;
 use crate::model::stop::Stop;
 use crate::scene::{Pendulum, Scene, build_network, build_network_with};
+use attempt::Pending;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -118,14 +120,6 @@ pub struct StepInfo {
     pub t: f64,
     /// energy account at its end
     pub energies: LedgerRow,
-}
-
-/// A step that was attempted and waits.
-enum Pending {
-    /// of a fixed size, in the second point of the run
-    Fixed(StepReport),
-    /// of adaptive size, accepted already: where it began
-    Adaptive(Box<Snapshot>),
 }
 
 /// A scene in motion. It borrows nothing and may move between threads (`Send`).
@@ -331,95 +325,8 @@ impl Simulation {
         .map_err(Into::into)
     }
 
-    /// Computes the next step without accepting it: [`Simulation::attempted`] shows its end. For implicit coupling,
-    /// where the forces of a step depend on its end.
-    ///
-    /// # Errors
-    /// As [`Simulation::step`], and when an attempted step still waits.
-    pub fn attempt(&mut self) -> Result<(), SimulationError> {
-        self.attempt_next(None)
-    }
-
-    /// The same with a step of `h` [s], which ends earlier where an event of the scene lies within it: for a coupling
-    /// whose steps are not those of the case. The end of the run does not limit it.
-    ///
-    /// # Errors
-    /// As [`Simulation::attempt`]; also settings without `free_steps`, and a size that is not above 0, not finite or
-    /// lost in the rounding of the time.
-    pub fn attempt_of(&mut self, h: f64) -> Result<(), SimulationError> {
-        if !self.settings.free_steps {
-            return Err(SimulationError::NotFree);
-        }
-        if !(h > 0.0 && h.is_finite() && self.time() + h > self.time()) {
-            let needed = "a finite number above 0 that time can hold";
-            return Err(RunError::OutOfRange { what: "step [s]", value: h, needed }.into());
-        }
-        self.attempt_next(Some(h))
-    }
-
-    fn attempt_next(&mut self, h: Option<f64>) -> Result<(), SimulationError> {
-        self.idle()?;
-        let made = self.at_work(Stop::NEVER, |run, stepper| {
-            let Some(tick) = run.next_of(h) else { return Ok(None) };
-            if !run.spec.keep_going {
-                run.state.failure = None;
-            }
-            if run.spec.free_steps || run.spec.step.fixed().is_some() {
-                return Ok(Some(run.fixed_step(stepper, tick).map(Pending::Fixed)));
-            }
-            let before = Box::new(run.state.snapshot(stepper));
-            let made = run.advance(stepper, &mut [])?;
-            Ok::<_, RunError>(Some(made.map(|()| Pending::Adaptive(before))))
-        })??;
-        match made {
-            None => Err(SimulationError::Ended { t: self.time() }),
-            Some(Err(_)) => Err(self.failed()),
-            Some(Ok(pending)) => {
-                self.pending = Some(pending);
-                Ok(())
-            }
-        }
-    }
-
-    /// Accepts the attempted step.
-    ///
-    /// # Errors
-    /// When there is none, or when its end cannot be right; then it is dropped.
-    pub fn accept(&mut self) -> Result<StepInfo, SimulationError> {
-        match self.pending.take() {
-            None => return Err(SimulationError::Attempt { pending: false }),
-            Some(Pending::Adaptive(_)) => {}
-            Some(Pending::Fixed(report)) => {
-                if self.at_work(Stop::NEVER, |run, stepper| run.accept_fixed(stepper, &report))??.is_err() {
-                    return Err(self.failed());
-                }
-            }
-        }
-        Ok(self.info())
-    }
-
-    /// Drops the attempted step: the state is the one before it again.
-    ///
-    /// # Errors
-    /// When there is none.
-    pub fn drop_attempt(&mut self) -> Result<(), SimulationError> {
-        match self.pending.take() {
-            None => Err(SimulationError::Attempt { pending: false }),
-            Some(Pending::Fixed(_)) => Ok(()),
-            Some(Pending::Adaptive(before)) => self.take_up(*before),
-        }
-    }
-
     fn info(&self) -> StepInfo {
         StepInfo { step: self.state.steps, t: self.time(), energies: self.state.row }
-    }
-
-    /// No attempted step waits.
-    fn idle(&self) -> Result<(), SimulationError> {
-        match self.pending {
-            None => Ok(()),
-            Some(_) => Err(SimulationError::Attempt { pending: true }),
-        }
     }
 
     fn failed(&self) -> SimulationError {

@@ -265,7 +265,10 @@ class Result:
 
     def __repr__(self) -> str:
         run = self.summary
-        return f"<Result: {run['status']} at t = {run['t_end']:g} s after {run['steps']} steps of {run['method']}>"
+        added = run.get("mass_scaling")
+        masses = f", with {added['added']:.3g} kg of added mass" if added else ""
+        steps = f"{run['steps']} steps of {run['method']}"
+        return f"<Result: {run['status']} at t = {run['t_end']:g} s after {steps}{masses}>"
 
     def _repr_html_(self) -> str:
         rows = [("status", self.status), ("steps", self.summary["steps"]), ("end [s]", f"{self.summary['t_end']:g}")]

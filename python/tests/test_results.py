@@ -70,6 +70,15 @@ def test_tables(small, tmp_path):
     assert again.summary == json.loads((tmp_path / "out" / "summary.json").read_text())
 
 
+def test_added_mass_is_told():
+    """What mass scaling adds stands in the words of a run, and only there where it adds some."""
+    time = {"end": 0.01, "method": "central-difference", "step": 1e-3}
+    scaled = cf.run(cloth(time=time | {"mass_scaling": {"step": 0.1}}))
+    added = scaled.summary["mass_scaling"]["added"]
+    assert added > 0 and f"with {added:.3g} kg of added mass" in repr(scaled)
+    assert "added mass" not in repr(cf.run(cloth(time=time)))
+
+
 def test_absent_tables_are_empty(small):
     del small["output"]
     result = cf.run(small)

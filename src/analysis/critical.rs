@@ -1,7 +1,8 @@
 //! Critical steps: what one is worth, what to advise where a step is above it, and bounds from one pass over the
 //! elements. [`Spectrum`](super::spectrum::Spectrum) finds sharper ones.
 
-use super::limit::{critical_step, limited, stable};
+pub use super::limit::has_limit;
+use super::limit::{critical_step, stable};
 use super::operators::{DAMPING, STIFFNESS};
 use super::rates::Rates;
 use crate::format_number::{figures, two_digits};
@@ -45,12 +46,6 @@ pub struct CriticalStep {
     pub dof: usize,
     /// the rates of that mode
     pub rates: Rates,
-}
-
-/// Whether a method has a stability limit on an oscillator. Kang's filter has none; forces outside it may set one that
-/// is not found here.
-pub fn has_limit(method: &MethodChoice) -> bool {
-    limited(method)
 }
 
 /// Whether a limit is unknown: velocity-dependent forces, follower forces, and elastic ones other than those of linear
@@ -104,8 +99,12 @@ pub fn remedy(limit: &CriticalStep, h: f64) -> String {
     }
 }
 
-/// An implicit method for a step `h` [s]. Newmark's may gain energy if a step is long for the fastest modes.
+/// An implicit method for a step `h` [s]. Newmark's may gain energy if a step is long for the fastest modes, as it is
+/// for those that scaled masses make slower.
 pub fn implicit_for(rates: Rates, h: f64) -> &'static str {
+    if rates.scaled_masses {
+        return "--method backward-euler without time.mass_scaling";
+    }
     if h * rates.frequency <= JUMPS { "--method newmark" } else { "--method backward-euler" }
 }
 
@@ -175,7 +174,8 @@ impl<'a> ElementBounds<'a> {
         let (square, frequency_dof) = scene.sharper_rate_bound(at, STIFFNESS);
         let damped = scene.velocity_dependent();
         let (damping, damping_dof) = if damped { scene.sharper_rate_bound(at, DAMPING) } else { (0.0, 0) };
-        let rates = Rates { frequency: square.sqrt(), frequency_dof, damping, damping_dof };
+        let scaled_masses = scene.added_mass().is_some();
+        let rates = Rates { frequency: square.sqrt(), frequency_dof, damping, damping_dof, scaled_masses };
         ElementBounds { scene, at, rates, damped, symmetric: scene.symmetric() }
     }
 
@@ -233,6 +233,7 @@ impl CriticalStep {
             frequency_dof: stiffness.1,
             damping: damping.0,
             damping_dof: damping.1,
+            scaled_masses: self.rates.scaled_masses,
         };
         match rest_step([stiffness.0, damping.0]) {
             // Numbers overflow, or a bound is none.
@@ -241,7 +242,6 @@ impl CriticalStep {
             _ => capped,
         }
     }
-}
 }
 
 /// [s] The limit of central differences with the bounds on K [1/s^2] and C [1/s] of forces beside stiff springs.

@@ -49,8 +49,9 @@ pub fn critical_step(method: &MethodChoice, rates: Rates) -> f64 {
     if undamped && stable < NO_LIMIT_BELOW { 0.0 } else { stable / unit }
 }
 
-/// Whether `method` has a limit on an undamped oscillator.
-pub(super) fn limited(method: &MethodChoice) -> bool {
+/// Whether a method has a stability limit on an undamped oscillator. Kang's filter has none; forces outside it may set
+/// one that is not found here.
+pub fn has_limit(method: &MethodChoice) -> bool {
     method.info.family != Family::MatrixFree && limited_on(method, Oscillator { k: 1.0, c: 0.0 })
 }
 

@@ -44,7 +44,7 @@ impl Mode {
 
     pub fn rates(&self) -> Rates {
         let Mode { frequency, damping, dof, .. } = *self;
-        Rates { frequency, frequency_dof: dof, damping, damping_dof: dof }
+        Rates { frequency, frequency_dof: dof, damping, damping_dof: dof, ..Rates::default() }
     }
 }
 

@@ -11,4 +11,6 @@ pub struct Rates {
     pub damping: f64,
     /// degree of freedom that moves most in that mode
     pub damping_dof: usize,
+    /// whether masses are scaled, which no implicit method takes
+    pub scaled_masses: bool,
 }

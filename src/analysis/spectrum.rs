@@ -90,6 +90,7 @@ impl<'a> Spectrum<'a> {
             frequency_dof: self.linear.most_moving_dof(&self.stiffest.vector),
             damping: self.most_damped.value.max(0.0),
             damping_dof: self.linear.most_moving_dof(&self.most_damped.vector),
+            scaled_masses: self.linear.scene.added_mass().is_some(),
         }
     }
 
@@ -112,13 +113,11 @@ impl<'a> Spectrum<'a> {
         if self.symmetric() && !self.damped {
             return self.undamped(method);
         }
-        if self.symmetric()
-            && let Some(pencil) = method.pencil()
-            && let Some(found) = self.definite_below(pencil)
-        {
-            return found;
-        }
-        self.estimate(method).unwrap_or(CriticalStep::none())
+        let pencil = method.pencil().filter(|_| self.symmetric());
+        let proved = pencil.and_then(|pencil| self.definite_below(pencil));
+        let mut found = proved.or_else(|| self.estimate(method)).unwrap_or(CriticalStep::none());
+        found.rates.scaled_masses = self.linear.scene.added_mass().is_some();
+        found
     }
 
     fn undamped(&self, method: &MethodChoice) -> CriticalStep {

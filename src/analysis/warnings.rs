@@ -1,7 +1,8 @@
 //! Warnings about a step, before a run: above the critical step, or above what the scene needs once its slack springs
 //! are taut.
 
-use super::critical::{Confidence, CostLimits, CriticalStep, has_limit, plainly_stable, remedy};
+use super::critical::{Confidence, CostLimits, CriticalStep, has_limit, implicit_for, plainly_stable, remedy};
+use super::limit::critical_step;
 use super::rates::Rates;
 use super::spectrum::Spectrum;
 use crate::format_number::figures;
@@ -13,6 +14,8 @@ use crate::warning::{Warning, WarningCode};
 
 /// [-] strain that rounding of coordinates makes
 const ROUNDING: f64 = 1e-9;
+/// [-] error that rounding makes in an undamped limit, where two eigenvalues meet
+const MEETING: f64 = 1e-6;
 
 /// A method on a scene, with the step it is to take.
 #[derive(Clone, Copy)]
@@ -54,13 +57,18 @@ fn limit_at(Planned { scene, method, step, stop, .. }: Planned<'_>, at: StateRef
 pub fn slack_warning(planned: Planned<'_>, limit: CriticalStep) -> Option<Warning> {
     let Planned { scene, method, step, stop, .. } = planned;
     let step = step.filter(|_| has_limit(method) && !stop.asked())?;
+    // Scaled masses are those for taut springs.
+    let fastest = scene.added_mass().map(|added| Rates { frequency: 2.0 / added.step, ..Rates::default() });
+    if fastest.is_some_and(|rates| step <= (1.0 + MEETING) * critical_step(method, rates)) {
+        return None;
+    }
     let start = scene.initial_state();
     let slack = slack(scene, start.as_ref())?;
     // The scene is scaled until the slackest spring is taut: the others then carry some tension, which stiffens them a
     // little across.
     let longer = |x: &f64| x * slack.stretch;
     let taut = State { x: start.x.iter().map(longer).collect(), ..start.clone() };
-    let taut = limit_at(planned, taut.as_ref()).step;
+    let CriticalStep { step: taut, rates, .. } = limit_at(planned, taut.as_ref());
     let name = method.info.name;
     let hidden = taut < limit.step && (step > taut || slack.count == slack.of);
     hidden.then(|| {
@@ -71,7 +79,10 @@ pub fn slack_warning(planned: Planned<'_>, limit: CriticalStep) -> Option<Warnin
             figures(limit.step, 3),
             figures(taut, 3),
             figures(step, 4),
-            if step > taut { format!(": take a step below {} s, or --method newmark", figures(taut, 2)) } else { String::new() }
+            match step > taut {
+                true => format!(": take a step below {} s, or {}", figures(taut, 2), implicit_for(rates, step)),
+                false => String::new(),
+            }
         );
         Warning::new(WarningCode::SlackSprings, text)
     })

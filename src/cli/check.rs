@@ -92,7 +92,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let fails = own_run.and_then(|row| row.refused.as_deref()).is_some_and(|why| why.starts_with("fails "));
     let stable = Stability { step: plan.step, limit: own.and_then(|own| own.limit), later, slack, fails }.describe();
     let mut text = heading(&problem, &warnings)
-        + &describe_answer(&problem, &forecast, &stable)?
+        + &describe_answer(&problem, scene, &forecast, &stable)?
         + &size
         + &scene.added_mass().map_or_else(String::new, |added| format!("  mass scaling    {}\n", added.text()))
         + &models.describe(&args.case.case);

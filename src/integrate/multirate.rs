@@ -57,9 +57,10 @@ impl Multirate {
 
     /// The vectors that it carries, those that the scene has.
     fn carried(&self) -> impl Iterator<Item = &Vec<f64>> {
-        let vectors = self.stiff.iter().flat_map(|StiffSprings { lagging, beside, .. }| {
-            [lagging, &beside.total, &beside.dissipative]
-        });
+        let vectors = self
+            .stiff
+            .iter()
+            .flat_map(|StiffSprings { lagging, beside, .. }| [lagging, &beside.total, &beside.dissipative]);
         vectors.filter(|vector| !vector.is_empty())
     }
 }

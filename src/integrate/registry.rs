@@ -284,11 +284,7 @@ static METHODS: &[MethodInfo] = &[
             doc: "[-] short steps of stiff springs in one step",
         }],
         stability: "w h < 2 substeps undamped where springs set the limit; as central-difference where other forces do",
-        linear: LinearStep {
-            substeps: |p| p[0],
-            pencil: Some(Pencil::EULER_CROMER),
-            ..LinearStep::PARTITIONED
-        },
+        linear: LinearStep { substeps: |p| p[0], pencil: Some(Pencil::EULER_CROMER), ..LinearStep::PARTITIONED },
         source: "Tuckerman, Berne & Martyna 1992, section II; Neal & Belytschko 1989",
         build: |p, _| Scheme::Explicit(Box::new(Multirate::new(p[0] as u32))),
     },

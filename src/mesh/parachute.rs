@@ -7,13 +7,13 @@
 //! risers is first, then the others parachute by parachute.
 
 mod assembly;
+mod check;
 mod cruciform;
 mod kind;
 mod payload;
 mod profile;
 mod taylor;
 
-use super::source::{FaultSink, MAX_NODES, check_count, check_length};
 use super::{Mesh, MeshError};
 use assembly::Assembly;
 pub use kind::CanopyType;
@@ -220,94 +220,6 @@ pub struct ParachuteSizes {
 }
 
 impl ParachuteParameters {
-    /// Reports every value out of range; `at` is the JSON pointer of this section.
-    pub fn check(&self, at: &str, faults: FaultSink<'_>) {
-        check_length(at, "nominal_diameter", self.nominal_diameter, faults);
-        check_count(at, "gores", self.gores, [3, MOST], faults);
-        check_count(at, "radial_segments", self.radial_segments, [1, MOST], faults);
-        check_count(at, "gore_segments", self.gore_segments, [1, MOST], faults);
-        let rows = self.radial_segments.saturating_add(self.rings.unwrap_or(1)).saturating_add(2);
-        let of_canopy = self.gores.saturating_mul(self.gore_segments).saturating_mul(rows);
-        let segments =
-            self.lines.map_or(0, |lines| lines.segments) + self.inner_lines.map_or(0, |lines| lines.segments);
-        let of_lines = self.gores.saturating_mul(segments);
-        let nodes = of_canopy.saturating_add(of_lines).saturating_mul(self.cluster.map_or(1, |c| c.canopies));
-        if nodes > MAX_NODES {
-            let value = format!("about {nodes} nodes");
-            faults(at, value, format!("at most {MAX_NODES} nodes"), "take fewer segments".into());
-        }
-        self.check_kind(at, faults);
-        self.check_vent(at, faults);
-        for (key, lines) in [("lines", self.lines), ("riser", self.riser)] {
-            if let Some(LineParameters { length, segments }) = lines {
-                let at = format!("{at}/{key}");
-                check_length(&at, "length", length, faults);
-                check_count(&at, "segments", segments, [1, MOST], faults);
-            }
-        }
-        if let Some(inner) = self.inner_lines {
-            self.check_inner_lines(&format!("{at}/inner_lines"), inner, faults);
-        }
-        if let Some(cluster) = self.cluster {
-            check_count(&format!("{at}/cluster"), "canopies", cluster.canopies, [2, 20], faults);
-        }
-        let parts = [("riser", self.riser.is_some()), ("payload", self.payload.is_some())];
-        for (key, given) in parts.into_iter().chain([("cluster", self.cluster.is_some())]) {
-            if given && self.lines.is_none() {
-                let hint = "give `lines`, or leave it out".to_owned();
-                faults(&format!("{at}/{key}"), "without lines".into(), "only below suspension lines".into(), hint);
-            }
-        }
-        if let Some(payload) = &self.payload {
-            payload.check(&format!("{at}/payload"), faults);
-        }
-        if let Some(reefing) = &self.reefing {
-            let at = format!("{at}/reefing");
-            check_length(&at, "diameter", reefing.diameter, faults);
-            if let Some(vent) = self.vent_diameter.filter(|vent| *vent >= reefing.diameter) {
-                let hint = "the air would fill the canopy through its vent".to_owned();
-                let allowed = format!("more than the vent's {vent}");
-                faults(&format!("{at}/diameter"), reefing.diameter.to_string(), allowed, hint);
-            }
-        }
-        if self.start == StartShape::Inflated && self.lines.is_none() {
-            let hint = "give `lines`, or start flat".to_owned();
-            faults(&format!("{at}/start"), "inflated".into(), "an inflated start needs lines".into(), hint);
-        }
-    }
-
-    fn check_inner_lines(&self, at: &str, inner: InnerLineParameters, faults: FaultSink<'_>) {
-        check_count(at, "segments", inner.segments, [1, MOST], faults);
-        let (vent, lines) = (self.vent_diameter.is_some(), self.lines.is_some());
-        if !(vent && lines) {
-            let value = if vent { "without lines" } else { "without a vent" };
-            let hint = "give `vent_diameter` and `lines`, or leave it out".to_owned();
-            faults(at, value.into(), "only from a vent to the confluence of lines".into(), hint);
-        }
-    }
-
-    fn check_vent(&self, at: &str, faults: FaultSink<'_>) {
-        let Some(vent) = self.vent_diameter else {
-            if self.vent_lines == Some(true) {
-                let hint = "give `vent_diameter`, or leave it out".to_owned();
-                faults(&format!("{at}/vent_lines"), "true".into(), "vent lines need a vent".into(), hint);
-            }
-            return;
-        };
-        check_length(at, "vent_diameter", vent, faults);
-        let most = self.nominal_diameter * MOST_VENT.sqrt();
-        if self.nominal_diameter > 0.0 && vent > most && vent.is_finite() {
-            let allowed = format!("at most {most:.6}, half of the nominal area");
-            let hint = "the canopy would be more vent than cloth; make the vent smaller".to_owned();
-            faults(&format!("{at}/vent_diameter"), vent.to_string(), allowed, hint);
-        }
-        if self.has_vent_lines() && !self.gores.is_multiple_of(2) {
-            let hint =
-                "each vent line joins opposite corners of the vent; say \"vent_lines\": false without them".to_owned();
-            faults(&format!("{at}/gores"), self.gores.to_string(), "an even number with vent lines".into(), hint);
-        }
-    }
-
     fn has_vent_lines(&self) -> bool {
         self.vent_diameter.is_some() && self.vent_lines.unwrap_or(self.kind != CanopyType::Annular)
     }

@@ -2,21 +2,25 @@
 //!
 //! Steps of central differences with velocities half a step behind are stable where M lies above (h/2) C + (h^2/4) K,
 //! on an oscillator w h < 2 (sqrt(1 + zeta^2) - zeta). This matrix lies below a diagonal one ([`super::bound`]), whose
-//! number at a node is the mass that the node needs. Springs count as taut: the elements are looked at where they are
-//! at the start, and on the mesh as given, stretched until none of its springs is slack.
+//! number at a node is the mass that the node needs. The elements are looked at where they are at the start, and where
+//! they are on the mesh as given. Springs count as taut: a slack one has the tangent with which it becomes taut in its
+//! direction, its whole stiffness along it and no tension.
 
 use super::bound::{FORM, largest_by_node};
 use super::build::Builder;
 use super::check::BuildError;
 use super::network::SpringBatch;
 use super::numbering::Numbering;
+use crate::force::law::damped_springs::{DampedSprings, Dashpots};
 use crate::force::law::slack::Clamp;
+use crate::force::law::spring::SpringData;
 use crate::force::{ForceTerm, NodeState};
 use crate::model::added_mass::AddedMass;
+use crate::model::spec::DashpotKind;
 use crate::model::system::Weights;
 use nalgebra::Vector3;
 
-/// [-] Stretch of the mesh that makes springs taut which have the lengths of its edges.
+/// [-] Stretch of the mesh as given that makes sheets and bars taut which are at rest in it.
 const TAUT: f64 = 1.0 + 1e-9;
 
 impl Builder<'_> {
@@ -67,10 +71,10 @@ impl Unscaled<'_> {
     /// # Errors
     /// When every node has as much.
     fn scale(&self, step: f64) -> Result<(Vec<f64>, AddedMass), BuildError> {
-        let stretch = self.stretch();
-        let taut: Vec<Vector3<f64>> = self.reference.iter().map(|x| stretch * x).collect();
-        let [at_start, when_taut] = [self.start, &taut].map(|x| self.needed(x, step));
-        let needed = at_start.iter().zip(&when_taut).map(|(a, b)| a.max(*b));
+        let given: Vec<Vector3<f64>> = self.reference.iter().map(|x| TAUT * x).collect();
+        let looks =
+            [(self.start, false), (self.start, true), (&given, true)].map(|(x, taut)| self.needed(x, taut, step));
+        let needed = (0..self.mass.len()).map(|i| looks.iter().map(|look| look[i]).fold(0.0, f64::max));
         let mut found = AddedMass { step, ..AddedMass::default() };
         let (mut inertia, mut moving, mut own) = (self.mass.to_vec(), 0.0, 0.0);
         for (i, needed) in needed.enumerate().filter(|(i, _)| self.fixed[*i] != [true; 3]) {
@@ -93,24 +97,40 @@ impl Unscaled<'_> {
         Ok((inertia, found))
     }
 
-    /// [kg] What each node needs with the nodes at `x`.
-    fn needed(&self, x: &[Vector3<f64>], step: f64) -> Vec<f64> {
+    /// [kg] What each node needs with the nodes at `x`, where springs are as they are or all `taut`.
+    fn needed(&self, x: &[Vector3<f64>], taut: bool, step: f64) -> Vec<f64> {
         let (at, weights) =
             (NodeState { t: 0.0, x, v: self.velocity }, Weights { m: 0.0, c: 0.5 * step, k: 0.25 * step * step });
-        largest_by_node(self.fixed, |sink| self.terms.iter().for_each(|term| term.tangent(at, weights, FORM, sink)))
+        // A dashpot of a spring that gets shorter would make it slack.
+        let at_rest = NodeState { v: &vec![Vector3::zeros(); x.len()], ..at };
+        // The first terms are those of the springs.
+        let (springs, others) = self.terms.split_at(self.springs.len());
+        largest_by_node(self.fixed, |sink| {
+            others.iter().for_each(|term| term.tangent(at, weights, FORM, sink));
+            match taut {
+                true => self.springs.iter().for_each(|batch| when_taut(batch, x).tangent(at_rest, weights, FORM, sink)),
+                false => springs.iter().for_each(|term| term.tangent(at, weights, FORM, sink)),
+            }
+        })
     }
+}
 
-    /// [-] How far the mesh is stretched until no spring is slack.
-    fn stretch(&self) -> f64 {
-        let slack = self.springs.iter().filter_map(|batch| Some((batch, Clamp::of(batch.data.slack)?)));
-        let pulls = slack.filter(|(_, clamp)| !clamp.pushes());
-        let stretches = pulls.flat_map(|(batch, clamp)| {
-            let scale = batch.data.rest_scale.as_ref().map_or(1.0, |table| table.at(0.0)[0]);
-            batch.data.nodes.iter().zip(batch.data.rest_length.iter()).map(move |([a, b], rest)| {
-                let length = (self.reference[*b as usize] - self.reference[*a as usize]).norm();
-                if length > 0.0 { TAUT * (scale * rest + clamp.threshold()) / length } else { TAUT }
-            })
-        });
-        stretches.fold(TAUT, f64::max)
-    }
+/// The springs of a batch with the nodes at `x`, where those that are slack have the rest lengths with which they would
+/// be as long as at zero tension.
+fn when_taut(batch: &SpringBatch, x: &[Vector3<f64>]) -> DampedSprings {
+    let (data, clamp) = (&batch.data, Clamp::or_none(batch.data.slack));
+    let (at, Clamp { lower, upper, offset }) = (data.at(0.0, x), clamp);
+    let rest_length = data.nodes.iter().enumerate().map(|(i, [a, b])| {
+        let length = (x[*b as usize] - x[*a as usize]).norm();
+        let rest = data.rest_length_at(at, i);
+        match length - rest {
+            // Rounding does not make it slack again.
+            e if e < lower => (length - offset).next_down(),
+            e if e > upper => length - offset,
+            _ => rest,
+        }
+    });
+    let springs = SpringData { rest_length: rest_length.collect(), rest_scale: None, ..data.clone() };
+    let kind = if batch.axial { DashpotKind::Axial } else { DashpotKind::Relative };
+    DampedSprings::new(springs, Some(Dashpots { kind, coefficient: batch.dashpot.clone() }))
 }

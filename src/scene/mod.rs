@@ -13,6 +13,7 @@ mod build_surface;
 mod canopy_shape;
 mod check;
 mod check_elements;
+mod check_loads;
 mod events;
 mod external;
 mod graph;

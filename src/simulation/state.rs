@@ -1,14 +1,11 @@
 //! What a program reads from a simulation and changes in it.
 
 use super::{Arc, Changed, NodalForce, RunState, Simulation, SimulationError};
-use crate::checksum::{self, ChecksumError, RunningChecksum};
-use crate::drive::Snapshot;
 use crate::drive::ledger::Elastic;
 use crate::drive::observer::{LedgerRow, Point};
 use crate::force::law::series::Scale;
 use crate::integrate::Counters;
 use crate::scene::{ExternalForces, ExternalKind, Load, Scene};
-use serde::{Deserialize, Serialize};
 use std::sync::atomic::AtomicBool;
 
 /// Where nodes are and how they move, in the numbering of the mesh.
@@ -19,32 +16,6 @@ pub struct NodeMotion {
     /// [m/s] `[n_nodes][3]`
     pub velocities: Vec<[f64; 3]>,
 }
-
-/// What [`Simulation::snapshot`] writes.
-#[derive(Serialize, Deserialize)]
-struct Saved {
-    made_by: Origin,
-    snapshot: Snapshot,
-    /// [N] forces that are fixed values
-    forces: Vec<(String, Vec<[f64; 3]>)>,
-    /// [m/s]
-    wind: Option<[f64; 3]>,
-    loads: Vec<(Load, f64)>,
-    /// `[n_edges]`
-    rest_length_factors: Vec<f64>,
-}
-
-/// What a snapshot must fit.
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
-struct Origin {
-    /// method with the values of its parameters
-    method: (String, Vec<f64>),
-    /// checksum of masses, stiffnesses and start positions
-    scene: u32,
-}
-
-/// Program and version, at the beginning of a snapshot.
-const PROGRAM: &str = concat!("canopy-fem state ", env!("CARGO_PKG_VERSION"));
 
 impl Simulation {
     /// [s] Time of the present state.
@@ -166,7 +137,7 @@ impl Simulation {
         nodes
     }
 
-    fn check(&self, what: &'static str, rows: &[[f64; 3]]) -> Result<(), SimulationError> {
+    pub(super) fn check(&self, what: &'static str, rows: &[[f64; 3]]) -> Result<(), SimulationError> {
         let (found, needed) = (rows.len(), self.node_count());
         if found != needed {
             return Err(SimulationError::Shape { what, found, needed });
@@ -296,7 +267,7 @@ impl Simulation {
         Ok(())
     }
 
-    fn scale_of(&self, load: Load, factor: f64) -> Result<&Scale, SimulationError> {
+    pub(super) fn scale_of(&self, load: Load, factor: f64) -> Result<&Scale, SimulationError> {
         if !factor.is_finite() {
             return Err(SimulationError::NotFinite { what: "load factor", row: 0 });
         }
@@ -335,7 +306,7 @@ impl Simulation {
         self.put_rest_length_factors(factors)
     }
 
-    fn put_rest_length_factors(&mut self, factors: Vec<f64>) -> Result<(), SimulationError> {
+    pub(super) fn put_rest_length_factors(&mut self, factors: Vec<f64>) -> Result<(), SimulationError> {
         if factors != self.rest_length_factors() {
             check_factors(&factors)?;
             let scene = Arc::get_mut(&mut self.scene).ok_or(SimulationError::SceneInUse)?;
@@ -352,7 +323,7 @@ impl Simulation {
     }
 
     /// The place of external forces of a kind, which is made when first needed.
-    fn external(&mut self, kind: ExternalKind) -> Result<&ExternalForces, SimulationError> {
+    pub(super) fn external(&mut self, kind: ExternalKind) -> Result<&ExternalForces, SimulationError> {
         if !self.scene.external().is_some_and(|external| external.takes(kind)) {
             let snapshot = self.snapshot_now()?;
             let scene = Arc::get_mut(&mut self.scene).ok_or(SimulationError::SceneInUse)?;
@@ -362,105 +333,6 @@ impl Simulation {
             self.take_up(snapshot)?;
         }
         self.scene.external().ok_or(SimulationError::Unsupported("forces from outside"))
-    }
-
-    fn snapshot_now(&mut self) -> Result<Snapshot, SimulationError> {
-        self.at_work(crate::model::stop::Stop::NEVER, |run, stepper| run.state.snapshot(stepper))
-    }
-
-    /// Goes on from a snapshot, with a scheme that starts anew and then takes up what it carried.
-    pub(super) fn take_up(&mut self, snapshot: Snapshot) -> Result<(), SimulationError> {
-        let mut stepper = self.settings.stepper(&*self.scene)?;
-        let state = RunState::restore(&*self.scene, &mut stepper, self.settings.spec(), snapshot)?;
-        (self.state, self.scheme, self.pending) = (state, Some(stepper.unbind()), None);
-        self.changed = Changed::Nothing;
-        Ok(())
-    }
-
-    /// The whole state as bytes, with forces, factors and wind that were set. A simulation of the same scene and
-    /// settings goes on from it with the same bits.
-    ///
-    /// # Errors
-    /// When an attempted step waits.
-    pub fn snapshot(&mut self) -> Result<Vec<u8>, SimulationError> {
-        self.idle()?;
-        let snapshot = self.snapshot_now()?;
-        let forces = self.scene.external().map(ExternalForces::values).unwrap_or_default();
-        let (loads, rest_length_factors) = (self.load_factors(), self.rest_length_factors());
-        let made_by = self.origin();
-        let saved = Saved { made_by, snapshot, forces, wind: self.wind, loads, rest_length_factors };
-        let mut bytes = Vec::new();
-        postcard::to_io(&(PROGRAM, saved), &mut bytes).map_err(|error| SimulationError::Snapshot(error.to_string()))?;
-        checksum::append(&mut bytes);
-        Ok(bytes)
-    }
-
-    fn origin(&self) -> Origin {
-        let method = &self.settings.method;
-        let mut checksum = RunningChecksum::default();
-        // The scene as it is before its events: a snapshot may be of another time than the present one.
-        self.scene.pass_events(0);
-        let (stiffness, x) = (self.scene.nodal_stiffness(), self.scene.initial_state().x);
-        for numbers in [self.scene.inverse_mass(), &stiffness, &x] {
-            checksum.add(bytemuck::cast_slice(numbers));
-        }
-        self.scene.pass_events(self.state.events_passed());
-        Origin {
-            method: (method.info.name.to_owned(), method.parameters().map(|(_, value)| value).collect()),
-            scene: checksum.mark().crc,
-        }
-    }
-
-    /// Goes on from the bytes of [`Simulation::snapshot`]. Laws of the program stay as they are, and so does what the
-    /// settings say of the end of the run.
-    ///
-    /// # Errors
-    /// Bytes that are damaged, of another version or method, of a scene with other nodes, masses or stiffnesses, or of
-    /// a run with another step; the state is then unchanged. Other tables, damping or air are not noticed.
-    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), SimulationError> {
-        let unreadable = |why: &str| SimulationError::Snapshot(why.to_owned());
-        let content = checksum::verified(bytes).map_err(|error| match error {
-            ChecksumError::Missing => unreadable("it is cut short"),
-            ChecksumError::Differs { .. } => unreadable("its checksum is wrong"),
-        })?;
-        let (program, saved): (String, Saved) =
-            postcard::from_bytes(content).map_err(|error| unreadable(&error.to_string()))?;
-        if program != PROGRAM {
-            return Err(unreadable(&format!("it is of \"{program}\", and this is \"{PROGRAM}\"")));
-        }
-        let Saved { made_by, snapshot, forces, wind, loads, rest_length_factors } = saved;
-        self.settings.spec().passes(&*self.scene, &snapshot)?;
-        let own = self.origin();
-        if made_by.method != own.method {
-            let ((theirs, parameters), (name, values)) = (made_by.method, own.method);
-            return Err(unreadable(&format!(
-                "it is of {theirs} with parameters {parameters:?}, and this simulation has {name} with {values:?}"
-            )));
-        }
-        if made_by.scene != own.scene {
-            return Err(unreadable("it is of a scene with other positions, masses or stiffnesses"));
-        }
-        for (_, force) in &forces {
-            self.check("force of the snapshot", force)?;
-        }
-        loads.iter().try_for_each(|(load, factor)| self.scale_of(*load, *factor).map(|_| ()))?;
-        if rest_length_factors.len() != self.edges().len() {
-            return Err(unreadable("it is of a scene with other edges"));
-        }
-        self.pending = None;
-        self.put_rest_length_factors(rest_length_factors)?;
-        if !forces.is_empty() {
-            self.external(ExternalKind::Values)?;
-        }
-        if let Some(external) = self.scene.external() {
-            external.replace_values(forces);
-        }
-        for (load, factor) in loads {
-            self.scale_of(load, factor)?.set(factor);
-        }
-        self.scene.hold_wind(wind);
-        self.wind = wind;
-        self.take_up(snapshot)
     }
 }
 

@@ -6,6 +6,7 @@ use super::ordering::halve;
 use crate::assembly::Pattern;
 use crate::mesh::adjacency::Adjacency;
 use nalgebra::Vector3;
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 use wide::f32x4;
@@ -15,7 +16,7 @@ pub(super) struct CoarseMatrix {
     /// aggregate of every node
     pub(super) aggregate: Vec<u32>,
     /// node of every unknown
-    pub(super) node: Vec<u32>,
+    node: Vec<u32>,
     /// higher aggregates that every aggregate is coupled to
     couplings: Adjacency,
     pattern: Arc<Pattern>,
@@ -32,26 +33,21 @@ pub(super) struct CoarseMatrix {
 
 impl CoarseMatrix {
     /// Divides the nodes of a symmetric pattern, by halves along their positions, into aggregates of at most `largest`.
+    /// Returns also the aggregates that every node meets: its own and those of its neighbours, ascending.
     ///
     /// # Errors
     /// When the analysis of the coarse matrix fails.
-    pub fn new(pattern: &Pattern, largest: usize) -> Result<Self, LinearError> {
+    pub fn new(pattern: &Pattern, largest: usize) -> Result<(Self, Adjacency), LinearError> {
         let node = pattern.node_of_unknown();
         let (aggregate, count) = aggregates(&pattern.position, largest);
-        let mut pairs = Vec::new();
-        for (g, other) in pattern.coupled_nodes(&node) {
-            let (a, b) = (aggregate[g as usize], aggregate[other as usize]);
-            if a != b {
-                pairs.push((a.min(b), a.max(b)));
-            }
-        }
-        pairs.sort_unstable();
-        pairs.dedup();
+        let rows = rows(pattern, &node, &aggregate);
+        let met = (0..).zip(&aggregate).flat_map(|(g, &a)| rows.row(g).iter().map(move |&b| (a, b)));
+        let pairs: BTreeSet<(u32, u32)> = met.filter(|(a, b)| a < b).collect();
         let couplings = Adjacency::new(count, pairs.iter().copied());
         let coarse = Arc::new(coarse_pattern(&couplings, &centres(&pattern.position, &aggregate, count)));
         let mut solver = Cholesky::new(Arc::clone(&coarse))?;
         solver.set_accuracy(Accuracy::of_reused());
-        Ok(CoarseMatrix {
+        let coarse = CoarseMatrix {
             aggregate,
             node,
             couplings,
@@ -61,27 +57,16 @@ impl CoarseMatrix {
             sums: vec![0.0; 3 * count],
             translation: vec![f32x4::ZERO; count],
             pattern: coarse,
-        })
-    }
-
-    /// Nodes and the aggregates of their neighbours and their own, each pair once.
-    pub fn rows(&self, pattern: &Pattern) -> Adjacency {
-        let own = (0..).zip(self.aggregate.iter().copied());
-        let mut pairs: Vec<(u32, u32)> = own.collect();
-        for (g, other) in pattern.coupled_nodes(&self.node) {
-            let [a, b] = [g, other].map(|g| self.aggregate[g as usize]);
-            if a != b {
-                pairs.extend([(g, b), (other, a)]);
-            }
-        }
-        pairs.sort_unstable();
-        pairs.dedup();
-        Adjacency::new(self.aggregate.len(), pairs.iter().copied())
+        };
+        Ok((coarse, rows))
     }
 
     /// Sets C from W: `values` [nonzeros] of `fine`, and `scale` Y^-1. Returns whether it is positive definite; if not,
     /// W is not.
-    pub fn set_values(&mut self, fine: &Pattern, values: &[f64], scale: &[f64]) -> bool {
+    ///
+    /// # Errors
+    /// Sums that are not finite.
+    pub fn set_values(&mut self, fine: &Pattern, values: &[f64], scale: &[f64]) -> Result<bool, LinearError> {
         self.weight.fill(f64::INFINITY);
         for (&node, scale) in self.node.iter().zip(scale) {
             let weight = &mut self.weight[self.aggregate[node as usize] as usize];
@@ -111,7 +96,21 @@ impl CoarseMatrix {
             }
         }
         // The factor is in single precision where that is exact enough: solves then take half the time.
-        matches!(self.solver.prepare(&self.values), Ok(Inertia::Definite))
+        let made = self.solver.prepare(&self.values).map_err(|error| self.of_unknowns(error))?;
+        Ok(made == Inertia::Definite)
+    }
+
+    /// The same error with an unknown of W, one of the aggregate, in place of one of C.
+    fn of_unknowns(&self, error: LinearError) -> LinearError {
+        let first = |coarse: usize| {
+            let of_aggregate = |g: &u32| self.aggregate[*g as usize] as usize == coarse / 3;
+            self.node.iter().position(of_aggregate)
+        };
+        match error {
+            LinearError::NotFinite { unknown } => LinearError::NotFinite { unknown: first(unknown).unwrap_or(0) },
+            LinearError::Singular { unknown } => LinearError::Singular { unknown: unknown.and_then(first) },
+            other => other,
+        }
     }
 
     /// Slot of the entry of two translations, of aggregates a <= b.
@@ -134,7 +133,7 @@ impl CoarseMatrix {
                 sum.iter_mut().zip(part.to_array()).for_each(|(sum, part)| *sum += f64::from(part));
             }
         }
-        self.solver.solve(&self.values, &mut self.sums).map_err(|_| LinearError::Singular { unknown: None })?;
+        self.solver.solve(&self.values, &mut self.sums).map_err(|error| self.of_unknowns(error))?;
         for (translation, sum) in self.translation.iter_mut().zip(self.sums.chunks_exact(3)) {
             *translation = f32x4::new([sum[0] as f32, sum[1] as f32, sum[2] as f32, 0.0]) * share;
         }
@@ -170,6 +169,17 @@ fn aggregates(position: &[[f64; 3]], largest: usize) -> (Vec<u32>, usize) {
         open.extend([range.start..middle, middle..range.end]);
     }
     (aggregate, count as usize)
+}
+
+/// Nodes and the aggregates that they meet, each pair once.
+fn rows(pattern: &Pattern, node: &[u32], aggregate: &[u32]) -> Adjacency {
+    let of = |g: u32| aggregate[g as usize];
+    let mut pairs: Vec<(u32, u32)> = (0..).zip(aggregate.iter().copied()).collect();
+    let apart = pattern.coupled_nodes(node).filter(|&(g, other)| of(g) != of(other));
+    pairs.extend(apart.flat_map(|(g, other)| [(g, of(other)), (other, of(g))]));
+    pairs.sort_unstable();
+    pairs.dedup();
+    Adjacency::new(aggregate.len(), pairs.iter().copied())
 }
 
 /// [m] the middle of every aggregate

@@ -74,7 +74,7 @@ pub struct ConjugateGradients {
     iterations: u32,
     /// iterations of all solves
     total_iterations: u64,
-    indefinite: u64,
+    pub(super) indefinite: u64,
 }
 
 /// Scales of a right-hand side that is stored in r.
@@ -144,30 +144,20 @@ impl ConjugateGradients {
         }
     }
 
+    /// Leaves the count of indefinite matrices as it is: with a nearly singular M rounding looks like an indefinite W.
     fn iterate_on_trial(&mut self, relative: f64, most: u32) -> Result<(), LinearError> {
-        let own = std::mem::replace(&mut self.most, most);
+        let (own, indefinite) = (std::mem::replace(&mut self.most, most), self.indefinite);
         self.iterations = 0;
         let first = self.system.set_trial_right_hand_side();
         let found = self.iterate(first, Accuracy::to(relative));
-        self.most = own;
+        (self.most, self.indefinite) = (own, indefinite);
         found
     }
 
     /// Whether pivots with fill suit W: then residuals measure the error of a solution.
     fn relaxation_serves(&mut self) -> bool {
-        let indefinite = self.indefinite;
         let found = self.iterate_on_trial(0.0, PROBE);
-        // With a nearly singular M rounding looks like an indefinite W.
-        self.indefinite = indefinite;
         matches!(found, Ok(_) | Err(LinearError::Stalled { .. })) && self.system.runs_within(LARGEST)
-    }
-
-    /// Whether W needs no deflation.
-    fn is_easy(&mut self) -> bool {
-        let indefinite = self.indefinite;
-        let found = self.trial_solve(EASY);
-        self.indefinite = indefinite;
-        found.is_ok()
     }
 
     /// Whether solves use deflation.
@@ -299,7 +289,7 @@ impl LinearSolver for ConjugateGradients {
         let large = nodes >= LARGE;
         let served = self.system.set_values(values, RELAXATION) && self.relaxation_serves();
         let made = served || self.system.set_values(values, 0.0);
-        if made && (!large || self.is_easy()) {
+        if made && (!large || self.trial_solve(EASY).is_ok()) {
             return Ok(Inertia::Unknown);
         }
         self.tried = None;

@@ -185,26 +185,44 @@ impl AutoSolver {
         }
     }
 
-    /// Compares Cholesky with CG: by the iterations of earlier solves or, without any, by a trial that runs as long as
-    /// CG may be cheaper.
-    fn compare(&mut self) -> Result<Option<Prediction>, LinearError> {
-        let Some(e) = &self.elimination else { return Ok(None) };
-        let cholesky_work = COSTS.cholesky(&self.pattern, e).with_reuse(self.expected.reuse);
-        let (factor_nonzeros, factor_operations) = (e.nonzeros, e.operations);
+    /// [-] Work of a useful iteration by Cholesky, and the iterations of CG in an average solve that are as much work.
+    fn allowed(&self, elimination: &Elimination) -> [f64; 2] {
+        let cholesky_work = COSTS.cholesky(&self.pattern, elimination).with_reuse(self.expected.reuse);
         let none = COSTS.cg(&self.pattern, 0.0);
         let one = COSTS.cg(&self.pattern, 1.0).iteration - none.iteration;
         let allowed = Cost::iteration_for(none.setup, self.expected.reuse, cholesky_work) - none.iteration;
-        let known = self.expected.cg_iterations > 0.0;
+        [cholesky_work, allowed / one]
+    }
+
+    /// Compares Cholesky with CG, which is set up unless it is known to be dearer: by the iterations of earlier solves
+    /// or, without any, by a trial that runs as long as CG may be cheaper.
+    ///
+    /// # Errors
+    /// An indefinite W, or as [`LinearSolver::factor`].
+    fn compare(&mut self, values: &[f64]) -> Result<Option<Prediction>, LinearError> {
+        let found = self.elimination.as_ref().map(|e| (self.allowed(e), e.nonzeros, e.operations));
+        let seen = Some(self.expected.cg_iterations).filter(|seen| *seen > 0.0);
+        let dearer = seen.zip(found).is_some_and(|(seen, ([_, allowed], ..))| seen > allowed);
+        if !dearer && self.cg.factor(values)? == Inertia::Indefinite {
+            return Err(LinearError::Indefinite { iterations: 0 });
+        }
+        let Some(([cholesky_work, mut allowed], factor_nonzeros, factor_operations)) = found else { return Ok(None) };
         let cost = self.cg.cg_cost();
-        let (twice, doubt) = if self.cg.deflated() { (DEFLATED_TRIAL * cost, 1.0) } else { (2.0 * EASIER, DOUBT) };
-        let allowed = allowed / one * if known { 1.0 } else { doubt };
-        let (iterations, cg_converged) = match self.expected.cg_iterations {
-            seen if known => (seen, seen <= allowed),
-            _ => match self.cg.trial_solve((allowed / twice).clamp(0.0, f64::from(u32::MAX)) as u32) {
-                Ok(iterations) => (twice * f64::from(iterations), true),
-                Err(LinearError::Stalled { iterations, .. }) => (twice * (f64::from(iterations) + 1.0), false),
-                Err(other) => return Err(other),
-            },
+        let (iterations, cg_converged) = match seen {
+            Some(seen) => (seen, !dearer),
+            None => {
+                let deflated = self.cg.deflated();
+                let (twice, doubt) = if deflated { (DEFLATED_TRIAL * cost, 1.0) } else { (2.0 * EASIER, DOUBT) };
+                allowed *= doubt;
+                match self.cg.trial_solve((allowed / twice).clamp(0.0, f64::from(u32::MAX)) as u32) {
+                    Ok(iterations) => (twice * f64::from(iterations), true),
+                    Err(LinearError::Stalled { iterations, .. }) => (twice * (f64::from(iterations) + 1.0), false),
+                    Err(other) => {
+                        self.cg.indefinite += u64::from(matches!(other, LinearError::Indefinite { .. }));
+                        return Err(other);
+                    }
+                }
+            }
         };
         let cg_work = COSTS.cg(&self.pattern, iterations).with_reuse(self.expected.reuse);
         let shown = iterations.min(if cg_converged { f64::INFINITY } else { allowed.max(0.0) });
@@ -227,13 +245,7 @@ impl LinearSolver for AutoSolver {
     fn choose(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         let before = (self.iterates, self.prediction.is_some());
         (self.iterates, self.factored) = (false, false);
-        // Earlier matrices may have shown that CG is dearer: then it need not be set up.
-        let known = self.expected.cg_iterations > 0.0;
-        let dearer = known && self.compare()?.is_some_and(|p| !p.cg_converged);
-        if !dearer && self.cg.factor(values)? == Inertia::Indefinite {
-            return Ok(Inertia::Indefinite);
-        }
-        match self.compare() {
+        match self.compare(values) {
             Err(LinearError::Indefinite { .. }) => return Ok(Inertia::Indefinite),
             found => self.prediction = found?,
         }

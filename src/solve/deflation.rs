@@ -165,7 +165,7 @@ impl PartitionedSystem {
     /// is found not to be positive definite.
     ///
     /// # Errors
-    /// When the analysis of the coarse matrix fails.
+    /// When the analysis of the coarse matrix fails, or its entries are not finite.
     pub fn deflate(&mut self, values: &[f64], largest: usize) -> Result<bool, LinearError> {
         let pattern = Arc::clone(&self.separator.blocks.pattern);
         let mut coarse = match self.coarse.take() {
@@ -173,20 +173,22 @@ impl PartitionedSystem {
             None => self.coarsen(&pattern, largest)?,
         };
         // Fill in the pivots would only make up for smooth modes.
-        let well = self.set_values(values, 0.0) && coarse.set_values(&pattern, values, &self.scale);
-        if well {
+        let found = match self.set_values(values, 0.0) {
+            true => coarse.set_values(&pattern, values, &self.scale),
+            false => Ok(false),
+        };
+        if found == Ok(true) {
             let PartitionedSystem { halves, separator, scale, workers, .. } = self;
             both(workers, halves, |half| half.coarse.set(&half.blocks, scale, &coarse.weight));
             separator.coarse.set(&separator.blocks, scale, &coarse.weight);
             halves.iter().for_each(|half| separator.coarse.add_half(&half.coarse, &half.blocks));
         }
-        (self.coarse, self.deflated) = (Some(coarse), well);
-        Ok(well)
+        (self.coarse, self.deflated) = (Some(coarse), found == Ok(true));
+        found
     }
 
     fn coarsen(&mut self, pattern: &Pattern, largest: usize) -> Result<CoarseMatrix, LinearError> {
-        let coarse = CoarseMatrix::new(pattern, largest)?;
-        let rows = coarse.rows(pattern);
+        let (coarse, rows) = CoarseMatrix::new(pattern, largest)?;
         for part in self.halves.iter_mut().chain([&mut self.separator]) {
             part.coarse = CoarseRows::new(&coarse, &rows, &part.blocks.subdomain);
             part.u = vec![f32x4::ZERO; part.t.len()];

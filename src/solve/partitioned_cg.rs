@@ -65,9 +65,12 @@ impl SubdomainSystem {
         }
     }
 
-    fn begin(&mut self) {
+    /// x^ <- 0 and, which deflation does not have, p <- 0
+    fn begin(&mut self, deflated: bool) {
         self.x.fill(f32x4::ZERO);
-        self.p.fill(f32x4::ZERO);
+        if !deflated {
+            self.p.fill(f32x4::ZERO);
+        }
     }
 
     /// Copies t of the separator.
@@ -229,9 +232,10 @@ impl PartitionedSystem {
     /// # Errors
     /// An r that is not finite.
     pub fn begin(&mut self, first: f64) -> Result<f64, LinearError> {
-        both(&self.workers, &mut self.halves, SubdomainSystem::begin);
-        self.separator.begin();
-        if self.deflated { self.begin_deflated() } else { Ok(first) }
+        let deflated = self.deflated;
+        both(&self.workers, &mut self.halves, |half| half.begin(deflated));
+        self.separator.begin(deflated);
+        if deflated { self.begin_deflated() } else { Ok(first) }
     }
 
     /// p <- r + beta p, q <- (I + L)^-1 (I + J + L + L^T) (I + L^T)^-1 p

@@ -10,14 +10,15 @@
 //! Between steps: as soon as the extra iterations on an old factor, compared with a new one, add up to a factorisation.
 //! All costs are counted, none are timed.
 
+mod secant_pairs;
+
 use super::newton::{
     Convergence, ConvergenceCriteria, Newton, NewtonReport, NonlinearProblem, RoundingCheck, RoundingVerdict, Step,
 };
 use super::norms::{dot, norm};
 use super::{ExpectedUse, LinearError, forcing, search};
+pub(super) use secant_pairs::SecantPairs;
 
-/// Secant pairs kept.
-const PAIRS: usize = 8;
 /// Iterations after which the rate of convergence is judged.
 const WINDOW: usize = 4;
 /// Iterations a new factor is expected to need before any was seen.
@@ -26,10 +27,6 @@ const EXPECTED: u32 = 6;
 const MOST_FACTORS: u32 = 8;
 /// Maximum number of steps on the exact tangent before a frozen factor is tried again.
 const LONGEST_REST: u32 = 64;
-/// A pair is dropped if y . s is below this share of |y||s|: it shows rounding or a tangent that is not positive
-/// definite.
-const CURVED: f64 = 1e-8;
-
 /// Statistics of the use of a frozen factor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct FactorHistory {
@@ -87,98 +84,6 @@ impl FactorHistory {
         let rests = self.rest > 0;
         self.rest = self.rest.saturating_sub(1);
         rests
-    }
-}
-
-/// Secant pairs of L-BFGS: steps s and the changes y of the residual.
-#[derive(Clone, Debug, Default)]
-pub(super) struct SecantPairs {
-    s: Vec<Vec<f64>>,
-    y: Vec<Vec<f64>>,
-    rho: Vec<f64>,
-    share: Vec<f64>,
-    /// number of the next pair
-    next: usize,
-    /// valid pairs
-    held: usize,
-    /// residual before a step `[n]`
-    before: Vec<f64>,
-}
-
-impl SecantPairs {
-    pub(super) fn new(n: usize, pairs: usize) -> Self {
-        let vectors = |count: usize| vec![vec![0.0; n]; count];
-        SecantPairs {
-            s: vectors(pairs),
-            y: vectors(pairs),
-            rho: vec![0.0; pairs],
-            share: vec![0.0; pairs],
-            next: 0,
-            held: 0,
-            before: vec![0.0; n],
-        }
-    }
-
-    /// For `n` unknowns.
-    pub(super) fn for_unknowns(n: usize) -> Self {
-        Self::new(n, PAIRS)
-    }
-
-    fn clear(&mut self) {
-        (self.next, self.held) = (0, 0);
-    }
-
-    /// Adds the step `lambda dz` from the residual `self.before` to `after`; all `[n]`.
-    fn push(&mut self, lambda: f64, dz: &[f64], after: &[f64]) {
-        let room = self.s.len();
-        if room == 0 {
-            return;
-        }
-        let i = self.next % room;
-        let (s, y) = (&mut self.s[i], &mut self.y[i]);
-        for ((s, y), ((dz, after), before)) in
-            s.iter_mut().zip(y.iter_mut()).zip(dz.iter().zip(after).zip(&self.before))
-        {
-            (*s, *y) = (lambda * dz, after - before);
-        }
-        let curvature = dot(s, y);
-        if curvature > CURVED * norm(s) * norm(y) {
-            self.rho[i] = 1.0 / curvature;
-            self.next += 1;
-            self.held = (self.held + 1).min(room);
-        } else {
-            // The rejected pair has overwritten the oldest one.
-            self.held = self.held.min(room - 1);
-        }
-    }
-
-    /// Indices of the pairs, newest first.
-    fn newest_first(&self) -> impl DoubleEndedIterator<Item = usize> + use<> {
-        let (next, room) = (self.next, self.s.len().max(1));
-        (1..=self.held).map(move |back| (next - back) % room)
-    }
-
-    /// Replaces g `[n]` by H g; `solve` applies H_0.
-    fn apply(
-        &mut self,
-        g: &mut [f64],
-        solve: impl FnOnce(&mut [f64]) -> Result<(), LinearError>,
-    ) -> Result<(), LinearError> {
-        for i in self.newest_first() {
-            let share = self.rho[i] * dot(&self.s[i], g);
-            self.share[i] = share;
-            for (g, y) in g.iter_mut().zip(&self.y[i]) {
-                *g -= share * y;
-            }
-        }
-        solve(g)?;
-        for i in self.newest_first().rev() {
-            let share = self.share[i] - self.rho[i] * dot(&self.y[i], g);
-            for (g, s) in g.iter_mut().zip(&self.s[i]) {
-                *g += share * s;
-            }
-        }
-        Ok(())
     }
 }
 
@@ -391,34 +296,5 @@ impl Iteration<'_> {
             return None;
         }
         search::downhill(self.newton, self.problem, z, self.criteria.tolerance)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A pair with y . s <= 0 is not used, and neither is the pair that it has overwritten: H y = s holds for every
-    /// pair in use.
-    #[test]
-    fn a_pair_that_bends_the_wrong_way_is_not_used() {
-        let mut pairs = SecantPairs::new(3, 2);
-        let steps = [
-            ([1.0, 0.0, 0.0], [2.0, 0.0, 0.0]),
-            ([0.0, 1.0, 0.0], [0.0, 4.0, 0.0]),
-            ([0.0, 0.0, 1.0], [0.0, 0.0, -2.0]),
-        ];
-        for (s, y) in steps {
-            pairs.before.fill(0.0);
-            pairs.push(1.0, &s, &y);
-        }
-        assert_eq!(pairs.held, 1);
-        let mut g = [1.0, 4.0, 1.0];
-        pairs.apply(&mut g, |_| Ok(())).expect("nothing is solved");
-        assert_eq!(g, [1.0, 1.0, 1.0], "the second pair alone");
-        pairs.push(1.0, &[0.0, 0.0, 1.0], &[0.0, 0.0, 8.0]);
-        let mut g = [1.0, 4.0, 8.0];
-        pairs.apply(&mut g, |_| Ok(())).expect("nothing is solved");
-        assert_eq!(g, [1.0, 1.0, 1.0], "the second and the fourth");
     }
 }

@@ -6,8 +6,10 @@ use super::models::Model;
 use super::reference::ReferenceFailure;
 use crate::case::fingerprint::FingerprintError;
 use crate::case::{CaseError, ClothModelError};
+use crate::format_number::figures;
 use crate::integrate::registry::MethodError;
 use crate::plot::PlotError;
+use crate::scene::BuildError;
 use crate::simulation::SetupError;
 
 /// Why a study cannot go on.
@@ -117,6 +119,19 @@ pub enum StudyError {
 }
 
 impl StudyError {
+    /// If mass scaling adds nothing: what is told of a study that goes on without it.
+    pub(super) fn nothing_to_scale(&self) -> Option<String> {
+        match self {
+            StudyError::OfModel { source, .. } => source.nothing_to_scale(),
+            StudyError::Setup(SetupError::Build(BuildError::NothingToScale { step, needed })) => Some(format!(
+                "no node needs more than {} of its mass for steps of {} s, so that all runs have the real masses",
+                figures(*needed, 2),
+                figures(*step, 4)
+            )),
+            _ => None,
+        }
+    }
+
     /// 1 for the system, 2 for what a person can set right, 130 for an interrupt.
     pub fn exit_status(&self) -> u8 {
         match self {

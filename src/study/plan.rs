@@ -75,6 +75,9 @@ pub struct Variant {
     /// models that are compared; empty: the case as it is
     #[serde(default)]
     pub models: Vec<ModelReport>,
+    /// why a model of the study is missing here
+    #[serde(default)]
+    pub missing: Option<String>,
 }
 
 impl Variant {
@@ -111,6 +114,7 @@ impl Planner<'_> {
     /// # Errors
     /// A bad variant, no reference, an interrupt, or a reference that cannot be stored.
     pub fn make(&self, mut keep: impl FnMut(usize, &Reference) -> Result<(), StudyError>) -> Result<Plan, StudyError> {
+        let sweep = !self.options.stiffness_sweep.is_empty();
         let factors = match self.options.stiffness_sweep.as_slice() {
             [] => vec![1.0],
             some => some.iter().rev().copied().collect(),
@@ -136,13 +140,18 @@ impl Planner<'_> {
             let first = self.solve(&case, base, &of)?;
             keep(number, &first.reference)?;
             let mut listed = Listed::default();
-            let mut reports = Vec::new();
+            let (mut reports, mut missing) = (Vec::new(), None);
             if base.is_none_or(|base| models.contains(&base)) {
                 self.list(&first, &mut listed)?;
                 reports.extend(first.model.map(|model| first.report(model, None)));
             }
             for model in models.into_iter().filter(|model| Some(*model) != base) {
-                let other = self.solve(&case, Some(model), &format!("{}: its own solution", model.words()))?;
+                let other = self.solve(&case, Some(model), &format!("{}: its own solution", model.words()));
+                missing = other.as_ref().err().filter(|_| sweep).and_then(StudyError::nothing_to_scale);
+                if missing.is_some() {
+                    continue;
+                }
+                let other = other?;
                 reports.push(other.report(model, Some(first.error_of(&other)?)));
                 self.list(&other, &mut listed)?;
             }
@@ -156,6 +165,7 @@ impl Planner<'_> {
                 critical_steps: listed.critical_steps,
                 reference: first.reference.account,
                 models: reports,
+                missing,
             });
         }
         if jobs.is_empty() {

@@ -141,6 +141,61 @@ fn slack_springs_count_as_taut() {
     assert!(near(&added["largest_factor"], 50.0, 1e-6), "{added}");
 }
 
+/// Four masses with a spring of finite strain between any two, and dashpots that end their swinging. With a `tether`, a
+/// loose line of 20 times its edge hangs from one to a weight beside it.
+fn braced(tether: Option<&Value>) -> Value {
+    let mut springs = vec![json!([0, 1]), json!([1, 2]), json!([2, 3]), json!([3, 0]), json!([0, 2]), json!([1, 3])];
+    let dashpot = json!({"axial": {"time": 1e-3}});
+    let own = json!({"on": {"ids": [0, 1, 2, 3, 4, 5]}, "stiffness": STIFFNESS, "dashpot": dashpot, "law": "green"});
+    let mut rules = vec![own];
+    if let Some(slack) = tether {
+        let mut line = json!({"on": {"ids": [6]}, "stiffness": STIFFNESS, "dashpot": dashpot, "rest_scale": 20});
+        let object = slack.as_object().expect("an object").clone();
+        line.as_object_mut().expect("an object").extend(object);
+        springs.push(json!([2, 4]));
+        rules.push(line);
+    }
+    json!({
+        "name": "braced",
+        "system": {"network": {
+            "mesh": {"explicit": {
+                "nodes": [[0, 0, 0], [1, 0, 0], [1.6, 0.7, 0], [0, 1.2, 0], [3, 1, 0]], "springs": springs
+            }},
+            "mass": {"nodal": [0.01, 0.01, 0.01, 0.01, 10.0]},
+            "springs": rules,
+            "initial": {"velocity": [[0.3, 0, 0], [0, 0.2, 0], [0.3, 0.1, 0], [0, -0.2, 0], [0, 0, 0]]}
+        }},
+        "time": {"end": 5.0, "method": "central-difference", "step": 0.005, "mass_scaling": {"step": 0.005}},
+        "acknowledge": ["loose-nodes"]
+    })
+}
+
+/// A loose line counts as taut, and so do dashpots of one that gets shorter, without a stretch of the other springs:
+/// these would be many times stiffer by their finite strain. The step that is asked for is stable.
+#[test]
+fn one_loose_line_does_not_scale_the_others() {
+    let added = |case: &Value| {
+        let (bench, ended) = solved(case);
+        let summary = bench.results().summary();
+        // [J] Of 0.05 J at the start.
+        assert!(summary["final_ledger"]["elastic"].as_f64() < Some(1e-6), "{summary}");
+        assert!(!ended.stderr.contains("slack-springs"), "{}", ended.stderr);
+        summary["mass_scaling"]["added"].as_f64().expect("a number")
+    };
+    let without = added(&braced(None));
+    // [kg] What the line needs along it, if its other end is heavy enough for half of it.
+    let line = STIFFNESS * 0.005_f64.powi(2) / 2.0 + STIFFNESS * 1e-3 * 0.005;
+    for slack in [
+        json!({"slack": "tension-only"}),
+        json!({"slack": "tension-only", "law": "green"}),
+        json!({"slack": {"dead_zone": 0.5}, "law": "green"}),
+        json!({"slack": {"compression_limit": 1e-12}}),
+    ] {
+        let with = added(&braced(Some(&slack)));
+        assert!(with > without + 0.1 * line && with < without + line, "{slack}: {with} kg and {without} kg");
+    }
+}
+
 /// Where it has no meaning it is refused, with the place.
 #[test]
 fn what_cannot_be_scaled_is_refused() {
@@ -159,6 +214,36 @@ fn what_cannot_be_scaled_is_refused() {
     let ended = run(&bench, &pair(1e-4, 1e-5), &["solve", "--out", "out"]);
     let said = "adds nothing: no node needs more than 0.005 of its mass";
     assert!(ended.code == Some(2) && ended.stderr.contains(said), "{}", ended.stderr);
+}
+
+/// Implicit methods refuse scaled masses, so where a step is too long they are advised without these: before the run,
+/// and where it fails, with and without dashpots.
+#[test]
+fn advice_knows_that_implicit_methods_take_real_masses() {
+    let bench = Bench::new();
+    let dashpot = json!({"axial": {"coefficient": 1e-3}});
+    for damped in [false, true] {
+        let mut case = pair(0.01, 0.05);
+        case["time"]["end"] = json!(10.0);
+        if damped {
+            case["system"]["network"]["springs"][0]["dashpot"] = dashpot.clone();
+        }
+        let ended = run(&bench, &case, &["solve", "--force", "--out", "out"]);
+        let advice = " s or smaller, or --method backward-euler without time.mass_scaling";
+        assert!(ended.code == Some(3) && ended.stderr.matches(advice).count() >= 2, "{}", ended.stderr);
+        assert_eq!(ended.stderr.matches("--method").count(), ended.stderr.matches(advice).count(), "{}", ended.stderr);
+    }
+    let mut slack = pair(0.01, 0.02);
+    slack["system"]["network"]["springs"][0]["slack"] = json!("tension-only");
+    slack["system"]["network"]["springs"][0]["rest_scale"] = json!(1.25);
+    let ended = run(&bench, &slack, &["check"]);
+    let said = "or --method backward-euler without time.mass_scaling [slack-springs]";
+    assert!(ended.stdout.contains(said), "{}", ended.stdout);
+    let refused = run(&bench, &slack, &["solve", "--method", "backward-euler", "--force", "--out", "out"]);
+    assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+    slack["time"].as_object_mut().expect("an object").remove("mass_scaling");
+    let taken = run(&bench, &slack, &["solve", "--method", "backward-euler", "--force", "--out", "out"]);
+    assert_eq!(taken.code, Some(0), "{}", taken.stderr);
 }
 
 /// A little mass raises no doubt: 2.4 % here.
@@ -185,6 +270,13 @@ fn check_tells_what_is_added() {
         "{}",
         ended.stdout
     );
+    // The forecast compares runs with these masses.
+    let apart = "for an error of 1e-3 of the motion, that of the scaled masses apart";
+    assert!(ended.stdout.contains(apart), "{}", ended.stdout);
+    let mut real = case.clone();
+    real["time"].as_object_mut().expect("an object").remove("mass_scaling");
+    let real = run(&bench, &real, &["check"]).stdout;
+    assert!(real.contains("for an error of 1e-3 of the motion\n"), "{real}");
     let told: Value = serde_json::from_str(&run(&bench, &case, &["check", "--json"]).stdout).expect("JSON");
     assert!(near(&told["mass_scaling"]["added"], 0.49, 1e-6), "{told}");
     // What it recommends has these masses, so it is explicit.
@@ -257,4 +349,61 @@ fn a_study_measures_the_error_of_scaled_masses() {
     // Models of cloth are another comparison.
     let ended = run(&bench, &case, &["tradeoff", "--models", "net,membrane", "--out", "models"]);
     assert!(ended.code == Some(2) && ended.stderr.contains("leave time.mass_scaling out"), "{}", ended.stderr);
+}
+
+/// Springs that are 100 times as soft need no added mass: a sweep of the stiffness goes on with the real masses there,
+/// and says so. A study of such a case alone is refused, as a run is.
+#[test]
+fn a_sweep_of_the_stiffness_goes_on_where_no_mass_is_needed() {
+    let bench = Bench::new();
+    let mut case = pair(0.01, 1e-3);
+    case["time"]["end"] = json!(0.01);
+    case["output"]["frames"]["every"] = json!(0.001);
+    let study_of = ["tradeoff", "--methods", "velocity-verlet", "--steps", "1e-4", "--repeat", "1"];
+    let sweep = [&study_of[..], &["--stiffness-sweep", "0.01,1", "--out", "out"]].concat();
+    let ended = run(&bench, &case, &sweep);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let found = study(&bench.path("out"));
+    for variant in &found.plan.variants {
+        let models: Vec<Model> = variant.models.iter().map(|report| report.model).collect();
+        let expected = match variant.stiffness_factor {
+            1.0 => &[Model::RealMass, Model::ScaledMass][..],
+            _ => &[Model::RealMass],
+        };
+        assert_eq!(models, expected);
+    }
+    assert_eq!(found.rows.len(), 3, "with both masses where some are added");
+    let said = "no node needs more than 0.5 of its mass for steps of 0.01 s, so that all runs have the real masses";
+    let page = std::fs::read_to_string(bench.path("out/tradeoff.html")).expect("a page");
+    assert!(ended.stdout.contains(said) && page.contains(&said[1..]), "{}", ended.stdout);
+    assert!(page.contains("Explicit methods run with scaled masses too"));
+    case["system"]["network"]["springs"][0]["stiffness"] = json!(0.01 * STIFFNESS);
+    let refused = run(&bench, &case, &[&study_of[..], &["--out", "one"]].concat());
+    assert!(refused.code == Some(2) && refused.stderr.contains("adds nothing: no node needs"), "{}", refused.stderr);
+}
+
+/// A sweep tells the mass that was added to each run; without mass scaling it has no such columns.
+#[test]
+fn a_sweep_tells_the_added_mass_of_each_run() {
+    let bench = Bench::new();
+    let case = pair(0.01, 1e-4);
+    let ended = run(&bench, &case, &["sweep", "--vary", "time.mass_scaling.step=0.01,0.02", "--out", "out"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let table = std::fs::read_to_string(bench.path("out/sweep.csv")).expect("a table");
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let column = |name: &str| -> Vec<f64> {
+        let place = rows[0].iter().position(|other| *other == name).expect(name);
+        rows[1..].iter().map(|row| row[place].parse().expect("a number")).collect()
+    };
+    for (name, expected) in [("added_mass", [0.49, 2.99]), ("added_mass_share", [0.49 / 1.01, 2.99 / 1.01])] {
+        for (found, expected) in column(name).into_iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-6, "{name}: {found} for {expected}");
+        }
+    }
+    let mut real = case;
+    real["time"].as_object_mut().expect("an object").remove("mass_scaling");
+    let ended = run(&bench, &real, &["sweep", "--vary", "time.step=1e-4,2e-4", "--out", "real"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let table = std::fs::read_to_string(bench.path("real/sweep.csv")).expect("a table");
+    assert!(!table.contains("added_mass"), "{table}");
 }

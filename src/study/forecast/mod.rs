@@ -196,8 +196,14 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
 ///
 /// # Errors
 /// What the template engine refuses.
-pub fn describe_answer(problem: &Problem, forecast: &Forecast, stable: &str) -> Result<String, StudyError> {
-    let context = context! { forecast, own => problem.method.info.name, stable };
+pub fn describe_answer(
+    problem: &Problem,
+    scene: &dyn Scene,
+    forecast: &Forecast,
+    stable: &str,
+) -> Result<String, StudyError> {
+    let scaled_masses = scene.added_mass().is_some();
+    let context = context! { forecast, own => problem.method.info.name, stable, scaled_masses };
     render("check_answer.txt", include_str!("../../../assets/report/check_answer.txt"), &context)
 }
 

@@ -14,6 +14,7 @@ use crate::drive::max_displacement::MaxDisplacement;
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, Resumable, UpcomingStep, Wants};
 use crate::drive::{Explain, RunError, Status};
 use crate::integrate::Counters;
+use crate::model::added_mass::AddedMass;
 use crate::model::stop::Stop;
 use crate::output::gauges::Peak;
 use crate::output::largest::{LargestSoFar, LargestValues};
@@ -56,6 +57,9 @@ pub struct SweepResult {
     pub counters: Counters,
     /// largest values of the gauges
     pub peaks: Vec<Peak>,
+    /// what mass scaling has added
+    #[serde(default)]
+    pub mass_scaling: Option<AddedMass>,
 }
 
 /// A run and what came of it.
@@ -89,7 +93,7 @@ pub struct SweepRunner<'a> {
 
 /// How a run ended, if the user did not interrupt it.
 enum RunEnd {
-    Done(SweepResult),
+    Done(Box<SweepResult>),
     /// the budget was spent at this time [s] of the run, where it is saved
     OutOfTime(f64),
 }
@@ -151,7 +155,7 @@ impl SweepRunner<'_> {
             RunEnd::OutOfTime(t) => {
                 Ok(Some(format!("the budget was spent at t = {t:.3e} s of it; run the sweep again to go on")))
             }
-            RunEnd::Done(result) => self.store.keep_measured(job, &result).map(|()| None),
+            RunEnd::Done(result) => self.store.keep_measured(job, &*result).map(|()| None),
         }
     }
 
@@ -212,7 +216,8 @@ impl SweepRunner<'_> {
         if outcome.status == Status::Interrupted {
             return Ok(RunEnd::OutOfTime(outcome.t_end));
         }
-        Ok(RunEnd::Done(SweepResult::of(measured(&outcome, None, seconds), &largest, farthest.distance)))
+        let result = SweepResult::of(measured(&outcome, None, seconds), &largest, farthest.distance);
+        Ok(RunEnd::Done(Box::new(SweepResult { mass_scaling: scene.added_mass(), ..result })))
     }
 }
 
@@ -236,12 +241,13 @@ impl SweepResult {
             t_end,
             counters,
             peaks: if completed { largest.peaks() } else { Vec::new() },
+            mass_scaling: None,
         }
     }
 }
 
 fn refused(note: String) -> RunEnd {
-    RunEnd::Done(SweepResult { status: RowStatus::Refused, note, ..SweepResult::default() })
+    RunEnd::Done(Box::new(SweepResult { status: RowStatus::Refused, note, ..SweepResult::default() }))
 }
 
 /// The observer of a run: measures, and saves the run where it may stop.

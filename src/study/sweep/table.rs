@@ -92,6 +92,10 @@ pub(super) fn quantities(rows: &[SweepRow]) -> Vec<Quantity> {
         count("linear_solves", |row| row.result.counters.linear_solves),
         count("newton_iterations", |row| row.result.counters.newton_iterations),
     ];
+    if rows.iter().any(|row| row.result.mass_scaling.is_some()) {
+        all.push(number("added_mass", "kg", |row| row.result.mass_scaling.map(|added| added.added)));
+        all.push(number("added_mass_share", "-", |row| row.result.mass_scaling.map(|added| added.share)));
+    }
     let mut known: Vec<&Peak> = Vec::new();
     for peak in rows.iter().flat_map(|row| &row.result.peaks) {
         if known.iter().all(|other| other.name != peak.name || other.quantity != peak.quantity) {

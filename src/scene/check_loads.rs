@@ -1,0 +1,111 @@
+//! Checks of loads, air and what it acts on.
+
+use super::check::{BuildError, below, finite, length, times, vectors};
+use crate::mesh::Mesh;
+use crate::model::spec::{
+    AtmosphereSpec, CavitySpec, ClothSpec, FillingSpec, GustSpec, NetworkSpec, PressureKind, StreamSpec,
+};
+
+pub(super) fn loads(spec: &NetworkSpec) -> Result<(), BuildError> {
+    vectors("gravity", spec.gravity.as_slice())?;
+    if let Some(rayleigh) = spec.rayleigh {
+        finite("rayleigh factor", &[rayleigh.mass, rayleigh.stiffness])?;
+    }
+    if let Some(air) = &spec.air {
+        finite("air coefficient", &[air.linear, air.quadratic])?;
+        times("wind", &air.wind)?;
+        vectors("wind", &air.wind.value)?;
+    }
+    flow(spec)?;
+    for load in &spec.pressures {
+        below("triangle", &load.triangles, spec.mesh.triangles.len())?;
+        finite("pressure", &[load.pressure])?;
+        if let PressureKind::Dead(direction) = load.kind {
+            vectors("direction of a pressure", direction.as_slice())?;
+        }
+    }
+    for load in &spec.forces {
+        below("node", &load.nodes, spec.mesh.nodes.len())?;
+        vectors("force", &[load.force])?;
+    }
+    let factors = spec.pressures.iter().map(|p| &p.factor).chain(spec.forces.iter().map(|f| &f.factor));
+    factors.flatten().try_for_each(|table| {
+        times("factor", table)?;
+        finite("factor", &table.value)
+    })
+}
+
+/// The stream, and what it acts on.
+fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
+    let Mesh { nodes, edges, triangles, .. } = &spec.mesh;
+    let needs_air = !(spec.canopies.is_empty() && spec.line_drag.is_empty() && spec.node_drag.is_empty());
+    match &spec.stream {
+        None if needs_air => return Err(BuildError::NoStream),
+        None => {}
+        Some(StreamSpec { wind, gusts, profile, atmosphere, altitude }) => {
+            for (what, table) in [("wind", Some(wind)), ("wind profile", profile.as_ref())] {
+                let Some(table) = table else { continue };
+                times(what, table)?;
+                vectors(what, &table.value)?;
+            }
+            for GustSpec { velocity, start, duration } in gusts {
+                vectors("gust", &[*velocity])?;
+                finite("gust", &[*start, *duration])?;
+            }
+            finite("altitude", &[*altitude])?;
+            match atmosphere {
+                AtmosphereSpec::Constant { density } => finite("density", &[*density])?,
+                AtmosphereSpec::Exponential { density, scale_height } => {
+                    finite("atmosphere", &[*density, *scale_height])?;
+                }
+                AtmosphereSpec::Isa => {}
+            }
+        }
+    }
+    for canopy in &spec.canopies {
+        below("triangle", &canopy.triangles, triangles.len())?;
+        length("pressure coefficients of a canopy", canopy.pressure_coefficient.len(), canopy.triangles.len())?;
+        finite("pressure coefficient", &canopy.pressure_coefficient)?;
+        finite("apparent mass", canopy.apparent_mass.as_slice())?;
+        for &FillingSpec { drag_area, start, duration, exponent } in &canopy.filling {
+            finite("filling", &[drag_area, start, duration, exponent])?;
+        }
+        if let Some(spec) = canopy.cavity {
+            cavity(spec)?;
+            if !canopy.filling.is_empty() {
+                return Err(BuildError::Cavity { reason: "has no drag area over time" });
+            }
+        }
+        for (what, list) in [("skirt", &canopy.skirt), ("apex", &canopy.apex), ("confluence", &canopy.confluence)] {
+            below("node", list, nodes.len())?;
+            if list.is_empty() {
+                return Err(BuildError::NoNodes { what });
+            }
+        }
+    }
+    for drag in &spec.line_drag {
+        below("edge", &drag.edges, edges.len())?;
+        finite("line drag", &[drag.diameter, drag.coefficient])?;
+    }
+    for drag in &spec.node_drag {
+        below("node", &drag.nodes, nodes.len())?;
+        finite("drag area", &[drag.drag_area])?;
+    }
+    Ok(())
+}
+
+fn cavity(CavitySpec { inflow, outer_pressure_coefficient, cloth }: CavitySpec) -> Result<(), BuildError> {
+    finite("cavity", &[inflow, outer_pressure_coefficient])?;
+    if inflow <= 0.0 {
+        return Err(BuildError::Cavity { reason: "needs an inflow above 0" });
+    }
+    if outer_pressure_coefficient >= 1.0 {
+        return Err(BuildError::Cavity { reason: "needs a pressure coefficient below 1 outside" });
+    }
+    let Some(ClothSpec { linear, quadratic }) = cloth else { return Ok(()) };
+    finite("cloth of a cavity", &[linear, quadratic])?;
+    if linear < 0.0 || quadratic < 0.0 || linear + quadratic == 0.0 {
+        return Err(BuildError::Cavity { reason: "needs cloth whose coefficients are not negative and not both 0" });
+    }
+    Ok(())
+}
