@@ -38,10 +38,10 @@ pub struct Multirate {
 struct StiffSprings {
     part: StiffPart,
     /// s at the last accepted state, at the velocities of the last short step
-    lagging: Vec<f64>,
+    lagging: Forces,
     /// s there at the velocities of g
     beside: Forces,
-    /// the two at the end of the step attempted last; at the velocities of the last short step in `at`
+    /// the same at the end of the step attempted last
     next_beside: Forces,
     /// their nodes at both ends of a block of short steps; after the last, `at` is its end
     at: Point,
@@ -57,10 +57,14 @@ impl Multirate {
 
     /// The vectors that it carries, those that the scene has.
     fn carried(&self) -> impl Iterator<Item = &Vec<f64>> {
-        let vectors = self
-            .stiff
-            .iter()
-            .flat_map(|StiffSprings { lagging, beside, .. }| [lagging, &beside.total, &beside.dissipative]);
+        let forces = self.stiff.iter().flat_map(|StiffSprings { lagging, beside, .. }| [lagging, beside]);
+        let vectors = forces.flat_map(|forces| [&forces.total, &forces.external, &forces.dissipative]);
+        vectors.filter(|vector| !vector.is_empty())
+    }
+
+    fn carried_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        let forces = self.stiff.iter_mut().flat_map(|StiffSprings { lagging, beside, .. }| [lagging, beside]);
+        let vectors = forces.flat_map(|Forces { total, external, dissipative, .. }| [total, external, dissipative]);
         vectors.filter(|vector| !vector.is_empty())
     }
 }
@@ -107,7 +111,7 @@ impl Integrator<dyn System> for Multirate {
 
     fn accept(&mut self) {
         if let Some(StiffSprings { lagging, beside, next_beside, at, .. }) = &mut self.stiff {
-            std::mem::swap(lagging, &mut at.forces.total);
+            std::mem::swap(lagging, &mut at.forces);
             std::mem::swap(beside, next_beside);
         }
     }
@@ -130,13 +134,12 @@ impl Integrator<dyn System> for Multirate {
     }
 
     fn restore(&mut self, saved: &CarriedState) -> Result<(), StepError> {
-        let Some(StiffSprings { lagging, beside: Forces { total, dissipative, .. }, .. }) = &mut self.stiff else {
-            return saved.take_into(&mut []);
-        };
-        match dissipative.is_empty() {
-            true => saved.take_into(&mut [lagging, total]),
-            false => saved.take_into(&mut [lagging, total, dissipative]),
+        let length = self.carried().next().map_or(0, Vec::len);
+        if !self.carried().map(Vec::len).eq(saved.vectors.iter().map(Vec::len)) {
+            return Err(StepError::Carried { found: saved.vectors.len(), expected: self.carried().count(), length });
         }
+        self.carried_mut().zip(&saved.vectors).for_each(|(own, saved)| own.copy_from_slice(saved));
+        Ok(())
     }
 }
 
@@ -153,9 +156,8 @@ fn work_by_ends(system: &dyn System, forces: [&Forces; 2], way: [&[f64]; 2], tim
 impl StiffSprings {
     fn of(part: StiffPart) -> Self {
         let at = Point { state: part.system.initial_state(), forces: part.system.new_forces() };
-        let Forces { total, .. } = &at.forces;
-        let (lagging, beside, next) = (total.clone(), at.forces.clone(), at.clone());
-        StiffSprings { lagging, next_beside: beside.clone(), beside, next, at, summaries: Vec::new(), part }
+        let [lagging, beside, next_beside] = [(); 3].map(|()| at.forces.clone());
+        StiffSprings { lagging, beside, next_beside, next: at.clone(), at, summaries: Vec::new(), part }
     }
 
     /// Finds the forces at a state of the scene, to be carried.
@@ -165,15 +167,14 @@ impl StiffSprings {
         part.gather(&state.x, &mut own.x);
         part.gather(&state.v, &mut own.v);
         part.system.evaluate(own.as_ref(), beside);
-        lagging.copy_from_slice(&beside.total);
+        lagging.copy_from(beside);
     }
 
     /// The start of the short steps: x_n, and the velocities of all nodes after the long kick without that of s.
     fn begin(&mut self, (from, to): (&Point, &State), half: f64, inverse_mass: &[f64]) {
         let StiffSprings { part, lagging, beside, at: Point { state: State { t, x, v }, forces }, .. } = self;
         *t = from.state.t;
-        forces.copy_from(beside);
-        forces.total.copy_from_slice(lagging);
+        forces.copy_from(lagging);
         part.gather(&from.state.x, x);
         for ((v, s), &dof) in v.iter_mut().zip(&beside.total).zip(&part.dofs) {
             let dof = dof as usize;

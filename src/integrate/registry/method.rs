@@ -93,7 +93,7 @@ pub enum MethodError {
         known: String,
     },
     /// A parameter is out of range.
-    #[error("{method}: {name} = {value} is not {allowed}")]
+    #[error("{method}: {name} = {value} is outside of what is allowed, {allowed}")]
     OutOfRange {
         /// the method
         method: &'static str,

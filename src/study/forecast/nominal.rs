@@ -151,7 +151,7 @@ mod tests {
         let units = NominalCosts { step: 0.0, work: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0], moving: true, implicit: KEPT };
         let method = |name| MethodChoice::with_defaults(name).expect("in the registry");
         let cost = |name, passes: f64, account_passes: f64| {
-            let work = [10.0 * passes, 0.0, 0.0, 0.0, 0.0];
+            let work = [10.0 * passes, 0.0, 0.0, 0.0, 0.0, 0.0];
             let sample = Sample { steps: 10.0, work, ..Sample::default() };
             let made = MeasuredRun { sample, account_passes: 10.0 * account_passes, ..MeasuredRun::default() };
             units.as_made(&method(name), &made, 1.0)
