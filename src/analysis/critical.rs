@@ -236,10 +236,10 @@ impl CriticalStep {
             scaled_masses: self.rates.scaled_masses,
         };
         match rest_step([stiffness.0, damping.0]) {
+            step if step > most => capped,
+            step if step > 0.0 => CriticalStep { step, dof: stiffness.1, rates, ..capped },
             // Numbers overflow, or a bound is none.
-            step if !(step > 0.0) => CriticalStep { step: of_short_step, ..capped },
-            step if step < most => CriticalStep { step, dof: stiffness.1, rates, ..capped },
-            _ => capped,
+            _ => CriticalStep { step: of_short_step, ..capped },
         }
     }
 }

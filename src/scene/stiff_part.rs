@@ -37,7 +37,7 @@ impl Network {
             return None;
         }
         let place = |node: u32| nodes.partition_point(|&before| before < node) as u32;
-        let springs: Vec<SpringBatch> = self.carrying().filter_map(|batch| part_of(batch, &is_stiff, place)).collect();
+        let springs: Vec<SpringBatch> = self.carrying().filter_map(|batch| part_of(batch, is_stiff, place)).collect();
         let elements = self.terms.iter().map(|term| term.elements()).sum::<usize>();
         let share = springs.iter().map(|batch| batch.data.nodes.len()).sum::<usize>() as f64 / elements as f64;
         let dofs = nodes.iter().flat_map(|&node| 3 * node..3 * node + 3).collect();

@@ -156,7 +156,9 @@ impl Case {
                 let coefficients = runge_kutta.unwrap_or_default();
                 Box::new(move |m| polynomial(o, h, &coefficients, m))
             }
-            "multirate" => return multirate(o, (h, self.value("substeps", 6.0)), damper, start, steps),
+            "multirate" if self.value("substeps", 6.0) > 1.0 => {
+                return multirate(o, (h, self.value("substeps", 6.0)), damper, start, steps);
+            }
             "improved-euler-pec" => return adams_bashforth(o, h, start, steps),
             "euler-cromer" => Box::new(move |m| {
                 // x_{n+1} from its own row of the matrix [[1 - w^2 h^2, h - d h^2], [-w^2 h, 1 - d h]].
@@ -171,7 +173,7 @@ impl Case {
                 Motion { x, v: m.v + 0.5 * h * (a + star), a: 0.0 }
             }),
             // The carried acceleration is the one at the velocity of the middle.
-            "central-difference" => Box::new(move |m| {
+            "central-difference" | "multirate" => Box::new(move |m| {
                 let middle = m.v + 0.5 * h * m.a;
                 let x = m.x + h * middle;
                 let a = o.a(x, middle);
