@@ -11,7 +11,7 @@
 //! remainder: the energy that the scheme itself lost (above 0) or made (below 0).
 
 use super::observer::LedgerRow;
-use crate::integrate::{StageWork, StepReport};
+use crate::integrate::{StageWork, StepReport, reeling_work};
 use crate::model::forces::{Role, Tally};
 use crate::model::point::Point;
 use crate::model::step_block::StepSummary;
@@ -69,13 +69,7 @@ impl Ledger {
     ) -> (LedgerRow, bool) {
         let kinetic = system.kinetic_energy(&to.state.v);
         let way = [&from.state.x, &to.state.x].map(Vec::as_slice);
-        let work = |f: [&[f64]; 2]| system.work(f, way);
-        let times = [from.state.t, to.state.t];
-        let reeled = reeling_work(system, times, [&from.forces.tallies, &to.forces.tallies]);
-        let ends = || StageWork {
-            external: work([&from.forces.external, &to.forces.external]) + reeled,
-            dissipated: -work([&from.forces.dissipative, &to.forces.dissipative]),
-        };
+        let ends = || StageWork::by_ends(system, [&from.forces, &to.forces], way, [from.state.t, to.state.t]);
         let (work, by_stages) = match report.work {
             None => (ends(), false),
             Some(stages) if from.forces.dissipative.is_empty() => (stages, true),
@@ -168,12 +162,6 @@ impl Ledger {
                 - row.dissipated;
         row
     }
-}
-
-/// [J] Work of changes of rest lengths over a step between two times [s], from the tallies at its ends.
-fn reeling_work(system: &dyn System, times: [f64; 2], tallies: [&[Tally]; 2]) -> f64 {
-    let [start, end] = tallies.map(|tallies| system.reeling_power(times, tallies));
-    0.5 * (times[1] - times[0]) * (start + end)
 }
 
 #[cfg(test)]

@@ -86,6 +86,7 @@ pub mod velocity_verlet;
 
 pub use counters::Counters;
 pub use factor_cache::CachedFactor;
+pub(crate) use updates::reeling_work;
 
 use crate::assembly::PatternError;
 use crate::model::point::Point;

@@ -18,7 +18,7 @@
 //! nodes (Ma, Izaguirre & Skeel 2003).
 
 use super::central_difference::CENTRAL_DIFFERENCE;
-use super::{CarriedState, Counters, Integrator, StageWork, StepError, StepInput, StepReport};
+use super::{CarriedState, Counters, Integrator, StageWork, StepError, StepInput, StepReport, reeling_work};
 use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::state::State;
@@ -100,7 +100,7 @@ impl Integrator<dyn System> for Multirate {
         let Some(stiff) = &self.stiff else { return Ok(StepReport { forces_at_end: true, ..Default::default() }) };
         stiff.take_back(v, half, inverse_mass);
         let (way, times) = ([&from.state.x[..], x], [from.state.t, t_next]);
-        let all = work_by_ends(system, [&from.forces, forces], way, times);
+        let all = StageWork::by_ends(system, [&from.forces, forces], way, times);
         let of_stiff = stiff.work_by_ends(way, times);
         let work = StageWork {
             external: all.external - of_stiff.external + made.external,
@@ -140,16 +140,6 @@ impl Integrator<dyn System> for Multirate {
         }
         self.carried_mut().zip(&saved.vectors).for_each(|(own, saved)| own.copy_from_slice(saved));
         Ok(())
-    }
-}
-
-/// The works of a step by its ends: 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n), and what changes of rest lengths do.
-fn work_by_ends(system: &dyn System, forces: [&Forces; 2], way: [&[f64]; 2], times: [f64; 2]) -> StageWork {
-    let work = |of: fn(&Forces) -> &[f64]| system.work(forces.map(of), way);
-    let reeled: f64 = forces.map(|forces| system.reeling_power(times, &forces.tallies)).iter().sum();
-    StageWork {
-        external: work(|f| &f.external) + 0.5 * (times[1] - times[0]) * reeled,
-        dissipated: -work(|f| &f.dissipative),
     }
 }
 
@@ -201,12 +191,11 @@ impl StiffSprings {
             system.advance(&mut next.state, &mut next.forces, block, summaries);
             if summaries.is_empty() {
                 let (forces, way) = ([&at.forces, &next.forces], [&at.state.x[..], &next.state.x]);
-                work.add(1.0, work_by_ends(&**system, forces, way, [at.state.t, next.state.t]));
+                work.add(1.0, StageWork::by_ends(&**system, forces, way, [at.state.t, next.state.t]));
             }
             let (mut t, mut tallies) = (at.state.t, &at.forces.tallies);
             for summary in summaries.iter() {
-                let reeled = [tallies, &summary.tallies].map(|tallies| system.reeling_power([t, summary.t], tallies));
-                let reeled = 0.5 * (summary.t - t) * reeled.iter().sum::<f64>();
+                let reeled = reeling_work(&**system, [t, summary.t], [tallies, &summary.tallies]);
                 let works = &summary.nodes.work;
                 work.add(1.0, StageWork { external: works.external + reeled, dissipated: -works.dissipative });
                 (t, tallies) = (summary.t, &summary.tallies);
@@ -246,9 +235,9 @@ impl StiffSprings {
             let forces = f_n.iter().zip(f).zip(dofs);
             forces.map(|((f_n, f), &dof)| 0.5 * (f_n + f) * (x[dof as usize] - x_n[dof as usize])).sum()
         };
-        let reeled: f64 = [beside, next_beside].map(|s| system.reeling_power(times, &s.tallies)).iter().sum();
+        let reeled = reeling_work(&**system, times, [&beside.tallies, &next_beside.tallies]);
         StageWork {
-            external: work([&beside.external, &next_beside.external]) + 0.5 * (times[1] - times[0]) * reeled,
+            external: work([&beside.external, &next_beside.external]) + reeled,
             dissipated: -work([&beside.dissipative, &next_beside.dissipative]),
         }
     }

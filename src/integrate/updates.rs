@@ -1,7 +1,7 @@
 //! The vector updates of explicit schemes. Slices are `[n_dof]`.
 
 use super::StageWork;
-use crate::model::forces::{Forces, Role};
+use crate::model::forces::{Forces, Role, Tally};
 use crate::model::system::System;
 use multiversion::multiversion;
 use std::ops::Range;
@@ -145,7 +145,22 @@ pub(super) fn weigh<const N: usize>(stages: [(f64, StageWork); N]) -> StageWork 
     sum
 }
 
+/// [J] Work of changes of rest lengths over a step between two times [s], from the tallies at its ends.
+pub(crate) fn reeling_work(system: &dyn System, times: [f64; 2], tallies: [&[Tally]; 2]) -> f64 {
+    let [start, end] = tallies.map(|tallies| system.reeling_power(times, tallies));
+    0.5 * (times[1] - times[0]) * (start + end)
+}
+
 impl StageWork {
+    /// The works of a step by its ends: 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n), and what changes of rest lengths do.
+    pub(crate) fn by_ends(system: &dyn System, forces: [&Forces; 2], way: [&[f64]; 2], times: [f64; 2]) -> Self {
+        let work = |of: fn(&Forces) -> &[f64]| system.work(forces.map(of), way);
+        StageWork {
+            external: work(|f| &f.external) + reeling_work(system, times, forces.map(|f| &f.tallies[..])),
+            dissipated: -work(|f| &f.dissipative),
+        }
+    }
+
     /// += weight * power
     pub(super) fn add(&mut self, weight: f64, power: StageWork) {
         self.external += weight * power.external;

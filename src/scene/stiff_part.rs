@@ -19,7 +19,7 @@ use crate::mesh::Mesh;
 use crate::model::forces::Role;
 use crate::model::spec::DashpotKind;
 use crate::model::state::StateRef;
-use crate::model::system::{StiffPart, Weights};
+use crate::model::system::{StiffPart, System, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -38,12 +38,12 @@ impl Network {
         }
         let place = |node: u32| nodes.partition_point(|&before| before < node) as u32;
         let springs: Vec<SpringBatch> = self.carrying().filter_map(|batch| part_of(batch, is_stiff, place)).collect();
-        let elements = self.terms.iter().map(|term| term.elements()).sum::<usize>();
-        let share = springs.iter().map(|batch| batch.data.nodes.len()).sum::<usize>() as f64 / elements as f64;
+        let count: usize = springs.iter().map(|batch| batch.data.nodes.len()).sum();
+        let share = count as f64 / self.terms.iter().map(|term| term.elements()).sum::<usize>() as f64;
         let dofs = nodes.iter().flat_map(|&node| 3 * node..3 * node + 3).collect();
         log::info!(
             "stiff springs: {} at {}, {:.0} % of all elements",
-            counted(springs.iter().map(|batch| batch.data.nodes.len()).sum::<usize>() as u64, "spring", "springs"),
+            counted(count as u64, "spring", "springs"),
             counted(nodes.len() as u64, "node", "nodes"),
             100.0 * share
         );
@@ -103,7 +103,10 @@ impl Network {
         let mut elements = elastic.flat_map(|term| (0..term.elements()).filter_map(|i| term.element(i)));
         Some(BesideStiff {
             stiffness: bound(Weights { m: 0.0, c: 0.0, k: 1.0 }),
-            damping: bound(Weights { m: 0.0, c: 1.0, k: 0.0 }),
+            damping: match self.velocity_dependent() {
+                true => bound(Weights { m: 0.0, c: 1.0, k: 0.0 }),
+                false => (0.0, 0),
+            },
             on_short_nodes: elements.any(|nodes| nodes.iter().any(|&node| is_short(node))),
         })
     }
