@@ -128,9 +128,9 @@ fn report(name: &str, found: &RecordedStatic, out: &Path) -> String {
     for peak in &summary.peaks {
         let _ = writeln!(text, "  {:<15} {} = {} {}", peak.name, peak.quantity, figures(peak.last, 6), peak.unit);
     }
-    if !found.modes.is_empty() {
-        let shown: Vec<String> = found.modes.iter().take(6).map(|mode| figures(mode.frequency(), 4)).collect();
-        let more = if found.modes.len() > shown.len() { ", … (modes.csv)" } else { "" };
+    if !found.modes.modes.is_empty() {
+        let shown: Vec<String> = found.modes.modes.iter().take(6).map(|mode| figures(mode.frequency(), 4)).collect();
+        let more = if found.modes.modes.len() > shown.len() { ", … (modes.csv)" } else { "" };
         let _ = writeln!(text, "  modes           {}{more} Hz", shown.join(", "));
     }
     let _ = writeln!(text, "  results         {}", out.join(format!("{}.pvd", file_stem(name))).display());

@@ -1,7 +1,7 @@
 //! The static equilibrium of a case, with the files of `canopy-fem static`.
 
 use super::{EarlierResults, RecordError, build_scene, check_solver};
-use crate::analysis::lowest::{LowMode, ModesError, lowest};
+use crate::analysis::lowest::{LowMode, LowModes, ModesError, lowest};
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
 use crate::drive::ledger::Ledger;
@@ -42,8 +42,8 @@ pub struct StaticSettings<'a> {
 pub struct RecordedStatic {
     /// what was found
     pub equilibrium: Equilibrium,
-    /// its modes, ascending
-    pub modes: Vec<LowMode>,
+    /// its modes
+    pub modes: LowModes,
     /// why there are none
     pub without_modes: Option<ModesError>,
     /// what `summary.json` holds
@@ -101,13 +101,13 @@ pub fn record_static(case: &Case, how: StaticSettings<'_>, stop: &AtomicBool) ->
         count if count > 0 && equilibrium.failure.is_none() => {
             lowest(&*scene, equilibrium.point.state.as_ref(), count, Stop::on(stop))
         }
-        _ => Ok(Vec::new()),
+        _ => Ok(LowModes::default()),
     };
     let (modes, without_modes) = match found {
         Ok(modes) => (modes, None),
-        Err(error) => (Vec::new(), Some(error)),
+        Err(error) => (LowModes::default(), Some(error)),
     };
-    write_modes(&*scene, &spec, (&equilibrium.point, &modes), replace)?;
+    write_modes(&*scene, &spec, (&equilibrium.point, &modes.modes), replace)?;
     let interrupted = without_modes == Some(ModesError::Stopped);
     let outcome = Outcome { status: if interrupted { Status::Interrupted } else { outcome.status }, ..outcome };
     let summary = Summary {
@@ -116,7 +116,7 @@ pub fn record_static(case: &Case, how: StaticSettings<'_>, stop: &AtomicBool) ->
         peaks: recorder.peaks(),
         groups: problem.group_totals(),
         at_rest: None,
-        equilibrium: Some(report(&*scene, &equilibrium, (&outcome, &modes))),
+        equilibrium: Some(report(&*scene, &equilibrium, (&outcome, &modes.modes))),
         case_digest,
         ..Summary::new(problem, &*scene, &outcome, f64::INFINITY, stopwatch.read())
     };

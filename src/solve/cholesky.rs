@@ -4,6 +4,8 @@
 //! digits, so its solution is refined once and checked. If the check fails, the matrix is factorised with pivoting
 //! inside supernodes (LBLT).
 
+mod inertia;
+
 use super::linear::{
     Accuracy, Inertia, LinearError, LinearSolver, LinearStats, REUSED_RELATIVE, SolverWork, check_finite,
     check_solution, matrix, symbolic_matrix,

@@ -3,7 +3,7 @@
 
 use super::resultants::listed;
 use super::unknowns::Dofs;
-use crate::analysis::lowest::Pencil;
+use crate::analysis::pencil::Pencil;
 use crate::model::point::Point;
 use crate::model::stop::Stop;
 use crate::scene::Scene;
@@ -65,7 +65,7 @@ pub(super) fn judge(scene: &dyn Scene, dofs: &Dofs, at: &Point, stop: Stop<'_>) 
     let Ok(mut pencil) = Pencil::of(scene, at.state.as_ref()) else { return Judged::default() };
     let slack = slack_unknowns(scene, dofs, &pencil);
     let mut findings: Vec<Finding> = slack_nodes(scene, &pencil, &slack).into_iter().collect();
-    if !scene.symmetric() {
+    if !pencil.symmetric {
         return Judged { stability: None, findings };
     }
     // What has no stiffness at all is put on the ground, so that the rest is judged.
@@ -95,7 +95,7 @@ pub(super) fn judge(scene: &dyn Scene, dofs: &Dofs, at: &Point, stop: Stop<'_>) 
 
 /// Whether every unknown belongs to a node without stiffness in any direction `[n]`.
 fn slack_unknowns(scene: &dyn Scene, dofs: &Dofs, pencil: &Pencil) -> Vec<bool> {
-    let (pattern, diagonal) = (&pencil.assembler.pattern, pencil.diagonal());
+    let (pattern, diagonal) = (&pencil.pattern, pencil.diagonal());
     let soft = |unknown: &usize| {
         let dof = pattern.dof[*unknown] as usize;
         diagonal[*unknown].abs() <= NO_STIFFNESS * dofs.stiffness[dof] && scene.inverse_mass()[dof] > 0.0
@@ -111,7 +111,7 @@ fn slack_unknowns(scene: &dyn Scene, dofs: &Dofs, pencil: &Pencil) -> Vec<bool> 
 }
 
 fn slack_nodes(scene: &dyn Scene, pencil: &Pencil, slack: &[bool]) -> Option<Finding> {
-    let of = pencil.assembler.pattern.dof.iter().zip(slack).filter(|(_, slack)| **slack);
+    let of = pencil.pattern.dof.iter().zip(slack).filter(|(_, slack)| **slack);
     let nodes: BTreeSet<u32> = of.map(|(&dof, _)| scene.name_of(dof as usize).0).collect();
     let nodes: Vec<u32> = nodes.into_iter().collect();
     if nodes.is_empty() {

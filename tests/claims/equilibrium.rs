@@ -65,7 +65,7 @@ impl AtRest {
     /// [1/s^2] Squares of the lowest angular frequencies.
     fn squares(&self, count: usize) -> Vec<f64> {
         let modes = lowest(&*self.scene, self.found.point.state.as_ref(), count, Stop::NEVER).expect("modes");
-        modes.iter().map(|mode| mode.omega_squared).collect()
+        modes.modes.iter().map(|mode| mode.omega_squared).collect()
     }
 }
 
