@@ -70,7 +70,7 @@ pub use crate::scene::{ForceDerivative, Load, NodalForce};
 pub use builder::{NetworkBuilder, RunSettings, SpringLaw};
 pub use derivative::{DerivativeError, derivative_error};
 pub use doubts::{check_solver, doubts_at_end};
-pub use equilibrium::{RecordedStatic, StaticSettings, record_static};
+pub use equilibrium::{RecordedStatic, StaticSettings, record_static, record_static_watched};
 pub use error::{SetupError, SimulationError};
 pub use follow::{FollowSpec, FollowedState, follow};
 pub use record::{EarlierResults, RecordError, RecordSettings, Recorded, record};

@@ -193,7 +193,8 @@ class Result:
     @property
     def modes(self) -> npt.NDArray[Any]:
         """A row a vibration mode: mode, frequency [Hz], omega_squared [1/s^2], the node and axis that move most, and
-        mass_x, mass_y, mass_z [kg], what moves in it if a support shakes along an axis."""
+        mass_x, mass_y, mass_z [kg], what moves in it if a support shakes along an axis, growth [1/s], 0 for a mode that
+        oscillates, and error [1/s^2], how far omega_squared may be from one that the scene has."""
         return self._table("modes")
 
     def gauge(self, name: str, quantity: str | None = None) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
@@ -296,7 +297,7 @@ class Result:
 _HEADERS = {
     "probes": "t,name,node,x,y,z,vx,vy,vz",
     "gauges": "t,name,quantity,value",
-    "modes": "mode,frequency,omega_squared,node,axis,mass_x,mass_y,mass_z",
+    "modes": "mode,frequency,omega_squared,node,axis,mass_x,mass_y,mass_z,growth,error",
 }
 
 

@@ -71,7 +71,7 @@ impl Krylov {
             let whole = krylov.basis.len() == n;
             let values: Vec<f64> = ritz.iter().take(count).map(|one| one.value).collect();
             if whole || found == count && of.complete(&values)? {
-                return Ok(ritz.into_iter().take(count).map(|one| one.vector).collect());
+                return Ok(ritz.into_iter().take(count).map(Ritz::smoothed).collect());
             }
             if full && krylov.basis.len() > count + BLOCK {
                 krylov.restart(ritz);
@@ -164,4 +164,14 @@ struct Ritz {
     image: Vec<f64>,
     /// norm of image - value vector
     residual: f64,
+}
+
+impl Ritz {
+    /// The image, of unit length: the operator has damped what other eigenvectors, of small eigenvalues, have in the
+    /// vector.
+    fn smoothed(mut self) -> Vec<f64> {
+        let size = norm(&self.image);
+        self.image.iter_mut().for_each(|y| *y /= size);
+        self.image
+    }
 }

@@ -10,6 +10,7 @@
 //! Blocks of vectors find modes that come in pairs, as those of round canopies and hanging lines do. Whether one is
 //! missing is known from the number of negative eigenvalues of K - w^2 M just below the last one (a Sturm count).
 
+use super::growing::{GrowingMotion, growing_modes, growing_together};
 use super::krylov::{Krylov, Operator};
 use super::pencil::{Factored, Pencil};
 use super::vectors::dot;
@@ -61,6 +62,9 @@ pub struct LowModes {
     pub modes: Vec<LowMode>,
     /// whether K is symmetric; if not, they are those of its symmetric part
     pub symmetric: bool,
+    /// motions that grow by themselves, the fastest first: modes, undamped; with a K that is not symmetric what modes
+    /// make together with all of K and C
+    pub growing: Vec<GrowingMotion>,
 }
 
 /// Why modes cannot be found.
@@ -104,7 +108,9 @@ pub enum ModesError {
 /// See [`ModesError`].
 pub fn lowest(scene: &dyn Scene, at: StateRef<'_>, count: usize, stop: Stop<'_>) -> Result<LowModes, ModesError> {
     let pencil = Pencil::of(scene, at)?;
-    Ok(LowModes { modes: pencil.lowest(count, stop)?, symmetric: pencil.symmetric })
+    let (modes, symmetric) = (pencil.lowest(count, stop)?, pencil.symmetric);
+    let growing = if symmetric { Some(growing_modes(&modes)) } else { growing_together(scene, at, &modes) };
+    Ok(LowModes { growing: growing.ok_or(LinearError::Singular { unknown: None })?, modes, symmetric })
 }
 
 impl Pencil {
@@ -129,12 +135,7 @@ impl Pencil {
     }
 
     /// The power of ten, over [`Pencil::fastest`], below which the square of the last of `count` modes is.
-    fn power_above(
-        &self,
-        mut solver: Cholesky,
-        count: usize,
-        stop: Stop<'_>,
-    ) -> Result<(Cholesky, i32), ModesError> {
+    fn power_above(&self, mut solver: Cholesky, count: usize, stop: Stop<'_>) -> Result<(Cholesky, i32), ModesError> {
         let [mut low, mut high] = [SHIFTS[0], HIGHEST];
         while high - low > 1 {
             if stop.asked() {

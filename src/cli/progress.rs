@@ -7,6 +7,7 @@ use super::complain;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
+use crate::statics::SearchProgress;
 use crate::warning::{Warning, WarningCode};
 
 /// Time between two updates of the line.
@@ -201,6 +202,45 @@ impl Observer for Progress {
     }
 }
 
+/// A line that shows how far the search for an equilibrium has come.
+#[derive(Debug)]
+pub struct SearchLine(ProgressBar);
+
+impl SearchLine {
+    /// Nothing is drawn yet.
+    pub fn new(display: Display) -> Self {
+        let shown = display == Display::Terminal && std::io::stderr().is_terminal();
+        let target = if shown { ProgressDrawTarget::stderr_with_hz(10) } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(None, target);
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {wide_msg}") {
+            bar.set_style(style);
+        }
+        SearchLine(bar)
+    }
+
+    /// After a solve.
+    pub fn show(&self, progress: SearchProgress) {
+        if !self.0.is_hidden() {
+            self.0.set_message(search_text(progress));
+            self.0.tick();
+        }
+    }
+}
+
+impl Drop for SearchLine {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
+fn search_text(SearchProgress { iterations, residual, scale, level }: SearchProgress) -> String {
+    let mut text = format!("Newton {iterations}  {} of {} N left", short(residual), short(scale));
+    if level < 1.0 {
+        text += &format!("  {} % of the loads", short(100.0 * level));
+    }
+    text
+}
+
 impl Drop for Progress {
     /// Clears the line, so that an error message is not mixed with it.
     fn drop(&mut self) {
@@ -270,6 +310,15 @@ mod tests {
         assert_eq!(still.text(), "t 0.5 of 2 s  0 steps/s  h 1.00e-5 s");
         assert_eq!(time_left(7200.0, 1.0).as_deref(), Some("2 h 00 min"));
         assert_eq!(time_left(1.0, f64::NAN), None);
+    }
+
+    /// What is left of the forces, and the level of the loads where they grow.
+    #[test]
+    fn search_line_reads_well() {
+        let progress = SearchProgress { iterations: 123, residual: 4.5e-5, scale: 678.9, level: 1.0 };
+        assert_eq!(search_text(progress), "Newton 123  4.50e-5 of 678.9 N left");
+        let some = SearchProgress { level: 0.3, ..progress };
+        assert_eq!(search_text(some), "Newton 123  4.50e-5 of 678.9 N left  30 % of the loads");
     }
 
     /// While steps are quick, the clock is read less and less often; when they become slow, it is read often again at

@@ -2,6 +2,7 @@
 
 use super::args::key_value;
 use super::interrupt::stop_on_interrupt;
+use super::progress::{Display, SearchLine};
 use super::{CliError, CommandOutput, complain};
 use crate::case::Case;
 use crate::drive::Status;
@@ -10,8 +11,8 @@ use crate::output::csv::write_fault;
 use crate::output::folder::SUMMARY;
 use crate::output::modes::ModesWriteError;
 use crate::output::sanitize::file_stem;
-use crate::simulation::{EarlierResults, RecordError, RecordedStatic, StaticSettings, record_static};
-use crate::statics::Stability;
+use crate::simulation::{EarlierResults, RecordError, RecordedStatic, StaticSettings, record_static_watched};
+use crate::statics::{Stability, Watcher};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -72,7 +73,9 @@ pub(super) fn run(args: &StaticArgs) -> Result<CommandOutput, CliError> {
         modes: args.modes.map_or(0, usize::from),
     };
     let stop = stop_on_interrupt();
-    let found = record_static(&case, settings, &stop)?;
+    let line = SearchLine::new(if args.quiet { Display::Quiet } else { Display::Terminal });
+    let found = record_static_watched(&case, settings, &stop, Watcher(&|progress| line.show(progress)))?;
+    drop(line);
     found.warnings.iter().for_each(|warning| warn(&warning.to_string()));
     found.equilibrium.findings.iter().for_each(|finding| warn(&finding.text));
     if let Some(error) = &found.without_modes {
@@ -132,6 +135,22 @@ fn report(name: &str, found: &RecordedStatic, out: &Path) -> String {
         let shown: Vec<String> = found.modes.modes.iter().take(6).map(|mode| figures(mode.frequency(), 4)).collect();
         let more = if found.modes.modes.len() > shown.len() { ", … (modes.csv)" } else { "" };
         let _ = writeln!(text, "  modes           {}{more} Hz", shown.join(", "));
+        if !found.modes.symmetric {
+            text += "                  of the symmetric part of the tangent, which is not symmetric here\n";
+        }
+        let growing = found.modes.growing.iter().take(3).map(|motion| {
+            let [rate, frequency] = [motion.rate, motion.frequency].map(|number| figures(number, 4));
+            format!("{rate} 1/s at {frequency} Hz")
+        });
+        let growing: Vec<String> = growing.collect();
+        match (&growing[..], found.modes.symmetric) {
+            ([], true) => {}
+            ([], false) => text += "  growing         no motion that these modes make together\n",
+            _ => {
+                let more = if found.modes.growing.len() > growing.len() { ", … (summary.json)" } else { "" };
+                let _ = writeln!(text, "  growing         {}{more}", growing.join(", "));
+            }
+        }
     }
     let _ = writeln!(text, "  results         {}", out.join(format!("{}.pvd", file_stem(name))).display());
     text

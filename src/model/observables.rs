@@ -138,6 +138,17 @@ pub trait Observables: System {
     /// Tension [N] (elastic part) and strain [-] of every edge, both `[n_edges]`; NaN on an edge without spring.
     fn edge_tension(&self, at: StateRef<'_>, tension: &mut [f64], strain: &mut [f64]);
 
+    /// [N] The sums of the tensions of springs at every node, by size `[n_nodes]`. Allocates.
+    fn tension_sums(&self, at: StateRef<'_>) -> Vec<f64> {
+        let (mut tension, mut strain) = (vec![0.0; self.edges().len()], vec![0.0; self.edges().len()]);
+        self.edge_tension(at, &mut tension, &mut strain);
+        let mut sums = vec![0.0; self.reference().len()];
+        for (edge, tension) in self.edges().iter().zip(&tension).filter(|(_, tension)| !tension.is_nan()) {
+            edge.iter().for_each(|&node| sums[node as usize] += tension.abs());
+        }
+        sums
+    }
+
     /// Adds to the elastic tension [N] of every edge `[n_edges]` the force of the dashpot along it, if it has one.
     /// Forces between its ends that also have other directions are not included.
     fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]) {

@@ -30,7 +30,7 @@ pub enum ModesWriteError {
 const DRAWN: f64 = 0.2;
 
 /// Writes the modes about a state. `mass_x`, `mass_y`, `mass_z` [kg] is what moves in a mode if a support shakes along
-/// an axis (effective modal mass); `frequency` is in Hz, `omega_squared` in 1/s^2. The collection has a frame for each
+/// an axis (effective modal mass); `frequency` is in Hz, `omega_squared` and its `error` in 1/s^2, `growth` in 1/s. The collection has a frame for each
 /// mode, whose time is its number; `displacement` is its shape. Without modes those of an earlier search are removed.
 ///
 /// # Errors
@@ -86,7 +86,7 @@ pub fn write_modes(
 }
 
 fn rows(scene: &dyn Scene, modes: &[LowMode]) -> String {
-    let mut text = "mode,frequency,omega_squared,node,axis,mass_x,mass_y,mass_z\n".to_owned();
+    let mut text = "mode,frequency,omega_squared,node,axis,mass_x,mass_y,mass_z,growth,error\n".to_owned();
     let mut momentum = vec![0.0; scene.n_dof()];
     for (number, mode) in modes.iter().enumerate() {
         scene.mass_times(&mode.shape, &mut momentum);
@@ -98,7 +98,12 @@ fn rows(scene: &dyn Scene, modes: &[LowMode]) -> String {
         let [x, y, z] = sums.map(|sum| sum * sum);
         let (node, axis) = scene.name_of(mode.dof);
         let (frequency, square) = (mode.frequency(), mode.omega_squared);
-        let _ = writeln!(text, "{},{frequency:?},{square:?},{node},{axis},{x:?},{y:?},{z:?}", number + 1);
+        let (growth, error) = (mode.growth(), mode.error);
+        let _ = writeln!(
+            text,
+            "{},{frequency:?},{square:?},{node},{axis},{x:?},{y:?},{z:?},{growth:?},{error:?}",
+            number + 1
+        );
     }
     text
 }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::atomic::{Durability, replace};
 use super::csv::write_fault;
 use super::gauges::Peak;
+use crate::analysis::growing::GrowingMotion;
 use crate::case::spec::Problem;
 use crate::drive::observer::{LedgerRow, ObserveError};
 use crate::drive::{Failure, Outcome, Status};
@@ -69,7 +70,7 @@ fn reason(linear: &LinearStats, choice: LinearChoice) -> String {
 pub struct EquilibriumReport {
     /// [N] Euclidean norm of the sums of forces that are left on free degrees of freedom
     pub residual: f64,
-    /// [N] what it is compared with: the largest norm of loads, internal forces and reactions
+    /// [N] what it is compared with: the largest norm of loads, internal forces, reactions and tensions at the nodes
     pub residual_scale: f64,
     /// [J] elastic energy and that of weight; null where other loads act, which have no potential in the account
     pub potential_energy: Option<f64>,
@@ -81,6 +82,13 @@ pub struct EquilibriumReport {
     pub findings: Vec<Finding>,
     /// [Hz] of the vibration modes that were asked for, ascending; 0 for a motion that grows
     pub frequencies: Vec<f64>,
+    /// whether the tangent K is symmetric there; if not, the modes are those of its symmetric part. Null without modes
+    #[serde(default)]
+    pub modes_symmetric: Option<bool>,
+    /// motions that grow by themselves, the fastest first: modes without damping; with a K that is not symmetric, what
+    /// these modes make together with all of K and damping
+    #[serde(default)]
+    pub growing: Vec<GrowingMotion>,
 }
 
 /// A finished run.

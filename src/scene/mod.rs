@@ -24,6 +24,7 @@ pub mod network;
 pub mod numbering;
 mod pendulum;
 mod picture;
+mod reach;
 mod stiff_part;
 mod suspect;
 mod tangent;
@@ -154,7 +155,8 @@ pub trait Scene: TangentSystem + Observables {
         None
     }
 
-    /// [m] the scene's size: half the largest extent of its nodes at t = 0; 0 for a single node.
+    /// [m] the scene's size: half the largest extent of its nodes at t = 0, or what its rest lengths allow if it is
+    /// packed in less: a quarter of the longest path along springs and sheets. 0 for a single node.
     fn size(&self) -> f64;
 
     /// [m] half the largest extent of the nodes in a state.

@@ -9,6 +9,7 @@ use super::events::Phases;
 use super::external::ExternalForces;
 use super::motion::SUPPORTS;
 use super::numbering::Numbering;
+use super::reach::reach;
 use crate::force::kernel::batch::{BlockForces, PARTS};
 use crate::force::law::series::{SampledTable, Scale};
 use crate::force::law::spring::{Coefficient, Cut, SpringData};
@@ -41,6 +42,8 @@ pub struct Network {
     pub(super) weighed: Arc<[f64]>,
     pub(super) added_mass: Option<AddedMass>,
     pub(super) start: Arc<[Vector3<f64>]>,
+    /// [m] half of what rest lengths let it extend to
+    pub(super) reach: f64,
     velocity: Vec<[f64; 3]>,
     gravity: Vector3<f64>,
     /// what a program can scale
@@ -144,6 +147,7 @@ impl Network {
             weighed: p.weighed,
             added_mass: p.added_mass,
             start: p.start,
+            reach: reach(&p.mesh, &p.springs),
             velocity: p.velocity,
             gravity: p.gravity,
             loads: p.loads,

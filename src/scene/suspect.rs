@@ -98,7 +98,7 @@ impl Scene for Network {
     }
 
     fn size(&self) -> f64 {
-        extent(bytemuck::cast_slice(&self.start), self.threads.workers())
+        extent(bytemuck::cast_slice(&self.start), self.threads.workers()).max(self.reach)
     }
 
     fn extent(&self, at: StateRef<'_>) -> f64 {

@@ -15,7 +15,7 @@ use crate::output::recorder::{Recorder, RecorderSpec};
 use crate::output::summary::{EquilibriumReport, Summary};
 use crate::process::Stopwatch;
 use crate::scene::Scene;
-use crate::statics::{self, Equilibrium, StaticFailure, StaticSpec};
+use crate::statics::{self, Equilibrium, StaticFailure, StaticSpec, Watcher};
 use crate::warning::{Warning, WarningCode};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -73,6 +73,19 @@ const STEPS_WORTH: u32 = 100;
 /// A scene that cannot be built, a folder with earlier results, and what cannot be written. A scene without equilibrium
 /// is not an error but a failure in [`Equilibrium`] and in the summary.
 pub fn record_static(case: &Case, how: StaticSettings<'_>, stop: &AtomicBool) -> Result<RecordedStatic, RecordError> {
+    record_static_watched(case, how, stop, Watcher::NONE)
+}
+
+/// The same, and tells how far the search has come.
+///
+/// # Errors
+/// As [`record_static`].
+pub fn record_static_watched(
+    case: &Case,
+    how: StaticSettings<'_>,
+    stop: &AtomicBool,
+    watcher: Watcher<'_>,
+) -> Result<RecordedStatic, RecordError> {
     let problem = case.problem();
     let case_digest = Fingerprint::of(problem)?.digest();
     let scene = build_scene(problem.system.clone().with_real_masses(), how.threads)?;
@@ -90,7 +103,7 @@ pub fn record_static(case: &Case, how: StaticSettings<'_>, stop: &AtomicBool) ->
         load_steps: how.load_steps,
         linear: problem.solver.linear,
     };
-    let equilibrium = statics::find(&*scene, asked, Stop::on(stop));
+    let equilibrium = statics::find_watched(&*scene, asked, Stop::on(stop), watcher);
     let outcome = outcome(&*scene, &equilibrium);
     recorder.started(&equilibrium.point, outcome.ledger)?;
     if equilibrium.failure.is_some() {
@@ -116,7 +129,7 @@ pub fn record_static(case: &Case, how: StaticSettings<'_>, stop: &AtomicBool) ->
         peaks: recorder.peaks(),
         groups: problem.group_totals(),
         at_rest: None,
-        equilibrium: Some(report(&*scene, &equilibrium, (&outcome, &modes.modes))),
+        equilibrium: Some(report(&*scene, &equilibrium, (&outcome, &modes))),
         case_digest,
         ..Summary::new(problem, &*scene, &outcome, f64::INFINITY, stopwatch.read())
     };
@@ -160,7 +173,7 @@ fn outcome(scene: &dyn Scene, found: &Equilibrium) -> Outcome {
     }
 }
 
-fn report(scene: &dyn Scene, found: &Equilibrium, (outcome, modes): (&Outcome, &[LowMode])) -> EquilibriumReport {
+fn report(scene: &dyn Scene, found: &Equilibrium, (outcome, modes): (&Outcome, &LowModes)) -> EquilibriumReport {
     let conservative = scene.symmetric() && scene.terms().iter().all(|term| term.role != Role::External);
     EquilibriumReport {
         residual: found.residual.force,
@@ -169,6 +182,8 @@ fn report(scene: &dyn Scene, found: &Equilibrium, (outcome, modes): (&Outcome, &
         load_steps: found.load_steps,
         stability: found.stability,
         findings: found.findings.clone(),
-        frequencies: modes.iter().map(LowMode::frequency).collect(),
+        frequencies: modes.modes.iter().map(LowMode::frequency).collect(),
+        modes_symmetric: (!modes.modes.is_empty()).then_some(modes.symmetric),
+        growing: modes.growing.clone(),
     }
 }

@@ -4,7 +4,7 @@
 use super::failure::StaticFailure;
 use super::proximal::{Proximal, cautious_weight};
 use super::unknowns::Dofs;
-use super::{Equilibrium, Residual, StaticSpec, diagnosis};
+use super::{Equilibrium, Residual, SearchProgress, StaticSpec, Watcher, diagnosis};
 use crate::integrate::Counters;
 use crate::integrate::tangents::Tangents;
 use crate::model::point::Point;
@@ -48,6 +48,7 @@ pub(super) struct Continuation<'a> {
     pub scene: &'a dyn Scene,
     pub spec: StaticSpec,
     pub stop: Stop<'a>,
+    watcher: Watcher<'a>,
     pub dofs: Dofs,
     /// the best state so far
     pub at: Point,
@@ -62,13 +63,15 @@ pub(super) struct Continuation<'a> {
     pseudo_steps: u32,
     dropped: u32,
     pub load_steps: u32,
+    /// [-] share of the loads that is applied
+    pub level: f64,
 }
 
 impl<'a> Continuation<'a> {
     pub fn new(
         scene: &'a dyn Scene,
         spec: StaticSpec,
-        stop: Stop<'a>,
+        (stop, watcher): (Stop<'a>, Watcher<'a>),
         (tangents, at, counters): (Tangents, Point, Counters),
     ) -> Self {
         let unknowns = tangents.dof.len();
@@ -77,6 +80,7 @@ impl<'a> Continuation<'a> {
             scene,
             spec,
             stop,
+            watcher,
             dofs: Dofs::of(scene),
             start: at.clone(),
             trial: at.clone(),
@@ -89,6 +93,7 @@ impl<'a> Continuation<'a> {
             pseudo_steps: 0,
             dropped: 0,
             load_steps: 0,
+            level: 1.0,
         }
     }
 
@@ -164,6 +169,12 @@ impl<'a> Continuation<'a> {
             let moved = self.z.iter().fold(0.0, |most: f64, z| most.max(z.abs()));
             self.at.copy_from(&self.trial);
             now = self.residual();
+            (self.watcher.0)(SearchProgress {
+                iterations: self.iterations(),
+                residual: now.force,
+                scale: now.scale,
+                level: self.level,
+            });
             if !self.is_near() {
                 return Err(self.left());
             }

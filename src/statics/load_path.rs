@@ -59,6 +59,7 @@ fn levels(search: &mut Continuation<'_>, steps: u32, given: &[f64]) -> Result<()
         let level = if reached + 1.01 * step >= 1.0 { 1.0 } else { reached + step };
         let before = search.at.clone();
         apply(search.scene, given, level);
+        search.level = level;
         search.refresh();
         let relative = if level == 1.0 { search.spec.relative } else { ON_THE_WAY };
         log::info!("loads times {level:.4}");

@@ -16,10 +16,12 @@ mod load_path;
 mod proximal;
 mod resultants;
 mod unknowns;
+mod watch;
 
 pub use diagnosis::{Finding, FindingKind, Stability};
 pub use failure::StaticFailure;
 pub use resultants::Loose;
+pub use watch::{SearchProgress, Watcher};
 
 use crate::integrate::Counters;
 use crate::integrate::tangents::Tangents;
@@ -75,7 +77,7 @@ pub struct Equilibrium {
 pub struct Residual {
     /// [N] Euclidean norm of the sums of forces on free degrees of freedom
     pub force: f64,
-    /// [N] what it is compared with: the largest norm of loads, internal forces and reactions
+    /// [N] what it is compared with: the largest norm of loads, internal forces, reactions and tensions at the nodes
     pub scale: f64,
     /// [N] the part of it beyond rounding errors
     pub excess: f64,
@@ -98,6 +100,11 @@ impl Residual {
 
 /// Finds the equilibrium of a scene from its initial state, or says why it did not.
 pub fn find(scene: &dyn Scene, spec: StaticSpec, stop: Stop<'_>) -> Equilibrium {
+    find_watched(scene, spec, stop, Watcher::NONE)
+}
+
+/// The same, and tells how far it has come.
+pub fn find_watched(scene: &dyn Scene, spec: StaticSpec, stop: Stop<'_>, watcher: Watcher<'_>) -> Equilibrium {
     scene.sample_tables(None);
     scene.pass_events(scene.events().partition_point(|event| *event <= spec.at));
     let mut state = scene.initial_state();
@@ -113,8 +120,8 @@ pub fn find(scene: &dyn Scene, spec: StaticSpec, stop: Stop<'_>) -> Equilibrium 
         Ok(tangents) => tangents,
         Err(error) => return Equilibrium::without(point, counters, StaticFailure::Solver { error: error.to_string() }),
     };
-    let mut search = Continuation::new(scene, spec, stop, (tangents, point, counters));
-    let unsupported = resultants::unsupported(scene, &search.at);
+    let mut search = Continuation::new(scene, spec, (stop, watcher), (tangents, point, counters));
+    let unsupported = resultants::unsupported(scene, &search.at, search.dofs.size);
     let failure = match unsupported {
         Some(failure) => Some(failure),
         None => load_path::follow(&mut search).err(),

@@ -6,6 +6,7 @@ use super::continuation::Continuation;
 use super::diagnosis::groups_of;
 use crate::format_number::{figures, first_few};
 use crate::mesh::components::components;
+use crate::mesh::random::pseudo_random;
 use crate::model::forces::Role;
 use crate::model::point::Point;
 use crate::scene::Scene;
@@ -47,7 +48,7 @@ pub(super) fn listed(nodes: &[u32], groups: &[String]) -> String {
     format!("{} {}{of}", if nodes.len() == 1 { "" } else { "s" }, first_few(nodes))
 }
 
-/// [-] A sum of forces below this share of their sizes is rounding.
+/// [-] A sum of loads below this share of the forces that act is rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// The part of a scene with the largest sum of forces along an axis in which nothing holds it.
@@ -60,12 +61,14 @@ pub(super) fn loose(scene: &dyn Scene, at: &Point) -> Option<Loose> {
     let edges = springs.iter().filter_map(|&edge| scene.edges().get(edge as usize).copied());
     let sides = scene.triangles().iter().flat_map(|&[a, b, c]| [[a, b], [b, c]]);
     let part = components(n, edges.chain(sides));
-    // By part and axis: the sum, the sum of sizes, and whether it is held.
+    let (mut loads, tensions) = (vec![0.0; scene.n_dof()], scene.tension_sums(at.state.as_ref()));
+    scene.load(at.state.as_ref(), &mut loads);
+    // By part and axis: the sum, the sum of sizes of what acts, and whether it is held.
     let mut sums: BTreeMap<(u32, &'static str), (f64, f64, bool)> = BTreeMap::new();
-    for (dof, (f, inverse)) in at.forces.total.iter().zip(scene.inverse_mass()).enumerate() {
+    for (dof, (f, inverse)) in loads.iter().zip(scene.inverse_mass()).enumerate() {
         let (node, axis) = scene.name_of(dof);
         let sum = sums.entry((part[node as usize], axis)).or_default();
-        *sum = (sum.0 + f, sum.1 + f.abs(), sum.2 || *inverse == 0.0);
+        *sum = (sum.0 + f, sum.1 + f.abs() + tensions[node as usize], sum.2 || *inverse == 0.0);
     }
     let moves = sums.iter().filter(|(_, (sum, sizes, held))| !held && sum.abs() > ROUNDING * sizes);
     let (&(of, axis), &(resultant, ..)) = moves.max_by(|a, b| a.1.0.abs().total_cmp(&b.1.0.abs()))?;
@@ -74,11 +77,27 @@ pub(super) fn loose(scene: &dyn Scene, at: &Point) -> Option<Loose> {
     Some(Loose { axis, whole: nodes.len() == n, groups, nodes, resultant })
 }
 
+/// [-] Share of the scene's size by which nodes are moved to see whether a force acts at rest.
+const MOVED: f64 = 0.1;
+
 /// The failure of a scene whose loads do not depend on its shape and that nothing holds against them.
-pub(super) fn unsupported(scene: &dyn Scene, at: &Point) -> Option<StaticFailure> {
-    let changes = |role, velocity: bool, follower: bool| role == Role::External && (velocity || follower);
-    let may_balance = scene.terms().iter().any(|term| changes(term.role, term.velocity_dependent, term.follower));
-    if may_balance || scene.external().is_some() {
+pub(super) fn unsupported(scene: &dyn Scene, at: &Point, size: f64) -> Option<StaticFailure> {
+    if scene.external().is_some() {
+        return None;
+    }
+    // Air at rest pushes nothing that is at rest, whatever its shape.
+    let mut moved = at.state.clone();
+    moved.x.iter_mut().enumerate().for_each(|(i, x)| *x += MOVED * size * pseudo_random(i));
+    let mut force = vec![0.0; scene.n_dof()];
+    let mut acts = |term: usize| {
+        scene.term_alone(term, moved.as_ref(), &mut force).is_none() || force.iter().any(|force| *force != 0.0)
+    };
+    let mut follows = scene
+        .terms()
+        .iter()
+        .enumerate()
+        .filter(|(_, term)| term.role == Role::External && (term.velocity_dependent || term.follower));
+    if follows.any(|(term, _)| acts(term)) {
         return None;
     }
     loose(scene, at).map(|loose| StaticFailure::NoSupport { loose })

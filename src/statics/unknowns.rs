@@ -13,6 +13,8 @@ pub(super) struct Dofs {
     pub stiffness: Vec<f64>,
     /// [m] size of the scene; 1 for one without
     pub size: f64,
+    /// whether a node, in the user's numbering, can move `[n_nodes]`
+    free: Vec<bool>,
 }
 
 impl Dofs {
@@ -21,7 +23,11 @@ impl Dofs {
         scene.mass_times(&vec![1.0; scene.n_dof()], &mut mass);
         mass.iter_mut().zip(scene.inverse_mass()).filter(|(_, inverse)| **inverse == 0.0).for_each(|(m, _)| *m = 0.0);
         let size = if scene.size() > 0.0 { scene.size() } else { 1.0 };
-        Dofs { mass, stiffness: scene.nodal_stiffness(), size }
+        let mut free = vec![false; scene.reference().len()];
+        for (dof, _) in scene.inverse_mass().iter().enumerate().filter(|(_, inverse)| **inverse > 0.0) {
+            free.get_mut(scene.name_of(dof).0 as usize).into_iter().for_each(|free| *free = true);
+        }
+        Dofs { mass, stiffness: scene.nodal_stiffness(), size, free }
     }
 
     /// [N] Rounding error of every sum of forces: positions are rounded, which springs turn into force.
@@ -29,15 +35,19 @@ impl Dofs {
         4.0 * f64::EPSILON * (self.stiffness[dof] * largest + force.abs())
     }
 
-    /// The forces left at a state.
+    /// The forces left at a state. What they are compared with has the springs in it that balance each other, whose sum
+    /// is 0.
     pub fn residual(&self, scene: &dyn Scene, at: &Point) -> Residual {
         let total = &at.forces.total;
+        let free = self.free.iter().map(|free| f64::from(u8::from(*free)));
+        let tensions = scene.tension_sums(at.state.as_ref());
+        let tensions: Vec<f64> = tensions.iter().zip(free).map(|(sum, free)| sum * free).collect();
         let largest = largest(&at.state.x);
         let floor: Vec<f64> = total.iter().enumerate().map(|(dof, f)| self.floor(dof, largest, *f)).collect();
         let size = |dof: usize| if total[dof].is_finite() { total[dof].abs() } else { f64::INFINITY };
         Residual {
             force: norm(total),
-            scale: scene.force_scale(&at.forces).max(norm(&at.forces.reactions)),
+            scale: scene.force_scale(&at.forces).max(norm(&at.forces.reactions)).max(norm(&tensions)),
             excess: excess(total, &floor),
             worst: (0..total.len()).max_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap_or(0),
         }

@@ -21,6 +21,7 @@ mod mesh;
 mod mesh_files;
 mod mesh_groups;
 mod mesh_table;
+mod modes;
 mod multirate;
 mod newton;
 mod output;

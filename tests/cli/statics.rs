@@ -243,3 +243,172 @@ fn threads_change_no_bit() {
     };
     assert!(bytes("1") == bytes("2"));
 }
+
+/// A prism of struts and strings that stress each other, held by nothing: its start is its equilibrium, and from a start
+/// beside it the search comes back to its shape.
+#[test]
+fn a_free_body_under_its_own_stress_rests() {
+    let bench = Bench::new();
+    let turn = |radius: f64, degrees: f64, z: f64| {
+        let angle = degrees.to_radians();
+        [radius * angle.cos(), radius * angle.sin(), z]
+    };
+    let nodes: Vec<[f64; 3]> = (0..6)
+        .map(
+            |i| if i < 3 { turn(0.8, 120.0 * f64::from(i), 0.0) } else { turn(0.8, 120.0 * f64::from(i) - 210.0, 1.3) },
+        )
+        .collect();
+    let (ring, struts, strings) =
+        ([[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3]], [[0, 3], [1, 4], [2, 5]], [[0, 5], [1, 3], [2, 4]]);
+    // The stress of a twist of 150 degrees: force densities 1 in the rings, sqrt(3) in the strings, -sqrt(3) in struts.
+    let distance = |[a, b]: [usize; 2]| (0..3).map(|c| (nodes[a][c] - nodes[b][c]).powi(2)).sum::<f64>().sqrt();
+    let density = 30.0;
+    let springs: Vec<[usize; 2]> = [&ring[..], &struts, &strings].concat();
+    let rules = springs.iter().enumerate().map(|(edge, &pair)| {
+        let share = if edge < 6 {
+            1.0
+        } else if edge < 9 {
+            -3.0_f64.sqrt()
+        } else {
+            3.0_f64.sqrt()
+        };
+        // k (l - l0) = q l
+        let rest = distance(pair) * (1.0 - share * density / 4000.0);
+        json!({"on": {"ids": [edge]}, "stiffness": 4000.0, "rest_length": rest})
+    });
+    let mut network = json!({
+        "mesh": {"explicit": {"nodes": nodes, "springs": springs}},
+        "mass": {"nodal": 0.7},
+        "springs": rules.collect::<Vec<Value>>()
+    });
+    let ended = rest(&bench, &case(network.clone()), &["--modes", "18"]);
+    assert_eq!(ended.code, Some(0), "{}{}", ended.stdout, ended.stderr);
+    let summary = bench.results().summary();
+    let found = &summary["equilibrium"];
+    assert!(summary["newton_iterations"].as_u64().expect("a count") <= 1, "{summary}");
+    assert!(found["residual"].as_f64().expect("a number") < 1e-11, "{found}");
+    assert!(found["residual_scale"].as_f64().expect("a number") > 100.0, "{found}");
+    let frequencies = bench.results().table("modes.csv").column("frequency");
+    assert!(frequencies.len() == 18 && frequencies[..6].iter().all(|f| *f == 0.0), "{frequencies:?}");
+    assert!(frequencies[6] > 0.1, "{frequencies:?}");
+    network["initial"] =
+        json!({"displacement": [[0.02, 0, 0], [0, 0.01, 0], [0, 0, 0.01], [0, 0, 0], [0, 0, 0], [0, 0, 0]]});
+    let ended = rest(&bench, &case(network), &["--force"]);
+    assert_eq!(ended.code, Some(0), "{}{}", ended.stdout, ended.stderr);
+    let lengths = bench.results().frames();
+    let moved = lengths[0].1.floats("displacement");
+    let at = |node: usize, c: usize| nodes[node][c] + moved[3 * node + c];
+    for &[a, b] in &springs {
+        let length = (0..3).map(|c| (at(a, c) - at(b, c)).powi(2)).sum::<f64>().sqrt();
+        assert!((length / distance([a, b]) - 1.0).abs() < 1e-6, "{a}-{b}: {length}");
+    }
+}
+
+/// A line that is much longer than the place it is packed in hangs where its rest lengths let it: nothing diverges.
+#[test]
+fn a_packed_line_hangs_at_its_length() {
+    let bench = Bench::new();
+    let mut network = json!({
+        "mesh": {"chain": {"from": [0, 0, 0], "to": [0, 0, -0.02], "segments": 10}},
+        "mass": {"nodal": 0.1, "points": [{"on": {"ids": [10]}, "mass": 5.0}]},
+        "springs": [{"on": "all", "stiffness": 20000.0, "slack": "tension-only", "rest_length": 6.0}],
+        "gravity": [0, 0, -G],
+        "supports": [{"on": {"ids": [0]}, "fix": "xyz"}]
+    });
+    let depth = |network: &Value, arguments: &[&str]| {
+        let mut case = case(network.clone());
+        case["output"] = json!({"probes": [{"name": "end", "on": {"ids": [10]}}]});
+        let ended = rest(&bench, &case, &[&["--force"], arguments].concat());
+        assert_eq!(ended.code, Some(0), "{}{}", ended.stdout, ended.stderr);
+        -bench.results().table("probes.csv").column("z")[0]
+    };
+    // Every segment carries 5 kg and the nodes below it.
+    let stretched = (1..=10).map(|segment| G * (5.0 + 0.1 * f64::from(11 - segment)) / 20000.0).sum::<f64>();
+    let found = depth(&network, &[]);
+    assert!((found - 60.0 - stretched).abs() < 1e-6, "{found} for {}", 60.0 + stretched);
+    // The same by a reel that lets the line out.
+    network["springs"][0]["rest_length"] = json!(0.002);
+    network["springs"][0]["rest_scale"] = json!({"table": [[0, 1], [1, 3000]]});
+    let found = depth(&network, &["--at", "1"]);
+    assert!((found - 60.0 - stretched).abs() < 1e-6, "{found} for {}", 60.0 + stretched);
+}
+
+/// Air at rest carries nothing: that a free parachute has no equilibrium is said before anything is computed. In a wind
+/// that may carry it the search is made.
+#[test]
+fn a_free_body_in_still_air_is_told_at_once() {
+    let bench = Bench::new();
+    let network = json!({
+        "mesh": {"rectangle": {"width": 1, "height": 1, "columns": 4, "rows": 4}},
+        "mass": {"areal_density": 0.2},
+        "springs": [{"on": "all", "stiffness": 1000.0, "slack": "tension-only"}],
+        "gravity": [0, 0, -G],
+        "initial": {"velocity": [0, 0, -5]},
+        "aero": {"wind": [0, 0, 0], "law": {"pressure_coefficient": {"cp": 1.2, "air_density": 1.225}}}
+    });
+    let ended = rest(&bench, &case(network), &[]);
+    assert_eq!(ended.code, Some(3), "{}", ended.stderr);
+    for words in ["no support holds the scene in z", "-1.962 N"] {
+        assert!(ended.stderr.contains(words), "no \"{words}\" in\n{}", ended.stderr);
+    }
+    assert_eq!(bench.results().summary()["newton_iterations"], json!(0));
+}
+
+/// A cloth that hangs on one corner swings about it and is slack in part; it has all the modes that are asked for.
+#[test]
+fn a_cloth_on_one_corner_has_modes() {
+    let bench = Bench::new();
+    let cloth = case(json!({
+        "mesh": {"rectangle": {"width": 1, "height": 1, "columns": 6, "rows": 6}},
+        "mass": {"areal_density": 0.2},
+        "springs": [{"on": "all", "stiffness": 1000.0}],
+        "gravity": [0, 0, -G],
+        "supports": [{"on": {"ids": [0]}, "fix": "xyz"}]
+    }));
+    for count in ["5", "40"] {
+        let ended = rest(&bench, &cloth, &["--modes", count, "--force"]);
+        assert_eq!(ended.code, Some(0), "{}{}", ended.stdout, ended.stderr);
+        let modes = bench.results().table("modes.csv");
+        let (squares, errors) = (modes.column("omega_squared"), modes.column("error"));
+        assert_eq!(squares.len().to_string(), count);
+        assert!(squares.windows(2).all(|pair| pair[0] <= pair[1]), "{squares:?}");
+        assert!(errors.iter().all(|error| *error < 1e-4), "{errors:?}");
+    }
+}
+
+/// The modes of a closed surface under pressure have its pressure in them; that the stiffness of an open one is not
+/// symmetric is said.
+#[test]
+fn pressure_is_part_of_the_modes() {
+    let bench = Bench::new();
+    let r = 0.7;
+    let mut network = json!({
+        "mesh": {"explicit": {
+            "nodes": [[r, 0, 0], [-r, 0, 0], [0, r, 0], [0, -r, 0], [0, 0, r], [0, 0, -r]],
+            "triangles": [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
+        }},
+        "mass": {"nodal": 0.4},
+        "springs": [{"on": "all", "stiffness": 800.0}],
+        "loads": [{"on": "all", "pressure": 300.0}]
+    });
+    let ended = rest(&bench, &case(network.clone()), &["--modes", "18"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(!ended.stdout.contains("not symmetric"), "{}", ended.stdout);
+    // By an eigenvalue solver for dense matrices.
+    let expected = [(0.0, 6), (7.89146, 3), (8.18052, 2), (10.73586, 3), (12.60756, 3), (13.56684, 1)];
+    let expected = expected.iter().flat_map(|&(frequency, times)| std::iter::repeat_n(frequency, times));
+    let found = bench.results().table("modes.csv").column("frequency");
+    assert_eq!(found.len(), 18);
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found - expected).abs() < 5e-6, "{found} for {expected}");
+    }
+    let summary = bench.results().summary();
+    assert_eq!(summary["equilibrium"]["modes_symmetric"], json!(true));
+    assert_eq!(summary["equilibrium"]["growing"], json!([]));
+    network["loads"] = json!([{"on": {"ids": [0]}, "pressure": 30.0}]);
+    network["supports"] = json!([{"on": {"ids": [1, 3, 5]}, "fix": "xyz"}]);
+    let ended = rest(&bench, &case(network), &["--modes", "4", "--force"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(ended.stdout.contains("of the symmetric part of the tangent"), "{}", ended.stdout);
+    assert_eq!(bench.results().summary()["equilibrium"]["modes_symmetric"], json!(false));
+}

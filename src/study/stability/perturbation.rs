@@ -19,6 +19,7 @@ use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::mesh::random::pseudo_random;
+use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
 use crate::model::system::Weights;
@@ -74,11 +75,16 @@ pub(super) fn seeded(scene: &dyn Scene, mut state: State) -> State {
     state
 }
 
+/// [N] The size of the forces that act, those that balance each other too.
+fn acting(scene: &dyn Scene, state: &State, forces: &Forces) -> f64 {
+    scene.tension_sums(state.as_ref()).into_iter().fold(scene.force_scale(forces), f64::max)
+}
+
 /// Whether nothing moves a scene from its own start.
 pub(super) fn at_rest(scene: &dyn Scene, state: &State) -> bool {
     let mut forces = scene.new_forces();
     scene.evaluate(state.as_ref(), &mut forces);
-    let allowed = ROUNDING * scene.force_scale(&forces);
+    let allowed = ROUNDING * acting(scene, state, &forces);
     state.v.iter().all(|v| *v == 0.0) && forces.total.iter().all(|f| f.abs() <= allowed) && scene.corners().is_empty()
 }
 
@@ -157,7 +163,7 @@ fn equilibrium(spec: &StabilitySpec<'_>) -> Option<State> {
     let largest = |f: &[f64]| f.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
     from.state.v.fill(0.0);
     scene.evaluate(from.state.as_ref(), &mut from.forces);
-    let allowed = (BALANCED * largest(&from.forces.total)).max(ROUNDING * scene.force_scale(&from.forces));
+    let allowed = (BALANCED * largest(&from.forces.total)).max(ROUNDING * acting(scene, &from.state, &from.forces));
     let mut to = from.clone();
     for _ in 0..SETTLING {
         if largest(&from.forces.total) <= allowed {

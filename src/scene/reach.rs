@@ -1,0 +1,72 @@
+//! How far a scene may reach: along paths of its springs and sheets at their rest lengths, however it is packed.
+
+use super::network::SpringBatch;
+use crate::mesh::Mesh;
+use crate::mesh::adjacency::Adjacency;
+
+/// [-] Share of its longest path that a scene may be wide at least: paths along a square net are twice as long as the
+/// distance of their ends.
+const STRAIGHT: f64 = 0.5;
+
+/// [m] Half the extent that the longest path allows. A part is searched from the node of it that is farthest from
+/// another, as two searches find the longest path of a line or a tree.
+pub(super) fn reach(mesh: &Mesh, springs: &[SpringBatch]) -> f64 {
+    let sides = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let edges: Vec<[u32; 2]> = mesh.edges.iter().copied().chain(sides).collect();
+    let length = |[a, b]: [u32; 2]| {
+        let [a, b] = [a, b].map(|node| mesh.nodes[node as usize]);
+        (0..3).map(|c| (b[c] - a[c]).powi(2)).sum::<f64>().sqrt()
+    };
+    let mut lengths: Vec<f64> = edges.iter().map(|&edge| length(edge)).collect();
+    for batch in springs {
+        let most = batch.data.rest_scale.as_ref().map_or(1.0, |table| table.largest());
+        for (rest, &edge) in batch.given.iter().zip(&batch.edges) {
+            lengths.get_mut(edge as usize).into_iter().for_each(|length| *length = most * rest);
+        }
+    }
+    let n = mesh.nodes.len();
+    let ends = (0..).zip(&edges).flat_map(|(edge, &[a, b])| [(a, edge), (b, edge)]);
+    let graph = Graph { at: Adjacency::new(n, ends), edges, lengths };
+    let (mut seen, mut queue) = (vec![0; n], Vec::with_capacity(n));
+    let mut longest: f64 = 0.0;
+    for node in 0..n as u32 {
+        if seen[node as usize] == 0 {
+            let (far, _) = graph.farthest(node, (&mut seen, 1), &mut queue);
+            longest = longest.max(graph.farthest(far, (&mut seen, 2), &mut queue).1);
+        }
+    }
+    0.5 * STRAIGHT * longest
+}
+
+struct Graph {
+    /// edges at every node
+    at: Adjacency,
+    edges: Vec<[u32; 2]>,
+    /// [m] of every edge
+    lengths: Vec<f64>,
+}
+
+impl Graph {
+    /// The node at the end of the longest path with the fewest edges from a node, and the length of that path [m].
+    fn farthest(&self, from: u32, (seen, mark): (&mut [u8], u8), queue: &mut Vec<(u32, f64)>) -> (u32, f64) {
+        queue.clear();
+        queue.push((from, 0.0));
+        seen[from as usize] = mark;
+        let (mut farthest, mut next) = ((from, 0.0), 0);
+        while let Some(&(node, way)) = queue.get(next) {
+            next += 1;
+            if way > farthest.1 {
+                farthest = (node, way);
+            }
+            for &edge in self.at.row(node) {
+                let [a, b] = self.edges[edge as usize];
+                let other = if a == node { b } else { a };
+                if seen[other as usize] < mark {
+                    seen[other as usize] = mark;
+                    queue.push((other, way + self.lengths[edge as usize]));
+                }
+            }
+        }
+        farthest
+    }
+}
