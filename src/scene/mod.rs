@@ -155,6 +155,12 @@ pub trait Scene: TangentSystem + Observables {
         None
     }
 
+    /// [m/s] Winds at time `t` [s], between which that at any height is; none without air.
+    fn winds(&self, t: f64) -> Vec<[f64; 3]> {
+        let _ = t;
+        Vec::new()
+    }
+
     /// [m] the scene's size: half the largest extent of its nodes at t = 0, or what its rest lengths allow if it is
     /// packed in less: a quarter of the longest path along springs and sheets. 0 for a single node.
     fn size(&self) -> f64;

@@ -97,6 +97,10 @@ impl Scene for Network {
         self.branch_changes_of(step, impulse)
     }
 
+    fn winds(&self, t: f64) -> Vec<[f64; 3]> {
+        self.stream.iter().flat_map(|stream| stream.winds(t)).map(Into::into).collect()
+    }
+
     fn size(&self) -> f64 {
         extent(bytemuck::cast_slice(&self.start), self.threads.workers()).max(self.reach)
     }

@@ -51,56 +51,128 @@ pub(super) fn listed(nodes: &[u32], groups: &[String]) -> String {
 /// [-] A sum of loads below this share of the forces that act is rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// The part of a scene with the largest sum of forces along an axis in which nothing holds it.
+/// The part of a scene with the largest sum of loads along an axis in which nothing holds it.
 pub(super) fn loose(scene: &dyn Scene, at: &Point) -> Option<Loose> {
-    let n = scene.reference().len();
-    if scene.n_dof() != 3 * n {
-        return None;
-    }
-    let springs = scene.spring_edges();
-    let edges = springs.iter().filter_map(|&edge| scene.edges().get(edge as usize).copied());
-    let sides = scene.triangles().iter().flat_map(|&[a, b, c]| [[a, b], [b, c]]);
-    let part = components(n, edges.chain(sides));
-    let (mut loads, tensions) = (vec![0.0; scene.n_dof()], scene.tension_sums(at.state.as_ref()));
+    let mut loads = vec![0.0; scene.n_dof()];
     scene.load(at.state.as_ref(), &mut loads);
-    // By part and axis: the sum, the sum of sizes of what acts, and whether it is held.
-    let mut sums: BTreeMap<(u32, &'static str), (f64, f64, bool)> = BTreeMap::new();
-    for (dof, (f, inverse)) in loads.iter().zip(scene.inverse_mass()).enumerate() {
-        let (node, axis) = scene.name_of(dof);
-        let sum = sums.entry((part[node as usize], axis)).or_default();
-        *sum = (sum.0 + f, sum.1 + f.abs() + tensions[node as usize], sum.2 || *inverse == 0.0);
+    let parts = Parts::of(scene, at, &loads)?;
+    let found = parts.moves().max_by(|a, b| a.1.load.abs().total_cmp(&b.1.load.abs()))?;
+    Some(parts.loose(scene, found))
+}
+
+/// Sums of loads by part of a scene and axis.
+struct Parts {
+    /// part of every node
+    part: Vec<u32>,
+    sums: BTreeMap<(u32, &'static str), Sum>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    /// [N]
+    load: f64,
+    /// [N] sum of the sizes of what acts
+    size: f64,
+    /// whether a node is held
+    held: bool,
+}
+
+impl Parts {
+    fn of(scene: &dyn Scene, at: &Point, loads: &[f64]) -> Option<Self> {
+        let n = scene.reference().len();
+        if scene.n_dof() != 3 * n {
+            return None;
+        }
+        let springs = scene.spring_edges();
+        let edges = springs.iter().filter_map(|&edge| scene.edges().get(edge as usize).copied());
+        let sides = scene.triangles().iter().flat_map(|&[a, b, c]| [[a, b], [b, c]]);
+        let part = components(n, edges.chain(sides));
+        let tensions = scene.tension_sums(at.state.as_ref());
+        let mut sums: BTreeMap<(u32, &'static str), Sum> = BTreeMap::new();
+        for (dof, (load, inverse)) in loads.iter().zip(scene.inverse_mass()).enumerate() {
+            let (node, axis) = scene.name_of(dof);
+            let sum = sums.entry((part[node as usize], axis)).or_default();
+            sum.load += load;
+            sum.size += load.abs() + tensions[node as usize];
+            sum.held |= *inverse == 0.0;
+        }
+        Some(Parts { part, sums })
     }
-    let moves = sums.iter().filter(|(_, (sum, sizes, held))| !held && sum.abs() > ROUNDING * sizes);
-    let (&(of, axis), &(resultant, ..)) = moves.max_by(|a, b| a.1.0.abs().total_cmp(&b.1.0.abs()))?;
-    let nodes: Vec<u32> = (0..n as u32).filter(|&node| part[node as usize] == of).collect();
-    let groups = groups_of(scene, &nodes);
-    Some(Loose { axis, whole: nodes.len() == n, groups, nodes, resultant })
+
+    /// Those that nothing holds.
+    fn moves(&self) -> impl Iterator<Item = (&(u32, &'static str), &Sum)> {
+        self.sums.iter().filter(|(_, sum)| !sum.held && sum.load.abs() > ROUNDING * sum.size)
+    }
+
+    /// Those that nothing holds along any axis, nor a wind. Air pushes what is at rest with the wind or not at all, so
+    /// it balances only loads that act against the wind.
+    fn falls(&self, winds: &[[f64; 3]]) -> impl Iterator<Item = (&(u32, &'static str), &Sum)> {
+        let of = |part: u32| ["x", "y", "z"].map(|axis| self.sums.get(&(part, axis)).copied().unwrap_or_default());
+        self.moves().filter(move |((part, _), _)| {
+            let sums = of(*part);
+            let against = |wind: &[f64; 3]| (0..3).map(|c| wind[c] * sums[c].load).sum::<f64>() < 0.0;
+            sums.iter().all(|sum| !sum.held) && !winds.iter().any(against)
+        })
+    }
+
+    fn loose(&self, scene: &dyn Scene, (&(of, axis), sum): (&(u32, &'static str), &Sum)) -> Loose {
+        let nodes: Vec<u32> = (0..).zip(&self.part).filter(|(_, part)| **part == of).map(|(node, _)| node).collect();
+        let groups = groups_of(scene, &nodes);
+        Loose { axis, whole: nodes.len() == self.part.len(), groups, nodes, resultant: sum.load }
+    }
 }
 
 /// [-] Share of the scene's size by which nodes are moved to see whether a force acts at rest.
 const MOVED: f64 = 0.1;
 
-/// The failure of a scene whose loads do not depend on its shape and that nothing holds against them.
+/// The failure of a scene with loads that nothing holds: no support, no pressure, no wind.
 pub(super) fn unsupported(scene: &dyn Scene, at: &Point, size: f64) -> Option<StaticFailure> {
-    if scene.external().is_some() {
+    if scene.external().is_some() || scene.n_dof() != 3 * scene.reference().len() {
         return None;
     }
-    // Air at rest pushes nothing that is at rest, whatever its shape.
     let mut moved = at.state.clone();
     moved.x.iter_mut().enumerate().for_each(|(i, x)| *x += MOVED * size * pseudo_random(i));
-    let mut force = vec![0.0; scene.n_dof()];
-    let mut acts = |term: usize| {
-        scene.term_alone(term, moved.as_ref(), &mut force).is_none() || force.iter().any(|force| *force != 0.0)
-    };
-    let mut follows = scene
-        .terms()
-        .iter()
-        .enumerate()
-        .filter(|(_, term)| term.role == Role::External && (term.velocity_dependent || term.follower));
-    if follows.any(|(term, _)| acts(term)) {
+    let (mut loads, mut force) = (vec![0.0; scene.n_dof()], vec![0.0; scene.n_dof()]);
+    scene.load(at.state.as_ref(), &mut loads);
+    let mut blows = false;
+    for (term, info) in scene.terms().iter().enumerate().filter(|(_, info)| info.role == Role::External) {
+        if !info.velocity_dependent && !info.follower {
+            continue;
+        }
+        scene.term_alone(term, moved.as_ref(), &mut force)?;
+        // Air that does not move pushes nothing that is at rest, whatever its shape.
+        if force.iter().all(|force| *force == 0.0) {
+            continue;
+        }
+        if !info.velocity_dependent {
+            return None;
+        }
+        blows = true;
+        scene.term_alone(term, at.state.as_ref(), &mut force)?;
+        let free = scene.inverse_mass().iter().map(|inverse| *inverse > 0.0);
+        loads.iter_mut().zip(&force).zip(free).filter(|(_, free)| *free).for_each(|((load, f), _)| *load -= f);
+    }
+    let winds = if blows { scene.winds(at.state.t) } else { Vec::new() };
+    if blows && !along_one_line(&winds) {
         return None;
     }
-    loose(scene, at).map(|loose| StaticFailure::NoSupport { loose })
+    let parts = Parts::of(scene, at, &loads)?;
+    let largest = |a: &(_, &Sum), b: &(_, &Sum)| a.1.load.abs().total_cmp(&b.1.load.abs());
+    let found = if blows { parts.falls(&winds).max_by(largest) } else { parts.moves().max_by(largest) }?;
+    Some(StaticFailure::NoSupport { loose: parts.loose(scene, found) })
+}
+
+/// Whether there are winds, all of one direction. Where they differ, a body could lean on one against another.
+fn along_one_line(winds: &[[f64; 3]]) -> bool {
+    let dot = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|c| a[c] * b[c]).sum::<f64>();
+    let Some(strongest) = winds.iter().max_by(|a, b| dot(a, a).total_cmp(&dot(b, b))) else { return false };
+    if dot(strongest, strongest) == 0.0 {
+        return false;
+    }
+    winds.iter().all(|wind| {
+        let along = dot(wind, strongest);
+        along >= 0.0 && along * along >= (1.0 - ROUNDING) * dot(wind, wind) * dot(strongest, strongest)
+    })
 }
 
 impl Continuation<'_> {

@@ -338,7 +338,7 @@ fn a_packed_line_hangs_at_its_length() {
 #[test]
 fn a_free_body_in_still_air_is_told_at_once() {
     let bench = Bench::new();
-    let network = json!({
+    let mut network = json!({
         "mesh": {"rectangle": {"width": 1, "height": 1, "columns": 4, "rows": 4}},
         "mass": {"areal_density": 0.2},
         "springs": [{"on": "all", "stiffness": 1000.0, "slack": "tension-only"}],
@@ -346,12 +346,21 @@ fn a_free_body_in_still_air_is_told_at_once() {
         "initial": {"velocity": [0, 0, -5]},
         "aero": {"wind": [0, 0, 0], "law": {"pressure_coefficient": {"cp": 1.2, "air_density": 1.225}}}
     });
-    let ended = rest(&bench, &case(network), &[]);
+    let ended = rest(&bench, &case(network.clone()), &[]);
     assert_eq!(ended.code, Some(3), "{}", ended.stderr);
     for words in ["no support holds the scene in z", "-1.962 N"] {
         assert!(ended.stderr.contains(words), "no \"{words}\" in\n{}", ended.stderr);
     }
     assert_eq!(bench.results().summary()["newton_iterations"], json!(0));
+    // A wind across the weight cannot carry it either; one from below may.
+    let mut across = network.clone();
+    across["aero"]["wind"] = json!([6, 2, 0]);
+    let ended = rest(&bench, &case(across), &["--force"]);
+    assert!(ended.code == Some(3) && ended.stderr.contains("add up to -1.962 N"), "{}", ended.stderr);
+    assert_eq!(bench.results().summary()["newton_iterations"], json!(0));
+    network["aero"]["wind"] = json!([0, 0, 1.6336]);
+    rest(&bench, &case(network), &["--force"]);
+    assert!(bench.results().summary()["newton_iterations"].as_u64().expect("a count") > 0);
 }
 
 /// A cloth that hangs on one corner swings about it and is slack in part; it has all the modes that are asked for.

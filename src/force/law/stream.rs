@@ -65,6 +65,15 @@ impl Stream {
         gusts.iter().map(|gust| Vector3::from(gust.at(t))).fold(Vector3::from(self.table.at(t)), |sum, one| sum + one)
     }
 
+    /// [m/s] The winds at time `t` [s] at the rows of the profile; between two rows the wind is between theirs.
+    pub fn winds(&self, t: f64) -> Vec<Vector3<f64>> {
+        let everywhere = self.uniform_wind(t);
+        match self.profile.as_ref().filter(|_| !self.is_held()) {
+            Some(profile) => profile.value.iter().map(|wind| everywhere + Vector3::from(*wind)).collect(),
+            None => vec![everywhere],
+        }
+    }
+
     /// The air at time `t` [s] and the height `z` [m] of the scene.
     pub fn at(&self, t: f64, z: f64) -> AirState {
         let height = self.altitude + z;
