@@ -33,3 +33,4 @@ mod strategy;
 mod study_report;
 mod tangent;
 mod threads;
+mod values;
