@@ -48,9 +48,10 @@
 //! | watch every step | [`Observer`], [`Simulation::run_until_with`]: `examples/own_observer.rs` |
 //! | save and restore | [`Simulation::snapshot`], [`Simulation::restore`] |
 //!
-//! What is set acts from the present state on, until it is set again. There the scheme and adaptive steps begin anew,
-//! as at the corner of a load table. Where a change gives or takes energy at once, as other rest lengths do, the
-//! account has it as external work, so `numerical` remains what the scheme itself makes.
+//! What is set acts from the present state on, until it is set again. The forces jump there, and the accelerations that
+//! schemes and adaptive steps carry jump with them, so a force may be set before every step without a loss of
+//! dissipation or order. A value that is set to what it is costs nothing. Where a change gives or takes energy at once,
+//! as other rest lengths do, the account has it as external work, so `numerical` remains what the scheme itself makes.
 //! By `numerical` a run is judged: the other energies add up by its definition, and with smaller steps h it falls as h
 //! to the order of the method.
 
@@ -85,8 +86,8 @@ use crate::model::spec::NetworkSpec;
 use crate::model::stop::Stop;
 use crate::scene::{Pendulum, Scene, build_network, build_network_with};
 use attempt::Pending;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, OnceLock};
 
 /// Builds the scene of a case for `threads` threads, the calling one among them ([`Threads::with_caller`]).
 ///
@@ -137,6 +138,8 @@ pub struct Simulation {
     wind: Option<[f64; 3]>,
     /// [-] factors of rest lengths that were set, `[n_edges]`; empty if none was
     rest_length_factors: Vec<f64>,
+    /// the edges that have a spring, once they were asked for
+    spring_edges: OnceLock<Vec<u32>>,
     /// what was changed since the last step
     changed: Changed,
     /// whether it goes on from a snapshot
@@ -211,8 +214,21 @@ impl Simulation {
 
     fn at(scene: Arc<dyn Scene>, settings: RunSettings, scheme: Scheme, state: RunState) -> Self {
         let (scheme, pending, wind, resumed) = (Some(scheme), None, None, false);
-        let (rest_length_factors, changed, stop) = (Vec::new(), Changed::Nothing, None);
-        Simulation { scene, scheme, settings, state, pending, wind, rest_length_factors, changed, resumed, stop }
+        let (rest_length_factors, spring_edges) = (Vec::new(), OnceLock::new());
+        let (changed, stop) = (Changed::Nothing, None);
+        Simulation {
+            scene,
+            scheme,
+            settings,
+            state,
+            pending,
+            wind,
+            rest_length_factors,
+            spring_edges,
+            changed,
+            resumed,
+            stop,
+        }
     }
 
     /// Makes one step: of the fixed size, or of the size that the tolerance allows. An adaptive step whose error was
@@ -339,10 +355,7 @@ impl Simulation {
         stop: Stop<'_>,
         act: impl FnOnce(&mut Run<'_>, &mut Stepper<'_>) -> R,
     ) -> Result<R, SimulationError> {
-        let mut scheme = self.scheme.take().ok_or(SimulationError::Broken)?;
-        if self.changed == Changed::Pattern {
-            scheme = self.settings.scheme();
-        }
+        let scheme = self.scheme.take().ok_or(SimulationError::Broken)?;
         let scene = &*self.scene;
         let mut stepper = self.settings.bind(scheme, scene)?;
         let interrupt = self.stop.as_deref().map_or(Stop::NEVER, Stop::on);

@@ -16,9 +16,9 @@ use super::snapshot::Snapshot;
 use super::step_policy::StepPolicy;
 use super::watch::Watch;
 use crate::integrate::stepper::Stepper;
-use crate::integrate::{Counters, StepError};
+use crate::integrate::{Counters, LawChange, StepError};
 use crate::model::point::Point;
-use crate::model::state::State;
+use crate::model::state::{State, StateRef};
 use crate::model::stop::Stop;
 use crate::scene::Scene;
 use crate::startup::{Phase, timed};
@@ -156,7 +156,10 @@ impl Run<'_> {
         state.passed = passed;
         let changed = if scene.pass_events(passed) { Changed::Phase } else { Changed::Motion };
         scene.put_supports(&mut state.from.state);
-        Ok(state.refresh(scene, stepper, changed)?)
+        state.refresh(scene, stepper, changed)?;
+        // What a program changes next is no part of the event.
+        state.before_change = None;
+        Ok(())
     }
 
     /// Whether a scene of this extent [m] counts as diverged.
@@ -184,8 +187,10 @@ pub(crate) enum Changed {
     Motion,
     /// forces that do not depend on the state: tangents stay the same
     Values,
-    /// how forces depend on the state
-    Laws,
+    /// factors of loads or the wind: how forces depend on the state
+    Loads,
+    /// rest lengths of springs, and perhaps loads
+    RestLengths,
     /// also the nodes that forces depend on: the matrix has another pattern
     Pattern,
     /// what is held, or which springs carry force: an event of the scene
@@ -203,6 +208,8 @@ pub(crate) struct RunState {
     pub ledger: Ledger,
     watch: Watch,
     pub row: LedgerRow,
+    /// the account before a program changed values at this state
+    before_change: Option<(Ledger, LedgerRow)>,
     pub steps: u64,
     /// events of the scene that are passed
     passed: usize,
@@ -258,24 +265,35 @@ impl RunState {
         spec.check()?;
         spec.passes(scene, &snapshot)?;
         scene.sample_tables(spec.steps_of_one_size());
-        let Snapshot { step: steps, t, x, v, forces, carried, counters, ledger, row, watch, failure, doubt, adaptive } =
-            snapshot;
+        let Snapshot { step: steps, t, x, v, forces, carried, counters, ledger, row, .. } = snapshot;
+        let Snapshot { before_change, watch, failure, doubt, adaptive, .. } = snapshot;
         let (policy, passed) = StepPolicy::at(scene, stepper, spec, (adaptive, t));
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
         // Already counted in the step that led to this state.
         timed(Phase::Forces, || scene.evaluate(from.state.as_ref(), &mut from.forces));
-        if let Some(forces) = forces.filter(|_| stepper.lags()) {
-            if !forces.fits(&from.forces) {
-                return Err(RunError::OtherForces);
-            }
-            from.forces = forces;
-        }
         stepper.start(&from)?;
         stepper.restore(&carried)?;
+        let lagging = forces.filter(|_| stepper.lags());
+        match lagging {
+            Some(forces) if forces.fits(&from.forces) => from.forces = forces,
+            Some(forces) if forces.total.len() != from.forces.total.len() => return Err(RunError::OtherForces),
+            lagging => {
+                // A place for forces from outside has come, or gone: found again at their velocities.
+                if let Some(forces) = &lagging {
+                    from.forces.total.copy_from_slice(&forces.total);
+                    stepper.keep_over_change(&from);
+                }
+                if let Some(v) = stepper.force_velocities() {
+                    scene.evaluate(StateRef { v, ..from.state.as_ref() }, &mut from.forces);
+                }
+                lagging.iter().for_each(|forces| from.forces.take_sums(forces));
+            }
+        }
         let watch = Watch::restore(scene, spec.method.info, watch);
         Ok(RunState {
             counters,
             steps,
+            before_change,
             passed,
             failure,
             doubt,
@@ -295,6 +313,7 @@ impl RunState {
             ledger,
             watch,
             row,
+            before_change: None,
             steps: 0,
             passed: 0,
             limit: if size > 0.0 { BLOW_UP * size } else { f64::INFINITY },
@@ -316,8 +335,8 @@ impl RunState {
         let RunState { from: at, row, counters, ledger, failure, doubt, steps, .. } = self;
         let (row, counters, failure, doubt) = (*row, *counters, failure.as_ref(), doubt.as_ref());
         let watch = self.watch.account();
-        let adaptive = self.policy.state();
-        Resumable { occasion, step: *steps, at, row, counters, ledger, watch, failure, doubt, stepper, adaptive }
+        let (adaptive, before_change, step) = (self.policy.state(), self.before_change, *steps);
+        Resumable { occasion, step, at, row, counters, ledger, before_change, watch, failure, doubt, stepper, adaptive }
     }
 
     /// A copy of all that a run needs to continue from here.
@@ -325,34 +344,63 @@ impl RunState {
         self.resumable(Occasion::Step, stepper).snapshot()
     }
 
-    /// Evaluates the forces at the present state again, after a program or an event has changed some, corrects the
-    /// ledger, and restarts the scheme and adaptive steps there.
+    /// Takes up what a program or an event has changed since the last step: finds the forces at the present state
+    /// again, and corrects the ledger.
+    ///
+    /// Where only values change, of forces, wind, loads, rest lengths or a support's velocity, the scheme and adaptive
+    /// steps go on: forces jump, but position and velocity do not. What they carry jumps with the forces
+    /// ([`Integrator::keep_over_change`](crate::integrate::Integrator::keep_over_change)). All of it is kept relative
+    /// to the last accepted step, so values may be set again and again there, and only the last ones count. Where
+    /// constraints or masses jump, which only events do, the scheme and adaptive steps start again.
     pub fn refresh(&mut self, scene: &dyn Scene, stepper: &mut Stepper<'_>, changed: Changed) -> Result<(), StepError> {
-        self.counters.evaluate(scene, self.from.state.as_ref(), &mut self.from.forces);
+        let kept = changed != Changed::Phase && self.keep_over_change(scene, stepper);
+        let at = stepper.force_velocities().filter(|_| kept);
+        let at = StateRef { v: at.unwrap_or(&self.from.state.v), ..self.from.state.as_ref() };
+        self.counters.evaluate(scene, at, &mut self.from.forces);
         let fate = if changed == Changed::Phase { Elastic::Dissipated } else { Elastic::FromOutside };
-        self.row = self.ledger.changed(scene, &self.from, &self.row, fate);
-        if let StepPolicy::Adaptive(policy) = &mut self.policy {
-            policy.forget_history();
-            if changed == Changed::Phase {
-                policy.recount(scene);
-            }
-        }
-        match changed {
-            Changed::Nothing => {}
-            Changed::Motion | Changed::Values => stepper.restart(&self.from),
-            Changed::Laws => {
-                self.watch.loads_changed(scene);
-                stepper.forces_changed(&self.from)?;
-            }
-            Changed::Pattern => stepper.start(&self.from)?,
-            Changed::Phase => {
+        (self.ledger, self.row) = self.changed_account(scene, &self.from, fate);
+        let law = match changed {
+            Changed::Loads => Some(LawChange::Loads),
+            Changed::RestLengths => Some(LawChange::RestLengths),
+            Changed::Pattern => Some(LawChange::Pattern),
+            Changed::Nothing | Changed::Motion | Changed::Values | Changed::Phase => None,
+        };
+        match (changed, law) {
+            (Changed::Phase, _) => {
+                if let StepPolicy::Adaptive(policy) = &mut self.policy {
+                    policy.forget_history();
+                    policy.recount(scene);
+                }
                 self.watch.scene_changed(scene);
                 self.scene_limits = SceneLimits::of(scene);
                 stepper.start(&self.from)?;
                 stepper.restart(&self.from);
             }
+            (_, Some(change)) => {
+                self.watch.loads_changed(scene);
+                if kept { stepper.laws_changed(&self.from, change)? } else { stepper.start(&self.from)? }
+            }
+            (_, None) if !kept => stepper.restart(&self.from),
+            (_, None) => {}
         }
         Ok(())
+    }
+
+    /// Before forces of changed values are found: what the scheme and adaptive steps carry, and the account, are kept
+    /// as they are with those of before. Returns whether the scheme can do that.
+    pub fn keep_over_change(&mut self, scene: &dyn Scene, stepper: &mut Stepper<'_>) -> bool {
+        if let StepPolicy::Adaptive(policy) = &mut self.policy {
+            policy.keep_over_change(&self.from, scene.inverse_mass());
+        }
+        self.before_change.get_or_insert((self.ledger, self.row));
+        stepper.keep_over_change(&self.from)
+    }
+
+    /// The account with the forces of `at`, the present state, after a change since the last step.
+    pub fn changed_account(&self, scene: &dyn Scene, at: &Point, elastic: Elastic) -> (Ledger, LedgerRow) {
+        let (mut ledger, row) = self.before_change.unwrap_or((self.ledger, self.row));
+        let row = ledger.changed(scene, at, &row, elastic);
+        (ledger, row)
     }
 
     /// The outcome of a run that ends here.

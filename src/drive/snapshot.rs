@@ -40,6 +40,8 @@ pub struct Snapshot {
     pub ledger: Ledger,
     /// the account at this state
     pub row: LedgerRow,
+    /// both before a program changed values at this state
+    pub before_change: Option<(Ledger, LedgerRow)>,
     /// the energy account of the watch
     pub watch: EnergyAccount,
     /// first divergence of a run that continued after it
@@ -104,6 +106,7 @@ pub struct Resumable<'a> {
     /// work done so far
     pub counters: Counters,
     pub(super) ledger: &'a Ledger,
+    pub(super) before_change: Option<(Ledger, LedgerRow)>,
     pub(super) watch: &'a EnergyAccount,
     pub(super) failure: Option<&'a Failure>,
     pub(super) doubt: Option<&'a String>,
@@ -126,6 +129,7 @@ impl Resumable<'_> {
             counters: self.counters,
             ledger: *self.ledger,
             row: self.row,
+            before_change: self.before_change,
             watch: *self.watch,
             failure: self.failure.cloned(),
             doubt: self.doubt.cloned(),

@@ -14,7 +14,9 @@ use super::backward_euler::BackwardEuler;
 use super::embedded::{Slope, Stage, advance, weighted};
 use super::implicit::{Implicit, StageAttempt};
 use super::updates::{acceleration, power};
-use super::{CarriedState, Counters, ErrorEstimate, Integrator, PairInfo, StageWork, StepError, StepInput, StepReport};
+use super::{
+    CarriedState, Counters, ErrorEstimate, Integrator, LawChange, PairInfo, StageWork, StepError, StepInput, StepReport,
+};
 use crate::assembly::TangentSystem;
 use crate::integrate::implicit::SolverSpec;
 use crate::model::point::Point;
@@ -111,8 +113,21 @@ impl Integrator<dyn TangentSystem> for Dirk {
         self.engine.restart(system, at);
     }
 
-    fn forces_changed(&mut self, system: &(dyn TangentSystem + 'static), at: &Point) -> Result<(), StepError> {
-        self.engine.forces_changed(system, at)
+    fn keep_over_change(&mut self, system: &(dyn TangentSystem + 'static), at: &Point) -> bool {
+        self.engine.keep_over_change(system, at)
+    }
+
+    fn laws_changed(
+        &mut self,
+        system: &(dyn TangentSystem + 'static),
+        at: &Point,
+        change: LawChange,
+    ) -> Result<(), StepError> {
+        self.engine.laws_changed(system, at, change)
+    }
+
+    fn drop_unsaved(&mut self) {
+        self.engine.drop_unsaved();
     }
 
     fn save(&self) -> CarriedState {

@@ -26,7 +26,7 @@
 use super::backward_euler::BackwardEuler;
 use super::implicit::{Implicit, SolverSpec};
 use super::updates::{Product, add_product, power};
-use super::{CarriedState, Counters, Integrator, StageWork, StepError, StepInput, StepReport};
+use super::{CarriedState, Counters, Integrator, LawChange, StageWork, StepError, StepInput, StepReport};
 use crate::assembly::{MeanSystem, TangentSystem};
 use crate::model::point::Point;
 use crate::model::system::StepMean;
@@ -91,8 +91,24 @@ impl Integrator<dyn TangentSystem> for EnergyMomentum {
         self.engine.restart(system, at);
     }
 
-    fn forces_changed(&mut self, system: &(dyn TangentSystem + 'static), at: &Point) -> Result<(), StepError> {
-        self.engine.forces_changed(system, at)
+    fn keep_over_change(&mut self, system: &(dyn TangentSystem + 'static), at: &Point) -> bool {
+        self.engine.keep_over_change(system, at)
+    }
+
+    fn laws_changed(
+        &mut self,
+        system: &(dyn TangentSystem + 'static),
+        at: &Point,
+        change: LawChange,
+    ) -> Result<(), StepError> {
+        if change == LawChange::Pattern {
+            return self.start(system, at);
+        }
+        self.engine.laws_changed(system, at, change)
+    }
+
+    fn drop_unsaved(&mut self) {
+        self.engine.drop_unsaved();
     }
 
     fn save(&self) -> CarriedState {

@@ -54,6 +54,9 @@ pub(super) struct FactorCache {
     attempted: CachedFactor,
     attempted_at: State,
     state: CacheState,
+    /// whether the factor of the last accepted step is of laws that a program has changed since: it cannot be made
+    /// again
+    outlived: bool,
 }
 
 impl FactorCache {
@@ -64,6 +67,9 @@ impl FactorCache {
 
     /// State, weights and request of the factor that must be rebuilt before an attempt, if any.
     pub fn outdated(&mut self) -> Option<(StateRef<'_>, Weights, FactorRequest)> {
+        if self.state != CacheState::Valid {
+            self.drop_unsaved();
+        }
         self.attempted = self.accepted;
         if self.state == CacheState::Valid {
             return None;
@@ -129,9 +135,28 @@ impl FactorCache {
         }
     }
 
-    /// Forgets the factor: it is of forces that act no more.
+    /// Forgets the factor.
     pub fn forget(&mut self) {
-        (self.accepted, self.state) = (CachedFactor::default(), CacheState::Valid);
+        (self.accepted, self.state, self.outlived) = (CachedFactor::default(), CacheState::Valid, false);
+    }
+
+    /// A program has changed how forces depend on the state. The factor is as good as the iteration finds it, but it
+    /// cannot be made again.
+    pub fn outlive_laws(&mut self) {
+        self.outlived = self.accepted.frozen.made;
+    }
+
+    /// Forgets the factor if [`FactorCache::save`] leaves it out.
+    pub fn drop_unsaved(&mut self) {
+        if self.outlived {
+            (self.accepted, self.state, self.outlived) = (self.to_save(), CacheState::Valid, false);
+        }
+    }
+
+    /// The factor of the last accepted step; without it, what was learnt from it, if it cannot be made again.
+    fn to_save(&self) -> CachedFactor {
+        let CachedFactor { frozen, .. } = self.accepted;
+        CachedFactor { frozen: if self.outlived { frozen.without_factor() } else { frozen }, ..self.accepted }
     }
 
     /// Weights of the factor of this attempt.
@@ -148,17 +173,19 @@ impl FactorCache {
     pub fn accept(&mut self) {
         if self.state == CacheState::Replaced {
             std::mem::swap(&mut self.accepted_at, &mut self.attempted_at);
+            self.outlived = false;
         }
         (self.accepted, self.state) = (self.attempted, CacheState::Valid);
     }
 
-    /// Appends the state of the factor to `vectors` and returns the rest; `None` if there is no factor.
+    /// Appends the state of the factor to `vectors` and returns the rest; `None` if there is nothing to be known of it.
     pub fn save(&self, vectors: &mut Vec<Vec<f64>>) -> Option<CachedFactor> {
-        if self.accepted.frozen == FactorHistory::default() {
+        let saved = self.to_save();
+        if saved.frozen == FactorHistory::default() {
             return None;
         }
         vectors.extend([self.accepted_at.x.clone(), self.accepted_at.v.clone()]);
-        Some(self.accepted)
+        Some(saved)
     }
 
     /// Positions and velocities of the factor's state, to be restored `[n_dof]`.
@@ -169,7 +196,7 @@ impl FactorCache {
     /// Restores a saved factor except for its state.
     pub fn restore(&mut self, factor: CachedFactor) {
         self.accepted_at.t = factor.t;
-        (self.accepted, self.state) = (factor, CacheState::Resumed);
+        (self.accepted, self.state, self.outlived) = (factor, CacheState::Resumed, false);
     }
 }
 

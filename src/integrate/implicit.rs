@@ -4,6 +4,14 @@
 //! The unknown is the displacement z of the step, over the free degrees of freedom, so that digits do not depend on
 //! where the origin is. An iteration takes one force pass and one solve, with W = cm M + cc C + ck K of the iterate, or
 //! with a reused matrix (`factor_cache`).
+//!
+//! # Values that a program changes at t_n
+//! The forces jump from f- to f+ there. A step weighs f_n+ with f_{n+1}: both have the new values, so a force that is
+//! constant within the step acts with its whole weight, (1 - af) + af = 1, and its impulse is exact. The carried a_n
+//! becomes a_n + M^-1 (f_n+ - f_n-). It keeps its lag behind the true acceleration, which the dissipation of HHT and
+//! generalised alpha rests on. On linear scenes the matrix of a step on (x - K^-1 F, v, a) stays as it is. With a =
+//! M^-1 f+ instead, as after a restart, the lag is lost in every step, and the dissipation with it. The extrapolation
+//! of the first guess goes on from the new a_n with the change of the step before.
 
 use super::balance::{go_on, is_nearer_to_expected};
 use super::equations::{DofData, Equations, Guess, LinearState, StepStart, Workspace, scales};
@@ -11,8 +19,8 @@ use super::factor_cache::FactorCache;
 use super::stage::{NewmarkParameters, StageMap};
 use super::tangents::Tangents;
 pub use super::tangents::{Factor, cached_factor, refusal};
-use super::updates::acceleration;
-use super::{CarriedState, Counters, Integrator, StepError, StepInput, StepReport, Trend};
+use super::updates::{acceleration, accumulate};
+use super::{CarriedState, Counters, Integrator, LawChange, StepError, StepInput, StepReport, Trend};
 use crate::assembly::TangentSystem;
 use crate::model::point::Point;
 use crate::solve::newton::{Newton, NewtonFailure, NewtonSpec};
@@ -45,9 +53,12 @@ pub struct SolverSpec {
 pub struct Implicit<M> {
     scheme: M,
     spec: SolverSpec,
-    /// [m/s^2] a_n, carried from step to step `[n_dof]`
+    /// [m/s^2] a_n, carried from step to step `[n_dof]`; a_n - M^-1 f_n if `relative`
     a: Vec<f64>,
+    /// [m/s^2] its accelerations are a_n - a_{n-1} if `relative`
     trend: Trend,
+    /// whether a program has changed values since the last accepted step
+    relative: bool,
     /// whether the next step is the first after a restart
     anew: bool,
     /// [s] size of the step that produced a_n; 0 before the first
@@ -76,6 +87,8 @@ struct Solver {
     z: Vec<f64>,
     /// [m/s^2] a_n, scaled to the size of the step `[n_dof]`
     a: Vec<f64>,
+    /// [m/s^2] a_n and a_{n-1} with the present forces, after a program has changed values `[n_dof]`
+    kept: [Vec<f64>; 2],
     /// [m/s^2] accelerations at the step's end if they change linearly `[n_dof]`
     expected: Vec<f64>,
     /// whether the last attempt kept its first guess
@@ -90,6 +103,7 @@ impl<M: ImplicitScheme> Implicit<M> {
             spec,
             a: Vec::new(),
             trend: Trend::default(),
+            relative: false,
             anew: false,
             made_with: 0.0,
             attempted: 0.0,
@@ -145,11 +159,12 @@ impl<M: ImplicitScheme> Implicit<M> {
             workspace: Workspace::new(at),
             z: vec![0.0; unknowns],
             a: zero(),
+            kept: [zero(), zero()],
             expected: zero(),
             guessed_well: true,
         });
         self.trend = Trend { before: zero(), straight: false };
-        (self.made_with, self.attempted, self.anew) = (0.0, 0.0, false);
+        (self.made_with, self.attempted, self.anew, self.relative) = (0.0, 0.0, false, false);
         Ok(())
     }
 
@@ -168,11 +183,22 @@ impl<M: ImplicitScheme> Implicit<M> {
         let map = if bridge { StageMap::newmark(TRAPEZOIDAL, h) } else { own };
         to.state.copy_from(from.state.as_ref());
         to.state.t = t_next;
-        let lag = LaggedAcceleration { h, made_with: self.made_with, a: &self.a };
+        if self.relative {
+            let [a, before] = &mut s.kept;
+            acceleration(system, a, &from.forces.total);
+            accumulate(a, 1.0, &self.a);
+            before.copy_from_slice(a);
+            accumulate(before, -1.0, &self.trend.before);
+        }
+        let (a, before) = match &s.kept {
+            [a, before] if self.relative => (a, before),
+            _ => (&self.a, &self.trend.before),
+        };
+        let lag = LaggedAcceleration { h, made_with: self.made_with, a };
         let guess = match stage {
             None => {
                 lag.carry_over(map, from, system.inverse_mass(), &mut s.a);
-                first_guess(&self.trend, lag, &mut s.expected)
+                first_guess((before.as_slice(), self.trend.straight), lag, &mut s.expected)
             }
             Some(StageAttempt { acceleration, .. }) => {
                 s.expected.copy_from_slice(acceleration);
@@ -201,7 +227,7 @@ impl<M: ImplicitScheme> Implicit<M> {
         counters.newton_iterations += u64::from(iterations);
         let report = solved?;
         if bridge {
-            lag_behind(own.lag(), &self.a, (&to.forces.total, system.inverse_mass()), &mut s.workspace.a_next);
+            lag_behind(own.lag(), a, (&to.forces.total, system.inverse_mass()), &mut s.workspace.a_next);
         }
         Ok(StepReport {
             newton_iterations: report.iterations,
@@ -231,11 +257,11 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             // The first step has no predecessor to compare with.
             let straight = self.made_with == 0.0 || is_nearer_to_expected(&s.expected, &s.a, &s.workspace.a_next);
             self.trend.straight = straight && s.guessed_well;
-            self.trend.before.copy_from_slice(&self.a);
+            self.trend.before.copy_from_slice(if self.relative { &s.kept[0] } else { &self.a });
             std::mem::swap(&mut self.a, &mut s.workspace.a_next);
             s.linear.cache.accept();
             self.made_with = self.attempted;
-            self.anew = false;
+            (self.anew, self.relative) = (false, false);
         }
     }
 
@@ -243,24 +269,53 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
     fn restart(&mut self, system: &dyn TangentSystem, at: &Point) {
         acceleration(system, &mut self.a, &at.forces.total);
         self.trend.straight = false;
-        (self.made_with, self.anew) = (0.0, true);
+        (self.made_with, self.anew, self.relative) = (0.0, true, false);
     }
 
-    /// The pattern stays; the factor is made again at its next use.
-    fn forces_changed(&mut self, system: &(dyn TangentSystem + 'static), at: &Point) -> Result<(), StepError> {
-        self.restart(system, at);
-        self.solver.iter_mut().for_each(|s| s.linear.cache.forget());
-        Ok(())
+    fn keep_over_change(&mut self, system: &dyn TangentSystem, at: &Point) -> bool {
+        if !self.relative && self.solver.is_some() {
+            for (before, a) in self.trend.before.iter_mut().zip(&self.a) {
+                *before = a - *before;
+            }
+            for ((a, f), m) in self.a.iter_mut().zip(&at.forces.total).zip(system.inverse_mass()) {
+                *a -= m * f;
+            }
+            self.relative = true;
+        }
+        true
+    }
+
+    /// A factor is kept as long as the iteration converges with it; only another pattern needs another matrix.
+    fn laws_changed(
+        &mut self,
+        system: &(dyn TangentSystem + 'static),
+        at: &Point,
+        change: LawChange,
+    ) -> Result<(), StepError> {
+        if change != LawChange::Pattern {
+            self.solver.iter_mut().for_each(|s| s.linear.cache.outlive_laws());
+            return Ok(());
+        }
+        let (a, trend) = (std::mem::take(&mut self.a), std::mem::take(&mut self.trend));
+        let flags = (self.made_with, self.attempted, self.anew, self.relative);
+        let made = self.start_with(system, at);
+        (self.a, self.trend, (self.made_with, self.attempted, self.anew, self.relative)) = (a, trend, flags);
+        made
+    }
+
+    fn drop_unsaved(&mut self) {
+        self.solver.iter_mut().for_each(|s| s.linear.cache.drop_unsaved());
     }
 
     fn save(&self) -> CarriedState {
         let mut vectors = vec![self.a.clone()];
         let factor = self.solver.as_ref().and_then(|s| s.linear.cache.save(&mut vectors));
-        CarriedState { vectors, made_with: self.made_with, anew: self.anew, trend: self.trend.clone(), factor }
+        let &Implicit { made_with, anew, relative, .. } = self;
+        CarriedState { vectors, made_with, anew, relative, trend: self.trend.clone(), factor }
     }
 
     fn restore(&mut self, carried: &CarriedState) -> Result<(), StepError> {
-        (self.made_with, self.anew) = (carried.made_with, carried.anew);
+        (self.made_with, self.anew, self.relative) = (carried.made_with, carried.anew, carried.relative);
         if carried.trend.before.len() == self.trend.before.len() {
             self.trend.clone_from(&carried.trend);
         }
@@ -271,7 +326,10 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
                 s.linear.cache.restore(*factor);
                 Ok(())
             }
-            _ => carried.take_into(&mut [&mut self.a]),
+            (solver, _) => {
+                solver.iter_mut().for_each(|s| s.linear.cache.forget());
+                carried.take_into(&mut [&mut self.a])
+            }
         }
     }
 
@@ -315,12 +373,13 @@ fn lag_behind(lag: f64, a_n: &[f64], (f, inverse_mass): (&[f64], &[f64]), a: &mu
     }
 }
 
-/// The first guess of a step; `expected` [m/s^2] becomes the accelerations for a linear change `[n_dof]`.
-fn first_guess(trend: &Trend, lag: LaggedAcceleration<'_>, expected: &mut [f64]) -> Guess {
+/// The first guess of a step, from the accelerations [m/s^2] before the last step and whether they changed linearly
+/// there; `expected` [m/s^2] becomes the accelerations for a linear change `[n_dof]`.
+fn first_guess((before, straight): (&[f64], bool), lag: LaggedAcceleration<'_>, expected: &mut [f64]) -> Guess {
     if lag.made_with > 0.0 {
-        go_on(lag.h / lag.made_with, &trend.before, lag.a, expected);
+        go_on(lag.h / lag.made_with, before, lag.a, expected);
     }
-    if lag.made_with > 0.0 && trend.straight { Guess::Trend } else { Guess::ConstantAcceleration }
+    if lag.made_with > 0.0 && straight { Guess::Trend } else { Guess::ConstantAcceleration }
 }
 
 /// The acceleration a scheme carries into a step of `h` [s].

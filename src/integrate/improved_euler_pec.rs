@@ -8,8 +8,11 @@
 //! ```
 //! On linear problems the predicted states follow Adams-Bashforth 2 exactly. The forces at the corrected state are
 //! never evaluated by the scheme.
+//!
+//! Where a program changes values at t_n, d_n goes on with the forces at the corrected state added that the new values
+//! make more there: so d_n and d_{n+1} both have them, and the impulse of a constant force is exact.
 
-use super::updates::{acceleration, accumulate, add_scaled, power_of_forces, weigh};
+use super::updates::{Product, acceleration, accumulate, accumulate_product, add_scaled, power_of_forces, weigh};
 use super::{CarriedState, Counters, Integrator, StageWork, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::state::State;
@@ -26,7 +29,11 @@ struct Derivative {
 /// Improved Euler, PEC; carries the derivative of the last predicted state.
 #[derive(Clone, Debug, Default)]
 pub struct ImprovedEulerPec {
+    /// less that of the corrected state if `relative`
     now: Derivative,
+    /// that with the present values, after a change of values
+    kept: Derivative,
+    relative: bool,
     next: Derivative,
     predicted: State,
 }
@@ -36,8 +43,9 @@ impl Integrator<dyn System> for ImprovedEulerPec {
         let mut a = vec![0.0; at.state.v.len()];
         acceleration(system, &mut a, &at.forces.total);
         self.now = Derivative { x: at.state.v.clone(), v: a, power: power_of_forces(system, &at.forces) };
-        self.next = self.now.clone();
+        (self.next, self.kept) = (self.now.clone(), self.now.clone());
         self.predicted = at.state.clone();
+        self.relative = false;
         Ok(())
     }
 
@@ -47,21 +55,30 @@ impl Integrator<dyn System> for ImprovedEulerPec {
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
+        if self.relative {
+            let Derivative { x, v, power } = &mut self.kept;
+            x.copy_from_slice(&self.now.x);
+            acceleration(system, v, &from.forces.total);
+            accumulate(v, 1.0, &self.now.v);
+            *power = power_of_forces(system, &from.forces);
+            power.add(1.0, self.now.power);
+        }
+        let now = if self.relative { &self.kept } else { &self.now };
         let (n, p) = (&from.state, &mut self.predicted);
         p.t = t_next;
-        add_scaled(&mut p.x, &n.x, h, &self.now.x);
-        add_scaled(&mut p.v, &n.v, h, &self.now.v);
+        add_scaled(&mut p.x, &n.x, h, &now.x);
+        add_scaled(&mut p.v, &n.v, h, &now.v);
         counters.evaluate(system, p.as_ref(), &mut to.forces);
         self.next.x.copy_from_slice(&p.v);
         acceleration(system, &mut self.next.v, &to.forces.total);
         self.next.power = power_of_forces(system, &to.forces);
 
         to.state.t = t_next;
-        add_scaled(&mut to.state.x, &n.x, 0.5 * h, &self.now.x);
+        add_scaled(&mut to.state.x, &n.x, 0.5 * h, &now.x);
         accumulate(&mut to.state.x, 0.5 * h, &self.next.x);
-        add_scaled(&mut to.state.v, &n.v, 0.5 * h, &self.now.v);
+        add_scaled(&mut to.state.v, &n.v, 0.5 * h, &now.v);
         accumulate(&mut to.state.v, 0.5 * h, &self.next.v);
-        let mut work = weigh([(0.5 * h, self.now.power), (0.5 * h, self.next.power)]);
+        let mut work = weigh([(0.5 * h, now.power), (0.5 * h, self.next.power)]);
         for forces in [&from.forces, &to.forces] {
             work.external += 0.5 * h * system.reeling_power([n.t, t_next], &forces.tallies);
         }
@@ -70,21 +87,35 @@ impl Integrator<dyn System> for ImprovedEulerPec {
 
     fn accept(&mut self) {
         std::mem::swap(&mut self.now, &mut self.next);
+        self.relative = false;
     }
 
     fn restart(&mut self, system: &dyn System, at: &Point) {
         self.now.x.copy_from_slice(&at.state.v);
         acceleration(system, &mut self.now.v, &at.forces.total);
         self.now.power = power_of_forces(system, &at.forces);
+        self.relative = false;
+    }
+
+    fn keep_over_change(&mut self, system: &dyn System, at: &Point) -> bool {
+        if !self.relative {
+            let less = Product { inverse_mass: system.inverse_mass(), f: &at.forces.total };
+            accumulate_product(&mut self.now.v, -1.0, less);
+            self.now.power.add(-1.0, power_of_forces(system, &at.forces));
+            self.relative = true;
+        }
+        true
     }
 
     fn save(&self) -> CarriedState {
         let power = vec![self.now.power.external, self.now.power.dissipated];
-        CarriedState { vectors: vec![self.now.x.clone(), self.now.v.clone(), power], ..CarriedState::default() }
+        let vectors = vec![self.now.x.clone(), self.now.v.clone(), power];
+        CarriedState { vectors, relative: self.relative, ..CarriedState::default() }
     }
 
     fn restore(&mut self, carried: &CarriedState) -> Result<(), StepError> {
         let n = self.now.x.len();
+        self.relative = carried.relative;
         match carried.vectors.as_slice() {
             [x, v, power] if x.len() == n && v.len() == n && power.len() == 2 => {
                 self.now.x.copy_from_slice(x);

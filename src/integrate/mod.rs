@@ -44,7 +44,8 @@
 //!   ([`StepReport::forces_at_end`]) is not among them, so a scheme that uses `from.forces` evaluates the forces at the
 //!   end of its step itself; `order` is what adaptive steps rely on.
 //! * What goes over from step to step changes in [`Integrator::accept`] only, is reset in [`Integrator::restart`], and
-//!   is in [`Integrator::save`] and [`Integrator::restore`]; a scheme without such a thing needs none of the four.
+//!   is in [`Integrator::save`] and [`Integrator::restore`]; a scheme without such a thing needs none of the four. With
+//!   [`Integrator::keep_over_change`] it goes over a change of values by a program, too; without, it starts again.
 //! * Blocks of steps and estimates of its own error ([`Integrator::pair`]) are optional.
 //!
 //! Nothing here depends on a force: schemes use the traits of [`crate::model::system`].
@@ -139,6 +140,8 @@ pub struct CarriedState {
     pub made_with: f64,
     /// whether the next step is the first after [`Integrator::restart`]
     pub anew: bool,
+    /// whether what is carried is relative to the forces of the point ([`Integrator::keep_over_change`])
+    pub relative: bool,
     /// what only the first guess of the next step depends on
     pub trend: Trend,
     /// the factor that an implicit scheme keeps; its state is in the last two vectors
@@ -152,6 +155,17 @@ pub struct Trend {
     pub before: Vec<f64>,
     /// whether the accelerations of the last step were closer to a linear extrapolation than to a constant
     pub straight: bool,
+}
+
+/// What a program has changed of how forces depend on the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LawChange {
+    /// factors of loads, or the wind
+    Loads,
+    /// rest lengths of springs
+    RestLengths,
+    /// on which nodes forces depend: the matrix has another pattern
+    Pattern,
 }
 
 /// How the estimate of an embedded pair compares with the error that the scheme itself makes.
@@ -231,21 +245,40 @@ pub trait Integrator<S: ?Sized>: Send {
         false
     }
 
-    /// Accepts the last attempt: updates the carried state.
+    /// Accepts the last attempt, or the last block of steps: updates the carried state.
     fn accept(&mut self) {}
 
     /// Drops the carried state and starts again at a point, as [`Integrator::start`] does, because forces are not
     /// smooth across its time. Allocates nothing.
     fn restart(&mut self, _system: &S, _at: &Point) {}
 
-    /// The same where a program has changed a force: also what was found from the system at the start, as factors of
-    /// its matrix or its weight, is found again.
+    /// Makes what is carried independent of the values of forces, some of which a program has just changed: `at` still
+    /// has the forces of the values before. They jump there by df, and with them the true acceleration by M^-1 df,
+    /// while position and velocity do not. So a scheme that carries an acceleration a keeps its difference to the
+    /// forces, a - M^-1 f, and adds it to the new ones. Called again before the next accepted step, it changes nothing,
+    /// so that a value may be set any number of times. Returns `false` where a scheme cannot do that: it is then
+    /// started again with the new forces.
+    fn keep_over_change(&mut self, _system: &S, _at: &Point) -> bool {
+        false
+    }
+
+    /// [m/s] The velocities `[n_dof]` at which the forces of the accepted point are to be found again after
+    /// [`Integrator::keep_over_change`]; `None` where they are those of its state.
+    fn force_velocities(&self) -> Option<&[f64]> {
+        None
+    }
+
+    /// After [`Integrator::keep_over_change`] and with the new forces at `at`: finds again what was found from the
+    /// system at the start and is different now, as factors of its matrix.
     ///
     /// # Errors
-    /// As [`Integrator::start`], which it is unless a scheme can do it more cheaply.
-    fn forces_changed(&mut self, system: &S, at: &Point) -> Result<(), StepError> {
-        self.start(system, at)
+    /// As [`Integrator::start`].
+    fn laws_changed(&mut self, _system: &S, _at: &Point, _change: LawChange) -> Result<(), StepError> {
+        Ok(())
     }
+
+    /// Drops what [`Integrator::save`] leaves out, so that this run goes on as one does that is restored from it.
+    fn drop_unsaved(&mut self) {}
 
     /// Whether the forces of an accepted point belong to velocities other than its state's. A checkpoint then holds
     /// them, as they cannot be evaluated again.

@@ -16,9 +16,13 @@
 //! nodes alone, with dashpots one more for g. Limit: m times that of central differences where springs set it, and the
 //! limit of g. A step near half a period of a stiff spring may gain energy by resonance with forces in g on the same
 //! nodes (Ma, Izaguirre & Skeel 2003).
+//!
+//! Where a program changes values, g and s are found again at the velocities that they had, which follow from those of
+//! the end: v_{n+1} - H/2 M^-1 g_{n+1} and, for the last s of the short steps, h/2 M^-1 s less.
 
 use super::central_difference::CENTRAL_DIFFERENCE;
-use super::{CarriedState, Counters, Integrator, StageWork, StepError, StepInput, StepReport, reeling_work};
+use super::updates::{Product, add_product};
+use super::{CarriedState, Counters, Integrator, LawChange, StageWork, StepError, StepInput, StepReport, reeling_work};
 use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::state::State;
@@ -31,6 +35,13 @@ pub struct Multirate {
     /// m
     substeps: u32,
     stiff: Option<StiffSprings>,
+    /// degrees of freedom
+    size: usize,
+    /// [s] size of the last accepted step, 0 before the first, and of the last attempt
+    last: f64,
+    attempted: f64,
+    /// [m/s] after a change of values, the velocities of g `[n_dof]`, and those of the last s; else empty
+    velocities: [Vec<f64>; 2],
 }
 
 /// The stiff springs of a scene.
@@ -52,20 +63,21 @@ struct StiffSprings {
 impl Multirate {
     /// With m short steps in a long one.
     pub fn new(substeps: u32) -> Self {
-        Multirate { substeps, stiff: None }
+        Multirate { substeps, stiff: None, size: 0, last: 0.0, attempted: 0.0, velocities: Default::default() }
     }
 
-    /// The vectors that it carries, those that the scene has.
+    /// The vectors that it carries, those that there are.
     fn carried(&self) -> impl Iterator<Item = &Vec<f64>> {
         let forces = self.stiff.iter().flat_map(|StiffSprings { lagging, beside, .. }| [lagging, beside]);
         let vectors = forces.flat_map(|forces| [&forces.total, &forces.external, &forces.dissipative]);
-        vectors.filter(|vector| !vector.is_empty())
+        vectors.chain(&self.velocities).filter(|vector| !vector.is_empty())
     }
 
     fn carried_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
-        let forces = self.stiff.iter_mut().flat_map(|StiffSprings { lagging, beside, .. }| [lagging, beside]);
+        let Multirate { stiff, velocities, .. } = self;
+        let forces = stiff.iter_mut().flat_map(|StiffSprings { lagging, beside, .. }| [lagging, beside]);
         let vectors = forces.flat_map(|Forces { total, external, dissipative, .. }| [total, external, dissipative]);
-        vectors.filter(|vector| !vector.is_empty())
+        vectors.chain(velocities).filter(|vector| !vector.is_empty())
     }
 }
 
@@ -74,6 +86,8 @@ impl Integrator<dyn System> for Multirate {
         let part = if self.substeps > 1 { system.stiff_part(f64::from(self.substeps)) } else { None };
         self.stiff = part.map(StiffSprings::of);
         self.stiff.iter_mut().for_each(|stiff| stiff.evaluate_at(&at.state));
+        (self.last, self.size) = (0.0, at.state.v.len());
+        self.velocities.iter_mut().for_each(Vec::clear);
         Ok(())
     }
 
@@ -84,6 +98,7 @@ impl Integrator<dyn System> for Multirate {
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
         let (inverse_mass, half) = (system.inverse_mass(), 0.5 * h);
+        self.attempted = h;
         let long = (CENTRAL_DIFFERENCE.step)(h, true);
         let start = |dofs| StepStart::of(from, inverse_mass, dofs);
         to.state.t = t_next;
@@ -114,10 +129,40 @@ impl Integrator<dyn System> for Multirate {
             std::mem::swap(lagging, &mut at.forces);
             std::mem::swap(beside, next_beside);
         }
+        self.last = self.attempted;
+        self.velocities.iter_mut().for_each(Vec::clear);
     }
 
     fn restart(&mut self, _system: &dyn System, at: &Point) {
         self.stiff.iter_mut().for_each(|stiff| stiff.evaluate_at(&at.state));
+    }
+
+    fn keep_over_change(&mut self, system: &dyn System, at: &Point) -> bool {
+        let [of_g, of_s] = &mut self.velocities;
+        if of_g.is_empty() {
+            let (inverse_mass, half) = (system.inverse_mass(), 0.5 * self.last);
+            of_g.resize(at.state.v.len(), 0.0);
+            add_product(of_g, &at.state.v, -half, Product { inverse_mass, f: &at.forces.total });
+            if let Some(stiff) = &self.stiff {
+                stiff.add_kick(of_g, half, inverse_mass);
+                of_s.resize(stiff.part.dofs.len(), 0.0);
+                stiff.velocities_of_last(of_g, of_s, half / f64::from(self.substeps), inverse_mass);
+            }
+        }
+        true
+    }
+
+    fn force_velocities(&self) -> Option<&[f64]> {
+        Some(&*self.velocities[0]).filter(|v| !v.is_empty())
+    }
+
+    fn laws_changed(&mut self, system: &dyn System, at: &Point, change: LawChange) -> Result<(), StepError> {
+        if change != LawChange::Loads && self.stiff.is_some() {
+            let [of_g, of_s] = &self.velocities;
+            self.stiff = system.stiff_part(f64::from(self.substeps)).map(StiffSprings::of);
+            self.stiff.iter_mut().for_each(|stiff| stiff.evaluate_with(&at.state, of_g, of_s));
+        }
+        Ok(())
     }
 
     fn lags(&self, system: &dyn System) -> bool {
@@ -125,15 +170,24 @@ impl Integrator<dyn System> for Multirate {
     }
 
     fn save(&self) -> CarriedState {
-        CarriedState { vectors: self.carried().cloned().collect(), ..CarriedState::default() }
+        let mut saved = CarriedState::default();
+        self.save_into(&mut saved);
+        saved
     }
 
     fn save_into(&self, to: &mut CarriedState) {
         to.vectors.resize(self.carried().count(), Vec::new());
         to.vectors.iter_mut().zip(self.carried()).for_each(|(to, from)| to.clone_from(from));
+        (to.made_with, to.relative) = (self.last, !self.velocities[0].is_empty());
     }
 
     fn restore(&mut self, saved: &CarriedState) -> Result<(), StepError> {
+        let stiff = self.stiff.as_ref().map_or(0, |stiff| stiff.part.dofs.len());
+        for (own, size) in self.velocities.iter_mut().zip([self.size, stiff]) {
+            own.clear();
+            own.resize(if saved.relative { size } else { 0 }, 0.0);
+        }
+        self.last = saved.made_with;
         let length = self.carried().next().map_or(0, Vec::len);
         if !self.carried().map(Vec::len).eq(saved.vectors.iter().map(Vec::len)) {
             return Err(StepError::Carried { found: saved.vectors.len(), expected: self.carried().count(), length });
@@ -158,6 +212,31 @@ impl StiffSprings {
         part.gather(&state.v, &mut own.v);
         part.system.evaluate(own.as_ref(), beside);
         lagging.copy_from(beside);
+    }
+
+    /// The same with the velocities of g, of all nodes, and those of the last s, of their own.
+    fn evaluate_with(&mut self, state: &State, of_g: &[f64], of_s: &[f64]) {
+        let StiffSprings { part, lagging, beside, at: Point { state: own, .. }, .. } = self;
+        own.t = state.t;
+        part.gather(&state.x, &mut own.x);
+        part.gather(of_g, &mut own.v);
+        part.system.evaluate(own.as_ref(), beside);
+        own.v.copy_from_slice(of_s);
+        part.system.evaluate(own.as_ref(), lagging);
+    }
+
+    /// v += half M^-1 s, with s as it is beside g.
+    fn add_kick(&self, v: &mut [f64], half: f64, inverse_mass: &[f64]) {
+        for (s, &dof) in self.beside.total.iter().zip(&self.part.dofs) {
+            v[dof as usize] += half * (inverse_mass[dof as usize] * s);
+        }
+    }
+
+    /// The velocities of the last s, from those of g.
+    fn velocities_of_last(&self, of_g: &[f64], of_s: &mut [f64], half: f64, inverse_mass: &[f64]) {
+        for ((v, s), &dof) in of_s.iter_mut().zip(&self.lagging.total).zip(&self.part.dofs) {
+            *v = of_g[dof as usize] - half * (inverse_mass[dof as usize] * s);
+        }
     }
 
     /// The start of the short steps: x_n, and the velocities of all nodes after the long kick without that of s.

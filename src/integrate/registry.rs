@@ -56,7 +56,7 @@ static METHODS: &[MethodInfo] = &[
         stability: "w h < 2 undamped, 2 (sqrt(1 + zeta^2) - zeta) damped; symplectic",
         linear: LinearStep { pencil: Some(Pencil::EULER_CROMER), ..LinearStep::PARTITIONED },
         source: "Cromer 1981; thesis Eq. 15-16",
-        build: |_, _| Scheme::Explicit(Box::new(EULER_CROMER)),
+        build: |_, _| Scheme::Explicit(Box::new(EULER_CROMER.scheme())),
     },
     MethodInfo {
         name: "euler-richardson",
@@ -104,7 +104,7 @@ static METHODS: &[MethodInfo] = &[
         stability: "w h < 2 undamped, 1.84 at damping ratio 0.1; symplectic without damping",
         linear: LinearStep { fixed_velocity: Some(2.0), ..LinearStep::PARTITIONED },
         source: "Swope et al. 1982; thesis Eq. 37-40",
-        build: |_, _| Scheme::Explicit(Box::new(VELOCITY_VERLET)),
+        build: |_, _| Scheme::Explicit(Box::new(VELOCITY_VERLET.scheme())),
     },
     MethodInfo {
         name: "rk4",
@@ -262,11 +262,11 @@ static METHODS: &[MethodInfo] = &[
         stability: "w h < 2 undamped, where it is velocity Verlet; 2 (sqrt(1 + zeta^2) - zeta) damped",
         linear: LinearStep {
             pencil: Some(Pencil::EULER_CROMER),
-            like: Some(|| Scheme::Explicit(Box::new(EULER_CROMER))),
+            like: Some(|| Scheme::Explicit(Box::new(EULER_CROMER.scheme()))),
             ..LinearStep::PARTITIONED
         },
         source: "Belytschko, Liu, Moran & Elkhodary 2014, Box 5.1",
-        build: |_, _| Scheme::Explicit(Box::new(CENTRAL_DIFFERENCE)),
+        build: |_, _| Scheme::Explicit(Box::new(CENTRAL_DIFFERENCE.scheme())),
     },
     MethodInfo {
         name: "multirate",

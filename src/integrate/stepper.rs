@@ -1,6 +1,6 @@
 //! A scheme bound to a scene that has the interface the scheme needs.
 
-use super::{CarriedState, Counters, ErrorEstimate, Integrator, PairInfo, StepError, StepInput, StepReport};
+use super::{CarriedState, Counters, ErrorEstimate, Integrator, LawChange, PairInfo, StepError, StepInput, StepReport};
 use crate::assembly::{SceneInterfaces, TangentSystem};
 use crate::model::point::Point;
 use crate::model::step_block::StepSummary;
@@ -120,12 +120,27 @@ impl<'a> Stepper<'a> {
         each!(&mut self.0, scheme, system => scheme.restart(*system, at));
     }
 
-    /// See [`Integrator::forces_changed`].
+    /// See [`Integrator::keep_over_change`].
+    pub fn keep_over_change(&mut self, at: &Point) -> bool {
+        each!(&mut self.0, scheme, system => scheme.keep_over_change(*system, at))
+    }
+
+    /// See [`Integrator::force_velocities`].
+    pub fn force_velocities(&self) -> Option<&[f64]> {
+        each!(&self.0, scheme, _system => scheme.force_velocities())
+    }
+
+    /// See [`Integrator::laws_changed`].
     ///
     /// # Errors
     /// When matrices or solvers cannot be set up.
-    pub fn forces_changed(&mut self, at: &Point) -> Result<(), StepError> {
-        each!(&mut self.0, scheme, system => scheme.forces_changed(*system, at))
+    pub fn laws_changed(&mut self, at: &Point, change: LawChange) -> Result<(), StepError> {
+        each!(&mut self.0, scheme, system => scheme.laws_changed(*system, at, change))
+    }
+
+    /// See [`Integrator::drop_unsaved`].
+    pub fn drop_unsaved(&mut self) {
+        each!(&mut self.0, scheme, _system => scheme.drop_unsaved());
     }
 
     /// See [`Integrator::lags`].

@@ -56,6 +56,19 @@ impl Forces {
         sizes(self) == sizes(other)
     }
 
+    /// Copies the sums of another result of the same nodes, where both have them, without allocating. A sum that the
+    /// other has not is 0 there.
+    pub fn take_sums(&mut self, other: &Forces) {
+        let sums = [(&mut self.total, &other.total), (&mut self.external, &other.external)];
+        for (own, other) in sums.into_iter().chain([(&mut self.dissipative, &other.dissipative)]) {
+            match other.as_slice() {
+                [] => own.fill(0.0),
+                other if other.len() == own.len() => own.copy_from_slice(other),
+                _ => {}
+            }
+        }
+    }
+
     /// Copies another result of the same scene without allocating.
     pub fn copy_from(&mut self, other: &Forces) {
         self.total.copy_from_slice(&other.total);

@@ -86,6 +86,17 @@ pub enum ExternalKind {
     },
 }
 
+/// What a law changes of the pairs of nodes that forces depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PairsChange {
+    /// there are none
+    None,
+    /// there are the same
+    Same,
+    /// there are others
+    Other,
+}
+
 /// All forces from outside, by name in the order in which they came.
 #[derive(Default)]
 pub struct ExternalForces {
@@ -124,22 +135,52 @@ impl ExternalForces {
         }
     }
 
-    /// Sets the force [N] `[n_nodes][3]` of this name, user's numbering.
-    pub(crate) fn set_values(&self, name: &str, force: &[[f64; 3]]) {
-        self.remove_law(name);
+    /// Sets the force [N] `[n_nodes][3]` of this name, user's numbering. Returns whether that changes anything.
+    pub(crate) fn set_values(&self, name: &str, force: &[[f64; 3]]) -> bool {
+        let had_law = self.remove_law(name);
         let mut all = self.values.write().unwrap_or_else(PoisonError::into_inner);
-        match all.iter_mut().find(|(other, _)| other == name) {
-            Some((_, old)) => old.copy_from_slice(force),
-            None => all.push((name.to_owned(), force.to_vec())),
+        let changed = match all.iter_mut().find(|(other, _)| other == name) {
+            Some((_, old)) if old == force => false,
+            Some((_, old)) => {
+                old.copy_from_slice(force);
+                true
+            }
+            None => {
+                all.push((name.to_owned(), force.to_vec()));
+                force.as_flattened().iter().any(|f| *f != 0.0)
+            }
+        };
+        if changed {
+            self.add_up(&all);
         }
-        self.add_up(&all);
+        changed || had_law
     }
 
-    /// Sets the law of this name, with its pairs.
-    pub(crate) fn set_law(&self, name: &str, force: Arc<dyn NodalForce>, pairs: Vec<[u32; 2]>) {
-        self.remove(name);
+    /// Sets the law of this name, with its pairs, in the place of one that had it. Returns what that changes of the
+    /// pairs.
+    pub(crate) fn set_law(&self, name: &str, force: Arc<dyn NodalForce>, pairs: Vec<[u32; 2]>) -> PairsChange {
+        let mut all = self.values.write().unwrap_or_else(PoisonError::into_inner);
+        all.retain(|(other, _)| other != name);
+        self.add_up(&all);
         let mut laws = self.laws.write().unwrap_or_else(PoisonError::into_inner);
-        laws.push(Law { name: name.to_owned(), force, pairs });
+        let law = Law { name: name.to_owned(), force, pairs };
+        let (same, none) = match laws.iter_mut().find(|other| other.name == name) {
+            Some(old) => {
+                let found = (old.pairs == law.pairs, old.pairs.is_empty() && law.pairs.is_empty());
+                *old = law;
+                found
+            }
+            None => {
+                let none = law.pairs.is_empty();
+                laws.push(law);
+                (none, none)
+            }
+        };
+        match (none, same) {
+            (true, _) => PairsChange::None,
+            (false, true) => PairsChange::Same,
+            (false, false) => PairsChange::Other,
+        }
     }
 
     /// Removes a force; `false` if there is none of this name.

@@ -32,7 +32,7 @@ mod tangent;
 pub use bound::BoundBuffer;
 pub use build::{build_network, build_network_with};
 pub use check::BuildError;
-pub use external::{ExternalForces, ExternalKind, ForceDerivative, NodalForce};
+pub use external::{ExternalForces, ExternalKind, ForceDerivative, NodalForce, PairsChange};
 pub use network::Network;
 pub use pendulum::Pendulum;
 

@@ -34,10 +34,6 @@ struct Origin {
 const PROGRAM: &str = concat!("canopy-fem state ", env!("CARGO_PKG_VERSION"));
 
 impl Simulation {
-    pub(super) fn snapshot_now(&mut self) -> Result<Snapshot, SimulationError> {
-        self.at_work(Stop::NEVER, |run, stepper| run.state.snapshot(stepper))
-    }
-
     /// Goes on from a snapshot, with a scheme that starts anew and then takes up what it carried.
     pub(super) fn take_up(&mut self, snapshot: Snapshot) -> Result<(), SimulationError> {
         let mut stepper = self.settings.stepper(&*self.scene)?;
@@ -48,13 +44,17 @@ impl Simulation {
     }
 
     /// The whole state as bytes, with forces, factors and wind that were set. A simulation of the same scene and
-    /// settings goes on from it with the same bits.
+    /// settings goes on from it with the same bits as this one. A matrix that an implicit method has kept over a change
+    /// of wind, loads or rest lengths is not in it: it is made again here and there.
     ///
     /// # Errors
     /// When an attempted step waits.
     pub fn snapshot(&mut self) -> Result<Vec<u8>, SimulationError> {
         self.idle()?;
-        let snapshot = self.snapshot_now()?;
+        let snapshot = self.at_work(Stop::NEVER, |run, stepper| {
+            stepper.drop_unsaved();
+            run.state.snapshot(stepper)
+        })?;
         let forces = self.scene.external().map(ExternalForces::values).unwrap_or_default();
         let (loads, rest_length_factors) = (self.load_factors(), self.rest_length_factors());
         let made_by = self.origin();

@@ -1,11 +1,13 @@
 //! What a program reads from a simulation and changes in it.
 
 use super::{Arc, Changed, NodalForce, RunState, Simulation, SimulationError};
+use crate::drive::Snapshot;
 use crate::drive::ledger::Elastic;
 use crate::drive::observer::{LedgerRow, Point};
 use crate::force::law::series::Scale;
 use crate::integrate::Counters;
-use crate::scene::{ExternalForces, ExternalKind, Load, Scene};
+use crate::model::stop::Stop;
+use crate::scene::{ExternalForces, ExternalKind, Load, PairsChange, Scene};
 use std::sync::atomic::AtomicBool;
 
 /// Where nodes are and how they move, in the numbering of the mesh.
@@ -116,8 +118,7 @@ impl Simulation {
         }
         let mut at = Point { state: self.state.from.state.clone(), forces: self.scene.new_forces() };
         self.scene.evaluate(at.state.as_ref(), &mut at.forces);
-        let mut ledger = self.state.ledger;
-        ledger.changed(&*self.scene, &at, &self.state.row, Elastic::FromOutside)
+        self.state.changed_account(&*self.scene, &at, Elastic::FromOutside).1
     }
 
     /// Work done so far.
@@ -173,8 +174,6 @@ impl Simulation {
     /// Sets the force [N] of this name, `[n_nodes][3]`. It acts from the present state on until it is set again, and
     /// counts as external in the energy account. A law of the same name is removed.
     ///
-    /// The first such force restarts the scheme.
-    ///
     /// # Errors
     /// A slice of another length, numbers that are not finite, a pendulum, or a step that was attempted and waits; also
     /// the first external force of a scene that is in use elsewhere.
@@ -182,8 +181,9 @@ impl Simulation {
         self.idle()?;
         self.check("force", force)?;
         let had_derivatives = self.has_derivatives(name);
-        self.external(ExternalKind::Values)?.set_values(name, force);
-        self.note(if had_derivatives { Changed::Pattern } else { Changed::Values });
+        if self.external(ExternalKind::Values)?.set_values(name, force) {
+            self.note(if had_derivatives { Changed::Pattern } else { Changed::Values });
+        }
         Ok(())
     }
 
@@ -202,9 +202,13 @@ impl Simulation {
             Some(SimulationError::NoNode { what: "pair", place, node, nodes })
         };
         pairs.iter().enumerate().find_map(unknown).map_or(Ok(()), Err)?;
-        let other_pattern = !pairs.is_empty() || self.has_derivatives(name);
-        self.external(ExternalKind::Law { velocity_dependent: law.velocity_dependent() })?.set_law(name, law, pairs);
-        self.note(if other_pattern { Changed::Pattern } else { Changed::Laws });
+        let kind = ExternalKind::Law { velocity_dependent: law.velocity_dependent() };
+        let changed = match self.external(kind)?.set_law(name, law, pairs) {
+            PairsChange::None => Changed::Values,
+            PairsChange::Same => Changed::Loads,
+            PairsChange::Other => Changed::Pattern,
+        };
+        self.note(changed);
         Ok(())
     }
 
@@ -217,7 +221,7 @@ impl Simulation {
         let other_pattern = self.has_derivatives(name);
         let removed = self.scene.external().is_some_and(|external| external.remove(name));
         if removed {
-            self.note(if other_pattern { Changed::Pattern } else { Changed::Laws });
+            self.note(if other_pattern { Changed::Pattern } else { Changed::Values });
         }
         Ok(removed)
     }
@@ -238,6 +242,9 @@ impl Simulation {
     /// A scene without air, numbers that are not finite, or a step that was attempted and waits.
     pub fn set_wind(&mut self, wind: Option<[f64; 3]>) -> Result<(), SimulationError> {
         self.idle()?;
+        if wind == self.wind {
+            return Ok(());
+        }
         if wind.is_some_and(|wind| wind.iter().any(|value| !value.is_finite())) {
             return Err(SimulationError::NotFinite { what: "wind", row: 0 });
         }
@@ -245,7 +252,7 @@ impl Simulation {
             return Err(SimulationError::Unsupported("air, and so no wind"));
         }
         self.wind = wind;
-        self.note(Changed::Laws);
+        self.note(Changed::Loads);
         Ok(())
     }
 
@@ -262,8 +269,11 @@ impl Simulation {
     /// A load that the scene does not have, a factor that is not finite, or a step that was attempted and waits.
     pub fn set_load_factor(&mut self, load: Load, factor: f64) -> Result<(), SimulationError> {
         self.idle()?;
-        self.scale_of(load, factor)?.set(factor);
-        self.note(Changed::Laws);
+        let scale = self.scale_of(load, factor)?;
+        if scale.get() != factor {
+            scale.set(factor);
+            self.note(Changed::Loads);
+        }
         Ok(())
     }
 
@@ -297,12 +307,16 @@ impl Simulation {
     /// also a scene that is in use elsewhere. Nothing is changed then.
     pub fn set_rest_length_factor(&mut self, edges: &[u32], factor: f64) -> Result<(), SimulationError> {
         self.idle()?;
-        let mut factors = self.rest_length_factors();
-        let springs = self.spring_edges();
+        let springs = self.spring_edges.get_or_init(|| self.scene.spring_edges());
         for &edge in edges {
             springs.binary_search(&edge).map_err(|_| SimulationError::NoSpring { edge })?;
-            factors[edge as usize] = factor;
         }
+        let now = |edge: u32| self.rest_length_factors.get(edge as usize).copied().unwrap_or(1.0);
+        if edges.iter().all(|&edge| now(edge) == factor) {
+            return Ok(());
+        }
+        let mut factors = self.rest_length_factors();
+        edges.iter().for_each(|&edge| factors[edge as usize] = factor);
         self.put_rest_length_factors(factors)
     }
 
@@ -312,7 +326,7 @@ impl Simulation {
             let scene = Arc::get_mut(&mut self.scene).ok_or(SimulationError::SceneInUse)?;
             scene.set_rest_length_factors(&factors);
             self.rest_length_factors = factors;
-            self.note(Changed::Laws);
+            self.note(Changed::RestLengths);
         }
         Ok(())
     }
@@ -325,12 +339,17 @@ impl Simulation {
     /// The place of external forces of a kind, which is made when first needed.
     pub(super) fn external(&mut self, kind: ExternalKind) -> Result<&ExternalForces, SimulationError> {
         if !self.scene.external().is_some_and(|external| external.takes(kind)) {
-            let snapshot = self.snapshot_now()?;
+            Arc::get_mut(&mut self.scene).ok_or(SimulationError::SceneInUse)?;
+            let snapshot = self.at_work(Stop::NEVER, |run, stepper| {
+                // Forces of the last step do not fit the scene any more, and are found again at their velocities.
+                run.state.keep_over_change(run.scene, stepper);
+                Snapshot { forces: None, ..run.state.snapshot(stepper) }
+            })?;
             let scene = Arc::get_mut(&mut self.scene).ok_or(SimulationError::SceneInUse)?;
             if !scene.enable_external(kind) {
                 return Err(SimulationError::Unsupported("forces from outside"));
             }
-            self.take_up(snapshot)?;
+            self.take_up(snapshot).inspect_err(|_| self.scheme = None)?;
         }
         self.scene.external().ok_or(SimulationError::Unsupported("forces from outside"))
     }

@@ -34,3 +34,4 @@ mod strategy;
 mod study_report;
 mod tangent;
 mod threads;
+mod values;

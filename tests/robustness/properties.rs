@@ -4,6 +4,7 @@
 //! The cases are the same in every run. `PROPTEST_CASES=10000 cargo test --release --test robustness properties` goes
 //! deeper, with `PROPTEST_RNG_SEED=7` elsewhere. What once failed is in `found.txt` and is tried first.
 
+mod calls;
 mod hostile;
 mod nets;
 mod symmetry;

@@ -173,8 +173,11 @@ fn above_rounding(estimate: f64, rounding: f64) -> f64 {
 pub struct Quadrature {
     /// [s] size of the last step; 0 when there is none
     gap: f64,
-    /// [m/s^2] accelerations at its start
+    /// [m/s^2] accelerations at its start; less those at its end if `relative`
     a: Vec<f64>,
+    /// whether a program has changed values since. The difference of the accelerations is kept: the parabola is then
+    /// that of the motion within the steps, without the jump between them
+    relative: bool,
 }
 
 impl Quadrature {
@@ -188,9 +191,19 @@ impl Quadrature {
         self.gap = 0.0;
     }
 
+    /// Values have changed: the forces of `at` are still those before. `inverse_mass` `[n_dof]`.
+    pub fn keep_over_change(&mut self, at: &Point, inverse_mass: &[f64]) {
+        if self.is_ready() && !self.relative {
+            for ((a, f), m) in self.a.iter_mut().zip(&at.forces.total).zip(inverse_mass) {
+                *a -= m * f;
+            }
+            self.relative = true;
+        }
+    }
+
     /// Stores an accepted step of `h` [s] that began at `from`; `inverse_mass` `[n_dof]`.
     pub fn remember(&mut self, h: f64, from: &Point, inverse_mass: &[f64]) {
-        self.gap = h;
+        (self.gap, self.relative) = (h, false);
         self.a.resize(inverse_mass.len(), 0.0);
         for ((a, f), m) in self.a.iter_mut().zip(&from.forces.total).zip(inverse_mass) {
             *a = m * f;
@@ -208,7 +221,8 @@ impl Quadrature {
         let (n, n1, g) = (&from.state, &to.state, self.gap);
         let mut derivatives = AccelerationDerivatives::default();
         for (i, m) in inverse_mass.iter().enumerate() {
-            let (before, a, after) = (self.a[i], m * from.forces.total[i], m * to.forces.total[i]);
+            let (a, after) = (m * from.forces.total[i], m * to.forces.total[i]);
+            let before = if self.relative { a + self.a[i] } else { self.a[i] };
             let slope = (after - a) / h;
             let second = (slope - (a - before) / g) / (h + g);
             error.x[i] = (n1.x[i] - n.x[i] - h * n.v[i]) - h * h / 6.0 * (2.0 * a + after) + h.powi(4) / 12.0 * second;

@@ -254,6 +254,12 @@ impl Adaptive {
         (self.state.event, self.state.anew) = (None, true);
     }
 
+    /// A program has changed values, and the forces of `at` are still those before: keeps the history of the estimate,
+    /// as the scheme keeps what it carries. A step that is too long for the new forces is found by its error.
+    pub fn keep_over_change(&mut self, at: &Point, inverse_mass: &[f64]) {
+        self.state.before.keep_over_change(at, inverse_mass);
+    }
+
     /// After an accepted step that ended at `t` [s]: the time [s] of the last steps, if it is too short to count as
     /// progress.
     pub fn stalls(&mut self, t: f64) -> Option<f64> {

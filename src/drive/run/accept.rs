@@ -68,6 +68,7 @@ impl Run<'_> {
         }
         std::mem::swap(&mut self.state.from, &mut self.state.to);
         self.state.row = row;
+        self.state.before_change = None;
         self.state.steps += 1;
         let view = AcceptedStep {
             step: self.state.steps,

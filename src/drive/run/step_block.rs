@@ -65,6 +65,8 @@ impl Run<'_> {
             blocks.dropped += 1;
         } else {
             blocks.dropped = 0;
+            stepper.accept();
+            self.state.before_change = None;
             self.show_block(coming, &blocks, observers)?;
             self.pass_events(stepper)?;
         }
