@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-/// Cost of the integration, with output, without set-up.
+/// Cost of a run, or of a part of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cost {
     /// [s] processor time, all threads; `None` if the system does not report it
@@ -44,6 +44,11 @@ impl Stopwatch {
     /// Starts now.
     pub fn start(before: Cost) -> Self {
         Self { before, clock: cpu_seconds, cpu: cpu_seconds(), wall: Instant::now() }
+    }
+
+    /// As if it had started at a time and a processor time [s] of this process.
+    pub fn since(before: Cost, wall: Instant, cpu: Option<f64>) -> Self {
+        Self { before, clock: cpu_seconds, cpu, wall }
     }
 
     /// Starts now, and measures the processor time of the calling thread alone: several runs may share the process.

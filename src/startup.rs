@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::process;
+use crate::process::{self, Cost, Stopwatch};
 
 /// A phase before the first step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -237,8 +237,17 @@ pub struct StartupTimer(());
 impl StartupTimer {
     /// Starts a timer and discards an earlier one.
     pub fn open() -> Self {
-        let book = PhaseTimes { began: Timestamps::now(), found: Startup::default(), inside: 0.0, whole: false };
-        BOOK.set(Some(book));
+        Self::begun(Timestamps::now())
+    }
+
+    /// The same in a process that makes one run: all processor time that it has used belongs to the run.
+    pub fn of_process() -> Self {
+        let Timestamps { wall, cpu } = Timestamps::now();
+        Self::begun(Timestamps { wall, cpu: cpu.map(|_| 0.0) })
+    }
+
+    fn begun(began: Timestamps) -> Self {
+        BOOK.set(Some(PhaseTimes { began, found: Startup::default(), inside: 0.0, whole: false }));
         StartupTimer(())
     }
 
@@ -252,6 +261,15 @@ impl Drop for StartupTimer {
     fn drop(&mut self) {
         BOOK.set(None);
     }
+}
+
+/// Measures the cost of a run from where the timer of this thread started, or from now; `before` is that of its earlier
+/// parts.
+pub fn stopwatch(before: Cost) -> Stopwatch {
+    BOOK.with_borrow(|book| match book {
+        Some(PhaseTimes { began: Timestamps { wall, cpu }, .. }) => Stopwatch::since(before, *wall, *cpu),
+        None => Stopwatch::start(before),
+    })
 }
 
 /// Ends the timer when a run is ready: returns the times with their sums, if this thread has a timer.

@@ -33,6 +33,8 @@ pub enum WarningCode {
     EventBeyondEnd,
     /// A model whose results are of the right size only in part.
     ExperimentalModel,
+    /// A start from the results of a run that failed.
+    FailedStart,
     /// Springs that start far from their rest length.
     InitialStrain,
     /// Coordinates so large that the canopy would be hundreds of metres across.
@@ -55,7 +57,7 @@ pub enum WarningCode {
     NoSupport,
     /// Coordinates so far from the origin that their rounding changes the strains of the springs.
     RoundedCoordinates,
-    /// A tabled pulse shorter than a few steps.
+    /// A pulse of a table, or a gust, shorter than a few steps.
     ShortPulse,
     /// Springs that are slack at the start, so that the critical step will be smaller when they are taut.
     SlackSprings,
@@ -65,6 +67,8 @@ pub enum WarningCode {
     StepBeyondEnd,
     /// A dashpot whose coefficient follows the step.
     StepDashpot,
+    /// Cloth that is strained more than cloth bears.
+    StrainedCloth,
     /// A speed above that of sound.
     SupersonicSpeed,
     /// Edges that no spring rule selects.

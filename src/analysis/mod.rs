@@ -3,6 +3,7 @@
 mod arnoldi;
 pub mod buckling;
 mod certificate;
+pub mod cloth;
 pub mod critical;
 pub mod growing;
 mod hessenberg;

@@ -2,6 +2,7 @@
 
 use super::progress::LONG_START;
 use super::terminal::coloured;
+use crate::analysis::cloth::StrainedCloth;
 use crate::analysis::critical::CriticalStep;
 use crate::analysis::warnings::worth;
 use crate::case::spec::Problem;
@@ -28,6 +29,7 @@ pub(super) struct RunNotes<'a> {
     pub limit: CriticalStep,
     pub least: Option<LeastStep>,
     pub farthest: MaxDisplacement<'a>,
+    pub strained: Option<StrainedCloth>,
     /// [s] time of the last frame
     pub last_frame: Option<f64>,
 }

@@ -14,6 +14,7 @@ use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::Problem;
 use crate::drive::at_rest::AtRest;
+use crate::drive::cloth_strain::ClothStrain;
 use crate::drive::critical_step_monitor::{CriticalStepMonitor, Monitored};
 use crate::drive::max_displacement::MaxDisplacement;
 use crate::drive::observer::Observer;
@@ -26,10 +27,9 @@ use crate::output::folder::{ResultFolder, SUMMARY};
 use crate::output::recorder::{CheckpointSpec, Recorder, RecorderSpec};
 use crate::output::sanitize::file_stem;
 use crate::output::summary::Summary;
-use crate::process::Stopwatch;
 use crate::scene::Scene;
 use crate::simulation::{RunSettings, Simulation, bind, build_scene, check_solver, doubts_at_end};
-use crate::startup::{Phase, StartupTimer, timed};
+use crate::startup::{self, Phase, StartupTimer, timed};
 use crate::warning::WarningCode;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
-    let account = StartupTimer::open();
+    let account = StartupTimer::of_process();
     let (mut problem, source) =
         timed(Phase::Parse, || Case::from_file(&args.case.case, &args.case.overrides()))?.split();
     if !args.quiet {
@@ -79,7 +79,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
         log::info!("linear solver at the end: {}, {}", linear.solver, linear.reason);
     }
     if !args.quiet {
-        let warnings = doubts_at_end(&problem, &outcome);
+        let warnings = doubts_at_end(&problem, &outcome, seen.strained);
         warnings.iter().for_each(|warning| complain(&format!("warning: {warning}")));
     }
     if let Some(failure) = &outcome.failure {
@@ -126,7 +126,7 @@ impl<'a> PreparedRun<'a> {
             }
             None => timed(Phase::Files, || Recorder::new(scene, &recorded))?,
         };
-        let stopwatch = Stopwatch::start(checkpoint.as_ref().map(|checkpoint| checkpoint.spent).unwrap_or_default());
+        let stopwatch = startup::stopwatch(checkpoint.as_ref().map(|checkpoint| checkpoint.spent).unwrap_or_default());
         let every = problem.output.checkpoint_every;
         // Settings that were derived at the start of the earlier run are kept.
         let case = checkpoint.as_ref().map_or(case, |checkpoint| checkpoint.case.clone());
@@ -148,8 +148,9 @@ impl<'a> PreparedRun<'a> {
             let (method, start, stop) = (&problem.method, limit, Stop::on(stop));
             CriticalStepMonitor::of(Monitored { scene, method, start, step, tell: &tell, stop }, has_limit(method))
         });
-        let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder, &mut progress, &mut farthest];
-        let mut rest = problem.time.until_rest.map(|rest| AtRest::new(scene, rest));
+        let mut strained = ClothStrain::new(scene, spec.end);
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder, &mut progress, &mut farthest, &mut strained];
+        let mut rest = problem.time.until_rest.map(|rest| AtRest::new(scene, rest, spec.end));
         observers.extend(rest.as_mut().map(|rest| rest as &mut dyn Observer));
         observers.extend(monitor.as_mut().map(|monitor| monitor as &mut dyn Observer));
         let observers = &mut observers[..];
@@ -172,7 +173,8 @@ impl<'a> PreparedRun<'a> {
             folder.remove_checkpoint()?;
         }
         let least = monitor.and_then(|monitor| monitor.least());
-        Ok((outcome, summary, RunNotes { limit, least, farthest, last_frame: recorder.shown() }))
+        let strained = strained.most;
+        Ok((outcome, summary, RunNotes { limit, least, farthest, strained, last_frame: recorder.shown() }))
     }
 }
 

@@ -12,6 +12,7 @@ use crate::output::folder::SUMMARY;
 use crate::output::modes::ModesWriteError;
 use crate::output::sanitize::file_stem;
 use crate::simulation::{EarlierResults, RecordError, RecordedStatic, StaticSettings, record_static_watched};
+use crate::startup::StartupTimer;
 use crate::statics::{Stability, Watcher};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -56,6 +57,7 @@ fn time(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn run(args: &StaticArgs) -> Result<CommandOutput, CliError> {
+    let _account = StartupTimer::of_process();
     let case = Case::from_file_at_rest(&args.case, &args.set)?;
     let warn = |text: &str| {
         if !args.quiet {

@@ -4,6 +4,9 @@ use super::observer::{AcceptedStep, ObserveError, Observer, Point, UpcomingStep,
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
+/// [-] Relative difference of times that are the same.
+const ROUNDING: f64 = 1e-12;
+
 /// When a scene counts as at rest.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RestSpec {
@@ -13,25 +16,27 @@ pub struct RestSpec {
     pub every: f64,
 }
 
-/// The observer that looks at multiples of a time. What it decides by is a state alone, so a run that is resumed ends
-/// where an uninterrupted one does.
+/// The observer that looks at multiples of a time, once nothing is to come any more: no event, and no change of a load,
+/// of the wind, of the base, of a rest length or of a canopy. What it decides by is a state alone, so a run that is
+/// resumed ends where an uninterrupted one does.
 pub struct AtRest<'a> {
     scene: &'a dyn Scene,
     spec: RestSpec,
+    /// [s] last time before the end of the run until which something changes
+    settled: f64,
     reached: bool,
 }
 
 impl<'a> AtRest<'a> {
-    /// Of this scene.
-    pub fn new(scene: &'a dyn Scene, spec: RestSpec) -> Self {
-        AtRest { scene, spec, reached: false }
+    /// Of this scene in a run to `end` [s].
+    pub fn new(scene: &'a dyn Scene, spec: RestSpec, end: f64) -> Self {
+        AtRest { scene, spec, settled: scene.settled_after(end), reached: false }
     }
 
-    /// Whether a multiple of the interval lies in a step.
+    /// Whether a multiple of the interval lies in a step that ends after all changes: at its end an event is still to
+    /// come.
     fn looks(&self, from: f64, t: f64) -> bool {
-        // A step that ends at a multiple up to rounding reaches it.
-        let looks = |t: f64| (t / self.spec.every * (1.0 + 1e-12)).floor();
-        looks(t) > looks(from)
+        t > self.settled * (1.0 + ROUNDING) && passes_multiple(self.spec.every, [from, t])
     }
 
     fn is_at_rest(&self, at: &Point) -> bool {
@@ -40,6 +45,13 @@ impl<'a> AtRest<'a> {
         // A support that moves is no rest; a number that is not finite neither.
         dofs.into_iter().all(|((v, f), inverse)| v.abs() <= speed && (f * inverse).abs() * every <= speed)
     }
+}
+
+/// Whether a multiple of an interval [s] lies in a step between two times [s].
+pub(super) fn passes_multiple(every: f64, [from, t]: [f64; 2]) -> bool {
+    // A step that ends at a multiple up to rounding reaches it.
+    let passed = |t: f64| (t / every * (1.0 + ROUNDING)).floor();
+    passed(t) > passed(from)
 }
 
 impl Observer for AtRest<'_> {

@@ -7,6 +7,7 @@ pub mod adaptive;
 pub mod at_rest;
 mod cause;
 pub mod clock;
+pub mod cloth_strain;
 pub mod critical_step_monitor;
 mod error;
 pub mod failure;

@@ -4,18 +4,22 @@
 //! supplied    = kinetic + elastic at t = 0, and the largest energy supplied since by gravity and external work
 //! made        = how far `numerical` has fallen below its highest value, and work of the wrong sign
 //! load_energy = 1/2 h^2 sum f^2/m of the loads at the start, or of later ones on resting masses: what one step gives
-//! diverged:     made > 10 (supplied + load_energy)      or       elastic > 10 supplied
+//! diverged:     made > 10 (supplied + load_energy)      or       elastic > 10 (supplied + load_energy)
 //! ```
 //! The supplied energy bounds all motion, so the energy made by the scheme is compared with it. It is not compared with
 //! the exchanged energy: what the scheme makes becomes kinetic, elastic and dissipated energy, so their ratio could
 //! never reach ten. The bound needs no chosen length, speed or strain: a speed or a strain that needs more than ten
 //! times all energy ever supplied is impossible.
 //!
-//! Schemes of first order move masses one step late, so they make up to `load_energy` in the first step of any load.
-//! The second test does not need this term, because that energy strains springs by no more than the same share of the
-//! supplied energy. Kang's filter contains dashpots, whose work the account evaluates outside it, far too large in long
-//! steps. For it, only energy that is present counts as made, and dissipated energy as lost. The trapezoidal rule of
-//! the ledger misses one fault. Where a step overshoots in a viscous force, explicit Euler and velocity Verlet get from
+//! Schemes of first order move masses one step late, so they make up to `load_energy` in the first step of any load. The
+//! work that the account has of a load that changes in its first step is as wrong for any scheme: it is 0 where the load
+//! begins at 0, and below 0 where it changes its sign, although it has moved masses. The work f v h in a later step is at
+//! most the kinetic energy and `load_energy`. Loads that begin or grow later count as long as those before them, and
+//! what was supplied, explain what was made.
+//!
+//! Kang's filter contains dashpots, whose work the account evaluates outside it, far too large in long steps. For it,
+//! only energy that is present counts as made, and dissipated energy as lost. The trapezoidal rule of the ledger misses
+//! one fault. Where a step overshoots in a viscous force, explicit Euler and velocity Verlet get from
 //! 1/2 (f_n + f_{n+1}).(x_{n+1} - x_n) exactly the energy they make. Therefore energy from dashpots counts as made by
 //! the scheme. So does work of the air above twice its power at either end of the step times h.
 
@@ -63,7 +67,7 @@ pub struct EnergyAccount {
     largest: f64,
     /// [s] longest step so far
     longest: f64,
-    /// [J] energy that loads which begin later give in one step
+    /// [J] largest energy that loads which begin or grow later give in one step
     late_load_energy: f64,
     /// whether the warning was given
     doubted: bool,
@@ -145,6 +149,8 @@ pub struct EnergyGain {
 struct EnergyBounds {
     doubtful: f64,
     credible: f64,
+    /// of what springs hold in a credible state
+    elastic: f64,
     impossible: f64,
 }
 
@@ -230,10 +236,11 @@ impl Watch {
         self.is_calm(step.after)
     }
 
-    /// Adds the step to the account. Returns whether rounding or loads explained the gain before it.
+    /// Adds the step to the account. Returns whether what was supplied, or loads, explained the gain before it.
     fn record(&mut self, step: WatchedStep<'_>) -> bool {
         let WatchedStep { after, .. } = step;
         let (contrary, missed) = (self.contrary(step), self.air_work_missing(step));
+        let given = self.by_loads();
         let a = &mut self.account;
         a.contrary += contrary;
         a.missed += missed;
@@ -242,24 +249,30 @@ impl Watch {
         let lost = if self.dissipates { after.numerical } else { after.numerical + after.dissipated };
         let made = a.contrary - lost;
         a.least = a.least.min(made);
-        let calm = a.gains[KEPT - 1] <= a.supplied;
+        let calm = a.gains[KEPT - 1] <= a.supplied + given;
         a.gains.rotate_left(1);
         a.gains[KEPT - 1] = made - a.least;
         a.largest = a.largest.max(made - a.least);
         calm
     }
 
-    /// [-] Largest gain over the supplied energy, without rounding; 0 where nothing was supplied.
+    /// [-] Largest gain over what was supplied or loads give in a step, without rounding; 0 where nothing was. At most
+    /// [`DOUBTFUL`] where nothing is to be said of it.
     pub fn gain_share(&self, at: &Point, row: &LedgerRow, steps: u64) -> f64 {
         let EnergyAccount { largest, supplied, .. } = self.account;
         if largest <= DOUBTFUL * supplied {
             return if supplied > 0.0 { largest / supplied } else { 0.0 };
         }
         let beyond = (largest - self.rounding(at, row, steps)).max(0.0);
-        // Where nothing else was supplied, the energy that a load gives in its first step.
-        let load_energy = self.load_energy * self.account.longest.powi(2) + self.account.late_load_energy;
-        let supplied = if supplied > 0.0 { supplied } else { load_energy.max(f64::MIN_POSITIVE) };
-        if beyond > 0.0 { beyond / supplied } else { 0.0 }
+        let by_loads = self.by_loads();
+        let doubtful = self.bounds(supplied).doubtful;
+        let all = if beyond > doubtful { supplied + by_loads } else { doubtful / DOUBTFUL };
+        if beyond > 0.0 { beyond / all.max(f64::MIN_POSITIVE) } else { 0.0 }
+    }
+
+    /// [J] What loads give in one step, so far.
+    fn by_loads(&self) -> f64 {
+        (self.load_energy * self.account.longest.powi(2)).max(self.account.late_load_energy)
     }
 
     /// The present gain.
@@ -273,17 +286,16 @@ impl Watch {
 
     /// Limits of the gain, without rounding, for this supplied energy [J].
     fn bounds(&self, supplied: f64) -> EnergyBounds {
-        let load_energy = self.load_energy * self.account.longest.powi(2) + self.account.late_load_energy;
-        let doubtful = DOUBTFUL * supplied + BEYOND_LOAD_ENERGY * load_energy;
-        let credible = doubtful.max(supplied + load_energy);
-        EnergyBounds { doubtful, credible, impossible: DIVERGED * (supplied + load_energy) }
+        let by_loads = self.by_loads();
+        let (all, doubtful) = (supplied + by_loads, DOUBTFUL * supplied + BEYOND_LOAD_ENERGY * by_loads);
+        EnergyBounds { doubtful, credible: doubtful.max(all), elastic: CREDIBLE * all, impossible: DIVERGED * all }
     }
 
     /// Whether there is nothing to report even without allowing for rounding.
     fn is_calm(&self, after: &LedgerRow) -> bool {
         let EnergyGain { made, supplied, .. } = self.gain();
-        let EnergyBounds { doubtful, credible, .. } = self.bounds(supplied);
-        made <= (if self.account.doubted { credible } else { doubtful }) && after.elastic <= CREDIBLE * supplied
+        let EnergyBounds { doubtful, credible, elastic, .. } = self.bounds(supplied);
+        made <= (if self.account.doubted { credible } else { doubtful }) && after.elastic <= elastic
     }
 
     /// Whether a recorded state is credible: apart from rounding, the scheme has made no more energy than was present
@@ -293,8 +305,8 @@ impl Watch {
             return true;
         }
         let (gain, rounding) = (self.gain(), self.rounding(at, row, steps));
-        gain.made <= self.bounds(gain.supplied).credible + rounding
-            && row.elastic <= CREDIBLE * gain.supplied + rounding
+        let EnergyBounds { credible, elastic, .. } = self.bounds(gain.supplied);
+        gain.made <= credible + rounding && row.elastic <= elastic + rounding
     }
 
     fn judge(&mut self, step: WatchedStep<'_>, calm: bool) -> WatchReport {
@@ -302,15 +314,16 @@ impl Watch {
             return WatchReport::Calm;
         }
         let (gain, elastic) = (self.gain(), step.after.elastic);
-        let EnergyBounds { doubtful, impossible, .. } = self.bounds(gain.supplied);
         let rounding = self.rounding(step.to, step.after, step.step);
-        // With a scheme of first order, the account does not yet have the work of a load that has just begun.
-        if elastic > DIVERGED * (gain.supplied + self.account.late_load_energy) + rounding {
+        if calm && gain.made.max(elastic) > rounding {
+            self.note_loads(step);
+        }
+        let EnergyBounds { doubtful, impossible, .. } = self.bounds(gain.supplied);
+        if elastic > impossible + rounding {
             return WatchReport::Diverged(DivergenceKind::Strain { elastic, gain });
         }
         if gain.made > impossible + rounding {
-            let explained = calm && self.explained_by_load(step, gain, rounding);
-            return if explained { WatchReport::Calm } else { WatchReport::Diverged(DivergenceKind::Energy(gain)) };
+            return WatchReport::Diverged(DivergenceKind::Energy(gain));
         }
         if gain.made > doubtful + rounding && !self.account.doubted {
             self.account.doubted = true;
@@ -319,14 +332,13 @@ impl Watch {
         WatchReport::Calm
     }
 
-    /// Whether a load that has just begun explains a gain, as the loads at the start do.
-    fn explained_by_load(&mut self, step: WatchedStep<'_>, gain: EnergyGain, rounding: f64) -> bool {
+    /// Counts the loads of a step as those at the start are.
+    fn note_loads(&mut self, step: WatchedStep<'_>) {
         // For resting masses: on moving ones the air would act against motion that the scheme itself may have made.
         let rest = vec![0.0; step.from.state.v.len()];
-        let at = |t: f64| load_energy(step.scene, StateRef { t, x: &step.from.state.x, v: &rest }, 1.0);
+        let at = |t: f64| load_energy(step.scene, StateRef { t, x: &step.from.state.x, v: &rest }, step.h);
         let most = at(step.from.state.t).max(at(step.to.state.t));
-        self.account.late_load_energy = self.account.late_load_energy.max(most * step.h * step.h);
-        gain.made <= DIVERGED * (gain.supplied + self.account.late_load_energy) + rounding
+        self.account.late_load_energy = self.account.late_load_energy.max(most);
     }
 
     /// [J] Work in a step whose sign contradicts the forces at both of its ends.

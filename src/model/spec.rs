@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::mesh::Mesh;
 use std::f64::consts::TAU;
 
+mod changes;
 mod over_time;
 mod surface;
 pub use over_time::{MotionSpec, RestScaleSpec, Series, support_velocity};
@@ -138,9 +139,27 @@ pub struct GustSpec {
 impl GustSpec {
     /// [m/s] Its velocity at time `t` [s].
     pub fn at(&self, t: f64) -> [f64; 3] {
-        let phase = (t - self.start) / self.duration;
-        let share = if (0.0..=1.0).contains(&phase) { 0.5 * (1.0 - (TAU * phase).cos()) } else { 0.0 };
+        let share = self.share(t);
         self.velocity.map(|v| share * v)
+    }
+
+    /// [-] Share of the velocity at its peak at time `t` [s].
+    pub fn share(&self, t: f64) -> f64 {
+        Self::shape((t - self.start) / self.duration)
+    }
+
+    fn shape(phase: f64) -> f64 {
+        if (0.0..=1.0).contains(&phase) { 0.5 * (1.0 - (TAU * phase).cos()) } else { 0.0 }
+    }
+
+    /// [-] The share as a table: as trapezoidal sums of a period are exact, it has the integral of the gust.
+    pub fn rows(&self) -> Series<[f64; 1]> {
+        const ROWS: u32 = 32;
+        let phases = || (0..=ROWS).map(|row| f64::from(row) / f64::from(ROWS));
+        Series {
+            t: phases().map(|phase| self.start + phase * self.duration).collect(),
+            value: phases().map(|phase| [Self::shape(phase)]).collect(),
+        }
     }
 }
 

@@ -11,8 +11,7 @@ use super::files::{FRAMES, GAUGES, HISTORY, PROBES};
 use super::frame_files::frames_in;
 use super::sanitize::file_stem;
 
-/// How a run ended, for programs.
-pub const SUMMARY: &str = "summary.json";
+pub use crate::vtk::SUMMARY;
 /// A table of the vibration modes about an equilibrium.
 pub const MODES: &str = "modes.csv";
 /// The folder of their shapes.

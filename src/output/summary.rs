@@ -106,13 +106,14 @@ pub struct Summary {
     pub rejected_steps: u64,
     /// [s] time of the last accepted state
     pub t_end: f64,
-    /// [s] processor time of the run, all threads and all parts; null if the system does not report it
+    /// [s] processor time of the run with its start, all threads and all parts: of the whole process, where it makes
+    /// one run; null if the system does not report it
     pub cpu_seconds: Option<f64>,
-    /// [s] time on the clock, all parts
+    /// [s] time on the clock, with its start, all parts
     pub wall_seconds: f64,
     /// [byte] largest resident memory; null if the system does not report it
     pub peak_memory_bytes: Option<u64>,
-    /// [s] time before the first step, by phases, of this part of the run
+    /// [s] time before the first step, by phases, of this part of the run; it is in `cpu_seconds` and `wall_seconds`
     #[serde(default)]
     pub startup: Startup,
     /// counted work of the run

@@ -102,18 +102,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         builder;
     tables.extend(stream.clone().map(|stream| stream as Arc<dyn SampledTable>));
     let gravity = spec.gravity.map_or(Vector3::zeros(), Vector3::from);
-    let winds = spec.air.iter().map(|air| &air.wind).chain(spec.stream.iter().map(|stream| &stream.wind));
-    let gusts = spec.stream.iter().flat_map(|stream| &stream.gusts);
-    let gusts = gusts.flat_map(|gust| [gust.start, gust.start + gust.duration]);
-    let factors = spec.pressures.iter().map(|p| &p.factor).chain(spec.forces.iter().map(|f| &f.factor));
-    let fillings = spec.canopies.iter().flat_map(|canopy| &canopy.filling);
-    let fillings = fillings.flat_map(|filling| [filling.start, filling.start + filling.duration]);
-    let tabled = winds.chain(&spec.base_acceleration).flat_map(|table| &table.t);
-    let scales = spec.rest_scales.iter().map(|scale| &scale.factor);
-    let tabled = tabled.chain(factors.flatten().chain(scales).flat_map(|s| &s.t)).copied();
-    let mut corners: Vec<f64> = tabled.chain(gusts).chain(fillings).chain(spec.events()).collect();
-    corners.sort_by(f64::total_cmp);
-    corners.dedup();
+    let (corners, changing) = (spec.corners(), spec.changing());
     let phases = Phases::new(&spec, &inertia, &numbering);
     Ok(Network::assemble_parts(super::network::Parts {
         numbering,
@@ -126,6 +115,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         gravity,
         loads,
         corners,
+        changing,
         tables,
         stream,
         canopies,

@@ -47,7 +47,7 @@ pub enum BuildError {
         /// [-] largest share of a node's mass that is needed
         needed: f64,
     },
-    /// Nothing can move.
+    /// Nothing is free at any time, or moved.
     #[error("the scene has no free degree of freedom")]
     NothingFree,
     /// A value is not a finite number.
@@ -221,7 +221,7 @@ fn nodes(spec: &NetworkSpec) -> Result<(), BuildError> {
 
 fn masses(spec: &NetworkSpec) -> Result<(), BuildError> {
     let free = |f: &[bool; 3]| *f != [true; 3];
-    if !spec.fixed.iter().any(free) {
+    if !spec.always_fixed().iter().any(free) && spec.motions.is_empty() {
         return Err(BuildError::NothingFree);
     }
     let massless = |(_, (m, f)): &(usize, (&f64, &[bool; 3]))| free(f) && !(**m > 0.0 && m.is_finite());

@@ -124,6 +124,14 @@ pub trait Scene: TangentSystem + Observables {
         Vec::new()
     }
 
+    /// [s] When the last change is over that takes place before `end` [s], 0 without any: of loads, wind, base and rest
+    /// lengths by their tables, of canopies by their stages, and events. A change that goes on at `end` lasts until
+    /// then.
+    fn settled_after(&self, end: f64) -> f64 {
+        let _ = end;
+        0.0
+    }
+
     /// Puts what supports move where it is at the time of a state, with the velocity that it then has. Returns whether
     /// they move anything.
     fn put_supports(&self, state: &mut State) -> bool {

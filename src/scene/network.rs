@@ -49,6 +49,8 @@ pub struct Network {
     /// what a program can scale
     pub(super) loads: Vec<(Load, Arc<Scale>)>,
     corners: Vec<f64>,
+    /// [s] beginnings and ends of all changes over time
+    pub(super) changing: Vec<[f64; 2]>,
     tables: Vec<Arc<dyn SampledTable>>,
     pub(super) terms: Vec<Box<dyn ForceTerm>>,
     /// of every part of every term
@@ -112,6 +114,8 @@ pub(super) struct Parts {
     pub loads: Vec<(Load, Arc<Scale>)>,
     /// [s] rows of load and wind tables
     pub corners: Vec<f64>,
+    /// [s] beginnings and ends of all changes over time
+    pub changing: Vec<[f64; 2]>,
     /// load and wind tables, shared with the terms
     pub tables: Vec<Arc<dyn SampledTable>>,
     pub stream: Option<Arc<Stream>>,
@@ -152,6 +156,7 @@ impl Network {
             gravity: p.gravity,
             loads: p.loads,
             corners: p.corners,
+            changing: p.changing,
             tables: p.tables,
             terms: p.terms,
             shared_edges: shares_edges(&p.springs),

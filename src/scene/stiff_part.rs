@@ -69,6 +69,7 @@ impl Network {
             gravity: Vector3::zeros(),
             loads: Vec::new(),
             corners: Vec::new(),
+            changing: Vec::new(),
             tables: Vec::new(),
             stream: None,
             canopies: Vec::new(),

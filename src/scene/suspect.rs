@@ -61,6 +61,11 @@ impl Scene for Network {
         times
     }
 
+    fn settled_after(&self, end: f64) -> f64 {
+        let begun = self.changing.iter().filter(|[from, _]| *from < end);
+        begun.fold(0.0, |last: f64, [_, until]| last.max(until.min(end)))
+    }
+
     fn put_supports(&self, state: &mut State) -> bool {
         self.put_moved(state)
     }

@@ -1,5 +1,6 @@
 //! What is wrong with a case, or doubtful about a run, and shows only on the built scene or at the end.
 
+use crate::analysis::cloth::StrainedCloth;
 use crate::case::spec::Problem;
 use crate::case::{CaseError, Source};
 use crate::drive::observer::LedgerRow;
@@ -45,10 +46,20 @@ fn unsuitable_solver(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpe
     }
 }
 
-/// Warnings about a finished run that its case does not acknowledge.
-pub fn doubts_at_end(problem: &Problem, outcome: &Outcome) -> Vec<Warning> {
-    let found = [energy_made(outcome), energy_dissipated(problem, outcome)].into_iter().flatten();
+/// Warnings about a finished run that its case does not acknowledge; `strained` is the most strained part of cloth.
+pub fn doubts_at_end(problem: &Problem, outcome: &Outcome, strained: Option<StrainedCloth>) -> Vec<Warning> {
+    let strained = strained.filter(|_| outcome.failure.is_none()).map(strained_cloth);
+    let found = [energy_made(outcome), energy_dissipated(problem, outcome), strained].into_iter().flatten();
     problem.sort_out(found).1
+}
+
+/// Warning for strains that no cloth bears.
+fn strained_cloth(strained: StrainedCloth) -> Warning {
+    let text = format!(
+        "{}; cloth tears at about half of that: check pressures, and stiffness, modulus and thickness of the cloth",
+        strained.text()
+    );
+    Warning::new(WarningCode::StrainedCloth, text)
 }
 
 /// Warning for a completed run whose scheme made much energy itself.

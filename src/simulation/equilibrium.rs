@@ -1,6 +1,7 @@
 //! The static equilibrium of a case, with the files of `canopy-fem static`.
 
 use super::{EarlierResults, RecordError, build_scene, check_solver};
+use crate::analysis::cloth::too_soft;
 use crate::analysis::lowest::{LowMode, LowModes, ModesError, lowest};
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
@@ -13,8 +14,9 @@ use crate::output::folder::{ResultFolder, SUMMARY};
 use crate::output::modes::write_modes;
 use crate::output::recorder::{Recorder, RecorderSpec};
 use crate::output::summary::{EquilibriumReport, Summary};
-use crate::process::Stopwatch;
+use crate::process::Cost;
 use crate::scene::Scene;
+use crate::startup;
 use crate::statics::{self, Equilibrium, StaticFailure, StaticSpec, Watcher};
 use crate::warning::{Warning, WarningCode};
 use std::path::Path;
@@ -86,6 +88,7 @@ pub fn record_static_watched(
     stop: &AtomicBool,
     watcher: Watcher<'_>,
 ) -> Result<RecordedStatic, RecordError> {
+    let stopwatch = startup::stopwatch(Cost::default());
     let problem = case.problem();
     let case_digest = Fingerprint::of(problem)?.digest();
     let scene = build_scene(problem.system.clone().with_real_masses(), how.threads)?;
@@ -94,7 +97,6 @@ pub fn record_static_watched(
     let folder = ResultFolder::prepare(how.out, &problem.name, replace)?;
     let spec = RecorderSpec { frames_every: None, ..RecorderSpec::of(problem, folder.dir()) };
     let mut recorder = Recorder::new(&*scene, &spec)?;
-    let stopwatch = Stopwatch::start(Default::default());
     let newton = problem.solver.newton;
     let asked = StaticSpec {
         at: how.at,
@@ -158,13 +160,15 @@ fn outcome(scene: &dyn Scene, found: &Equilibrium) -> Outcome {
         ledger,
         failure: found.failure.as_ref().filter(|failure| **failure != StaticFailure::Interrupted).map(|failure| {
             let place = failure.place();
+            let soft = too_soft(scene, found.point.state.as_ref());
+            let soft = soft.map_or_else(String::new, |soft| format!("; {soft}"));
             Failure {
                 time: found.point.state.t,
                 step: u64::from(found.pseudo_steps) + 1,
                 node: place.node,
                 spring: place.spring,
                 term: place.term.map(|term| term.name.to_owned()),
-                cause: failure.to_string(),
+                cause: format!("{failure}{soft}"),
                 advice: failure.advice(),
                 ..Failure::default()
             }

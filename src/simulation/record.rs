@@ -6,6 +6,7 @@ use crate::case::fingerprint::{Fingerprint, FingerprintError};
 use crate::case::spec::Problem;
 use crate::case::{Case, CaseError};
 use crate::drive::at_rest::AtRest;
+use crate::drive::cloth_strain::ClothStrain;
 use crate::drive::observer::{ObserveError, Observer};
 use crate::drive::{Outcome, Status};
 use crate::model::stop::Stop;
@@ -15,8 +16,8 @@ use crate::output::modes::ModesWriteError;
 use crate::output::recorder::{CheckpointSpec, Recorder, RecorderError, RecorderSpec};
 use crate::output::resume::ResumeError;
 use crate::output::summary::Summary;
-use crate::process::Stopwatch;
 use crate::scene::Scene;
+use crate::startup::{self, Phase, StartupTimer, timed};
 use crate::warning::Warning;
 use std::path::Path;
 use std::sync::Arc;
@@ -102,16 +103,17 @@ pub fn record(
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
 ) -> Result<Recorded, RecordError> {
+    let timer = StartupTimer::open();
     let problem = case.problem();
     let fingerprint = Fingerprint::of(problem)?;
-    let scene: Arc<dyn Scene> = build_scene(problem.system.clone(), how.threads)?.into();
+    let scene: Arc<dyn Scene> = timed(Phase::Scene, || build_scene(problem.system.clone(), how.threads))?.into();
     // An unsuitable solver or method is refused before any file is created.
     check_solver(problem, &*scene, case.source())?;
     bind(problem, &*scene)?;
-    let (folder, checkpoint) = folder(problem, how, &fingerprint)?;
+    let (folder, checkpoint) = timed(Phase::Files, || folder(problem, how, &fingerprint))?;
     let step = problem.time.step.fixed().map(|step| step.min(problem.time.end));
     let plan = Planned { scene: &*scene, method: &problem.method, step, end: problem.time.end, stop: Stop::on(stop) };
-    let limit = limit_at_start(plan);
+    let limit = timed(Phase::CriticalStep, || limit_at_start(plan));
     let found = [mass_warning(&*scene), step_warning(plan, limit), slack_warning(plan, limit)].into_iter().flatten();
     let mut warnings: Vec<Warning> = problem.warnings.iter().cloned().chain(problem.sort_out(found).1).collect();
     let recorded = RecorderSpec::of(problem, folder.dir());
@@ -123,7 +125,7 @@ pub fn record(
         }
         None => Recorder::new(&*scene, &recorded)?,
     };
-    let stopwatch = Stopwatch::start(checkpoint.as_ref().map(|checkpoint| checkpoint.spent).unwrap_or_default());
+    let stopwatch = startup::stopwatch(checkpoint.as_ref().map(|checkpoint| checkpoint.spent).unwrap_or_default());
     let every = problem.output.checkpoint_every;
     // Settings that were derived at the start of the earlier run are kept.
     let fingerprint = checkpoint.as_ref().map_or(fingerprint, |checkpoint| checkpoint.case.clone());
@@ -135,20 +137,23 @@ pub fn record(
         Some(Checkpoint { snapshot, .. }) => Simulation::resume(scene.clone(), settings, snapshot)?,
         None => Simulation::of_scene(scene.clone(), settings)?,
     };
-    let mut rest = problem.time.until_rest.map(|rest| AtRest::new(&*scene, rest));
-    let mut all: Vec<&mut dyn Observer> = vec![&mut recorder];
+    startup::ready();
+    let mut rest = problem.time.until_rest.map(|rest| AtRest::new(&*scene, rest, problem.time.end));
+    let mut strained = ClothStrain::new(&*scene, problem.time.end);
+    let mut all: Vec<&mut dyn Observer> = vec![&mut recorder, &mut strained];
     all.extend(rest.as_mut().map(|rest| rest as &mut dyn Observer));
     all.extend(observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer));
     let outcome = simulation.run(&mut all, stop)?;
     let summary = Summary::new(problem, &*scene, &outcome, limit.step, stopwatch.read());
     let (peaks, groups) = (recorder.peaks(), problem.group_totals());
-    let summary = Summary { resumed_from, case_digest, peaks, groups, mass_scaling: scene.added_mass(), ..summary };
+    let (mass_scaling, startup) = (scene.added_mass(), timer.read());
+    let summary = Summary { resumed_from, case_digest, peaks, groups, startup, mass_scaling, ..summary };
     summary.write(&folder.file(SUMMARY))?;
     // The checkpoint of an interrupt, which the case did not ask for.
     if outcome.status == Status::Completed && every.is_none() {
         folder.remove_checkpoint()?;
     }
-    warnings.extend(doubts_at_end(problem, &outcome));
+    warnings.extend(doubts_at_end(problem, &outcome, strained.most));
     Ok(Recorded { outcome, summary, warnings })
 }
 

@@ -8,6 +8,14 @@ use crate::scene::Suspect;
 /// Why a search has ended without an equilibrium.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StaticFailure {
+    /// Nothing can move at the time of the loads.
+    #[error("at t = {} s every node is held in x, y and z: there is nothing to find", figures(*at, 6))]
+    AllHeld {
+        /// [s] that time
+        at: f64,
+        /// [s] next event of the scene
+        next: Option<f64>,
+    },
     /// Loads that no support can balance.
     #[error("there is no equilibrium: {loose}")]
     NoSupport {
@@ -72,13 +80,19 @@ impl StaticFailure {
             | StaticFailure::Left { place, .. }
             | StaticFailure::NotFinite { place } => place.clone(),
             StaticFailure::NoSupport { loose } => Suspect { node: loose.nodes.first().copied(), ..Suspect::default() },
-            StaticFailure::Solver { .. } | StaticFailure::Interrupted => Suspect::default(),
+            StaticFailure::AllHeld { .. } | StaticFailure::Solver { .. } | StaticFailure::Interrupted => {
+                Suspect::default()
+            }
         }
     }
 
     /// What to do.
     pub fn advice(&self) -> String {
         let text = match self {
+            StaticFailure::AllHeld { next: Some(next), .. } => {
+                return format!("take a time at which supports have let go: --at {}", figures(*next, 6));
+            }
+            StaticFailure::AllHeld { next: None, .. } => "free at least one direction of one node",
             StaticFailure::NoSupport { loose } => return hold(loose),
             StaticFailure::Left { loose: Some(loose), .. } => return hold(loose),
             StaticFailure::NotConverged { .. } => {

@@ -114,6 +114,10 @@ pub fn find_watched(scene: &dyn Scene, spec: StaticSpec, stop: Stop<'_>, watcher
     let mut point = Point { state, forces: scene.new_forces() };
     let mut counters = Counters::default();
     counters.evaluate(scene, point.state.as_ref(), &mut point.forces);
+    if scene.inverse_mass().iter().all(|inverse| *inverse == 0.0) {
+        let next = scene.events().iter().copied().find(|event| *event > spec.at);
+        return Equilibrium::without(point, counters, StaticFailure::AllHeld { at: spec.at, next });
+    }
     // A matrix that is made anew in every iteration is factorised.
     let choice = if spec.linear == LinearChoice::Cg { LinearChoice::Auto } else { spec.linear };
     let tangents = match Tangents::new(scene, Strategy::Full, choice) {

@@ -15,6 +15,8 @@ use serde::{Deserialize, Serialize};
 
 /// Folder of the frames of a run, beside its .pvd.
 pub const FRAMES: &str = "frames";
+/// How a run ended, for programs; in its folder.
+pub const SUMMARY: &str = "summary.json";
 
 /// How the bytes of appended arrays are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

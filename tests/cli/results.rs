@@ -99,6 +99,9 @@ fn the_start_is_told_phase_by_phase() {
         let phases: f64 = before.iter().chain(&analysis).map(|key| seconds(key)).sum();
         assert!(before.iter().chain(&analysis).all(|key| seconds(key) >= 0.0));
         assert!(seconds("cpu_seconds") >= 0.999 * phases && seconds("wall_seconds") > 0.0, "{summary}");
+        let all = |key: &str| summary[key].as_f64().unwrap_or_else(|| panic!("no {key} in {summary}"));
+        assert!(all("cpu_seconds") >= seconds("cpu_seconds"), "the start is a part: {summary}");
+        assert!(all("wall_seconds") >= seconds("wall_seconds"), "{summary}");
         for key in analysis.iter().chain(&["factorization"]) {
             assert_eq!(seconds(key) > 0.0, matrix, "{key} with {method}");
         }

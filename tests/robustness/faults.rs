@@ -2,10 +2,13 @@
 //! value. A test of this kind belongs in the file of its topic in `tests/robustness/faults/`.
 
 mod adaptive;
+mod cloth;
 mod endless;
+mod first_steps;
 mod folders;
 mod frames;
 mod free_stream;
+mod held;
 mod kang;
 mod loads;
 mod messages;

@@ -4,11 +4,14 @@ use super::geometry::Geometry;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{FrameFile, Initial, InitialFrom, Vectors};
-use crate::format_number::first_few;
+use crate::drive::Status;
+use crate::format_number::{figures, first_few};
 use crate::input_file;
 use crate::model::spec::SpringGroup;
-use crate::vtk::FRAMES;
 use crate::vtk::read::{FramePoints, frame_points};
+use crate::vtk::{FRAMES, SUMMARY};
+use crate::warning::WarningCode;
+use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
 /// The network with which the initial state is checked.
@@ -174,7 +177,32 @@ fn earlier(at: &Pointer, from: &InitialFrom, network: &Network<'_>, faults: &mut
     held.for_each(|(v, _)| *v = 0.0);
     let start = InitialState { displacement, velocity };
     check_lengths(at, &start.displacement, network, faults);
+    warn_of_failure(at, &path, faults);
     Some(start)
+}
+
+/// How the summary of a run says that it ended.
+#[derive(Deserialize)]
+struct Ended {
+    status: Status,
+    t_end: f64,
+}
+
+/// Warns of a frame of a run that failed, by the summary in its folder.
+fn warn_of_failure(at: &Pointer, frame: &Path, faults: &mut Faults<'_>) {
+    let frames = frame.parent().filter(|frames| frames.ends_with(FRAMES));
+    let Some(folder) = frames.and_then(Path::parent) else { return };
+    let summary = input_file::read(&folder.join(SUMMARY)).ok();
+    let ended: Option<Ended> = summary.and_then(|bytes| serde_json::from_slice(&bytes).ok());
+    let Some(Ended { status: status @ (Status::Diverged | Status::NotConverged), t_end }) = ended else { return };
+    let how = if status == Status::Diverged { "diverged" } else { "could not be solved" };
+    let text = format!(
+        "{at}: the run in {} {how} after t = {} s, and what it shows last may be far from right: start from a run that \
+         has completed, or from an early frame",
+        folder.display(),
+        figures(t_end, 6)
+    );
+    faults.warn(WarningCode::FailedStart, text);
 }
 
 /// The newest frame in a folder of results.

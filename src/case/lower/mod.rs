@@ -31,7 +31,6 @@ use super::diagnostics::Faults;
 use super::pointer::Pointer;
 use super::schema::{CaseFile, System};
 use super::spec::{GaugePlaces, GaugeSpec, Problem, SystemSpec};
-use crate::drive::clock::Step;
 use crate::model::observables::GaugeQuantity;
 use crate::model::spec::{NetworkSpec, PendulumSpec, StrengthSpec};
 use crate::preflight;
@@ -71,9 +70,10 @@ pub(crate) fn build(
                 network::warn_of_events(&at, network, timing.spec.end, faults);
             }
             let spec = network::network(&at, network, (base, geometry.as_deref()), step, faults);
-            if let (Some(_), Some(spec), Some(h)) = (&spec, timing.as_ref().map(|t| t.spec), step.and_then(Step::fixed))
-            {
-                tables::warn_of_short_pulses(&at, network, tables::StepTimes { h, end: spec.end }, faults);
+            let fixed =
+                timing.as_ref().and_then(|t| Some(tables::StepTimes { h: t.spec.step.fixed()?, end: t.spec.end }));
+            if let (Some(spec), Some(times)) = (&spec, fixed) {
+                tables::warn_of_short_pulses(&at, (network, spec), times, faults);
             }
             let mass_scaling = timing.as_ref().and_then(|timing| timing.mass_scaling);
             (spec.map(|spec| SystemSpec::Network(Box::new(NetworkSpec { mass_scaling, ..spec }))), geometry)

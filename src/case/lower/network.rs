@@ -42,24 +42,20 @@ pub(super) fn network(
     let base_acceleration = base_acceleration(at, network, faults);
     let loads = loads::loads(&at.key("loads"), &network.loads, geometry, faults);
     let geometry = geometry?;
+    let mut at_last = fixed.clone();
+    releases.iter().for_each(|release| release.apply(&mut at_last));
     // A faulty mass, support or spring section would be reported a second time as massless nodes.
     if masses_known {
-        let mut at_last = fixed.clone();
-        releases.iter().for_each(|release| release.apply(&mut at_last));
         check_masses(at, &masses, &at_last, faults);
         let mesh = &geometry.mesh;
         let springs = groups.iter().flat_map(|g| &g.edges).filter_map(|e| mesh.edges.get(*e as usize)).flatten();
         let triangles = membranes.iter().flat_map(|m| &m.triangles).filter_map(|t| mesh.triangles.get(*t as usize));
         warn_loose(springs.chain(triangles.flatten()).copied(), &at_last, faults);
     }
-    if fixed.iter().flatten().all(|held| *held) {
-        let hint = "free at least one direction of one node from the start".to_owned();
-        faults.add_value(
-            &at.key("supports"),
-            "every node is held in x, y and z",
-            "something that can move",
-            Some(hint),
-        );
+    if motions.is_empty() && at_last.iter().flatten().all(|held| *held) {
+        let hint = "free at least one direction of one node, from the start or with \"until\", or move a support";
+        let value = "every node is held in x, y and z";
+        faults.add_value(&at.key("supports"), value, "something that can move", Some(hint.to_owned()));
     }
     let start = if readable(&["supports", "springs"], faults) {
         let moved = &support_velocity(&motions, fixed.len());

@@ -1,10 +1,11 @@
-//! Tables with pulses that fixed steps do not resolve.
+//! Pulses of tables, and gusts, that fixed steps do not resolve.
 
 use super::wind;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Factor, FactorTable, Network, VectorTable, WindPart};
+use crate::case::schema::{Factor, FactorTable, Gust, Network, VectorTable, WindPart};
 use crate::format_number::figures;
+use crate::model::spec::NetworkSpec;
 use crate::warning::WarningCode;
 
 /// [-] A pulse shorter than this many steps loses its shape.
@@ -24,8 +25,13 @@ pub(super) struct StepTimes {
 }
 
 /// Warns once per table: about the first pulse of a load, of the base, of a rest length or of the wind that is shorter
-/// than two steps and does not begin and end with steps.
-pub(super) fn warn_of_short_pulses(at: &Pointer, network: &Network, steps: StepTimes, faults: &mut Faults<'_>) {
+/// than two steps and does not begin and end with steps; and of every gust that is shorter.
+pub(super) fn warn_of_short_pulses(
+    at: &Pointer,
+    (network, spec): (&Network, &NetworkSpec),
+    steps: StepTimes,
+    faults: &mut Faults<'_>,
+) {
     let loads = network.loads.iter().enumerate();
     for (i, table) in loads.filter_map(|(i, load)| Some((i, load.table.as_ref()?))) {
         let at = at.key("loads").index(i).key("table");
@@ -45,9 +51,27 @@ pub(super) fn warn_of_short_pulses(at: &Pointer, network: &Network, steps: StepT
     }
     let wind = network.aero.as_ref().and_then(|aero| aero.wind.as_ref());
     for (at, part) in wind.into_iter().flat_map(|wind| wind::parts(&at.key("aero").key("wind"), wind)) {
-        let WindPart::Table { table } = part else { continue };
-        warn(&at.key("table"), "mean", vector(table), steps, faults);
+        match part {
+            WindPart::Table { table } => warn(&at.key("table"), "mean", vector(table), steps, faults),
+            // The sum of all tables is at hand, the file is not.
+            WindPart::File { .. } => {
+                let of_stream = spec.stream.as_ref().map(|stream| &stream.wind);
+                let sum = of_stream.or_else(|| spec.air.as_ref().map(|air| &air.wind));
+                let rows = sum.into_iter().flat_map(|sum| sum.t.iter().zip(&sum.value));
+                let rows: Vec<[f64; 4]> = rows.map(|(t, [x, y, z])| [*t, *x, *y, *z]).collect();
+                warn(&at.key("file"), "mean", vector(&rows), steps, faults);
+            }
+            WindPart::Gust { gust } => warn(&at.key("gust"), "mean", short_gust(gust, steps), steps, faults),
+            WindPart::Constant(_) | WindPart::Profile { .. } => {}
+        }
     }
+}
+
+/// A gust of which steps do not see the shape; one of two steps that begins with a step has its peak at their middle.
+fn short_gust(gust: &Gust, StepTimes { h, end }: StepTimes) -> ShortPulses {
+    let Gust { start, duration, .. } = *gust;
+    let counts = duration < (1.0 - AT_END) * STEPS * h && start < end && start + duration > 0.0;
+    ShortPulses { count: usize::from(counts), first: [start, duration] }
 }
 
 /// Short pulses of a table.

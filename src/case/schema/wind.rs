@@ -50,7 +50,8 @@ pub enum WindPart {
     },
 }
 
-/// A one-minus-cosine gust: velocity/2 (1 - cos(2 pi (t - start)/duration)), 0 before and after.
+/// A one-minus-cosine gust: velocity/2 (1 - cos(2 pi (t - start)/duration)), 0 before and after. Where it lasts less
+/// than eight fixed steps, its mean is kept, but not its shape.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Gust {

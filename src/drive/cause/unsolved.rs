@@ -2,6 +2,7 @@
 
 use super::DiagnosisInput;
 use crate::analysis::buckling;
+use crate::analysis::cloth::too_soft;
 use crate::format_number::figures;
 
 /// [-] Effect of rounded positions, as a share of the largest tension, and as a strain.
@@ -11,7 +12,8 @@ impl DiagnosisInput<'_> {
     /// The cause in words, and a step [s] that might be solved; `worst` is the degree of freedom with the largest
     /// residual.
     pub(in crate::drive) fn unsolved(&self, worst: usize) -> (String, f64) {
-        let (mut words, mut step) = (Vec::new(), 0.5 * self.h);
+        let mut step = 0.5 * self.h;
+        let mut words: Vec<String> = too_soft(self.scene, self.last.as_ref()).into_iter().collect();
         if let Some(leaves) = buckling::fastest(self.scene, self.last.as_ref(), self.stop) {
             let turning = self.turning().join(", ");
             let what = match (self.compressed(), turning.is_empty()) {

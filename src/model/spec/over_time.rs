@@ -11,6 +11,14 @@ pub struct Series<T> {
     pub value: Vec<T>,
 }
 
+impl<T: PartialEq> Series<T> {
+    /// [s] Beginnings and ends of the parts between two rows that are not constant.
+    pub fn changing(&self) -> impl Iterator<Item = [f64; 2]> {
+        let rows = self.t.windows(2).zip(self.value.windows(2));
+        rows.filter(|(_, value)| value[0] != value[1]).filter_map(|(t, _)| <[f64; 2]>::try_from(t).ok())
+    }
+}
+
 impl Series<f64> {
     /// The same with rows of one value.
     pub fn rows(&self) -> Series<[f64; 1]> {

@@ -2,7 +2,7 @@
 //! lie.
 
 use super::program::program;
-use crate::common::run::{case_of, follow, run};
+use crate::common::run::{Run, case_of, follow, run};
 use canopy_fem::drive::clock::{Step, Tolerance};
 use canopy_fem::drive::{self, RunSpec, Status};
 use canopy_fem::integrate::registry::methods;
@@ -190,6 +190,106 @@ fn a_gust_between_steps_is_felt() {
     for method in methods() {
         let v = gust(method.name, 0.01);
         assert!((v / exact - 1.0).abs() < 1e-3, "{}: {v}, expected {exact}", method.name);
+    }
+}
+
+/// A mass with drag in a gust of 25 m/s, and what the wind is beside it.
+fn drag_in(wind: Value, method: &str, step: f64) -> Value {
+    json!({
+        "name": "gust",
+        "system": {"network": {
+            "mesh": {"explicit": {"nodes": [[0, 0, 0], [0.8, 0, 0]], "springs": [[0, 1]]}},
+            "mass": {"nodal": 1.5},
+            "springs": [{"on": "all", "stiffness": 60.0}],
+            "supports": [{"on": {"ids": [0]}, "fix": "xyz"}, {"on": {"ids": [1]}, "fix": "yz"}],
+            "aero": {"drag": [{"on": {"ids": [1]}, "drag_area": 2.0}], "wind": wind}
+        }},
+        "time": {"end": 0.6, "method": method, "step": step}
+    })
+}
+
+fn gust_of(start: f64, duration: f64) -> Value {
+    json!({"gust": {"velocity": [25, 0, 0], "start": start, "duration": duration}})
+}
+
+/// Cloth of a linear law takes the mean of a gust from it, however short and wherever in a step; one of many steps is
+/// felt as it is.
+#[test]
+fn a_gust_shorter_than_a_step_keeps_its_mean() {
+    let velocity = |method: &str, wind: &Value| {
+        let case = json!({
+            "name": "gust",
+            "system": {"network": {
+                "mesh": {"explicit": {"nodes": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "springs": [[0, 1], [1, 2], [2, 0]], "triangles": [[0, 1, 2]]}},
+                "mass": {"nodal": 1.0},
+                "springs": [{"on": "all", "stiffness": 1.0}],
+                "aero": {"law": {"permeable": {"a": 0.01, "b": 0.0, "thickness": 1.0}}, "wind": wind}
+            }},
+            "time": {"end": 0.8, "method": method, "step": 0.01}
+        });
+        run(&case_of(&case, &[])).velocities[0][2]
+    };
+    let h = 0.01;
+    for (start, steps) in
+        [(0.3, 1.0), (0.3, 0.2), (0.3037, 0.5), (0.297, 1.0), (0.3, 2.0), (0.305, 3.3), (0.3, 7.9), (0.301, 8.6)]
+    {
+        let of = |z: f64| json!({"gust": {"velocity": [0, 0, z], "start": start, "duration": steps * h}});
+        // a A/3 per node and kilogram, times half of 40 m/s for the time of the gust; the air brakes by 1e-3 of it.
+        let exact = 0.01 * 0.5 / 3.0 * 20.0 * steps * h;
+        for method in methods() {
+            let alone = velocity(method.name, &of(40.0));
+            assert!((alone / exact - 1.0).abs() < 4e-3, "{} {start} {steps}: {alone} m/s of {exact}", method.name);
+            let halves = velocity(method.name, &json!({"sum": [of(15.0), [0, 0, 0], of(25.0)]}));
+            assert!((halves / alone - 1.0).abs() < 1e-9, "{} {start} {steps}: {halves} m/s of {alone}", method.name);
+        }
+    }
+}
+
+/// A gust as long as a step moves a mass, by every method alike, and a step that resolves it gives the right motion.
+#[test]
+fn a_gust_as_long_as_a_step_is_not_missed() {
+    let end = |method: &str, step: f64| {
+        let Run { positions, velocities, .. } = run(&case_of(&drag_in(gust_of(0.3, 0.01), method, step), &[]));
+        [positions[1][0], velocities[1][0]]
+    };
+    for method in methods() {
+        let [x, v] = end(method.name, 5e-4);
+        assert!((x - 1.026_72).abs() < 0.01 && (v + 0.534_89).abs() < 0.03, "{}: {x} m, {v} m/s", method.name);
+        let [x, _] = end(method.name, 0.01);
+        assert!((0.83..1.03).contains(&x), "{}: {x} m", method.name);
+    }
+    let mut adaptive = drag_in(gust_of(0.3, 0.01), "newmark", 0.01);
+    adaptive["time"].as_object_mut().expect("an object").remove("step");
+    for relative in [1e-2_f64, 1e-3, 1e-6] {
+        adaptive["time"]["tolerance"] = json!({"relative": relative, "absolute": 1e-3 * relative});
+        let x = run(&case_of(&adaptive, &[])).positions[1][0];
+        assert!((x - 1.026_72).abs() < 0.226_72 * 5.0 * relative.max(1e-4), "{relative}: {x} m");
+    }
+}
+
+/// One word on every gust, table and file that steps do not resolve, also in a sum.
+#[test]
+fn short_gusts_and_files_are_warned_of() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("wind.csv"), "t,x,y,z\n0,0,0,0\n0.3,0,0,0\n0.304,25,0,0\n0.309,0,0,0\n")
+        .expect("written");
+    let file = json!({"file": "wind.csv"});
+    for (wind, words) in [
+        (gust_of(0.3, 0.01), &["/aero/wind/gust: the pulse at t = 0.3 s lasts 0.01 s"][..]),
+        (file.clone(), &["/aero/wind/file: the pulse at t = 0.3 s lasts 0.009 s"]),
+        (
+            json!({"sum": [[1, 0, 0], gust_of(0.1, 0.015), gust_of(0.2, 0.02), file]}),
+            &["/aero/wind/sum/1/gust: the pulse at t = 0.1 s", "/aero/wind/sum/3/file: the pulse at t = 0.3 s"],
+        ),
+        (json!({"sum": [gust_of(0.1, 0.02), gust_of(0.2, 0.1), gust_of(0.7, 0.001)]}), &[]),
+    ] {
+        for args in [&["check"][..], &["solve", "--force"]] {
+            let run = program(folder.path(), &drag_in(wind.clone(), "newmark", 0.01), args);
+            assert_eq!(run.status, Some(0), "{}{}", run.stdout, run.stderr);
+            let said = format!("{}{}", run.stdout, run.stderr);
+            assert_eq!(said.matches("[short-pulse]").count(), words.len(), "{said}");
+            words.iter().for_each(|word| assert!(said.contains(word), "{word} in {said}"));
+        }
     }
 }
 
