@@ -25,6 +25,10 @@ pub enum WarningCode {
     CoincidentNodes,
     /// Frames that do not fit on the disk.
     DiskSpace,
+    /// A canopy whose drag at the end is not that of its drag area.
+    DragArea,
+    /// A drag area that no canopy of this size has.
+    DragCoefficient,
     /// Nearly all energy of a free body lost to damping that brakes its rotation.
     EnergyDissipated,
     /// Energy that the time-integration scheme itself has made.
@@ -33,6 +37,8 @@ pub enum WarningCode {
     EventBeyondEnd,
     /// A model whose results are of the right size only in part.
     ExperimentalModel,
+    /// A canopy that would be full only long after the end of the run.
+    FillingBeyondEnd,
     /// Springs that start far from their rest length.
     InitialStrain,
     /// Coordinates so large that the canopy would be hundreds of metres across.
@@ -41,6 +47,8 @@ pub enum WarningCode {
     LargeGravity,
     /// A mass beyond that of any payload.
     LargeMass,
+    /// A canopy that leaned further off its way through the air than the law of its air is for.
+    LeaningCanopy,
     /// A step long compared with the motion of the scene.
     LongStep,
     /// Lines of a canopy that are not joined to it.
@@ -53,6 +61,8 @@ pub enum WarningCode {
     MeshFile,
     /// A part without supports, while other parts have supports.
     NoSupport,
+    /// A reefing line that is not cut when the canopy begins its last stage.
+    ReefingLine,
     /// Coordinates so far from the origin that their rounding changes the strains of the springs.
     RoundedCoordinates,
     /// A tabled pulse shorter than a few steps.
@@ -67,6 +77,8 @@ pub enum WarningCode {
     StepDashpot,
     /// A speed above that of sound.
     SupersonicSpeed,
+    /// Heights above those of the standard atmosphere.
+    ThinAir,
     /// Edges that no spring rule selects.
     UnselectedEdges,
     /// A spring rule without any edge.

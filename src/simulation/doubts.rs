@@ -7,6 +7,8 @@ use crate::drive::{Outcome, Status};
 use crate::format_number::figures;
 use crate::integrate::implicit::{SolverSpec, refusal};
 use crate::integrate::registry::Family;
+use crate::output::canopy_doubts::canopy_doubts;
+use crate::output::gauges::Peak;
 use crate::scene::Scene;
 use crate::solve::{LinearChoice, LinearError};
 use crate::warning::{Warning, WarningCode};
@@ -46,9 +48,9 @@ fn unsuitable_solver(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpe
 }
 
 /// Warnings about a finished run that its case does not acknowledge.
-pub fn doubts_at_end(problem: &Problem, outcome: &Outcome) -> Vec<Warning> {
+pub fn doubts_at_end(problem: &Problem, outcome: &Outcome, peaks: &[Peak]) -> Vec<Warning> {
     let found = [energy_made(outcome), energy_dissipated(problem, outcome)].into_iter().flatten();
-    problem.sort_out(found).1
+    problem.sort_out(found.chain(canopy_doubts(peaks))).1
 }
 
 /// Warning for a completed run whose scheme made much energy itself.

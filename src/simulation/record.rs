@@ -148,7 +148,7 @@ pub fn record(
     if outcome.status == Status::Completed && every.is_none() {
         folder.remove_checkpoint()?;
     }
-    warnings.extend(doubts_at_end(problem, &outcome));
+    warnings.extend(doubts_at_end(problem, &outcome, &summary.peaks));
     Ok(Recorded { outcome, summary, warnings })
 }
 
