@@ -25,6 +25,10 @@ pub enum WarningCode {
     CoincidentNodes,
     /// Frames that do not fit on the disk.
     DiskSpace,
+    /// A canopy whose drag at the end is not that of its drag area.
+    DragArea,
+    /// A drag area that no canopy of this size has.
+    DragCoefficient,
     /// Nearly all energy of a free body lost to damping that brakes its rotation.
     EnergyDissipated,
     /// Energy that the time-integration scheme itself has made.
@@ -35,6 +39,8 @@ pub enum WarningCode {
     ExperimentalModel,
     /// A start from the results of a run that failed.
     FailedStart,
+    /// A canopy that would be full only long after the end of the run.
+    FillingBeyondEnd,
     /// Springs that start far from their rest length.
     InitialStrain,
     /// Coordinates so large that the canopy would be hundreds of metres across.
@@ -43,6 +49,8 @@ pub enum WarningCode {
     LargeGravity,
     /// A mass beyond that of any payload.
     LargeMass,
+    /// A canopy that leaned further off its way through the air than the law of its air is for.
+    LeaningCanopy,
     /// A step long compared with the motion of the scene.
     LongStep,
     /// Lines of a canopy that are not joined to it.
@@ -55,6 +63,8 @@ pub enum WarningCode {
     MeshFile,
     /// A part without supports, while other parts have supports.
     NoSupport,
+    /// A reefing line that is not cut when the canopy begins its last stage.
+    ReefingLine,
     /// Coordinates so far from the origin that their rounding changes the strains of the springs.
     RoundedCoordinates,
     /// A pulse of a table, or a gust, shorter than a few steps.
@@ -71,6 +81,8 @@ pub enum WarningCode {
     StrainedCloth,
     /// A speed above that of sound.
     SupersonicSpeed,
+    /// Heights above those of the standard atmosphere.
+    ThinAir,
     /// Edges that no spring rule selects.
     UnselectedEdges,
     /// A spring rule without any edge.

@@ -53,6 +53,7 @@ fn canopy(apparent_mass: Option<f64>) -> Vec<CanopySpec> {
         filling: Vec::new(),
         cavity: None,
         apparent_mass,
+        nominal_area: 1.0,
     }]
 }
 

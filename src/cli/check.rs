@@ -3,7 +3,7 @@
 //! It writes no files.
 
 use super::check_json::{Report, Totals};
-use super::check_system::{describe_size, describe_system};
+use super::check_system::{describe_canopies, describe_size, describe_system, filled_canopies};
 use super::known_models::KnownModels;
 use super::warnings::{of_scene, planned};
 use super::{CheckArgs, CliError};
@@ -37,6 +37,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let system = problem.take_system();
     let totals = Totals::of(&system);
     let size = describe_size(&system, totals.mass);
+    let filled = filled_canopies(&system);
     let mut tables = String::new();
     describe_system(&mut tables, &system, &groups);
     describe_parachute(&mut tables, &problem, &system);
@@ -45,6 +46,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let scene = build_scene(system, 1)?;
     let baseline = Baseline::now();
     let scene = &*scene;
+    let canopies = describe_canopies(scene, &filled);
     check_solver(&problem, scene, &source)?;
     describe_terms(&mut tables, scene);
     describe_method(&mut tables, &problem);
@@ -94,6 +96,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let mut text = heading(&problem, &warnings)
         + &describe_answer(&problem, scene, &forecast, &stable)?
         + &size
+        + &canopies
         + &scene.added_mass().map_or_else(String::new, |added| format!("  mass scaling    {}\n", added.text()))
         + &models.describe(&args.case.case);
     text.push_str(&notes(args, &acknowledged, &warnings));

@@ -95,6 +95,12 @@ pub struct ParachuteArgs {
     /// [m] Length of a reefing line over pi
     #[arg(long)]
     pub reefing_diameter: Option<f64>,
+    /// Direction from the payload to the apex
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
+    pub axis: Option<Vec<f64>>,
+    /// [m] Place of the payload
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
+    pub at: Option<Vec<f64>>,
     /// flat or inflated
     #[arg(long, default_value = "flat", value_parser = word::<StartShape>)]
     pub start: StartShape,
@@ -142,6 +148,8 @@ impl ParachuteArgs {
             cluster: self.canopies.map(|canopies| ClusterParameters { canopies }),
             reefing: self.reefing_diameter.map(|diameter| ReefingParameters { diameter }),
             start: self.start,
+            axis: three(&self.axis),
+            at: three(&self.at),
         }
     }
 }

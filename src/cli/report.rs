@@ -159,6 +159,8 @@ fn peak(one: &Peak) -> Option<String> {
             let steady = if *steady { "steady" } else { "at the end, still changing" };
             format!("  speed           {last} {unit} {steady} ({name}, against the air)")
         }
+        ("drag_coefficient", ..) => format!("  CD0             {last} on S0 at the end ({name})"),
+        ("projected_ratio", ..) => format!("  Dp/D0           {last} at the end ({name})"),
         (_, Some(strength), Some(factor)) => format!(
             "  line load       {value} {unit} at t = {t} s ({name}), strength {} {unit}: safety factor {}{}",
             figures(*strength, 4),

@@ -79,7 +79,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
         log::info!("linear solver at the end: {}, {}", linear.solver, linear.reason);
     }
     if !args.quiet {
-        let warnings = doubts_at_end(&problem, &outcome, seen.strained);
+        let warnings = doubts_at_end(&problem, &outcome, seen.strained, &summary.peaks);
         warnings.iter().for_each(|warning| complain(&format!("warning: {warning}")));
     }
     if let Some(failure) = &outcome.failure {

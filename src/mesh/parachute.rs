@@ -1,6 +1,6 @@
 //! Rigged parachutes: a canopy cut to the pattern of its gores, with lines, riser and payload, as named groups.
 //!
-//! The axis is z and the payload hangs below, along -z; the skirt is at z = 0. Triangles turn so that their normals
+//! Unless it is turned and placed, the axis is z and the payload hangs below, along -z; the skirt is at z = 0. Triangles turn so that their normals
 //! point outwards and upwards, the side to which the pressure inside pushes. Nodes come in this order: apex, if there
 //! is no vent; rows from the vent to the skirt, each counter-clockwise from the +x axis; confluence; inner nodes of the
 //! lines, line by line; end of the riser and its inner nodes; particles of a rigid payload. In a cluster the end of the
@@ -11,6 +11,7 @@ mod check;
 mod cruciform;
 mod kind;
 mod payload;
+mod place;
 mod profile;
 mod taylor;
 
@@ -121,6 +122,14 @@ pub struct ParachuteParameters {
     /// The shape at the start.
     #[serde(default)]
     pub start: StartShape,
+    /// [-] direction from the payload to the apex, of any length; of a cluster that from the payload to its middle. The
+    /// whole rig turns about the payload. `[0, 0, 1]` if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axis: Option<[f64; 3]>,
+    /// [m] place of the payload: of the point, or of the centre of a rigid one; of the middle of the skirt's pattern for a
+    /// canopy without lines. If absent, the payload stays where it is below a skirt at z = 0
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<[f64; 3]>,
 }
 
 /// Straight lines of equal segments.
@@ -305,6 +314,7 @@ impl ParachuteParameters {
         if let Some(payload) = &self.payload {
             payload::hang(&mut mesh, payload);
         }
+        place::place(&mut mesh, self.axis.unwrap_or(place::UPWARDS), self.at);
         Ok(mesh)
     }
 }

@@ -80,7 +80,7 @@ impl Default for MembranePicture {
 }
 
 /// What a canopy shows of itself, with units, in the order of [`Observables::canopy_values`].
-pub const CANOPY_QUANTITIES: [(&str, &str); 8] = [
+pub const CANOPY_QUANTITIES: [(&str, &str); 11] = [
     ("projected_diameter", "m"),
     ("skirt_diameter", "m"),
     ("volume", "m^3"),
@@ -89,6 +89,9 @@ pub const CANOPY_QUANTITIES: [(&str, &str); 8] = [
     ("drag_area", "m^2"),
     ("drag", "N"),
     ("pressure", "Pa"),
+    ("projected_ratio", "-"),
+    ("drag_coefficient", "-"),
+    ("angle_of_attack", "deg"),
 ];
 
 /// Observable quantities of a system. All slices are in the user's numbering.
@@ -200,8 +203,10 @@ pub trait Observables: System {
     /// [`CANOPY_QUANTITIES`] of a canopy: the diameter of a circle with the area that the canopy and its openings show
     /// along the axis; twice the mean distance of the skirt's nodes from the axis; the volume between the cloth and
     /// flat covers of its openings; speed against the air along the axis; rho V |V|/2; drag over that; force of the air
-    /// against the motion along the axis; mean over the cloth of the pressure difference from inside to outside. The
-    /// drag area leaves the breathing out but for a cavity, and has no value there without speed.
+    /// against the motion along the axis; mean over the cloth of the pressure difference from inside to outside; the
+    /// projected diameter over D0; drag over rho V |V|/2 and S0; angle between the axis and the motion of the skirt
+    /// through the air. The drag area leaves the breathing out but for a cavity, and has no value there without speed. The
+    /// last two have no value without speed, nor while a stage has less than half of its drag area.
     fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
         let _ = (canopy, at);
         [f64::NAN; CANOPY_QUANTITIES.len()]

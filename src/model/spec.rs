@@ -234,6 +234,8 @@ pub struct CanopySpec {
     pub cavity: Option<CavitySpec>,
     /// [-] k of the air that the canopy takes along, k rho times its volume
     pub apparent_mass: Option<f64>,
+    /// [m^2] S0 of cloth, gaps and vents, for coefficients in results and warnings
+    pub nominal_area: f64,
 }
 
 /// A stage of the drag area of a canopy that fills: from what it was before to `drag_area`, by

@@ -183,7 +183,8 @@ impl Gauges {
                 || quantity.ends_with("_z")
                 || quantity == "axial_speed"
                 || quantity == "dynamic_pressure"
-                || quantity == "pressure";
+                || quantity == "pressure"
+                || quantity == "drag_coefficient";
             let strength = strength.filter(|_| quantity == "tension_max");
             self.channels.push(Channel { name: name.to_owned(), quantity, unit, signed, strength });
         }
@@ -290,7 +291,8 @@ impl Gauges {
     }
 
     fn note(&mut self, t: f64) {
-        for ((peak, channel), &value) in self.peaks.iter_mut().zip(&self.channels).zip(&self.values) {
+        let known = self.peaks.iter_mut().zip(&self.channels).zip(&self.values).filter(|(_, value)| value.is_finite());
+        for ((peak, channel), &value) in known {
             let more = if channel.signed { value.abs() > peak.value.abs() } else { value > peak.value };
             if more || peak.value.is_nan() {
                 (peak.value, peak.t) = (value, t);

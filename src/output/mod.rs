@@ -9,6 +9,7 @@
 //! [`checkpoint`] counts only results that are on the disk: `--resume` cuts off the rest and continues.
 
 pub(crate) mod atomic;
+pub mod canopy_doubts;
 pub mod checkpoint;
 pub(crate) mod csv;
 pub(crate) mod files;

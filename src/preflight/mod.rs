@@ -2,6 +2,7 @@
 //! that displays as text. All checks are O(n log n) in the number of nodes and elements.
 
 pub mod air;
+pub mod canopies;
 pub mod coincident;
 pub mod damping;
 pub mod edges;
@@ -23,6 +24,9 @@ pub fn network(spec: &NetworkSpec, topology: &Topology, step: Option<f64>) -> Ve
     warnings.extend(air::wind_in_plane(spec).map(Warning::from));
     warnings.extend(air::closing(spec).map(Warning::from));
     warnings.extend(air::cavities(spec).map(Warning::from));
+    warnings.extend(canopies::drag_coefficients(spec).into_iter().map(Warning::from));
+    warnings.extend(canopies::reefing_lines(spec).into_iter().map(Warning::from));
+    warnings.extend(canopies::height(spec).map(Warning::from));
     warnings.extend(edges::branching(spec, topology).map(Warning::from));
     warnings.extend(damping::braked(spec, &parts).map(Warning::from));
     warnings.extend(units::network(spec, step).into_iter().map(Warning::from));

@@ -16,13 +16,15 @@ pub(super) struct CanopyShape {
     enclosure: Arc<Enclosure>,
     /// rims without nodes of the skirt, by their places in the enclosure
     vents: Vec<usize>,
+    /// [m^2] S0
+    nominal_area: f64,
 }
 
 impl CanopyShape {
-    pub(super) fn new(data: CanopyData, enclosure: Arc<Enclosure>) -> Self {
+    pub(super) fn new(data: CanopyData, enclosure: Arc<Enclosure>, nominal_area: f64) -> Self {
         let of_skirt = |rim: &[u32]| rim.iter().any(|node| data.axis.skirt.contains(node));
         let vents = (0..enclosure.rims().len()).filter(|&i| !of_skirt(&enclosure.rims()[i])).collect();
-        CanopyShape { data, enclosure, vents }
+        CanopyShape { data, enclosure, vents, nominal_area }
     }
 
     fn values(&self, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
@@ -55,7 +57,14 @@ impl CanopyShape {
             (None, Some(_)) => drag / q,
             (None, None) => closing,
         };
-        [2.0 * (projected / PI).sqrt(), mouth, volume, flow.speed, q, area, drag, pressure]
+        let across = 2.0 * (projected / PI).sqrt();
+        let ratio = across / (4.0 * self.nominal_area / PI).sqrt();
+        // Before it fills, its attitude does not matter, and its drag is not that of a stage.
+        let [coefficient, lean] = match data.half_filled(at.t) {
+            true => [drag / (q * self.nominal_area), (flow.speed / flow.velocity.norm()).acos().to_degrees()],
+            false => [f64::NAN; 2],
+        };
+        [across, mouth, volume, flow.speed, q, area, drag, pressure, ratio, coefficient, lean]
     }
 }
 

@@ -8,6 +8,8 @@ use crate::drive::{Outcome, Status};
 use crate::format_number::figures;
 use crate::integrate::implicit::{SolverSpec, refusal};
 use crate::integrate::registry::Family;
+use crate::output::canopy_doubts::canopy_doubts;
+use crate::output::gauges::Peak;
 use crate::scene::Scene;
 use crate::solve::{LinearChoice, LinearError};
 use crate::warning::{Warning, WarningCode};
@@ -47,10 +49,15 @@ fn unsuitable_solver(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpe
 }
 
 /// Warnings about a finished run that its case does not acknowledge; `strained` is the most strained part of cloth.
-pub fn doubts_at_end(problem: &Problem, outcome: &Outcome, strained: Option<StrainedCloth>) -> Vec<Warning> {
+pub fn doubts_at_end(
+    problem: &Problem,
+    outcome: &Outcome,
+    strained: Option<StrainedCloth>,
+    peaks: &[Peak],
+) -> Vec<Warning> {
     let strained = strained.filter(|_| outcome.failure.is_none()).map(strained_cloth);
     let found = [energy_made(outcome), energy_dissipated(problem, outcome), strained].into_iter().flatten();
-    problem.sort_out(found).1
+    problem.sort_out(found.chain(canopy_doubts(peaks))).1
 }
 
 /// Warning for strains that no cloth bears.

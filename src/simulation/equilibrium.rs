@@ -55,9 +55,10 @@ pub struct RecordedStatic {
 }
 
 /// Warnings that tell of steps and motion.
-const OF_A_RUN: [WarningCode; 8] = [
+const OF_A_RUN: [WarningCode; 9] = [
     WarningCode::BrakedRotation,
     WarningCode::EventBeyondEnd,
+    WarningCode::FillingBeyondEnd,
     WarningCode::LongStep,
     WarningCode::LostMotion,
     WarningCode::ShortPulse,

@@ -153,7 +153,7 @@ pub fn record(
     if outcome.status == Status::Completed && every.is_none() {
         folder.remove_checkpoint()?;
     }
-    warnings.extend(doubts_at_end(problem, &outcome, strained.most));
+    warnings.extend(doubts_at_end(problem, &outcome, strained.most, &summary.peaks));
     Ok(Recorded { outcome, summary, warnings })
 }
 

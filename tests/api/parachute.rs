@@ -348,6 +348,40 @@ fn inflated_starts_of_other_canopies() {
     assert!(words.contains("/parachute/start") && words.contains("stretches the gores by"), "{words}");
 }
 
+/// A turned and placed rig has the same lengths, its payload at its place and its apex in the given direction.
+#[test]
+fn a_rig_is_turned_and_placed() {
+    let place = Vector::new(5.0, -3.0, 200.0);
+    for (more, axis) in [
+        (json!({"start": "inflated"}), [0.0, 0.0, 1.0]),
+        (json!({"start": "inflated"}), [-3.0, 4.0, 0.0]),
+        (json!({"payload": {"box": [1.2, 0.8, 2.0], "below_riser": 2.5}}), [1.0, 2.0, -0.5]),
+        (json!({"cluster": {"canopies": 3}}), [0.0, 0.0, -2.0]),
+    ] {
+        let p = parameters("flat-circular", more);
+        let (plain, turned) =
+            (built(&p), built(&ParachuteParameters { axis: Some(axis), at: Some(place.into()), ..p }));
+        let at = |mesh: &Mesh, node: u32| {
+            let moved = mesh.displacement.get(node as usize).map_or(Vector::zeros(), |u| Vector::from(*u));
+            point(mesh, node) + moved
+        };
+        for pair in &plain.edges {
+            let [before, after] = [&plain, &turned].map(|mesh| (at(mesh, pair[0]) - at(mesh, pair[1])).norm());
+            close(after, before, 1e-10, "edge");
+        }
+        let payload = &group(&turned, "payload").nodes;
+        let middle = payload.iter().map(|&node| point(&turned, node)).sum::<Vector>() / payload.len() as f64;
+        assert!((middle - place).norm() < 1e-9, "{middle:?}");
+        let canopy = &group(&turned, "vent").nodes;
+        let apex = canopy.iter().map(|&node| at(&turned, node)).sum::<Vector>() / canopy.len() as f64;
+        close((apex - place).normalize().dot(&Vector::from(axis).normalize()), 1.0, 1e-10, "axis");
+    }
+    let unplaced = parameters("flat-circular", json!({"axis": [1, 0, 0]}));
+    let (plain, turned) = (built(&parameters("flat-circular", json!({}))), built(&unplaced));
+    let payload = group(&plain, "payload").nodes[0];
+    assert_eq!(plain.nodes[payload as usize], turned.nodes[payload as usize], "it turns about its payload");
+}
+
 /// Four particles have the moments of inertia of the box they stand for.
 #[test]
 fn a_rigid_payload_is_equimomental() {

@@ -57,6 +57,7 @@ fn sheet() -> NetworkSpec {
         filling: Vec::new(),
         cavity: None,
         apparent_mass: None,
+        nominal_area: 1.0,
     }];
     spec.line_drag = vec![LineDragSpec { edges: (0..4000).collect(), diameter: 0.01, coefficient: 1.1 }];
     spec.node_drag = vec![NodeDragSpec { nodes: (7..4500).collect(), drag_area: 1e-4 }];

@@ -2,6 +2,7 @@
 //! value. A test of this kind belongs in the file of its topic in `tests/robustness/faults/`.
 
 mod adaptive;
+mod canopies;
 mod cloth;
 mod endless;
 mod first_steps;

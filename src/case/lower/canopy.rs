@@ -4,9 +4,10 @@
 use nalgebra::Vector3;
 
 use super::air::checked_coefficients;
+use super::filling::{self, SkirtMotion};
 use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::{not_negative, positive, rising};
-use super::{filling, select};
+use super::select;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Aero, Canopy, Cavity, NodeSelection, OneOrSeveral, PressureCoefficient};
@@ -43,10 +44,20 @@ pub(super) fn canopy(
     let diameter = || found.nominal_diameter();
     let filling = canopy.schedule.as_ref().map_or_else(Vec::new, |stages| filling::stages(stages, diameter));
     (faults.count() == before).then_some(())?;
-    let canopy::Canopy { skirt, apex, confluence, .. } = found;
+    let canopy::Canopy { skirt, apex, confluence, nominal_area, .. } = found;
     let cavity = cavity.flatten();
     let apparent_mass = canopy.apparent_mass.filter(|factor| *factor > 0.0);
-    Some(CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling, cavity, apparent_mass })
+    Some(CanopySpec {
+        triangles,
+        pressure_coefficient,
+        skirt,
+        apex,
+        confluence,
+        filling,
+        cavity,
+        apparent_mass,
+        nominal_area,
+    })
 }
 
 /// Rows of arc length and coefficient by the one way to give the pressure.
@@ -194,7 +205,7 @@ pub(super) fn at_start(at: &Pointer, aero: Option<&Aero>, spec: &mut NetworkSpec
         let before = faults.count();
         start.check(&at, canopy, faults);
         if let Some(stages) = canopy.schedule.as_ref().filter(|_| faults.count() == before) {
-            filling::at_speed(&at.key("schedule"), stages, &mut spec.canopies[i].filling, start.speed, faults);
+            filling::at_speed(&at.key("schedule"), stages, &mut spec.canopies[i].filling, start.motion, faults);
         }
     }
 }
@@ -215,8 +226,8 @@ struct CanopyStart {
     axis: Result<Vector3<f64>, CanopyError>,
     /// [m^2] sum of the area vectors of its triangles, and of their sizes
     area: (Vector3<f64>, f64),
-    /// [m/s] axial air speed
-    speed: f64,
+    /// of the skirt
+    motion: SkirtMotion,
 }
 
 impl CanopyStart {
@@ -236,9 +247,9 @@ impl CanopyStart {
         let axis = canopy::axis([mean(&canopy.apex, &place), mean(&canopy.confluence, &place)], area.1);
         let stream = spec.stream.as_ref();
         let wind = stream.map_or([0.0; 3], |stream| stream.wind_at(0.0, mean(&canopy.skirt, &place).z));
-        let velocity = mean(&canopy.skirt, &|node| vector(&spec.velocity, node)) - Vector3::from(wind);
-        let speed = axis.as_ref().map_or(0.0, |axis| velocity.dot(axis) / axis.norm());
-        CanopyStart { axis, area, speed }
+        let (velocity, wind) = (mean(&canopy.skirt, &|node| vector(&spec.velocity, node)), Vector3::from(wind));
+        let motion = SkirtMotion { speed: (velocity - wind).norm(), scale: velocity.norm() + wind.norm() };
+        CanopyStart { axis, area, motion }
     }
 
     fn check(&self, at: &Pointer, canopy: &Canopy, faults: &mut Faults<'_>) {

@@ -5,6 +5,7 @@ use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{FillingSchedule, OneOrSeveral};
 use crate::model::spec::FillingSpec;
+use std::f64::consts::PI;
 
 type Stages = OneOrSeveral<FillingSchedule>;
 
@@ -23,18 +24,27 @@ pub(super) fn check(at: &Pointer, stages: &Stages, faults: &mut Faults<'_>) {
     }
     for (i, stage) in stages.all().iter().enumerate() {
         let at = place(at, stages, i);
-        let FillingSchedule { drag_area, filling_constant, filling_time, exponent, start, speed, nominal_diameter } =
-            *stage;
-        let needed = [("drag_area", drag_area), ("exponent", exponent)];
+        let FillingSchedule {
+            drag_area, drag_coefficient, filling_constant, filling_time, exponent, start, speed, ..
+        } = *stage;
         let optional = [
+            ("drag_area", drag_area),
+            ("drag_coefficient", drag_coefficient),
+            ("exponent", Some(exponent)),
             ("filling_constant", filling_constant),
             ("filling_time", filling_time),
             ("speed", speed),
-            ("nominal_diameter", nominal_diameter),
+            ("nominal_diameter", stage.nominal_diameter),
         ];
         let given = optional.into_iter().filter_map(|(key, value)| Some((key, value?)));
-        for (key, value) in needed.into_iter().chain(given) {
+        for (key, value) in given {
             positive(&at.key(key), value, faults);
+        }
+        let one_of = "exactly one of drag_area and drag_coefficient";
+        match (drag_area, drag_coefficient) {
+            (Some(_), Some(_)) => faults.add_value(&at, "a stage with drag_area and drag_coefficient", one_of, None),
+            (None, None) => faults.add_value(&at, "a stage without a drag area", one_of, None),
+            _ => {}
         }
         let one_of = "exactly one of filling_constant and filling_time";
         match (filling_constant, filling_time) {
@@ -62,34 +72,46 @@ pub(super) fn check(at: &Pointer, stages: &Stages, faults: &mut Faults<'_>) {
 /// needs the speed at the start of the run is that for 1 m/s.
 pub(super) fn stages(stages: &Stages, diameter: impl Fn() -> f64) -> Vec<FillingSpec> {
     let lowered = stages.all().iter().map(|stage| {
-        let FillingSchedule { drag_area, filling_constant, filling_time, exponent, start, speed, nominal_diameter } =
-            *stage;
-        let by_constant = || {
-            let way = filling_constant.unwrap_or(0.0) * nominal_diameter.unwrap_or_else(&diameter);
-            way / speed.unwrap_or(1.0)
-        };
+        let FillingSchedule { filling_constant, filling_time, exponent, start, speed, nominal_diameter, .. } = *stage;
+        let diameter = || nominal_diameter.unwrap_or_else(&diameter);
+        let by_constant = || filling_constant.unwrap_or(0.0) * diameter() / speed.unwrap_or(1.0);
+        let by_coefficient = || stage.drag_coefficient.unwrap_or(0.0) * 0.25 * PI * diameter().powi(2);
+        let drag_area = stage.drag_area.unwrap_or_else(by_coefficient);
         FillingSpec { drag_area, start, duration: filling_time.unwrap_or_else(by_constant), exponent }
     });
     lowered.collect()
 }
 
-/// Divides the filling time of the first stage by the axial air speed [m/s] at the start of the run, if it needs it.
+/// [-] Speed of a skirt against the air, over the speeds of both, below which it is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The motion of a skirt at the start of a run.
+#[derive(Clone, Copy)]
+pub(super) struct SkirtMotion {
+    /// [m/s] its speed against the air
+    pub speed: f64,
+    /// [m/s] that of the skirt and that of the wind together
+    pub scale: f64,
+}
+
+/// Divides the filling time of the first stage by the speed against the air at the start of the run, if it needs it.
 pub(super) fn at_speed(
     at: &Pointer,
     stages: &Stages,
     filling: &mut [FillingSpec],
-    start_speed: f64,
+    SkirtMotion { speed, scale }: SkirtMotion,
     faults: &mut Faults<'_>,
 ) {
     let ([first, ..], Some(stage)) = (filling, stages.all().first()) else { return };
     if stage.filling_time.is_some() || stage.speed.is_some() {
         return;
     }
-    if start_speed > 0.0 {
-        first.duration /= start_speed;
+    if speed > ROUNDING * scale {
+        first.duration /= speed;
         return;
     }
-    let value = format!("an axial air speed of {start_speed} m/s at the start");
-    let hint = "give the speed at line stretch, or an initial velocity or a wind along the axis".to_owned();
-    faults.add_value(&place(at, stages, 0).key("speed"), value, "a speed above 0", Some(hint));
+    let hint = "the filling time of a filling_constant is n D0 over this speed: give the speed at line stretch, an \
+                initial velocity or a wind, or a filling_time";
+    let value = "the canopy is at rest in the air at the start";
+    faults.add_value(&place(at, stages, 0).key("speed"), value, "a speed above 0", Some(hint.to_owned()));
 }

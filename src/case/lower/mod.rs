@@ -75,6 +75,10 @@ pub(crate) fn build(
             if let (Some(spec), Some(times)) = (&spec, fixed) {
                 tables::warn_of_short_pulses(&at, (network, spec), times, faults);
             }
+            if let (Some(spec), Some(timing)) = (&spec, &timing) {
+                let long = preflight::canopies::filling(spec, timing.spec.end);
+                long.into_iter().for_each(|warning| faults.pass_on(warning.into()));
+            }
             let mass_scaling = timing.as_ref().and_then(|timing| timing.mass_scaling);
             (spec.map(|spec| SystemSpec::Network(Box::new(NetworkSpec { mass_scaling, ..spec }))), geometry)
         }

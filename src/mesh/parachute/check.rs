@@ -1,6 +1,6 @@
 //! What a parachute can be asked for.
 
-use super::{InnerLineParameters, LineParameters, MOST, MOST_VENT, ParachuteParameters, StartShape};
+use super::{InnerLineParameters, LineParameters, MOST, MOST_VENT, ParachuteParameters, StartShape, place};
 use crate::mesh::source::{FaultSink, MAX_NODES, check_count, check_length};
 
 impl ParachuteParameters {
@@ -53,6 +53,13 @@ impl ParachuteParameters {
                 let allowed = format!("more than the vent's {vent}");
                 faults(&format!("{at}/diameter"), reefing.diameter.to_string(), allowed, hint);
             }
+        }
+        if let Some(axis) = self.axis.filter(|axis| !place::is_direction(*axis)) {
+            let hint = "it leads from the payload to the apex, e.g. [0, 0, 1]".to_owned();
+            faults(&format!("{at}/axis"), format!("{axis:?}"), "a direction: three numbers, not all 0".into(), hint);
+        }
+        if let Some(place) = self.at.filter(|place| place.iter().any(|c| !c.is_finite())) {
+            faults(&format!("{at}/at"), format!("{place:?}"), "three finite numbers".into(), "give metres".into());
         }
         if self.start == StartShape::Inflated && self.lines.is_none() {
             let hint = "give `lines`, or start flat".to_owned();

@@ -75,6 +75,7 @@ fn canopy() -> Vec<CanopySpec> {
         filling: Vec::new(),
         cavity: None,
         apparent_mass: None,
+        nominal_area: 1.0,
     }]
 }
 

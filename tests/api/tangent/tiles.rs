@@ -69,6 +69,7 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
             filling: one.filling.clone(),
             cavity: one.cavity,
             apparent_mass: one.apparent_mass,
+            nominal_area: one.nominal_area,
         })
     });
     let membranes = spec.membranes.iter().map(|m| MembraneSpec { triangles: renamed(&m.triangles), ..m.clone() });

@@ -1,0 +1,209 @@
+//! Canopies whose numbers do not belong together: drag area and size, filling time and run, reefing line and stages; and
+//! air above the standard atmosphere.
+
+use crate::format_number::figures;
+use crate::model::spec::{AtmosphereSpec, CanopySpec, FillingSpec, NetworkSpec};
+use crate::warning::{Warning, WarningCode};
+use std::collections::BTreeSet;
+use std::fmt;
+
+/// [-] Least and largest drag coefficient on the nominal area: guide surface canopies have 0.28, triconical ones 0.96
+/// (Knacke 1991, tables 5-1 and 5-2).
+const COEFFICIENTS: [f64; 2] = [0.3, 1.2];
+/// [-] Filling time over the rest of the run above which the canopy hardly begins to fill.
+const LONG: f64 = 30.0;
+/// [-] Relative difference of two times that are meant to be one.
+const APART: f64 = 0.01;
+/// [m] Height above sea level at which the standard atmosphere ends.
+const STANDARD: f64 = 86e3;
+
+/// What words call a canopy.
+fn name(spec: &NetworkSpec, canopy: usize) -> String {
+    if spec.canopies.len() == 1 { "the canopy".to_owned() } else { format!("canopy {canopy}") }
+}
+
+/// A drag area that no canopy of its size has.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImplausibleDrag {
+    /// which one, in words
+    pub canopy: String,
+    /// [m^2] drag area of the full canopy
+    pub drag_area: f64,
+    /// [m^2] S0
+    pub nominal_area: f64,
+}
+
+/// Compares the drag areas at the ends of schedules with the nominal areas.
+pub fn drag_coefficients(spec: &NetworkSpec) -> Vec<ImplausibleDrag> {
+    let [least, most] = COEFFICIENTS;
+    let implausible = |(i, canopy): (usize, &CanopySpec)| {
+        let (drag_area, nominal_area) = (canopy.filling.last()?.drag_area, canopy.nominal_area);
+        let fits = (least..=most).contains(&(drag_area / nominal_area));
+        (!fits).then(|| ImplausibleDrag { canopy: name(spec, i), drag_area, nominal_area })
+    };
+    spec.canopies.iter().enumerate().filter_map(implausible).collect()
+}
+
+impl fmt::Display for ImplausibleDrag {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ImplausibleDrag { canopy, drag_area, nominal_area } = self;
+        let [coefficient, area, nominal] =
+            [drag_area / nominal_area, *drag_area, *nominal_area].map(|number| figures(number, 3));
+        write!(
+            f,
+            "{canopy} has a drag coefficient of {coefficient}: a drag area of {area} m^2 on S0 = {nominal} m^2; canopies have \
+             0.3 to 1.2: is the drag area that of another canopy? drag_coefficient gives it by S0"
+        )
+    }
+}
+
+impl From<ImplausibleDrag> for Warning {
+    fn from(found: ImplausibleDrag) -> Self {
+        Warning::new(WarningCode::DragCoefficient, found.to_string())
+    }
+}
+
+/// A stage that a run sees only the beginning of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LongFilling {
+    /// which one, in words
+    pub canopy: String,
+    /// [s] filling time
+    pub duration: f64,
+    /// [s] start of the stage, and end of the run
+    pub times: [f64; 2],
+    /// [-] share of its drag area at the end
+    pub share: f64,
+}
+
+/// Finds stages that need far longer than a run until `end` [s] has.
+pub fn filling(spec: &NetworkSpec, end: f64) -> Vec<LongFilling> {
+    let long = |(i, canopy): (usize, &CanopySpec)| {
+        let found =
+            canopy.filling.iter().find(|stage| stage.start < end && stage.duration > LONG * (end - stage.start))?;
+        let FillingSpec { start, duration, exponent, .. } = *found;
+        let share = ((end - start) / duration).powf(exponent);
+        Some(LongFilling { canopy: name(spec, i), duration, times: [start, end], share })
+    };
+    spec.canopies.iter().enumerate().filter_map(long).collect()
+}
+
+impl fmt::Display for LongFilling {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let LongFilling { canopy, duration, times: [start, end], share } = self;
+        let [duration, start, end, share] = [*duration, *start, *end, 100.0 * share].map(|number| figures(number, 3));
+        write!(
+            f,
+            "{canopy} needs {duration} s to fill from t = {start} s on, but the run ends at {end} s, when it has {share} % of its drag \
+             area; a filling time by filling_constant is n D0 over the speed at line stretch: give that speed, or filling_time"
+        )
+    }
+}
+
+impl From<LongFilling> for Warning {
+    fn from(found: LongFilling) -> Self {
+        Warning::new(WarningCode::FillingBeyondEnd, found.to_string())
+    }
+}
+
+/// A reefing line and the stages of the canopy that it holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReefingLine {
+    /// which one, in words
+    pub canopy: String,
+    /// [s] when it is cut, if it is
+    pub cut: Option<f64>,
+    /// [s] when the last of several stages begins
+    pub stage: Option<f64>,
+}
+
+/// Finds reefing lines that are never cut and do not grow, and those whose cut is not the start of the last stage: edges
+/// of the group `reefing` with springs, between nodes of the skirt.
+pub fn reefing_lines(spec: &NetworkSpec) -> Vec<ReefingLine> {
+    let Some(lines) = spec.mesh.groups.get("reefing") else { return Vec::new() };
+    let of_canopy = |(i, canopy): (usize, &CanopySpec)| {
+        let skirt: BTreeSet<u32> = canopy.skirt.iter().copied().collect();
+        let around = |edge: &&u32| {
+            spec.mesh.edges.get(**edge as usize).is_some_and(|ends| ends.iter().all(|node| skirt.contains(node)))
+        };
+        let first = lines.edges.iter().find(around)?;
+        let group = spec.springs.iter().position(|group| group.edges.binary_search(first).is_ok())?;
+        let grows = spec.rest_scales.iter().any(|scale| scale.group == group);
+        let cut = spec.cuts.iter().find(|cut| cut.group == group).map(|cut| cut.t);
+        let stage = canopy.filling.get(1..).and_then(<[_]>::last).map(|stage| stage.start);
+        let fits = match (cut, stage) {
+            (None, _) => grows,
+            (Some(cut), Some(stage)) => (cut - stage).abs() <= APART * cut,
+            (Some(_), None) => canopy.filling.is_empty(),
+        };
+        (!fits).then(|| ReefingLine { canopy: name(spec, i), cut, stage })
+    };
+    spec.canopies.iter().enumerate().filter_map(of_canopy).collect()
+}
+
+impl fmt::Display for ReefingLine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ReefingLine { canopy, cut, stage } = self;
+        let [cut, stage] = [cut, stage].map(|t| t.map(|t| figures(t, 6)));
+        match (cut, stage) {
+            (None, None) => write!(f, "the reefing line of {canopy} is never cut: give its springs a \"cut\""),
+            (None, Some(stage)) => write!(
+                f,
+                "the reefing line of {canopy} is never cut, but its last stage begins at {stage} s: give its springs a \"cut\" then"
+            ),
+            (Some(cut), None) => write!(
+                f,
+                "the reefing line of {canopy} is cut at {cut} s, but its schedule has one stage: give it a stage with the drag \
+                 area of the reefed canopy, and one that starts at the cut"
+            ),
+            (Some(cut), Some(stage)) => write!(
+                f,
+                "the reefing line of {canopy} is cut at {cut} s, but its last stage begins at {stage} s: they are the same event"
+            ),
+        }
+    }
+}
+
+impl From<ReefingLine> for Warning {
+    fn from(found: ReefingLine) -> Self {
+        Warning::new(WarningCode::ReefingLine, found.to_string())
+    }
+}
+
+/// A height that the standard atmosphere does not reach.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BeyondStandard {
+    /// [m] above sea level
+    pub height: f64,
+}
+
+/// Finds nodes that start above the standard atmosphere, or would rise above it without the air.
+pub fn height(spec: &NetworkSpec) -> Option<BeyondStandard> {
+    let stream = spec.stream.as_ref().filter(|stream| stream.atmosphere == AtmosphereSpec::Isa)?;
+    let down = spec.gravity.map_or(0.0, |[_, _, z]| -z);
+    let upward = |list: &[[f64; 3]], i: usize| list.get(i).map_or(0.0, |[_, _, z]| *z);
+    let top = |(i, [_, _, z]): (usize, &[f64; 3])| {
+        let speed = upward(&spec.velocity, i).max(0.0);
+        let rise = if down > 0.0 { 0.5 * speed * speed / down } else { 0.0 };
+        stream.altitude + z + upward(&spec.displacement, i) + rise
+    };
+    let height = spec.mesh.nodes.iter().enumerate().map(top).fold(f64::NEG_INFINITY, f64::max);
+    (height > STANDARD).then_some(BeyondStandard { height })
+}
+
+impl fmt::Display for BeyondStandard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the scene starts, or may rise, as high as {} m above sea level; the standard atmosphere ends at 86000 m, and the density \
+             above is that of its last layer carried on",
+            figures(self.height, 4)
+        )
+    }
+}
+
+impl From<BeyondStandard> for Warning {
+    fn from(found: BeyondStandard) -> Self {
+        Warning::new(WarningCode::ThinAir, found.to_string())
+    }
+}
