@@ -1,10 +1,10 @@
 //! The simulation that a program drives.
 
-use crate::arrays::{filled, indices, of_numbers, of_rows, rows, vector};
+use crate::arrays::{filled, indices, of_list, of_numbers, of_rows, rows, vector};
 use crate::case::{Case, scene_of};
 use crate::errors::{CaseError, SimulationError, engine, of_record, of_simulation};
 use crate::forces::{PythonForce, Raised};
-use crate::interrupt::LOOK;
+use crate::interrupt::{LOOK, looking};
 use crate::network::Network;
 use crate::record::checked_threads;
 use crate::values::{Energies, Step, from_json};
@@ -14,18 +14,21 @@ use canopy_fem::mesh::{Mesh, Topology};
 use canopy_fem::simulation::{self as door, Load, RecordError, RunSettings, SimulationError as Refusal, StepInfo};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
+use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Instant;
 
 /// A scene in motion.
 #[pyclass(module = "canopy_fem._core", subclass, frozen)]
 pub struct Simulation {
     sim: Mutex<door::Simulation>,
-    /// exceptions of forces
+    /// exceptions of forces, and of signals
     raised: Arc<Raised>,
+    /// forces that are functions, which the engine has too
+    functions: Mutex<BTreeMap<String, Arc<PythonForce>>>,
     /// what does not change, in the numbering of the mesh
     mesh: Mesh,
 }
@@ -102,7 +105,23 @@ impl Simulation {
             groups: scene.groups().clone(),
             ..Mesh::default()
         };
-        Ok(Simulation { sim: Mutex::new(sim), raised, mesh })
+        Ok(Simulation { sim: Mutex::new(sim), raised, functions: Mutex::default(), mesh })
+    }
+
+    /// Shows Python's collector of garbage the functions, which may refer to this simulation.
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        // Both locks are free, unless a thread was halted for the collector while it had one.
+        let Ok(functions) = self.functions.try_lock() else { return Ok(()) };
+        functions.values().try_for_each(|force| match force.function.try_lock() {
+            Ok(function) => visit.call(&*function),
+            Err(_) => Ok(()),
+        })
+    }
+
+    fn __clear__(&self) {
+        for force in self.own_functions().values() {
+            drop(force.function.lock().unwrap_or_else(PoisonError::into_inner).take());
+        }
     }
 
     /// Makes n steps; the last one.
@@ -186,23 +205,33 @@ impl Simulation {
         Ok(PyBytes::new(py, &self.with(py, |sim| sim.snapshot())?))
     }
 
-    /// Goes on from the bytes of a snapshot, with the bits of a run that was never stopped.
+    /// Goes on from the bytes of a snapshot; what differs from the scene and run that it is of, a phrase each.
     ///
     /// Raises:
-    ///     ValueError: damaged bytes, or those of another scene or version.
-    fn restore(&self, py: Python<'_>, state: &[u8]) -> PyResult<()> {
+    ///     ValueError: damaged bytes, or those of other nodes or connections, or of another version.
+    fn restore(&self, py: Python<'_>, state: &[u8]) -> PyResult<Vec<String>> {
         let state = state.to_vec();
-        self.with(py, move |sim| sim.restore(&state))
+        let (differs, set) = self.with(py, move |sim| Ok((sim.restore(&state)?, sim.nodal_forces())))?;
+        self.own_functions().retain(|name, _| set.iter().all(|(other, _)| other != name));
+        Ok(differs)
     }
 
-    /// Replaces positions [m] and velocities [m/s], each (n, 3).
+    /// Replaces positions [m] and velocities [m/s], each (n, 3), and with time [s] the time as well. The energy account
+    /// begins anew. Steps of fixed size count from 0: the next one ends where one does that began there.
     ///
     /// Raises:
-    ///     ValueError, TypeError: another shape or type, a number that is not finite.
-    fn set_state(&self, py: Python<'_>, positions: &Bound<'_, PyAny>, velocities: &Bound<'_, PyAny>) -> PyResult<()> {
+    ///     ValueError, TypeError: another shape or type, a number that is not finite, a time before 0 or after the end.
+    #[pyo3(signature = (positions, velocities, *, time=None))]
+    fn set_state(
+        &self,
+        py: Python<'_>,
+        positions: &Bound<'_, PyAny>,
+        velocities: &Bound<'_, PyAny>,
+        time: Option<f64>,
+    ) -> PyResult<()> {
         let n = Some(self.mesh.nodes.len());
         let (x, v) = (rows(positions, "positions", n)?, rows(velocities, "velocities", n)?);
-        self.with(py, move |sim| sim.set_state(&x, &v))
+        self.with(py, move |sim| sim.set_state_at(time.unwrap_or(sim.time()), &x, &v))
     }
 
     /// Sets a force from outside: an array [N], (n, 3). As `forces[name] = force`.
@@ -212,7 +241,9 @@ impl Simulation {
     ///     SimulationError: a pendulum, which has no forces from outside.
     fn set_force(&self, py: Python<'_>, name: &str, force: &Bound<'_, PyAny>) -> PyResult<()> {
         let force = rows(force, "force", Some(self.mesh.nodes.len()))?;
-        self.with(py, |sim| sim.set_nodal_force(name, &force))
+        self.with(py, |sim| sim.set_nodal_force(name, &force))?;
+        self.own_functions().remove(name);
+        Ok(())
     }
 
     /// Sets a force that function(t, x, v) computes [N], (n, 3). As `forces.add`.
@@ -230,14 +261,39 @@ impl Simulation {
         if !function.bind(py).is_callable() {
             return Err(PyTypeError::new_err("a force is an array or a function of t, x, v"));
         }
-        let raised = self.raised.clone();
-        let law = PythonForce { name: name.clone(), function, velocity_dependent, raised };
-        self.with(py, move |sim| sim.set_nodal_law(&name, Arc::new(law)))
+        let (raised, function) = (self.raised.clone(), Mutex::new(Some(function)));
+        let law = Arc::new(PythonForce { name: name.clone(), function, velocity_dependent, raised });
+        self.with(py, |sim| sim.set_nodal_law(&name, law.clone()))?;
+        self.own_functions().insert(name, law);
+        Ok(())
     }
 
     /// Removes a force; False if there is none of this name.
     fn remove_force(&self, py: Python<'_>, name: &str) -> PyResult<bool> {
-        self.with(py, |sim| sim.remove_nodal_force(name))
+        let removed = self.with(py, |sim| sim.remove_nodal_force(name))?;
+        self.own_functions().remove(name);
+        Ok(removed)
+    }
+
+    /// Forces from outside that act, by name: arrays [N], (n, 3), and functions.
+    fn acting_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        for (name, force) in self.lock()?.nodal_forces() {
+            all.set_item(name, of_rows(py, force)?)?;
+        }
+        for (name, force) in self.own_functions().iter() {
+            all.set_item(name, force.function(py)?)?;
+        }
+        Ok(all)
+    }
+
+    /// Forces that are functions, by name, each with whether it depends on velocities.
+    fn force_functions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        for (name, force) in self.own_functions().iter() {
+            all.set_item(name, (force.function(py)?, force.velocity_dependent))?;
+        }
+        Ok(all)
     }
 
     /// Replaces the wind by a constant velocity [m/s], (3,), or goes back to that of the case with None.
@@ -259,9 +315,12 @@ impl Simulation {
         self.with(py, move |sim| sim.set_rest_length_factor(&edges, factor))
     }
 
-    /// [-] factors of the rest lengths of all edges, (m,)
+    /// [-] factors of the rest lengths of all edges, (m,); NaN where an edge has no spring
     fn rest_scales<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(PyArray1::from_vec(py, self.with(py, |sim| Ok(sim.rest_length_factors()))?))
+        let (springs, factors) = self.with(py, |sim| Ok((sim.spring_edges(), sim.rest_length_factors())))?;
+        let mut all = vec![f64::NAN; factors.len()];
+        springs.iter().for_each(|&edge| all[edge as usize] = factors[edge as usize]);
+        Ok(of_list(py, all))
     }
 
     /// Multiplies a load by a factor [-]: "gravity", "pressure 0", "force 0", … in the order of the case. As `loads`.
@@ -292,7 +351,7 @@ impl Simulation {
     ///     ValueError: another kind.
     #[pyo3(signature = (name, kind="nodes"))]
     fn select<'py>(&self, py: Python<'py>, name: &str, kind: &str) -> PyResult<Bound<'py, PyArray1<u32>>> {
-        Ok(PyArray1::from_vec(py, self.selected(name, kind)?))
+        Ok(of_list(py, self.selected(name, kind)?))
     }
 
     /// Names of the groups.
@@ -331,13 +390,13 @@ impl Simulation {
         self.mesh.nodes.len()
     }
 
-    /// [m] positions, (n, 3); a copy
+    /// [m] positions, (n, 3); a copy, read-only
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> Rows<'py> {
         of_rows(py, self.lock()?.positions())
     }
 
-    /// [m/s] velocities, (n, 3); a copy
+    /// [m/s] velocities, (n, 3); a copy, read-only
     #[getter]
     fn velocities<'py>(&self, py: Python<'py>) -> Rows<'py> {
         of_rows(py, self.lock()?.velocities())
@@ -362,16 +421,16 @@ impl Simulation {
         filled(py, n, out, |place| sim.read_nodes(&mut other, place).map_err(|error| of_simulation(py, error)))
     }
 
-    /// [N] what supports exert on the scene, own weights included, (n, 3), at the end of the last step; a copy
+    /// [N] what supports exert on the scene, own weights included, (n, 3), at the end of the last step; a copy, read-only
     #[getter]
     fn reactions<'py>(&self, py: Python<'py>) -> Rows<'py> {
         of_rows(py, self.lock()?.reactions())
     }
 
-    /// [N] tension of every edge, (m,), with its axial dashpot; NaN where an edge has no spring; a copy
+    /// [N] tension of every edge, (m,), with its axial dashpot; NaN where an edge has no spring; a copy, read-only
     #[getter]
     fn tension<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(PyArray1::from_vec(py, self.lock()?.tensions()))
+        Ok(of_list(py, self.lock()?.tensions()))
     }
 
     /// energy account of the present state
@@ -387,19 +446,19 @@ impl Simulation {
         from_json(py, &counters)
     }
 
-    /// [m] positions before any displacement, (n, 3); a copy
+    /// [m] positions before any displacement, (n, 3); a copy, read-only
     #[getter]
     fn reference<'py>(&self, py: Python<'py>) -> Rows<'py> {
         of_rows(py, self.mesh.nodes.clone())
     }
 
-    /// pairs of nodes, (m, 2); a copy
+    /// pairs of nodes, (m, 2); a copy, read-only
     #[getter]
     fn edges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         of_numbers(py, &self.mesh.edges)
     }
 
-    /// triples of nodes, (k, 3); a copy
+    /// triples of nodes, (k, 3); a copy, read-only
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         of_numbers(py, &self.mesh.triangles)
@@ -407,6 +466,10 @@ impl Simulation {
 }
 
 impl Simulation {
+    fn own_functions(&self) -> MutexGuard<'_, BTreeMap<String, Arc<PythonForce>>> {
+        self.functions.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn lock(&self) -> PyResult<MutexGuard<'_, door::Simulation>> {
         match self.sim.try_lock() {
             Ok(sim) => Ok(sim),
@@ -426,7 +489,7 @@ impl Simulation {
     ) -> PyResult<R> {
         let mut guard = self.lock()?;
         let sim = &mut *guard;
-        let done = engine(py, move || act(sim))?;
+        let done = engine(py, || looking(&self.raised, || act(sim)))?;
         match self.raised.take() {
             Some(error) => Err(error),
             None => done.map_err(|error| of_simulation(py, error)),
