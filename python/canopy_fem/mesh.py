@@ -218,7 +218,9 @@ def _halves(
     second = np.einsum("ij,ij->i", turned(0, 1, 3), turned(1, 2, 3))
     crossed = np.flatnonzero((first < 0) & (second < 0))
     if len(crossed):
-        raise CaseError(f"a quad crosses itself: its corners, nodes {quads[crossed[0]].tolist()}, are not in order around it")
+        raise CaseError(
+            f"a quad crosses itself: its corners, nodes {quads[crossed[0]].tolist()}, are not in order around it"
+        )
     along_second = ((first <= 0) & (second > 0))[:, None, None]
     halves = np.where(along_second, quads[:, [[0, 1, 3], [1, 2, 3]]], quads[:, [[0, 1, 2], [0, 2, 3]]])
     triangles, of = halves.reshape(-1, 3), np.repeat(np.arange(len(quads)), 2)
@@ -267,8 +269,8 @@ def from_pyvista(data: Any) -> Mesh:
     kinds = sorted({int(kind) for kind in getattr(data, "celltypes", ())} - set(_FLAT))
     if kinds:
         raise CaseError(
-            f"the grid holds cells of VTK's types {', '.join(map(str, kinds))}: only lines, triangles and quads of first "
-            "order are taken. Give its surface, of first order: grid.extract_surface(nonlinear_subdivision=0)"
+            f"the grid holds cells of VTK's types {', '.join(map(str, kinds))}: only lines, triangles and quads of "
+            "first order are taken. Give its surface, of first order: grid.extract_surface(nonlinear_subdivision=0)"
         )
     surface = data if hasattr(data, "faces") else data.extract_surface(pass_pointid=False, pass_cellid=False)
     made = _Cells(np.asarray(surface.points, dtype=float))

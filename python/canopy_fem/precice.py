@@ -20,8 +20,8 @@ participant, meshes and data as preCICE's own configuration has them, a group of
     }
 
 Data whose names begin with Force are read, in newtons on each vertex; those that begin with Displacement or Velocity
-are written. Where preCICE calls them otherwise, ``"solver_name"`` beside ``"name"`` says which they are. Meshes may have
-two dimensions; forces are then per metre of depth.
+are written. Where preCICE calls them otherwise, ``"solver_name"`` beside ``"name"`` says which they are. Meshes may
+have two dimensions; forces are then per metre of depth.
 
 It speaks to version 3 of preCICE, and was tried with 3.4.1; its tests have a stand-in for the library.
 """

@@ -217,10 +217,10 @@ class Simulation(_core.Simulation):
         return _simulation, (type(self), self._source, self._how), state
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        # Before the state, which the first function would begin anew.
+        # Before the state, since the first function would begin it anew.
         for name, (function, velocity_dependent) in state["functions"].items():
             self.set_force_function(name, function, velocity_dependent=velocity_dependent)
-        super().restore(state["state"])
+        self._restore_later(state["state"])
         if state["more"]:
             self.__dict__.update(state["more"])
 
@@ -231,7 +231,7 @@ class Simulation(_core.Simulation):
             advice = _INSTEAD.get(name, "attributes are read; methods change the simulation")
             raise AttributeError(f"{name!r} of a simulation cannot be set: {advice}") from None
 
-    def restore(self, state: bytes) -> list[str]:  # type: ignore[override]
+    def restore(self, state: bytes) -> list[str]:
         """Goes on from the bytes of a snapshot, with the bits of a run that was never stopped.
 
         The scene or run may be another one of the same nodes and connections: with other masses or stiffnesses, another
@@ -287,10 +287,12 @@ class Simulation(_core.Simulation):
     def forces(self) -> Forces:
         """Forces from outside by name: arrays [N], (n, 3), or functions ``f(t, x, v)`` that return one.
 
-        It shows what acts, after `restore` too, and arrays in it are read-only: ``sim.forces["wake"][3] = …`` raises. An
-        array acts from now on until it is set again, in every step alike. A function is called several times a step
+        It shows what acts, after `restore` too. Arrays in it are read-only: ``sim.forces["wake"][3] = …`` raises.
+
+        An array acts from now on until it is set again, in every step alike. A function is called several times a step
         with the interpreter, which takes some ten microseconds a call: slow, and steps are then made one by one. It
-        must return the same values for the same arguments. What it raises ends the step, and comes out of it.
+        must return the same values for the same arguments, which are read-only. What it raises ends the step, and
+        comes out of it.
 
         >>> sim.forces["wake"] = f                    # doctest: +SKIP
         >>> sim.forces["thrust"] = lambda t, x, v: f  # doctest: +SKIP

@@ -83,7 +83,11 @@ def check(case: Any, *, accuracy: float | None = None) -> dict[str, Any]:
 
 
 def tradeoff(
-    case: Any, out: str | os.PathLike[str] | None = None, *, arguments: list[str] | tuple[str, ...] = (), replace: bool = False
+    case: Any,
+    out: str | os.PathLike[str] | None = None,
+    *,
+    arguments: list[str] | tuple[str, ...] = (),
+    replace: bool = False,
 ) -> list[dict[str, Any]]:
     """The study of ``canopy-fem tradeoff``: a dictionary a run, with the columns of tradeoff.csv.
 
@@ -100,7 +104,11 @@ def tradeoff(
 
 
 def stability(
-    case: Any, out: str | os.PathLike[str] | None = None, *, arguments: list[str] | tuple[str, ...] = (), replace: bool = False
+    case: Any,
+    out: str | os.PathLike[str] | None = None,
+    *,
+    arguments: list[str] | tuple[str, ...] = (),
+    replace: bool = False,
 ) -> list[dict[str, Any]]:
     """The study of ``canopy-fem stability``: a dictionary a method with its predicted and measured largest stable step
     [s], None where there is no limit. Arguments and exceptions are those of `tradeoff`."""
@@ -154,9 +162,7 @@ def _values(key: Any, values: Any) -> str:
     return ",".join(json.dumps(value) for value in listed)
 
 
-def _study(
-    command: str, case: Any, out: Any, more: list[str] | tuple[str, ...], replace: bool
-) -> list[dict[str, Any]]:
+def _study(command: str, case: Any, out: Any, more: list[str] | tuple[str, ...], replace: bool) -> list[dict[str, Any]]:
     if isinstance(more, str):
         raise TypeError(f"arguments are a list of texts, such as {more.split()!r}, not one text")
     with tempfile.TemporaryDirectory(prefix="canopy-fem-") as scratch, _file_of(as_case(case)) as arguments:

@@ -6,13 +6,16 @@ use canopy_fem::interrupt::heeding;
 use pyo3::prelude::*;
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 /// Time between two looks at signals.
 pub const LOOK: Duration = Duration::from_millis(10);
+
+/// The same within a step, where each look may wait for other threads of the interpreter.
+const SELDOM: Duration = Duration::from_millis(50);
 
 /// Runs `work` on a thread of its own, while this one looks at signals and calls `meanwhile`. If one of them raises,
 /// the flag is set that `work` gets, and its exception is raised once `work` has ended.
@@ -63,7 +66,7 @@ pub fn watched<R: Send>(
 pub fn looking<R>(raised: &Arc<Raised>, work: impl FnOnce() -> R) -> R {
     let (raised, last) = (raised.clone(), Cell::new(Instant::now()));
     let asked = move || {
-        if !raised.is_set() && last.get().elapsed() > LOOK {
+        if !raised.is_set() && last.get().elapsed() > SELDOM {
             if let Err(error) = Python::attach(|py| py.check_signals()) {
                 raised.keep(error);
             }

@@ -14,9 +14,9 @@ use canopy_fem::mesh::{Mesh, Topology};
 use canopy_fem::simulation::{self as door, Load, RecordError, RunSettings, SimulationError as Refusal, StepInfo};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
-use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::pyclass::{PyTraverseError, PyVisit};
+use pyo3::types::{PyBytes, PyDict};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Instant;
@@ -29,6 +29,8 @@ pub struct Simulation {
     raised: Arc<Raised>,
     /// forces that are functions, which the engine has too
     functions: Mutex<BTreeMap<String, Arc<PythonForce>>>,
+    /// a state to go on from at the first use: in a copy, what functions refer to may not be whole before
+    waiting: Mutex<Option<Vec<u8>>>,
     /// what does not change, in the numbering of the mesh
     mesh: Mesh,
 }
@@ -105,7 +107,7 @@ impl Simulation {
             groups: scene.groups().clone(),
             ..Mesh::default()
         };
-        Ok(Simulation { sim: Mutex::new(sim), raised, functions: Mutex::default(), mesh })
+        Ok(Simulation { sim: Mutex::new(sim), raised, functions: Mutex::default(), waiting: Mutex::default(), mesh })
     }
 
     /// Shows Python's collector of garbage the functions, which may refer to this simulation.
@@ -119,9 +121,10 @@ impl Simulation {
     }
 
     fn __clear__(&self) {
-        for force in self.own_functions().values() {
-            drop(force.function.lock().unwrap_or_else(PoisonError::into_inner).take());
-        }
+        let take = |force: &Arc<PythonForce>| force.function.lock().unwrap_or_else(PoisonError::into_inner).take();
+        // They go after the locks, since their ends may run code.
+        let taken: Vec<_> = self.own_functions().values().map(take).collect();
+        drop(taken);
     }
 
     /// Makes n steps; the last one.
@@ -212,8 +215,15 @@ impl Simulation {
     fn restore(&self, py: Python<'_>, state: &[u8]) -> PyResult<Vec<String>> {
         let state = state.to_vec();
         let (differs, set) = self.with(py, move |sim| Ok((sim.restore(&state)?, sim.nodal_forces())))?;
-        self.own_functions().retain(|name, _| set.iter().all(|(other, _)| other != name));
+        for (name, _) in &set {
+            self.forget_function(name);
+        }
         Ok(differs)
+    }
+
+    /// Goes on from the bytes of a snapshot when it is next used: for copies and pickles.
+    fn _restore_later(&self, state: Vec<u8>) {
+        *self.waiting.lock().unwrap_or_else(PoisonError::into_inner) = Some(state);
     }
 
     /// Replaces positions [m] and velocities [m/s], each (n, 3), and with time [s] the time as well. The energy account
@@ -242,7 +252,7 @@ impl Simulation {
     fn set_force(&self, py: Python<'_>, name: &str, force: &Bound<'_, PyAny>) -> PyResult<()> {
         let force = rows(force, "force", Some(self.mesh.nodes.len()))?;
         self.with(py, |sim| sim.set_nodal_force(name, &force))?;
-        self.own_functions().remove(name);
+        self.forget_function(name);
         Ok(())
     }
 
@@ -264,21 +274,23 @@ impl Simulation {
         let (raised, function) = (self.raised.clone(), Mutex::new(Some(function)));
         let law = Arc::new(PythonForce { name: name.clone(), function, velocity_dependent, raised });
         self.with(py, |sim| sim.set_nodal_law(&name, law.clone()))?;
-        self.own_functions().insert(name, law);
+        let before = self.own_functions().insert(name, law);
+        drop(before);
         Ok(())
     }
 
     /// Removes a force; False if there is none of this name.
     fn remove_force(&self, py: Python<'_>, name: &str) -> PyResult<bool> {
         let removed = self.with(py, |sim| sim.remove_nodal_force(name))?;
-        self.own_functions().remove(name);
+        self.forget_function(name);
         Ok(removed)
     }
 
     /// Forces from outside that act, by name: arrays [N], (n, 3), and functions.
     fn acting_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);
-        for (name, force) in self.lock()?.nodal_forces() {
+        let set = self.lock()?.nodal_forces();
+        for (name, force) in set {
             all.set_item(name, of_rows(py, force)?)?;
         }
         for (name, force) in self.own_functions().iter() {
@@ -466,19 +478,37 @@ impl Simulation {
 }
 
 impl Simulation {
+    /// The function goes after the lock, since its end may run code.
+    fn forget_function(&self, name: &str) {
+        let gone = self.own_functions().remove(name);
+        drop(gone);
+    }
+
     fn own_functions(&self) -> MutexGuard<'_, BTreeMap<String, Arc<PythonForce>>> {
         self.functions.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn lock(&self) -> PyResult<MutexGuard<'_, door::Simulation>> {
-        match self.sim.try_lock() {
-            Ok(sim) => Ok(sim),
+        let mut sim = match self.sim.try_lock() {
+            Ok(sim) => sim,
             // After a panic the engine says itself what it refuses.
-            Err(TryLockError::Poisoned(sim)) => Ok(sim.into_inner()),
-            Err(TryLockError::WouldBlock) => Err(SimulationError::new_err(
-                "the simulation is at work: another thread uses it, or a force of its own does",
-            )),
+            Err(TryLockError::Poisoned(sim)) => sim.into_inner(),
+            Err(TryLockError::WouldBlock) => {
+                let text = "the simulation is at work: another thread uses it, or a force of its own does";
+                return Err(SimulationError::new_err(text));
+            }
+        };
+        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(state) = waiting.as_ref() {
+            let done = sim.restore(state);
+            match self.raised.take() {
+                Some(error) => return Err(error),
+                None => Python::attach(|py| done.map_err(|error| of_simulation(py, error)))?,
+            };
+            *waiting = None;
         }
+        drop(waiting);
+        Ok(sim)
     }
 
     /// Calls the engine without the interpreter; exceptions of forces come first.

@@ -42,14 +42,7 @@ impl Energies {
 #[pymethods]
 impl Energies {
     #[new]
-    fn new(
-        kinetic: f64,
-        elastic: f64,
-        gravity: f64,
-        external_work: f64,
-        dissipated: f64,
-        numerical: f64,
-    ) -> Self {
+    fn new(kinetic: f64, elastic: f64, gravity: f64, external_work: f64, dissipated: f64, numerical: f64) -> Self {
         Energies { kinetic, elastic, gravity, external_work, dissipated, numerical }
     }
 
@@ -94,8 +87,8 @@ pub struct Step {
 #[pymethods]
 impl Step {
     #[new]
-    fn new(step: u64, time: f64, energies: Energies) -> Self {
-        Step { step, time, energies }
+    fn new(step: u64, time: f64, energies: &Bound<'_, Energies>) -> Self {
+        Step { step, time, energies: *energies.get() }
     }
 
     /// For copies and pickles.

@@ -1,9 +1,9 @@
 """A stand-in for preCICE's module for Python, version 3, for one participant; the other is a function.
 
 It reads what it needs of a real configuration file, and is strict where the library is: about names, sizes, the order
-of calls, numbers that are not finite, and that checkpoints are written and read; what it refuses is a `RuntimeError`, as
-there. A partner that writes such numbers ends, which this side learns in `advance`. Its implicit coupling iterates, with
-constant relaxation of the forces, until they rest.
+of calls, numbers that are not finite, and that checkpoints are written and read; what it refuses is a `RuntimeError`,
+as there. A partner that writes such numbers ends, which this side learns in `advance`. Its implicit coupling iterates,
+with constant relaxation of the forces, until they rest.
 """
 
 import xml.etree.ElementTree as ET
@@ -14,7 +14,6 @@ import numpy as np
 flow = None
 # What the last participant has seen: an object with iterations, steps, connectivity, finalized and windows.
 last = None
-
 
 
 def refuse_unless(right, text):
@@ -94,7 +93,9 @@ class Participant:
         return self._initial
 
     def initialize(self):
-        refuse_unless(not self._initial or all(value is not None for value in self._data.values()), "this call is not allowed")
+        refuse_unless(
+            not self._initial or all(value is not None for value in self._data.values()), "this call is not allowed"
+        )
         self._ready = True
         self._force = self._flow(0.0)
 

@@ -54,7 +54,7 @@ def test_every_public_name_has_a_docstring():
 
 
 def test_the_wheel_has_its_licence_and_names_its_authors():
-    """The licence is that of the project, of which the module's folder has a copy, since a wheel takes none from above."""
+    """The module's folder has a copy of the project's licence, since a wheel takes none from above."""
     from importlib import metadata
 
     assert (ROOT / "python" / "LICENSE").read_text() == (ROOT / "LICENSE").read_text()

@@ -219,7 +219,7 @@ def breaks(t, points, moved):
 @pytest.mark.parametrize("scheme", ["parallel-implicit", "parallel-explicit"])
 @pytest.mark.parametrize("refuses_to_end", [False, True])
 def test_a_partner_that_dies_loses_nothing(folder, scheme, refuses_to_end, monkeypatch):
-    """The state at the start of the window is saved, and a run goes on from it; the command ends with 3 and one line."""
+    """The state at the start of the window is saved, and a run goes on from it."""
     reconfigure(folder, "parallel-implicit", scheme)
     precice_stand_in.flow = breaks
     if refuses_to_end:
@@ -267,7 +267,7 @@ def test_the_file_is_one_of_precices_schema(folder):
 
 
 def test_data_of_other_names(folder):
-    """"solver_name" says what they are."""
+    """ "solver_name" says what they are."""
     path = folder.parent / "precice-config.xml"
     path.write_text(path.read_text().replace('"Force"', '"Load"'))
     write(folder, interface={"read_data": [{"name": "Load", "solver_name": "Force"}]})

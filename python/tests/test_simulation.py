@@ -264,15 +264,15 @@ def test_a_snapshot_starts_another_run():
     sim = cf.Simulation(cloth())
     sim.step(100)
     state, x = sim.snapshot(), sim.positions
-    for time, words in (
+    for moves, words in (
         ({"end": 0.2, "method": "newmark", "step": 1e-3}, "method velocity-verlet, now newmark"),
         ({"end": 0.2, "method": "velocity-verlet", "step": 4e-4}, "steps of 0.001 s, now steps of 0.0004 s"),
     ):
-        other = cf.Simulation(cloth(time=time))
+        other = cf.Simulation(cloth(time=moves))
         with pytest.warns(cf.CaseWarning, match=words):
             other.restore(state)
-        assert other.time == 0.1 and (other.positions == x).all()
-        assert other.step().time == pytest.approx(0.1 + time["step"], rel=1e-12)
+        assert other.time == pytest.approx(0.1, rel=1e-12) and (other.positions == x).all()
+        assert other.step().time == pytest.approx(0.1 + moves["step"], rel=1e-12)
     softer = cf.Case(cloth(), {"system.network.springs.0.stiffness": 100.0})
     with pytest.warns(cf.CaseWarning, match="other stiffnesses"):
         cf.Simulation(softer).restore(state)
@@ -287,11 +287,11 @@ def test_the_time_is_set(sim):
     sim.set_state(x, v, time=0.1)
     assert (sim.time, sim.step_count) == (0.1, 100)
     sim.set_state(x, v, time=0.0504)
-    assert sim.step().time == 0.051
+    assert sim.step().time == pytest.approx(0.051, rel=1e-12)
     assert sim.run_until(0.2).step == 200
-    for time in (-1.0, 0.3, float("nan")):
+    for t in (-1.0, 0.3, float("nan")):
         with pytest.raises(ValueError, match="time"):
-            sim.set_state(x, v, time=time)
+            sim.set_state(x, v, time=t)
 
 
 def test_springs_on_parts_of_a_mesh():

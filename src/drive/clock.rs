@@ -238,7 +238,9 @@ mod tests {
     #[test]
     fn a_run_joins_its_steps() {
         let steps = EventSteps::new(FixedSteps::new(0.25, 1.0), &[0.625]);
-        for (t, found) in [(0.0, (0, 0.0)), (0.3, (1, 0.3)), (0.5 - 1e-12, (2, 0.5)), (0.63, (3, 0.63)), (1.0, (5, 1.0))] {
+        for (t, found) in
+            [(0.0, (0, 0.0)), (0.3, (1, 0.3)), (0.5 - 1e-12, (2, 0.5)), (0.63, (3, 0.63)), (1.0, (5, 1.0))]
+        {
             assert_eq!(steps.join(t), found, "{t}");
         }
         assert_eq!(steps.tick_from(2, 0.3), Tick { h: 0.2, t: 0.5 });

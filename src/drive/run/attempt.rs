@@ -8,8 +8,8 @@ use super::super::step_policy::StepPolicy;
 use super::accept::{Accepted, StepPart};
 use super::{Run, RunError};
 use crate::integrate::stepper::{Attempt, Stepper};
-use crate::interrupt;
 use crate::integrate::{StepError, StepReport};
+use crate::interrupt;
 
 impl Run<'_> {
     /// Advances to the next accepted state, which may take several attempts, unless the run must end before.
