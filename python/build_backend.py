@@ -31,4 +31,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     ask = ["cargo", "metadata", "--format-version", "1", "--no-deps"]
     metadata = json.loads(subprocess.run(ask, cwd=workspace, check=True, capture_output=True).stdout)
     shutil.copy2(Path(metadata["target_directory"]) / "release" / PROGRAM, SCRIPTS / PROGRAM)
+    # As maturin does with the module: its table of symbols serves no user.
+    if strip := shutil.which("strip"):
+        subprocess.run([strip, SCRIPTS / PROGRAM], check=True)
     return build_module(wheel_directory, config_settings, metadata_directory)

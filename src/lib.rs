@@ -38,6 +38,7 @@ pub mod force;
 pub mod format_number;
 pub mod input_file;
 pub mod integrate;
+pub mod interrupt;
 pub mod mesh;
 pub mod model;
 pub mod output;

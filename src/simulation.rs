@@ -82,6 +82,7 @@ use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Up
 use crate::drive::{Changed, Outcome, Run, RunError, RunSpec, RunState, Snapshot};
 use crate::force::schedule::threads::Threads;
 use crate::integrate::stepper::{Scheme, Stepper};
+use crate::interrupt;
 use crate::model::spec::NetworkSpec;
 use crate::model::stop::Stop;
 use crate::scene::{Pendulum, Scene, build_network, build_network_with};
@@ -314,7 +315,7 @@ impl Simulation {
             match made {
                 None => return Err(SimulationError::Ended { t: self.time() }),
                 Some(Err(_)) => return Err(self.failed()),
-                Some(Ok(())) if pause() => break,
+                Some(Ok(())) if pause() || interrupt::asked() => break,
                 Some(Ok(())) => {}
             }
         }

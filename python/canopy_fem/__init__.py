@@ -20,8 +20,18 @@ The engine of the program ``canopy-fem``. Units are SI; nodes, edges and triangl
 from . import mesh
 from ._core import Energies, Rollout, Step, __version__, methods, schema
 from .case import Case
-from .errors import CanopyError, CaseError, CouplingError, Diverged, Ended, Fault, InternalError, SimulationError
-from .results import CaseWarning, Result, load, run, static
+from .errors import (
+    CanopyError,
+    CaseError,
+    CaseWarning,
+    CouplingError,
+    Diverged,
+    Ended,
+    Fault,
+    InternalError,
+    SimulationError,
+)
+from .results import Result, load, run, static
 from .simulation import Motion, Network, Simulation
 from .studies import check, program, rollout, stability, sweep, tradeoff
 

@@ -45,7 +45,7 @@ class Case:
     0.01
     """
 
-    __slots__ = ("_base", "_core", "_file", "_overrides")
+    __slots__ = ("__weakref__", "_base", "_core", "_file", "_overrides")
 
     _core: CoreCase
     _file: Path | None
@@ -121,6 +121,26 @@ class Case:
 
         return static(self, out, **options)
 
+    def __eq__(self, other: object) -> bool:
+        """Whether the content is the same, and that of the files that it names."""
+        if not isinstance(other, Case):
+            return NotImplemented
+        return self._core.digest == other._core.digest and self.to_dict() == other.to_dict()
+
+    def __hash__(self) -> int:
+        return hash(self._core.digest)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # With the content of its file, which may have changed by then, or be on another machine.
+        return _restored, (type(self), self._core.text, os.path.abspath(self._base))
+
+    def __copy__(self) -> Case:
+        # It never changes.
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Case:
+        return self
+
     def __repr__(self) -> str:
         step = "adaptive steps" if self.step is None else f"step {self.step:g} s"
         return f"<Case {self.name!r}: {self.method}, {step}, end {self.end:g} s>"
@@ -128,6 +148,14 @@ class Case:
     def _repr_html_(self) -> str:
         text = html.escape(json.dumps(_short(self.to_dict()), indent=2))
         return f"<b>{html.escape(repr(self))}</b><details><summary>case</summary><pre>{text}</pre></details>"
+
+
+def _restored(kind: type[Case], text: str, base: str) -> Case:
+    """The case of a pickle."""
+    case = kind.__new__(kind)
+    case._file, case._base, case._overrides = None, Path(base), []
+    case._core = CoreCase.from_text(text, "case", case._base, [])
+    return case
 
 
 def as_case(source: Any, *, at_rest: bool = False) -> Case:

@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .case import Case
-from .errors import CanopyError, CouplingError, Diverged, SimulationError
+from .errors import CanopyError, CouplingError, CouplingLost, Diverged, SimulationError
 from .mesh import Mesh
 from .simulation import Motion, Simulation
 
@@ -337,6 +337,17 @@ class Structure:
         self.sim.restore(state)
         self._from = self.sim.time
 
+    def resume(self, path: str | os.PathLike[str]) -> None:
+        """Goes on from a snapshot in a file.
+
+        Raises:
+            CouplingError: a file that cannot be read, or whose content is damaged or of another scene or version.
+        """
+        try:
+            self.restore(Path(path).read_bytes())
+        except (OSError, ValueError) as error:
+            raise CouplingError(f'"resume" {os.fspath(path)}: {error}') from None
+
 
 class Frames:
     """Where a structure is, for ParaView: a mesh file every so often, and ``NAME.pvd`` with their times.
@@ -394,5 +405,5 @@ def command(usage: str, run: Callable[[str], object]) -> int:
         run(sys.argv[1])
     except (CanopyError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
-        return 3 if isinstance(error, Diverged) else 2
+        return 3 if isinstance(error, (Diverged, CouplingLost)) else 2
     return 0

@@ -13,7 +13,9 @@ from typing import Any
 __all__ = [
     "CanopyError",
     "CaseError",
+    "CaseWarning",
     "CouplingError",
+    "CouplingLost",
     "Diverged",
     "Ended",
     "Fault",
@@ -43,6 +45,22 @@ class Fault:
 class CanopyError(Exception):
     """Whatever canopy_fem raises of its own."""
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Python's own way calls the class with `args`, which fails for a class that makes its message itself. A pool of
+        # processes then breaks, or waits for ever.
+        return _again, (type(self), self.args), self.__dict__
+
+
+def _again(kind: type[CanopyError], args: tuple[Any, ...]) -> CanopyError:
+    """An exception of a pickle, before its attributes."""
+    error = kind.__new__(kind)
+    error.args = args
+    return error
+
+
+class CaseWarning(UserWarning):
+    """Something doubtful about a case or a run."""
+
 
 class CaseError(CanopyError, ValueError):
     """A case, a mesh or a network that cannot be used; `faults` lists what is wrong with a case."""
@@ -55,6 +73,11 @@ class CaseError(CanopyError, ValueError):
 class CouplingError(CanopyError, RuntimeError):
     """What another program of a coupling gives or asks, and cannot be used: an interface of another size, forces that
     are not finite, a program that is not installed. The structure is where its last whole step ended."""
+
+
+class CouplingLost(CouplingError):
+    """A coupling that has ended before its time: its library has failed in the middle of it, as preCICE does where a
+    partner has gone. The structure is where its last whole step ended."""
 
 
 class KratosMissing(CouplingError):

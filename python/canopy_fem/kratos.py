@@ -29,13 +29,14 @@ import json
 import os
 import re
 import sys
+import warnings
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from .coupling import Structure, command, frames
-from .errors import CouplingError, Diverged
+from .errors import CanopyError, CaseWarning, CouplingError, Diverged
 
 try:
     import KratosMultiphysics as KM
@@ -52,6 +53,12 @@ _MODEL = "Structure"
 _FORCES = ("POINT_LOAD", "REACTION", "FORCE")
 _DISPLACEMENTS = ("DISPLACEMENT", "MESH_DISPLACEMENT")
 _VELOCITIES = ("VELOCITY", "MESH_VELOCITY")
+# What Kratos says, and what helps.
+_TOLD = {
+    "sizes of the data are not matching": "the interfaces have other points: use kratos_mapping, not copy",
+    "Solver time mismatch": 'the solvers make steps of different sizes: give "time_step" of canopy_fem.kratos the step '
+    "of the flow",
+}
 # Applications of Kratos that parameters need without naming them.
 _NEEDED = {
     "fluid_dynamics_wrapper": "FluidDynamicsApplication",
@@ -117,7 +124,7 @@ class Wrapper(CoSimulationSolverWrapper):  # type: ignore[misc]
         self._steps = 0
         self._build(size)
         if own["resume"].GetString():
-            self.structure.restore(Path(own["resume"].GetString()).read_bytes())
+            self.structure.resume(own["resume"].GetString())
         self._frames = frames(self.structure, own["frames_folder"].GetString(), own["frames_every"].GetDouble())
 
     def _parts(self) -> dict[str, str]:
@@ -304,12 +311,32 @@ def run(parameters: str | os.PathLike[str]) -> None:
         )
     from KratosMultiphysics.CoSimulationApplication.co_simulation_analysis import CoSimulationAnalysis
 
+    if "OMP_NUM_THREADS" not in os.environ:
+        warnings.warn(
+            f"OMP_NUM_THREADS is not set: Kratos takes all {os.cpu_count()} processors, and can be ten times slower "
+            "where they are busy; set it, for example to 1",
+            CaseWarning,
+            stacklevel=2,
+        )
     try:
-        CoSimulationAnalysis(KM.Parameters(text)).Run()
+        settings = KM.Parameters(text)
     except Exception as error:
-        if "sizes of the data are not matching" not in str(error):
-            raise
-        raise CouplingError(f"{error}\nThe interfaces have other points: use kratos_mapping, not copy") from error
+        raise CouplingError(f"{parameters}: Kratos cannot read it as JSON: {_line(error)}") from error
+    try:
+        CoSimulationAnalysis(settings).Run()
+    except CanopyError:
+        raise
+    except Exception as error:
+        for told, advice in _TOLD.items():
+            if told in str(error):
+                raise CouplingError(f"{_line(error)}: {advice}") from error
+        raise
+
+
+def _line(error: Exception) -> str:
+    """What an exception says first."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    return lines[0].removeprefix("Error: ") if lines else type(error).__name__
 
 
 def _applications(text: str, folder: Path, depth: int = 2) -> set[str]:

@@ -15,7 +15,7 @@ import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,12 @@ import numpy.typing as npt
 from . import _core
 from ._core import Mesh
 from .case import plain
+from .errors import CaseError
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .typed import Graded, Parachute, Pattern
 
 __all__ = [
     "Mesh", "annulus", "chain", "disc", "from_meshio", "from_pyvista", "generate", "parachute", "read", "rectangle",
@@ -40,17 +46,17 @@ def generate(kind: str, **parameters: Any) -> Mesh:
     return _core.generate(json.dumps(plain(section)), Path("."))
 
 
-def annulus(*, inner_radius: float, outer_radius: float, nodes: int, **more: Any) -> Mesh:
+def annulus(*, inner_radius: float, outer_radius: float, nodes: int, **more: Unpack[Graded]) -> Mesh:
     """A flat ring [m] in the x-y plane; more: boundary_nodes, seams, seed, grading. Raises CaseError as `generate`."""
     return generate("annulus", inner_radius=inner_radius, outer_radius=outer_radius, nodes=nodes, **more)
 
 
-def disc(*, radius: float, nodes: int, **more: Any) -> Mesh:
+def disc(*, radius: float, nodes: int, **more: Unpack[Graded]) -> Mesh:
     """A flat disc [m] in the x-y plane; more: boundary_nodes, seams, seed, grading. Raises CaseError as `generate`."""
     return generate("disc", radius=radius, nodes=nodes, **more)
 
 
-def rectangle(*, width: float, height: float, columns: int, rows: int, **more: Any) -> Mesh:
+def rectangle(*, width: float, height: float, columns: int, rows: int, **more: Unpack[Pattern]) -> Mesh:
     """A flat rectangle [m] in the x-y plane, of columns times rows cells; more: pattern. Raises as `generate`."""
     return generate("rectangle", width=width, height=height, columns=columns, rows=rows, **more)
 
@@ -60,7 +66,7 @@ def chain(*, start: npt.ArrayLike, end: npt.ArrayLike, segments: int) -> Mesh:
     return generate("chain", **{"from": np.asarray(start), "to": np.asarray(end), "segments": segments})
 
 
-def parachute(**parameters: Any) -> Mesh:
+def parachute(**parameters: Unpack[Parachute]) -> Mesh:
     """A rigged parachute; the keywords of "parachute" in a case, e.g. type="flat-circular", nominal_diameter=8.5 [m].
     Raises CaseError as `generate`."""
     return generate("parachute", **parameters)
@@ -124,34 +130,102 @@ def to_meshio(mesh: Mesh) -> Any:
 
 
 def from_meshio(mesh: Any) -> Mesh:
-    """A mesh of the lines and triangles of a meshio.Mesh; cell sets and point sets become groups. Edges are its lines,
-    then the sides of its triangles that are not among them.
+    """A mesh of the lines, triangles and quads of a meshio.Mesh; cell sets and point sets become groups.
+
+    Quads are cut in two, as readers of files do, along their first diagonal or that which lies inside. Edges are the
+    lines, then the sides of the triangles that are not among them. `Mesh.notes` tells what was cut or left out.
 
     Raises:
-        CaseError: no mesh that can be used.
+        CaseError: cells of other kinds, such as those of second order and volumes; no mesh that can be used.
     """
     points = np.asarray(mesh.points, dtype=float)
     if points.ndim == 2 and points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
-    lines, triangles = _cells(mesh, "line", 2), _cells(mesh, "triangle", 3)
+    made, sides = _Cells(points), []
+    for block in mesh.cells:
+        sides.append(made.add(block.type, block.data))
     groups: dict[str, dict[str, Any]] = {}
     for name, numbers in (mesh.point_sets or {}).items():
         groups.setdefault(name, {})["nodes"] = np.asarray(numbers, dtype=np.int64)
     for name, blocks in (mesh.cell_sets or {}).items():
-        before = {"line": 0, "triangle": 0}
-        for block, numbers in zip(mesh.cells, blocks, strict=True):
-            kind = {"line": "edges", "triangle": "triangles"}.get(block.type)
+        for (kind, of), numbers in zip(sides, blocks, strict=True):
             if kind is not None and numbers is not None and len(numbers):
                 found = groups.setdefault(name, {}).setdefault(kind, [])
-                found.extend((np.asarray(numbers, dtype=np.int64) + before[block.type]).tolist())
-            if block.type in before:
-                before[block.type] += len(block.data)
-    return Mesh(points, edges=_with_sides(lines, triangles), triangles=triangles, groups=groups)
+                found.extend(of[np.isin(of[:, 0], numbers), 1].tolist())
+    return made.mesh(groups)
 
 
-def _cells(mesh: Any, kind: str, corners: int) -> npt.NDArray[np.int64]:
-    found = [np.asarray(block.data, dtype=np.int64) for block in mesh.cells if block.type == kind]
-    return np.concatenate(found) if found else np.empty((0, corners), dtype=np.int64)
+class _Cells:
+    """Lines and triangles, as they are found."""
+
+    def __init__(self, points: npt.NDArray[np.float64]) -> None:
+        self._points = points
+        self._lines: list[npt.NDArray[np.int64]] = []
+        self._triangles: list[npt.NDArray[np.int64]] = []
+        self._counts = {"edges": 0, "triangles": 0}
+        self._quads = self._spots = 0
+
+    def add(self, kind: str, cells: Any) -> tuple[str | None, npt.NDArray[np.int64]]:
+        """Adds cells of one of meshio's kinds: what they become, and for each part its cell and number, (k, 2)."""
+        if kind == "vertex":
+            self._spots += len(cells)
+            return None, np.empty((0, 2), dtype=np.int64)
+        if kind == "polygon" and all(len(cell) == 4 for cell in cells):
+            kind = "quad"
+        if kind == "polygon" and all(len(cell) == 3 for cell in cells):
+            kind = "triangle"
+        if kind not in ("line", "triangle", "quad"):
+            raise CaseError(
+                f"the mesh holds {len(cells)} cells of type {kind}: only lines, triangles and quads of first order are "
+                "taken. Make the surface mesh alone, of first order"
+            )
+        cells = np.asarray(cells, dtype=np.int64)
+        if len(cells) and not (0 <= cells.min() and cells.max() < len(self._points)):
+            raise CaseError(f"a {kind} names node {cells.max()}; nodes are numbered 0 to {len(self._points) - 1}")
+        of = np.arange(len(cells))
+        if kind == "quad":
+            self._quads += len(cells)
+            cells, of = _halves(self._points, cells)
+        what = "edges" if kind == "line" else "triangles"
+        (self._lines if kind == "line" else self._triangles).append(cells)
+        first = self._counts[what]
+        self._counts[what] += len(cells)
+        return what, np.column_stack([of, np.arange(first, first + len(cells))])
+
+    def mesh(self, groups: Any) -> Mesh:
+        lines = np.concatenate([np.empty((0, 2), dtype=np.int64), *self._lines])
+        triangles = np.concatenate([np.empty((0, 3), dtype=np.int64), *self._triangles])
+        notes = []
+        if self._quads:
+            notes.append(f"{self._quads} quads were cut into two triangles each")
+        if self._spots:
+            notes.append(f"{self._spots} point cells were left out")
+        edges = _with_sides(lines, triangles)
+        return _core._mesh_of(self._points, edges, triangles, groups, ([], np.empty((0, 3)), notes))
+
+
+def _halves(
+    points: npt.NDArray[np.float64], quads: npt.NDArray[np.int64]
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Triangles of quads, (k, 3), and the quad of each, (k,): along the first diagonal if the halves turn the same way,
+    else along the second. A quad with a corner twice is a triangle."""
+
+    def turned(p: int, q: int, r: int) -> npt.NDArray[np.float64]:
+        at = points[quads]
+        return np.asarray(np.cross(at[:, q] - at[:, p], at[:, r] - at[:, p]))
+
+    first = np.einsum("ij,ij->i", turned(0, 1, 2), turned(0, 2, 3))
+    second = np.einsum("ij,ij->i", turned(0, 1, 3), turned(1, 2, 3))
+    crossed = np.flatnonzero((first < 0) & (second < 0))
+    if len(crossed):
+        raise CaseError(
+            f"a quad crosses itself: its corners, nodes {quads[crossed[0]].tolist()}, are not in order around it"
+        )
+    along_second = ((first <= 0) & (second > 0))[:, None, None]
+    halves = np.where(along_second, quads[:, [[0, 1, 3], [1, 2, 3]]], quads[:, [[0, 1, 2], [0, 2, 3]]])
+    triangles, of = halves.reshape(-1, 3), np.repeat(np.arange(len(quads)), 2)
+    whole = (np.diff(np.sort(triangles, axis=1), axis=1) != 0).all(axis=1)
+    return triangles[whole], of[whole]
 
 
 def _with_sides(lines: npt.NDArray[Any], triangles: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -179,26 +253,59 @@ def to_pyvista(mesh: Mesh, positions: npt.ArrayLike | None = None) -> Any:
     return pyvista.PolyData(points, lines=padded(mesh.edges), faces=padded(mesh.triangles))
 
 
+# Cells of VTK that have lines, triangles or quads of first order: vertex to quad.
+_FLAT = range(1, 10)
+
+
 def from_pyvista(data: Any) -> Mesh:
-    """A mesh of the lines and triangles of a pyvista.PolyData or UnstructuredGrid; its surface is triangulated.
+    """A mesh of the lines, triangles, strips, quads and polygons of a pyvista.PolyData, UnstructuredGrid or other grid.
+
+    Quads are cut as `from_meshio` does, and polygons of more corners as pyvista does. `Mesh.notes` tells what was cut
+    or left out.
 
     Raises:
-        CaseError: no mesh that can be used.
+        CaseError: cells of other kinds, such as those of second order and volumes; no mesh that can be used.
     """
+    kinds = sorted({int(kind) for kind in getattr(data, "celltypes", ())} - set(_FLAT))
+    if kinds:
+        raise CaseError(
+            f"the grid holds cells of VTK's types {', '.join(map(str, kinds))}: only lines, triangles and quads of "
+            "first order are taken. Give its surface, of first order: grid.extract_surface(nonlinear_subdivision=0)"
+        )
     surface = data if hasattr(data, "faces") else data.extract_surface(pass_pointid=False, pass_cellid=False)
-    lines = _lines(np.asarray(surface.lines))
-    faces = (
-        np.asarray(surface.triangulate().faces).reshape(-1, 4)[:, 1:] if len(surface.faces) else np.empty((0, 3), int)
-    )
-    return Mesh(np.asarray(surface.points, dtype=float), edges=_with_sides(lines, faces), triangles=faces)
+    made = _Cells(np.asarray(surface.points, dtype=float))
+    spots = _padded(np.asarray(surface.verts))
+    if spots:
+        made.add("vertex", spots)
+    made.add("line", _pairs(_padded(np.asarray(surface.lines))))
+    faces = _padded(np.asarray(surface.faces))
+    if any(len(face) > 4 for face in faces):
+        whole = type(surface)(surface.points, faces=np.asarray(surface.faces)).triangulate()
+        faces = _padded(np.asarray(whole.faces))
+    # In the order of the cells, as far as kinds go together.
+    start = 0
+    for end in range(1, len(faces) + 1):
+        if end == len(faces) or len(faces[end]) != len(faces[start]):
+            made.add({3: "triangle", 4: "quad"}.get(len(faces[start]), "polygon"), faces[start:end])
+            start = end
+    strips = [
+        [strip[i + i % 2], strip[i + 1 - i % 2], strip[i + 2]]
+        for strip in _padded(np.asarray(surface.strips))
+        for i in range(len(strip) - 2)
+    ]
+    made.add("triangle", np.array(strips, dtype=np.int64).reshape(-1, 3))
+    return made.mesh({})
 
 
-def _lines(padded: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Pairs of nodes of VTK's list of polylines: count, nodes, count, nodes, …"""
-    pairs: list[Any] = []
-    at = 0
-    while at < len(padded):
-        nodes = padded[at + 1 : at + 1 + padded[at]]
-        pairs.extend(zip(nodes[:-1].tolist(), nodes[1:].tolist(), strict=True))
-        at += 1 + int(padded[at])
+def _padded(numbers: npt.NDArray[Any]) -> list[list[int]]:
+    """The lists in one of VTK's: count, nodes, count, nodes, …"""
+    lists, at, flat = [], 0, numbers.tolist()
+    while at < len(flat):
+        lists.append(flat[at + 1 : at + 1 + flat[at]])
+        at += 1 + flat[at]
+    return lists
+
+
+def _pairs(polylines: list[list[int]]) -> npt.NDArray[Any]:
+    pairs = [pair for line in polylines for pair in zip(line[:-1], line[1:], strict=True)]
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)

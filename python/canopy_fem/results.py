@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+import copy
 import csv
 import html
 import json
 import os
+import shutil
 import tempfile
 import warnings as python_warnings
+import weakref
 import xml.etree.ElementTree as xml
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from .case import as_case
-from .errors import CanopyError, Diverged
+from .case import Case, as_case
+from .errors import CanopyError, CaseWarning, Diverged
 from .simulation import teller
+
+if TYPE_CHECKING:
+    from .typed import CaseSource, Table
 
 __all__ = ["CaseWarning", "Result", "load", "run", "static"]
 
@@ -27,12 +33,8 @@ _WHOLE = {"step", "newton_iterations", "node", "mode"}
 _TEXT = {"name", "quantity", "axis"}
 
 
-class CaseWarning(UserWarning):
-    """Something doubtful about a case or a run."""
-
-
 def run(
-    case: Any,
+    case: Case | CaseSource,
     out: str | os.PathLike[str] | None = None,
     *,
     threads: int = 1,
@@ -63,8 +65,7 @@ def run(
     case = as_case(case)
     if replace and resume:
         raise ValueError("give either replace or resume")
-    keeper = tempfile.TemporaryDirectory(prefix="canopy-fem-") if out is None else None
-    folder = Path(os.fspath(out)) if out is not None else Path(keeper.name if keeper else "") / "results"
+    folder, keeper = _folder(out)
     earlier = "resume" if resume else "replace" if replace else "keep"
     summary, found = _core.record(
         case._core, folder, earlier=earlier, threads=threads, keep_going=keep_going, progress=teller(progress)
@@ -75,7 +76,7 @@ def run(
 
 
 def static(
-    case: Any,
+    case: Case | CaseSource,
     out: str | os.PathLike[str] | None = None,
     *,
     at: float = 0.0,
@@ -107,14 +108,34 @@ def static(
         KeyboardInterrupt: Ctrl-C.
     """
     case = as_case(case, at_rest=True)
-    keeper = tempfile.TemporaryDirectory(prefix="canopy-fem-") if out is None else None
-    folder = Path(os.fspath(out)) if out is not None else Path(keeper.name if keeper else "") / "results"
+    folder, keeper = _folder(out)
     summary, found = _core.record_static(
         case._core, folder, replace=replace, threads=threads, at=at, load_steps=load_steps, modes=modes
     )
     for warning in found:
         python_warnings.warn(warning, CaseWarning, stacklevel=2)
     return _checked(Result(folder, summary, keeper), check)
+
+
+class _Keeper:
+    """A temporary folder that goes with this object, or with the interpreter, but only in the process that made it."""
+
+    def __init__(self) -> None:
+        self.folder = Path(tempfile.mkdtemp(prefix="canopy-fem-"))
+        weakref.finalize(self, _remove, str(self.folder), os.getpid())
+
+
+def _remove(folder: str, process: int) -> None:
+    if os.getpid() == process:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _folder(out: str | os.PathLike[str] | None) -> tuple[Path, _Keeper | None]:
+    """Where results go, and what keeps that folder if it is a temporary one."""
+    if out is not None:
+        return Path(os.fspath(out)), None
+    keeper = _Keeper()
+    return keeper.folder / "results", keeper
 
 
 def _checked(result: Result, check: bool) -> Result:
@@ -144,15 +165,51 @@ class Result:
 
     `history`, `probes` and `gauges` are numpy structured arrays with the columns of the files, read when first asked
     for; columns are e.g. ``result.history["kinetic"]`` [J].
+
+    A result can be copied and pickled. One in a temporary folder takes its files along, so it may come from another
+    process; one in a folder of yours only knows where that is.
     """
 
-    def __init__(self, folder: Path, summary: dict[str, Any], keeper: Any = None) -> None:
+    __slots__ = ("__weakref__", "_keeper", "_tables", "folder", "summary")
+
+    folder: Path
+    """where the files are"""
+    summary: dict[str, Any]
+    """what summary.json holds"""
+
+    def __init__(self, folder: Path, summary: dict[str, Any], keeper: _Keeper | None = None) -> None:
         self.folder = folder
-        """where the files are"""
         self.summary = summary
-        """what summary.json holds"""
         self._keeper = keeper
         self._tables: dict[str, npt.NDArray[Any]] = {}
+
+    def __copy__(self) -> Result:
+        return Result(self.folder, self.summary, self._keeper)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Result:
+        # Files do not change, so one folder serves both.
+        return Result(self.folder, copy.deepcopy(self.summary, memo), self._keeper)
+
+    def __getstate__(self) -> dict[str, Any]:
+        if self._keeper is None:
+            return {"summary": self.summary, "folder": self.folder.absolute()}
+        paths = sorted(path for path in self.folder.rglob("*") if path.is_file())
+        return {
+            "summary": self.summary,
+            "files": {path.relative_to(self.folder).as_posix(): path.read_bytes() for path in paths},
+        }
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.summary, self._tables, self._keeper = state["summary"], {}, None
+        if "folder" in state:
+            self.folder = state["folder"]
+            return
+        self.folder, self._keeper = _folder(None)
+        self.folder.mkdir()
+        for name, content in state["files"].items():
+            path = self.folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
 
     @property
     def status(self) -> str:
@@ -204,12 +261,16 @@ class Result:
             KeyError: no such gauge, or several quantities and none named.
         """
         rows = self.gauges[self.gauges["name"] == name]
-        known = sorted(set(rows["quantity"]))
+        known = sorted(set(rows["quantity"].tolist()))
         if quantity is None and len(known) == 1:
             quantity = known[0]
+        if not known:
+            names = sorted(set(self.gauges["name"].tolist()))
+            raise KeyError(f"there is no gauge {name!r}; there are: {', '.join(names) or 'none'}")
+        if quantity is None:
+            raise KeyError(f"gauge {name!r} has several quantities: {', '.join(known)}; name one of them")
         if quantity not in known:
-            names = sorted({f"{row['name']} {row['quantity']}" for row in self.gauges})
-            raise KeyError(f"no gauge {name!r} with quantity {quantity!r}; there are: {', '.join(names)}")
+            raise KeyError(f"gauge {name!r} has no quantity {quantity!r}; it has: {', '.join(known)}")
         rows = rows[rows["quantity"] == quantity]
         return rows["t"], rows["value"]
 
@@ -225,7 +286,7 @@ class Result:
             raise CanopyError(f"{self.folder} has no frames")
         return frames[-1][1] if t is None else min(frames, key=lambda frame: abs(frame[0] - t))[1]
 
-    def to_pandas(self, table: str = "history") -> Any:
+    def to_pandas(self, table: Table = "history") -> Any:
         """A table, ``"history"``, ``"probes"``, ``"gauges"`` or ``"modes"``, as a pandas DataFrame.
 
         Raises:
@@ -318,4 +379,5 @@ def _read(path: Path, table: str) -> npt.NDArray[Any]:
     made = np.empty(len(rows), dtype=[(name, kind(name)) for name in names])
     for name, values in columns.items():
         made[name] = np.array(values, dtype=made.dtype[name]) if values else []
+    made.flags.writeable = False
     return made

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import sys
 import time
+import warnings
 from collections.abc import Callable, Iterator, Mapping, MutableMapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,11 +13,13 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from .case import as_case
-from .errors import CaseError
+from .case import Case, as_case
+from .errors import CaseError, CaseWarning
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+    from .typed import CaseSource, DashpotKind, Force, Law, Method, Slack
 
 __all__ = ["Motion", "Network", "Simulation"]
 
@@ -55,9 +58,101 @@ class Network(_core.Network):
     0.791927
     """
 
+    __slots__ = ("__weakref__", "_made", "_parts")
+
+    # Arguments, and what was added since, from which a copy is made: (name, arguments, keywords).
+    _made: tuple[Any, Any, Any]
+    _parts: list[tuple[str, tuple[Any, ...], dict[str, Any]]]
+
+    def __new__(
+        cls, mesh: _core.Mesh | npt.ArrayLike, *, mass: npt.ArrayLike, gravity: npt.ArrayLike | None = None
+    ) -> Self:
+        self = super().__new__(cls, mesh, mass=mass, gravity=gravity)
+        self._made, self._parts = (_kept(mesh), _kept(mass), _kept(gravity)), []
+        return self
+
+    def springs(
+        self,
+        pairs: npt.ArrayLike | None = None,
+        *,
+        stiffness: npt.ArrayLike,
+        rest_length: npt.ArrayLike | None = None,
+        law: Law = "linear",
+        slack: Slack = "none",
+        dashpot: npt.ArrayLike | None = None,
+        dashpot_kind: DashpotKind = "axial",
+    ) -> None:
+        """Adds springs.
+
+        Args:
+            pairs: nodes, (m, 2); all edges of the mesh if left out. Pairs that are no edges yet become edges, after
+                those of the mesh.
+            stiffness: [N/m], one for all or (m,).
+            rest_length: [m] likewise; the distances as given if left out.
+            law: "linear", or "green" (finite strain).
+            slack: "none", "tension-only" or "compression-only".
+            dashpot: [N s/m] likewise; none if left out.
+            dashpot_kind: "axial" or "relative".
+
+        Raises:
+            ValueError, TypeError: arrays of another shape or type, nodes that do not exist.
+        """
+        more = {"stiffness": stiffness, "rest_length": rest_length, "law": law, "slack": slack}
+        more |= {"dashpot": dashpot, "dashpot_kind": dashpot_kind}
+        self._add("springs", (pairs,), more)
+
+    def hold(self, nodes: npt.ArrayLike, directions: str = "xyz") -> None:
+        """Holds nodes, (k,), in x, y and z, or in those directions that are named.
+
+        Raises:
+            ValueError, TypeError: nodes that do not exist, other directions.
+        """
+        self._add("hold", (nodes, directions), {})
+
+    def force(self, nodes: npt.ArrayLike, force: npt.ArrayLike) -> None:
+        """Adds a constant force [N], (3,), on each of these nodes, (k,).
+
+        Raises:
+            ValueError, TypeError: nodes that do not exist, another shape or type.
+        """
+        self._add("force", (nodes, force), {})
+
+    def initial(self, *, displacement: npt.ArrayLike | None = None, velocity: npt.ArrayLike | None = None) -> None:
+        """Starts displaced [m] and moving [m/s]: each (n, 3) or left out.
+
+        Raises:
+            ValueError, TypeError: another shape or type.
+        """
+        self._add("initial", (), {"displacement": displacement, "velocity": velocity})
+
+    def _add(self, name: str, arguments: tuple[Any, ...], more: dict[str, Any]) -> None:
+        getattr(super(), name)(*arguments, **more)
+        kept = {key: _kept(value) for key, value in more.items()}
+        self._parts.append((name, tuple(map(_kept, arguments)), kept))
+
+    def _recipe(self) -> tuple[Any, Any]:
+        return self._made, list(self._parts)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _network, (type(self), *self._recipe()), getattr(self, "__dict__", None)
+
+
+def _kept(value: Any) -> Any:
+    """A value that no one changes later."""
+    return value if value is None or isinstance(value, (str, _core.Mesh)) else np.array(value)
+
+
+def _network(kind: type[Network], made: Any, parts: Any) -> Network:
+    """The network of a recipe."""
+    mesh, mass, gravity = made
+    network = Network.__new__(kind, mesh, mass=mass, gravity=gravity)
+    for name, arguments, more in parts:
+        Network._add(network, name, arguments, more)
+    return network
+
 
 class Simulation(_core.Simulation):
-    """A scene in motion. Arrays are copies, in the numbering of the mesh; units are SI.
+    """A scene in motion. Arrays are copies, read-only, in the numbering of the mesh; units are SI.
 
     Args:
         source: a `Case`, a case file, a dictionary, or a `Network`.
@@ -72,35 +167,87 @@ class Simulation(_core.Simulation):
         CaseError: a case with faults, a network that cannot be simulated, a method that does not fit.
         TypeError, ValueError: arguments of other types, or out of range.
 
-    A simulation may be used by one thread at a time; another one gets a SimulationError.
+    A simulation may be used by one thread at a time; another one gets a SimulationError. It can be copied and pickled,
+    with its state and forces: a copy goes on with the same bits.
     """
+
+    __slots__ = ("__weakref__", "_how", "_source")
+
+    # What it was made of, and by which keywords: for copies.
+    _source: tuple[Any, ...]
+    _how: dict[str, Any]
 
     def __new__(
         cls,
-        source: Any,
+        source: Case | CaseSource | _core.Network,
         *,
         threads: int = 1,
         keep_going: bool = False,
         free_steps: bool = False,
-        method: str | Mapping[str, Mapping[str, float]] | None = None,
+        method: Method | Mapping[str, Mapping[str, float]] | None = None,
         step: float | None = None,
         tolerance: float | None = None,
         end: float | None = None,
     ) -> Self:
-        how = {"method": method, "step": step, "tolerance": tolerance, "end": end}
+        how: dict[str, Any] = {"method": method, "step": step, "tolerance": tolerance, "end": end}
+        common: dict[str, Any] = {"threads": threads, "keep_going": keep_going, "free_steps": free_steps}
         if not isinstance(source, _core.Network):
             given = [name for name, value in how.items() if value is not None]
             if given:
                 raise TypeError(f"{', '.join(given)}: a case has them itself; give overrides to Case")
-            core: Any = as_case(source)._core
-            return super().__new__(cls, core, threads=threads, keep_going=keep_going, free_steps=free_steps)
+            case = as_case(source)
+            self = super().__new__(cls, case._core, **common)
+            self._source, self._how = case.__reduce__(), common
+            return self
         if method is None or end is None:
             raise TypeError("a network needs method, end, and step or tolerance")
         name, parameters = _method(method)
         settings = {"method": name, "parameters": parameters, "step": step, "tolerance": tolerance, "end": float(end)}
-        return super().__new__(
-            cls, source, threads=threads, keep_going=keep_going, free_steps=free_steps, settings=settings
-        )
+        self = super().__new__(cls, source, **common, settings=settings)
+        recipe = source._recipe() if isinstance(source, Network) else None
+        self._source, self._how = (_network, (Network, *recipe)) if recipe else (), common | how
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        state = {
+            "functions": self.force_functions(),
+            "state": self.snapshot(),
+            "more": getattr(self, "__dict__", None),
+        }
+        return _simulation, (type(self), self._source, self._how), state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        # Before the state, since the first function would begin it anew.
+        for name, (function, velocity_dependent) in state["functions"].items():
+            self.set_force_function(name, function, velocity_dependent=velocity_dependent)
+        self._restore_later(state["state"])
+        if state["more"]:
+            self.__dict__.update(state["more"])
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        try:
+            super().__setattr__(name, value)
+        except AttributeError:
+            advice = _INSTEAD.get(name, "attributes are read; methods change the simulation")
+            raise AttributeError(f"{name!r} of a simulation cannot be set: {advice}") from None
+
+    def restore(self, state: bytes) -> list[str]:
+        """Goes on from the bytes of a snapshot, with the bits of a run that was never stopped.
+
+        The scene or run may be another one of the same nodes and connections: with other masses or stiffnesses, another
+        method or step, as in fits. A `CaseWarning` then says what differs, and so do the phrases that are returned; the
+        scheme, its steps and the energy account begin anew at that state. Forces that are functions stay; arrays,
+        factors and wind become those of the snapshot.
+
+        Raises:
+            ValueError: damaged bytes, those of other nodes or connections, of another version, or of a time that the
+                run does not reach.
+        """
+        differs = super().restore(state)
+        if differs:
+            text = f"the snapshot is of another scene or run, so the scheme begins anew: {'; '.join(differs)}"
+            warnings.warn(text, CaseWarning, stacklevel=2)
+        return differs
 
     def run(self, progress: bool | Callable[[float, float], object] = False) -> _core.Step | None:
         """Makes all steps that are left; the last one, or None if there was none left.
@@ -140,9 +287,12 @@ class Simulation(_core.Simulation):
     def forces(self) -> Forces:
         """Forces from outside by name: arrays [N], (n, 3), or functions ``f(t, x, v)`` that return one.
 
+        It shows what acts, after `restore` too. Arrays in it are read-only: ``sim.forces["wake"][3] = …`` raises.
+
         An array acts from now on until it is set again, in every step alike. A function is called several times a step
         with the interpreter, which takes some ten microseconds a call: slow, and steps are then made one by one. It
-        must return the same values for the same arguments. What it raises ends the step, and comes out of it.
+        must return the same values for the same arguments, which are read-only. What it raises ends the step, and
+        comes out of it.
 
         >>> sim.forces["wake"] = f                    # doctest: +SKIP
         >>> sim.forces["thrust"] = lambda t, x, v: f  # doctest: +SKIP
@@ -170,6 +320,26 @@ class Simulation(_core.Simulation):
         energies = self.energies.as_dict().items()
         rows = "".join(f"<tr><td>{name}</td><td>{value:.6g} J</td></tr>" for name, value in energies)
         return f"<b>{html.escape(repr(self))}</b><table>{rows}</table>"
+
+
+_INSTEAD = {
+    "wind": "use set_wind",
+    "positions": "use set_state",
+    "velocities": "use set_state",
+    "time": "use set_state(positions, velocities, time=…)",
+    "forces": "use forces[name] = …",
+    "loads": "use loads[name] = …",
+    "rest_scale": "use rest_scale[group] = …",
+    "threads": "give it to Simulation",
+}
+
+
+def _simulation(kind: type[Simulation], source: tuple[Any, ...], how: dict[str, Any]) -> Simulation:
+    """The simulation of a recipe, at its start."""
+    if not source:
+        raise TypeError("this simulation cannot be copied: its network is none of canopy_fem.Network")
+    make, arguments = source[:2]
+    return Simulation.__new__(kind, make(*arguments), **how)
 
 
 def _method(method: Any) -> tuple[str, dict[str, float]]:
@@ -207,23 +377,20 @@ def teller(progress: Any) -> Callable[[float, float], object] | None:
 
 
 class Forces(MutableMapping[str, Any]):
-    """Forces from outside, by name; see `Simulation.forces`."""
+    """Forces from outside that act, by name; see `Simulation.forces`."""
+
+    __slots__ = ("_sim",)
 
     def __init__(self, sim: Simulation) -> None:
         self._sim = sim
 
-    @property
-    def _known(self) -> dict[str, Any]:
-        return self._sim.__dict__.setdefault("_forces", {})  # type: ignore[no-any-return]
-
-    def __setitem__(self, name: str, force: Any) -> None:
+    def __setitem__(self, name: str, force: Force) -> None:
         if not isinstance(name, str):
             raise TypeError(f"a force has a text as its name, not {name!r}")
         if callable(force):
             self.add(name, force)
         else:
             self._sim.set_force(name, force)
-            self._known[name] = force
 
     def add(
         self, name: str, function: Callable[[float, _Array, _Array], npt.ArrayLike], *, velocity_dependent: bool = True
@@ -231,28 +398,34 @@ class Forces(MutableMapping[str, Any]):
         """Sets a force that a function computes. One that does not depend on velocities costs velocity Verlet one call
         a step less."""
         self._sim.set_force_function(name, function, velocity_dependent=velocity_dependent)
-        self._known[name] = function
 
     def __getitem__(self, name: str) -> Any:
-        return self._known[name]
+        return self._sim.acting_forces()[name]
 
     def __delitem__(self, name: str) -> None:
         if not self._sim.remove_force(name):
             raise KeyError(name)
-        self._known.pop(name, None)
 
     def __iter__(self) -> Iterator[str]:
-        return iter(list(self._known))
+        return iter(self._sim.acting_forces())
 
     def __len__(self) -> int:
-        return len(self._known)
+        return len(self._sim.acting_forces())
+
+    def __repr__(self) -> str:
+        return f"Forces({self._sim.acting_forces()!r})"
 
 
 class RestScales:
     """Factors of rest lengths; see `Simulation.rest_scale`."""
 
+    __slots__ = ("_sim",)
+
     def __init__(self, sim: Simulation) -> None:
         self._sim = sim
+
+    # Without it, Python would go through numbers of edges.
+    __iter__ = None
 
     def _edges(self, key: Any) -> Any:
         return self._sim.select(key, "edges") if isinstance(key, str) else np.atleast_1d(key)
@@ -262,13 +435,21 @@ class RestScales:
         self._sim.set_rest_scale(self._edges(key), factor)
 
     def __getitem__(self, key: Any) -> _Array:
-        """The factors of these edges, (k,)."""
+        """The factors of these edges, (k,), NaN where there is no spring; read-only."""
         factors: _Array = self._sim.rest_scales()[self._edges(key)]
+        factors.flags.writeable = False
         return factors
+
+    def __repr__(self) -> str:
+        factors = self._sim.rest_scales()
+        changed = np.flatnonzero(np.isfinite(factors) & (factors != 1.0))
+        return f"RestScales({ {int(edge): float(factors[edge]) for edge in changed} })"
 
 
 class Loads(MutableMapping[str, float]):
     """Factors of loads; see `Simulation.loads`."""
+
+    __slots__ = ("_sim",)
 
     def __init__(self, sim: Simulation) -> None:
         self._sim = sim
@@ -287,3 +468,6 @@ class Loads(MutableMapping[str, float]):
 
     def __len__(self) -> int:
         return len(self._sim.load_factors())
+
+    def __repr__(self) -> str:
+        return f"Loads({dict(self)!r})"

@@ -83,7 +83,11 @@ def check(case: Any, *, accuracy: float | None = None) -> dict[str, Any]:
 
 
 def tradeoff(
-    case: Any, out: str | os.PathLike[str] | None = None, *, arguments: Sequence[str] = (), replace: bool = False
+    case: Any,
+    out: str | os.PathLike[str] | None = None,
+    *,
+    arguments: list[str] | tuple[str, ...] = (),
+    replace: bool = False,
 ) -> list[dict[str, Any]]:
     """The study of ``canopy-fem tradeoff``: a dictionary a run, with the columns of tradeoff.csv.
 
@@ -100,7 +104,11 @@ def tradeoff(
 
 
 def stability(
-    case: Any, out: str | os.PathLike[str] | None = None, *, arguments: Sequence[str] = (), replace: bool = False
+    case: Any,
+    out: str | os.PathLike[str] | None = None,
+    *,
+    arguments: list[str] | tuple[str, ...] = (),
+    replace: bool = False,
 ) -> list[dict[str, Any]]:
     """The study of ``canopy-fem stability``: a dictionary a method with its predicted and measured largest stable step
     [s], None where there is no limit. Arguments and exceptions are those of `tradeoff`."""
@@ -112,7 +120,7 @@ def sweep(
     vary: Mapping[str, Any],
     out: str | os.PathLike[str] | None = None,
     *,
-    arguments: Sequence[str] = (),
+    arguments: list[str] | tuple[str, ...] = (),
     replace: bool = False,
 ) -> list[dict[str, Any]]:
     """The study of ``canopy-fem sweep``: the case once for every value of its keys, a dictionary a run with the columns
@@ -139,6 +147,8 @@ def sweep(
     if not isinstance(vary, Mapping):
         raise TypeError(f"vary is a dictionary of dotted paths and values, not {type(vary).__name__}")
     varied = [f"--vary={key}={_values(key, values)}" for key, values in vary.items()]
+    if isinstance(arguments, str):
+        raise TypeError(f"arguments are a list of texts, such as {arguments.split()!r}, not one text")
     return _study("sweep", case, out, [*varied, *arguments], replace)
 
 
@@ -152,7 +162,9 @@ def _values(key: Any, values: Any) -> str:
     return ",".join(json.dumps(value) for value in listed)
 
 
-def _study(command: str, case: Any, out: Any, more: Sequence[str], replace: bool) -> list[dict[str, Any]]:
+def _study(command: str, case: Any, out: Any, more: list[str] | tuple[str, ...], replace: bool) -> list[dict[str, Any]]:
+    if isinstance(more, str):
+        raise TypeError(f"arguments are a list of texts, such as {more.split()!r}, not one text")
     with tempfile.TemporaryDirectory(prefix="canopy-fem-") as scratch, _file_of(as_case(case)) as arguments:
         folder = Path(scratch) / command if out is None else Path(os.fspath(out))
         force = ["--force"] if replace else []

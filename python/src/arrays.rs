@@ -1,18 +1,39 @@
-//! Arrays in and out. What comes in may be anything that numpy makes an array of; what goes out is a copy.
+//! Arrays in and out. What comes in may be anything that numpy makes an array of; what goes out is a copy that cannot be
+//! written to, since a change of it would not reach the engine.
 
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{Element, PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArray};
+use numpy::{PyUntypedArrayMethods, ndarray::Dimension};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
-/// Rows of three numbers, shape (n, 3).
+/// The array, which cannot be written to from now on.
+pub fn read_only<T: Element, D: Dimension>(array: Bound<'_, PyArray<T, D>>) -> Bound<'_, PyArray<T, D>> {
+    // It is new, so nobody else holds it.
+    if let Ok(write) = array.try_readwrite() {
+        drop(write.make_nonwriteable());
+    }
+    array
+}
+
+/// Numbers, shape (n,), read-only.
+pub fn of_list<T: Element>(py: Python<'_>, list: Vec<T>) -> Bound<'_, PyArray1<T>> {
+    read_only(PyArray1::from_vec(py, list))
+}
+
+/// Rows of three numbers, shape (n, 3), read-only.
 pub fn of_rows<'py>(py: Python<'py>, rows: Vec<[f64; 3]>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    own_rows(py, rows).map(read_only)
+}
+
+/// The same, for the caller to write to.
+fn own_rows<'py>(py: Python<'py>, rows: Vec<[f64; 3]>) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let shape = [rows.len(), 3];
     PyArray1::from_vec(py, rows.into_flattened()).reshape(shape)
 }
 
-/// Node numbers, shape (n, N).
+/// Node numbers, shape (n, N), read-only.
 pub fn of_numbers<'py, const N: usize>(py: Python<'py>, rows: &[[u32; N]]) -> PyResult<Bound<'py, PyArray2<u32>>> {
-    PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), N])
+    PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), N]).map(read_only)
 }
 
 /// A value as an array of numbers of `kinds` (numpy's letters), with a shape that is checked before anything is copied.
@@ -137,7 +158,7 @@ pub fn filled<'py>(
     let Some(out) = out else {
         let mut rows = vec![[0.0; 3]; n];
         fill(&mut rows)?;
-        return of_rows(py, rows);
+        return own_rows(py, rows);
     };
     let array = out.cast::<PyArray2<f64>>();
     let array = array.map_err(|_| PyTypeError::new_err("out must be an array of float64 with two dimensions"))?;

@@ -1,11 +1,13 @@
 //! Cases.
 
-use crate::errors::{engine, of_case};
+use crate::errors::of_case;
+use crate::interrupt::watched;
 use crate::values::from_json;
-use canopy_fem::case;
+use canopy_fem::case::{self, fingerprint::Fingerprint};
 use canopy_fem::integrate::registry::{Family, methods as registry};
 use canopy_fem::scene::Scene;
 use canopy_fem::simulation::{RecordError, build_scene, check_solver};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -81,6 +83,19 @@ impl Case {
         self.case.warnings().iter().map(ToString::to_string).collect()
     }
 
+    /// The case as it is run, overrides included, as JSON.
+    #[getter]
+    fn text(&self) -> PyResult<String> {
+        serde_json::to_string(&self.case.problem().case_json).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// What its scene, method, steps and output come to, files included, as a checksum.
+    #[getter]
+    fn digest(&self) -> PyResult<String> {
+        let made = Fingerprint::of(self.case.problem());
+        made.map(|made| made.digest()).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
     /// The case as it is run, overrides included.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         from_json(py, &self.case.problem().case_json)
@@ -89,7 +104,7 @@ impl Case {
 
 impl Case {
     fn of(py: Python<'_>, read: impl FnOnce() -> Result<case::Case, case::CaseError> + Send) -> PyResult<Self> {
-        let case = engine(py, read)?.map_err(|error| of_case(py, error))?;
+        let case = watched(py, |_| read(), |_| Ok(()))?.map_err(|error| of_case(py, error))?;
         Ok(Case { case: Arc::new(case) })
     }
 }

@@ -32,6 +32,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(case::schema, module)?)?;
     module.add_function(wrap_pyfunction!(case::methods, module)?)?;
     module.add_function(wrap_pyfunction!(mesh::generate, module)?)?;
+    module.add_function(wrap_pyfunction!(mesh::_mesh_of, module)?)?;
+    module.add_function(wrap_pyfunction!(rollout::_rollout_of, module)?)?;
     module.add_function(wrap_pyfunction!(record::record, module)?)?;
     module.add_function(wrap_pyfunction!(record::record_static, module)?)?;
     module.add_function(wrap_pyfunction!(rollout::rollout, module)?)?;

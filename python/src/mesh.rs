@@ -1,7 +1,8 @@
 //! Meshes.
 
-use crate::arrays::{index_rows, indices, of_numbers, of_rows, rows};
+use crate::arrays::{index_rows, indices, of_list, of_numbers, of_rows, rows};
 use crate::errors::{CaseError, engine, of_mesh};
+use crate::interrupt::watched;
 use canopy_fem::mesh::read::Imported;
 use canopy_fem::mesh::write::write_mesh;
 use canopy_fem::mesh::{self, Group, Groups, MeshError, MeshSource, Quality};
@@ -31,6 +32,15 @@ pub struct Mesh {
     notes: Vec<String>,
 }
 
+/// Nodes, edges, triangles, groups; seams, displacement, notes.
+type Parts<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<u32>>,
+    Bound<'py, PyArray2<u32>>,
+    Bound<'py, PyDict>,
+    (Vec<u32>, Bound<'py, PyArray2<f64>>, Vec<String>),
+);
+
 #[pymethods]
 impl Mesh {
     #[new]
@@ -56,28 +66,28 @@ impl Mesh {
         }))
     }
 
-    /// [m] positions, (n, 3); a copy
+    /// [m] positions, (n, 3); a copy, read-only
     #[getter]
     fn nodes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         of_rows(py, self.mesh.nodes.clone())
     }
 
-    /// pairs of nodes, (m, 2); a copy
+    /// pairs of nodes, (m, 2); a copy, read-only
     #[getter]
     fn edges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         of_numbers(py, &self.mesh.edges)
     }
 
-    /// triples of nodes, (k, 3); a copy
+    /// triples of nodes, (k, 3); a copy, read-only
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         of_numbers(py, &self.mesh.triangles)
     }
 
-    /// edges of the radial seams; a copy
+    /// edges of the radial seams; a copy, read-only
     #[getter]
     fn seams<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        PyArray1::from_slice(py, &self.mesh.seams)
+        of_list(py, self.mesh.seams.clone())
     }
 
     /// named parts: {name: {"nodes": numbers, "edges": numbers, "triangles": numbers}}
@@ -88,7 +98,7 @@ impl Mesh {
             let group = PyDict::new(py);
             for (kind, list) in [("nodes", nodes), ("edges", edges), ("triangles", triangles)] {
                 if !list.is_empty() {
-                    group.set_item(kind, PyArray1::from_slice(py, list))?;
+                    group.set_item(kind, of_list(py, list.clone()))?;
                 }
             }
             all.set_item(name, group)?;
@@ -135,6 +145,13 @@ impl Mesh {
     #[pyo3(signature = (path, *, replace=false))]
     fn write(&self, py: Python<'_>, path: PathBuf, replace: bool) -> PyResult<Vec<String>> {
         engine(py, || write_mesh(&self.mesh, &path, replace))?.map_err(|error| of_mesh(&error))
+    }
+
+    /// For copies and pickles.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Parts<'py>)> {
+        let more = (self.mesh.seams.clone(), of_rows(py, self.mesh.displacement.clone())?, self.notes.clone());
+        let parts = (self.nodes(py)?, self.edges(py)?, self.triangles(py)?, self.groups(py)?, more);
+        Ok((py.import("canopy_fem._core")?.getattr("_mesh_of")?, parts))
     }
 
     fn __repr__(&self) -> String {
@@ -195,6 +212,23 @@ pub fn generate(py: Python<'_>, section: &str, base: PathBuf) -> PyResult<Mesh> 
     made(py, move || source.build_with_notes(&base))
 }
 
+/// The mesh that a pickle holds.
+#[pyfunction]
+pub fn _mesh_of(
+    py: Python<'_>,
+    nodes: &Bound<'_, PyAny>,
+    edges: &Bound<'_, PyAny>,
+    triangles: &Bound<'_, PyAny>,
+    groups: &Bound<'_, PyDict>,
+    more: (Vec<u32>, Bound<'_, PyAny>, Vec<String>),
+) -> PyResult<Mesh> {
+    let Mesh { mesh, .. } = Mesh::new(py, nodes, Some(edges), Some(triangles), Some(groups))?;
+    let (seams, displacement, notes) = more;
+    let displacement = rows(&displacement, "displacement", None)?;
+    let mesh = Arc::new(mesh::Mesh { seams, displacement, ..(*mesh).clone() });
+    Ok(Mesh { mesh, notes })
+}
+
 fn made(py: Python<'_>, make: impl FnOnce() -> Result<Imported, MeshError> + Send) -> PyResult<Mesh> {
-    engine(py, make)?.map(Mesh::of).map_err(|error| of_mesh(&error))
+    watched(py, |_| make(), |_| Ok(()))?.map(Mesh::of).map_err(|error| of_mesh(&error))
 }

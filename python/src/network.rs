@@ -8,6 +8,7 @@ use canopy_fem::model::spec::{DashpotKind, DashpotSpec, ElasticLaw, NetworkSpec,
 use canopy_fem::simulation::NetworkBuilder;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use std::collections::HashMap;
 use std::sync::Mutex;
 
 /// Masses and springs from arrays.
@@ -32,7 +33,8 @@ impl Network {
         Ok(Network { builder: Mutex::new(builder) })
     }
 
-    /// Adds springs between pairs of nodes, (m, 2), or on all edges of the mesh if pairs is None. stiffness [N/m],
+    /// Adds springs between pairs of nodes, (m, 2), or on all edges of the mesh if pairs is None. Pairs that are no edges
+    /// yet become edges, after those of the mesh. stiffness [N/m],
     /// rest_length [m] (default: the distance as given) and dashpot [N s/m] are a number each or one for all. law:
     /// "linear" or "green" (finite strain); slack: "none", "tension-only" or "compression-only"; dashpot_kind: "axial"
     /// or "relative".
@@ -56,10 +58,12 @@ impl Network {
         let mut builder = self.builder()?;
         let mesh = &builder.spec.mesh;
         let pairs = pairs.map(|given| index_rows::<2>(given, "pairs")).transpose()?;
-        let first = mesh.edges.len() as u32;
-        let (edges, pairs): (Vec<u32>, Vec<[u32; 2]>) = match pairs {
-            Some(pairs) => ((first..).take(pairs.len()).collect(), pairs),
-            None => ((0..first).collect(), mesh.edges.clone()),
+        let (edges, pairs, added) = match pairs {
+            Some(pairs) => {
+                let (edges, added) = placed(mesh, &pairs);
+                (edges, pairs, added)
+            }
+            None => ((0..mesh.edges.len() as u32).collect(), mesh.edges.clone(), Vec::new()),
         };
         let n = edges.len();
         let stiffness = numbers(stiffness, "stiffness", n)?;
@@ -91,9 +95,7 @@ impl Network {
         };
         let coefficient = dashpot.map(|given| numbers(given, "dashpot", n)).transpose()?;
         let dashpot = coefficient.map(|coefficient| DashpotSpec { kind, coefficient, from_step: false });
-        if edges.last().is_some_and(|last| *last >= first) {
-            builder.spec.mesh.edges.extend_from_slice(&pairs);
-        }
+        builder.spec.mesh.edges.extend_from_slice(&added);
         builder.spec.springs.push(SpringGroup { edges, stiffness, rest_length, law, slack, dashpot });
         Ok(())
     }
@@ -161,6 +163,21 @@ impl Network {
     pub fn spec(&self) -> PyResult<NetworkSpec> {
         self.builder()?.clone().build().map_err(|error| of_mesh(&error))
     }
+}
+
+/// The edges of pairs of nodes: those that the mesh has, and new ones for the others, which are returned too.
+fn placed(mesh: &mesh::Mesh, pairs: &[[u32; 2]]) -> (Vec<u32>, Vec<[u32; 2]>) {
+    let key = |&[a, b]: &[u32; 2]| (a.min(b), a.max(b));
+    let mut known: HashMap<(u32, u32), u32> = mesh.edges.iter().map(key).zip(0..).collect();
+    let mut added = Vec::new();
+    let edges = pairs.iter().map(|pair| {
+        let next = (mesh.edges.len() + added.len()) as u32;
+        *known.entry(key(pair)).or_insert_with(|| {
+            added.push(*pair);
+            next
+        })
+    });
+    (edges.collect(), added)
 }
 
 /// [m] distances of pairs of nodes

@@ -1,31 +1,53 @@
 //! Many runs at once, in memory.
 
-use crate::arrays::of_rows;
+use crate::arrays::{of_list, of_rows, read_only};
 use crate::case::{Case, scene_of};
 use crate::errors::of_record;
 use crate::interrupt::watched;
 use crate::record::checked_threads;
 use crate::values::{Energies, from_json};
 use canopy_fem::case::Case as EngineCase;
-use canopy_fem::drive::Outcome;
 use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
+use canopy_fem::drive::{Failure, Outcome, Status};
 use canopy_fem::scene::Scene;
 use canopy_fem::simulation::{RecordError, RunSettings, Simulation, SimulationError};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A run of a rollout: what was seen of it, and how it ended.
 #[pyclass(module = "canopy_fem", frozen)]
+#[derive(Serialize, Deserialize)]
 pub struct Rollout {
     seen: Seen,
-    outcome: Outcome,
+    outcome: End,
+}
+
+/// How a run ended.
+#[derive(Serialize, Deserialize)]
+struct End {
+    status: Status,
+    steps: u64,
+    /// [s]
+    t_end: f64,
+    ledger: LedgerRow,
+    energy_error: f64,
+    failure: Option<Failure>,
+}
+
+impl From<Outcome> for End {
+    fn from(outcome: Outcome) -> Self {
+        let Outcome { status, steps, t_end, ledger, energy_error, failure, .. } = outcome;
+        End { status, steps, t_end, ledger, energy_error, failure }
+    }
 }
 
 /// What is kept of a run.
-#[derive(Default)]
+#[derive(Default, Serialize, Deserialize)]
 struct Seen {
     /// [s] `[n_times]`
     t: Vec<f64>,
@@ -40,19 +62,19 @@ impl Rollout {
     /// [s] times of the states that were kept, (k,)
     #[getter]
     fn t<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.seen.t)
+        of_list(py, self.seen.t.clone())
     }
 
     /// [m] positions then, (k, n, 3)
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        of_rows(py, self.seen.positions.clone())?.reshape([self.seen.t.len(), self.seen.nodes, 3])
+        of_rows(py, self.seen.positions.clone())?.reshape([self.seen.t.len(), self.seen.nodes, 3]).map(read_only)
     }
 
     /// [m/s] velocities then, (k, n, 3)
     #[getter]
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        of_rows(py, self.seen.velocities.clone())?.reshape([self.seen.t.len(), self.seen.nodes, 3])
+        of_rows(py, self.seen.velocities.clone())?.reshape([self.seen.t.len(), self.seen.nodes, 3]).map(read_only)
     }
 
     /// "completed", "diverged" or "not-converged"
@@ -91,8 +113,14 @@ impl Rollout {
         self.outcome.failure.as_ref().map(|failure| from_json(py, failure)).transpose()
     }
 
+    /// For copies and pickles.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        let bytes = postcard::to_stdvec(self).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        Ok((py.import("canopy_fem._core")?.getattr("_rollout_of")?, (PyBytes::new(py, &bytes),)))
+    }
+
     fn __repr__(&self) -> String {
-        let Outcome { status, steps, t_end, .. } = &self.outcome;
+        let End { status, steps, t_end, .. } = &self.outcome;
         format!("<Rollout: {status:?} at t = {t_end} s after {steps} steps, {} states>", self.seen.t.len())
     }
 }
@@ -175,7 +203,13 @@ fn run(case: &EngineCase, kept: Kept<'_>, stop: &AtomicBool) -> Result<Rollout, 
     let (positions, velocities) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
     let mut keeper = Keeper { scene: &*scene, nodes, every, next: 1.0, positions, velocities, seen };
     let outcome = simulation.run(&mut [&mut keeper], stop)?;
-    Ok(Rollout { seen: keeper.seen, outcome })
+    Ok(Rollout { seen: keeper.seen, outcome: outcome.into() })
+}
+
+/// The run of a rollout that a pickle holds.
+#[pyfunction]
+pub fn _rollout_of(bytes: &[u8]) -> PyResult<Rollout> {
+    postcard::from_bytes(bytes).map_err(|error| PyValueError::new_err(format!("these bytes are no rollout: {error}")))
 }
 
 /// Runs cases on a pool of threads, one case a thread.

@@ -1,10 +1,10 @@
 //! The simulation that a program drives.
 
-use crate::arrays::{filled, indices, of_numbers, of_rows, rows, vector};
+use crate::arrays::{filled, indices, of_list, of_numbers, of_rows, rows, vector};
 use crate::case::{Case, scene_of};
 use crate::errors::{CaseError, SimulationError, engine, of_record, of_simulation};
 use crate::forces::{PythonForce, Raised};
-use crate::interrupt::LOOK;
+use crate::interrupt::{LOOK, looking};
 use crate::network::Network;
 use crate::record::checked_threads;
 use crate::values::{Energies, Step, from_json};
@@ -15,17 +15,22 @@ use canopy_fem::simulation::{self as door, Load, RecordError, RunSettings, Simul
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::pyclass::{PyTraverseError, PyVisit};
+use pyo3::types::{PyBytes, PyDict};
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Instant;
 
 /// A scene in motion.
 #[pyclass(module = "canopy_fem._core", subclass, frozen)]
 pub struct Simulation {
     sim: Mutex<door::Simulation>,
-    /// exceptions of forces
+    /// exceptions of forces, and of signals
     raised: Arc<Raised>,
+    /// forces that are functions, which the engine has too
+    functions: Mutex<BTreeMap<String, Arc<PythonForce>>>,
+    /// a state to go on from at the first use: in a copy, what functions refer to may not be whole before
+    waiting: Mutex<Option<Vec<u8>>>,
     /// what does not change, in the numbering of the mesh
     mesh: Mesh,
 }
@@ -102,7 +107,24 @@ impl Simulation {
             groups: scene.groups().clone(),
             ..Mesh::default()
         };
-        Ok(Simulation { sim: Mutex::new(sim), raised, mesh })
+        Ok(Simulation { sim: Mutex::new(sim), raised, functions: Mutex::default(), waiting: Mutex::default(), mesh })
+    }
+
+    /// Shows Python's collector of garbage the functions, which may refer to this simulation.
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        // Both locks are free, unless a thread was halted for the collector while it had one.
+        let Ok(functions) = self.functions.try_lock() else { return Ok(()) };
+        functions.values().try_for_each(|force| match force.function.try_lock() {
+            Ok(function) => visit.call(&*function),
+            Err(_) => Ok(()),
+        })
+    }
+
+    fn __clear__(&self) {
+        let take = |force: &Arc<PythonForce>| force.function.lock().unwrap_or_else(PoisonError::into_inner).take();
+        // They go after the locks, since their ends may run code.
+        let taken: Vec<_> = self.own_functions().values().map(take).collect();
+        drop(taken);
     }
 
     /// Makes n steps; the last one.
@@ -186,23 +208,40 @@ impl Simulation {
         Ok(PyBytes::new(py, &self.with(py, |sim| sim.snapshot())?))
     }
 
-    /// Goes on from the bytes of a snapshot, with the bits of a run that was never stopped.
+    /// Goes on from the bytes of a snapshot; what differs from the scene and run that it is of, a phrase each.
     ///
     /// Raises:
-    ///     ValueError: damaged bytes, or those of another scene or version.
-    fn restore(&self, py: Python<'_>, state: &[u8]) -> PyResult<()> {
+    ///     ValueError: damaged bytes, or those of other nodes or connections, or of another version.
+    fn restore(&self, py: Python<'_>, state: &[u8]) -> PyResult<Vec<String>> {
         let state = state.to_vec();
-        self.with(py, move |sim| sim.restore(&state))
+        let (differs, set) = self.with(py, move |sim| Ok((sim.restore(&state)?, sim.nodal_forces())))?;
+        for (name, _) in &set {
+            self.forget_function(name);
+        }
+        Ok(differs)
     }
 
-    /// Replaces positions [m] and velocities [m/s], each (n, 3).
+    /// Goes on from the bytes of a snapshot when it is next used: for copies and pickles.
+    fn _restore_later(&self, state: Vec<u8>) {
+        *self.waiting.lock().unwrap_or_else(PoisonError::into_inner) = Some(state);
+    }
+
+    /// Replaces positions [m] and velocities [m/s], each (n, 3), and with time [s] the time as well. The energy account
+    /// begins anew. Steps of fixed size count from 0: the next one ends where one does that began there.
     ///
     /// Raises:
-    ///     ValueError, TypeError: another shape or type, a number that is not finite.
-    fn set_state(&self, py: Python<'_>, positions: &Bound<'_, PyAny>, velocities: &Bound<'_, PyAny>) -> PyResult<()> {
+    ///     ValueError, TypeError: another shape or type, a number that is not finite, a time before 0 or after the end.
+    #[pyo3(signature = (positions, velocities, *, time=None))]
+    fn set_state(
+        &self,
+        py: Python<'_>,
+        positions: &Bound<'_, PyAny>,
+        velocities: &Bound<'_, PyAny>,
+        time: Option<f64>,
+    ) -> PyResult<()> {
         let n = Some(self.mesh.nodes.len());
         let (x, v) = (rows(positions, "positions", n)?, rows(velocities, "velocities", n)?);
-        self.with(py, move |sim| sim.set_state(&x, &v))
+        self.with(py, move |sim| sim.set_state_at(time.unwrap_or(sim.time()), &x, &v))
     }
 
     /// Sets a force from outside: an array [N], (n, 3). As `forces[name] = force`.
@@ -212,7 +251,9 @@ impl Simulation {
     ///     SimulationError: a pendulum, which has no forces from outside.
     fn set_force(&self, py: Python<'_>, name: &str, force: &Bound<'_, PyAny>) -> PyResult<()> {
         let force = rows(force, "force", Some(self.mesh.nodes.len()))?;
-        self.with(py, |sim| sim.set_nodal_force(name, &force))
+        self.with(py, |sim| sim.set_nodal_force(name, &force))?;
+        self.forget_function(name);
+        Ok(())
     }
 
     /// Sets a force that function(t, x, v) computes [N], (n, 3). As `forces.add`.
@@ -230,14 +271,41 @@ impl Simulation {
         if !function.bind(py).is_callable() {
             return Err(PyTypeError::new_err("a force is an array or a function of t, x, v"));
         }
-        let raised = self.raised.clone();
-        let law = PythonForce { name: name.clone(), function, velocity_dependent, raised };
-        self.with(py, move |sim| sim.set_nodal_law(&name, Arc::new(law)))
+        let (raised, function) = (self.raised.clone(), Mutex::new(Some(function)));
+        let law = Arc::new(PythonForce { name: name.clone(), function, velocity_dependent, raised });
+        self.with(py, |sim| sim.set_nodal_law(&name, law.clone()))?;
+        let before = self.own_functions().insert(name, law);
+        drop(before);
+        Ok(())
     }
 
     /// Removes a force; False if there is none of this name.
     fn remove_force(&self, py: Python<'_>, name: &str) -> PyResult<bool> {
-        self.with(py, |sim| sim.remove_nodal_force(name))
+        let removed = self.with(py, |sim| sim.remove_nodal_force(name))?;
+        self.forget_function(name);
+        Ok(removed)
+    }
+
+    /// Forces from outside that act, by name: arrays [N], (n, 3), and functions.
+    fn acting_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        let set = self.lock()?.nodal_forces();
+        for (name, force) in set {
+            all.set_item(name, of_rows(py, force)?)?;
+        }
+        for (name, force) in self.own_functions().iter() {
+            all.set_item(name, force.function(py)?)?;
+        }
+        Ok(all)
+    }
+
+    /// Forces that are functions, by name, each with whether it depends on velocities.
+    fn force_functions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        for (name, force) in self.own_functions().iter() {
+            all.set_item(name, (force.function(py)?, force.velocity_dependent))?;
+        }
+        Ok(all)
     }
 
     /// Replaces the wind by a constant velocity [m/s], (3,), or goes back to that of the case with None.
@@ -259,9 +327,12 @@ impl Simulation {
         self.with(py, move |sim| sim.set_rest_length_factor(&edges, factor))
     }
 
-    /// [-] factors of the rest lengths of all edges, (m,)
+    /// [-] factors of the rest lengths of all edges, (m,); NaN where an edge has no spring
     fn rest_scales<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(PyArray1::from_vec(py, self.with(py, |sim| Ok(sim.rest_length_factors()))?))
+        let (springs, factors) = self.with(py, |sim| Ok((sim.spring_edges(), sim.rest_length_factors())))?;
+        let mut all = vec![f64::NAN; factors.len()];
+        springs.iter().for_each(|&edge| all[edge as usize] = factors[edge as usize]);
+        Ok(of_list(py, all))
     }
 
     /// Multiplies a load by a factor [-]: "gravity", "pressure 0", "force 0", … in the order of the case. As `loads`.
@@ -292,7 +363,7 @@ impl Simulation {
     ///     ValueError: another kind.
     #[pyo3(signature = (name, kind="nodes"))]
     fn select<'py>(&self, py: Python<'py>, name: &str, kind: &str) -> PyResult<Bound<'py, PyArray1<u32>>> {
-        Ok(PyArray1::from_vec(py, self.selected(name, kind)?))
+        Ok(of_list(py, self.selected(name, kind)?))
     }
 
     /// Names of the groups.
@@ -331,13 +402,13 @@ impl Simulation {
         self.mesh.nodes.len()
     }
 
-    /// [m] positions, (n, 3); a copy
+    /// [m] positions, (n, 3); a copy, read-only
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> Rows<'py> {
         of_rows(py, self.lock()?.positions())
     }
 
-    /// [m/s] velocities, (n, 3); a copy
+    /// [m/s] velocities, (n, 3); a copy, read-only
     #[getter]
     fn velocities<'py>(&self, py: Python<'py>) -> Rows<'py> {
         of_rows(py, self.lock()?.velocities())
@@ -362,16 +433,16 @@ impl Simulation {
         filled(py, n, out, |place| sim.read_nodes(&mut other, place).map_err(|error| of_simulation(py, error)))
     }
 
-    /// [N] what supports exert on the scene, own weights included, (n, 3), at the end of the last step; a copy
+    /// [N] what supports exert on the scene, own weights included, (n, 3), at the end of the last step; a copy, read-only
     #[getter]
     fn reactions<'py>(&self, py: Python<'py>) -> Rows<'py> {
         of_rows(py, self.lock()?.reactions())
     }
 
-    /// [N] tension of every edge, (m,), with its axial dashpot; NaN where an edge has no spring; a copy
+    /// [N] tension of every edge, (m,), with its axial dashpot; NaN where an edge has no spring; a copy, read-only
     #[getter]
     fn tension<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(PyArray1::from_vec(py, self.lock()?.tensions()))
+        Ok(of_list(py, self.lock()?.tensions()))
     }
 
     /// energy account of the present state
@@ -387,19 +458,19 @@ impl Simulation {
         from_json(py, &counters)
     }
 
-    /// [m] positions before any displacement, (n, 3); a copy
+    /// [m] positions before any displacement, (n, 3); a copy, read-only
     #[getter]
     fn reference<'py>(&self, py: Python<'py>) -> Rows<'py> {
         of_rows(py, self.mesh.nodes.clone())
     }
 
-    /// pairs of nodes, (m, 2); a copy
+    /// pairs of nodes, (m, 2); a copy, read-only
     #[getter]
     fn edges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         of_numbers(py, &self.mesh.edges)
     }
 
-    /// triples of nodes, (k, 3); a copy
+    /// triples of nodes, (k, 3); a copy, read-only
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         of_numbers(py, &self.mesh.triangles)
@@ -407,15 +478,37 @@ impl Simulation {
 }
 
 impl Simulation {
+    /// The function goes after the lock, since its end may run code.
+    fn forget_function(&self, name: &str) {
+        let gone = self.own_functions().remove(name);
+        drop(gone);
+    }
+
+    fn own_functions(&self) -> MutexGuard<'_, BTreeMap<String, Arc<PythonForce>>> {
+        self.functions.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn lock(&self) -> PyResult<MutexGuard<'_, door::Simulation>> {
-        match self.sim.try_lock() {
-            Ok(sim) => Ok(sim),
+        let mut sim = match self.sim.try_lock() {
+            Ok(sim) => sim,
             // After a panic the engine says itself what it refuses.
-            Err(TryLockError::Poisoned(sim)) => Ok(sim.into_inner()),
-            Err(TryLockError::WouldBlock) => Err(SimulationError::new_err(
-                "the simulation is at work: another thread uses it, or a force of its own does",
-            )),
+            Err(TryLockError::Poisoned(sim)) => sim.into_inner(),
+            Err(TryLockError::WouldBlock) => {
+                let text = "the simulation is at work: another thread uses it, or a force of its own does";
+                return Err(SimulationError::new_err(text));
+            }
+        };
+        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(state) = waiting.as_ref() {
+            let done = sim.restore(state);
+            match self.raised.take() {
+                Some(error) => return Err(error),
+                None => Python::attach(|py| done.map_err(|error| of_simulation(py, error)))?,
+            };
+            *waiting = None;
         }
+        drop(waiting);
+        Ok(sim)
     }
 
     /// Calls the engine without the interpreter; exceptions of forces come first.
@@ -426,7 +519,7 @@ impl Simulation {
     ) -> PyResult<R> {
         let mut guard = self.lock()?;
         let sim = &mut *guard;
-        let done = engine(py, move || act(sim))?;
+        let done = engine(py, || looking(&self.raised, || act(sim)))?;
         match self.raised.take() {
             Some(error) => Err(error),
             None => done.map_err(|error| of_simulation(py, error)),

@@ -41,6 +41,17 @@ impl Energies {
 
 #[pymethods]
 impl Energies {
+    #[new]
+    fn new(kinetic: f64, elastic: f64, gravity: f64, external_work: f64, dissipated: f64, numerical: f64) -> Self {
+        Energies { kinetic, elastic, gravity, external_work, dissipated, numerical }
+    }
+
+    /// For copies and pickles.
+    fn __getnewargs__(&self) -> (f64, f64, f64, f64, f64, f64) {
+        let [kinetic, elastic, gravity, external_work, dissipated, numerical] = self.entries().map(|(_, value)| value);
+        (kinetic, elastic, gravity, external_work, dissipated, numerical)
+    }
+
     /// The account as a dictionary of numbers [J].
     fn as_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);
@@ -75,6 +86,16 @@ pub struct Step {
 
 #[pymethods]
 impl Step {
+    #[new]
+    fn new(step: u64, time: f64, energies: &Bound<'_, Energies>) -> Self {
+        Step { step, time, energies: *energies.get() }
+    }
+
+    /// For copies and pickles.
+    fn __getnewargs__(&self) -> (u64, f64, Energies) {
+        (self.step, self.time, self.energies)
+    }
+
     fn __repr__(&self) -> String {
         format!("Step(step={}, time={:?})", self.step, self.time)
     }

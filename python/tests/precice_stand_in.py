@@ -1,8 +1,9 @@
 """A stand-in for preCICE's module for Python, version 3, for one participant; the other is a function.
 
 It reads what it needs of a real configuration file, and is strict where the library is: about names, sizes, the order
-of calls, and that checkpoints are written and read. Its implicit coupling iterates, with constant relaxation of the
-forces, until they rest.
+of calls, numbers that are not finite, and that checkpoints are written and read; what it refuses is a `RuntimeError`,
+as there. A partner that writes such numbers ends, which this side learns in `advance`. Its implicit coupling iterates,
+with constant relaxation of the forces, until they rest.
 """
 
 import xml.etree.ElementTree as ET
@@ -15,18 +16,23 @@ flow = None
 last = None
 
 
+def refuse_unless(right, text):
+    if not right:
+        raise RuntimeError(f"ERROR:  {text}")
+
+
 class Participant:
     def __init__(self, solver_name, configuration_file_name, solver_process_index, solver_process_size):
         global last
         last = self
-        assert (solver_process_index, solver_process_size) == (0, 1)
+        refuse_unless((solver_process_index, solver_process_size) == (0, 1), "this call is not allowed")
         # Names such as data:vector have prefixes that the file does not declare.
         with open(configuration_file_name, encoding="utf-8") as file:
             root = ET.fromstring(
                 file.read().replace("data:", "data-").replace("scheme:", "scheme-").replace("m2n:", "")
             )
         participant = root.find(f"participant[@name='{solver_name}']")
-        assert participant is not None, f"no participant {solver_name}"
+        refuse_unless(participant is not None, f"no participant {solver_name}")
         self._mesh = participant.find("provide-mesh").get("name")
         self._dimensions = int(root.find(f"mesh[@name='{self._mesh}']").get("dimensions"))
         self._size = {e.get("name"): self._dimensions for e in root.findall("data-vector")}
@@ -48,8 +54,8 @@ class Participant:
         self._count = 0
 
     def _known(self, mesh, data=None, among=None):
-        assert mesh == self._mesh, f"no mesh {mesh}"
-        assert data is None or data in among, f"no data {data}"
+        refuse_unless(mesh == self._mesh, f"no mesh {mesh}")
+        refuse_unless(data is None or data in among, f"no data {data}")
 
     def get_mesh_dimensions(self, mesh_name):
         self._known(mesh_name)
@@ -61,9 +67,9 @@ class Participant:
 
     def set_mesh_vertices(self, mesh_name, positions):
         self._known(mesh_name)
-        assert not self._ready
+        refuse_unless(not self._ready, "this call is not allowed")
         self._points = np.array(positions, dtype=float)
-        assert self._points.shape[1] == self._dimensions
+        refuse_unless(self._points.shape[1] == self._dimensions, "this call is not allowed")
         # Numbers that are no row numbers, as the library may give.
         self._ids = np.arange(len(self._points)) * 2 + 7
         self._force = np.zeros_like(self._points)
@@ -75,28 +81,33 @@ class Participant:
         return self._connectivity
 
     def set_mesh_edges(self, mesh_name, vertices):
-        assert np.isin(vertices, self._ids).all() and np.shape(vertices)[1] == 2
+        refuse_unless(np.isin(vertices, self._ids).all() and np.shape(vertices)[1] == 2, "this call is not allowed")
         self.connectivity = np.searchsorted(self._ids, vertices)
 
     def set_mesh_triangles(self, mesh_name, vertices):
-        assert np.isin(vertices, self._ids).all() and np.shape(vertices)[1] == 3
+        refuse_unless(np.isin(vertices, self._ids).all() and np.shape(vertices)[1] == 3, "this call is not allowed")
         self.connectivity = np.searchsorted(self._ids, vertices)
 
     def requires_initial_data(self):
-        assert not self._ready
+        refuse_unless(not self._ready, "this call is not allowed")
         return self._initial
 
     def initialize(self):
-        assert not self._initial or all(value is not None for value in self._data.values())
+        refuse_unless(
+            not self._initial or all(value is not None for value in self._data.values()), "this call is not allowed"
+        )
         self._ready = True
         self._force = self._flow(0.0)
 
     def _flow(self, t):
         moved = next((v for k, v in self._data.items() if k.startswith("Displacement") and v is not None), None)
-        return flow(t, self._points, np.zeros_like(self._points) if moved is None else moved)
+        force = flow(t, self._points, np.zeros_like(self._points) if moved is None else moved)
+        gone = "receiving data from another participant (using sockets) failed with a system error: read: End of file"
+        refuse_unless(np.isfinite(force).all(), gone)
+        return force
 
     def is_coupling_ongoing(self):
-        assert self._ready
+        refuse_unless(self._ready, "this call is not allowed")
         return self._t < self._end - 1e-12
 
     def is_time_window_complete(self):
@@ -115,19 +126,20 @@ class Participant:
 
     def read_data(self, mesh_name, data_name, vertex_ids, relative_read_time):
         self._known(mesh_name, data_name, self._reads)
-        assert (np.asarray(vertex_ids) == self._ids).all()
-        assert 0 <= relative_read_time <= self.get_max_time_step_size() + 1e-12
+        refuse_unless((np.asarray(vertex_ids) == self._ids).all(), "this call is not allowed")
+        refuse_unless(0 <= relative_read_time <= self.get_max_time_step_size() + 1e-12, "this call is not allowed")
         return self._force.copy()
 
     def write_data(self, mesh_name, data_name, vertex_ids, values):
         self._known(mesh_name, data_name, self._writes)
-        assert (np.asarray(vertex_ids) == self._ids).all()
-        assert np.shape(values) == self._points.shape
+        refuse_unless((np.asarray(vertex_ids) == self._ids).all(), "this call is not allowed")
+        refuse_unless(np.shape(values) == self._points.shape, "data have another size")
+        refuse_unless(np.isfinite(values).all(), "one of the given data values is either plus or minus infinity or NaN")
         self._data[data_name] = np.array(values)
 
     def advance(self, computed_timestep_length):
-        assert not self._writing and not self._reading, "a checkpoint was asked for"
-        assert 0 < computed_timestep_length <= self.get_max_time_step_size() + 1e-12
+        refuse_unless(not self._writing and not self._reading, "a checkpoint was asked for")
+        refuse_unless(0 < computed_timestep_length <= self.get_max_time_step_size() + 1e-12, "this call is not allowed")
         self.steps.append(computed_timestep_length)
         self._t += computed_timestep_length
         self._complete = False

@@ -55,6 +55,58 @@ def test_meshio_there_and_back():
     assert groups == {"line": {"edges": [0]}, "cloth": {"triangles": [0, 1]}, "end": {"nodes": [4]}}
 
 
+SQUARES = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0.0]])
+
+
+def test_quads_of_other_packages_are_cut_as_those_of_files(tmp_path):
+    """Two quads, one of them concave at its second corner, and a triangle that is written as a quad."""
+    meshio = pytest.importorskip("meshio")
+    points = np.vstack([SQUARES, [[1.6, 0.4, 0], [3, 0, 0]]])
+    cells = [("quad", [[0, 1, 4, 3], [2, 6, 4, 5]]), ("triangle", [[1, 2, 6]]), ("quad", [[2, 7, 5, 5]])]
+    sets = {"right": [np.array([1]), np.array([0]), np.array([0])]}
+    made = cf.mesh.from_meshio(meshio.Mesh(points, cells, cell_sets=sets))
+    path = tmp_path / "squares.vtu"
+    meshio.Mesh(points, cells).write(path)
+    read = cf.mesh.read(path)
+    assert len(made.triangles) == 6
+    assert {tuple(sorted(t)) for t in made.triangles.tolist()} == {tuple(sorted(t)) for t in read.triangles.tolist()}
+    assert {tuple(sorted(e)) for e in made.edges.tolist()} == {tuple(sorted(e)) for e in read.edges.tolist()}
+    assert made.groups["right"]["triangles"].tolist() == [2, 3, 4, 5]
+    assert made.notes == ["3 quads were cut into two triangles each"]
+    crossed = meshio.Mesh(points, [("quad", [[0, 4, 1, 3]])])
+    with pytest.raises(cf.CaseError, match="crosses itself"):
+        cf.mesh.from_meshio(crossed)
+
+
+def test_cells_that_cannot_be_used_are_refused():
+    """Those of second order and volumes, by name; points are left out with a note."""
+    meshio = pytest.importorskip("meshio")
+    for kind, cells in {"triangle6": [[0, 2, 5, 1, 4, 3]], "tetra": [[0, 1, 2, 4]], "line3": [[0, 2, 1]]}.items():
+        with pytest.raises(cf.CaseError, match=f"1 cells of type {kind}"):
+            cf.mesh.from_meshio(meshio.Mesh(SQUARES, [("triangle", [[0, 1, 4]]), (kind, cells)]))
+    spots = meshio.Mesh(SQUARES, [("vertex", [[0]]), ("triangle", [[0, 1, 4]])])
+    assert cf.mesh.from_meshio(spots).notes == ["1 point cells were left out"]
+    pyvista = pytest.importorskip("pyvista")
+    tetra = pyvista.UnstructuredGrid({10: np.array([[0, 1, 2, 4]])}, SQUARES + [[0, 0, i % 2] for i in range(6)])
+    with pytest.raises(cf.CaseError, match="types 10.*extract_surface"):
+        cf.mesh.from_pyvista(tetra)
+
+
+def test_pyvistas_strips_and_quads_are_taken():
+    """A sphere of strips has all of its triangles; quads are cut as from meshio; polygons are triangulated."""
+    pyvista = pytest.importorskip("pyvista")
+    sphere = pyvista.Sphere()
+    strips = cf.mesh.from_pyvista(sphere.strip())
+    assert len(strips.triangles) == sphere.n_cells == 1680
+    nodes = strips.nodes[strips.triangles.astype(int)]
+    outwards = np.cross(nodes[:, 1] - nodes[:, 0], nodes[:, 2] - nodes[:, 0])
+    assert (np.einsum("ij,ij->i", outwards, nodes.mean(axis=1)) > 0).all()
+    quads = pyvista.PolyData(SQUARES, faces=np.array([4, 0, 1, 4, 3, 4, 1, 2, 5, 4]))
+    assert len(cf.mesh.from_pyvista(quads).triangles) == 4
+    assert len(cf.mesh.from_pyvista(pyvista.Disc(c_res=8).extract_surface()).triangles) == 16
+    assert len(cf.mesh.from_pyvista(pyvista.Polygon(n_sides=6)).triangles) == 4
+
+
 def test_pyvista_there_and_back():
     pytest.importorskip("pyvista")
     mesh = cf.mesh.rectangle(width=1, height=1, columns=2, rows=2)

@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import precice_stand_in
@@ -12,6 +13,7 @@ from conftest import ROOT
 
 import canopy_fem as cf
 from canopy_fem import precice
+from canopy_fem.errors import CouplingLost
 
 # As in preCICE's tutorial "perpendicular flap", with fewer windows.
 CONFIG = """<?xml version="1.0" encoding="UTF-8" ?>
@@ -96,16 +98,19 @@ def folder(tmp_path, monkeypatch):
 def write(folder, case=None, **changes):
     interface = {
         "mesh_name": "Solid-Mesh",
-        "patches": ["surface"],
-        "read_data_names": ["Force"],
-        "write_data_names": ["Displacement"],
+        "location_names": ["surface"],
+        "read_data": [{"name": "Force"}],
+        "write_data": [{"name": "Displacement"}],
     }
     config = {
         "participant_name": "Solid",
-        "precice_config_file_name": "../precice-config.xml",
+        "precice_config_file_path": "../precice-config.xml",
         "interfaces": [interface | changes.pop("interface", {})],
-        "case": "flap.json",
+        "canopy_fem": {"case": "flap.json"},
     }
+    for key in ("save_file", "resume"):
+        if key in changes:
+            config["canopy_fem"][key] = changes.pop(key)
     (folder / "adapter.json").write_text(json.dumps(config | changes))
     (folder / "flap.json").write_text(json.dumps(case or flap()))
 
@@ -206,34 +211,85 @@ def test_a_step_that_cannot_be_solved_is_made_shorter(folder):
     assert structure.time == pytest.approx(0.02, rel=1e-12)
 
 
-def test_forces_that_are_not_finite_lose_nothing(folder):
+def breaks(t, points, moved):
+    """The channel, whose solver diverges at 0.045 s."""
+    return channel(t, points, moved) * (np.nan if t > 0.045 else 1.0)
+
+
+@pytest.mark.parametrize("scheme", ["parallel-implicit", "parallel-explicit"])
+@pytest.mark.parametrize("refuses_to_end", [False, True])
+def test_a_partner_that_dies_loses_nothing(folder, scheme, refuses_to_end, monkeypatch):
     """The state at the start of the window is saved, and a run goes on from it."""
-
-    def breaks(t, points, moved):
-        return channel(t, points, moved) * (np.nan if t > 0.045 else 1.0)
-
+    reconfigure(folder, "parallel-implicit", scheme)
     precice_stand_in.flow = breaks
+    if refuses_to_end:
+        monkeypatch.setattr(precice_stand_in.Participant, "finalize", lambda self: 1 / 0)
     write(folder, save_file="flap.state")
-    with pytest.raises(
-        cf.CouplingError, match='"Force" on "Solid-Mesh" at t = 0.04 s.*43 of 43 points(.|\n)*flap.state'
-    ):
+    with pytest.raises(CouplingLost, match="failed in advance: .*End of file; the state at .* flap.state|flap.state$"):
         precice.run(folder / "adapter.json")
-    assert precice_stand_in.last.finalized
     write(folder, resume="flap.state")
     precice_stand_in.flow = channel
     assert precice.Adapter(folder / "adapter.json").structure.time == pytest.approx(0.04, rel=1e-12)
 
 
+def test_the_command_ends_with_one_line(folder, monkeypatch, capsys):
+    """3 where a partner dies, 2 where the configuration cannot be used."""
+    precice_stand_in.flow = breaks
+    write(folder, save_file="flap.state")
+    monkeypatch.setattr(sys, "argv", ["precice", str(folder / "adapter.json")])
+    assert precice.main() == 3
+    told = capsys.readouterr().err
+    assert told.startswith("error: preCICE has failed in advance") and told.count("\n") == 1
+    (folder / "flap.state").write_bytes(b"damaged")
+    write(folder, resume="flap.state")
+    assert precice.main() == 2
+    told = capsys.readouterr().err
+    assert '"resume"' in told and told.count("\n") == 1
+    reconfigure(folder, 'participant name="Solid"', 'participant name="Sail"')
+    assert precice.main() == 2
+    assert "no participant Solid" in capsys.readouterr().err
+
+
+def test_forces_that_are_not_finite_are_told(folder, monkeypatch):
+    """Should the library give some, as a mapping may."""
+    read = precice_stand_in.Participant.read_data
+    monkeypatch.setattr(precice_stand_in.Participant, "read_data", lambda *given: read(*given) * np.nan)
+    with pytest.raises(cf.CouplingError, match='"Force" on "Solid-Mesh" at t = 0 s.*43 of 43 points'):
+        precice.run(folder / "adapter.json")
+
+
+def test_the_file_is_one_of_precices_schema(folder):
+    schema = pytest.importorskip("preciceadapterschema")
+    jsonschema = pytest.importorskip("jsonschema")
+    text = (Path(schema.__file__).parent / "precice_adapter_config.schema.json").read_text(encoding="utf-8")
+    write(folder, save_file="flap.state")
+    jsonschema.validate(json.loads((folder / "adapter.json").read_text()), json.loads(text))
+
+
+def test_data_of_other_names(folder):
+    """ "solver_name" says what they are."""
+    path = folder.parent / "precice-config.xml"
+    path.write_text(path.read_text().replace('"Force"', '"Load"'))
+    write(folder, interface={"read_data": [{"name": "Load", "solver_name": "Force"}]})
+    assert tip(precice.run(folder / "adapter.json"))[0] > 1e-4
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"interface": {"patches": ["surfaces"]}}, "groups here: surface"),
-        ({"interface": {"patches": ["surface", "tip"]}}, 'give one group of the case, such as \\["canopy"\\]'),
-        ({"interface": {"read_data_names": ["Stress"]}}, '"Stress" cannot be read'),
-        ({"interface": {"write_data_names": ["Temperature"]}}, '"Temperature" cannot be written'),
-        ({"interface": {"mesh": "Solid-Mesh"}}, '"mesh" is unknown; known keys: mesh_name'),
+        ({"interface": {"location_names": ["surfaces"]}}, "groups here: surface"),
+        ({"interface": {"location_names": ["surface", "tip"]}}, 'give one group of the case, such as \\["canopy"\\]'),
+        ({"interface": {"location_type": "faceCenters"}}, 'forces act on "nodes"'),
+        ({"interface": {"is_received": True}}, "provides its meshes"),
+        ({"interface": {"read_data": [{"name": "Stress"}]}}, '"Stress" cannot be read'),
+        ({"interface": {"read_data": ["Force"]}}, "holds 'Force'"),
+        ({"interface": {"write_data": [{"name": "Temperature"}]}}, '"Temperature" cannot be written'),
+        ({"interface": {"write_data": [{"name": "Velocity", "operation": "gradient"}]}}, "without another operation"),
+        ({"interface": {"mesh": "Solid-Mesh"}}, '"mesh" is unknown; known keys: is_received'),
+        ({"interface": {"read_data_names": ["Force"]}}, 'written "read_data": '),
         ({"interfaces": []}, "at least one mesh"),
-        ({"cas": "flap.json"}, '"cas" is unknown'),
+        ({"case": "flap.json"}, 'written "canopy_fem": {"case"'),
+        ({"canopy_fem": {"cas": "flap.json"}}, '"cas" is unknown; "case" is missing'),
     ],
 )
 def test_configurations_that_cannot_be_used(folder, changes, words):

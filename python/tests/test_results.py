@@ -60,8 +60,12 @@ def test_tables(small, tmp_path):
     assert result.probes["name"].tolist() == ["corner"] * 5 and result.probes["node"][0] == 48
     t, values = result.gauge("top", "reaction_z")
     assert t[-1] == 0.2 and values.shape == t.shape
-    with pytest.raises(KeyError, match="reaction_max"):
+    with pytest.raises(KeyError, match="several quantities: .*reaction_max"):
         result.gauge("top")
+    with pytest.raises(KeyError, match="no gauge 'bottom'; there are: top"):
+        result.gauge("bottom")
+    with pytest.raises(KeyError, match="has no quantity 'tension'"):
+        result.gauge("top", "tension")
     np.testing.assert_allclose(result.times, [0, 0.05, 0.1, 0.15, 0.2], atol=1e-12)
     assert cf.mesh.read(result.frame(0.1)).nodes.shape == (49, 3)
     assert "reaction_max" in " ".join(result.peaks)

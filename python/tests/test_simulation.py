@@ -183,17 +183,131 @@ def test_actuation():
 
 
 def test_state_is_set_and_read(sim):
-    x = sim.reference
+    x = sim.reference.copy()
     x[20:] += [0.0, 0.0, 0.01]
     sim.set_state(x, np.zeros_like(x))
     np.testing.assert_array_equal(sim.positions, x)
     out = np.empty_like(x)
     assert sim.read_positions(out) is out and (out == x).all()
     assert sim.read_velocities(out) is out and not out.any()
-    copy = sim.positions
-    copy[:] = 7.0
+    own = sim.read_positions()
+    own[:] = 7.0
     assert (sim.positions == x).all()
     assert sim.edges.dtype == np.uint32 and sim.triangles.shape == (72, 3)
+
+
+def test_arrays_are_read_only(sim):
+    """A change of one would be lost, so it raises."""
+    mesh = cf.mesh.rectangle(width=1, height=1, columns=2, rows=2)
+    run = cf.rollout([cloth()])[0]
+    sim.forces["f"] = np.zeros((49, 3))
+    trial = sim.attempt()
+    arrays = [sim.positions, sim.velocities, sim.reactions, sim.tension, sim.reference, sim.edges, sim.triangles]
+    arrays += [trial.positions, trial.velocities, sim.forces["f"], sim.rest_scale[[0, 1]], sim.select("all")]
+    arrays += [mesh.nodes, mesh.edges, mesh.triangles, run.t, run.positions, run.velocities]
+    for array in arrays:
+        assert not array.flags.writeable
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] = 0
+
+
+def test_unknown_attributes_are_refused(sim, small):
+    """What is misspelt, or set by a method, raises and says what to use."""
+    for name, words in {
+        "wind": "set_wind",
+        "positions": "set_state",
+        "time": "time=",
+        "threads": "Simulation",
+        "velocity": "methods",
+    }.items():
+        with pytest.raises(AttributeError, match=words):
+            setattr(sim, name, 1.0)
+    net = cf.Network([[0, 0, 0]], mass=1)
+    for thing in (net, cf.Case(small), cf.run(small), sim.forces, sim.loads, sim.rest_scale):
+        with pytest.raises(AttributeError):
+            thing.stiffness = 1.0
+
+    class Own(cf.Simulation):
+        """A class of one's own may have attributes."""
+
+    own = Own(small)
+    own.note = "mine"
+    assert own.note == "mine"
+
+
+def test_mappings_show_what_acts(sim):
+    """Forces, loads and factors are those of the engine, after `restore` too."""
+    sim.forces["a"] = np.ones((49, 3))
+    state = sim.snapshot()
+    sim.forces["a"] = lambda t, x, v: 2.0 + 0 * x
+    sim.forces["b"] = np.zeros((49, 3))
+    sim.forces["c"] = drag = lambda t, x, v: -v
+    sim.loads["gravity"], sim.rest_scale[[3]] = 0.5, 0.9
+    assert set(sim.forces) == {"a", "b", "c"} and callable(sim.forces["a"]) and "'c'" in repr(sim.forces)
+    assert repr(sim.rest_scale) == "RestScales({3: 0.9})" and repr(sim.loads) == "Loads({'gravity': 0.5})"
+    sim.restore(state)
+    assert set(sim.forces) == {"a", "c"} and (sim.forces["a"] == 1.0).all() and sim.forces["c"] is drag
+    assert sim.loads["gravity"] == 1.0 and sim.rest_scale[[3]] == [1.0]
+    # Only the array of the snapshot acts under that name.
+    del sim.forces["c"]
+    other = cf.Simulation(cloth())
+    other.restore(state)
+    for one in (sim, other):
+        one.step(5)
+    assert sim.positions.tobytes() == other.positions.tobytes() and list(other.forces) == ["a"]
+    with pytest.raises(TypeError):
+        iter(sim.rest_scale)
+
+
+def test_a_snapshot_starts_another_run():
+    """Other stiffnesses, methods and steps take it, with a word; other nodes do not."""
+    sim = cf.Simulation(cloth())
+    sim.step(100)
+    state, x = sim.snapshot(), sim.positions
+    for moves, words in (
+        ({"end": 0.2, "method": "newmark", "step": 1e-3}, "method velocity-verlet, now newmark"),
+        ({"end": 0.2, "method": "velocity-verlet", "step": 4e-4}, "steps of 0.001 s, now steps of 0.0004 s"),
+    ):
+        other = cf.Simulation(cloth(time=moves))
+        with pytest.warns(cf.CaseWarning, match=words):
+            other.restore(state)
+        assert other.time == pytest.approx(0.1, rel=1e-12) and (other.positions == x).all()
+        assert other.step().time == pytest.approx(0.1 + moves["step"], rel=1e-12)
+    softer = cf.Case(cloth(), {"system.network.springs.0.stiffness": 100.0})
+    with pytest.warns(cf.CaseWarning, match="other stiffnesses"):
+        cf.Simulation(softer).restore(state)
+    finer = cf.Case(cloth(), {"system.network.mesh.rectangle.rows": 7, "output": None})
+    with pytest.raises(ValueError, match="other nodes"):
+        cf.Simulation(finer).restore(state)
+
+
+def test_the_time_is_set(sim):
+    """With a state; steps of fixed size keep their ends, and a time outside the run is refused."""
+    x, v = sim.positions, sim.velocities
+    sim.set_state(x, v, time=0.1)
+    assert (sim.time, sim.step_count) == (0.1, 100)
+    sim.set_state(x, v, time=0.0504)
+    assert sim.step().time == pytest.approx(0.051, rel=1e-12)
+    assert sim.run_until(0.2).step == 200
+    for t in (-1.0, 0.3, float("nan")):
+        with pytest.raises(ValueError, match="time"):
+            sim.set_state(x, v, time=t)
+
+
+def test_springs_on_parts_of_a_mesh():
+    """Two kinds on the mesh's own edges, and some between other nodes, are the springs of one network."""
+    mesh = cf.mesh.rectangle(width=1.0, height=1.0, columns=4, rows=4)
+    net = cf.Network(mesh, mass=0.01)
+    net.springs(mesh.edges[:20], stiffness=100.0)
+    net.springs(mesh.edges[20:, ::-1], stiffness=1000.0)
+    net.springs([[0, 24], [1, 0]], stiffness=[10.0, 50.0])
+    net.hold([0])
+    net.initial(displacement=[[0.0, 0, 0]] + [[0.01, 0, 0]] * 24)
+    sim = cf.Simulation(net, method="newmark", step=1e-3, end=1.0)
+    assert len(sim.edges) == len(mesh.edges) + 1 and sim.edges[-1].tolist() == [0, 24]
+    pair = mesh.edges.tolist().index([0, 1])
+    assert pair < 20 and sim.tension[pair] == pytest.approx((100 + 50) * 0.01)
+    sim.step()
 
 
 @pytest.mark.parametrize(
@@ -250,12 +364,19 @@ def test_two_threads_cannot_use_one_simulation():
 
 
 @pytest.mark.skipif(not hasattr(signal, "raise_signal") or os.name == "nt", reason="needs signals")
-@pytest.mark.parametrize("how", ["run", "function", "record", "rollout"])
+@pytest.mark.parametrize("how", ["run", "function", "record", "rollout", "implicit", "mesh", "case"])
 def test_ctrl_c_is_quick(how, tmp_path):
     """KeyboardInterrupt comes at once from whatever is running; 5 s would be a hang, on any machine. A function that is
-    interrupted is called no more, and its step is not looked into."""
+    interrupted is called no more, and its step is not looked into; an implicit step has not happened."""
     case = cf.Case(CASES / "cloth-k1000.json", {"time.end": 2000.0, "output.frames.every": 100.0})
     sim = cf.Simulation(case)
+    if how == "implicit":
+        mesh = cf.mesh.rectangle(width=1.0, height=1.0, columns=120, rows=120)
+        net = cf.Network(mesh, mass=1e-4, gravity=[0, 0, -9.81])
+        net.springs(stiffness=1000.0)
+        net.hold([0, 1])
+        sim = cf.Simulation(net, method="newmark", step=0.1, end=1e3)
+    large = {"radius": 1.0, "nodes": 300_000}
     if how == "function":
         sim.forces["none"] = lambda t, x, v: 0.0 * x
     sent = []
@@ -270,12 +391,17 @@ def test_ctrl_c_is_quick(how, tmp_path):
         {
             "run": sim.run,
             "function": sim.run,
+            "implicit": sim.run,
+            "mesh": lambda: cf.mesh.disc(**large),
+            "case": lambda: cf.Case(cloth(), {"system.network.mesh": {"disc": large}}),
             "record": lambda: cf.run(case, tmp_path / "out"),
             "rollout": lambda: cf.rollout([case] * 3, threads=2),
         }[how]()
     late = time.perf_counter() - sent[0]
     assert late < 5.0, late
-    if how in ("run", "function"):
+    if how in ("run", "function", "implicit"):
+        before = sim.step_count
         sim.step()
+        assert sim.step_count == before + 1
     if how == "record":
         assert (tmp_path / "out" / "checkpoint.bin").exists()

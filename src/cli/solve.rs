@@ -19,6 +19,7 @@ use crate::drive::critical_step_monitor::{CriticalStepMonitor, Monitored};
 use crate::drive::max_displacement::MaxDisplacement;
 use crate::drive::observer::Observer;
 use crate::drive::{Outcome, Status};
+use crate::interrupt::heeding;
 use crate::model::group_totals::GroupTotals;
 use crate::model::stop::Stop;
 use crate::output::checkpoint::Checkpoint;
@@ -74,7 +75,10 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
         write_matrix_market(&*scene, state.as_ref(), dir, &|dof| scene.name_of(dof))?;
     }
     let job = PreparedRun { args, problem: &problem, scene: &scene, folder: &folder, limit, account, groups };
-    let (outcome, summary, seen) = job.integrate(fingerprint, checkpoint, &stop)?;
+    let flag = stop.clone();
+    // Within an implicit step too, which may be long.
+    let (outcome, summary, seen) =
+        heeding(move || flag.load(Ordering::Relaxed), || job.integrate(fingerprint, checkpoint, &stop))?;
     if let Some(linear) = &summary.linear {
         log::info!("linear solver at the end: {}, {}", linear.solver, linear.reason);
     }

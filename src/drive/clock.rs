@@ -138,6 +138,30 @@ impl EventSteps {
         &self.events
     }
 
+    /// [s] End of step number `k`; the start of the run for 0.
+    pub fn end_of(&self, k: u64) -> f64 {
+        if k == 0 { 0.0 } else { self.tick(k).t }
+    }
+
+    /// Step number `k` from `t` [s]: shorter than others where a program has put the run between two ends of steps.
+    pub fn tick_from(&self, k: u64, t: f64) -> Tick {
+        let tick = self.tick(k);
+        if self.end_of(k - 1) == t { tick } else { Tick { h: tick.t - t, t: tick.t } }
+    }
+
+    /// The number of the last step that ends at `t` [s] or before, and `t`, or that end where only rounding parts them.
+    pub fn join(&self, t: f64) -> (u64, f64) {
+        let slack = SLACK * self.steps.step;
+        let (mut low, mut high) = (0, self.count());
+        // Bisection, since events divide some of the steps.
+        while low < high {
+            let middle = low + (high - low).div_ceil(2);
+            if self.end_of(middle) <= t + slack { low = middle } else { high = middle - 1 }
+        }
+        let end = self.end_of(low);
+        (low, if (end - t).abs() <= slack { end } else { t })
+    }
+
     /// Step number `k`, counted from 1.
     pub fn tick(&self, k: u64) -> Tick {
         let before = self.divided.partition_point(|(n, _)| *n < k);
@@ -208,6 +232,19 @@ mod tests {
         assert_eq!(clock.tick(3).h, 0.3);
         assert!((clock.tick(4).h - 0.1).abs() < 1e-15);
         assert_eq!(FixedSteps::new(5.0, 1.0).tick(1), Tick { h: 1.0, t: 1.0 });
+    }
+
+    /// A run may be put between two ends of steps: its next step ends at the second of them.
+    #[test]
+    fn a_run_joins_its_steps() {
+        let steps = EventSteps::new(FixedSteps::new(0.25, 1.0), &[0.625]);
+        for (t, found) in
+            [(0.0, (0, 0.0)), (0.3, (1, 0.3)), (0.5 - 1e-12, (2, 0.5)), (0.63, (3, 0.63)), (1.0, (5, 1.0))]
+        {
+            assert_eq!(steps.join(t), found, "{t}");
+        }
+        assert_eq!(steps.tick_from(2, 0.3), Tick { h: 0.2, t: 0.5 });
+        assert_eq!(steps.tick_from(2, 0.25), steps.tick(2));
     }
 
     /// Events within a step divide it, also two in one step; those at the end of a step do not.

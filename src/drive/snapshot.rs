@@ -75,11 +75,30 @@ impl RunSpec<'_> {
             return Ok(());
         };
         let clock = EventSteps::new(FixedSteps::new(step_size, self.end), scene.events());
-        let there = if step == 0 { 0.0 } else { clock.tick(step).t };
-        if step > clock.count() || there.to_bits() != t.to_bits() {
+        // A program may have put the run between two ends of steps.
+        let (last, there) = clock.join(t);
+        if step != last || there.to_bits() != t.to_bits() || t > self.end {
             return Err(RunError::NotOnTheWay { t, step, steps: clock.count(), end: self.end });
         }
         Ok(())
+    }
+
+    /// The number of steps and the time [s] at which a run of this scene stands that a program puts at time `t` [s],
+    /// after `steps` of its own. Fixed steps count from t = 0, so their number follows from the time.
+    ///
+    /// # Errors
+    /// [`RunError::OutOfRange`]: a time that is not finite, before 0, or beyond the end.
+    pub fn join(&self, scene: &dyn Scene, (steps, t): (u64, f64)) -> Result<(u64, f64), RunError> {
+        let end = if self.free_steps { f64::INFINITY } else { self.end };
+        if !(t.is_finite() && t >= 0.0 && t <= end) {
+            return Err(RunError::OutOfRange { what: "time [s]", value: t, needed: "a time between 0 and the end" });
+        }
+        Ok(match self.step {
+            Step::Fixed(step) if !self.free_steps => {
+                EventSteps::new(FixedSteps::new(step, self.end), scene.events()).join(t)
+            }
+            _ => (steps, t),
+        })
     }
 }
 

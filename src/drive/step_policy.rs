@@ -58,7 +58,7 @@ impl StepPolicy {
     /// The step after `steps` accepted ones, or the next to attempt from `t` [s]; `None` at the end.
     pub fn next(&self, steps: u64, t: f64) -> Option<Tick> {
         match self {
-            StepPolicy::Fixed(clock) => (steps < clock.count()).then(|| clock.tick(steps + 1)),
+            StepPolicy::Fixed(clock) => (steps < clock.count()).then(|| clock.tick_from(steps + 1, t)),
             StepPolicy::Adaptive(policy) => policy.next(t).map(|PlannedStep { h, t, .. }| Tick { h, t }),
             StepPolicy::Free(steps) => steps.next(t),
         }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::factor_cache::FactorRequest;
 use super::{Counters, StepError};
 use crate::assembly::{Assembler, TangentSystem};
+use crate::interrupt;
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use crate::model::workers::Workers;
@@ -27,12 +28,16 @@ pub struct Factor {
 
 impl Factor {
     fn new(assembler: Assembler, choice: LinearChoice, workers: &Workers) -> Result<Self, LinearError> {
+        interrupt::check()?;
         let linear = solver_for(assembler.pattern.clone(), choice, workers)?;
+        interrupt::check()?;
         Ok(Factor { assembler, linear })
     }
 
     fn for_reuse(assembler: Assembler, choice: LinearChoice, workers: &Workers) -> Result<Self, LinearError> {
+        interrupt::check()?;
         let linear = reusing_solver_for(assembler.pattern.clone(), choice, workers)?;
+        interrupt::check()?;
         Ok(Factor { assembler, linear })
     }
 
@@ -240,6 +245,7 @@ impl Tangents {
             Curvature::Exact => system.assemble(at, w, &mut factor.assembler),
             Curvature::Convex => system.assemble_convex(at, w, &mut factor.assembler),
         }
+        interrupt::check()?;
         let (values, before) = (factor.assembler.values(), factor.linear.work());
         let made = if symmetric { factor.linear.factor_definite(values) } else { factor.linear.factor(values) };
         counters.tangent_assemblies += 1;
@@ -280,6 +286,7 @@ impl Tangents {
         system.assemble_symmetric(at, w, convex, &mut factor.assembler);
         let before = factor.linear.work();
         factor.linear.set_expected_use(expected);
+        interrupt::check()?;
         let made = factor.linear.prepare(factor.assembler.values())?;
         counters.tangent_assemblies += 1;
         let Factor { assembler, linear } = factor;
@@ -303,6 +310,7 @@ impl Tangents {
     /// A solution that is not finite, or no factor.
     pub fn solve(&mut self, b: &mut [f64], counters: &mut Counters) -> Result<(), LinearError> {
         let Some(factor) = self.in_use() else { return Err(LinearError::Singular { unknown: None }) };
+        interrupt::check()?;
         counters.linear_solves += 1;
         let before = factor.linear.work();
         let solved = factor.linear.solve(factor.assembler.values(), b);

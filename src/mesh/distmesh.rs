@@ -16,6 +16,7 @@ use super::polish::polish;
 use super::random::SplitMix64;
 use super::sdf::{SizeFunction, turned_off_seams};
 use super::{Mesh, MeshError, quality, topology};
+use crate::interrupt;
 use multiversion::multiversion;
 use nalgebra::Vector2;
 
@@ -63,6 +64,7 @@ pub(super) fn generate(request: &GradedRequest, seed: u64) -> Result<Mesh, MeshE
                     break;
                 }
             }
+            Err(error @ MeshError::Interrupted(_)) => return Err(error),
             Err(error) => failure = failure.or(Some(error)),
         }
     }
@@ -121,6 +123,7 @@ fn relax(plan: &MeshPlan, start: &mut Layout) -> Result<Flips, MeshError> {
     let mut flips = Flips::default();
 
     for iteration in 0..ITERATIONS {
+        interrupt::check()?;
         wanted_lengths(&plan.size, &start.points, &mut size);
         if moved_far(&size, &start.points, &last) {
             if !flips.follow(&start.points) {

@@ -1,5 +1,6 @@
 //! Why a mesh cannot be made, read or used; every message has advice.
 
+use crate::interrupt::Interrupted;
 use std::path::PathBuf;
 
 /// Failures of mesh generators, readers, writers and checks.
@@ -224,6 +225,9 @@ pub enum MeshError {
         /// why and what to do
         reason: &'static str,
     },
+    /// The work was asked to stop.
+    #[error("the mesh is not finished: {0}")]
+    Interrupted(#[from] Interrupted),
     /// A mesh file cannot be read or written.
     #[error("{}: {reason}", path.display())]
     File {

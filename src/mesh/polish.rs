@@ -11,6 +11,7 @@ use super::distmesh::follow_plan;
 use super::flips::Flips;
 use super::layout::{Freedom, Layout, MeshPlan};
 use super::quality::smallest_angle_of;
+use crate::interrupt;
 use nalgebra::Vector2;
 
 /// [deg] triangles with a smaller angle are improved
@@ -26,6 +27,7 @@ const MOVES: usize = 200;
 pub(super) fn polish(plan: &MeshPlan, start: &mut Layout, mut flips: Flips) -> Result<Vec<[u32; 3]>, MeshError> {
     let mut triangles = follow_plan(plan, start, &mut flips)?;
     for _ in 0..ROUNDS {
+        interrupt::check()?;
         let nodes = nodes_of_sharp(&start.points, &triangles);
         let corners = triangles.iter().zip(0..).flat_map(|(corners, t)| corners.map(|node| (node, t)));
         let stars = Adjacency::new(start.points.len(), corners);

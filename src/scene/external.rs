@@ -210,8 +210,9 @@ impl ExternalForces {
         self.values.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Replaces all forces that are values.
+    /// Replaces all forces that are values. Laws of the same names are removed.
     pub(crate) fn replace_values(&self, values: Vec<(String, Vec<[f64; 3]>)>) {
+        values.iter().for_each(|(name, _)| _ = self.remove_law(name));
         let mut all = self.values.write().unwrap_or_else(PoisonError::into_inner);
         *all = values;
         self.add_up(&all);

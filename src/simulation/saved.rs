@@ -1,8 +1,10 @@
 //! The state of a simulation as bytes, and a simulation that goes on from them.
 
-use super::{Changed, RunState, Simulation, SimulationError};
+use super::{Changed, NodeMotion, RunState, Simulation, SimulationError};
 use crate::checksum::{self, ChecksumError, RunningChecksum};
 use crate::drive::Snapshot;
+use crate::drive::clock::{Step, Tolerance};
+use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::{ExternalForces, ExternalKind, Load};
 use serde::{Deserialize, Serialize};
@@ -26,12 +28,45 @@ struct Saved {
 struct Origin {
     /// method with the values of its parameters
     method: (String, Vec<f64>),
-    /// checksum of masses, stiffnesses and start positions
-    scene: u32,
+    /// in words: of a fixed size, within a tolerance, or of the sizes that a program gives
+    steps: String,
+    /// checksums of masses, stiffnesses and start positions
+    masses: u32,
+    stiffnesses: u32,
+    start: u32,
+    /// and of the order in which the engine has the nodes
+    numbering: u32,
 }
 
-/// Program and version, at the beginning of a snapshot.
-const PROGRAM: &str = concat!("canopy-fem state ", env!("CARGO_PKG_VERSION"));
+impl Origin {
+    /// What is another here than there, a phrase each.
+    fn differences(&self, now: &Origin) -> Vec<String> {
+        let method = |(name, values): &(String, Vec<f64>)| match values.as_slice() {
+            [] => name.clone(),
+            values => format!("{name} {values:?}"),
+        };
+        let mut found = Vec::new();
+        if self.method != now.method {
+            found.push(format!("method {}, now {}", method(&self.method), method(&now.method)));
+        }
+        if self.steps != now.steps && now.steps != FREE {
+            found.push(format!("{}, now {}", self.steps, now.steps));
+        }
+        let parts = [
+            ("masses", self.masses, now.masses),
+            ("stiffnesses", self.stiffnesses, now.stiffnesses),
+            ("positions at the start", self.start, now.start),
+        ];
+        found.extend(parts.iter().filter(|(_, then, now)| then != now).map(|(what, ..)| format!("other {what}")));
+        found
+    }
+}
+
+/// Steps whose sizes the program gives: a run of such steps goes on from anywhere.
+const FREE: &str = "steps of given sizes";
+
+/// Program and version, at the beginning of a snapshot, and the format of what follows.
+const PROGRAM: &str = concat!("canopy-fem state ", env!("CARGO_PKG_VERSION"), " 2");
 
 impl Simulation {
     /// Goes on from a snapshot, with a scheme that starts anew and then takes up what it carried.
@@ -66,28 +101,50 @@ impl Simulation {
     }
 
     fn origin(&self) -> Origin {
-        let method = &self.settings.method;
-        let mut checksum = RunningChecksum::default();
-        // The scene as it is before its events: a snapshot may be of another time than the present one.
-        self.scene.pass_events(0);
-        let (stiffness, x) = (self.scene.nodal_stiffness(), self.scene.initial_state().x);
-        for numbers in [self.scene.inverse_mass(), &stiffness, &x] {
+        let (method, scene) = (&self.settings.method, &*self.scene);
+        let sum = |numbers: &[f64]| {
+            let mut checksum = RunningChecksum::default();
             checksum.add(bytemuck::cast_slice(numbers));
-        }
-        self.scene.pass_events(self.state.events_passed());
+            checksum.mark().crc
+        };
+        // The scene as it is before its events: a snapshot may be of another time than the present one.
+        scene.pass_events(0);
+        let (stiffness, State { t, x, v }) = (scene.nodal_stiffness(), scene.initial_state());
+        scene.pass_events(self.state.events_passed());
+        // Numbers in the engine's order, brought into the user's.
+        let counted = State { t, x: (0..x.len()).map(|dof| dof as f64).collect(), v };
+        let mut order = vec![[0.0; 3]; self.node_count()];
+        scene.trace(counted.as_ref(), &mut order, &mut vec![[0.0; 3]; self.node_count()]);
+        let steps = match self.settings.step {
+            _ if self.settings.free_steps => FREE.to_owned(),
+            Step::Fixed(step) => format!("steps of {step:?} s"),
+            Step::Adaptive(Tolerance { relative, absolute }) => {
+                format!("steps within a tolerance of {relative:?} and {absolute:?} m")
+            }
+        };
         Origin {
             method: (method.info.name.to_owned(), method.parameters().map(|(_, value)| value).collect()),
-            scene: checksum.mark().crc,
+            steps,
+            masses: sum(scene.inverse_mass()),
+            stiffnesses: sum(&stiffness),
+            start: sum(&x),
+            // A pendulum has one node and an angle.
+            numbering: if counted.x.len() == 3 * order.len() { sum(order.as_flattened()) } else { 0 },
         }
     }
 
-    /// Goes on from the bytes of [`Simulation::snapshot`]. Laws of the program stay as they are, and so does what the
-    /// settings say of the end of the run.
+    /// Goes on from the bytes of [`Simulation::snapshot`]. Laws of the program stay as they are, but for those whose
+    /// names forces of the snapshot have, and so does what the settings say of the end of the run.
+    ///
+    /// The scene or run may be another one of the same nodes and connections: with other masses or stiffnesses, another
+    /// method or step. The phrases that are returned say in what they differ. The scheme, its steps and the energy
+    /// account then begin anew at the state of the snapshot, as with [`Simulation::set_state_at`]. Other tables, damping
+    /// or air are not noticed.
     ///
     /// # Errors
-    /// Bytes that are damaged, of another version or method, of a scene with other nodes, masses or stiffnesses, or of
-    /// a run with another step; the state is then unchanged. Other tables, damping or air are not noticed.
-    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), SimulationError> {
+    /// Bytes that are damaged or of another version, of a scene with other nodes or connections, or of a time that the
+    /// run does not reach; the state is then unchanged.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<Vec<String>, SimulationError> {
         let unreadable = |why: &str| SimulationError::Snapshot(why.to_owned());
         let content = checksum::verified(bytes).map_err(|error| match error {
             ChecksumError::Missing => unreadable("it is cut short"),
@@ -99,17 +156,19 @@ impl Simulation {
             return Err(unreadable(&format!("it is of \"{program}\", and this is \"{PROGRAM}\"")));
         }
         let Saved { made_by, snapshot, forces, wind, loads, rest_length_factors } = saved;
-        self.settings.spec().passes(&*self.scene, &snapshot)?;
-        let own = self.origin();
-        if made_by.method != own.method {
-            let ((theirs, parameters), (name, values)) = (made_by.method, own.method);
-            return Err(unreadable(&format!(
-                "it is of {theirs} with parameters {parameters:?}, and this simulation has {name} with {values:?}"
-            )));
+        let (spec, own, Snapshot { t, x, v, .. }) = (self.settings.spec(), self.origin(), &snapshot);
+        let needed = self.scene.n_dof();
+        if made_by.numbering != own.numbering || [x.len(), v.len()] != [needed; 2] {
+            return Err(unreadable("it is of a scene with other nodes or connections"));
         }
-        if made_by.scene != own.scene {
-            return Err(unreadable("it is of a scene with other positions, masses or stiffnesses"));
-        }
+        let differences = made_by.differences(&own);
+        let anew = match differences.as_slice() {
+            [] => spec.passes(&*self.scene, &snapshot).map(|()| None)?,
+            _ => {
+                let (steps, t) = spec.join(&*self.scene, (snapshot.step, *t))?;
+                Some((steps, State { t, x: x.clone(), v: v.clone() }))
+            }
+        };
         for (_, force) in &forces {
             self.check("force of the snapshot", force)?;
         }
@@ -130,6 +189,14 @@ impl Simulation {
         }
         self.scene.hold_wind(wind);
         self.wind = wind;
-        self.take_up(snapshot)
+        match anew {
+            None => self.take_up(snapshot)?,
+            Some((steps, state)) => {
+                // Supports may differ.
+                let NodeMotion { positions, velocities } = self.nodes_of(state.as_ref());
+                self.begin(steps, self.scene.state_of(state.t, &positions, &velocities).unwrap_or(state))?;
+            }
+        }
+        Ok(differences)
     }
 }

@@ -6,6 +6,7 @@ use crate::drive::ledger::Elastic;
 use crate::drive::observer::{LedgerRow, Point};
 use crate::force::law::series::Scale;
 use crate::integrate::Counters;
+use crate::model::state::{State, StateRef};
 use crate::model::stop::Stop;
 use crate::scene::{ExternalForces, ExternalKind, Load, PairsChange, Scene};
 use std::sync::atomic::AtomicBool;
@@ -132,9 +133,13 @@ impl Simulation {
     }
 
     fn nodes(&self, at: &Point) -> NodeMotion {
+        self.nodes_of(at.state.as_ref())
+    }
+
+    pub(super) fn nodes_of(&self, at: StateRef<'_>) -> NodeMotion {
         let n = self.node_count();
         let mut nodes = NodeMotion { positions: vec![[0.0; 3]; n], velocities: vec![[0.0; 3]; n] };
-        self.scene.trace(at.state.as_ref(), &mut nodes.positions, &mut nodes.velocities);
+        self.scene.trace(at, &mut nodes.positions, &mut nodes.velocities);
         nodes
     }
 
@@ -155,14 +160,34 @@ impl Simulation {
     /// # Errors
     /// Slices of another length, numbers that are not finite, a pendulum, or a step that was attempted and waits.
     pub fn set_state(&mut self, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Result<(), SimulationError> {
+        self.set_state_at(self.time(), positions, velocities)
+    }
+
+    /// The same at another time `t` [s]. Fixed steps count from t = 0: [`Simulation::step_count`] is then the number of
+    /// the last that ends there or before, and the next is shorter where `t` lies within one. Events of the scene up to
+    /// then are passed, later ones come again.
+    ///
+    /// # Errors
+    /// As [`Simulation::set_state`]; also a time before 0 or beyond the end.
+    pub fn set_state_at(
+        &mut self,
+        t: f64,
+        positions: &[[f64; 3]],
+        velocities: &[[f64; 3]],
+    ) -> Result<(), SimulationError> {
         self.idle()?;
         self.check("positions", positions)?;
         self.check("velocities", velocities)?;
-        let state = self.scene.state_of(self.time(), positions, velocities);
+        let joined = self.settings.spec().join(&*self.scene, (self.state.steps, t))?;
+        let state = self.scene.state_of(joined.1, positions, velocities);
         let state = state.ok_or(SimulationError::Unsupported("positions that can be set"))?;
+        self.begin(joined.0, state)
+    }
+
+    /// Begins anew from a state after `steps` steps; counted work stays.
+    pub(super) fn begin(&mut self, steps: u64, state: State) -> Result<(), SimulationError> {
         let mut stepper = self.settings.stepper(&*self.scene)?;
-        let (steps, counters) = (self.state.steps, self.state.counters);
-        let spec = self.settings.spec();
+        let (spec, counters) = (self.settings.spec(), self.state.counters);
         let mut begun = RunState::start(&*self.scene, &mut stepper, spec, state)?;
         (begun.steps, begun.counters) = (steps, counters);
         self.state = begun;
@@ -224,6 +249,11 @@ impl Simulation {
             self.note(if other_pattern { Changed::Pattern } else { Changed::Values });
         }
         Ok(removed)
+    }
+
+    /// Names and values [N] `[n_nodes][3]` of the external forces that are values, in the order in which they came.
+    pub fn nodal_forces(&self) -> Vec<(String, Vec<[f64; 3]>)> {
+        self.scene.external().map(ExternalForces::values).unwrap_or_default()
     }
 
     fn has_derivatives(&self, name: &str) -> bool {

@@ -13,6 +13,7 @@ use super::linear::{
 use super::mixed_precision::SinglePrecisionFactor;
 use super::ordering::{Permutation, fill_reducing};
 use crate::assembly::Pattern;
+use crate::interrupt;
 use crate::mesh::random::pseudo_random;
 use crate::model::workers::ALONE;
 use crate::startup::{Phase, timed};
@@ -97,6 +98,7 @@ impl Cholesky {
     /// When the analysis runs out of memory or index range.
     pub fn new(pattern: Arc<Pattern>) -> Result<Self, LinearError> {
         let order = timed(Phase::Ordering, || fill_reducing(&pattern)).map(|elimination| elimination.order);
+        interrupt::check()?;
         Self::ordered(pattern, order.as_ref())
     }
 

@@ -4,6 +4,7 @@ use super::cost_model::COSTS;
 pub use super::cost_model::Prediction;
 use super::{AutoSolver, Cholesky, ConjugateGradients, Lu};
 use crate::assembly::Pattern;
+use crate::interrupt::Interrupted;
 use crate::model::workers::Workers;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use std::sync::Arc;
@@ -162,6 +163,9 @@ pub enum LinearError {
         /// [-] requested relative residual
         asked: f64,
     },
+    /// The work was asked to stop.
+    #[error("the solution is not finished: {0}")]
+    Interrupted(#[from] Interrupted),
     /// The analysis ran out of memory or index range.
     #[error("the symbolic analysis of a matrix with {unknowns} unknowns failed: {reason}")]
     Analysis {

@@ -194,6 +194,7 @@ impl Newton {
         };
         let iterations = match self.iterate(problem, z, criteria, frozen) {
             Ok(report) if hides(norm(&self.r), HIDDEN, forces.max(residual), problem) => report.iterations,
+            Err(failure @ NewtonFailure::Linear { error: LinearError::Interrupted(_), .. }) => return Err(failure),
             // A failed linear solve says nothing about rounding.
             Err(failure @ NewtonFailure::Linear { .. }) if !rounding_only || !self.is_trusted(residual, criteria) => {
                 return Err(failure);

@@ -102,26 +102,53 @@ fn a_snapshot_goes_on_with_the_same_bits() {
     }
 }
 
-/// A snapshot says of which method and scene it is: neither another method nor another stiffness takes it.
+/// A snapshot says of which method and scene it is. A run with another method, step, mass or stiffness goes on from its
+/// state as one that was put there, and says what differs; a scene with other nodes refuses it.
 #[test]
-fn a_snapshot_of_another_method_or_scene_is_refused() {
-    let made = |method: &str, stiffness: f64| {
+fn a_snapshot_of_another_method_or_scene_is_a_start() {
+    let made = |method: &str, stiffness: f64, step: f64| {
         let network = NetworkBuilder::new(vec![[0.0; 3], [1.0, 0.0, 0.0]])
             .springs(&[[0, 1]], SpringLaw { stiffness, ..SpringLaw::default() })
             .masses(vec![2.0; 2])
             .hold(|node, _| node == 0);
-        let settings = RunSettings::fixed(method, 1e-3, 1.0).expect("registered");
+        let settings = RunSettings::fixed(method, step, 1.0).expect("registered");
         Simulation::new(network.build().expect("a mesh"), settings).expect("it starts")
     };
-    let mut sim = made("velocity-verlet", 8.0);
+    let mut sim = made("velocity-verlet", 8.0, 1e-3);
+    sim.set_state(&[[0.0; 3], [1.1, 0.0, 0.0]], &[[0.0; 3], [0.2, 0.0, 0.0]]).expect("idle");
     sim.advance(10).expect("it goes on");
     let bytes = sim.snapshot().expect("idle");
-    for (mut other, word) in [(made("rk4", 8.0), "velocity-verlet"), (made("velocity-verlet", 9.0), "stiffnesses")] {
-        let refused = other.restore(&bytes).expect_err("it does not fit").to_string();
-        assert!(refused.contains(word), "{refused}");
-        assert_eq!(other.step_count(), 0);
+    for (method, stiffness, step, count, word) in [
+        ("rk4", 8.0, 1e-3, 10, "velocity-verlet, now rk4"),
+        ("velocity-verlet", 9.0, 1e-3, 10, "other stiffnesses"),
+        ("newmark", 8.0, 5e-3, 2, "steps of 0.001 s, now steps of 0.005 s"),
+        ("velocity-verlet", 8.0, 4e-3, 2, "now steps of 0.004 s"),
+    ] {
+        let mut other = made(method, stiffness, step);
+        let differs = other.restore(&bytes).expect("the same nodes").join("; ");
+        assert!(differs.contains(word), "{differs}");
+        assert_eq!((other.step_count(), other.time()), (count, 0.01));
+        let mut put = made(method, stiffness, step);
+        put.set_state_at(0.01, &sim.positions(), &sim.velocities()).expect("idle");
+        let next = other.step().expect("it goes on");
+        // The third step of 4 ms ends at 12 ms.
+        assert_eq!(next.t, if step == 4e-3 { 0.012 } else { 0.01 + step });
+        put.step().expect("it goes on");
+        assert_same(&other, &put);
+        // Between two ends of steps, a snapshot is taken up as anywhere.
+        let mut again = made(method, stiffness, step);
+        put.set_state_at(0.0111, &sim.positions(), &sim.velocities()).expect("idle");
+        assert!(again.restore(&put.snapshot().expect("idle")).expect("the same").is_empty());
+        assert_same(&again, &put);
     }
-    made("velocity-verlet", 8.0).restore(&bytes).expect("the same");
+    assert!(made("velocity-verlet", 8.0, 1e-3).restore(&bytes).expect("the same").is_empty());
+    let three = NetworkBuilder::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]).masses(vec![2.0; 3]);
+    let settings = RunSettings::fixed("velocity-verlet", 1e-3, 1.0).expect("registered");
+    let mut other = Simulation::new(three.build().expect("a mesh"), settings).expect("it starts");
+    assert!(matches!(other.restore(&bytes), Err(SimulationError::Snapshot(_))));
+    for t in [-0.1, 1.1, f64::NAN] {
+        assert!(sim.set_state_at(t, &sim.positions(), &sim.velocities()).is_err(), "{t}");
+    }
 }
 
 /// An attempt that is accepted is a step; one that is dropped leaves no trace.

@@ -9,6 +9,7 @@ use super::accept::{Accepted, StepPart};
 use super::{Run, RunError};
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::integrate::{StepError, StepReport};
+use crate::interrupt;
 
 impl Run<'_> {
     /// Advances to the next accepted state, which may take several attempts, unless the run must end before.
@@ -18,7 +19,7 @@ impl Run<'_> {
         observers: &mut [&mut dyn Observer],
     ) -> Result<Result<(), Status>, RunError> {
         while let Some(tick) = self.next() {
-            if self.stop.asked() {
+            if self.stop.asked() || interrupt::asked() {
                 return Ok(Ok(()));
             }
             let kept = match &mut self.state.policy {
@@ -30,6 +31,8 @@ impl Run<'_> {
                 },
             };
             return match kept {
+                // The loop above ends the run, if it is to.
+                Err(Status::Interrupted) => Ok(Ok(())),
                 Err(stopped) => Ok(Err(stopped)),
                 Ok(AdaptiveStep::Single(report)) => {
                     match self.accept_step(stepper, StepPart::Last, &report, observers)? {
@@ -57,10 +60,15 @@ impl Run<'_> {
         Ok(Ok(()))
     }
 
+    /// One attempt at a step.
+    ///
+    /// # Errors
+    /// A step that cannot be solved, with its report; [`Status::Interrupted`] without one.
     pub(crate) fn fixed_step(&mut self, stepper: &mut Stepper<'_>, tick: Tick) -> Result<StepReport, Status> {
         let attempt = Attempt { from: &self.state.from, h: tick.h, t_next: tick.t };
         let report = match stepper.attempt(attempt, &mut self.state.to, &mut self.state.counters) {
             Ok(report) => report,
+            Err(_) if interrupt::asked() => return Err(Status::Interrupted),
             Err(error) => {
                 self.state.failure = Some(self.context(tick).not_converged(&error, worst_of(&error, stepper)));
                 return Err(Status::NotConverged);
@@ -89,6 +97,7 @@ impl Run<'_> {
                     return Err(Status::NotConverged);
                 }
             },
+            Err(_) if interrupt::asked() => return Ok(None),
             Err(dropped) => dropped,
         };
         let floor = policy.floor(self.state.from.state.t);

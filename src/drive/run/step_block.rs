@@ -39,7 +39,9 @@ impl Run<'_> {
             return Ok(false);
         }
         let h = match &self.state.policy {
-            StepPolicy::Fixed(clock) if self.scene.longest_block() > 1 => clock.tick(self.state.steps + 1).h,
+            StepPolicy::Fixed(clock) if self.scene.longest_block() > 1 => {
+                clock.tick_from(self.state.steps + 1, self.state.from.state.t).h
+            }
             _ => {
                 self.state.blocks.not_before = u64::MAX;
                 return Ok(false);

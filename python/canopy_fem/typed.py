@@ -1,0 +1,94 @@
+"""Types of arguments, for checkers such as mypy and pyright. Nothing here is needed at run time."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Literal, TypeAlias, TypedDict
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = [
+    "CaseSource", "DashpotKind", "Force", "Graded", "Kind", "Law", "Method", "Parachute", "Pattern", "Slack", "Table",
+]  # fmt: skip
+
+CaseSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any]
+"""a case file, or a dictionary with its keys"""
+Method: TypeAlias = Literal[
+    "explicit-euler",
+    "euler-cromer",
+    "euler-richardson",
+    "improved-euler",
+    "improved-euler-pec",
+    "velocity-verlet",
+    "rk4",
+    "dormand-prince",
+    "dop853",
+    "newmark",
+    "hht",
+    "kang",
+    "backward-euler",
+    "generalized-alpha",
+    "esdirk4",
+    "central-difference",
+    "multirate",
+    "energy-momentum",
+]
+"""name of a method: those of `canopy_fem.methods`"""
+Law: TypeAlias = Literal["linear", "green"]
+Slack: TypeAlias = Literal["none", "tension-only", "compression-only"]
+DashpotKind: TypeAlias = Literal["axial", "relative"]
+Kind: TypeAlias = Literal["nodes", "edges", "triangles"]
+Table: TypeAlias = Literal["history", "probes", "gauges", "modes"]
+Rows: TypeAlias = npt.NDArray[Any] | Sequence[Sequence[float]]
+"""(n, 3); not numpy's ArrayLike, which a text is too"""
+Force: TypeAlias = Rows | Callable[[float, npt.NDArray[np.float64], npt.NDArray[np.float64]], npt.ArrayLike]
+"""[N] (n, 3), or a function of time [s], positions [m] and velocities [m/s]"""
+
+
+class Graded(TypedDict, total=False):
+    """Of discs and rings, beside their sizes."""
+
+    boundary_nodes: int
+    seams: int
+    seed: int
+    grading: float
+
+
+class Pattern(TypedDict, total=False):
+    """Of rectangles, beside their sizes."""
+
+    pattern: str
+
+
+class Parachute(TypedDict, total=False):
+    """The section "parachute" of a case."""
+
+    type: str
+    nominal_diameter: float
+    gores: int
+    vent_diameter: float | None
+    radial_segments: int
+    gore_segments: int
+    cone_angle: float | None
+    cone_angles: Sequence[float] | None
+    cone_breaks: Sequence[float] | None
+    skirt_extension: float | None
+    skirt_angle: float | None
+    arm_ratio: float | None
+    rings: int | None
+    slot_porosity: float | None
+    disk: float | None
+    gap: float | None
+    band: float | None
+    vent_lines: bool | None
+    lines: Mapping[str, Any] | None
+    inner_lines: Mapping[str, Any] | None
+    riser: Mapping[str, Any] | None
+    payload: Mapping[str, Any] | None
+    cluster: Mapping[str, Any] | None
+    reefing: Mapping[str, Any] | None
+    start: str
+    axis: Sequence[float]
+    at: Sequence[float]
