@@ -142,11 +142,21 @@ impl Pencil {
                 return Err(ModesError::Stopped);
             }
             let middle = (low + high).div_euclid(2);
-            let factored = self.factor(solver, -self.fastest() * 10.0_f64.powi(middle))?;
-            if factored.negatives >= count { &mut high } else { &mut low }.clone_from(&middle);
+            let square = self.fastest() * 10.0_f64.powi(middle);
+            let factored = self.factor_below(solver, square, 0.1 * square)?;
+            *(if factored.negatives >= count { &mut high } else { &mut low }) = middle;
             solver = factored.into_solver();
         }
         Ok((solver, high))
+    }
+
+    /// A factor of K - w^2 M, whose negative eigenvalues are counted. A square that the scene has makes it singular;
+    /// then one `step` below serves.
+    fn factor_below(&self, solver: Cholesky, square: f64, step: f64) -> Result<Factored<'_>, LinearError> {
+        match self.factor(solver, -square) {
+            Err(LinearError::Singular { .. }) => self.factor(self.solver()?, step - square),
+            other => other,
+        }
     }
 
     fn mode(&self, q: &[f64], root: &[f64]) -> LowMode {
@@ -195,8 +205,8 @@ impl<'a> Shifted<'a> {
         Err(LinearError::Singular { unknown: None }.into())
     }
 
-    /// A square just below the last one, and how many of the others are below it.
-    fn just_below(&self, squares: &[f64]) -> (f64, usize) {
+    /// A square just below the last one, how far it is from the last one, and how many of the others are below it.
+    fn just_below(&self, squares: &[f64]) -> (f64, f64, usize) {
         let fastest = self.pencil.fastest();
         let apart = |square: f64| (CLUSTER * (square.abs() + self.shift)).max(NOISE * fastest);
         let mut below = squares.len();
@@ -205,7 +215,8 @@ impl<'a> Shifted<'a> {
             below -= 1;
             lowest = squares[below];
         }
-        (lowest - 0.5 * apart(lowest), below)
+        let beside = 0.5 * apart(lowest);
+        (lowest - beside, beside, below)
     }
 
     fn factored(&mut self) -> Result<&mut Factored<'a>, LinearError> {
@@ -223,9 +234,9 @@ impl Operator for Shifted<'_> {
 
     fn complete(&mut self, largest: &[f64]) -> Result<bool, LinearError> {
         let squares: Vec<f64> = largest.iter().map(|theta| 1.0 / theta - self.shift).collect();
-        let (square, below) = self.just_below(&squares);
+        let (square, beside, below) = self.just_below(&squares);
         let Some(factored) = self.factored.take() else { return Err(LinearError::Singular { unknown: None }) };
-        let counted = self.pencil.factor(factored.into_solver(), -square)?;
+        let counted = self.pencil.factor_below(factored.into_solver(), square, 0.5 * beside)?;
         let complete = counted.negatives <= below;
         if !complete {
             self.factored = Some(self.pencil.factor(counted.into_solver(), self.shift)?);
