@@ -58,6 +58,10 @@ impl Integrator<dyn System> for ImprovedEulerPec {
         if self.relative {
             let Derivative { x, v, power } = &mut self.kept;
             x.copy_from_slice(&self.now.x);
+            // A support may have another velocity now.
+            for &dof in system.moved() {
+                x[dof as usize] = from.state.v[dof as usize];
+            }
             acceleration(system, v, &from.forces.total);
             accumulate(v, 1.0, &self.now.v);
             *power = power_of_forces(system, &from.forces);

@@ -388,31 +388,65 @@ fn a_value_set_to_itself_costs_nothing() {
     }
 }
 
-/// A cloth whose factors are kept, with a line along one side that is taken in a little in every step.
-fn reeled(change: f64) -> Simulation {
+/// A cloth whose factors are kept.
+fn cloth(method: &MethodChoice) -> Simulation {
     let network = sheet(30).springs_on_edges(SpringLaw { stiffness: 300.0, ..SpringLaw::default() });
-    let newmark = of("newmark", &[]);
-    let mut sim = simulation(network.gravity([0.0, 0.0, -9.81]), &newmark, 2e-3, 10.0);
-    let side: Vec<u32> = sim
-        .spring_edges()
-        .into_iter()
-        .filter(|edge| sim.edges()[*edge as usize].iter().all(|&node| sim.reference()[node as usize][1] == 0.0))
-        .collect();
+    simulation(network.gravity([0.0, 0.0, -9.81]), method, 2e-3, 10.0)
+}
+
+/// Takes the springs along one side in to `factor` times their rest lengths.
+fn reel(sim: &mut Simulation, factor: f64) {
+    let along = |edge: &u32| sim.edges()[*edge as usize].iter().all(|&node| sim.reference()[node as usize][1] == 0.0);
+    let side: Vec<u32> = sim.spring_edges().into_iter().filter(along).collect();
     assert!(side.len() == 30);
-    for i in 1..=60 {
-        sim.set_rest_length_factor(&side, 1.0 - change * f64::from(i)).expect("springs");
-        sim.step().expect("an easy step");
-    }
-    sim
+    sim.set_rest_length_factor(&side, factor).expect("springs");
 }
 
 /// A line that is taken in a little in every step goes on with the kept factor, as if it were not.
 #[test]
 fn a_line_that_changes_a_little_keeps_the_factor() {
-    let [still, reeled] = [0.0, 2e-4].map(|change| reeled(change).counters());
+    let [still, reeled] = [0.0, 2e-4].map(|change| {
+        let mut sim = cloth(&of("newmark", &[]));
+        for i in 1..=60 {
+            reel(&mut sim, 1.0 - change * f64::from(i));
+            sim.step().expect("an easy step");
+        }
+        sim.counters()
+    });
     assert!(still.tangent_assemblies < 30, "the cloth keeps its matrix: {still:?}");
     assert!(reeled.tangent_assemblies <= still.tangent_assemblies + 5, "{still:?} {reeled:?}");
     assert!(4 * reeled.cg_iterations <= 5 * still.cg_iterations, "{still:?} {reeled:?}");
+}
+
+/// A factor that was kept over changes cannot be made again: after a snapshot both go on without it, and after dropped
+/// attempts the steps agree to Newton's tolerance.
+#[test]
+fn a_factor_kept_over_changes_leaves_no_trace() {
+    for method in [of("newmark", &[]), of("hht", &[])] {
+        let [mut saved, mut restored, mut hesitant] = [(); 3].map(|()| cloth(&method));
+        for i in 0..12 {
+            let factor = |i: i32| 1.0 - 2e-4 * f64::from(i);
+            for sim in [&mut saved, &mut restored] {
+                reel(sim, factor(i));
+            }
+            if i % 5 == 4 {
+                restored.restore(&saved.snapshot().expect("idle")).expect("the same scene");
+            }
+            for wrong in 1..3 {
+                reel(&mut hesitant, factor(i + 20 * wrong));
+                hesitant.attempt().expect("an easy step");
+                hesitant.drop_attempt().expect("it waits");
+            }
+            reel(&mut hesitant, factor(i));
+            for sim in [&mut saved, &mut restored, &mut hesitant] {
+                sim.step().expect("an easy step");
+            }
+            assert_same(&saved, &restored, &words(&method));
+            let [one, other] = [&saved, &hesitant].map(Simulation::positions);
+            let apart = one.as_flattened().iter().zip(other.as_flattened()).map(|(a, b)| (a - b).abs());
+            assert!(apart.fold(0.0, f64::max) < 1e-9, "{}", words(&method));
+        }
+    }
 }
 
 /// Forces that a program sets act on damped scenes by every method: the value of all others.
