@@ -10,6 +10,7 @@
 
 pub(crate) mod atomic;
 pub mod checkpoint;
+pub mod crossings;
 pub(crate) mod csv;
 pub(crate) mod files;
 pub mod folder;

@@ -7,6 +7,8 @@ use crate::drive::{Outcome, Status};
 use crate::format_number::figures;
 use crate::integrate::implicit::{SolverSpec, refusal};
 use crate::integrate::registry::Family;
+use crate::output::crossings::CrossingReport;
+use crate::output::summary::Summary;
 use crate::scene::Scene;
 use crate::solve::{LinearChoice, LinearError};
 use crate::warning::{Warning, WarningCode};
@@ -46,9 +48,10 @@ fn unsuitable_solver(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpe
 }
 
 /// Warnings about a finished run that its case does not acknowledge.
-pub fn doubts_at_end(problem: &Problem, outcome: &Outcome) -> Vec<Warning> {
-    let found = [energy_made(outcome), energy_dissipated(problem, outcome)].into_iter().flatten();
-    problem.sort_out(found).1
+pub fn doubts_at_end(problem: &Problem, outcome: &Outcome, summary: &Summary) -> Vec<Warning> {
+    let crossings = summary.crossings.as_ref().and_then(CrossingReport::warning);
+    let found = [energy_made(outcome), energy_dissipated(problem, outcome), crossings];
+    problem.sort_out(found.into_iter().flatten()).1
 }
 
 /// Warning for a completed run whose scheme made much energy itself.

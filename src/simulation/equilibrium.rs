@@ -9,6 +9,7 @@ use crate::drive::observer::Observer;
 use crate::drive::{Failure, Outcome, Status};
 use crate::model::forces::Role;
 use crate::model::stop::Stop;
+use crate::output::crossings::CrossingReport;
 use crate::output::folder::{ResultFolder, SUMMARY};
 use crate::output::modes::write_modes;
 use crate::output::recorder::{Recorder, RecorderSpec};
@@ -114,6 +115,7 @@ pub fn record_static(case: &Case, how: StaticSettings<'_>, stop: &AtomicBool) ->
         method: "static".to_owned(),
         method_parameters: Default::default(),
         peaks: recorder.peaks(),
+        crossings: recorder.crossings().cloned(),
         groups: problem.group_totals(),
         at_rest: None,
         equilibrium: Some(report(&*scene, &equilibrium, (&outcome, &modes))),
@@ -121,7 +123,9 @@ pub fn record_static(case: &Case, how: StaticSettings<'_>, stop: &AtomicBool) ->
         ..Summary::new(problem, &*scene, &outcome, f64::INFINITY, stopwatch.read())
     };
     summary.write(&folder.file(SUMMARY))?;
-    let warnings = problem.warnings.iter().filter(|warning| !OF_A_RUN.contains(&warning.code)).cloned().collect();
+    let crossings = problem.sort_out(recorder.crossings().and_then(CrossingReport::warning)).1;
+    let warnings = problem.warnings.iter().filter(|warning| !OF_A_RUN.contains(&warning.code)).cloned();
+    let warnings = warnings.chain(crossings).collect();
     Ok(RecordedStatic { equilibrium, modes, without_modes, summary, warnings })
 }
 
