@@ -19,6 +19,8 @@ pub enum WarningCode {
     BranchingEdge,
     /// A body without supports, with damping that brakes its rotation.
     BrakedRotation,
+    /// Cloth that passes through cloth, at the start or during a run.
+    ClothCrossing,
     /// Cloth in the wind that nothing holds open.
     ClosingCanopy,
     /// Nodes at the same place that no spring joins.
@@ -41,6 +43,8 @@ pub enum WarningCode {
     FailedStart,
     /// A canopy that would be full only long after the end of the run.
     FillingBeyondEnd,
+    /// Nodes on the edge of a triangle that they do not belong to.
+    HangingNode,
     /// Springs that start far from their rest length.
     InitialStrain,
     /// Coordinates so large that the canopy would be hundreds of metres across.

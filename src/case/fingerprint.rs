@@ -84,6 +84,7 @@ impl Fingerprint {
             frames_every,
             fields,
             edges,
+            crossings,
             probes,
             gauges,
             history_every,
@@ -94,6 +95,7 @@ impl Fingerprint {
         made.text("output.frames.every", frames_every)?;
         made.text("output.fields", fields)?;
         made.text("output.edges", edges)?;
+        made.text("output.crossings", crossings)?;
         made.text("output.compression", &format.compression)?;
         made.text("output.precision", &format.precision)?;
         match history_every {

@@ -15,7 +15,7 @@ use crate::warning::{Warning, WarningCode};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-pub use super::schema::Field;
+pub use super::schema::{CrossingSearch, Field};
 
 /// All data of a run.
 #[derive(Clone, Debug)]
@@ -135,6 +135,8 @@ pub struct OutputSpec {
     pub fields: Vec<Field>,
     /// whether edges that are sides of triangles are drawn
     pub edges: bool,
+    /// where cloth is searched for triangles that pass through others
+    pub crossings: CrossingSearch,
     /// probes, in the order of the case
     pub probes: Vec<ProbeSpec>,
     /// gauges of the case, in its order, then those of springs with a strength

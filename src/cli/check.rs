@@ -61,7 +61,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let later = least_later(plan, limit, search);
     let own = problem.time.step.tolerance().map(|tolerance| tolerance.relative);
     let accuracy = args.accuracy.or(own).unwrap_or(ACCURACY);
-    let fields = problem.output.fields.as_slice().into();
+    let fields = (&problem.output).into();
     let spec = ForecastSpec { scene, problem: &problem, fields, candidates: &candidates, accuracy, baseline, budget };
     let forecast = forecast(&spec);
     // Trial runs have passed events.

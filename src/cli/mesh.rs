@@ -7,6 +7,7 @@ use crate::mesh::canopy::Canopy;
 use crate::mesh::chain::ChainParameters;
 use crate::mesh::file::{Axes, Diagonals, repairs};
 use crate::mesh::group::describe_groups;
+use crate::mesh::hanging;
 use crate::mesh::read::Imported;
 use crate::mesh::rectangle::{RectangleParameters, RectanglePattern};
 use crate::mesh::write::write_mesh;
@@ -386,5 +387,6 @@ pub(super) fn doubts(mesh: &Mesh, topology: &Topology, notes: &[String]) -> Vec<
         canopies.values().filter_map(|found| Some(found.as_ref().err()?.to_string())).collect();
     canopy.dedup();
     let sheet = sheet.into_iter().map(|error| error.to_string());
-    notes.iter().cloned().chain(sheet).chain(canopy).chain(repairs(mesh, topology)).collect()
+    let hanging = hanging::describe(&hanging::hanging_nodes(mesh, topology));
+    notes.iter().cloned().chain(sheet).chain(canopy).chain(repairs(mesh, topology)).chain(hanging).collect()
 }

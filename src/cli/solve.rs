@@ -83,7 +83,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
         log::info!("linear solver at the end: {}, {}", linear.solver, linear.reason);
     }
     if !args.quiet {
-        let warnings = doubts_at_end(&problem, &outcome, seen.strained, &summary.peaks);
+        let warnings = doubts_at_end(&problem, &outcome, &summary, seen.strained);
         warnings.iter().for_each(|warning| complain(&format!("warning: {warning}")));
     }
     if let Some(failure) = &outcome.failure {
@@ -167,10 +167,10 @@ impl<'a> PreparedRun<'a> {
         }
         .run(observers, stop)?;
         let summary = Summary::new(problem, scene, &outcome, limit.step, stopwatch.read());
-        let peaks = recorder.peaks();
+        let (peaks, crossings) = (recorder.peaks(), recorder.crossings().cloned());
         let groups = self.groups.clone();
         let (mass_scaling, startup) = (scene.added_mass(), self.account.read());
-        let summary = Summary { resumed_from, case_digest, peaks, groups, startup, mass_scaling, ..summary };
+        let summary = Summary { resumed_from, case_digest, peaks, crossings, groups, startup, mass_scaling, ..summary };
         summary.write(&folder.file(SUMMARY))?;
         // The checkpoint of an interrupt, which the case did not ask for.
         if outcome.status == Status::Completed && every.is_none() {

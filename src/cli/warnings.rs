@@ -34,7 +34,7 @@ pub(super) fn of_scene(planned: Planned<'_>, problem: &Problem, limit: CriticalS
 fn disk_warning(problem: &Problem, scene: &dyn Scene, out: &Path) -> Option<Warning> {
     let every = problem.output.frames_every;
     let frames = 1.0 + every.map_or(1.0, |every| (problem.time.end / every).ceil());
-    let fields = problem.output.fields.as_slice().into();
+    let fields = (&problem.output).into();
     let bytes = frame_bytes(scene, fields, problem.output.format.precision) as f64;
     let free = free_bytes(out)? as f64;
     (frames * bytes > free).then(|| {

@@ -5,10 +5,12 @@
 
 pub(crate) mod adjacency;
 pub mod annulus;
+pub mod box_tree;
 pub mod canopy;
 pub(crate) mod chain;
 mod check;
 pub(crate) mod components;
+pub mod crossing;
 mod delaunay;
 mod distmesh;
 mod error;
@@ -16,6 +18,7 @@ pub(crate) mod explicit;
 pub mod file;
 mod flips;
 pub(crate) mod group;
+pub(crate) mod hanging;
 mod hilbert;
 mod layout;
 mod loops;
@@ -32,6 +35,7 @@ pub(crate) mod topology;
 mod tuples;
 pub mod write;
 
+pub use crossing::{Crossing, CrossingFinder};
 pub use error::MeshError;
 pub use file::MeshFile;
 pub use group::{Group, Groups};

@@ -49,6 +49,9 @@ pub enum GaugeQuantity {
     Displacement,
     /// Position of the selected nodes, m: the mean `position_x`, `position_y`, `position_z`.
     Position,
+    /// Number of edges of cloth that pass through triangles of cloth, `crossings`, where all nodes of the edge or of the
+    /// triangle are selected.
+    Crossings,
 }
 
 /// One of the springs of a scene: its rule and its number within the rule, in the scene's order.

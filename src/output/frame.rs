@@ -1,6 +1,7 @@
 //! The content of a frame, and how edge values become cell values.
 
-use crate::case::spec::Field;
+use crate::case::spec::{CrossingSearch, Field, OutputSpec};
+use crate::mesh::crossing::can_meet;
 use crate::model::observables::{MembranePicture, Observables};
 
 /// Fields of a case besides positions, displacements and velocities, which are always there.
@@ -18,20 +19,23 @@ pub struct Fields {
     pub pressure: bool,
     /// what membranes carry
     pub membrane: bool,
+    /// whether a triangle passes through another
+    pub crossing: bool,
 }
 
 impl Fields {
-    /// The fields in frames of a scene: with groups and air, the pressure as well.
+    /// The fields in frames of a scene: with groups and air, the pressure as well; crossings only where cloth can meet.
     #[must_use]
     pub fn of_scene(self, picture: &dyn Observables) -> Self {
-        Fields { pressure: self.pressure || picture.has_air_pressure() && !picture.groups().is_empty(), ..self }
+        let pressure = self.pressure || picture.has_air_pressure() && !picture.groups().is_empty();
+        Fields { pressure, crossing: self.crossing && can_meet(picture.triangles()), ..self }
     }
 }
 
-impl From<&[Field]> for Fields {
+impl From<&OutputSpec> for Fields {
     /// The fields of a case.
-    fn from(asked: &[Field]) -> Self {
-        let has = |field| asked.contains(&field);
+    fn from(output: &OutputSpec) -> Self {
+        let has = |field| output.fields.contains(&field);
         Fields {
             force: has(Field::Force),
             reaction: has(Field::Reaction),
@@ -39,6 +43,7 @@ impl From<&[Field]> for Fields {
             strain: has(Field::Strain),
             pressure: has(Field::Pressure),
             membrane: has(Field::Membrane),
+            crossing: output.crossings != CrossingSearch::None,
         }
     }
 }
@@ -64,6 +69,8 @@ pub struct Frame {
     pub pressure: Vec<f64>,
     /// of every triangle
     pub membrane: Vec<MembranePicture>,
+    /// of every triangle: 1 if it passes through another, else 0
+    pub crossing: Vec<u8>,
 }
 
 /// Sizes of a frame's arrays.
@@ -85,12 +92,17 @@ impl FrameSize {
         let Fields { force, reaction, .. } = self.fields;
         let vectors = 2 + usize::from(force) + usize::from(reaction);
         let membranes = size_of::<MembranePicture>() * self.membranes();
-        size_of::<f64>() * (3 * vectors * self.nodes + 2 * self.springs() + self.faces()) + membranes
+        size_of::<f64>() * (3 * vectors * self.nodes + 2 * self.springs() + self.faces()) + membranes + self.flags()
     }
 
     /// Length of the array on triangles.
     fn faces(self) -> usize {
         if self.fields.pressure { self.triangles } else { 0 }
+    }
+
+    /// Length of the array of crossings.
+    fn flags(self) -> usize {
+        if self.fields.crossing { self.triangles } else { 0 }
     }
 
     /// Length of the array of membranes.
@@ -120,6 +132,7 @@ impl Frame {
             strain: vec![0.0; springs],
             pressure: vec![0.0; size.faces()],
             membrane: vec![MembranePicture::default(); size.membranes()],
+            crossing: vec![0; size.flags()],
         }
     }
 
@@ -167,10 +180,10 @@ impl CellMap {
     }
 
     /// Cell values of triangle values; an edge shows 0.
-    pub fn of_triangles(&self, triangles: &[f64], out: &mut Vec<f64>) {
+    pub fn of_triangles<T: Copy + Default>(&self, triangles: &[T], out: &mut Vec<T>) {
         out.clear();
         out.extend_from_slice(triangles);
-        out.resize(self.cells, 0.0);
+        out.resize(self.cells, T::default());
     }
 
     /// Finds the edges of every triangle; `cells` is the number of cells a frame shows.

@@ -33,6 +33,7 @@ pub struct FrameFiles {
     tension: Vec<f64>,
     strain: Vec<f64>,
     pressure: Vec<f64>,
+    crossing: Vec<u8>,
     membranes: MembraneArrays,
     /// number of the first frame that may not be on the disk yet
     unsynced: u64,
@@ -74,6 +75,7 @@ impl FrameFiles {
             tension: Vec::new(),
             strain: Vec::new(),
             pressure: Vec::new(),
+            crossing: Vec::new(),
             membranes: MembraneArrays::default(),
             unsynced: 0,
         })
@@ -127,7 +129,7 @@ impl FrameFiles {
         self.prepare(frame);
         let vectors = |name, values| Array { name, values: Values::Vectors(values) };
         let scalars = |name, values| Array { name, values: Values::Scalars(values) };
-        let Fields { force, reaction, tension, strain, pressure, membrane } = self.fields;
+        let Fields { force, reaction, tension, strain, pressure, membrane, crossing } = self.fields;
         let points = [
             (true, vectors("displacement", &self.displacement)),
             (true, vectors("velocity", &frame.velocities)),
@@ -144,6 +146,7 @@ impl FrameFiles {
             (membrane, scalars("strain_2", &self.membranes.scalars[3])),
             (membrane, scalars("wrinkling", &self.membranes.scalars[4])),
             (membrane, vectors("warp", &self.membranes.warp)),
+            (crossing, Array { name: "crossing", values: Values::Flags(&self.crossing) }),
         ];
         let picture = Snapshot {
             time: Some(frame.time),
@@ -200,6 +203,9 @@ impl FrameFiles {
         }
         if self.fields.pressure {
             self.map.of_triangles(&frame.pressure, &mut self.pressure);
+        }
+        if self.fields.crossing {
+            self.map.of_triangles(&frame.crossing, &mut self.crossing);
         }
         if self.fields.membrane {
             self.membranes.fill(&frame.membrane, self.vtu.cells());

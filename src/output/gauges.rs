@@ -2,6 +2,7 @@
 
 use super::schedule::RowSchedule;
 use crate::case::spec::{GaugePlaces, GaugeSpec, RowEvery};
+use crate::mesh::CrossingFinder;
 use crate::model::observables::{CANOPY_QUANTITIES, GaugeQuantity, NodeQuantity, Observables, SpringPlace};
 use crate::model::point::Point;
 use serde::{Deserialize, Serialize};
@@ -85,7 +86,42 @@ pub struct GaugeRow {
 enum Places {
     Nodes(Vec<u32>),
     Springs(Vec<SpringPlace>),
+    Cloth(Box<Cloth>),
     Canopy(usize),
+}
+
+/// Cloth whose crossings are counted.
+#[derive(Debug)]
+struct Cloth {
+    /// `None` where cloth cannot cross
+    finder: Option<CrossingFinder>,
+    /// of every node, whether it is selected
+    selected: Vec<bool>,
+    /// \[m\] and \[m/s\] of every node
+    trace: [Vec<[f64; 3]>; 2],
+}
+
+impl Cloth {
+    fn new(picture: &dyn Observables, nodes: &[u32]) -> Self {
+        let count = picture.reference().len();
+        let mut selected = vec![false; count];
+        nodes.iter().for_each(|node| selected[*node as usize] = true);
+        let finder = CrossingFinder::new(picture.triangles());
+        Cloth { finder, selected, trace: [(); 2].map(|()| vec![[0.0; 3]; count]) }
+    }
+
+    /// Number of crossings with the selected nodes; NaN for positions that are not finite.
+    fn crossings(&mut self, picture: &dyn Observables, at: &Point) -> f64 {
+        let Some(finder) = &mut self.finder else { return 0.0 };
+        let [positions, velocities] = &mut self.trace;
+        picture.trace(at.state.as_ref(), positions, velocities);
+        if !positions.as_flattened().iter().all(|x| x.is_finite()) {
+            return f64::NAN;
+        }
+        let all = |nodes: &[u32]| nodes.iter().all(|node| self.selected[*node as usize]);
+        let triangle = |number: u32| all(&picture.triangles()[number as usize]);
+        finder.find(positions).iter().filter(|one| all(&one.edge) || triangle(one.triangle)).count() as f64
+    }
 }
 
 #[derive(Debug)]
@@ -137,6 +173,7 @@ fn quantities(of: GaugeQuantity) -> &'static [(&'static str, &'static str)] {
         GaugeQuantity::Speed => &[("speed_mean", "m/s"), ("speed_max", "m/s")],
         GaugeQuantity::Displacement => &[("displacement_mean", "m"), ("displacement_max", "m")],
         GaugeQuantity::Position => &[("position_x", "m"), ("position_y", "m"), ("position_z", "m")],
+        GaugeQuantity::Crossings => &[("crossings", "-")],
     }
 }
 
@@ -155,6 +192,9 @@ impl Gauges {
         };
         for GaugeSpec { name, of, on, every, strength } in specs {
             let places = match on {
+                GaugePlaces::Nodes(nodes) if *of == GaugeQuantity::Crossings => {
+                    Places::Cloth(Box::new(Cloth::new(picture, nodes)))
+                }
                 GaugePlaces::Nodes(nodes) => Places::Nodes(nodes.clone()),
                 GaugePlaces::Springs { edges, rule } => Places::Springs(picture.springs_on(edges, *rule)),
             };
@@ -276,15 +316,16 @@ impl Gauges {
     }
 
     fn measure(&mut self, picture: &dyn Observables, at: &Point) {
-        for gauge in &self.gauges {
+        for gauge in &mut self.gauges {
             let to = &mut self.values[gauge.channels.clone()];
-            match &gauge.places {
+            match &mut gauge.places {
                 Places::Canopy(canopy) => to.copy_from_slice(&picture.canopy_values(*canopy, at.state.as_ref())),
                 Places::Springs(springs) => {
                     let tensions = springs.iter().map(|&spring| picture.spring_tension(at.state.as_ref(), spring));
                     let (sum, most) = tensions.fold((0.0, f64::NEG_INFINITY), |(sum, most), t| (sum + t, t.max(most)));
                     to.copy_from_slice(&[sum, most]);
                 }
+                Places::Cloth(cloth) => to[0] = cloth.crossings(picture, at),
                 Places::Nodes(nodes) => nodal(picture, (gauge.of, nodes), at, to),
             }
         }
@@ -333,7 +374,7 @@ fn nodal(picture: &dyn Observables, (of, nodes): (GaugeQuantity, &[u32]), at: &P
         GaugeQuantity::Acceleration => NodeQuantity::Acceleration,
         GaugeQuantity::Velocity | GaugeQuantity::Speed => NodeQuantity::Velocity,
         GaugeQuantity::Displacement => NodeQuantity::Displacement,
-        GaugeQuantity::Position => NodeQuantity::Position,
+        GaugeQuantity::Position | GaugeQuantity::Crossings => NodeQuantity::Position,
     };
     let (mut sum, mut norms, mut most) = ([0.0; 3], 0.0, 0.0_f64);
     for &node in nodes {
@@ -351,6 +392,8 @@ fn nodal(picture: &dyn Observables, (of, nodes): (GaugeQuantity, &[u32]), at: &P
             to.copy_from_slice(&[x, y, z, (x * x + y * y + z * z).sqrt(), most]);
         }
         GaugeQuantity::Acceleration => to.copy_from_slice(&[share * x, share * y, share * z, most]),
-        GaugeQuantity::Velocity | GaugeQuantity::Position => to.copy_from_slice(&[share * x, share * y, share * z]),
+        GaugeQuantity::Velocity | GaugeQuantity::Position | GaugeQuantity::Crossings => {
+            to.copy_from_slice(&[share * x, share * y, share * z])
+        }
     }
 }

@@ -11,6 +11,7 @@
 pub(crate) mod atomic;
 pub mod canopy_doubts;
 pub mod checkpoint;
+pub mod crossings;
 pub(crate) mod csv;
 pub(crate) mod files;
 pub mod folder;

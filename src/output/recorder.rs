@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::checkpoint::Checkpoint;
+use super::crossings::{CrossingReport, CrossingWatch};
 use super::frame::{Fields, Frame};
 use super::gauges::{ChannelPeak, Gauges, Peak};
 use super::hermite::interpolate;
@@ -13,7 +14,7 @@ use super::schedule::{FrameDue, RowSchedule, Schedule, TimeInStep, tolerance};
 use super::writer::{Message, ResultWriter};
 use crate::case::spec::RowEvery;
 use crate::drive::observer::{
-    AcceptedStep, LedgerRow, ObserveError, Observer, Occasion, Point, Resumable, UpcomingStep, Wants,
+    AcceptedStep, LedgerRow, ObserveError, Observer, Occasion, Point, Resumable, States, UpcomingStep, Wants,
 };
 use crate::model::forces::Forces;
 use crate::model::observables::Observables;
@@ -35,6 +36,8 @@ pub struct RecorderState {
     history_every: RowEvery,
     /// largest values of the gauges so far
     peaks: Vec<ChannelPeak>,
+    /// crossings of cloth so far, if they are searched for
+    crossings: Option<CrossingReport>,
 }
 
 /// The observer that writes `NAME.pvd`, its frames, `history.csv`, `probes.csv` and `gauges.csv`.
@@ -50,6 +53,7 @@ pub struct Recorder<'a> {
     history_every: RowEvery,
     rows: RowSchedule,
     gauges: Gauges,
+    crossings: Option<CrossingWatch>,
     schedule: Schedule,
     /// [s] time of the newest frame
     shown: Option<f64>,
@@ -107,7 +111,11 @@ impl<'a> Recorder<'a> {
         writer: ResultWriter,
         mark: RecorderState,
     ) -> Self {
-        let RecorderState { next_frame, shown, waiting, history_every, peaks: _ } = mark;
+        let RecorderState { next_frame, shown, waiting, history_every, peaks: _, crossings: kept } = mark;
+        let mut crossings = CrossingWatch::new(picture, spec.crossings);
+        if let (Some(watch), Some(kept)) = (&mut crossings, &kept) {
+            watch.take_up(kept);
+        }
         Self {
             picture,
             fields: spec.fields.of_scene(picture),
@@ -115,6 +123,7 @@ impl<'a> Recorder<'a> {
             history_every,
             rows: RowSchedule::of(history_every),
             gauges,
+            crossings,
             schedule: Schedule::at(spec.frames_every, next_frame),
             shown,
             waiting,
@@ -137,6 +146,11 @@ impl<'a> Recorder<'a> {
         self.gauges.peaks()
     }
 
+    /// What was found of cloth that passes through cloth, if it was searched for.
+    pub fn crossings(&self) -> Option<&CrossingReport> {
+        self.crossings.as_ref().map(CrossingWatch::report)
+    }
+
     /// Measures gauges at the end of a step, and writes the rows that are due.
     fn measure(&mut self, step: u64, at: &Point, credible: bool) -> Result<(), ObserveError> {
         let Self { gauges, writer, picture, .. } = self;
@@ -155,6 +169,9 @@ impl<'a> Recorder<'a> {
         if !frame.is_finite() {
             self.writer.recycle(frame);
             return Ok(());
+        }
+        if let Some(watch) = &mut self.crossings {
+            watch.frame(at.t, &frame.positions, &mut frame.crossing);
         }
         self.shown = Some(at.t);
         self.writer.send(Message::Frame(frame))
@@ -236,7 +253,9 @@ impl Observer for Recorder<'_> {
         let (mut rows, checkpoint) = (self.rows, Wants::end_if(self.keeps_at(step.t)));
         rows.skip(step.from);
         let measured = Wants::end_if(self.gauges.wants(step.step, [step.from, step.t]));
-        let states = self.schedule.states(step).max(checkpoint.states).max(measured.states);
+        let crossings = Wants::end_if(self.crossings.as_ref().is_some_and(CrossingWatch::every_step));
+        let states = [checkpoint, measured, crossings].map(|wants| wants.states);
+        let states = states.into_iter().fold(self.schedule.states(step), States::max);
         Wants { states, strain: rows.due(step.step, step.t) }
     }
 
@@ -245,6 +264,9 @@ impl Observer for Recorder<'_> {
             self.last_good = None;
         } else if let (None, Some(start)) = (&self.last_good, step.start) {
             self.last_good = Some(LastGood { point: start.clone(), shown: self.shown });
+        }
+        if let Some(watch) = &mut self.crossings {
+            watch.credible = step.credible;
         }
         while let Some(due) = self.schedule.next_in(step.from, step.t) {
             match (due, step.start, step.end) {
@@ -256,6 +278,11 @@ impl Observer for Recorder<'_> {
         }
         if let Some(end) = step.end.filter(|_| !self.gauges.is_empty()) {
             self.measure(step.step, end, step.credible)?;
+        }
+        if let (Some(watch), Some(end)) = (&mut self.crossings, step.end)
+            && watch.every_step()
+        {
+            watch.step(self.picture, end.state.as_ref());
         }
         let row = HistoryRow {
             t: step.t,
@@ -284,8 +311,9 @@ impl Observer for Recorder<'_> {
             return Ok(());
         }
         let Self { shown, waiting, history_every, .. } = *self;
-        let (next_frame, gauges) = (self.schedule.position(), &self.gauges);
-        let mark = || RecorderState { next_frame, shown, waiting, history_every, peaks: gauges.kept() };
+        let (next_frame, gauges, crossings) = (self.schedule.position(), &self.gauges, self.crossings().cloned());
+        let peaks = || gauges.kept();
+        let mark = || RecorderState { next_frame, shown, waiting, history_every, peaks: peaks(), crossings };
         match self.checkpoints.as_mut().and_then(|checkpoints| checkpoints.checkpoint_if_due(run, mark)) {
             Some(checkpoint) => self.writer.checkpoint(checkpoint),
             None => Ok(()),

@@ -7,7 +7,7 @@ use super::frame::Fields;
 use super::gauges::Gauges;
 use super::resume::ResumeError;
 use super::sanitize::file_stem;
-use crate::case::spec::{GaugePlaces, GaugeSpec, ProbeSpec, Problem, RowEvery};
+use crate::case::spec::{CrossingSearch, GaugePlaces, GaugeSpec, ProbeSpec, Problem, RowEvery};
 use crate::drive::observer::ObserveError;
 use crate::model::observables::{GaugeQuantity, Observables};
 use crate::vtk::VtuFormat;
@@ -30,6 +30,8 @@ pub struct RecorderSpec {
     pub fields: Fields,
     /// whether edges that are sides of triangles are drawn
     pub edges: bool,
+    /// where cloth is searched for triangles that pass through others; frames show it only with [`Fields::crossing`]
+    pub crossings: CrossingSearch,
     /// nodes to follow at each frame time
     pub probes: Vec<ProbeSpec>,
     /// what to measure at every step
@@ -49,8 +51,9 @@ impl RecorderSpec {
             out_dir: out_dir.to_owned(),
             frames_every: output.frames_every,
             end: problem.time.end,
-            fields: output.fields.as_slice().into(),
+            fields: output.into(),
             edges: output.edges,
+            crossings: output.crossings,
             probes: output.probes.clone(),
             gauges: output.gauges.clone(),
             history_every: output.history_every,

@@ -27,7 +27,7 @@ pub fn frame_bytes(picture: &dyn Observables, fields: Fields, precision: Precisi
     // Places on the mesh, and Int32 numbers on cells and points.
     let named = if picture.groups().is_empty() { 0 } else { (24 + 4) * points + 4 * cells };
     // With triangles: UInt8 kinds, and the flags of cells that are not drawn, which frames with all drawn do without.
-    let flags = if triangles > 0 { 2 } else { 0 };
+    let flags = if triangles > 0 { 2 } else { 0 } + u64::from(fields.crossing);
     // Corners and offsets, UInt8 types.
     let width = count(Width::of(points as usize, corners as usize).bytes());
     let number = match precision {

@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::atomic::{Durability, replace};
+use super::crossings::CrossingReport;
 use super::csv::write_fault;
 use super::gauges::Peak;
 use crate::analysis::growing::GrowingMotion;
@@ -142,6 +143,9 @@ pub struct Summary {
     /// largest values of the gauges; not given without gauges
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub peaks: Vec<Peak>,
+    /// cloth that passes through cloth; not given where it is not searched for
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crossings: Option<CrossingReport>,
     /// named parts of the mesh, by name; not given without groups
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub groups: BTreeMap<String, GroupTotals>,
@@ -190,6 +194,7 @@ impl Summary {
             final_ledger: outcome.ledger,
             mass_scaling: None,
             peaks: Vec::new(),
+            crossings: None,
             groups: BTreeMap::new(),
             at_rest: problem.time.until_rest.map(|_| outcome.ended_early),
             equilibrium: None,

@@ -9,7 +9,8 @@ use crate::format_number::figures;
 use crate::integrate::implicit::{SolverSpec, refusal};
 use crate::integrate::registry::Family;
 use crate::output::canopy_doubts::canopy_doubts;
-use crate::output::gauges::Peak;
+use crate::output::crossings::CrossingReport;
+use crate::output::summary::Summary;
 use crate::scene::Scene;
 use crate::solve::{LinearChoice, LinearError};
 use crate::warning::{Warning, WarningCode};
@@ -52,12 +53,13 @@ fn unsuitable_solver(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpe
 pub fn doubts_at_end(
     problem: &Problem,
     outcome: &Outcome,
+    summary: &Summary,
     strained: Option<StrainedCloth>,
-    peaks: &[Peak],
 ) -> Vec<Warning> {
     let strained = strained.filter(|_| outcome.failure.is_none()).map(strained_cloth);
-    let found = [energy_made(outcome), energy_dissipated(problem, outcome), strained].into_iter().flatten();
-    problem.sort_out(found.chain(canopy_doubts(peaks))).1
+    let crossings = summary.crossings.as_ref().and_then(CrossingReport::warning);
+    let found = [energy_made(outcome), energy_dissipated(problem, outcome), strained, crossings];
+    problem.sort_out(found.into_iter().flatten().chain(canopy_doubts(&summary.peaks))).1
 }
 
 /// Warning for strains that no cloth bears.

@@ -10,6 +10,7 @@ use crate::drive::observer::Observer;
 use crate::drive::{Failure, Outcome, Status};
 use crate::model::forces::Role;
 use crate::model::stop::Stop;
+use crate::output::crossings::CrossingReport;
 use crate::output::folder::{ResultFolder, SUMMARY};
 use crate::output::modes::write_modes;
 use crate::output::recorder::{Recorder, RecorderSpec};
@@ -130,6 +131,7 @@ pub fn record_static_watched(
         method: "static".to_owned(),
         method_parameters: Default::default(),
         peaks: recorder.peaks(),
+        crossings: recorder.crossings().cloned(),
         groups: problem.group_totals(),
         at_rest: None,
         equilibrium: Some(report(&*scene, &equilibrium, (&outcome, &modes))),
@@ -137,7 +139,9 @@ pub fn record_static_watched(
         ..Summary::new(problem, &*scene, &outcome, f64::INFINITY, stopwatch.read())
     };
     summary.write(&folder.file(SUMMARY))?;
-    let warnings = problem.warnings.iter().filter(|warning| !OF_A_RUN.contains(&warning.code)).cloned().collect();
+    let crossings = problem.sort_out(recorder.crossings().and_then(CrossingReport::warning)).1;
+    let warnings = problem.warnings.iter().filter(|warning| !OF_A_RUN.contains(&warning.code)).cloned();
+    let warnings = warnings.chain(crossings).collect();
     Ok(RecordedStatic { equilibrium, modes, without_modes, summary, warnings })
 }
 

@@ -145,15 +145,15 @@ pub fn record(
     all.extend(observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer));
     let outcome = simulation.run(&mut all, stop)?;
     let summary = Summary::new(problem, &*scene, &outcome, limit.step, stopwatch.read());
-    let (peaks, groups) = (recorder.peaks(), problem.group_totals());
+    let (peaks, crossings, groups) = (recorder.peaks(), recorder.crossings().cloned(), problem.group_totals());
     let (mass_scaling, startup) = (scene.added_mass(), timer.read());
-    let summary = Summary { resumed_from, case_digest, peaks, groups, startup, mass_scaling, ..summary };
+    let summary = Summary { resumed_from, case_digest, peaks, crossings, groups, startup, mass_scaling, ..summary };
     summary.write(&folder.file(SUMMARY))?;
     // The checkpoint of an interrupt, which the case did not ask for.
     if outcome.status == Status::Completed && every.is_none() {
         folder.remove_checkpoint()?;
     }
-    warnings.extend(doubts_at_end(problem, &outcome, strained.most, &summary.peaks));
+    warnings.extend(doubts_at_end(problem, &outcome, &summary, strained.most));
     Ok(Recorded { outcome, summary, warnings })
 }
 

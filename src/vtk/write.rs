@@ -37,6 +37,8 @@ pub enum Values<'a> {
     Scalars(&'a [f64]),
     /// three numbers per point or cell
     Vectors(&'a [[f64; 3]]),
+    /// one small whole number per point or cell
+    Flags(&'a [u8]),
 }
 
 /// A named array.
@@ -280,10 +282,9 @@ impl VtuWriter {
         let (values, found, components) = match array.values {
             Values::Scalars(s) => (s, s.len(), 1),
             Values::Vectors(v) => (v.as_flattened(), v.len(), 3),
+            Values::Flags(flags) => return self.flags(array.name, flags, expected, to),
         };
-        if found != expected {
-            return Err(VtuError::WrongLength { name: array.name.to_owned(), found, expected });
-        }
+        right(array.name, found, expected)?;
         let (offset, begin) = (to.len(), self.body.len());
         let mut as_they_are = None;
         let kind = match precision {
@@ -306,6 +307,15 @@ impl VtuWriter {
         to.push(Segment::Body(begin..self.body.len()));
         as_they_are.into_iter().for_each(|bytes| to.push(Segment::Numbers(bytes)));
         self.head.push_str(&tag(&xml_attribute(array.name), (kind, components), offset));
+        Ok(())
+    }
+
+    fn flags(&mut self, name: &str, flags: &[u8], expected: usize, to: &mut Appended<'_>) -> Result<(), VtuError> {
+        right(name, flags.len(), expected)?;
+        let (offset, begin) = (to.len(), self.body.len());
+        self.appender.append(flags, &mut self.body)?;
+        to.push(Segment::Body(begin..self.body.len()));
+        self.head.push_str(&tag(&xml_attribute(name), ("UInt8", 1), offset));
         Ok(())
     }
 

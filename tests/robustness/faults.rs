@@ -14,6 +14,7 @@ mod kang;
 mod loads;
 mod messages;
 mod program;
+mod sheets;
 #[cfg(unix)]
 mod signals;
 mod solver;

@@ -42,6 +42,7 @@ pub(super) fn output(
         frames_every: section.frames.map(|f| f.every),
         fields: unique(&section.fields),
         edges: section.edges,
+        crossings: section.crossings,
         probes,
         gauges,
         checkpoint_every: section.checkpoint.map(|c| c.every),
@@ -113,7 +114,13 @@ fn gauges(
             faults.add(&at.key("every"), "a whole number of 1 or more");
         }
         let on = match (gauge.of, nodes) {
-            (GaugeQuantity::Tension | GaugeQuantity::Reaction | GaugeQuantity::Acceleration, NodeSet::Bob) => {
+            (
+                GaugeQuantity::Tension
+                | GaugeQuantity::Reaction
+                | GaugeQuantity::Acceleration
+                | GaugeQuantity::Crossings,
+                NodeSet::Bob,
+            ) => {
                 faults.add(
                     &at.key("of"),
                     "\"position\", \"displacement\", \"velocity\", \"speed\" or \"force\" for a pendulum",

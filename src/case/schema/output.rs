@@ -36,6 +36,11 @@ pub struct Output {
     /// Whether the arrays of frames are compressed; `none` if not given.
     #[serde(default, skip_serializing_if = "is_default")]
     pub compression: Compression,
+    /// Where cloth is searched for triangles that pass through others: nothing in a run keeps sheets apart. Frames get the
+    /// cell array `crossing`, 1 on triangles that pass through others, `summary.json` and a warning what was found;
+    /// `frames` if not given. A scene without triangles has nothing to search.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub crossings: CrossingSearch,
     /// Digits of the fields in frames; `f64` if not given. Positions are always `f64`.
     #[serde(default, skip_serializing_if = "is_default")]
     pub precision: Precision,
@@ -43,6 +48,19 @@ pub struct Output {
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
+}
+
+/// Where cloth is searched for triangles that pass through others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CrossingSearch {
+    /// In every frame.
+    #[default]
+    Frames,
+    /// At the end of every step too, which are then made one by one.
+    Steps,
+    /// Nowhere: frames have no array `crossing`.
+    None,
 }
 
 /// An interval of simulated time.

@@ -4,6 +4,7 @@ use std::hint::black_box;
 
 use super::cost::median_seconds;
 use crate::case::spec::{OutputSpec, RowEvery};
+use crate::mesh::CrossingFinder;
 use crate::output::frame::{Fields, Frame, FrameSize};
 use crate::output::rows::HistoryRow;
 use crate::output::space::frame_bytes;
@@ -56,6 +57,7 @@ impl OutputCost {
             // A vector of the membranes costs as much as three scalars.
             let asked = of_cells + if fields.membrane { 8 } else { 0 };
             let cell_data = &[scalars("cells"); 11][..asked];
+            let mut crossings = fields.crossing.then(|| CrossingFinder::new(scene.triangles())).flatten();
             median_seconds(BUDGET, || {
                 file.clear();
                 scene.trace(at, &mut frame.positions, &mut frame.velocities);
@@ -70,6 +72,9 @@ impl OutputCost {
                 }
                 if fields.membrane {
                     scene.triangle_membranes(at, &mut frame.membrane);
+                }
+                if let Some(finder) = &mut crossings {
+                    finder.find(&frame.positions);
                 }
                 let vectors = |name| Array { name, values: Values::Vectors(&frame.velocities) };
                 let point_data = [vectors("displacement"), vectors("velocity"), vectors("force"), vectors("reaction")];

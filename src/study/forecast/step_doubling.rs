@@ -95,7 +95,7 @@ mod tests {
                 method,
             })
             .collect();
-        let fields = problem.output.fields.as_slice().into();
+        let fields = (&problem.output).into();
         for accuracy in [1e-2, 1e-3] {
             let (scene, problem, baseline) = (&*scene, &problem, Baseline::now());
             let budget = &Budget::of(scene, problem);

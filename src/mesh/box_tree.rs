@@ -1,0 +1,254 @@
+//! A tree of axis-aligned boxes around numbered things in space, such as triangles: built once, refitted as they move.
+//!
+//! The tree is complete and binary, so it needs no pointers: the children of node i are 2 i + 1 and 2 i + 2, and all
+//! leaves are equally deep. Building it takes O(n log n), a refit O(n). Pairs come in an order that depends on the boxes
+//! alone.
+
+use std::ops::Range;
+
+/// Largest number of things in a leaf.
+const LEAF: usize = 4;
+
+/// An axis-aligned box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// [m] lowest corner
+    pub low: [f64; 3],
+    /// [m] highest corner
+    pub high: [f64; 3],
+}
+
+impl Bounds {
+    /// Around nothing.
+    pub const EMPTY: Bounds = Bounds { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+
+    /// Around points.
+    pub fn of<'a>(points: impl IntoIterator<Item = &'a [f64; 3]>) -> Self {
+        points.into_iter().fold(Bounds::EMPTY, |all, x| all.joined(Bounds { low: *x, high: *x }))
+    }
+
+    /// Around two boxes.
+    #[must_use]
+    pub fn joined(self, other: Bounds) -> Bounds {
+        let smaller = |a: f64, b: f64| if b < a { b } else { a };
+        let larger = |a: f64, b: f64| if b > a { b } else { a };
+        Bounds {
+            low: std::array::from_fn(|k| smaller(self.low[k], other.low[k])),
+            high: std::array::from_fn(|k| larger(self.high[k], other.high[k])),
+        }
+    }
+
+    /// The box with `margin` [m] on all sides.
+    #[must_use]
+    pub fn grown(self, margin: f64) -> Bounds {
+        Bounds { low: self.low.map(|x| x - margin), high: self.high.map(|x| x + margin) }
+    }
+
+    /// Whether both have more than a face in common. Flat boxes that cross each other do; two in one plane do not.
+    pub fn overlaps(&self, other: &Bounds) -> bool {
+        let along = |k: usize| (self.low[k] < other.high[k]) & (other.low[k] < self.high[k]);
+        along(0) & along(1) & along(2)
+    }
+
+    /// Whether it lies in a plane across an axis.
+    pub fn is_flat(&self) -> bool {
+        !self.overlaps(self)
+    }
+
+    /// Twice the centre.
+    fn middle(&self, axis: usize) -> f64 {
+        self.low[axis] + self.high[axis]
+    }
+
+    fn longest_axis(&self) -> usize {
+        let along = [0, 1, 2].map(|k| self.high[k] - self.low[k]);
+        (1..3).fold(0, |longest, k| if along[k] > along[longest] { k } else { longest })
+    }
+}
+
+/// A tree of boxes; see the [module](self).
+#[derive(Clone, Debug)]
+pub struct BoxTree {
+    /// numbers of the things, leaf after leaf
+    order: Vec<u32>,
+    /// their boxes, in that order
+    items: Vec<Bounds>,
+    /// boxes of the nodes; the last ones are the leaves, a power of two
+    nodes: Vec<Bounds>,
+}
+
+impl BoxTree {
+    /// Around things with these boxes; fewer than 2^32.
+    pub fn new(boxes: &[Bounds]) -> Self {
+        let leaves = boxes.len().div_ceil(LEAF).next_power_of_two();
+        let order = (0..boxes.len() as u32).collect();
+        let nodes = vec![Bounds::EMPTY; 2 * leaves - 1];
+        let mut tree = BoxTree { order, items: Vec::with_capacity(boxes.len()), nodes };
+        tree.split(boxes, 0..leaves);
+        tree.items.extend(tree.order.iter().map(|item| boxes[*item as usize]));
+        tree.join();
+        tree
+    }
+
+    fn leaves(&self) -> usize {
+        self.nodes.len().div_ceil(2)
+    }
+
+    /// Places of the things of some leaves.
+    fn places(&self, leaves: Range<usize>) -> Range<usize> {
+        let place = |leaf: usize| (leaf as u64 * self.order.len() as u64 / self.leaves() as u64) as usize;
+        place(leaves.start)..place(leaves.end)
+    }
+
+    /// Sorts the things of some leaves into them: halves along the longest axis of their middles, again and again.
+    fn split(&mut self, boxes: &[Bounds], leaves: Range<usize>) {
+        if leaves.len() < 2 {
+            return;
+        }
+        let half = leaves.start + leaves.len() / 2;
+        let (places, middle) = (self.places(leaves.clone()), self.places(half..half).start);
+        let part = &mut self.order[places.clone()];
+        let centre = |item: &u32| [0, 1, 2].map(|axis| boxes[*item as usize].middle(axis));
+        let axis = part.iter().map(centre).fold(Bounds::EMPTY, |all, x| all.joined(Bounds { low: x, high: x }));
+        let axis = axis.longest_axis();
+        if (1..part.len()).contains(&(middle - places.start)) {
+            part.select_nth_unstable_by(middle - places.start, |a, b| {
+                let [x, y] = [a, b].map(|item| boxes[*item as usize].middle(axis));
+                x.total_cmp(&y).then(a.cmp(b))
+            });
+        }
+        self.split(boxes, leaves.start..half);
+        self.split(boxes, half..leaves.end);
+    }
+
+    /// Fits the boxes to things that have moved.
+    pub fn refit(&mut self, bounds: impl Fn(u32) -> Bounds) {
+        for (to, item) in self.items.iter_mut().zip(&self.order) {
+            *to = bounds(*item);
+        }
+        self.join();
+    }
+
+    fn join(&mut self) {
+        let leaves = self.leaves();
+        for leaf in 0..leaves {
+            let around = self.items[self.places(leaf..leaf + 1)].iter().copied().reduce(Bounds::joined);
+            self.nodes[leaves - 1 + leaf] = around.unwrap_or(Bounds::EMPTY);
+        }
+        for node in (0..leaves - 1).rev() {
+            self.nodes[node] = self.nodes[2 * node + 1].joined(self.nodes[2 * node + 2]);
+        }
+    }
+
+    /// The box around everything.
+    pub fn bounds(&self) -> Bounds {
+        self.nodes[0]
+    }
+
+    /// Calls `visit` for all pairs of things whose boxes overlap, each once. Ends early when `looks`, the number of pairs
+    /// of boxes that may be compared, is used up; `visit` may take more of it for its own work.
+    pub fn pairs(&self, looks: &mut u64, mut visit: impl FnMut(u32, u32, &mut u64)) {
+        // A pair of nodes leaves at most three more in the stack than it takes, on each level.
+        let mut stack = Vec::with_capacity(4 * 64);
+        stack.push([0, 0]);
+        while let Some([a, b]) = stack.pop() {
+            if *looks == 0 {
+                return;
+            }
+            if a + 1 >= self.leaves() {
+                self.pairs_of_leaves([a, b], looks, &mut visit);
+                continue;
+            }
+            let [[a0, a1], [b0, b1]] = [a, b].map(|node| [2 * node + 1, 2 * node + 2]);
+            let (pairs, count) = if a == b {
+                ([[a1, b1], [a0, b1], [a0, b0], [0, 0]], 3)
+            } else {
+                ([[a1, b1], [a1, b0], [a0, b1], [a0, b0]], 4)
+            };
+            *looks = looks.saturating_sub(count as u64);
+            stack.extend(pairs[..count].iter().filter(|[a, b]| self.nodes[*a].overlaps(&self.nodes[*b])));
+        }
+    }
+
+    fn pairs_of_leaves(&self, [a, b]: [usize; 2], looks: &mut u64, visit: &mut impl FnMut(u32, u32, &mut u64)) {
+        let [of_a, of_b] = [a, b].map(|node| {
+            let leaf = node + 1 - self.leaves();
+            self.places(leaf..leaf + 1)
+        });
+        for i in of_a {
+            let others = if a == b { i + 1..of_b.end } else { of_b.clone() };
+            *looks = looks.saturating_sub(1 + others.len() as u64);
+            if a != b && !self.items[i].overlaps(&self.nodes[b]) {
+                continue;
+            }
+            for j in others {
+                if self.items[i].overlaps(&self.items[j]) {
+                    visit(self.order[i], self.order[j], looks);
+                }
+            }
+        }
+    }
+
+    /// Calls `visit` for all things whose boxes overlap a box.
+    pub fn within(&self, bounds: &Bounds, mut visit: impl FnMut(u32)) {
+        let mut stack = vec![0];
+        while let Some(node) = stack.pop() {
+            if !self.nodes[node].overlaps(bounds) {
+                continue;
+            }
+            if node + 1 < self.leaves() {
+                stack.extend([2 * node + 2, 2 * node + 1]);
+                continue;
+            }
+            let leaf = node + 1 - self.leaves();
+            let places = self.places(leaf..leaf + 1);
+            places.filter(|i| self.items[*i].overlaps(bounds)).for_each(|i| visit(self.order[i]));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::random::SplitMix64;
+
+    fn boxes(n: usize, random: &mut SplitMix64) -> Vec<Bounds> {
+        let mut point = || [0; 3].map(|_| (4.0 * random.signed()).floor());
+        let mut one = || Bounds::of(&[point(), point()]);
+        (0..n).map(|_| one()).collect()
+    }
+
+    /// Pairs, and boxes within another, are those that a comparison of all with all finds, also after a refit.
+    #[test]
+    fn all_overlaps_are_found() {
+        let mut random = SplitMix64::new(5, 0);
+        for n in [0, 1, 2, 3, 4, 5, 8, 9, 17, 100, 257] {
+            let first = boxes(n, &mut random);
+            let mut tree = BoxTree::new(&first);
+            for moved in [first, boxes(n, &mut random)] {
+                tree.refit(|item| moved[item as usize]);
+                let (mut found, mut looks) = (Vec::new(), u64::MAX);
+                tree.pairs(&mut looks, |a, b, _| found.push([a.min(b) as usize, a.max(b) as usize]));
+                found.sort_unstable();
+                let all = (0..n).flat_map(|a| (a + 1..n).map(move |b| [a, b]));
+                let right: Vec<[usize; 2]> = all.filter(|[a, b]| moved[*a].overlaps(&moved[*b])).collect();
+                assert_eq!(found, right, "{n}");
+                let place = Bounds { low: [-1.5; 3], high: [0.5; 3] };
+                let mut inside = Vec::new();
+                tree.within(&place, |item| inside.push(item as usize));
+                inside.sort_unstable();
+                let right: Vec<usize> = (0..n).filter(|i| moved[*i].overlaps(&place)).collect();
+                assert_eq!(inside, right, "{n}");
+            }
+        }
+    }
+
+    /// However many boxes overlap, the work has a bound.
+    #[test]
+    fn work_ends_when_it_is_used_up() {
+        let tree = BoxTree::new(&[Bounds { low: [0.0; 3], high: [1.0; 3] }; 1000]);
+        let (mut looks, mut seen) = (2000, 0);
+        tree.pairs(&mut looks, |_, _, _| seen += 1);
+        assert!(looks == 0 && seen > 500 && seen < 3000, "{looks} left, {seen} pairs");
+    }
+}
