@@ -15,5 +15,6 @@ mod oscillator;
 pub mod rates;
 pub mod spectrum;
 mod step_map;
+pub mod taut;
 mod vectors;
 pub mod warnings;
