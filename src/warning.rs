@@ -73,7 +73,7 @@ pub enum WarningCode {
     RoundedCoordinates,
     /// A pulse of a table, or a gust, shorter than a few steps.
     ShortPulse,
-    /// Springs that are slack at the start, so that the critical step will be smaller when they are taut.
+    /// A step that is stable only as long as springs that are slack at the start stay so.
     SlackSprings,
     /// A step above the critical one, at the start or later.
     StepAboveCritical,

@@ -19,5 +19,6 @@ pub(crate) mod pencil;
 pub mod rates;
 pub mod spectrum;
 mod step_map;
+pub mod taut;
 mod vectors;
 pub mod warnings;

@@ -1,19 +1,18 @@
-//! Warnings about a step, before a run: above the critical step, or above what the scene needs once its slack springs
-//! are taut.
+//! The critical step of a run and warnings about its step, before it begins: above the critical step, or above what the
+//! scene needs once its slack springs are taut.
 
 use super::critical::{Confidence, CostLimits, CriticalStep, has_limit, implicit_for, plainly_stable, remedy};
 use super::limit::critical_step;
 use super::rates::Rates;
 use super::spectrum::Spectrum;
+use super::taut::{AllTaut, WhileSlack};
 use crate::format_number::figures;
 use crate::integrate::registry::MethodChoice;
-use crate::model::state::{State, StateRef};
+use crate::model::state::StateRef;
 use crate::model::stop::Stop;
 use crate::scene::{Scene, place_of};
 use crate::warning::{Warning, WarningCode};
 
-/// [-] strain that rounding of coordinates makes
-const ROUNDING: f64 = 1e-9;
 /// [-] error that rounding makes in an undamped limit, where two eigenvalues meet
 const MEETING: f64 = 1e-6;
 
@@ -32,10 +31,17 @@ pub struct Planned<'a> {
     pub stop: Stop<'a>,
 }
 
-/// The largest stable step of a case's method at the start. Searched only for methods that have a limit, and only if
+/// The largest stable step of a case's method with the nodes as at the start and all springs taut. Searched only for methods that have a limit, and only if
 /// the step is near it; else a bound from the elements.
 pub fn limit_at_start(planned: Planned<'_>) -> CriticalStep {
+    let _all = AllTaut::of(planned.scene);
     limit_at(planned, planned.scene.initial_state().as_ref())
+}
+
+/// The same as long as the springs that are slack at the start stay so, where that is longer than `taut`.
+pub fn while_slack(planned: Planned<'_>, taut: CriticalStep) -> Option<WhileSlack> {
+    let start = planned.scene.initial_state();
+    WhileSlack::find(planned.scene, start.as_ref(), taut, || limit_at(planned, start.as_ref()))
 }
 
 fn limit_at(Planned { scene, method, step, stop, .. }: Planned<'_>, at: StateRef<'_>) -> CriticalStep {
@@ -50,62 +56,6 @@ fn limit_at(Planned { scene, method, step, stop, .. }: Planned<'_>, at: StateRef
         // A stopped search has no valid result.
         if stop.asked() { CriticalStep::none() } else { found }
     })
-}
-
-/// A warning if springs that are slack at the start hide a limit below the step, or if all are slack, so that the limit
-/// at the start says nothing about springs.
-pub fn slack_warning(planned: Planned<'_>, limit: CriticalStep) -> Option<Warning> {
-    let Planned { scene, method, step, stop, .. } = planned;
-    let step = step.filter(|_| has_limit(method) && !stop.asked())?;
-    // Scaled masses are those for taut springs.
-    let fastest = scene.added_mass().map(|added| Rates { frequency: 2.0 / added.step, ..Rates::default() });
-    if fastest.is_some_and(|rates| step <= (1.0 + MEETING) * critical_step(method, rates)) {
-        return None;
-    }
-    let start = scene.initial_state();
-    let slack = slack(scene, start.as_ref())?;
-    // The scene is scaled until the slackest spring is taut: the others then carry some tension, which stiffens them a
-    // little across.
-    let longer = |x: &f64| x * slack.stretch;
-    let taut = State { x: start.x.iter().map(longer).collect(), ..start.clone() };
-    let CriticalStep { step: taut, rates, .. } = limit_at(planned, taut.as_ref());
-    let name = method.info.name;
-    let hidden = taut < limit.step && (step > taut || slack.count == slack.of);
-    hidden.then(|| {
-        let text = format!(
-            "{} springs are slack at the start, so the critical step of {name} there, {} s, holds only until they go taut; with all of them \
-             taut it is about {} s, and the step is {} s{}",
-            if slack.count == slack.of { format!("all {}", slack.of) } else { format!("{} of {}", slack.count, slack.of) },
-            figures(limit.step, 3),
-            figures(taut, 3),
-            figures(step, 4),
-            match step > taut {
-                true => format!(": take a step below {} s, or {}", figures(taut, 2), implicit_for(rates, step)),
-                false => String::new(),
-            }
-        );
-        Warning::new(WarningCode::SlackSprings, text)
-    })
-}
-
-/// Springs that are shorter than at rest and carry no compression.
-struct Slack {
-    count: usize,
-    of: usize,
-    /// [-] stretch at which the slackest is taut
-    stretch: f64,
-}
-
-/// `None` if no spring is slack.
-fn slack(scene: &dyn Scene, at: StateRef<'_>) -> Option<Slack> {
-    let n = scene.edges().len();
-    let (mut tension, mut strain) = (vec![0.0; n], vec![0.0; n]);
-    scene.edge_tension(at, &mut tension, &mut strain);
-    // An edge without a spring has no tension, not even 0.
-    let of = tension.iter().filter(|tension| !tension.is_nan()).count();
-    let strains = tension.iter().zip(&strain).filter(|(tension, strain)| **tension == 0.0 && **strain < -ROUNDING);
-    let (count, least) = strains.fold((0, 0.0_f64), |(n, least), (_, strain)| (n + 1, least.min(*strain)));
-    (count > 0 && least > -1.0).then(|| Slack { count, of, stretch: (1.0 + ROUNDING) / (1.0 + least) })
 }
 
 /// How far a critical step can be trusted, in a word.
@@ -129,8 +79,9 @@ pub fn mass_warning(scene: &dyn Scene) -> Option<Warning> {
     Some(Warning::new(WarningCode::MassScaling, text))
 }
 
-/// A warning for a step that is too large, with both numbers.
-pub fn step_warning(Planned { scene, method, step, .. }: Planned<'_>, limit: CriticalStep) -> Option<Warning> {
+/// A warning for a step that is too large, with both numbers; `limit` is that with all springs taut.
+pub fn step_warning(planned: Planned<'_>, limit: CriticalStep) -> Option<Warning> {
+    let Planned { scene, method, step, stop, .. } = planned;
     let name = method.info.name;
     let step = step?;
     if limit.step == 0.0 {
@@ -141,22 +92,47 @@ pub fn step_warning(Planned { scene, method, step, .. }: Planned<'_>, limit: Cri
         );
         return Some(Warning::new(WarningCode::StepAboveCritical, text));
     }
-    (step > limit.step).then(|| {
-        let Rates { frequency, damping, .. } = limit.rates;
+    if step <= limit.step || stop.asked() {
+        return None;
+    }
+    let slack = while_slack(planned, limit);
+    // Scaled masses are those for taut springs.
+    let fastest = scene.added_mass().map(|added| Rates { frequency: 2.0 / added.step, ..Rates::default() });
+    if slack.is_some() && fastest.is_some_and(|rates| step <= (1.0 + MEETING) * critical_step(method, rates)) {
+        return None;
+    }
+    if let Some(slack) = slack.filter(|slack| step <= slack.limit.step) {
         let text = format!(
-            "the step of {} s is {} the critical step of {name} on this scene, about {} s at the start \
-             ({}; set around {}, where w = {} rad/s, damping rate {} 1/s); expect it to diverge: {}",
-            figures(step, 4),
-            excess(step / limit.step),
+            "{} are slack at the start; with all of them taut the critical step of {name} is about {} s, below the step of {} s, which is \
+             stable only while they are slack (critical step: {}): take a step below {} s, or {}",
+            slack.springs(),
             figures(limit.step, 3),
-            worth(limit),
-            place_of(scene, limit.dof),
-            figures(frequency, 4),
-            figures(damping, 4),
-            remedy(&limit, step)
+            figures(step, 4),
+            slack.step(),
+            figures(limit.step, 2),
+            implicit_for(limit.rates, step),
         );
-        Warning::new(WarningCode::StepAboveCritical, text)
-    })
+        return Some(Warning::new(WarningCode::SlackSprings, text));
+    }
+    let Rates { frequency, damping, .. } = limit.rates;
+    let text = format!(
+        "the step of {} s is {} the critical step of {name} on this scene, about {} s at the start{} \
+         ({}; set around {}, where w = {} rad/s, damping rate {} 1/s); expect it to diverge: {}",
+        figures(step, 4),
+        excess(step / limit.step),
+        figures(limit.step, 3),
+        slack.map_or_else(String::new, |slack| format!(
+            " with all springs taut, {} while {} are slack",
+            slack.step(),
+            slack.springs()
+        )),
+        worth(limit),
+        place_of(scene, limit.dof),
+        figures(frequency, 4),
+        figures(damping, 4),
+        remedy(&limit, step)
+    );
+    Some(Warning::new(WarningCode::StepAboveCritical, text))
 }
 
 /// How far a step is above its limit.

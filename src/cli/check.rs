@@ -10,6 +10,7 @@ use super::{CheckArgs, CliError};
 use crate::analysis::critical::{Confidence, CriticalStep, ElementBounds, outside_filter};
 use crate::analysis::later::{LaterLimit, later_warning, least_later};
 use crate::analysis::spectrum::Spectrum;
+use crate::analysis::taut::{AllTaut, WhileSlack};
 use crate::case::Case;
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::clock::{Step, Tolerance};
@@ -24,7 +25,7 @@ use crate::simulation::{build_scene, check_solver};
 use crate::study::forecast::memory::Baseline;
 use crate::study::forecast::nominal::Budget;
 use crate::study::forecast::{Candidate, ForecastSpec, describe, describe_answer, forecast};
-use crate::warning::{Warning, WarningCode};
+use crate::warning::Warning;
 use serde::Deserialize;
 use std::fmt::Write;
 
@@ -52,6 +53,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     describe_method(&mut tables, &problem);
     let state = scene.initial_state();
     let budget = &Budget::of(scene, &problem);
+    let all_taut = AllTaut::of(scene);
     let mut limits = Limits::of(scene, &state, budget);
     let candidates = candidates(&problem, scene, &mut limits);
     let plan = planned(&problem, scene, Stop::NEVER);
@@ -59,6 +61,10 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let allowed = || budget.affords_search(scene);
     let search = matches!(limits, Limits::Searched(_)).then_some(&allowed as &dyn Fn() -> bool);
     let later = least_later(plan, limit, search);
+    drop(all_taut);
+    let while_slack = WhileSlack::find(scene, state.as_ref(), limit, || {
+        Limits::of(scene, &state, budget).critical_step(&problem.method)
+    });
     let own = problem.time.step.tolerance().map(|tolerance| tolerance.relative);
     let accuracy = args.accuracy.or(own).unwrap_or(ACCURACY);
     let fields = (&problem.output).into();
@@ -68,17 +74,25 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     scene.pass_events(0);
     let mut found = of_scene(plan, &problem, limit, &models.folder);
     found.extend(later_warning(plan, limit, later));
-    let slack = found.iter().any(|warning| warning.code == WarningCode::SlackSprings);
     let (acknowledged, warnings) = problem.sort_out(found);
     let words = |early: &[Warning], late: &[Warning]| early.iter().chain(late).map(Warning::to_string).collect();
     let acknowledged: Vec<String> = words(&problem.acknowledged, &acknowledged);
     let warnings: Vec<String> = words(&problem.warnings, &warnings);
+    let own = candidates.iter().find(|candidate| candidate.method.info.name == problem.method.info.name);
+    let own_run = forecast.methods.iter().find(|row| row.method == problem.method.info.name);
+    // A run that was too expensive to try is not one that fails.
+    let fails = own_run.and_then(|row| row.refused.as_deref()).is_some_and(|why| why.starts_with("fails "));
+    let linear_only = problem.method.info.linear.linear_only;
+    let limit = own.and_then(|own| own.limit);
+    let stable = Stability { step: plan.step, limit, later, while_slack, fails, linear_only }.answer();
     if args.json {
         return Report {
             problem: &problem,
             scene,
             candidates: &candidates,
+            stable: stable.0,
             later,
+            while_slack,
             forecast,
             totals,
             groups,
@@ -88,11 +102,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
         }
         .to_json();
     }
-    let own = candidates.iter().find(|candidate| candidate.method.info.name == problem.method.info.name);
-    let own_run = forecast.methods.iter().find(|row| row.method == problem.method.info.name);
-    // A run that was too expensive to try is not one that fails.
-    let fails = own_run.and_then(|row| row.refused.as_deref()).is_some_and(|why| why.starts_with("fails "));
-    let stable = Stability { step: plan.step, limit: own.and_then(|own| own.limit), later, slack, fails }.describe();
+    let stable = format!("{}: {}", stable.0, stable.1);
     let mut text = heading(&problem, &warnings)
         + &describe_answer(&problem, scene, &forecast, &stable)?
         + &size
@@ -134,44 +144,55 @@ struct Stability {
     /// at the start; `None` where it is not known
     limit: Option<CriticalStep>,
     later: Option<LaterLimit>,
-    /// whether slack springs hide a smaller limit
-    slack: bool,
+    while_slack: Option<WhileSlack>,
     /// whether the trial of the case's own run failed
     fails: bool,
+    /// whether the method is known to be stable on linear scenes only, where it has no limit
+    linear_only: bool,
 }
 
 impl Stability {
-    fn describe(&self) -> String {
+    /// "yes", "no", "on linear scenes" or "not known", and why.
+    fn answer(&self) -> (&'static str, String) {
         let Some(CriticalStep { step: critical, .. }) = self.limit else {
-            return "not known: the method's filter is made for linear springs; other forces of this scene are outside it".to_owned();
+            let why = "the method's filter is made for linear springs; other forces of this scene are outside it";
+            return ("not known", why.to_owned());
         };
         if critical == 0.0 {
-            return "no: the method's energy grows at every step where nothing damps".to_owned();
+            return ("no", "the method's energy grows at every step where nothing damps".to_owned());
         }
         if critical.is_infinite() {
-            return if self.fails {
-                "no: the trial run fails"
-            } else {
-                "yes: no largest stable step was found for this method"
-            }
-            .to_owned();
+            let (answer, why) = match (self.fails, self.linear_only) {
+                (true, _) => ("no", "the trial run fails"),
+                (false, true) => (
+                    "on linear scenes",
+                    "the method has no largest stable step there; where springs go slack or parts turn it may make energy",
+                ),
+                (false, false) => ("yes", "no largest stable step was found for this method"),
+            };
+            return (answer, why.to_owned());
         }
         let later = self.later.map(|LaterLimit { t, limit }| (limit.step, format!("from t = {} s on", figures(t, 4))));
+        let at_start = match &self.while_slack {
+            Some(slack) => format!("with all springs taut ({} while {} are slack)", slack.step(), slack.springs()),
+            None => "at the start".to_owned(),
+        };
         let (least, when) = match later {
             Some((step, when)) if step < critical => (step, when),
-            _ => (critical, "at the start".to_owned()),
+            _ => (critical, at_start),
         };
         let least_text = format!("the critical step, {} s {when}", figures(least, 3));
-        let text = match self.step {
-            None if self.fails => format!("no: the trial run fails; {least_text}"),
-            None => format!("yes: adaptive steps stay below {least_text}"),
-            Some(step) if step > least => format!("no: the step is {} times {least_text}", figures(step / least, 3)),
-            Some(step) => {
-                let answer = if self.fails { "no, the trial run fails, although" } else { "yes:" };
-                format!("{answer} the step is {} % of {least_text}", figures(100.0 * step / least, 2))
+        match self.step {
+            None if self.fails => ("no", format!("the trial run fails; {least_text}")),
+            None => ("yes", format!("adaptive steps stay below {least_text}")),
+            Some(step) if step > least => {
+                ("no", format!("the step is {} times {least_text}", figures(step / least, 3)))
             }
-        };
-        if self.slack { text + ", but slack springs hide a smaller one: see the warning" } else { text }
+            Some(step) => {
+                let used = format!("the step is {} % of {least_text}", figures(100.0 * step / least, 2));
+                if self.fails { ("no", format!("the trial run fails, although {used}")) } else { ("yes", used) }
+            }
+        }
     }
 }
 
@@ -284,7 +305,7 @@ fn describe_limits(
         let _ = writeln!(text, "{mark} {name:<19}{limit}");
     }
     text.push_str(
-        "  (* the method of this case; all at t = 0; certified: proved to be at most the true limit, and below it by no more than the width)\n\n",
+        "  (* the method of this case; all at t = 0 with slack springs taken as taut; certified: proved to be at most the true limit, and below it by no more than the width)\n\n",
     );
 }
 

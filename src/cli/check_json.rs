@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use super::CliError;
 use crate::analysis::critical::Confidence;
 use crate::analysis::later::LaterLimit;
+use crate::analysis::taut::WhileSlack;
 use crate::case::spec::Problem;
 use crate::drive::observer::ObserveError;
 use crate::mesh::canopy::CanopySizes;
@@ -19,8 +20,12 @@ pub(super) struct Report<'a> {
     pub problem: &'a Problem,
     pub scene: &'a dyn Scene,
     pub candidates: &'a [Candidate],
+    /// whether the case's step is stable, in a word
+    pub stable: &'static str,
     /// the critical step after an event, if it is smaller
     pub later: Option<LaterLimit>,
+    /// of the case's method, as long as springs that are slack at the start stay so
+    pub while_slack: Option<WhileSlack>,
     pub forecast: Forecast,
     pub totals: Totals,
     /// of the mesh, by name
@@ -42,8 +47,7 @@ pub(super) struct Totals {
 impl Report<'_> {
     /// JSON text that ends with a line break.
     pub fn to_json(&self) -> Result<String, CliError> {
-        let Report { problem, scene, candidates, later, forecast, totals, groups, models, warnings, acknowledged } =
-            self;
+        let Report { problem, scene, candidates, forecast, totals, groups, models, warnings, acknowledged, .. } = self;
         let tolerance = problem.time.step.tolerance();
         let unknowns = scene.inverse_mass().iter().filter(|m| **m > 0.0).count();
         let mut report = json!({
@@ -60,7 +64,13 @@ impl Report<'_> {
             "groups": groups,
             "symmetric": scene.symmetric(),
             "critical_steps": candidates.iter().map(|c| limit(c, *scene)).collect::<Vec<_>>(),
-            "later_critical_step": later.map(|LaterLimit { t, limit }| json!({
+            "stable": self.stable,
+            "while_slack": self.while_slack.map(|slack| json!({
+                "slack": slack.count,
+                "springs": slack.of,
+                "critical_step": Some(slack.limit.step).filter(|step| step.is_finite()),
+            })),
+            "later_critical_step": self.later.map(|LaterLimit { t, limit }| json!({
                 "from": t, "critical_step": limit.step, "set_by": place_of(*scene, limit.dof)
             })),
             "models": models,
@@ -84,6 +94,7 @@ fn limit(candidate: &Candidate, scene: &dyn Scene) -> Value {
     let known_by = match limit.confidence {
         Confidence::Certified { .. } => "certified",
         Confidence::Estimate => "estimate",
+        Confidence::NoLimit if candidate.method.info.linear.linear_only => "no limit on linear scenes",
         Confidence::NoLimit => "no limit",
     };
     let finite = limit.step.is_finite();

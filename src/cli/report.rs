@@ -4,6 +4,7 @@ use super::progress::LONG_START;
 use super::terminal::coloured;
 use crate::analysis::cloth::StrainedCloth;
 use crate::analysis::critical::CriticalStep;
+use crate::analysis::taut::WhileSlack;
 use crate::analysis::warnings::worth;
 use crate::case::spec::Problem;
 use crate::drive::critical_step_monitor::LeastStep;
@@ -27,6 +28,7 @@ const WRONG: f64 = 0.1;
 /// Data of a run for the report, besides its results.
 pub(super) struct RunNotes<'a> {
     pub limit: CriticalStep,
+    pub while_slack: Option<WhileSlack>,
     pub least: Option<LeastStep>,
     pub farthest: MaxDisplacement<'a>,
     pub strained: Option<StrainedCloth>,
@@ -122,7 +124,11 @@ fn describe_motion(text: &mut String, summary: &Summary, seen: &RunNotes<'_>, st
             .least
             .map_or_else(String::new, |least| format!(", about {:.2e} s at t = {} s", least.step, figures(least.t, 4)));
         let (known, used) = (worth(seen.limit), figures(100.0 * step / critical, 2));
-        let _ = writeln!(text, "  critical step   {critical:.2e} s at the start ({known}; {used} % of it used){later}");
+        let at_start = match &seen.while_slack {
+            Some(slack) => format!("with all springs taut, {} while {} are slack", slack.step(), slack.springs()),
+            None => "at the start".to_owned(),
+        };
+        let _ = writeln!(text, "  critical step   {critical:.2e} s {at_start} ({known}; {used} % of it used){later}");
     }
     let MaxDisplacement { distance, node, .. } = seen.farthest;
     let _ = writeln!(text, "  displacement    {distance:.6} m at the end, the largest, of node {node}");

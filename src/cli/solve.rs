@@ -8,7 +8,8 @@ use super::terminal::interject;
 use super::warnings::{of_scene, planned};
 use super::{CliError, CommandOutput, SolveArgs, complain};
 use crate::analysis::critical::{CriticalStep, has_limit};
-use crate::analysis::warnings::limit_at_start;
+use crate::analysis::taut::WhileSlack;
+use crate::analysis::warnings::{self, limit_at_start};
 use crate::assembly::write_matrix_market;
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
@@ -65,7 +66,9 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     };
     let plan = planned(&problem, &*scene, Stop::on(&stop));
     let limit = timed(Phase::CriticalStep, || limit_at_start(plan));
+    let mut while_slack = None;
     if !args.quiet {
+        while_slack = timed(Phase::CriticalStep, || warnings::while_slack(plan, limit));
         let found = timed(Phase::CriticalStep, || of_scene(plan, &problem, limit, &out));
         let (_, warnings) = problem.sort_out(found);
         warnings.iter().for_each(|warning| complain(&format!("warning: {warning}")));
@@ -74,7 +77,8 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
         let state = scene.initial_state();
         write_matrix_market(&*scene, state.as_ref(), dir, &|dof| scene.name_of(dof))?;
     }
-    let job = PreparedRun { args, problem: &problem, scene: &scene, folder: &folder, limit, account, groups };
+    let job =
+        PreparedRun { args, problem: &problem, scene: &scene, folder: &folder, limit, while_slack, account, groups };
     let flag = stop.clone();
     // Within an implicit step too, which may be long.
     let (outcome, summary, seen) =
@@ -107,6 +111,7 @@ struct PreparedRun<'a> {
     scene: &'a Arc<dyn Scene>,
     folder: &'a ResultFolder,
     limit: CriticalStep,
+    while_slack: Option<WhileSlack>,
     account: StartupTimer,
     groups: BTreeMap<String, GroupTotals>,
 }
@@ -177,8 +182,9 @@ impl<'a> PreparedRun<'a> {
             folder.remove_checkpoint()?;
         }
         let least = monitor.and_then(|monitor| monitor.least());
-        let strained = strained.most;
-        Ok((outcome, summary, RunNotes { limit, least, farthest, strained, last_frame: recorder.shown() }))
+        let (strained, while_slack) = (strained.most, self.while_slack);
+        let last_frame = recorder.shown();
+        Ok((outcome, summary, RunNotes { limit, while_slack, least, farthest, strained, last_frame }))
     }
 }
 

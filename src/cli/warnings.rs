@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use crate::analysis::critical::CriticalStep;
-use crate::analysis::warnings::{Planned, mass_warning, slack_warning, step_warning};
+use crate::analysis::warnings::{Planned, mass_warning, step_warning};
 use crate::case::spec::Problem;
 use crate::format_number::figures;
 use crate::model::stop::Stop;
@@ -21,12 +21,7 @@ pub(super) fn planned<'a>(problem: &'a Problem, scene: &'a dyn Scene, stop: Stop
 /// All warnings that need the built scene; `limit` is the critical step at its start.
 pub(super) fn of_scene(planned: Planned<'_>, problem: &Problem, limit: CriticalStep, out: &Path) -> Vec<Warning> {
     let Planned { scene, .. } = planned;
-    let all = [
-        mass_warning(scene),
-        step_warning(planned, limit),
-        slack_warning(planned, limit),
-        disk_warning(problem, scene, out),
-    ];
+    let all = [mass_warning(scene), step_warning(planned, limit), disk_warning(problem, scene, out)];
     all.into_iter().flatten().collect()
 }
 

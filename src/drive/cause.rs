@@ -5,6 +5,7 @@ use crate::analysis::critical::{Confidence, CostLimits, CriticalStep, has_limit,
 use crate::analysis::limit::{critical_step, growth};
 use crate::analysis::rates::Rates;
 use crate::analysis::spectrum::Spectrum;
+use crate::analysis::taut::AllTaut;
 use crate::format_number::figures;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::forces::Role;
@@ -136,7 +137,9 @@ impl DiagnosisInput<'_> {
         if !has_limit(method) {
             return None;
         }
+        let all_taut = AllTaut::of(self.scene);
         let first = self.limit(method, start, "at the start");
+        drop(all_taut);
         let over = |limit: &Limit| self.h > NEAR * limit.critical.step;
         // The start first: its state is credible, and the warning before the run was about it.
         let found =

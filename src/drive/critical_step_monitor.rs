@@ -5,6 +5,7 @@
 
 use crate::analysis::critical::{CostLimits, CriticalStep, measure_of_limit, plainly_stable, remedy};
 use crate::analysis::spectrum::Spectrum;
+use crate::analysis::taut::AllTaut;
 use crate::analysis::warnings::worth;
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::format_number::figures;
@@ -39,7 +40,7 @@ pub struct Monitored<'a> {
     pub scene: &'a dyn Scene,
     /// the method of the run
     pub method: &'a MethodChoice,
-    /// limit at the start
+    /// limit at the start, with all springs taut
     pub start: CriticalStep,
     /// [s] nominal step
     pub step: f64,
@@ -92,7 +93,10 @@ impl<'a> CriticalStepMonitor<'a> {
         let passes = if method.substeps() > 1.0 { REST_PASSES } else { PASSES };
         let every = u64::from((SHARE * passes * (1 + u32::from(damped))).div_ceil(evaluations));
         let mut buffer = BoundBuffer::default();
+        // As the limit at the start.
+        let all_taut = AllTaut::of(scene);
         let at_start = measure_of_limit(method, scene, scene.initial_state().as_ref(), &mut buffer);
+        drop(all_taut);
         let known = start.step.is_finite() && at_start > 0.0 && at_start.is_finite();
         let ratio = known.then(|| start.step / at_start);
         // The user is warned about the start itself before the run.

@@ -25,6 +25,8 @@ pub struct LinearStep {
     /// [-] short steps of stiff springs in a step: the limit that these set is so many times longer. 1 for a method
     /// that makes one step of everything
     pub substeps: fn(&[f64]) -> f64,
+    /// whether steps without a limit are so on linear scenes only: on others the method may make energy
+    pub linear_only: bool,
 }
 
 /// The matrix m M - c h C - k h^2 K. No eigenvalue of the step passes -1 while it is positive definite.
@@ -47,6 +49,7 @@ impl LinearStep {
         like: None,
         pencil: None,
         substeps: |_| 1.0,
+        linear_only: false,
     };
     /// The same for a partitioned method.
     pub const PARTITIONED: LinearStep = LinearStep { partitioned: |_| true, ..LinearStep::PLAIN };

@@ -247,6 +247,10 @@ impl TangentSink for Diagonal<'_> {
         let (moving, mut times) = (self.moving(nodes), [1.0; 2]);
         if moving == 2.0 {
             times = [2.0; 2];
+            // Between the nodes of a hinge some blocks are c I with c below 0, which lies below 0.
+            if block.m11 < 0.0 && block == Matrix3::from_diagonal_element(block.m11) {
+                return;
+            }
             if let Some(Unequal { share, alike }) = &mut self.unequal {
                 if block == Matrix3::from_diagonal_element(block.m11) {
                     return alike.push(nodes, block.m11);

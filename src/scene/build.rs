@@ -3,6 +3,7 @@
 use super::Load;
 use super::air_pressure::{AirLaw, AirPressure};
 use super::apparent::ApparentMass;
+use super::build_bending::AtRest;
 use super::build_surface::MembraneBatch;
 use super::canopy_shape::CanopyShape;
 use super::check::{BuildError, check, check_bars};
@@ -87,7 +88,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     builder.springs_and_dashpots();
     bars.iter().for_each(|bars| builder.bars(bars));
     builder.membranes(&reference)?;
-    builder.bending(&reference)?;
+    builder.bending(AtRest { x: &reference, fixed: &fixed })?;
     builder.gravity(&mass, &start);
     builder.base(&fixed, &mass);
     builder.air();

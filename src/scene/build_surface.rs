@@ -1,12 +1,11 @@
-//! From a plain specification to the force terms of membranes and bending, in internal numbering.
+//! From a plain specification to the force terms of membranes, in internal numbering.
 
 use super::build::Builder;
 use super::check::BuildError;
-use crate::force::law::bending::{Bending, BendingData, BendingElement};
 use crate::force::law::membrane::{Membrane, MembraneData, RestShape};
 use crate::force::law::rayleigh_membrane::{RayleighMembrane, RayleighMembraneData};
 use crate::force::law::tension_field::Sheet;
-use crate::model::spec::{BendingSpec, MembraneSpec};
+use crate::model::spec::MembraneSpec;
 use nalgebra::Vector3;
 
 /// Membrane triangles of one rule, as the terms hold them, with their way back to the user's triangles.
@@ -63,40 +62,5 @@ impl Builder<'_> {
             let rest = (0..triangles.len()).map(|i| data.at_rest(i, rest, beta)).collect();
             self.terms.push(Box::new(RayleighMembrane::new(RayleighMembraneData { triangles, rest })));
         }
-    }
-
-    pub(super) fn bending(&mut self, rest: &[Vector3<f64>]) -> Result<(), BuildError> {
-        for BendingSpec { hinges, stiffness, chains, flexural_rigidity } in &self.spec.bending {
-            let hinge = |at: [Vector3<f64>; 4]| BendingElement::hinge(at, *stiffness);
-            self.bending_elements(hinges, rest, hinge)?;
-            let chain = |[a, b, c]: [Vector3<f64>; 3]| {
-                let lengths = [(b - a).norm(), (c - b).norm()];
-                lengths.iter().all(|l| *l > 0.0).then(|| BendingElement::chain(lengths, *flexural_rigidity))
-            };
-            self.bending_elements(chains, rest, chain)?;
-        }
-        Ok(())
-    }
-
-    /// Elements that `make` gives from the positions [m] of their nodes at rest.
-    fn bending_elements<const N: usize>(
-        &mut self,
-        nodes: &[[u32; N]],
-        rest: &[Vector3<f64>],
-        make: impl Fn([Vector3<f64>; N]) -> Option<BendingElement<N>>,
-    ) -> Result<(), BuildError> {
-        if nodes.is_empty() {
-            return Ok(());
-        }
-        let mut list = Vec::with_capacity(nodes.len());
-        for given in nodes {
-            let own = given.map(|node| self.node(node));
-            let element = make(own.map(|node| rest[node as usize]));
-            list.push((own, element.ok_or(BuildError::Hinge { ends: [given[0], given[1]] })?));
-        }
-        list.sort_by_key(|(nodes, _)| (nodes.iter().copied().min(), *nodes));
-        let (nodes, elements) = list.into_iter().unzip();
-        self.terms.push(Box::new(Bending::new(BendingData { nodes, elements })));
-        Ok(())
     }
 }

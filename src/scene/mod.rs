@@ -9,6 +9,7 @@ mod bound;
 mod bound_by_triangles;
 mod branches;
 mod build;
+mod build_bending;
 mod build_surface;
 mod canopy_shape;
 mod check;
@@ -116,6 +117,11 @@ pub trait Scene: TangentSystem + Observables {
     fn pass_events(&self, passed: usize) -> bool {
         let _ = passed;
         false
+    }
+
+    /// While `taut`, tangents and bounds take every spring that is slack as just taut.
+    fn take_slack_as_taut(&self, taut: bool) {
+        let _ = taut;
     }
 
     /// [s] Times after 0 from which the tangent is another at the same positions, ascending: of releases, of cuts, and

@@ -53,6 +53,10 @@ impl Scene for Network {
         self.begin_phase(passed)
     }
 
+    fn take_slack_as_taut(&self, taut: bool) {
+        self.springs.iter().for_each(|batch| batch.cut.set_slack_is_taut(taut));
+    }
+
     fn changes(&self) -> Vec<f64> {
         let shortest = self.springs.iter().filter_map(|batch| batch.data.rest_scale.as_ref()?.lowest_at());
         let mut times: Vec<f64> = self.phases.divisions().chain(shortest.filter(|t| *t > 0.0)).collect();

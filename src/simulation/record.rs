@@ -1,7 +1,7 @@
 //! A whole run that writes the files of `canopy-fem solve`.
 
 use super::{RunSettings, SetupError, Simulation, SimulationError, bind, build_scene, check_solver, doubts_at_end};
-use crate::analysis::warnings::{Planned, limit_at_start, mass_warning, slack_warning, step_warning};
+use crate::analysis::warnings::{Planned, limit_at_start, mass_warning, step_warning};
 use crate::case::fingerprint::{Fingerprint, FingerprintError};
 use crate::case::spec::Problem;
 use crate::case::{Case, CaseError};
@@ -114,7 +114,7 @@ pub fn record(
     let step = problem.time.step.fixed().map(|step| step.min(problem.time.end));
     let plan = Planned { scene: &*scene, method: &problem.method, step, end: problem.time.end, stop: Stop::on(stop) };
     let limit = timed(Phase::CriticalStep, || limit_at_start(plan));
-    let found = [mass_warning(&*scene), step_warning(plan, limit), slack_warning(plan, limit)].into_iter().flatten();
+    let found = [mass_warning(&*scene), step_warning(plan, limit)].into_iter().flatten();
     let mut warnings: Vec<Warning> = problem.warnings.iter().cloned().chain(problem.sort_out(found).1).collect();
     let recorded = RecorderSpec::of(problem, folder.dir());
     let recorder = match &checkpoint {

@@ -16,6 +16,7 @@ use super::row::{Job, StepSetting, label, labelled};
 use super::step_grid::StepScales;
 use crate::analysis::critical::CostLimits;
 use crate::analysis::spectrum::Spectrum;
+use crate::analysis::taut::AllTaut;
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
 use crate::case::schema::Method;
@@ -223,6 +224,7 @@ impl Planner<'_> {
         let Solved { model, prepared, reference } = solved;
         let state = prepared.scene.initial_state();
         let effort = CostLimits { stop: Stop::on(self.stop), ..CostLimits::FULL };
+        let _all_taut = AllTaut::of(&*prepared.scene);
         let mut spectrum = Spectrum::with(&*prepared.scene, state.as_ref(), effort);
         let scales = StepScales::of(&spectrum, prepared.every, prepared.end(), reference.account.motion.period());
         let mut settings: Vec<MethodSettings> = Vec::new();

@@ -21,6 +21,7 @@ use super::frames::{Distance, Frames, Motion, Sampler};
 use super::prepared_case::{PreparedCase, reference_tolerance};
 use crate::analysis::critical::CostLimits;
 use crate::analysis::spectrum::Spectrum;
+use crate::analysis::taut::AllTaut;
 use crate::drive::clock::Step;
 use crate::drive::{Outcome, Status};
 use crate::format_number::figures;
@@ -198,6 +199,7 @@ impl ReferenceBuilder<'_> {
         let scene = &*self.prepared.scene;
         let state = scene.initial_state();
         let effort = CostLimits { stop: Stop::on(self.stop), ..CostLimits::FULL };
+        let _all_taut = AllTaut::of(scene);
         let limit = Spectrum::with(scene, state.as_ref(), effort).critical_step(method).step;
         let longest = self.prepared.every.min(if limit > 0.0 { limit } else { f64::INFINITY });
         self.prepared.end() / longest * self.prepared.nominal_step(method)

@@ -7,6 +7,7 @@ use canopy_fem::output::frame::Fields;
 use canopy_fem::output::space::frame_bytes;
 use canopy_fem::simulation::build_scene;
 use canopy_fem::vtk::Precision;
+use serde_json::{Value, json};
 
 use crate::bench::{Bench, Ended, SAIL};
 
@@ -111,11 +112,77 @@ fn springs_that_are_slack_at_the_start_are_told() {
     };
     let [checked, solved] = told("1.2", &[]);
     assert_eq!(checked, solved);
-    assert!(checked.iter().any(|w| w.contains("all 9 springs are slack at the start")), "{checked:?}");
-    let (taut, known) =
-        (number(&checked, "taut it is about "), number(&told("0.9999", &[])[0], "on this scene, about "));
+    assert!(checked.iter().any(|w| w.contains("while all 9 springs are slack")), "{checked:?}");
+    let about = "on this scene, about ";
+    let (taut, known) = (number(&checked, about), number(&told("0.9999", &[])[0], about));
     assert!((taut / known - 1.0).abs() < 0.1, "{taut} s, and {known} s where they start taut");
     assert!(!told("1.2", &["--method", "newmark"])[0].iter().any(|w| w.contains("slack")));
+}
+
+/// A mass between a taut spring of 1000 N/m and a slack one of 1e5 N/m: the critical step is that with both taut, in
+/// `check`, `solve` and `stability`; the present one is told beside it.
+#[test]
+fn the_critical_step_is_that_with_all_springs_taut() {
+    let (k, slack, mass) = (1e3_f64, 1e5_f64, 0.1_f64);
+    let [taut, now] = [k + slack, k].map(|k| 2.0 / (k / mass).sqrt());
+    let case = json!({
+        "name": "taut",
+        "system": {"network": {
+            "mesh": {"explicit": {"nodes": [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "springs": [[0, 1], [1, 2]]}},
+            "mass": {"nodal": mass},
+            "springs": [
+                {"on": {"ids": [0]}, "stiffness": k, "slack": "tension-only"},
+                {"on": {"ids": [1]}, "stiffness": slack, "slack": "tension-only", "rest_scale": 1.5}
+            ],
+            "supports": [{"on": {"ids": [0, 2]}, "fix": "xyz"}, {"on": {"ids": [1]}, "fix": "yz"}],
+            "initial": {"velocity": [[0, 0, 0], [0.01, 0, 0], [0, 0, 0]]}
+        }},
+        "time": {"end": 0.5, "method": "velocity-verlet", "step": 0.005}
+    });
+    let bench = Bench::new();
+    std::fs::write(bench.path("case.json"), case.to_string()).expect("written");
+    let run = |arguments: &[&str]| {
+        let ended = bench.run(&[&arguments[..1], &["case.json"], &arguments[1..]].concat());
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        ended
+    };
+    let json_of = |more: &[&str]| -> Value {
+        serde_json::from_str(&run(&[&["check", "--json"], more].concat()).stdout).expect("JSON")
+    };
+    let near = |found: &Value, expected: f64| found.as_f64().is_some_and(|h| (h / expected - 1.0).abs() < 0.01);
+    let told = json_of(&[]);
+    let all = told["critical_steps"].as_array().expect("a list");
+    let verlet = all.iter().find(|row| row["method"] == "velocity-verlet").expect("a row");
+    assert!(near(&verlet["critical_step"], taut), "{verlet}");
+    let while_slack = &told["while_slack"];
+    assert!(while_slack["slack"] == 1 && while_slack["springs"] == 2, "{while_slack}");
+    assert!(near(&while_slack["critical_step"], now) && told["stable"] == "no", "{told}");
+    let [checked, solved] = [run(&["check"]), run(&["solve", "--out", "out"])];
+    assert!(
+        checked.stdout.contains("  stable          no: the step is 2.51 times the critical step, 0.00199 s with all")
+    );
+    let words = "1 of 2 springs are slack at the start; with all of them taut the critical step of velocity-verlet is about \
+                 0.00199 s";
+    assert_eq!([&checked.stdout, &solved.stderr].map(|text| text.matches(words).count()), [1, 1], "{}", solved.stderr);
+    assert!(
+        solved.stdout.contains("with all springs taut, 0.02 s while 1 of 2 springs are slack"),
+        "{}",
+        solved.stdout
+    );
+    assert!(near(&bench.results().summary()["critical_step"], taut));
+    run(&["stability", "--methods", "velocity-verlet", "--out", "limits"]);
+    let limits = std::fs::read_to_string(bench.path("limits/stability.csv")).expect("a table");
+    let predicted: f64 =
+        limits.lines().nth(1).and_then(|row| row.split(',').nth(1)).expect("a row").parse().expect("[s]");
+    assert!((predicted / taut - 1.0).abs() < 0.01, "{limits}");
+    for (method, stable) in
+        [("newmark", "on linear scenes"), ("esdirk4", "on linear scenes"), ("energy-momentum", "yes")]
+    {
+        let told = json_of(&["--method", method]);
+        assert_eq!((&told["stable"], &told["while_slack"]), (&json!(stable), &Value::Null), "{method}");
+    }
+    let within = json_of(&["--step", "0.001"]);
+    assert!(within["stable"] == "yes" && within["warnings"] == json!([]), "{within}");
 }
 
 /// Events after the end of a run are told and do not happen: the run is that of a case without them.

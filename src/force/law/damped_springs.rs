@@ -14,7 +14,7 @@ use crate::force::kernel::star_batches::{AxialForce, AxialLaw, Measured};
 use crate::force::law::curve::{Bar, CurveKind, Tension};
 use crate::force::law::dashpot::{self, Damping};
 use crate::force::law::mean_bar::MeanBar;
-use crate::force::law::slack::{TensionLaw, tension, with_law};
+use crate::force::law::slack::{Clamp, TensionLaw, tension, with_law};
 use crate::force::law::spring::{Coefficient, Cut, SpringData, SpringsAt, Stretch};
 use crate::force::law::stretch::{InLocalBuffer, SpringLengths, largest};
 use crate::force::{ForceTerm, MeanForce, MeanStep, NodeState, TangentForm, TangentSink, outer};
@@ -91,16 +91,22 @@ impl DampedSprings {
             // The pattern of the matrix stays.
             return springs.nodes.iter().for_each(|&nodes| sink.edge(nodes, Matrix3::zeros()));
         }
+        let (as_taut, clamp) = (self.cut.slack_is_taut(), Clamp::or_none(springs.slack));
         let springs_at = springs.at(at.t, at.x);
         for (i, &nodes) in springs.nodes.iter().enumerate() {
-            let stretch = springs.stretch(springs_at, i);
-            let elastic = (stretch, law.at(springs.bar(springs_at, i), stretch.elongation));
+            let mut stretch = springs.stretch(springs_at, i);
+            let taut = if as_taut { clamp.taut(stretch.elongation) } else { stretch.elongation };
+            let went_taut = taut != stretch.elongation;
+            stretch.elongation = taut;
+            let elastic = (stretch, law.at(springs.bar(springs_at, i), taut));
             let mut block = elastic_block(i, elastic) * w.k;
             if let Some(Dashpots { kind, coefficient }) = &self.dashpots {
                 let c = coefficient.at(i);
                 let axial = || axial_state(springs, elastic, at.v, (i, c));
                 block += match kind {
                     DashpotKind::Relative => Matrix3::from_diagonal_element(w.c * c),
+                    // Whatever its ends do now.
+                    DashpotKind::Axial if went_taut => outer(stretch.n, stretch.n) * (w.c * c),
                     DashpotKind::Axial if form.symmetric => axial().velocity_tangent(w),
                     DashpotKind::Axial => axial().tangent(w),
                 };

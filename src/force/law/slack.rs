@@ -84,6 +84,11 @@ impl Clamp {
         Clamp::of(slack).unwrap_or(Clamp::NONE)
     }
 
+    /// [m] The elongation, or the nearest one at which the spring is taut.
+    pub fn taut(self, e: f64) -> f64 {
+        e.max(self.lower).min(self.upper)
+    }
+
     /// Whether the spring is taut below its threshold, and not above it.
     pub fn pushes(&self) -> bool {
         self.upper.is_finite()

@@ -26,20 +26,30 @@ use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether springs are cut: they then carry no force, and neither do their dashpots. Shared by all that acts along
-/// them.
+/// Whether springs are cut: they then carry no force, and neither do their dashpots; and whether tangents take those
+/// that are slack as just taut. Shared by all that acts along them.
 #[derive(Clone, Debug, Default)]
-pub struct Cut(Arc<AtomicBool>);
+pub struct Cut(Arc<[AtomicBool; 2]>);
 
 impl Cut {
     /// Whether they are cut.
     pub fn get(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        self.0[0].load(Ordering::Relaxed)
     }
 
     /// Cuts them, or makes them whole again for another run.
     pub fn set(&self, cut: bool) {
-        self.0.store(cut, Ordering::Relaxed);
+        self.0[0].store(cut, Ordering::Relaxed);
+    }
+
+    /// Whether tangents are those with slack springs at the elongation at which they go taut, with their dashpots.
+    pub fn slack_is_taut(&self) -> bool {
+        self.0[1].load(Ordering::Relaxed)
+    }
+
+    /// Makes tangents those with all springs taut, or those at the state again.
+    pub fn set_slack_is_taut(&self, taut: bool) {
+        self.0[1].store(taut, Ordering::Relaxed);
     }
 }
 

@@ -28,7 +28,7 @@ pub struct MembraneSpec {
 pub struct BendingSpec {
     /// hinges: the ends of an edge between two triangles, and their third corners
     pub hinges: Vec<[u32; 4]>,
-    /// [N m] bending stiffness B of the cloth at every hinge
+    /// [N m] bending stiffness B of the cloth at every hinge; those of several specifications add up
     pub stiffness: f64,
     /// chains: a node, between the two at the other ends of its edges
     pub chains: Vec<[u32; 3]>,

@@ -6,6 +6,7 @@ use super::sample::{COLD, PATIENCE, Sample, SampleError, StartSample, sample, sa
 use super::states::SampledStates;
 use super::{Candidate, ForecastSpec, tolerance_of};
 use crate::analysis::critical::{has_limit, plainly_stable};
+use crate::analysis::taut::AllTaut;
 use crate::drive::Snapshot;
 use crate::drive::clock::{FixedSteps, Step};
 use crate::integrate::registry::{Family, MethodChoice};
@@ -102,6 +103,7 @@ impl<'a> Trials<'a> {
     /// Whether `solve` looks for a critical step before such a run.
     pub fn searches(&self, candidate: &Candidate, step: Step) -> bool {
         let scene = self.spec.scene;
+        let _all_taut = AllTaut::of(scene);
         let plain = |h| plainly_stable(scene, scene.initial_state().as_ref(), &candidate.method, h).is_some();
         has_limit(&candidate.method) && !step.fixed().is_some_and(plain)
     }

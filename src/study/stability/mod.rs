@@ -28,6 +28,7 @@ pub use row::{AsGiven, KnownBy, Prediction, Row, RunRow, Stability, Status};
 
 use crate::analysis::critical::{CostLimits, CriticalStep};
 use crate::analysis::spectrum::Spectrum;
+use crate::analysis::taut::AllTaut;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::State;
@@ -80,8 +81,11 @@ pub fn study(
     let started = Instant::now();
     let state = spec.scene.initial_state();
     let effort = CostLimits { stop: Stop::on(stop), ..CostLimits::FULL };
+    let all_taut = AllTaut::of(spec.scene);
     let mut spectrum = Spectrum::with(spec.scene, state.as_ref(), effort);
+    let limits: Vec<CriticalStep> = spec.methods.iter().map(|method| spectrum.critical_step(method)).collect();
     let reference = measure::reference(spec, &mut spectrum);
+    drop(all_taut);
     let over = || spec.budget.is_some_and(|budget| started.elapsed() >= budget);
     let common = Common {
         spec,
@@ -92,8 +96,7 @@ pub fn study(
         stop,
     };
     let mut rows = Vec::with_capacity(spec.methods.len());
-    for (index, method) in spec.methods.iter().enumerate() {
-        let critical = spectrum.critical_step(method);
+    for (index, (method, critical)) in spec.methods.iter().zip(limits).enumerate() {
         // What a search that was cut short has found is no prediction.
         let critical = if spectrum.stopped() { CriticalStep::none() } else { critical };
         let mut row = Row::new(method, Prediction::of(spec.scene, method, critical));
