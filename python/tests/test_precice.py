@@ -288,7 +288,7 @@ def test_data_of_other_names(folder):
         ({"interface": {"mesh": "Solid-Mesh"}}, '"mesh" is unknown; known keys: is_received'),
         ({"interface": {"read_data_names": ["Force"]}}, 'written "read_data": '),
         ({"interfaces": []}, "at least one mesh"),
-        ({"case": "flap.json"}, 'written "canopy_fem": {"case"'),
+        ({"overrides": {}}, 'written "canopy_fem": {"overrides"'),
         ({"canopy_fem": {"cas": "flap.json"}}, '"cas" is unknown; "case" is missing'),
     ],
 )

@@ -72,7 +72,7 @@ def test_types_name_what_the_engine_has():
     """All methods, and all keys of a parachute and of the other generators."""
     assert list(get_args(typed.Method)) == [method["name"] for method in cf.methods()]
     definitions = cf.schema()["$defs"]
-    parachute = next(entry for entry in definitions.values() if "nominal_diameter" in entry.get("properties", {}))
+    parachute = next(entry for entry in definitions.values() if "gores" in entry.get("properties", {}))
     assert set(parachute["properties"]) <= set(typed.Parachute.__annotations__)
     disc = next(entry for entry in definitions.values() if "boundary_nodes" in entry.get("properties", {}))
     assert set(typed.Graded.__annotations__) <= set(disc["properties"])
