@@ -16,6 +16,7 @@ mod messages;
 mod program;
 #[cfg(unix)]
 mod signals;
+mod slack;
 mod solver;
 mod warnings;
 
