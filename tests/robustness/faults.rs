@@ -19,6 +19,7 @@ mod signals;
 mod slack;
 mod solver;
 mod warnings;
+mod words;
 
 use program::program;
 
