@@ -87,6 +87,8 @@ pub enum WarningCode {
     SupersonicSpeed,
     /// Heights above those of the standard atmosphere.
     ThinAir,
+    /// A modulus, a thickness or an axial rigidity that no cloth and no line has.
+    UnlikelyMaterial,
     /// Edges that no spring rule selects.
     UnselectedEdges,
     /// A spring rule without any edge.

@@ -227,6 +227,15 @@ pub(crate) struct FaultReport {
     pub more: usize,
 }
 
+impl FaultReport {
+    /// The faults that another report has too.
+    pub fn in_both(mut self, other: &FaultReport) -> FaultReport {
+        self.faults.retain(|fault| other.faults.contains(fault));
+        self.more = self.more.min(other.more);
+        self
+    }
+}
+
 impl FaultList {
     /// Adds a fault; `new` is called only if the fault will be shown.
     pub fn note(&mut self, fault: impl FnOnce() -> Fault) {

@@ -17,6 +17,7 @@ use serde_json::{Map, Number, Value};
 
 use super::diagnostics::{Fault, FaultList, FaultTarget, excerpt};
 use super::error::CaseError;
+use super::hints::of_broken;
 use super::pointer::Pointer;
 use super::span::Location;
 use crate::input_file::open_stream;
@@ -119,7 +120,8 @@ fn broken(text: &str, error: &serde_json::Error) -> Fault {
     let reason = message.split(" at line ").next().unwrap_or(&message).to_owned();
     let allowed = HINTS.iter().find(|(part, _)| reason.contains(part)).map_or("JSON", |(_, hint)| hint);
     let line = text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum::<usize>();
-    no_json(text, line + error.column().saturating_sub(1), &reason, allowed)
+    let offset = line + error.column().saturating_sub(1);
+    Fault { hint: of_broken(text, offset), ..no_json(text, offset, &reason, allowed) }
 }
 
 /// Parts of `serde_json`'s messages and what is allowed instead.
@@ -129,6 +131,7 @@ const HINTS: &[(&str, &str)] = &[
     ("recursion limit", "fewer levels: a case is nested less than 128 levels deep"),
     ("trailing characters", "one JSON object; nothing may follow it"),
     ("expected value", "a number, \"text\", [list], {object}, true, false or null; NaN and Infinity are not JSON"),
+    ("expected ident", "a number, \"text\", [list], {object}, true, false or null"),
     ("key must be a string", "keys in double quotes, and none missing after a comma"),
     ("expected `,` or", "a comma between two entries"),
     ("control character", "a text without control characters; write a line break as \\n"),

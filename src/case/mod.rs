@@ -12,6 +12,7 @@ mod cloth_model;
 pub mod diagnostics;
 mod error;
 pub mod fingerprint;
+mod hints;
 mod jsonc;
 mod lower;
 mod overrides;

@@ -2,11 +2,14 @@
 
 use serde_json::{Map, Value};
 
+use super::diagnostics::did_you_mean;
 use super::error::CaseError;
+use super::hints::{listed, paths_in, places_of, renamed, typed_number};
+use super::schema::json_schema;
 
 /// Puts one value into a case. `key` is a dotted path, list entries are numbers (`system.network.springs.0.stiffness`);
-/// missing objects on the path are made. `value` is read as JSON, or as plain text if it is not JSON; `null` removes
-/// the key.
+/// missing objects on the path are made. `value` is read as JSON, or as plain text if it is not JSON, but for numbers
+/// such as `.001`; `null` removes the key.
 pub(crate) fn apply(case: &mut Value, key: &str, value: &str) -> Result<(), CaseError> {
     let fail = |reason: String| CaseError::Override { key: key.to_owned(), value: value.to_owned(), reason };
     if key.contains(['/', '[', ']']) {
@@ -21,14 +24,45 @@ pub(crate) fn apply(case: &mut Value, key: &str, value: &str) -> Result<(), Case
     if steps.iter().any(|step| step.is_empty()) {
         return Err(fail("the path must be keys joined by dots, such as time.step".to_owned()));
     }
+    if let Some(first) = steps.first().filter(|first| case.is_object() && case.get(**first).is_none()) {
+        known_section(case, first, &steps).map_err(fail)?;
+    }
     let (last, parents) = steps.split_last().ok_or_else(|| fail("the path is empty".to_owned()))?;
     let mut place = case;
     for (depth, step) in parents.iter().enumerate() {
         place = descend(place, step, &steps[..depth]).map_err(fail)?;
     }
     // As strict as the file: duplicate keys inside the value are refused too.
-    let new = super::jsonc::parse(value).unwrap_or_else(|_| Value::String(value.to_owned()));
+    let new = super::jsonc::parse(value)
+        .or_else(|_| typed_number(value.trim()).map(Value::from).ok_or(()))
+        .unwrap_or_else(|()| Value::String(value.to_owned()));
     assign(place, last, new, parents).map_err(fail)
+}
+
+/// Refuses a path that begins with no section of a case, with the paths that end as it does.
+fn known_section(case: &Value, first: &str, steps: &[&str]) -> Result<(), String> {
+    let schema = json_schema();
+    let sections = schema.get("properties").and_then(Value::as_object).into_iter().flat_map(Map::keys);
+    let sections: Vec<&str> = sections.map(String::as_str).collect();
+    if sections.contains(&first) {
+        return Ok(());
+    }
+    let none = format!("a case has no \"{first}\"");
+    let mut paths = paths_in(case, steps);
+    if let (true, &[name]) = (paths.is_empty(), steps) {
+        let name = renamed(name).unwrap_or(name);
+        paths = paths_in(case, &[name]);
+        if paths.is_empty() {
+            paths = places_of(&schema, name);
+        }
+    }
+    Err(match (paths.is_empty(), did_you_mean(first, sections.iter().copied())) {
+        (false, _) => listed(&format!("{none} at its top; paths that end so"), &paths),
+        (true, Some(hint)) => format!("{none}: {hint}"),
+        (true, None) => {
+            listed(&format!("{none}; paths begin with"), &sections.iter().map(|s| (*s).to_owned()).collect::<Vec<_>>())
+        }
+    })
 }
 
 fn descend<'a>(place: &'a mut Value, step: &str, above: &[&str]) -> Result<&'a mut Value, String> {
@@ -95,6 +129,9 @@ mod tests {
     #[test]
     fn replaces_what_the_path_names() {
         assert_eq!(set("time.step", "1e-3").expect("ok")["time"]["step"], json!(1e-3));
+        for (text, number) in [(".001", 1e-3), ("+2.5", 2.5), ("-.5", -0.5), ("5.", 5.0)] {
+            assert_eq!(set("time.step", text).expect("ok")["time"]["step"], json!(number), "{text}");
+        }
         assert_eq!(set("time.method", "hht").expect("ok")["time"]["method"], json!("hht"));
         assert_eq!(set("list.1.k", "[1]").expect("ok")["list"][1]["k"], json!([1]));
         assert_eq!(set("output.frames.every", "2").expect("ok")["output"], json!({"frames": {"every": 2}}));
@@ -112,6 +149,11 @@ mod tests {
             ("", "keys joined by dots"),
             ("/time/step", "did you mean time.step?"),
             ("list[1].k", "did you mean list.1.k?"),
+            ("k", "paths that end so: list.0.k, list.1.k"),
+            ("step", "paths that end so: time.step"),
+            ("until_rest", "paths that end so: time.until_rest"),
+            ("tim.step", "did you mean \"time\"?"),
+            ("colour", "paths begin with: "),
         ] {
             let message = set(key, "1").expect_err("refused");
             assert!(message.contains(words), "{key}: {message}");

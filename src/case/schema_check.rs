@@ -2,7 +2,8 @@
 //! and key, while serde stops at the first.
 //!
 //! A wrong value is replaced by a stand-in, so that the rest can be read and its ranges checked as well. Ranges are not
-//! checked here. The check supports the part of JSON Schema that schemars uses for this case: `$ref`, `oneOf` of words,
+//! checked here. Faults that follow from a stand-in are not the user's: a case is read with two kinds of stand-ins, and
+//! only the faults of both readings count. The check supports the part of JSON Schema that schemars uses for this case: `$ref`, `oneOf` of words,
 //! of objects with one key and of different types, objects that refuse other keys, maps with values of one kind,
 //! arrays, and nullable types.
 
@@ -10,18 +11,39 @@ use serde_json::{Map, Value, json};
 
 use super::diagnostics::FaultList;
 use super::diagnostics::{Fault, FaultTarget, did_you_mean, excerpt, nearest, one_of, shorten};
+use super::hints;
 use super::pointer::Pointer;
 use super::schema::json_schema;
 
+/// Which values stand for those that cannot be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum StandIns {
+    /// large numbers, the first of several names
+    First,
+    /// larger numbers, the last of several names
+    Second,
+}
+
+impl StandIns {
+    /// [-] Stand-in for a number. It is large, so that no other number seems too large beside it.
+    fn number(self) -> u32 {
+        match self {
+            StandIns::First => 1_000_000_000,
+            StandIns::Second => 3_000_000_000,
+        }
+    }
+}
+
 /// Finds every wrong type and key of a case and replaces them by stand-ins.
-pub(crate) fn walk(json: &mut Value, findings: &mut FaultList) {
+pub(crate) fn walk(json: &mut Value, findings: &mut FaultList, stand_ins: StandIns) {
     let root = json_schema();
-    SchemaCheck { root: &root, findings }.visit(&root, json, &Pointer::root());
+    SchemaCheck { root: &root, findings, stand_ins }.visit(&root, json, &Pointer::root());
 }
 
 struct SchemaCheck<'a> {
     root: &'a Value,
     findings: &'a mut FaultList,
+    stand_ins: StandIns,
 }
 
 impl<'a> SchemaCheck<'a> {
@@ -39,6 +61,8 @@ impl<'a> SchemaCheck<'a> {
                 let Some(items) = schema.get("items") else { return };
                 list.iter_mut().enumerate().for_each(|(i, item)| self.visit(items, item, &at.index(i)));
             }
+            // The reader of the text has put any number where it could not read one.
+            ("number", Value::Number(_)) if self.findings.unread(at) => *value = json!(self.stand_ins.number()),
             ("number", Value::Number(_)) | ("string", Value::String(_)) | ("boolean", Value::Bool(_)) => {}
             ("integer", Value::Number(n)) if n.as_u64().is_some_and(|n| n <= largest(schema)) => {}
             _ => self.refuse(schema, value, at, describe(self.root, schema)),
@@ -48,13 +72,28 @@ impl<'a> SchemaCheck<'a> {
     /// Adds a fault for the whole value, and replaces it by a stand-in.
     fn refuse(&mut self, schema: &Value, value: &mut Value, at: &Pointer, allowed: String) {
         let (pointer, shown) = (at.as_str().to_owned(), excerpt(value));
-        let wrong = wrong_type(kind(schema), value);
-        self.findings.note(|| Fault { pointer, value: shown, wrong, allowed, ..Fault::default() });
+        let (wrong, hint) = (wrong_type(kind(schema), value), self.hint(schema, value));
+        self.findings.note(|| Fault { pointer, value: shown, wrong, allowed, hint, ..Fault::default() });
         self.replace(schema, value, at);
     }
 
+    /// How to write what a value of another type probably means.
+    fn hint(&self, schema: &Value, value: &Value) -> Option<String> {
+        match (kind(schema), value) {
+            ("number" | "integer", Value::String(text)) => hints::of_text(text, hints::unit(schema)),
+            ("object" | "", Value::Number(_)) => {
+                hints::example(self.root, schema, value).map(|example| format!("for example {example}"))
+            }
+            ("array", Value::Object(_)) => {
+                let objects = schema.get("items").is_some_and(|items| kind(meant(self.root, items)) == "object");
+                objects.then(|| "put the object into a list: [{...}]".to_owned())
+            }
+            _ => None,
+        }
+    }
+
     fn replace(&mut self, schema: &Value, value: &mut Value, at: &Pointer) {
-        *value = stand_in(self.root, schema);
+        *value = stand_in(self.root, schema, self.stand_ins);
         self.findings.leave_unread(at);
     }
 
@@ -71,43 +110,52 @@ impl<'a> SchemaCheck<'a> {
         if let Some(values) = schema.get("additionalProperties").filter(|values| values.is_object()) {
             return map.iter_mut().for_each(|(key, value)| self.visit(values, value, &at.key(key)));
         }
+        let required = || {
+            let list = schema.get("required").and_then(Value::as_array).into_iter().flatten();
+            list.filter_map(Value::as_str)
+        };
         let unknown: Vec<String> = map.keys().filter(|key| !names.contains(&key.as_str())).cloned().collect();
         for key in unknown {
             let Some(value) = map.remove(&key) else { continue };
-            let (below, hint) = (at.key(&key), did_you_mean(&key, names.iter().copied()));
-            let (pointer, allowed) = (below.as_str().to_owned(), one_of("known keys here", &names));
-            let wrong = Some(format!("there is no key \"{}\" here", shorten(&key)));
-            let (part, value_shown) = (FaultTarget::Key, excerpt(&value));
-            self.findings.note(|| Fault {
-                pointer,
-                part,
-                value: value_shown,
-                wrong,
-                allowed,
-                hint,
-                ..Fault::default()
-            });
-            match nearest(&key, names.iter().copied()).filter(|near| !map.contains_key(*near)) {
-                Some(near) => {
+            let missing = |name: &str| required().any(|key| key == name) && !map.contains_key(name);
+            let meant = hints::keys_like(&key, &names, missing);
+            self.unknown_key(&key, (&value, &names, &meant), at);
+            match meant[..] {
+                [near] if !map.contains_key(near) => {
                     self.findings.rename(&at.key(near), &at.key(&key));
                     map.insert(near.to_owned(), value);
                 }
-                None => self.findings.leave_unread(&at.key(&key)),
+                _ => self.findings.leave_unread(&at.key(&key)),
             }
         }
-        let required = schema.get("required").and_then(Value::as_array).into_iter().flatten();
-        for key in required.filter_map(Value::as_str).filter(|key| !map.contains_key(*key)).collect::<Vec<_>>() {
+        for key in required().filter(|key| !map.contains_key(*key)).collect::<Vec<_>>() {
             let (below, allowed) = (at.key(key), format!("the key \"{key}\" is required here"));
             let pointer = below.as_str().to_owned();
             self.findings.note(|| Fault { pointer, value: "(missing)".to_owned(), allowed, ..Fault::default() });
             self.findings.leave_unread(&below);
-            map.insert(key.to_owned(), known.and_then(|k| k.get(key)).map_or(Value::Null, |s| stand_in(self.root, s)));
+            map.insert(
+                key.to_owned(),
+                known.and_then(|k| k.get(key)).map_or(Value::Null, |s| stand_in(self.root, s, self.stand_ins)),
+            );
         }
         for (key, value) in map {
             if let Some(schema) = known.and_then(|known| known.get(key)) {
                 self.visit(schema, value, &at.key(key));
             }
         }
+    }
+
+    /// Adds the fault of a key that is not known here, with those that it may stand for.
+    fn unknown_key(&mut self, key: &str, (value, names, meant): (&Value, &[&str], &[&str]), at: &Pointer) {
+        let elsewhere = || {
+            let places = hints::places_of(self.root, key);
+            (!places.is_empty()).then(|| hints::listed("this key is known elsewhere", &places))
+        };
+        let hint = hints::did_you_mean_keys(meant).or_else(elsewhere);
+        let (pointer, allowed) = (at.key(key).as_str().to_owned(), one_of("known keys here", names));
+        let wrong = Some(format!("there is no key \"{}\" here", shorten(key)));
+        let (part, value) = (FaultTarget::Key, excerpt(value));
+        self.findings.note(|| Fault { pointer, part, value, wrong, allowed, hint, ..Fault::default() });
     }
 
     fn choose(&mut self, choice: &OneOf<'a>, schema: &'a Value, value: &mut Value, at: &Pointer) {
@@ -119,7 +167,10 @@ impl<'a> SchemaCheck<'a> {
             }
             Value::String(word) if !choice.words.is_empty() => {
                 let names = choice.names();
-                let hint = did_you_mean(word, names.iter().copied());
+                let group = choice
+                    .tag("group")
+                    .map(|_| format!("for a group of the mesh: {{\"group\": \"{}\"}}", shorten(word)));
+                let hint = did_you_mean(word, names.iter().copied()).or(group);
                 self.note(at, FaultTarget::Value, value, one_of("known names here", &names), hint);
                 self.replace(schema, value, at);
             }
@@ -264,11 +315,8 @@ impl<'a> OneOf<'a> {
     }
 }
 
-/// [-] Stand-in for a number. It is large, so that no other number seems too large beside it.
-const NUMBER: u32 = 1_000_000_000;
-
 /// The schema itself, with references and the choice between a value and null resolved.
-fn meant<'a>(root: &'a Value, schema: &'a Value) -> &'a Value {
+pub(super) fn meant<'a>(root: &'a Value, schema: &'a Value) -> &'a Value {
     let referred = schema.get("$ref").and_then(Value::as_str).and_then(|name| name.strip_prefix('#'));
     if let Some(target) = referred.and_then(|pointer| root.pointer(pointer)) {
         return meant(root, target);
@@ -279,7 +327,7 @@ fn meant<'a>(root: &'a Value, schema: &'a Value) -> &'a Value {
 }
 
 /// The type of a value, except null; empty if the schema names none.
-fn kind(schema: &Value) -> &str {
+pub(super) fn kind(schema: &Value) -> &str {
     match schema.get("type") {
         Some(Value::String(name)) => name,
         Some(Value::Array(names)) => names.iter().filter_map(Value::as_str).find(|n| *n != "null").unwrap_or("null"),
@@ -306,6 +354,9 @@ fn largest(schema: &Value) -> u64 {
     if schema.get("format").is_some_and(|format| format == "uint32") { u64::from(u32::MAX) } else { u64::MAX }
 }
 
+/// Keys of an object that are named where something else stands in its place.
+const FEW: usize = 8;
+
 /// What is allowed, in the words of a case file.
 fn describe(root: &Value, schema: &Value) -> String {
     let schema = meant(root, schema);
@@ -313,7 +364,12 @@ fn describe(root: &Value, schema: &Value) -> String {
         return choice.describe(root);
     }
     match (kind(schema), length(schema)) {
-        ("object", _) => "an object {...}".to_owned(),
+        ("object", _) => match schema.get("properties").and_then(Value::as_object) {
+            Some(keys) if keys.len() <= FEW => {
+                format!("an object {{...}}; {}", one_of("known keys", &keys.keys().collect::<Vec<_>>()))
+            }
+            _ => "an object {...}".to_owned(),
+        },
         ("array", Some(3)) if schema.pointer("/items/type").is_some_and(|t| t == "number") => {
             "a vector [x, y, z] of exactly 3 numbers".to_owned()
         }
@@ -360,24 +416,30 @@ fn wrong_type(expected: &str, value: &Value) -> Option<String> {
 }
 
 /// A value of the right type, so that the rest of the case can be read; its range need not be right.
-fn stand_in(root: &Value, schema: &Value) -> Value {
+fn stand_in(root: &Value, schema: &Value, kind_of: StandIns) -> Value {
     let schema = meant(root, schema);
-    if let Some(first) = schema.get("oneOf").and_then(Value::as_array).and_then(|list| list.first()) {
-        return first.get("const").cloned().unwrap_or_else(|| stand_in(root, first));
+    let branches = schema.get("oneOf").and_then(Value::as_array);
+    let chosen = branches.and_then(|list| match kind_of {
+        StandIns::First => list.first(),
+        StandIns::Second => list.last(),
+    });
+    if let Some(branch) = chosen {
+        return branch.get("const").cloned().unwrap_or_else(|| stand_in(root, branch, kind_of));
     }
     match kind(schema) {
         "object" => {
             let required = schema.get("required").and_then(Value::as_array).into_iter().flatten();
-            let member = |key: &str| Some((key.to_owned(), stand_in(root, schema.get("properties")?.get(key)?)));
+            let member =
+                |key: &str| Some((key.to_owned(), stand_in(root, schema.get("properties")?.get(key)?, kind_of)));
             Value::Object(required.filter_map(Value::as_str).filter_map(member).collect::<Map<_, _>>())
         }
         "array" => {
-            let item = schema.get("items").map_or(Value::Null, |items| stand_in(root, items));
+            let item = schema.get("items").map_or(Value::Null, |items| stand_in(root, items, kind_of));
             Value::Array(vec![item; length(schema).unwrap_or(0)])
         }
-        "number" | "integer" => json!(NUMBER),
+        "number" | "integer" => json!(kind_of.number()),
         "string" => json!("x"),
-        "boolean" => json!(false),
+        "boolean" => json!(kind_of == StandIns::Second),
         _ => Value::Null,
     }
 }

@@ -12,7 +12,7 @@ use super::lower::geometry::Geometry;
 use super::lower::{LoweredCase, build};
 use super::pointer::Pointer;
 use super::schema::CaseFile;
-use super::schema_check::walk;
+use super::schema_check::{StandIns, walk};
 use super::span::{CaseText, Location};
 use super::{Case, CaseError, overrides};
 
@@ -52,7 +52,7 @@ impl Source {
     }
 
     /// Checks and builds a case; `known` is a geometry that may be the same.
-    pub(crate) fn resolve(self, mut json: Value, known: Option<Arc<Geometry>>) -> Result<Case, CaseError> {
+    pub(crate) fn resolve(self, json: Value, known: Option<Arc<Geometry>>) -> Result<Case, CaseError> {
         let first = match typed(&json) {
             Ok(file) => {
                 return match self.build(&json, &file, FaultList::default(), known) {
@@ -65,12 +65,7 @@ impl Source {
             }
             Err(first) => first,
         };
-        let mut found = FaultList::default();
-        walk(&mut json, &mut found);
-        if found.count() == 0 {
-            found.note(|| *first);
-        }
-        let faults = self.rest(&json, found, known);
+        let faults = self.all_faults(&json, (FaultList::default(), Some(first)), known);
         Err(self.refused(faults))
     }
 
@@ -102,9 +97,29 @@ impl Source {
             Ok(json) => json,
             Err(error) => return error,
         };
-        walk(&mut json, &mut found);
-        let faults = self.rest(&json, found, None);
+        let faults = self.all_faults(&json, (found, None), None);
         self.refused(faults)
+    }
+
+    /// All faults of a case that cannot be read: those found before or else the first that its types have, and those
+    /// of the rest. Those of the rest must not depend on what stands for the values that cannot be read.
+    fn all_faults(
+        &self,
+        json: &Value,
+        (before, first): (FaultList, Option<Box<Fault>>),
+        known: Option<Arc<Geometry>>,
+    ) -> FaultReport {
+        let [found, other] = [StandIns::First, StandIns::Second].map(|stand_ins| {
+            let (mut json, mut found) = (json.clone(), before.clone());
+            walk(&mut json, &mut found, stand_ins);
+            if found.count() == 0
+                && let Some(first) = first.clone()
+            {
+                found.note(|| *first);
+            }
+            self.rest(&json, found, known.clone())
+        });
+        found.in_both(&other)
     }
 
     fn overridden(&self, mut json: Value) -> Result<Value, CaseError> {

@@ -9,6 +9,7 @@ use super::stability::StabilityArgs;
 use super::static_::StaticArgs;
 use super::sweep::SweepArgs;
 use super::tradeoff::TradeoffArgs;
+use clap::error::{ContextKind, ContextValue};
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -132,6 +133,71 @@ impl Command {
     }
 }
 
+/// Commands of other programs, and those of this one that do the same.
+const OTHER_COMMANDS: &[(&str, &str)] = &[
+    ("run", "solve"),
+    ("simulate", "solve"),
+    ("sim", "solve"),
+    ("validate", "check"),
+    ("verify", "check"),
+    ("lint", "check"),
+    ("statics", "static"),
+    ("equilibrium", "static"),
+    ("modes", "static"),
+    ("compare", "tradeoff"),
+    ("new", "init"),
+    ("convert", "mesh"),
+];
+
+/// Options of other programs, and those of this one that do the same.
+const OTHER_OPTIONS: &[(&str, &str)] = &[
+    ("--dt", "--step"),
+    ("--timestep", "--step"),
+    ("--time-step", "--step"),
+    ("--tol", "--tolerance"),
+    ("--rtol", "--tolerance"),
+    ("--t-end", "--end"),
+    ("--tend", "--end"),
+    ("--end-time", "--end"),
+    ("--duration", "--end"),
+    ("--output", "--out"),
+    ("--outdir", "--out"),
+    ("--output-dir", "--out"),
+    ("-o", "--out"),
+    ("--overwrite", "--force"),
+    ("-f", "--force"),
+    ("--jobs", "--threads"),
+    ("-j", "--threads"),
+    ("--integrator", "--method"),
+    ("--scheme", "--method"),
+    ("--param", "--set"),
+];
+
+/// The same error with what was probably meant, where that is a word of another program or a case without a command.
+pub(super) fn with_advice(mut error: clap::Error) -> clap::Error {
+    let text = |error: &clap::Error, kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => Some(text.clone()),
+        _ => None,
+    };
+    let like = |names: &[(&str, &str)], given: &str| {
+        names.iter().find(|(other, _)| *other == given).map(|(_, name)| (*name).to_owned())
+    };
+    if let Some(given) = text(&error, ContextKind::InvalidSubcommand) {
+        let lowered = given.to_lowercase();
+        if let Some(name) = like(OTHER_COMMANDS, &lowered) {
+            error.insert(ContextKind::SuggestedSubcommand, ContextValue::Strings(vec![name]));
+        } else if lowered.ends_with(".json") {
+            error.insert(ContextKind::SuggestedSubcommand, ContextValue::Strings(vec![format!("solve {given}")]));
+        }
+    } else if let Some(given) = text(&error, ContextKind::InvalidArg) {
+        let name = given.split('=').next().unwrap_or_default();
+        if let Some(name) = like(OTHER_OPTIONS, &name.to_lowercase().replace('_', "-")) {
+            error.insert(ContextKind::SuggestedArg, ContextValue::String(name));
+        }
+    }
+    error
+}
+
 /// A case with changes to it.
 #[derive(Clone, Debug, clap::Args)]
 pub struct CaseArgs {
@@ -222,8 +288,11 @@ impl CaseArgs {
 /// Both tolerances from the relative one; a value that is not a number is left to the check of the case.
 fn both(relative: &str) -> String {
     match relative.trim().parse::<f64>() {
-        Ok(number) => format!("{{\"relative\": {relative}, \"absolute\": {:e}}}", number / 100.0),
-        Err(_) => format!("{{\"relative\": {}}}", serde_json::Value::String(relative.to_owned())),
+        // A number such as `.001` is no JSON.
+        Ok(number) if number.is_finite() => {
+            format!("{{\"relative\": {number:e}, \"absolute\": {:e}}}", number / 100.0)
+        }
+        _ => format!("{{\"relative\": {}}}", serde_json::Value::String(relative.to_owned())),
     }
 }
 

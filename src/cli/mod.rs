@@ -40,7 +40,7 @@ use terminal::complain;
 pub fn main() -> ExitCode {
     interrupt::outlive_full_files();
     interrupt::catch_interrupts();
-    let args = Args::parse();
+    let args = Args::try_parse().unwrap_or_else(|error| args::with_advice(error).exit());
     verbose::start(args.verbose);
     match dispatch(&args.command) {
         Ok(CommandOutput { text, code }) => {

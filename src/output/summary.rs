@@ -54,6 +54,9 @@ fn reason(linear: &LinearStats, choice: LinearChoice) -> String {
             "by counted work: {cg_iterations} iterations a solve, {:.0} % of what Cholesky would cost",
             100.0 * cg_work / cholesky_work
         ),
+        (Some(Prediction { far_apart: true, .. }), _) => {
+            "parts of the scene are too stiff beside the rest for conjugate gradients".to_owned()
+        }
         // No iteration was allowed: to start a solve and make one already costs more.
         (Some(Prediction { cg_iterations: 0, cg_converged: false, .. }), _) => {
             "by counted work: it costs less than conjugate gradients that make one iteration".to_owned()
@@ -237,12 +240,17 @@ mod tests {
     /// Conjugate gradients that may make no iteration have not shown how many they need.
     #[test]
     fn what_was_not_tried_is_not_told() {
-        for (cg_iterations, expected) in [(0, "one iteration"), (7, "more than 7 iterations a solve")] {
+        for (cg_iterations, far_apart, expected) in [
+            (0, false, "one iteration"),
+            (7, false, "more than 7 iterations a solve"),
+            (7, true, "too stiff beside the rest"),
+        ] {
             let prediction = Some(Prediction {
                 cholesky_work: 1.0,
                 cg_work: 2.0,
                 cg_iterations,
                 cg_converged: false,
+                far_apart,
                 factor_nonzeros: 9.0,
                 factor_operations: 9.0,
             });

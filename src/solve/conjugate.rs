@@ -144,6 +144,18 @@ impl ConjugateGradients {
         }
     }
 
+    /// As [`LinearSolver::solve`] in at most `most` iterations.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::solve`].
+    pub(super) fn solve_within(&mut self, most: u32, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
+        let own = self.most;
+        self.most = own.min(most);
+        let found = self.solve(values, b);
+        self.most = own;
+        found
+    }
+
     /// Leaves the count of indefinite matrices as it is: with a nearly singular M rounding looks like an indefinite W.
     fn iterate_on_trial(&mut self, relative: f64, most: u32) -> Result<(), LinearError> {
         let (own, indefinite) = (std::mem::replace(&mut self.most, most), self.indefinite);

@@ -2,8 +2,10 @@
 //!
 //! The cost of Cholesky is counted on the elimination tree of the nodes, without a symbolic factorisation. The cost of
 //! CG is the number of iterations that solves with earlier matrices have taken. For the first matrix a trial solves
-//! W x = b for a fixed pseudo-random b; it stops as soon as Cholesky would be cheaper. The choice depends on W and on
-//! counts of earlier solves (`quasi_newton`), not on the machine.
+//! W x = b for a fixed pseudo-random b; it stops as soon as Cholesky would be cheaper. A trial sees how fast most of a
+//! residual falls; a hem or a chain that is far stiffer than the rest keeps the last of it. So CG is not tried on such a
+//! W, and no solve may cost more than to factorise W and to solve with the factor. The choice depends on W and on counts
+//! of earlier solves (`quasi_newton`), not on the machine.
 
 use super::linear::{Accuracy, ExpectedUse, Inertia, LinearError, LinearSolver, LinearStats, SolverWork};
 use super::ordering::{Elimination, fill_reducing};
@@ -22,6 +24,13 @@ const DEFLATED_TRIAL: f64 = 2.6;
 /// [-] Without deflation the first matrix gets CG even if the trial predicts this many times the affordable iterations.
 /// CG costs little to set up and real solves soon show if it is dearer; the cost of an unneeded factor is lost.
 const DOUBT: f64 = 1.3;
+
+/// [-] Diagonal entry of W over the median from which a node is far stiffer than the rest, and how many such nodes make
+/// a chain that takes CG about as many iterations. A payload is one node, or four.
+const FAR_STIFFER: f64 = 1e3;
+const CHAIN: usize = 32;
+/// [-] A solve that was given up counts as this many times its iterations: how many it would have taken is not known.
+const GIVEN_UP: f64 = 10.0;
 
 /// Costs of solvers in units of work: a multiplication and addition at the speed of memory, about 0.14 ns. The values
 /// were fitted to times of nets of 703 to 90,000 nodes on one thread.
@@ -130,6 +139,8 @@ pub struct Prediction {
     pub cg_iterations: u32,
     /// whether CG is cheaper; otherwise a trial was stopped once Cholesky was
     pub cg_converged: bool,
+    /// whether parts of W are far stiffer than others, so that CG was not tried
+    pub far_apart: bool,
     /// entries of L
     pub factor_nonzeros: f64,
     /// multiplications and additions of a factorisation
@@ -147,6 +158,10 @@ pub struct AutoSolver {
     iterates: bool,
     /// whether Cholesky has factorised the last matrix
     factored: bool,
+    /// whether CG has given up a solve with it
+    given_up: bool,
+    /// the largest diagonal entry of every node, to find the median
+    diagonal: Vec<f64>,
     prediction: Option<Prediction>,
     /// what solves may leave of their right-hand sides
     accuracy: Accuracy,
@@ -169,6 +184,8 @@ impl AutoSolver {
             cg,
             iterates: false,
             factored: false,
+            given_up: false,
+            diagonal: Vec::new(),
             prediction: None,
             accuracy: Accuracy::of_reused(),
             expected: ExpectedUse::default(),
@@ -194,6 +211,31 @@ impl AutoSolver {
         [cholesky_work, allowed / one]
     }
 
+    /// Iterations of CG that are as much work as to factorise W and to solve with the factor.
+    fn worth_a_factor(&self, elimination: &Elimination) -> u32 {
+        let Cost { iteration, setup } = COSTS.cholesky(&self.pattern, elimination);
+        let [none, one] = [0.0, 1.0].map(|iterations| COSTS.cg(&self.pattern, iterations).iteration);
+        ((setup + iteration) / ((one - none) * self.cg.cg_cost())).clamp(1.0, f64::from(u32::MAX)) as u32
+    }
+
+    /// Whether some chain of nodes is far stiffer than the rest.
+    fn stiffnesses_far_apart(&mut self, values: &[f64]) -> bool {
+        let Pattern { col_ptr, node_start, .. } = &*self.pattern;
+        // Of a column of the lower triangle the diagonal is the first entry.
+        let largest = |unknowns: &[u32]| {
+            let columns = unknowns[0] as usize..unknowns[1] as usize;
+            col_ptr[columns].iter().map(|&first| values[first as usize]).fold(0.0, f64::max)
+        };
+        self.diagonal.clear();
+        self.diagonal.extend(node_start.windows(2).map(largest).filter(|entry| *entry > 0.0));
+        let middle = self.diagonal.len() / 2;
+        if self.diagonal.len() <= 2 * CHAIN {
+            return false;
+        }
+        let (_, &mut median, above) = self.diagonal.select_nth_unstable_by(middle, f64::total_cmp);
+        above.iter().filter(|entry| **entry > FAR_STIFFER * median).count() >= CHAIN
+    }
+
     /// Compares Cholesky with CG, which is set up unless it is known to be dearer: by the iterations of earlier solves
     /// or, without any, by a trial that runs as long as CG may be cheaper.
     ///
@@ -202,7 +244,8 @@ impl AutoSolver {
     fn compare(&mut self, values: &[f64]) -> Result<Option<Prediction>, LinearError> {
         let found = self.elimination.as_ref().map(|e| (self.allowed(e), e.nonzeros, e.operations));
         let seen = Some(self.expected.cg_iterations).filter(|seen| *seen > 0.0);
-        let dearer = seen.zip(found).is_some_and(|(seen, ([_, allowed], ..))| seen > allowed);
+        let far_apart = found.is_some() && self.stiffnesses_far_apart(values);
+        let dearer = far_apart || seen.zip(found).is_some_and(|(seen, ([_, allowed], ..))| seen > allowed);
         if !dearer && self.cg.factor(values)? == Inertia::Indefinite {
             return Err(LinearError::Indefinite { iterations: 0 });
         }
@@ -210,6 +253,7 @@ impl AutoSolver {
         let cost = self.cg.cg_cost();
         let (iterations, cg_converged) = match seen {
             Some(seen) => (seen, !dearer),
+            None if far_apart => (allowed, false),
             None => {
                 let deflated = self.cg.deflated();
                 let (twice, doubt) = if deflated { (DEFLATED_TRIAL * cost, 1.0) } else { (2.0 * EASIER, DOUBT) };
@@ -227,7 +271,15 @@ impl AutoSolver {
         let cg_work = COSTS.cg(&self.pattern, iterations).with_reuse(self.expected.reuse);
         let shown = iterations.min(if cg_converged { f64::INFINITY } else { allowed.max(0.0) });
         let cg_iterations = (shown / cost).round() as u32;
-        Ok(Some(Prediction { cholesky_work, cg_work, cg_iterations, cg_converged, factor_nonzeros, factor_operations }))
+        Ok(Some(Prediction {
+            cholesky_work,
+            cg_work,
+            cg_iterations,
+            cg_converged,
+            far_apart,
+            factor_nonzeros,
+            factor_operations,
+        }))
     }
 }
 
@@ -244,7 +296,7 @@ impl LinearSolver for AutoSolver {
 
     fn choose(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         let before = (self.iterates, self.prediction.is_some());
-        (self.iterates, self.factored) = (false, false);
+        (self.iterates, self.factored, self.given_up) = (false, false, false);
         match self.compare(values) {
             Err(LinearError::Indefinite { .. }) => return Ok(Inertia::Indefinite),
             found => self.prediction = found?,
@@ -272,11 +324,14 @@ impl LinearSolver for AutoSolver {
 
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
         if self.iterates {
-            self.cg.set_accuracy(self.accuracy);
-            match self.cg.solve(values, b) {
-                // This right-hand side is harder than that of the trial.
-                Err(LinearError::Stalled { .. }) => {}
-                solved => return solved,
+            if !self.given_up {
+                let most = self.elimination.as_ref().map_or(u32::MAX, |e| self.worth_a_factor(e));
+                self.cg.set_accuracy(self.accuracy);
+                match self.cg.solve_within(most, values, b) {
+                    // This right-hand side is harder than that of the trial.
+                    Err(LinearError::Stalled { .. }) => self.given_up = true,
+                    solved => return solved,
+                }
             }
             if !self.factored && self.direct()?.prepare(values)? == Inertia::Indefinite {
                 return Err(LinearError::Indefinite { iterations: 0 });
@@ -303,7 +358,7 @@ impl LinearSolver for AutoSolver {
     }
 
     fn cg_cost(&self) -> f64 {
-        self.cg.cg_cost()
+        self.cg.cg_cost() * if self.given_up { GIVEN_UP } else { 1.0 }
     }
 
     fn work(&self) -> SolverWork {

@@ -13,7 +13,9 @@ use canopy_fem::model::state::StateRef;
 use canopy_fem::model::system::{System, Weights};
 use canopy_fem::model::workers::ALONE;
 use canopy_fem::scene::{Network, build_network};
-use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, LinearSolver, reusing_solver_for, solver_for};
+use canopy_fem::solve::{
+    Accuracy, ExpectedUse, Inertia, LinearChoice, LinearError, LinearSolver, reusing_solver_for, solver_for,
+};
 use std::sync::Arc;
 
 /// A square sheet of plain springs; every fifth node is held in one or two directions.
@@ -379,6 +381,75 @@ fn auto_takes_what_costs_less() {
         assert_eq!(stats.factor_nonzeros.is_some(), expected == "cholesky");
         assert_eq!(found.counters.factorizations > 0, expected == "cholesky", "{:?}", found.counters);
     }
+}
+
+/// W of a sheet at rest whose hem is `stiffer` times as stiff as its cloth.
+fn hemmed(side: u32, stiffer: f64) -> (Arc<Pattern>, Vec<f64>) {
+    let mut spec = square(side, 1.0);
+    let mut springs = spring_group(&spec, Slack::None);
+    let nodes = &spec.mesh.nodes;
+    let ends = [0, 1].map(|axis| {
+        let along = nodes.iter().map(|x| x[axis]);
+        [along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max)]
+    });
+    let on_hem = |&[a, b]: &[u32; 2]| {
+        let [a, b] = [nodes[a as usize], nodes[b as usize]];
+        (0..2).any(|axis| a[axis] == b[axis] && ends[axis].contains(&a[axis]))
+    };
+    for (k, &edge) in springs.stiffness.iter_mut().zip(&springs.edges) {
+        *k = if on_hem(&spec.mesh.edges[edge as usize]) { stiffer } else { 1.0 };
+    }
+    spec.springs = vec![springs];
+    let scene = build_network(spec, Threads::one()).expect("the fixture is sound");
+    let (mut assembler, state) = (scene.assembler().expect("small"), scene.initial_state());
+    scene.assemble(state.as_ref(), Weights { m: 1.0, c: 0.0, k: 1.0 }, &mut assembler);
+    (assembler.pattern.clone(), assembler.values().to_vec())
+}
+
+/// The trial does not see how long a chain of stiff nodes takes, so `auto` does not begin with conjugate gradients; a
+/// payload, or a hem as stiff as its cloth, is no such chain.
+#[test]
+fn a_stiff_hem_gets_cholesky_at_once() {
+    for (stiffer, far_apart) in [(1.0, false), (100.0, false), (1e4, true)] {
+        let (pattern, values) = hemmed(40, stiffer);
+        let mut solver = reusing_solver_for(pattern.clone(), LinearChoice::Auto, &ALONE).expect("symmetric");
+        solver.prepare(&values).expect("definite");
+        let prediction = solver.stats().prediction.expect("there was a choice");
+        assert_eq!(prediction.far_apart, far_apart, "{stiffer}: {prediction:?}");
+        assert_eq!(solver.work().iterations == 0, far_apart, "{stiffer}: {:?}", solver.work());
+        assert!(!far_apart || solver.stats().name == "cholesky", "{:?}", solver.stats());
+    }
+}
+
+/// A solve by conjugate gradients that costs more than a factor is given up for one: most of its iterations are not
+/// made, they count for the next choice, and the next solve does not begin with them again.
+#[test]
+fn no_solve_costs_more_than_a_factor() {
+    let (pattern, values) = at_rest(40, 1e-3, (7, 1e3));
+    let b = random_vector(pattern.n(), 7);
+    let mut alone = cg(&pattern);
+    alone.factor(&values).expect("definite");
+    let mut solver = reusing_solver_for(pattern.clone(), LinearChoice::Auto, &ALONE).expect("symmetric");
+    // As if earlier solves had taken one iteration.
+    solver.set_expected_use(ExpectedUse { reuse: 6.0, cg_iterations: 1.0 });
+    solver.prepare(&values).expect("definite");
+    assert_eq!((solver.stats().name, solver.work().factorizations), ("cg", 0));
+    let [whole, given_up] = [&mut alone, &mut solver].map(|solver| {
+        let before = solver.work().iterations;
+        solver.set_accuracy(Accuracy::to(1e-6));
+        solver.solve(&values, &mut b.clone()).expect("definite");
+        solver.work().iterations - before
+    });
+    assert!(given_up > 0 && 3 * given_up < whole, "{given_up} of {whole} iterations");
+    assert_eq!(solver.work().factorizations, 1);
+    assert!(solver.cg_cost() > alone.cg_cost());
+    let after = solver.work();
+    let mut x = b.clone();
+    solver.solve(&values, &mut x).expect("definite");
+    assert_eq!(solver.work(), after);
+    let mut left = vec![0.0; x.len()];
+    pattern.multiply(&values, &x, &mut left);
+    assert!(difference(&left, &b) < 1e-3, "{}", difference(&left, &b));
 }
 
 /// Work repeats exactly, on any machine and with any number of threads; so do the bits.

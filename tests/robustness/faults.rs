@@ -17,8 +17,10 @@ mod program;
 mod sheets;
 #[cfg(unix)]
 mod signals;
+mod slack;
 mod solver;
 mod warnings;
+mod words;
 
 use program::program;
 

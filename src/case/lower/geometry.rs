@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
+use crate::format_number::figures;
 use crate::mesh::read::Imported;
 use crate::mesh::source::MeshSource;
 use crate::mesh::{Mesh, MeshError, Topology};
@@ -96,7 +97,9 @@ pub(super) fn geometry(
     if matches!(source, MeshSource::Explicit(_)) && !faults.readable(&listed) {
         return None;
     }
-    source.check(&mut |below, value, allowed, hint| faults.add_value(&at.below(below), value, allowed, Some(hint)));
+    source.check(&mut |below, value, allowed, hint| {
+        faults.add_value(&at.below(below), value, allowed, Some(with_unit(source, hint)));
+    });
     if faults.count() > before || !faults.readable(at) {
         return None;
     }
@@ -104,6 +107,10 @@ pub(super) fn geometry(
     match made.and_then(|imported| timed(Phase::Topology, || Geometry::new(source, imported))) {
         Ok(geometry) => {
             tell_notes(at, &geometry, faults);
+            // A reefing line that is too long does nothing, and makes no mesh large.
+            if let Some(long) = in_millimetres(source).filter(|(key, _)| *key == REEFING) {
+                faults.warn(WarningCode::LargeExtent, format!("{}: {}", at.key("parachute"), question(long)));
+            }
             Some(Arc::new(geometry))
         }
         Err(error) => {
@@ -132,13 +139,41 @@ fn refuse(at: &Pointer, source: &MeshSource, error: MeshError, faults: &mut Faul
     };
     match error {
         MeshError::Parameter { pointer, value, allowed, hint } => {
-            faults.add_value(&at.below(&pointer), value, allowed, Some(hint));
+            faults.add_value(&at.below(&pointer), value, allowed, Some(with_unit(source, hint)));
         }
         error @ MeshError::File { .. } => {
             faults.add_hint(&at.key(key), "a mesh file that can be read", error.to_string());
         }
         error => faults.add_hint(&at.key(key), "a mesh that can be made and used", error.to_string()),
     }
+}
+
+/// [m] Length of a part of a parachute above which millimetres are likely.
+const LONG: f64 = 300.0;
+
+/// The first length of a parachute that is probably in millimetres.
+fn in_millimetres(source: &MeshSource) -> Option<(&'static str, f64)> {
+    let MeshSource::Parachute(p) = source else { return None };
+    let d0 = p.nominal_diameter;
+    let lengths = [
+        ("nominal_diameter", Some(d0), LONG),
+        ("vent_diameter", p.vent_diameter, d0),
+        (REEFING, p.reefing.map(|r| r.diameter), 2.0 * d0),
+        ("lines.length", p.lines.map(|l| l.length), LONG),
+        ("riser.length", p.riser.map(|r| r.length), LONG),
+    ];
+    lengths.into_iter().find_map(|(key, length, most)| Some((key, length.filter(|l| *l > most)?)))
+}
+
+const REEFING: &str = "reefing.diameter";
+
+fn question((key, length): (&str, f64)) -> String {
+    format!("is {key} in millimetres? {} mm are {} m", figures(length, 6), figures(length / 1e3, 6))
+}
+
+/// Advice about the mesh, or about the unit of a parachute's lengths where one is probably in millimetres.
+fn with_unit(source: &MeshSource, hint: String) -> String {
+    in_millimetres(source).map_or(hint, question)
 }
 
 /// The properties of triangles that a section needs.

@@ -26,6 +26,58 @@ const SEA_LEVEL: f64 = 1.225;
 /// [-] Grams in a kilogram.
 const GRAMS: f64 = 1e3;
 
+/// A property of cloth and lines: its usual range with a margin, and a smaller or larger unit that people give it in.
+struct Usual {
+    key: &'static str,
+    unit: &'static str,
+    range: [f64; 2],
+    of: &'static str,
+    /// names of other units, with how many of the case's unit they are
+    other_units: &'static [(&'static str, f64)],
+}
+
+/// Moduli from soft rubber to carbon, films of a micrometre to thick rubber sheets, and lines from elastic thread on.
+/// Bars of any high rigidity are links that do not stretch.
+const USUAL: [Usual; 3] = [
+    Usual {
+        key: "modulus",
+        unit: "Pa",
+        range: [1e4, 1e12],
+        of: "cloth has 1e5 to 1e11",
+        other_units: &[("MPa", 1e6), ("GPa", 1e9)],
+    },
+    Usual {
+        key: "thickness",
+        unit: "m",
+        range: [1e-7, 1e-2],
+        of: "cloth has 1e-5 to 2e-3",
+        other_units: &[("mm", 1e-3), ("micrometres", 1e-6)],
+    },
+    Usual {
+        key: "axial_rigidity",
+        unit: "N",
+        range: [10.0, f64::INFINITY],
+        of: "lines have 1e2 to 1e6",
+        other_units: &[("kN", 1e3)],
+    },
+];
+
+/// Warns about a modulus, a thickness or an axial rigidity that no cloth and no line has; `at` leads to its key, or to
+/// the entry of a list there.
+pub(super) fn material(at: &Pointer, key: &str, value: f64, faults: &mut Faults<'_>) {
+    let Some(Usual { unit, range: [low, high], of, other_units, .. }) = USUAL.iter().find(|usual| usual.key == key)
+    else {
+        return;
+    };
+    if !(value > 0.0) || (*low..=*high).contains(&value) {
+        return;
+    }
+    let meant = other_units.iter().find(|(_, size)| (100.0 * low..=0.5 * high).contains(&(value * size)));
+    let question = meant.map_or(String::new(), |(name, _)| format!("; is it in {name}?"));
+    let text = format!("{at}: {} {unit}, where {of} {unit}{question}", figures(value, 4));
+    faults.warn(WarningCode::UnlikelyMaterial, text);
+}
+
 /// Warns about a network that can run but is seldom intended.
 pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
     if spec.air.is_some() || spec.stream.is_some() {
@@ -88,6 +140,11 @@ fn speed(at: &Pointer, what: &str, speed: f64, faults: &mut Faults<'_>) {
     }
 }
 
+/// Whether the second length [m] is the first in another unit: some thousand times as long.
+fn in_millimetres(metres: f64, other: f64) -> bool {
+    (800.0..1250.0).contains(&(other / metres))
+}
+
 fn strain(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
     let springs = spec.springs.iter().enumerate().flat_map(|(number, group)| {
         let scale = spec.rest_scale_at_start(number);
@@ -99,16 +156,20 @@ fn strain(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Fa
         // A spring without rest length has no strain.
         let strain = if rest > 0.0 { (l - rest) / rest } else { 0.0 };
         // Cloth that starts folded carries nothing.
-        let folded = tension_only && strain < 0.0;
+        let folded = tension_only && strain < 0.0 && !in_millimetres(l, rest);
         (strain.abs() > STRAIN && !folded).then_some((strain, edge, l, rest))
     });
     let mut count = 0_usize;
     let worst = strained.inspect(|_| count += 1).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
     if let Some((strain, edge, length, rest)) = worst {
         let others = if count > 1 { format!(", as do {count} springs in all") } else { String::new() };
+        let question = match in_millimetres(length, rest) || in_millimetres(rest, length) {
+            true => "one is a thousand times the other: is it in millimetres?",
+            false => "are all lengths in metres?",
+        };
         let text = format!(
             "{}: the spring on edge {edge} starts with a strain of {} (length {} m, rest length {} m), beyond {STRAIN} in \
-             size{others}; are all lengths in metres?",
+             size{others}; {question}",
             at.key("springs"),
             figures(strain, 3),
             figures(length, 4),

@@ -3,6 +3,7 @@
 use super::elastic_law::steepest;
 use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::{not_negative, positive};
+use super::plausible;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Dashpot, DashpotRule, EdgeSelection, ElasticLawRule, Factor, SpringRule};
@@ -36,9 +37,15 @@ pub(super) fn stiffness(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>
             None
         }
         (Some(k), None, None) => positive(&at.key("stiffness"), k, faults).then_some(Stiffness::Uniform(k)),
-        (None, Some(ea), None) => positive(&at.key("axial_rigidity"), ea, faults).then_some(Stiffness::Axial(ea)),
+        (None, Some(ea), None) => {
+            let at = at.key("axial_rigidity");
+            plausible::material(&at, "axial_rigidity", ea, faults);
+            positive(&at, ea, faults).then_some(Stiffness::Axial(ea))
+        }
         (None, None, Some(m)) => {
             let at = at.key("membrane");
+            plausible::material(&at.key("modulus"), "modulus", m.modulus, faults);
+            plausible::material(&at.key("thickness"), "thickness", m.thickness, faults);
             let modulus = positive(&at.key("modulus"), m.modulus, faults);
             let thickness = positive(&at.key("thickness"), m.thickness, faults);
             (modulus && thickness).then_some(Stiffness::Membrane(m.modulus * m.thickness))

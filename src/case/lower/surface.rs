@@ -2,6 +2,7 @@
 
 use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::{not_negative, positive};
+use super::plausible;
 use super::select;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
@@ -53,15 +54,18 @@ pub(super) fn membranes(
 fn material(at: &Pointer, rule: &MembraneRule, faults: &mut Faults<'_>) -> Option<MembraneSpec> {
     let before = faults.count();
     positive(&at.key("thickness"), rule.thickness, faults);
+    plausible::material(&at.key("thickness"), "thickness", rule.thickness, faults);
     let at_modulus = at.key("modulus");
     let modulus = match rule.modulus {
         Modulus::Isotropic(modulus) => {
             positive(&at_modulus, modulus, faults);
+            plausible::material(&at_modulus, "modulus", modulus, faults);
             [modulus; 2]
         }
         Modulus::Orthotropic(two) => {
             two.iter().enumerate().for_each(|(i, modulus)| {
                 positive(&at_modulus.index(i), *modulus, faults);
+                plausible::material(&at_modulus.index(i), "modulus", *modulus, faults);
             });
             two
         }

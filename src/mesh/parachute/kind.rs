@@ -1,6 +1,7 @@
 //! The types of canopies, and the parameters that belong to some of them only.
 
 use super::ParachuteParameters;
+use crate::format_number::figures;
 use crate::mesh::source::FaultSink;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -112,7 +113,8 @@ impl ParachuteParameters {
             if let Some(value) = value.filter(|v| !(*v > low && *v < high)) {
                 let allowed =
                     if high.is_finite() { format!("above {low} and below {high}") } else { format!("above {low}") };
-                faults(&format!("{at}/{key}"), value.to_string(), allowed, "correct it".into());
+                let hint = if key.ends_with("angle") { in_radians(&[value]) } else { "correct it".to_owned() };
+                faults(&format!("{at}/{key}"), value.to_string(), allowed, hint);
             }
         };
         number("cone_angle", self.cone_angle, [0.0, FRAC_PI_2]);
@@ -175,7 +177,7 @@ impl ParachuteParameters {
         let angles = self.cone_angles.as_deref().unwrap_or_default();
         if angles.len() != count || !angles.iter().all(|a| (0.0..FRAC_PI_2).contains(a)) {
             let allowed = format!("{count} angles from 0 to below pi/2, from the apex outwards");
-            faults(&format!("{at}/cone_angles"), shown(&self.cone_angles), allowed, "give radians".into());
+            faults(&format!("{at}/cone_angles"), shown(&self.cone_angles), allowed, in_radians(angles));
         }
         let ends: Vec<f64> = [vec![0.0], self.cone_breaks.clone().unwrap_or_default(), vec![1.0]].concat();
         let rises = ends.windows(2).all(|pair| pair[0] < pair[1]);
@@ -185,4 +187,14 @@ impl ParachuteParameters {
             faults(&format!("{at}/cone_breaks"), shown(&self.cone_breaks), allowed, hint);
         }
     }
+}
+
+/// Advice for angles that are too large, which are probably in degrees.
+fn in_radians(angles: &[f64]) -> String {
+    let list = |angles: &mut dyn Iterator<Item = f64>| angles.map(|a| figures(a, 4)).collect::<Vec<_>>().join(", ");
+    if angles.iter().all(|a| a.abs() <= PI) || angles.iter().any(|a| a.abs() > 180.0) {
+        return "give radians".to_owned();
+    }
+    let [degrees, radians] = [list(&mut angles.iter().copied()), list(&mut angles.iter().map(|a| a.to_radians()))];
+    format!("give radians: {degrees} degrees are {radians}")
 }
