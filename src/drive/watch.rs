@@ -4,18 +4,19 @@
 //! supplied    = kinetic + elastic at t = 0, and the largest energy supplied since by gravity and external work
 //! made        = how far `numerical` has fallen below its highest value, and work of the wrong sign
 //! load_energy = 1/2 h^2 sum f^2/m of the loads at the start, or of later ones on resting masses: what one step gives
-//! diverged:     made > 10 (supplied + load_energy)      or       elastic > 10 (supplied + load_energy)
+//! held        = load_energy, or where steps are long against the mean frequency w^2 = sum k/sum m, 4/(w h)^2 of it
+//! diverged:     made > 10 (supplied + load_energy)      or       elastic > 10 (supplied + held)
 //! ```
 //! The supplied energy bounds all motion, so the energy made by the scheme is compared with it. It is not compared with
 //! the exchanged energy: what the scheme makes becomes kinetic, elastic and dissipated energy, so their ratio could
 //! never reach ten. The bound needs no chosen length, speed or strain: a speed or a strain that needs more than ten
 //! times all energy ever supplied is impossible.
 //!
-//! Schemes of first order move masses one step late, so they make up to `load_energy` in the first step of any load. The
-//! work that the account has of a load that changes in its first step is as wrong for any scheme: it is 0 where the load
-//! begins at 0, and below 0 where it changes its sign, although it has moved masses. The work f v h in a later step is at
-//! most the kinetic energy and `load_energy`. Loads that begin or grow later count as long as those before them, and
-//! what was supplied, explain what was made.
+//! Schemes of first order move masses one step late, so they make up to `load_energy` in the first step of any load.
+//! The work that the account has of a load that changes in its first step is as wrong for any scheme: it is 0 where the
+//! load begins at 0, and below 0 where it changes its sign, although it has moved masses. The work f v h in a later step
+//! is at most the kinetic energy and `load_energy`. Loads that begin or grow later count as long as those before them,
+//! and what was supplied, explain what was made.
 //!
 //! Kang's filter contains dashpots, whose work the account evaluates outside it, far too large in long steps. For it,
 //! only energy that is present counts as made, and dissipated energy as lost. The trapezoidal rule of the ledger misses
@@ -149,9 +150,9 @@ pub struct EnergyGain {
 struct EnergyBounds {
     doubtful: f64,
     credible: f64,
-    /// of what springs hold in a credible state
-    elastic: f64,
     impossible: f64,
+    /// what springs can hold
+    held: f64,
 }
 
 /// Why a state counts as diverged.
@@ -288,14 +289,17 @@ impl Watch {
     fn bounds(&self, supplied: f64) -> EnergyBounds {
         let by_loads = self.by_loads();
         let (all, doubtful) = (supplied + by_loads, DOUBTFUL * supplied + BEYOND_LOAD_ENERGY * by_loads);
-        EnergyBounds { doubtful, credible: doubtful.max(all), elastic: CREDIBLE * all, impossible: DIVERGED * all }
+        // In a long step springs stop what loads push: they hold no more than at rest under four times the loads.
+        let resolved = 4.0 * self.mass / (self.stiffness * self.account.longest.powi(2));
+        let held = supplied + by_loads * resolved.min(1.0);
+        EnergyBounds { doubtful, credible: doubtful.max(all), impossible: DIVERGED * all, held }
     }
 
     /// Whether there is nothing to report even without allowing for rounding.
     fn is_calm(&self, after: &LedgerRow) -> bool {
         let EnergyGain { made, supplied, .. } = self.gain();
-        let EnergyBounds { doubtful, credible, elastic, .. } = self.bounds(supplied);
-        made <= (if self.account.doubted { credible } else { doubtful }) && after.elastic <= elastic
+        let EnergyBounds { doubtful, credible, held, .. } = self.bounds(supplied);
+        made <= (if self.account.doubted { credible } else { doubtful }) && after.elastic <= CREDIBLE * held
     }
 
     /// Whether a recorded state is credible: apart from rounding, the scheme has made no more energy than was present
@@ -305,8 +309,8 @@ impl Watch {
             return true;
         }
         let (gain, rounding) = (self.gain(), self.rounding(at, row, steps));
-        let EnergyBounds { credible, elastic, .. } = self.bounds(gain.supplied);
-        gain.made <= credible + rounding && row.elastic <= elastic + rounding
+        let EnergyBounds { credible, held, .. } = self.bounds(gain.supplied);
+        gain.made <= credible + rounding && row.elastic <= CREDIBLE * held + rounding
     }
 
     fn judge(&mut self, step: WatchedStep<'_>, calm: bool) -> WatchReport {
@@ -318,8 +322,8 @@ impl Watch {
         if calm && gain.made.max(elastic) > rounding {
             self.note_loads(step);
         }
-        let EnergyBounds { doubtful, impossible, .. } = self.bounds(gain.supplied);
-        if elastic > impossible + rounding {
+        let EnergyBounds { doubtful, impossible, held, .. } = self.bounds(gain.supplied);
+        if elastic > DIVERGED * held + rounding {
             return WatchReport::Diverged(DivergenceKind::Strain { elastic, gain });
         }
         if gain.made > impossible + rounding {

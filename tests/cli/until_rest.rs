@@ -101,8 +101,8 @@ fn event(pointer: &str, value: Value) -> Value {
     case
 }
 
-/// A run is not at rest while something is still to come: every kind of change. It ends at rest later, but for one whose
-/// change goes on; a change after the end of the run does not count.
+/// A run is not at rest while something is still to come: every kind of change. It ends at rest later, but for one
+/// whose change goes on; a change after the end of the run does not count.
 #[test]
 fn a_run_waits_for_what_is_to_come() {
     let vector = |x: f64| json!({"table": [[1.5, 0, 0, 0], [1.6, x, 0, 0]]});

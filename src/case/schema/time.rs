@@ -23,8 +23,8 @@ pub struct Time {
     /// Nodes whose elements would not allow a wanted step get more mass, as explicit codes do. Only inertia is added:
     /// weight and Rayleigh damping are those of the real masses. Only with explicit methods.
     pub mass_scaling: Option<MassScaling>,
-    /// The run ends before its time once the scene is at rest and nothing changes any more before `end`, such as a load,
-    /// the wind or a support; the summary says so in `at_rest`.
+    /// The run ends before its time once the scene is at rest and nothing changes any more before `end`, such as a
+    /// load, the wind or a support; the summary says so in `at_rest`.
     pub until_rest: Option<UntilRest>,
 }
 

@@ -147,8 +147,9 @@ pub struct Adaptive {
     state: AdaptiveState,
 }
 
+/// The number of free degrees of freedom; 1 where all are held for a time, so that a tolerance is never 0.
 fn free_count(scene: &dyn Scene) -> f64 {
-    scene.inverse_mass().iter().filter(|m| **m > 0.0).count() as f64
+    scene.inverse_mass().iter().filter(|m| **m > 0.0).count().max(1) as f64
 }
 
 impl Adaptive {

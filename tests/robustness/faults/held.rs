@@ -32,7 +32,8 @@ fn what_is_held_at_first_moves_once_it_is_let_go() {
         assert_eq!(held.outcome.status, Status::Completed, "{}: {:?}", method.name, held.outcome.failure);
         let fallen = free.positions[3][2] + 1.2;
         for (held, free) in held.positions.iter().zip(&free.positions) {
-            assert!((held[2] - free[2]).abs() < 1e-7 * fallen.abs(), "{}: {held:?} for {free:?}", method.name);
+            // Newton's iterations end within their tolerance.
+            assert!((held[2] - free[2]).abs() < 1e-4 * fallen.abs(), "{}: {held:?} for {free:?}", method.name);
         }
     }
 }
@@ -70,8 +71,8 @@ fn a_scene_of_supports_that_move_runs() {
         let run = run(&case_of(&case, &[]));
         assert_eq!(run.outcome.status, Status::Completed, "{}: {:?}", method.name, run.outcome.failure);
         assert!((run.positions[1][0] - 1.1).abs() < 1e-12, "{}: {:?}", method.name, run.positions);
-        let work = run.outcome.ledger.external_work;
-        assert!((work / (0.5 * 200.0 * 0.01) - 1.0).abs() < 1e-9, "{}: {work} J", method.name);
+        let (work, off) = (run.outcome.ledger.external_work, if method.order == 1 { 0.02 } else { 1e-9 });
+        assert!((work / (0.5 * 200.0 * 0.01) - 1.0).abs() < off, "{}: {work} J", method.name);
     }
 }
 
