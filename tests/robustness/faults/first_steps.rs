@@ -5,7 +5,7 @@ use crate::common::run::{Run, case_of, changed, run};
 use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
-use canopy_fem::integrate::registry::methods;
+use canopy_fem::integrate::registry::{MethodInfo, methods};
 use canopy_fem::simulation::build_scene;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -75,7 +75,7 @@ fn displacement(run: &Run) -> f64 {
 }
 
 /// Runs by all methods whose step is stable: those that were stopped, and those warned of although their result is
-/// right; and how many there were.
+/// right; and how many there were. Methods of order one do make energy, in every step in which a load changes much.
 fn sweep(kind: Kind, tables: &[Vec<[f64; 2]>], cases: &[(f64, f64, bool)]) -> (Vec<String>, Vec<String>, usize) {
     let rows: Vec<(String, bool, bool)> = tables
         .par_iter()
@@ -88,13 +88,15 @@ fn sweep(kind: Kind, tables: &[Vec<[f64; 2]>], cases: &[(f64, f64, bool)]) -> (V
                 let exact = [("time.method", r#""dop853""#), ("time.step", "null"), ("time.tolerance", tolerance)];
                 let exact = displacement(&run(&changed(&case, &exact)));
                 stable(&case, step).into_iter().map(move |method| {
-                    let made = run(&changed(&case, &[("time.method", &format!("\"{method}\""))]));
+                    let made = run(&changed(&case, &[("time.method", &format!("\"{}\"", method.name))]));
                     let stopped = made.outcome.status != Status::Completed;
                     let off = (displacement(&made) - exact).abs() / exact.abs().max(1e-12);
                     let warned = made.outcome.doubt.is_some() || made.outcome.energy_doubt().is_some();
+                    let warned = warned && off < RIGHT && method.order >= 2;
+                    let method = method.name;
                     let what =
                         format!("{kind:?} {number} of {size}, {method}, step {step}, damped {damped}, off {off:.1e}");
-                    (what, stopped, warned && off < RIGHT)
+                    (what, stopped, warned)
                 })
             };
             cases.iter().flat_map(of_case).collect::<Vec<_>>()
@@ -106,15 +108,15 @@ fn sweep(kind: Kind, tables: &[Vec<[f64; 2]>], cases: &[(f64, f64, bool)]) -> (V
     (all(|row| row.1), all(|row| row.2), rows.len())
 }
 
-/// Names of the methods that are stable on a scene with a step [s].
-fn stable(case: &Case, step: f64) -> Vec<&'static str> {
+/// The methods that are stable on a scene with a step [s].
+fn stable(case: &Case, step: f64) -> Vec<&'static MethodInfo> {
     let scene = build_scene(case.problem().clone().take_system(), 1).expect("a scene");
     let start = scene.initial_state();
-    let fits = |name: &&'static str| {
-        let method = changed(case, &[("time.method", &format!("\"{name}\""))]).problem().method.clone();
+    let fits = |method: &&'static MethodInfo| {
+        let method = changed(case, &[("time.method", &format!("\"{}\"", method.name))]).problem().method.clone();
         step < Spectrum::of(&*scene, start.as_ref()).critical_step(&method).step
     };
-    methods().iter().map(|method| method.name).filter(fits).collect()
+    methods().iter().filter(fits).collect()
 }
 
 fn none_is_stopped(tables: &[Vec<[f64; 2]>], cases: [(Kind, &[(f64, f64, bool)]); 3]) {
