@@ -18,7 +18,7 @@ pub struct TimedCrossing {
     pub edge: [u32; 2],
     /// the triangle
     pub triangle: u32,
-    /// [m] distance of the edge's nearer end from the plane of the triangle
+    /// [m] how far edge or triangle would have to move to part
     pub depth: f64,
 }
 

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::common::read_vtu::{self, Vtu};
+use canopy_fem::case::spec::CrossingSearch;
 use canopy_fem::case::spec::ProbeSpec;
 use canopy_fem::case::spec::RowEvery;
 use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer};
@@ -15,8 +16,15 @@ use canopy_fem::output::recorder::{Recorder, RecorderError, RecorderSpec};
 use canopy_fem::vtk::{Compression, Encoding, VtuFormat};
 use triangle_pair::{Run, TrianglePair, ledger};
 
-const ALL: Fields =
-    Fields { force: true, reaction: true, tension: true, strain: true, pressure: false, membrane: false };
+const ALL: Fields = Fields {
+    force: true,
+    reaction: true,
+    tension: true,
+    strain: true,
+    pressure: false,
+    membrane: false,
+    crossing: false,
+};
 
 fn spec(dir: &Path) -> RecorderSpec {
     RecorderSpec {
@@ -26,6 +34,7 @@ fn spec(dir: &Path) -> RecorderSpec {
         end: 1.0,
         fields: ALL,
         edges: false,
+        crossings: CrossingSearch::None,
         probes: vec![
             ProbeSpec { name: "tip".to_owned(), nodes: vec![3] },
             ProbeSpec { name: "a, b".to_owned(), nodes: vec![1, 0] },

@@ -85,8 +85,9 @@ fn solve(case: &Case, dir: &Path, How { threads, keep_going }: How, lets: bool) 
     let problem = case.problem();
     let scene = build_scene(problem.system.clone(), threads).expect("the case is good");
     let mut stepper = bind(problem, &*scene).expect("the method fits");
-    let fields = Fields { force: true, reaction: true, tension: true, strain: true, pressure: false, membrane: false };
-    let recorded = RecorderSpec { fields, ..RecorderSpec::of(problem, dir) };
+    let recorded = RecorderSpec::of(problem, dir);
+    let fields = Fields { force: true, reaction: true, tension: true, strain: true, ..recorded.fields };
+    let recorded = RecorderSpec { fields, ..recorded };
     let mut recorder = Recorder::new(&*scene, &recorded).expect("a folder");
     let mut witness = Witness { lets, alone: 0, in_blocks: 0 };
     let stop = AtomicBool::new(false);

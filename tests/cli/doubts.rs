@@ -231,6 +231,7 @@ fn frames_have_the_size_that_was_foretold() {
             strain: has("strain"),
             pressure: has("pressure"),
             membrane: false,
+            crossing: true,
         };
         let foretold = frame_bytes(&*scene, fields, Precision::F64) as f64;
         let size = std::fs::metadata(bench.path("out/frames/sail_000000.vtu")).expect("a frame").len() as f64;

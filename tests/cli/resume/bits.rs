@@ -89,7 +89,15 @@ fn solve_watched(case: &Case, dir: &Path, part: Part, watch: &mut dyn Observer) 
     let scene = build_scene(problem.system.clone(), part.threads).expect("the case is good");
     let mut stepper = bind(problem, &*scene).expect("the method fits");
     let spec = problem.run_spec(part.keep_going);
-    let fields = Fields { force: true, reaction: true, tension: true, strain: true, pressure: false, membrane: false };
+    let fields = Fields {
+        force: true,
+        reaction: true,
+        tension: true,
+        strain: true,
+        pressure: false,
+        membrane: false,
+        crossing: true,
+    };
     let recorded = RecorderSpec { fields, ..RecorderSpec::of(problem, dir) };
     let kept = CheckpointSpec {
         case: fingerprint.clone(),

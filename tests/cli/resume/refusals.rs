@@ -72,6 +72,7 @@ fn another_case() {
         ("system.network.mesh.explicit.nodes.5.2", "0.001", "system.network.mesh is"),
         ("output.frames.every", "0.2", "output.frames.every was 0.1 and is 0.2 now"),
         ("output.fields", "[\"force\"]", "output.fields was"),
+        ("output.crossings", "none", "output.crossings was \"frames\" and is \"none\" now"),
         ("output.probes.0.on", "all", "output.probes is"),
         ("output.history.every", "2", "output.history.every was 1 and is 2 now"),
     ] {

@@ -143,8 +143,8 @@ fn make(sim: &mut Simulation, call: Call, saved: &mut Vec<Vec<u8>>) -> Result<()
         }
         Call::Snapshot => sim.snapshot().map(|bytes| saved.push(bytes)),
         Call::Restore(n) => match saved.len() {
-            0 => sim.restore(&[n; 9]),
-            count => sim.restore(&saved[usize::from(n) % count]),
+            0 => sim.restore(&[n; 9]).map(drop),
+            count => sim.restore(&saved[usize::from(n) % count]).map(drop),
         },
         Call::Read => {
             let rows = (sim.positions(), sim.velocities(), sim.reactions(), sim.tensions(), sim.attempted());
