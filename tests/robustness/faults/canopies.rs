@@ -166,5 +166,5 @@ fn a_turned_rig_opens_as_one_that_falls() {
 fn check_prints_the_drag_coefficient() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = program(folder.path(), &rig(), &["check"]);
-    assert!(run.stdout.contains("full drag area 9.4 m^2: CD0 0.748; Dp/D0 0.66"), "{}", run.stdout);
+    assert!(run.stdout.contains("full drag area 9.4 m^2: CD0 0.748; Dp/D0 0.6"), "{}", run.stdout);
 }
