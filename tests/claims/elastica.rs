@@ -174,16 +174,16 @@ fn strips(claims: &mut Vec<Claim>) {
             let errors =
                 [10, 20, 40].map(|cells| off(Strip::new(pattern, [cells, (cells / width).max(1)]).hang(load), tip));
             let what = format!("strip of cloth, {pattern:?}, 1/{width} wide, w L^3/B = {load}");
-            println!("{what} {errors:?}");
             claims.push(Claim::below(format!("{what}, 40 cells: tip off over L"), errors[2], 2e-3));
             let order = 0.5 * (errors[0] / errors[2]).log2();
             claims.push(Claim::between(format!("{what}, 10, 20, 40 cells: order"), order, 1.5, 2.6));
         }
     }
     for cells in [10, 20, 40] {
+        // Too stiff by a percent, on finer meshes too.
         let error = off(Strip::new(Pattern::Disturbed, [cells, cells / 5]).hang(5.0), elastica(5.0));
-        println!("disturbed {cells} {error}");
-        claims.push(Claim::below(format!("strip of cloth, Disturbed, {cells} cells: tip off over L"), error, 2e-2));
+        let what = format!("strip of cloth, {:?}, {cells} cells: tip off over L", Pattern::Disturbed);
+        claims.push(Claim::below(what, error, 2e-2));
     }
 }
 
