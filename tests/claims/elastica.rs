@@ -2,8 +2,8 @@
 //! one end, B theta'' = -w (L - s) cos(theta), theta(0) = 0, theta'(L) = 0. Its chord falls at 41.5 degrees at
 //! w L^3/B = 8.004, which is how the stiffness of cloth is measured (Peirce 1930; ASTM D 1388).
 //!
-//! Lines are bent at their nodes, cloth in its triangles. What is held begins one edge before the clamp. A sheet without
-//! contraction across (Poisson's ratio 0) hangs as the line at every width.
+//! Lines are bent at their nodes, cloth in its triangles. What is held begins one edge before the clamp. A sheet
+//! without contraction across (Poisson's ratio 0) hangs as the line at every width.
 //!
 //! A clamped disc under the load q per area sags by q a^4/(64 B) in its middle, whatever Poisson's ratio is.
 
@@ -187,8 +187,8 @@ fn strips(claims: &mut Vec<Claim>) {
     }
 }
 
-/// [-] The sag in the middle of a clamped disc over q a^4/(64 B), on so many rings, each of which has six nodes more than
-/// the one inside; one more is held.
+/// [-] The sag in the middle of a clamped disc over q a^4/(64 B), on so many rings, each of which has six nodes more
+/// than the one inside; one more is held.
 fn disc(rings: usize) -> f64 {
     let of_ring = |i: usize| (6 * i).max(1);
     let start = |i: usize| (0..i).map(of_ring).sum::<usize>();
