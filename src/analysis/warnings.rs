@@ -31,8 +31,8 @@ pub struct Planned<'a> {
     pub stop: Stop<'a>,
 }
 
-/// The largest stable step of a case's method with the nodes as at the start and all springs taut. Searched only for methods that have a limit, and only if
-/// the step is near it; else a bound from the elements.
+/// The largest stable step of a case's method with the nodes as at the start and all springs taut. Searched only for
+/// methods that have a limit, and only if the step is near it; else a bound from the elements.
 pub fn limit_at_start(planned: Planned<'_>) -> CriticalStep {
     let _all = AllTaut::of(planned.scene);
     limit_at(planned, planned.scene.initial_state().as_ref())

@@ -64,15 +64,16 @@ impl JsonSchema for Modulus {
 }
 
 /// Bending stiffness, quadratic in the positions (Bergou et al. 2006). At rest cloth is flat and lines are straight,
-/// whatever the mesh. Triangles and edges whose corners are all held are a clamp. Exactly one of `stiffness` and `flexural_rigidity` is given.
+/// whatever the mesh. Triangles and edges whose corners are all held are a clamp. Exactly one of `stiffness` and
+/// `flexural_rigidity` is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BendingRule {
     /// Which edges: hinges of cloth are those between two triangles, chains go along edges without triangles. Others
     /// are passed over.
     pub on: EdgeSelection,
-    /// [N m] Bending stiffness of cloth per width, as a cantilever test measures it. Poisson's ratio of bending is 0, so
-    /// a strip bends with it as a wide sheet does. Several rules at an edge add up.
+    /// [N m] Bending stiffness of cloth per width, as a cantilever test measures it. Poisson's ratio of bending is 0,
+    /// so a strip bends with it as a wide sheet does. Several rules at an edge add up.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness: Option<f64>,

@@ -1,7 +1,7 @@
 //! Bending, quadratic in the positions: triangles between hinges, and nodes of a chain (after Bergou et al. 2006).
 //!
 //! ```text
-//! y_r = sum of w_ri x_i,     energy = sum over r of |y_r|^2/2,     f_i = -sum of w_ri y_r,     K_ij = sum of w_ri w_rj I
+//! y_r = sum of w_ri x_i,   energy = sum over r of |y_r|^2/2,   f_i = -sum of w_ri y_r,   K_ij = sum of w_ri w_rj I
 //! hinge of the edge 0-1 with the wings 2 and 3:     j = sum of c_i x_i                  |j| = 2 l sin(angle/2)
 //!     c = (c_03 + c_04, c_01 + c_02, -c_01 - c_03, -c_02 - c_04), cotangents of the angles at the edge
 //! triangle of the area A whose sides have hinges to triangles A_e, and the normals n_e in its plane:
@@ -16,8 +16,9 @@
 //! The curvature of a triangle is the mean of n times the slope along its sides (Onate & Cervera 1993), where the slope
 //! at a side is the mean of both triangles'. Each has the other's area as its weight, so the energy that hinges have by
 //! themselves is B |j|^2/(2 (A + A_e)). On a mesh of equal triangles, each pair of which is symmetric about the middle
-//! of its edge, the curvature of any second-order surface is exact: the sheet is a plate of Poisson's ratio 0, and bends
-//! with B to a cylinder as well as in a strip with free sides. On meshes without order it is stiffer, by 4 to 9 %.
+//! of its edge, the curvature of any second-order surface is exact: the sheet is a plate of Poisson's ratio 0, and
+//! bends with B to a cylinder as well as in a strip with free sides. On meshes without order it is stiffer, by 4 to 9
+//! %.
 //!
 //! A side without a hinge is free: its curvature n n^T is the one with the least energy, so that no moment acts there.
 //! A triangle whose corners are held is a clamp: it has no energy, and counts as A_e = 0, as a segment of a chain whose
