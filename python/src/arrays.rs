@@ -1,5 +1,5 @@
-//! Arrays in and out. What comes in may be anything that numpy makes an array of; what goes out is a copy that cannot be
-//! written to, since a change of it would not reach the engine.
+//! Arrays in and out. What comes in may be anything that numpy makes an array of; what goes out is a copy that cannot
+//! be written to, since a change of it would not reach the engine.
 
 use numpy::{Element, PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArray};
 use numpy::{PyUntypedArrayMethods, ndarray::Dimension};

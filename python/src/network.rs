@@ -33,8 +33,8 @@ impl Network {
         Ok(Network { builder: Mutex::new(builder) })
     }
 
-    /// Adds springs between pairs of nodes, (m, 2), or on all edges of the mesh if pairs is None. Pairs that are no edges
-    /// yet become edges, after those of the mesh. stiffness [N/m],
+    /// Adds springs between pairs of nodes, (m, 2), or on all edges of the mesh if pairs is None. Pairs that are no
+    /// edges yet become edges, after those of the mesh. stiffness [N/m],
     /// rest_length [m] (default: the distance as given) and dashpot [N s/m] are a number each or one for all. law:
     /// "linear" or "green" (finite strain); slack: "none", "tension-only" or "compression-only"; dashpot_kind: "axial"
     /// or "relative".

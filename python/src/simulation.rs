@@ -433,7 +433,7 @@ impl Simulation {
         filled(py, n, out, |place| sim.read_nodes(&mut other, place).map_err(|error| of_simulation(py, error)))
     }
 
-    /// [N] what supports exert on the scene, own weights included, (n, 3), at the end of the last step; a copy, read-only
+    /// [N] what supports exert on the scene, own weights included, (n, 3), at the end of the last step; read-only
     #[getter]
     fn reactions<'py>(&self, py: Python<'py>) -> Rows<'py> {
         of_rows(py, self.lock()?.reactions())

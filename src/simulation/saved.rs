@@ -138,8 +138,8 @@ impl Simulation {
     ///
     /// The scene or run may be another one of the same nodes and connections: with other masses or stiffnesses, another
     /// method or step. The phrases that are returned say in what they differ. The scheme, its steps and the energy
-    /// account then begin anew at the state of the snapshot, as with [`Simulation::set_state_at`]. Other tables, damping
-    /// or air are not noticed.
+    /// account then begin anew at the state of the snapshot, as with [`Simulation::set_state_at`]. Other tables,
+    /// damping or air are not noticed.
     ///
     /// # Errors
     /// Bytes that are damaged or of another version, of a scene with other nodes or connections, or of a time that the
