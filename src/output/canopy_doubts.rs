@@ -4,7 +4,7 @@ use super::gauges::Peak;
 use crate::format_number::figures;
 use crate::warning::{Warning, WarningCode};
 
-/// [deg] Angle of attack up to which the law of the air in a canopy is meant: the side force grows with the sine there.
+/// [deg] Angle of attack up to which the law of the air in a canopy is meant.
 const LEAN: f64 = 30.0;
 /// [-] Difference of the drag from that of the drag area, at the end of a run, that is told.
 const OFF: f64 = 0.2;

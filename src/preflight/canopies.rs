@@ -127,9 +127,15 @@ pub fn reefing_lines(spec: &NetworkSpec) -> Vec<ReefingLine> {
             spec.mesh.edges.get(**edge as usize).is_some_and(|ends| ends.iter().all(|node| skirt.contains(node)))
         };
         let first = lines.edges.iter().find(around)?;
-        let group = spec.springs.iter().position(|group| group.edges.binary_search(first).is_ok())?;
-        let grows = spec.rest_scales.iter().any(|scale| scale.group == group);
-        let cut = spec.cuts.iter().find(|cut| cut.group == group).map(|cut| cut.t);
+        let has = |group: &usize| spec.springs.get(*group).is_some_and(|g| g.edges.binary_search(first).is_ok());
+        // Where the skirt has no nodes between the lines, its tape has the same edges.
+        let with_tape = spec.mesh.groups.get("skirt").is_some_and(|skirt| skirt.edges.binary_search(first).is_ok());
+        let groups: Vec<usize> = (0..spec.springs.len()).filter(has).collect();
+        if groups.len() < if with_tape { 2 } else { 1 } {
+            return None;
+        }
+        let grows = spec.rest_scales.iter().any(|scale| groups.contains(&scale.group));
+        let cut = spec.cuts.iter().find(|cut| groups.contains(&cut.group)).map(|cut| cut.t);
         let stage = canopy.filling.get(1..).and_then(<[_]>::last).map(|stage| stage.start);
         let fits = match (cut, stage) {
             (None, _) => grows,
