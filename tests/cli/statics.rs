@@ -381,7 +381,8 @@ fn a_cloth_on_one_corner_has_modes() {
         let (squares, errors) = (modes.column("omega_squared"), modes.column("error"));
         assert_eq!(squares.len().to_string(), count);
         assert!(squares.windows(2).all(|pair| pair[0] <= pair[1]), "{squares:?}");
-        assert!(errors.iter().all(|error| *error < 1e-4), "{errors:?}");
+        let last = squares.last().expect("a mode");
+        assert!(errors.iter().all(|error| *error < 1e-6 * last), "{errors:?} of {last}");
     }
 }
 
