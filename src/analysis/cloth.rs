@@ -8,8 +8,7 @@ use crate::model::system::TermInfo;
 use crate::scene::Scene;
 use std::collections::HashSet;
 
-/// [-] Strain above which cloth is no cloth any more: nylon tears at 0.2 to 0.4 (Knacke, Parachute Recovery Systems
-/// Design Manual, 1991, table 6-1).
+/// [-] Strain above which cloth is no cloth any more: fabrics of nylon and polyester tear at about half of it.
 pub const TORN: f64 = 0.5;
 
 /// The most strained part of cloth in a state.

@@ -7,11 +7,9 @@
 //! A is the drag area: that which is given while a canopy fills, else that of its opening O = sum dCp S as a whole, |O|;
 //! of a `cavity` (1 - Cp) |O|. Wind and density are those at the skirt, a is the axis (`axial_flow`). So drag and side
 //! force together are a force against the motion, without lift: at a small angle of attack alpha the side force is alpha
-//! times the drag, and the slope of the normal-force coefficient on S0 is CD0, 0.5 to 0.9 per radian. Canopies that are
-//! stable have slopes of some tenths to 1; those of tight cloth have none or less near alpha = 0, and so swing up to the
-//! angle where it begins (H. G. Heinrich and E. L. Haak, Stability and drag of parachutes with varying effective
-//! porosity, ASD-TDR-62-100, 1962; T. W. Knacke, Parachute Recovery Systems Design Manual, 1991, chapter 5). That
-//! swinging is left out.
+//! times the drag, and the slope of the normal-force coefficient on S0 is CD0, 0.5 to 0.9 per radian. Measured slopes of
+//! canopies that are stable are some tenths to 1. Canopies of tight cloth have none or less near alpha = 0, and so swing
+//! up to the angle where it begins; that swinging is left out.
 //!
 //! It takes energy in every state: F . u = -m |u| |u_n|^2. All of its tangent is three parts of rank one, by the
 //! components of F:
