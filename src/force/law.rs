@@ -22,7 +22,6 @@ pub mod one_sided;
 pub mod rayleigh;
 pub mod rayleigh_membrane;
 pub mod series;
-pub mod side_force;
 pub mod slack;
 pub mod spring;
 pub(in crate::force) mod step_samples;

@@ -26,7 +26,6 @@ use crate::force::law::gravity::Gravity;
 use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
 use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
 use crate::force::law::series::{LoadFactor, SampledTable, Scale, Table, scalar};
-use crate::force::law::side_force::SideForce;
 use crate::force::law::spring::{Coefficient, Cut, SpringData};
 use crate::force::law::stream::Stream;
 use crate::force::law::triangle::AreaVector;
@@ -165,17 +164,6 @@ fn initial_velocity(spec: &NetworkSpec) -> Vec<[f64; 3]> {
     velocity
 }
 
-/// [-] The share of each node, ascending, in the area of some triangles at the positions `x` [m].
-fn area_shares(triangles: &[[u32; 3]], x: &[Vector3<f64>]) -> Vec<(u32, f64)> {
-    let mut nodes = BTreeMap::new();
-    for corners in triangles {
-        let area = AreaVector::new(x, *corners).s.norm() / 3.0;
-        corners.iter().for_each(|&node| *nodes.entry(node).or_insert(0.0) += area);
-    }
-    let area: f64 = nodes.values().sum();
-    nodes.into_iter().map(|(node, share)| (node, share / area)).collect()
-}
-
 pub(super) struct Builder<'a> {
     pub(super) spec: &'a NetworkSpec,
     pub(super) numbering: &'a Numbering,
@@ -285,7 +273,6 @@ impl Builder<'_> {
 
     fn canopies(&mut self, start: &[Vector3<f64>], reference: &[Vector3<f64>]) -> Result<(), BuildError> {
         let Some(stream) = self.stream.clone() else { return Ok(()) };
-        let mut side_forces: Vec<Box<dyn ForceTerm>> = Vec::new();
         for canopy in &self.spec.canopies {
             let nodes = |list: &[u32]| list.iter().map(|&i| self.node(i)).collect::<Vec<u32>>();
             let (skirt, apex, confluence) = (nodes(&canopy.skirt), nodes(&canopy.apex), nodes(&canopy.confluence));
@@ -303,9 +290,14 @@ impl Builder<'_> {
             let triangles: Arc<[[u32; 3]]> = triangles.into();
             let pressure_coefficient = pressure_coefficient.into();
             let enclosure = Arc::new(Enclosure::new(triangles.clone()));
-            let shares = area_shares(&triangles, reference);
             if let Some(factor) = canopy.apparent_mass {
-                let nodes = shares.clone();
+                let mut nodes = BTreeMap::new();
+                for corners in triangles.iter() {
+                    let area = AreaVector::new(reference, *corners).s.norm() / 3.0;
+                    corners.iter().for_each(|&node| *nodes.entry(node).or_insert(0.0) += area);
+                }
+                let area: f64 = nodes.values().sum();
+                let nodes = nodes.into_iter().map(|(node, share)| (node, share / area)).collect();
                 let (enclosure, stream, term) = (enclosure.clone(), stream.clone(), self.terms.len());
                 self.apparent.push(ApparentMass { nodes, enclosure, factor, stream, term });
             }
@@ -315,11 +307,8 @@ impl Builder<'_> {
             let data = CanopyData { triangles, pressure_coefficient, axis, filling, cavity };
             self.shapes.push(CanopyShape::new(data.clone(), enclosure, canopy.nominal_area));
             self.show_pressure(AirLaw::Canopy(data.clone()));
-            let (nodes, share) = shares.into_iter().unzip();
-            side_forces.push(Box::new(SideForce { nodes, share, canopy: data.clone() }));
             self.terms.push(Box::new(Canopy::new(data)));
         }
-        self.terms.extend(side_forces);
         Ok(())
     }
 

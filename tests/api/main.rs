@@ -5,7 +5,6 @@ mod adaptive;
 mod architecture;
 mod assets;
 mod canopy;
-mod canopy_air;
 mod case;
 mod cavity;
 #[path = "../common/mod.rs"]

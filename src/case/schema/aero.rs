@@ -71,11 +71,9 @@ impl<T: JsonSchema> JsonSchema for OneOrSeveral<T> {
 
 /// The air in a canopy: a pressure from inside to outside along the normals of its triangles, dp = q dCp with
 /// q = rho V |V|/2, or that of a cavity. V is the axial air speed: the mean velocity of the skirt minus the wind there,
-/// along the axis from the apex to the confluence of the lines. Cloth that moves outwards at the normal speed w against
-/// the mean of the skirt meets less of it, by rho/2 (V |V| - (V - w) |V - w|) dCp: this damps the breathing of the canopy
-/// and its turning, and is nothing in steady flight. Across the axis the drag area times rho/2 |u| u_n acts against the
-/// part u_n of the air speed u of the cloth: drag and side force together are a force against the motion, without
-/// lift.
+/// along the axis from the apex to the confluence of the lines. Cloth that moves outwards at the normal speed w in the
+/// air that goes with the canopy meets less of it, by rho/2 (V |V| - (V - w) |V - w|) dCp: this damps the breathing of
+/// the canopy, its turning and its motion across the axis, and is nothing in steady flight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Canopy {
@@ -122,8 +120,8 @@ pub struct PressureTable {
 
 /// The drag area of a canopy while it fills: from what it was at `start` (0 for the first stage) to `drag_area` by
 /// ((t - start)/t_f)^exponent, until the filling time t_f = n D0/v_s (Knacke 1991). The same pressure acts on all
-/// triangles; it is scaled so that its force along the axis is q times the drag area where the cloth does not breathe. An
-/// opening with less than a third of the drag area has less: no air gives such a pressure. Exactly one of `drag_area` and
+/// triangles; it is scaled so that its force along the axis is q times the drag area where the cloth does not breathe.
+/// Exactly one of `drag_area` and
 /// `drag_coefficient`, and exactly one of `filling_constant` and `filling_time` is given.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

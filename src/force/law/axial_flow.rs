@@ -33,9 +33,7 @@ pub struct AxialFlow {
     pub axis: Vector3<f64>,
     /// [m] distance from the apex to the confluence
     pub length: f64,
-    /// [m/s] velocity of the skirt
-    pub mean_velocity: Vector3<f64>,
-    /// [m/s] the same relative to the air
+    /// [m/s] velocity of the skirt relative to the air
     pub velocity: Vector3<f64>,
     /// [m/s] V
     pub speed: f64,
@@ -52,11 +50,9 @@ impl CanopyAxis {
         let length = along.norm();
         let axis = if length > 0.0 { along / length } else { Vector3::zeros() };
         let air = self.stream.at(t, x.mean(&self.skirt).z);
-        let mean_velocity = v.mean(&self.skirt);
-        let velocity = mean_velocity - air.wind[0];
+        let velocity = v.mean(&self.skirt) - air.wind[0];
         let speed = axis.dot(&velocity);
-        let dynamic_pressure = 0.5 * air.density[0] * speed * speed.abs();
-        AxialFlow { axis, length, mean_velocity, velocity, speed, dynamic_pressure, air }
+        AxialFlow { axis, length, velocity, speed, dynamic_pressure: 0.5 * air.density[0] * speed * speed.abs(), air }
     }
 
     /// Adds c dV/dv + k dV/dx.
@@ -67,21 +63,19 @@ impl CanopyAxis {
         self.add_turn(flow, w.k * velocity, g);
     }
 
-    /// Adds c times the gradient of one component of the skirt's velocity, by velocities.
-    pub(super) fn add_velocity_gradient(&self, i: usize, c: f64, g: &mut [Vector3<f64>]) {
+    /// The same for one component of wind + V a.
+    pub(super) fn add_along_gradient(&self, i: usize, flow: AxialFlow, w: Weights, g: &mut [Vector3<f64>]) {
+        let AxialFlow { axis, speed, air, .. } = flow;
+        self.add_speed_gradient(flow, Weights { c: w.c * axis[i], k: w.k * axis[i], ..w }, g);
+        spread(&self.skirt, w.k * air.wind[1][i] * Vector3::z(), g);
         let mut component = Vector3::zeros();
-        component[i] = c;
-        spread(&self.skirt, component, g);
-    }
-
-    /// Adds `by` times the gradient of the skirt's height.
-    pub(super) fn add_height_gradient(&self, by: f64, g: &mut [Vector3<f64>]) {
-        spread(&self.skirt, by * Vector3::z(), g);
+        component[i] = w.k * speed;
+        self.add_turn(flow, component, g);
     }
 
     /// Adds `by` drho/dx.
     pub(super) fn add_density_gradient(&self, flow: AxialFlow, by: f64, g: &mut [Vector3<f64>]) {
-        self.add_height_gradient(by * flow.air.density[1], g);
+        spread(&self.skirt, Vector3::z() * (by * flow.air.density[1]), g);
     }
 
     /// Adds the gradient of a product of the axis and a given vector.

@@ -1,31 +1,26 @@
 //! The air in a canopy: one follower pressure on its triangles, by the air speed along its axis and by how fast the
-//! cloth moves against its skirt. What the air does across the axis, `side_force` has.
+//! cloth moves in the air that goes with the canopy.
 //!
 //! ```text
 //! V = speed of the skirt against the wind along the axis a (`axial_flow`)
-//! r = mean velocity of the skirt,     w = (v - r) . n     of a triangle with mean velocity v and outward unit normal n
-//! p = dCp (p_0 + kappa (V - w)|V - w|),     kappa = s rho/2,     f_i = p S/3,     power = f . v
+//! r = wind + V a,     w = (v - r) . n     of a triangle with mean velocity v and unit normal n from inside to outside
+//! p = dCp (p_0 + kappa (V - w)|V - w|),     kappa = rho/2,     f_i = p S/3,     power = f . v
 //! ```
-//! Cloth that moves outwards meets less pressure: w takes energy from the breathing of a canopy and from its turning. It
-//! is nothing in steady flight. p_0 is that of a `cavity`: s times what its pressure has beyond q = rho V|V|/2. Without
-//! one it is 0. kappa, V, r and p_0 couple all nodes of the skirt, the apex and the confluence, or of the canopy, with
-//! all nodes of the canopy. The tangent is local but for a rank-one part of each of these numbers. With c = V - w
+//! Cloth that moves outwards meets less pressure: w takes energy from the breathing of a canopy, from its turning and
+//! from its motion across the axis. It is nothing in steady flight along the axis. p_0 is that of a `cavity`: what its
+//! pressure has beyond kappa V|V|. Without one it is 0. kappa, V, r and p_0 couple all nodes of the skirt, the apex and
+//! the confluence, or of the canopy, with all nodes of the canopy. The tangent is local but for a rank-one part of each
+//! of these numbers. With c = V - w
 //! ```text
 //! -df_i/dx_j = -1/3 [p I + 2 kappa dCp |c| S ((I - n n^T)(r - v))^T/A] dS/dx_j,     -df_i/dv_j = 2 kappa dCp |c| S n^T/9
 //! -df_i/dkappa = -dCp c|c| S/3,     -df_i/dV = -2 kappa dCp |c| S/3,     -df_i/dr = -2 kappa dCp |c| S n^T/3
-//! -df_i/dp_0 = -dCp S/3
+//! -df_i/dp_0 = -dCp S/3,     dr = a dV + V da + dwind
 //! ```
-//! s tells how the opening O = sum dCp S meets the air, with the area G = -O . a that it shows along the axis. While a
-//! canopy fills, its drag area A(t) is given, and the axial force of cloth at rest in it is q A:
+//! While a canopy fills, its drag area A(t) is given. Then
 //! ```text
-//! s = fade(G/|O|) b,    b = 1, or while it fills  A/G  for  A <= 3 G,  else  3 (2 - 3 G/A)
-//! dG = -a . dO - O . da,     dO/dx_j = sum dCp dS/dx_j
+//! kappa = rho A/(2 G),   G = -sum dCp S . a,     dkappa = kappa (drho/rho - dG/G),     dG/dx_j = -sum dCp (dS/dx_j)^T a
 //! ```
-//! No air gives more than a few times q: the inside has at most q above the still air, the outside somewhat less than
-//! it. So an opening that is too small for A has less drag. The fade takes the pressure from an opening whose normal is
-//! 60 to 75.5 degrees off the axis. With it the air takes energy from every canopy that moves through it without
-//! deforming, F . u <= 0, whatever its shape and attitude; without it, the pressure on an opening edge-on to the
-//! stream could drive it.
+//! and dG by the axis -(I - a a^T) (sum dCp S)/(L n_c) at the confluence, the opposite at the apex.
 
 use crate::force::kernel::batch::{BufferReads, Records, SceneNumbers};
 use crate::force::kernel::element_block::{NodeVectors, SceneValues};
@@ -41,11 +36,6 @@ use crate::model::spec::FillingSpec;
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
-
-/// [-] Drag area over the area that the opening shows along the axis up to which the pressure gives all of it.
-const MOST: f64 = 3.0;
-/// [-] Cosines of the angle between the opening's normal and the axis between which the pressure fades.
-const EDGE_ON: [f64; 2] = [0.25, 0.5];
 
 /// The air in a canopy.
 pub type Canopy = FaceBatch<CanopyData>;
@@ -83,46 +73,12 @@ impl CanopyData {
     }
 
     /// [m^2] The sum of dCp S.
-    pub(super) fn opening(&self, x: NodeVectors<'_>) -> Vector3<f64> {
+    fn opening(&self, x: NodeVectors<'_>) -> Vector3<f64> {
         let areas = self.triangles.iter().zip(self.pressure_coefficient.iter()).map(|(&[a, b, c], dcp)| {
             let from = x.at(a);
             0.5 * dcp * (x.at(b) - from).cross(&(x.at(c) - from))
         });
         areas.sum()
-    }
-}
-
-/// s, and its slopes.
-#[derive(Clone, Copy, Debug, Default)]
-struct Share {
-    /// [-] s
-    value: f64,
-    /// [1/m^2] by G
-    by_facing: f64,
-    /// [1/m^2] by |O|
-    by_size: f64,
-}
-
-impl Share {
-    /// Of an opening that shows `facing` [m^2] of its `size` [m^2] along the axis, with a drag area [m^2] if one is given.
-    fn new(drag_area: Option<f64>, [facing, size]: [f64; 2]) -> Self {
-        if facing.is_nan() || facing <= 0.0 {
-            return Share::default();
-        }
-        let [none, all] = EDGE_ON;
-        let part = ((facing / size - none) / (all - none)).clamp(0.0, 1.0);
-        let fade = part * part * (3.0 - 2.0 * part);
-        let fade_slope = 6.0 * part * (1.0 - part) / (all - none);
-        let [share, slope] = match drag_area {
-            None => [1.0, 0.0],
-            Some(area) if area <= MOST * facing => [area / facing, -area / facing.powi(2)],
-            Some(area) => [MOST * (2.0 - MOST * facing / area), -MOST * MOST / area],
-        };
-        Share {
-            value: fade * share,
-            by_facing: fade * slope + fade_slope * share / size,
-            by_size: -fade_slope * share * facing / size.powi(2),
-        }
     }
 }
 
@@ -205,9 +161,11 @@ impl SceneNumbers for CanopyData {
     /// kappa [kg/m^3], V [m/s], r [m/s] and p_0 [Pa]
     fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> SceneValues {
         let flow = self.axis.flow(t, x, v);
-        let (share, along) = (self.share(t, self.opening(x), flow.axis).value, flow.mean_velocity);
+        let AxialFlow { axis, speed, air, .. } = flow;
+        let share = self.drag_area(t).map_or(1.0, |area| area / -self.opening(x).dot(&axis));
+        let along = air.wind[0] + speed * axis;
         let excess = self.cavity.as_ref().map_or(0.0, |cavity| cavity.excess((&self.triangles, flow), x, v));
-        [0.5 * flow.air.density[0] * share, flow.speed, along.x, along.y, along.z, share * excess]
+        [0.5 * air.density[0] * share, speed, along.x, along.y, along.z, excess]
     }
 }
 
@@ -302,65 +260,29 @@ impl ForceTerm for Canopy {
         match (which, &data.cavity) {
             (0, _) => data.add_kappa_gradient(at, flow, w.k, g),
             (1, _) => data.axis.add_speed_gradient(flow, w, g),
-            (5, Some(cavity)) => data.add_inner_gradient(cavity, at, (flow, w), g),
+            (5, Some(cavity)) => cavity.add_excess_gradient((&data.triangles, &data.axis), at, w, g),
             (5.., _) => {}
-            _ => data.axis.add_velocity_gradient(which - 2, w.c, g),
+            _ => data.axis.add_along_gradient(which - 2, flow, w, g),
         }
     }
 }
 
 impl CanopyData {
-    fn share(&self, t: f64, opening: Vector3<f64>, axis: Vector3<f64>) -> Share {
-        Share::new(self.drag_area(t), [-opening.dot(&axis), opening.norm()])
-    }
-
     /// Adds k dkappa/dx.
     fn add_kappa_gradient(&self, at: NodeState<'_>, flow: AxialFlow, k: f64, g: &mut [Vector3<f64>]) {
+        let Some(area) = self.drag_area(at.t) else { return self.axis.add_density_gradient(flow, 0.5 * k, g) };
+        let AxialFlow { axis, air, .. } = flow;
         let opening = self.opening(NodeVectors::Nodes(at.x));
-        let share = self.share(at.t, opening, flow.axis);
-        self.axis.add_density_gradient(flow, 0.5 * k * share.value, g);
-        self.add_share_gradient((share, opening), at, (flow, 0.5 * k * flow.air.density[0]), g);
-    }
-
-    /// Adds c dp_0/dv + k dp_0/dx.
-    fn add_inner_gradient(
-        &self,
-        cavity: &Cavity,
-        at: NodeState<'_>,
-        (flow, w): (AxialFlow, Weights),
-        g: &mut [Vector3<f64>],
-    ) {
-        let (x, v) = (NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
-        let opening = self.opening(x);
-        let share = self.share(at.t, opening, flow.axis);
-        let shared = Weights { m: 0.0, c: share.value * w.c, k: share.value * w.k };
-        cavity.add_excess_gradient((&self.triangles, &self.axis), at, shared, g);
-        let excess = cavity.excess((&self.triangles, flow), x, v);
-        self.add_share_gradient((share, opening), at, (flow, w.k * excess), g);
-    }
-
-    /// Adds `by` ds/dx.
-    fn add_share_gradient(
-        &self,
-        (share, opening): (Share, Vector3<f64>),
-        at: NodeState<'_>,
-        (flow, by): (AxialFlow, f64),
-        g: &mut [Vector3<f64>],
-    ) {
-        let Share { by_facing, by_size, .. } = share;
-        if by_facing == 0.0 && by_size == 0.0 {
-            return;
-        }
-        self.axis.add_turn(flow, -by * by_facing * opening, g);
-        self.add_opening_gradient(at.x, by * (by_size * opening.normalize() - by_facing * flow.axis), g);
-    }
-
-    /// Adds the gradient of the product of `along` and the opening.
-    pub(super) fn add_opening_gradient(&self, x: &[Vector3<f64>], along: Vector3<f64>, g: &mut [Vector3<f64>]) {
+        let size = -opening.dot(&axis);
+        let share = area / size;
+        self.axis.add_density_gradient(flow, 0.5 * k * share, g);
+        // kappa/G, by which dG counts.
+        let closing = 0.5 * air.density[0] * share / size * k;
+        self.axis.add_turn(flow, closing * opening, g);
         for (&nodes, dcp) in self.triangles.iter().zip(self.pressure_coefficient.iter()) {
-            let area = AreaVector::new(x, nodes);
+            let area = AreaVector::new(at.x, nodes);
             for (j, node) in nodes.into_iter().enumerate() {
-                g[node as usize] += *dcp * (area.derivative(j).transpose() * along);
+                g[node as usize] += closing * *dcp * (area.derivative(j).transpose() * axis);
             }
         }
     }
