@@ -3,9 +3,9 @@
 //!
 //! A wrong value is replaced by a stand-in, so that the rest can be read and its ranges checked as well. Ranges are not
 //! checked here. Faults that follow from a stand-in are not the user's: a case is read with two kinds of stand-ins, and
-//! only the faults of both readings count. The check supports the part of JSON Schema that schemars uses for this case: `$ref`, `oneOf` of words,
-//! of objects with one key and of different types, objects that refuse other keys, maps with values of one kind,
-//! arrays, and nullable types.
+//! only the faults of both readings count. The check supports the part of JSON Schema that schemars uses for this case:
+//! `$ref`, `oneOf` of words, of objects with one key and of different types, objects that refuse other keys, maps with
+//! values of one kind, arrays, and nullable types.
 
 use serde_json::{Map, Value, json};
 

@@ -14,9 +14,9 @@
 //!
 //! Schemes of first order move masses one step late, so they make up to `load_energy` in the first step of any load.
 //! The work that the account has of a load that changes in its first step is as wrong for any scheme: it is 0 where the
-//! load begins at 0, and below 0 where it changes its sign, although it has moved masses. The work f v h in a later step
-//! is at most the kinetic energy and `load_energy`. Loads that begin or grow later count as long as those before them,
-//! and what was supplied, explain what was made.
+//! load begins at 0, and below 0 where it changes its sign, although it has moved masses. The work f v h in a later
+//! step is at most the kinetic energy and `load_energy`. Loads that begin or grow later count as long as those before
+//! them, and what was supplied, explain what was made.
 //!
 //! Kang's filter contains dashpots, whose work the account evaluates outside it, far too large in long steps. For it,
 //! only energy that is present counts as made, and dissipated energy as lost. The trapezoidal rule of the ledger misses
@@ -265,8 +265,8 @@ impl Watch {
             return if supplied > 0.0 { largest / supplied } else { 0.0 };
         }
         let beyond = (largest - self.rounding(at, row, steps)).max(0.0);
-        let by_loads = self.by_loads();
-        let doubtful = self.bounds(supplied).doubtful;
+        let by_loads = self.held_by_loads();
+        let doubtful = DOUBTFUL * supplied + BEYOND_LOAD_ENERGY * by_loads;
         let all = if beyond > doubtful { supplied + by_loads } else { doubtful / DOUBTFUL };
         if beyond > 0.0 { beyond / all.max(f64::MIN_POSITIVE) } else { 0.0 }
     }
@@ -274,6 +274,13 @@ impl Watch {
     /// [J] What loads give in one step, so far.
     fn by_loads(&self) -> f64 {
         (self.load_energy * self.account.longest.powi(2)).max(self.account.late_load_energy)
+    }
+
+    /// [J] The same where springs stop what loads push in a long step: they hold no more than at rest under four times
+    /// the loads.
+    fn held_by_loads(&self) -> f64 {
+        let resolved = 4.0 * self.mass / (self.stiffness * self.account.longest.powi(2));
+        self.by_loads() * resolved.min(1.0)
     }
 
     /// The present gain.
@@ -289,9 +296,7 @@ impl Watch {
     fn bounds(&self, supplied: f64) -> EnergyBounds {
         let by_loads = self.by_loads();
         let (all, doubtful) = (supplied + by_loads, DOUBTFUL * supplied + BEYOND_LOAD_ENERGY * by_loads);
-        // In a long step springs stop what loads push: they hold no more than at rest under four times the loads.
-        let resolved = 4.0 * self.mass / (self.stiffness * self.account.longest.powi(2));
-        let held = supplied + by_loads * resolved.min(1.0);
+        let held = supplied + self.held_by_loads();
         EnergyBounds { doubtful, credible: doubtful.max(all), impossible: DIVERGED * all, held }
     }
 

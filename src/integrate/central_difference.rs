@@ -10,8 +10,8 @@
 //! The velocities that forces see lag behind by half a step, as v_h is all there is when a_{n+1} is made. So the order
 //! is 2 for what depends on positions and 1 for what depends on velocities, and damping shortens the step:
 //! w h < 2 (sqrt(1 + zeta^2) - zeta), as of Euler-Cromer, of which this is the centred form. Without velocity-dependent
-//! forces it is velocity Verlet, bit for bit. Where a program changes values at t_n, a_n is found again with them at v_h
-//! = v_n - h/2 a_n of the step before.
+//! forces it is velocity Verlet, bit for bit. Where a program changes values at t_n, a_n is found again with them at
+//! v_h = v_n - h/2 a_n of the step before.
 
 use super::kick_drift::KickDrift;
 use crate::model::step_block::KickDriftScheme;

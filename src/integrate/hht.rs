@@ -5,8 +5,8 @@
 //! r = M a_{n+1} - (1 + alpha) f_{n+1} + alpha f_n
 //! beta = (1 - alpha)^2/4,   gamma = 1/2 - alpha,   x and v as Newmark's
 //! ```
-//! Static equilibrium is x = F/K for every alpha (thesis Eq. 41's weights do not sum to one). Where a program sets forces
-//! at t_n, f_n are those with the new values, and a_n goes on with its lag ([`implicit`](super::implicit)).
+//! Static equilibrium is x = F/K for every alpha (thesis Eq. 41's weights do not sum to one). Where a program sets
+//! forces at t_n, f_n are those with the new values, and a_n goes on with its lag ([`implicit`](super::implicit)).
 
 use super::implicit::ImplicitScheme;
 use super::stage::{NewmarkParameters, StageMap};

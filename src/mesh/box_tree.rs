@@ -1,8 +1,8 @@
 //! A tree of axis-aligned boxes around numbered things in space, such as triangles: built once, refitted as they move.
 //!
 //! The tree is complete and binary, so it needs no pointers: the children of node i are 2 i + 1 and 2 i + 2, and all
-//! leaves are equally deep. Building it takes O(n log n), a refit O(n). Pairs come in an order that depends on the boxes
-//! alone.
+//! leaves are equally deep. Building it takes O(n log n), a refit O(n). Pairs come in an order that depends on the
+//! boxes alone.
 
 use std::ops::Range;
 
@@ -145,8 +145,8 @@ impl BoxTree {
         self.nodes[0]
     }
 
-    /// Calls `visit` for all pairs of things whose boxes overlap, each once. Ends early when `looks`, the number of pairs
-    /// of boxes that may be compared, is used up; `visit` may take more of it for its own work.
+    /// Calls `visit` for all pairs of things whose boxes overlap, each once. Ends early when `looks`, the number of
+    /// pairs of boxes that may be compared, is used up; `visit` may take more of it for its own work.
     pub fn pairs(&self, looks: &mut u64, mut visit: impl FnMut(u32, u32, &mut u64)) {
         // A pair of nodes leaves at most three more in the stack than it takes, on each level.
         let mut stack = Vec::with_capacity(4 * 64);

@@ -1,17 +1,18 @@
 //! Where cloth passes through cloth: edges of triangles that pass through other triangles.
 //!
-//! An edge crosses a triangle with which it shares no node if its ends are strictly on different sides of the triangle's
-//! plane and its line passes strictly through the inside. Signs come from exact predicates (Shewchuk 1997, "Adaptive
-//! precision floating-point arithmetic and fast robust geometric predicates"), so cloth that lies in one plane, or touches
-//! in a node, along an edge or side by side, does not cross. Neither does what is not deeper than the rounding of
-//! coordinates, as where the parts of a folded start lie on each other.
+//! An edge crosses a triangle with which it shares no node if its ends are strictly on different sides of the
+//! triangle's plane and its line passes strictly through the inside. Signs come from exact predicates (Shewchuk 1997,
+//! "Adaptive precision floating-point arithmetic and fast robust geometric predicates"), so cloth that lies in one
+//! plane, or touches in a node, along an edge or side by side, does not cross. Neither does what is not deeper than the
+//! rounding of coordinates, as where the parts of a folded start lie on each other.
 
 use super::box_tree::{Bounds, BoxTree};
 use super::topology::Sides;
 use nalgebra::Vector3;
 use robust::{Coord3D, orient3d};
 
-/// [-] Depth over the largest coordinate up to which cloth only touches: some thousand times the rounding of a coordinate.
+/// [-] Depth over the largest coordinate up to which cloth only touches: some thousand times the rounding of a
+/// coordinate.
 const TOUCHING: f64 = 1e-12;
 /// [-] Pairs of boxes that a search may compare, for each triangle. Cloth that hangs free takes about a hundred, a
 /// packed one some thousands.
@@ -311,8 +312,8 @@ mod tests {
         assert!(total > 10_000, "{total}");
     }
 
-    /// Two sheets that cross along a line, by how deep: both are marked where they do, and a sheet that only lies on the
-    /// other, in its plane or along a fold, is not.
+    /// Two sheets that cross along a line, by how deep: both are marked where they do, and a sheet that only lies on
+    /// the other, in its plane or along a fold, is not.
     #[test]
     fn sheets_cross_and_touch() {
         let square = sheet(4);

@@ -17,8 +17,8 @@ pub struct HangingNode {
     pub triangle: u32,
 }
 
-/// All hanging nodes, ascending, each with one edge. Nodes at an end of the edge are coincident nodes instead, and nodes
-/// on edges of two triangles are on cloth that is joined there. O(n log n).
+/// All hanging nodes, ascending, each with one edge. Nodes at an end of the edge are coincident nodes instead, and
+/// nodes on edges of two triangles are on cloth that is joined there. O(n log n).
 pub fn hanging_nodes(mesh: &Mesh, topology: &Topology) -> Vec<HangingNode> {
     let edges: Vec<([u32; 2], u32)> = topology.boundary_edges().collect();
     let length = |[a, b]: [u32; 2]| (mesh.point(a) - mesh.point(b)).norm();

@@ -1,10 +1,10 @@
 //! Rigged parachutes: a canopy cut to the pattern of its gores, with lines, riser and payload, as named groups.
 //!
-//! Unless it is turned and placed, the axis is z and the payload hangs below, along -z; the skirt is at z = 0. Triangles turn so that their normals
-//! point outwards and upwards, the side to which the pressure inside pushes. Nodes come in this order: apex, if there
-//! is no vent; rows from the vent to the skirt, each counter-clockwise from the +x axis; confluence; inner nodes of the
-//! lines, line by line; end of the riser and its inner nodes; particles of a rigid payload. In a cluster the end of the
-//! risers is first, then the others parachute by parachute.
+//! Unless it is turned and placed, the axis is z and the payload hangs below, along -z; the skirt is at z = 0.
+//! Triangles turn so that their normals point outwards and upwards, the side to which the pressure inside pushes. Nodes
+//! come in this order: apex, if there is no vent; rows from the vent to the skirt, each counter-clockwise from the +x
+//! axis; confluence; inner nodes of the lines, line by line; end of the riser and its inner nodes; particles of a rigid
+//! payload. In a cluster the end of the risers is first, then the others parachute by parachute.
 
 mod assembly;
 mod check;
@@ -126,8 +126,8 @@ pub struct ParachuteParameters {
     /// whole rig turns about the payload. `[0, 0, 1]` if absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axis: Option<[f64; 3]>,
-    /// [m] place of the payload: of the point, or of the centre of a rigid one; of the middle of the skirt's pattern for a
-    /// canopy without lines. If absent, the payload stays where it is below a skirt at z = 0
+    /// [m] place of the payload: of the point, or of the centre of a rigid one; of the middle of the skirt's pattern
+    /// for a canopy without lines. If absent, the payload stays where it is below a skirt at z = 0
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at: Option<[f64; 3]>,
 }

@@ -49,8 +49,8 @@ pub enum GaugeQuantity {
     Displacement,
     /// Position of the selected nodes, m: the mean `position_x`, `position_y`, `position_z`.
     Position,
-    /// Number of edges of cloth that pass through triangles of cloth, `crossings`, where all nodes of the edge or of the
-    /// triangle are selected.
+    /// Number of edges of cloth that pass through triangles of cloth, `crossings`, where all nodes of the edge or of
+    /// the triangle are selected.
     Crossings,
 }
 
@@ -208,8 +208,8 @@ pub trait Observables: System {
     /// flat covers of its openings; speed against the air along the axis; rho V |V|/2; drag over that; force of the air
     /// against the motion along the axis; mean over the cloth of the pressure difference from inside to outside; the
     /// projected diameter over D0; drag over rho V |V|/2 and S0; angle between the axis and the motion of the skirt
-    /// through the air. The drag area leaves the breathing out but for a cavity, and has no value there without speed. The
-    /// last two have no value without speed, nor while a stage has less than half of its drag area.
+    /// through the air. The drag area leaves the breathing out but for a cavity, and has no value there without speed.
+    /// The last two have no value without speed, nor while a stage has less than half of its drag area.
     fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
         let _ = (canopy, at);
         [f64::NAN; CANOPY_QUANTITIES.len()]

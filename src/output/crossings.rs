@@ -117,8 +117,8 @@ impl CrossingWatch {
         self.report.searched == CrossingSearch::Steps
     }
 
-    /// Searches a frame, counts it if frames are counted, and writes 1 for its triangles that pass through others, 0 for
-    /// all others.
+    /// Searches a frame, counts it if frames are counted, and writes 1 for its triangles that pass through others, 0
+    /// for all others.
     pub fn frame(&mut self, t: f64, positions: &[[f64; 3]], flags: &mut [u8]) {
         self.finder.find(positions);
         self.at = t;

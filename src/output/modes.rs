@@ -30,8 +30,9 @@ pub enum ModesWriteError {
 const DRAWN: f64 = 0.2;
 
 /// Writes the modes about a state. `mass_x`, `mass_y`, `mass_z` [kg] is what moves in a mode if a support shakes along
-/// an axis (effective modal mass); `frequency` is in Hz, `omega_squared` and its `error` in 1/s^2, `growth` in 1/s. The collection has a frame for each
-/// mode, whose time is its number; `displacement` is its shape. Without modes those of an earlier search are removed.
+/// an axis (effective modal mass); `frequency` is in Hz, `omega_squared` and its `error` in 1/s^2, `growth` in 1/s. The
+/// collection has a frame for each mode, whose time is its number; `displacement` is its shape. Without modes those of
+/// an earlier search are removed.
 ///
 /// # Errors
 /// When they cannot be written, or earlier ones are in the way.

@@ -1,5 +1,5 @@
-//! Canopies whose numbers do not belong together: drag area and size, filling time and run, reefing line and stages; and
-//! air above the standard atmosphere.
+//! Canopies whose numbers do not belong together: drag area and size, filling time and run, reefing line and stages;
+//! and air above the standard atmosphere.
 
 use crate::format_number::figures;
 use crate::model::spec::{AtmosphereSpec, CanopySpec, FillingSpec, NetworkSpec};
@@ -12,6 +12,8 @@ use std::fmt;
 const COEFFICIENTS: [f64; 2] = [0.3, 1.2];
 /// [-] Filling time over the rest of the run above which the canopy hardly begins to fill.
 const LONG: f64 = 30.0;
+/// [s] Filling time that no canopy needs: a shorter one is no fault of the case, however short the run.
+const SLOW: f64 = 20.0;
 /// [-] Relative difference of two times that are meant to be one.
 const APART: f64 = 0.01;
 /// [m] Height above sea level at which the standard atmosphere ends.
@@ -79,8 +81,10 @@ pub struct LongFilling {
 /// Finds stages that need far longer than a run until `end` [s] has.
 pub fn filling(spec: &NetworkSpec, end: f64) -> Vec<LongFilling> {
     let long = |(i, canopy): (usize, &CanopySpec)| {
-        let found =
-            canopy.filling.iter().find(|stage| stage.start < end && stage.duration > LONG * (end - stage.start))?;
+        let found = canopy
+            .filling
+            .iter()
+            .find(|stage| stage.start < end && stage.duration > (LONG * (end - stage.start)).max(SLOW))?;
         let FillingSpec { start, duration, exponent, .. } = *found;
         let share = ((end - start) / duration).powf(exponent);
         Some(LongFilling { canopy: name(spec, i), duration, times: [start, end], share })
@@ -117,8 +121,8 @@ pub struct ReefingLine {
     pub stage: Option<f64>,
 }
 
-/// Finds reefing lines that are never cut and do not grow, and those whose cut is not the start of the last stage: edges
-/// of the group `reefing` with springs, between nodes of the skirt.
+/// Finds reefing lines that are never cut and do not grow, and those whose cut is not the start of the last stage:
+/// edges of the group `reefing` with springs, between nodes of the skirt.
 pub fn reefing_lines(spec: &NetworkSpec) -> Vec<ReefingLine> {
     let Some(lines) = spec.mesh.groups.get("reefing") else { return Vec::new() };
     let of_canopy = |(i, canopy): (usize, &CanopySpec)| {
@@ -127,7 +131,11 @@ pub fn reefing_lines(spec: &NetworkSpec) -> Vec<ReefingLine> {
             spec.mesh.edges.get(**edge as usize).is_some_and(|ends| ends.iter().all(|node| skirt.contains(node)))
         };
         let first = lines.edges.iter().find(around)?;
-        let has = |group: &usize| spec.springs.get(*group).is_some_and(|g| g.edges.binary_search(first).is_ok());
+        // Cloth has the edges of its sides too.
+        let only = |edges: &[u32]| edges.iter().all(|edge| lines.edges.binary_search(edge).is_ok());
+        let has = |group: &usize| {
+            spec.springs.get(*group).is_some_and(|g| g.edges.binary_search(first).is_ok() && only(&g.edges))
+        };
         // Where the skirt has no nodes between the lines, its tape has the same edges.
         let with_tape = spec.mesh.groups.get("skirt").is_some_and(|skirt| skirt.edges.binary_search(first).is_ok());
         let groups: Vec<usize> = (0..spec.springs.len()).filter(has).collect();

@@ -3,9 +3,9 @@
 //! The cost of Cholesky is counted on the elimination tree of the nodes, without a symbolic factorisation. The cost of
 //! CG is the number of iterations that solves with earlier matrices have taken. For the first matrix a trial solves
 //! W x = b for a fixed pseudo-random b; it stops as soon as Cholesky would be cheaper. A trial sees how fast most of a
-//! residual falls; a hem or a chain that is far stiffer than the rest keeps the last of it. So CG is not tried on such a
-//! W, and no solve may cost more than to factorise W and to solve with the factor. The choice depends on W and on counts
-//! of earlier solves (`quasi_newton`), not on the machine.
+//! residual falls; a hem or a chain that is far stiffer than the rest keeps the last of it. So CG is not tried on such
+//! a W, and no solve may cost more than to factorise W and to solve with the factor. The choice depends on W and on
+//! counts of earlier solves (`quasi_newton`), not on the machine.
 
 use super::linear::{Accuracy, ExpectedUse, Inertia, LinearError, LinearSolver, LinearStats, SolverWork};
 use super::ordering::{Elimination, fill_reducing};

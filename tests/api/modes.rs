@@ -1,5 +1,5 @@
-//! The lowest modes of many small scenes, all of which a dense solver has too: free bodies, mechanisms, frequencies that
-//! come many times over, states in compression that grow, pressures and air.
+//! The lowest modes of many small scenes, all of which a dense solver has too: free bodies, mechanisms, frequencies
+//! that come many times over, states in compression that grow, pressures and air.
 
 use crate::common::Random;
 use crate::common::run::case_of;

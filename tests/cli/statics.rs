@@ -244,8 +244,8 @@ fn threads_change_no_bit() {
     assert!(bytes("1") == bytes("2"));
 }
 
-/// A prism of struts and strings that stress each other, held by nothing: its start is its equilibrium, and from a start
-/// beside it the search comes back to its shape.
+/// A prism of struts and strings that stress each other, held by nothing: its start is its equilibrium, and from a
+/// start beside it the search comes back to its shape.
 #[test]
 fn a_free_body_under_its_own_stress_rests() {
     let bench = Bench::new();

@@ -38,10 +38,11 @@ pub struct Aero {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum OneOrSeveral<T> {
-    /// one
-    One(Box<T>),
+    // First: an empty list could be read as one of which everything is left out.
     /// several
     Several(Vec<T>),
+    /// one
+    One(Box<T>),
 }
 
 impl<T> OneOrSeveral<T> {

@@ -105,8 +105,8 @@ pub enum SlackRule {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Dashpot {
-    /// c ldot along the spring. Where the spring can be slack, at most as much as the spring's own tension: none while it
-    /// is slack, and a rope never pushes.
+    /// c ldot along the spring. Where the spring can be slack, at most as much as the spring's own tension: none while
+    /// it is slack, and a rope never pushes.
     Axial(DashpotRule),
     /// c (vb - va), all three components, slack or not.
     Relative(DashpotRule),

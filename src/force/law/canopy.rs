@@ -65,7 +65,8 @@ impl CanopyData {
         (!self.filling.is_empty()).then(|| self.filling.iter().fold(0.0, grown))
     }
 
-    /// Whether it has at least half of the drag area at which the stage at time `t` [s] ends; one that does not fill has.
+    /// Whether it has at least half of the drag area at which the stage at time `t` [s] ends; one that does not fill
+    /// has.
     pub fn half_filled(&self, t: f64) -> bool {
         let stage = self.filling.iter().rev().find(|stage| stage.start <= t);
         self.filling.is_empty()

@@ -48,7 +48,9 @@ impl ParachuteParameters {
         if let Some(reefing) = &self.reefing {
             let at = format!("{at}/reefing");
             check_length(&at, "diameter", reefing.diameter, faults);
-            if let Some(vent) = self.vent_diameter.filter(|vent| *vent >= reefing.diameter) {
+            // A vent that is too large itself is a fault of its own.
+            let vent = self.vent_diameter.filter(|vent| (reefing.diameter..=self.largest_vent()).contains(vent));
+            if let Some(vent) = vent {
                 let hint = "the air would fill the canopy through its vent".to_owned();
                 let allowed = format!("more than the vent's {vent}");
                 faults(&format!("{at}/diameter"), reefing.diameter.to_string(), allowed, hint);
@@ -77,6 +79,11 @@ impl ParachuteParameters {
         }
     }
 
+    /// [m]
+    fn largest_vent(&self) -> f64 {
+        self.nominal_diameter * MOST_VENT.sqrt()
+    }
+
     fn check_vent(&self, at: &str, faults: FaultSink<'_>) {
         let Some(vent) = self.vent_diameter else {
             if self.vent_lines == Some(true) {
@@ -86,7 +93,7 @@ impl ParachuteParameters {
             return;
         };
         check_length(at, "vent_diameter", vent, faults);
-        let most = self.nominal_diameter * MOST_VENT.sqrt();
+        let most = self.largest_vent();
         if self.nominal_diameter > 0.0 && vent > most && vent.is_finite() {
             let allowed = format!("at most {most:.6}, half of the nominal area");
             let hint = "the canopy would be more vent than cloth; make the vent smaller".to_owned();

@@ -230,8 +230,8 @@ fn places_of_what_is_not_in_the_text() {
     let set = faults(base_with(&[("time.end", "null")]));
     assert_eq!((set[0].pointer.as_str(), place(&set).as_deref()), ("/time/end", Some("--set time.end=null")));
     // The fault is in what the assignment made on its way.
-    let made = faults(base_with(&[("time.step", "0.02"), ("foo.bar", "1")]));
-    assert_eq!((made[0].pointer.as_str(), place(&made).as_deref()), ("/foo", Some("--set foo.bar=1")));
+    let made = faults(base_with(&[("time.step", "0.02"), ("output.foo.bar", "1")]));
+    assert_eq!((made[0].pointer.as_str(), place(&made).as_deref()), ("/output/foo", Some("--set output.foo.bar=1")));
     let case = base_with(&[("time.step", "0.02")]).expect("good");
     let sets = |list: &[(&str, &str)]| list.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect::<Vec<_>>();
     let case = case.with(&sets(&[("time.end", "3")])).expect("good");
