@@ -109,7 +109,8 @@ impl Simulation {
         };
         // The scene as it is before its events: a snapshot may be of another time than the present one.
         scene.pass_events(0);
-        let (stiffness, State { t, x, v }) = (scene.nodal_stiffness(), scene.initial_state());
+        let (masses, stiffness) = (sum(scene.inverse_mass()), scene.nodal_stiffness());
+        let State { t, x, v } = scene.initial_state();
         scene.pass_events(self.state.events_passed());
         // Numbers in the engine's order, brought into the user's.
         let counted = State { t, x: (0..x.len()).map(|dof| dof as f64).collect(), v };
@@ -125,7 +126,7 @@ impl Simulation {
         Origin {
             method: (method.info.name.to_owned(), method.parameters().map(|(_, value)| value).collect()),
             steps,
-            masses: sum(scene.inverse_mass()),
+            masses,
             stiffnesses: sum(&stiffness),
             start: sum(&x),
             // A pendulum has one node and an angle.
