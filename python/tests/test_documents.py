@@ -57,11 +57,11 @@ def test_the_wheel_has_its_licence_and_names_its_authors():
     """The module's folder has a copy of the project's licence, since a wheel takes none from above."""
     from importlib import metadata
 
-    assert (ROOT / "python" / "LICENSE").read_text() == (ROOT / "LICENSE").read_text()
+    assert (ROOT / "python" / "LICENSE.txt").read_text() == (ROOT / "LICENSE").read_text()
     told = metadata.metadata("canopy-fem")
     assert told["License-Expression"] == "MIT" and told["Author"] == "The canopy-fem developers"
     files = metadata.files("canopy-fem") or []
-    assert any(file.name == "LICENSE" for file in files)
+    assert any(file.name == "LICENSE.txt" for file in files)
 
 
 def test_the_version_is_that_of_cargo():
