@@ -265,7 +265,8 @@ impl Watch {
             return if supplied > 0.0 { largest / supplied } else { 0.0 };
         }
         let beyond = (largest - self.rounding(at, row, steps)).max(0.0);
-        let by_loads = self.held_by_loads();
+        // A load that gives far more in one step than the run ever had is not one that the steps resolve.
+        let by_loads = self.held_by_loads().min(if supplied > 0.0 { DIVERGED * supplied } else { f64::INFINITY });
         let doubtful = DOUBTFUL * supplied + BEYOND_LOAD_ENERGY * by_loads;
         let all = if beyond > doubtful { supplied + by_loads } else { doubtful / DOUBTFUL };
         if beyond > 0.0 { beyond / all.max(f64::MIN_POSITIVE) } else { 0.0 }

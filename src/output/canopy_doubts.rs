@@ -39,7 +39,7 @@ fn leaning(Peak { name, value, t, last, .. }: &Peak) -> Option<Warning> {
 fn other_drag([drag, pressure, area]: [&Peak; 3]) -> Option<Warning> {
     let found = drag.last / pressure.last;
     let flows = pressure.last.abs() > LITTLE * pressure.value.abs();
-    let off = flows && area.steady && area.last > 0.0 && (found / area.last - 1.0).abs() > OFF;
+    let off = flows && drag.steady && area.steady && area.last > 0.0 && (found / area.last - 1.0).abs() > OFF;
     off.then(|| {
         let [found, given, ratio] = [found, area.last, found / area.last].map(|number| figures(number, 3));
         let text = format!(
