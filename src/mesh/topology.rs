@@ -164,7 +164,7 @@ impl Topology {
     /// Edges of one triangle, the smaller node first, with that triangle; ascending.
     pub fn boundary_edges(&self) -> impl Iterator<Item = ([u32; 2], u32)> {
         let sides = self.sides.nodes.iter().enumerate().map(|(side, nodes)| (*nodes, self.sides.at(side)));
-        sides.filter_map(|(nodes, triangles)| (triangles.len() == 1).then(|| (nodes, triangles[0])))
+        sides.filter(|(_, triangles)| triangles.len() == 1).map(|(nodes, triangles)| (nodes, triangles[0]))
     }
 
     /// Number of parts that no edge or triangle connects.

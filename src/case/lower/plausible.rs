@@ -69,7 +69,7 @@ pub(super) fn material(at: &Pointer, key: &str, value: f64, faults: &mut Faults<
     else {
         return;
     };
-    if !(value > 0.0) || (*low..=*high).contains(&value) {
+    if value.is_nan() || value <= 0.0 || (*low..=*high).contains(&value) {
         return;
     }
     let meant = other_units.iter().find(|(_, size)| (100.0 * low..=0.5 * high).contains(&(value * size)));
