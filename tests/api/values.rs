@@ -138,7 +138,7 @@ fn norm(a: [f64; 4]) -> f64 {
 
 /// A value that changes in every step, and not smoothly.
 fn jumping(step: u32) -> f64 {
-    1.0 + 0.5 * (f64::from(step) * 2.4).sin() + if step % 3 == 0 { 0.4 } else { 0.0 }
+    1.0 + 0.5 * (f64::from(step) * 2.4).sin() + if step.is_multiple_of(3) { 0.4 } else { 0.0 }
 }
 
 /// A stiff sail across a wind along x, which moves along x and stays flat, so that the equations are linear.

@@ -119,7 +119,10 @@ fn stable(case: &Case, step: f64) -> Vec<&'static MethodInfo> {
     methods().iter().filter(fits).collect()
 }
 
-fn none_is_stopped(tables: &[Vec<[f64; 2]>], cases: [(Kind, &[(f64, f64, bool)]); 3]) {
+/// Cases of a kind of table.
+type Cases<'a> = (Kind, &'a [(f64, f64, bool)]);
+
+fn none_is_stopped(tables: &[Vec<[f64; 2]>], cases: [Cases<'_>; 3]) {
     let mut wrong = Vec::new();
     for (kind, cases) in cases {
         let (stopped, warned, all) = sweep(kind, tables, cases);
