@@ -375,7 +375,7 @@ def test_ctrl_c_is_quick(how, tmp_path):
         net = cf.Network(mesh, mass=1e-4, gravity=[0, 0, -9.81])
         net.springs(stiffness=1000.0)
         net.hold([0, 1])
-        sim = cf.Simulation(net, method="newmark", step=0.1, end=1e3)
+        sim = cf.Simulation(net, method="backward-euler", step=0.02, end=1e3)
     large = {"radius": 1.0, "nodes": 300_000}
     if how == "function":
         sim.forces["none"] = lambda t, x, v: 0.0 * x
