@@ -51,7 +51,7 @@ pub enum Slack {
 /// The direction in which a dashpot acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum DashpotKind {
-    /// c ldot along the spring; at most its own tension where it can be slack.
+    /// c ldot along the spring; clamped together with a slack spring.
     Axial,
     /// c (vb - va), all three components, slack or not.
     Relative,

@@ -17,7 +17,6 @@ mod program;
 mod sheets;
 #[cfg(unix)]
 mod signals;
-mod slack;
 mod solver;
 mod warnings;
 mod words;

