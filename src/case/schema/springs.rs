@@ -105,8 +105,8 @@ pub enum SlackRule {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Dashpot {
-    /// c ldot along the spring. Beside a tension-only spring the sum of both is at least 0: a rope never pushes. It pulls
-    /// while it is slack where its ends move apart faster than k/c times the slack.
+    /// c ldot along the spring. Beside a tension-only spring the sum of both is at least 0: a rope never pushes. It
+    /// pulls while it is slack where its ends move apart faster than k/c times the slack.
     Axial(DashpotRule),
     /// c (vb - va), all three components, slack or not.
     Relative(DashpotRule),
