@@ -11,15 +11,22 @@ const OFF: f64 = 0.2;
 /// [-] Dynamic pressure at the end, over the largest of the run, below which there is no drag to speak of.
 const LITTLE: f64 = 1e-3;
 
-/// Warnings about the canopies of a run by their largest and last values.
-pub fn canopy_doubts(peaks: &[Peak]) -> Vec<Warning> {
+/// Warnings about the canopies of a run until `end` [s] by their largest and last values.
+pub fn canopy_doubts(peaks: &[Peak], end: f64) -> Vec<Warning> {
     let of = |name: &str, quantity: &str| peaks.iter().find(|peak| peak.name == name && peak.quantity == quantity);
     let canopies = peaks.iter().filter(|peak| peak.quantity == "projected_ratio").map(|peak| peak.name.as_str());
     let of_canopy = |name: &str| {
         let leaning = of(name, "angle_of_attack").and_then(leaning);
         let parts = [of(name, "drag"), of(name, "dynamic_pressure"), of(name, "drag_area")];
         let [drag, pressure, area] = parts;
-        let off = drag.zip(pressure).zip(area).and_then(|((drag, pressure), area)| other_drag([drag, pressure, area]));
+        // Cloth takes its shape while the air passes it.
+        let passed = of(name, "axial_speed").zip(of(name, "projected_diameter"));
+        let passed = passed.is_some_and(|(speed, diameter)| speed.value.abs() * end > diameter.last);
+        let off = drag
+            .filter(|_| passed)
+            .zip(pressure)
+            .zip(area)
+            .and_then(|((drag, pressure), area)| other_drag([drag, pressure, area]));
         [leaning, off]
     };
     canopies.flat_map(of_canopy).flatten().collect()

@@ -59,7 +59,7 @@ pub fn doubts_at_end(
     let strained = strained.filter(|_| outcome.failure.is_none()).map(strained_cloth);
     let crossings = summary.crossings.as_ref().and_then(CrossingReport::warning);
     let found = [energy_made(outcome), energy_dissipated(problem, outcome), strained, crossings];
-    problem.sort_out(found.into_iter().flatten().chain(canopy_doubts(&summary.peaks))).1
+    problem.sort_out(found.into_iter().flatten().chain(canopy_doubts(&summary.peaks, outcome.t_end))).1
 }
 
 /// Warning for strains that no cloth bears.
