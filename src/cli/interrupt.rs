@@ -22,6 +22,11 @@ pub(super) fn stop_on_interrupt() -> Arc<AtomicBool> {
     Arc::clone(ASKED.get_or_init(Arc::default))
 }
 
+/// Whether a signal has asked to stop.
+pub(super) fn is_asked() -> bool {
+    ASKED.get().is_some_and(|asked| asked.load(Ordering::Relaxed))
+}
+
 /// Catches signals. They end the program until it says that it has something to save.
 pub(super) fn catch_interrupts() {
     // Without a handler a signal still ends the program, only without a summary.

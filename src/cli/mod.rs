@@ -56,7 +56,8 @@ pub fn main() -> ExitCode {
         }
         Err(error) => {
             complain(&format!("error: {error}"));
-            ExitCode::from(error.exit_code())
+            // Whatever a signal has cut short.
+            if interrupt::is_asked() { ExitCode::from(130) } else { ExitCode::from(error.exit_code()) }
         }
     }
 }
