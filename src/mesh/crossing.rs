@@ -22,6 +22,9 @@ const LEAST_LOOKS: u64 = 10_000_000;
 /// [-] What a crossing that is found takes of them, which bounds their number.
 const LOOKS_OF_CROSSING: u64 = 500;
 
+/// [-] Extent over that at the start from which on cloth is no cloth any more: a run went on past its divergence.
+const BLOWN_UP: f64 = 1e3;
+
 /// An edge of cloth that passes through a triangle of cloth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
@@ -47,6 +50,8 @@ pub struct CrossingFinder {
     own: Vec<u8>,
     found: Vec<Crossing>,
     complete: bool,
+    /// [m] largest extent at the start; infinite if it is not known
+    size: f64,
 }
 
 impl CrossingFinder {
@@ -59,7 +64,14 @@ impl CrossingFinder {
             own: Vec::new(),
             found: Vec::new(),
             complete: true,
+            size: f64::INFINITY,
         })
+    }
+
+    /// The same, which does not search cloth that has grown a thousand times beyond these positions [m].
+    pub fn with_start(mut self, positions: &[[f64; 3]]) -> Self {
+        self.size = extent(&Bounds::of(self.triangles.as_flattened().iter().map(|n| &positions[*n as usize])));
+        self
     }
 
     /// All crossings at these positions [m] of the nodes, by triangle, then by edge. All are finite.
@@ -83,6 +95,10 @@ impl CrossingFinder {
                 none.insert(BoxTree::new(&boxes))
             }
         };
+        if extent(&tree.bounds()) > BLOWN_UP * self.size {
+            self.complete = false;
+            return &self.found;
+        }
         let Bounds { low, high } = tree.bounds();
         let largest = low.iter().chain(&high).fold(0.0, |most: f64, x| most.max(x.abs()));
         let cloth = Cloth { triangles, own: &self.own, positions, touching: TOUCHING * largest };
@@ -120,6 +136,11 @@ impl CrossingFinder {
             at_edge.iter().chain([&crossing.triangle]).for_each(|triangle| mark(*triangle));
         }
     }
+}
+
+/// [m]
+fn extent(Bounds { low, high }: &Bounds) -> f64 {
+    low.iter().zip(high).fold(0.0, |most: f64, (low, high)| most.max(high - low))
 }
 
 fn most_looks(triangles: usize) -> u64 {

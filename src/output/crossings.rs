@@ -97,6 +97,7 @@ impl CrossingWatch {
     /// Of a scene; `None` where cloth cannot meet cloth or none is searched for.
     pub fn new(picture: &dyn Observables, searched: CrossingSearch) -> Option<Self> {
         let finder = (searched != CrossingSearch::None).then(|| CrossingFinder::new(picture.triangles()))??;
+        let finder = finder.with_start(picture.reference());
         let report = CrossingReport { searched, complete: true, ..CrossingReport::default() };
         let nodes = if searched == CrossingSearch::Steps { picture.reference().len() } else { 0 };
         let trace = [(); 2].map(|()| vec![[0.0; 3]; nodes]);

@@ -106,7 +106,7 @@ impl Cloth {
         let count = picture.reference().len();
         let mut selected = vec![false; count];
         nodes.iter().for_each(|node| selected[*node as usize] = true);
-        let finder = CrossingFinder::new(picture.triangles());
+        let finder = CrossingFinder::new(picture.triangles()).map(|finder| finder.with_start(picture.reference()));
         Cloth { finder, selected, trace: [(); 2].map(|()| vec![[0.0; 3]; count]) }
     }
 
