@@ -359,7 +359,13 @@ fn shipped_cases_have_no_warning() {
         let sets: Vec<&str> = sets.iter().flat_map(|set| ["--set", set.as_str()]).collect();
         let solved = program_with(folder.path(), &[&["solve", &name, "--end", &end][..], &sets].concat());
         assert_eq!(solved.status, Some(0), "{name}: {}", solved.stderr);
-        silent(&name, &solved);
+        if name.contains("parachute-original") {
+            // Its air strains its cloth by hundreds of percent at once, which is told.
+            assert_eq!(solved.stderr.matches("warning").count(), 1, "{}", solved.stderr);
+            assert!(solved.stderr.contains("[strained-cloth]"), "{}", solved.stderr);
+        } else {
+            silent(&name, &solved);
+        }
     }
 }
 
