@@ -272,7 +272,7 @@ def test_the_command_runs_and_tells(folder, monkeypatch):
         (parameters(), 0, ""),
         (parameters(transfer="copy", flow={"breaks": 0.26}), 2, "not finite"),
         (parameters(transfer="copy", cells=13), 2, "18 != 28 for interface data"),
-        (parameters(overrides={"solver.newton.max_iterations": 1}, flow={"push": 40.0}), 3, "Newton"),
+        (parameters(overrides={"solver.newton.max_iterations": 1}, flow={"push": 400.0}), 3, "Newton"),
     ):
         (folder / "both.json").write_text(json.dumps(given))
         done = command("-m", "canopy_fem.kratos", "both.json", folder=folder)
