@@ -2,7 +2,7 @@
 
 /// Row i holds `items[start[i]..start[i + 1]]`.
 #[derive(Clone, Debug)]
-pub(crate) struct Adjacency {
+pub struct Adjacency {
     /// start of every row, and the number of items at the end `[n + 1]`
     pub start: Vec<u32>,
     /// items of all rows
@@ -39,7 +39,7 @@ impl Adjacency {
 }
 
 /// Where `n` rows start when items are sorted by their rows, and the number of items at the end `[n + 1]`.
-pub(crate) fn row_starts(n: usize, rows: impl Iterator<Item = u32>) -> Vec<u32> {
+pub fn row_starts(n: usize, rows: impl Iterator<Item = u32>) -> Vec<u32> {
     let mut start = vec![0; n + 1];
     rows.for_each(|row| start[row as usize + 1] += 1);
     for i in 0..n {

@@ -210,7 +210,7 @@ impl BoxTree {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::random::SplitMix64;
+    use crate::random::SplitMix64;
 
     fn boxes(n: usize, random: &mut SplitMix64) -> Vec<Bounds> {
         let mut point = || [0; 3].map(|_| (4.0 * random.signed()).floor());

@@ -169,7 +169,7 @@ impl Canopy {
 
 /// The skirt of a canopy as far as a group knows it.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct SkirtGroup {
+pub struct SkirtGroup {
     edges: Vec<u32>,
     nodes: Vec<u32>,
 }

@@ -9,7 +9,7 @@ const LEAST_FLATNESS: f64 = 1e-10;
 
 impl Mesh {
     /// Position of a node.
-    pub(crate) fn point(&self, node: u32) -> Vector3<f64> {
+    pub fn point(&self, node: u32) -> Vector3<f64> {
         Vector3::from(self.nodes[node as usize])
     }
 
@@ -22,7 +22,7 @@ impl Mesh {
     /// Checks the conditions of every simulation: numbers in range, finite positions, no repeated or degenerate edge or
     /// triangle.
     ///
-    /// [`crate::mesh::Topology`] checks orientation and manifoldness, which not every scene needs.
+    /// [`crate::Topology`] checks orientation and manifoldness, which not every scene needs.
     ///
     /// # Errors
     /// The first fault found, with its numbers.

@@ -1,7 +1,7 @@
 //! Connected components of a graph.
 
 /// The component of every one of `n` nodes, named by its smallest node, where pairs of nodes are joined.
-pub(crate) fn components(n: usize, pairs: impl Iterator<Item = [u32; 2]>) -> Vec<u32> {
+pub fn components(n: usize, pairs: impl Iterator<Item = [u32; 2]>) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..n as u32).collect();
     for [a, b] in pairs {
         let (a, b) = (root(&mut parent, a), root(&mut parent, b));

@@ -272,7 +272,7 @@ fn pierces([p, q]: [Coord3D<f64>; 2], [a, b, c]: [Coord3D<f64>; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::random::SplitMix64;
+    use crate::random::SplitMix64;
     use std::collections::BTreeSet;
 
     /// Six times the volume of a tetrahedron with whole coordinates.

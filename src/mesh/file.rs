@@ -43,7 +43,8 @@ pub struct MeshFile {
 }
 
 /// Which axis of a file points up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Axes {
     /// z, as here
@@ -54,7 +55,8 @@ pub enum Axes {
 }
 
 /// Which diagonals of a quad become edges.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Diagonals {
     /// The one that cuts it into two triangles. It makes the cloth stiffer along it than across it.
@@ -152,7 +154,7 @@ const SAME: f64 = 0.1;
 const LARGE: f64 = 100.0;
 
 /// What may be wrong with a mesh, and the option that mends it.
-pub(crate) fn repairs(mesh: &Mesh, topology: &Topology) -> Vec<String> {
+pub fn repairs(mesh: &Mesh, topology: &Topology) -> Vec<String> {
     let mut advice = Vec::new();
     let place = |node: u32| nalgebra::Vector3::from(mesh.nodes[node as usize]);
     let shortest = mesh.edges.iter().map(|&[a, b]| (place(a) - place(b)).norm()).fold(f64::INFINITY, f64::min);

@@ -15,7 +15,7 @@ pub type Groups = BTreeMap<String, Group>;
 /// Name of the arrays of a .vtu file, on cells and on points, with the numbers of groups.
 pub(crate) const GROUP: &str = "group";
 /// Name of the cell array of a frame that tells triangles, their sides and other edges apart.
-pub(crate) const KIND: &str = "kind";
+pub const KIND: &str = "kind";
 /// What the name of the field array of a group of triangles and edges begins with.
 pub(super) const CELL_GROUP: &str = "group ";
 /// The same of a group of nodes.
@@ -73,13 +73,13 @@ impl Group {
     }
 
     /// [m] Length of the edges that it lists.
-    pub(crate) fn length(&self, mesh: &Mesh) -> f64 {
+    pub fn length(&self, mesh: &Mesh) -> f64 {
         let ends = self.edges.iter().filter_map(|&e| mesh.edges.get(e as usize));
         ends.map(|&[a, b]| (mesh.point(a) - mesh.point(b)).norm()).sum()
     }
 
     /// [m^2] Area of the triangles that it lists.
-    pub(crate) fn area(&self, mesh: &Mesh) -> f64 {
+    pub fn area(&self, mesh: &Mesh) -> f64 {
         self.triangles.iter().filter_map(|&t| mesh.triangles.get(t as usize)).map(|t| mesh.area(t)).sum()
     }
 
@@ -101,7 +101,7 @@ fn ascending(numbers: impl IntoIterator<Item = u32>) -> Vec<u32> {
 }
 
 /// One line for each group: its name, the counts of its members, the length of its edges, the area of its triangles.
-pub(crate) fn describe_groups(mesh: &Mesh) -> Vec<String> {
+pub fn describe_groups(mesh: &Mesh) -> Vec<String> {
     let describe = |(name, group): (&String, &Group)| {
         let mut text = format!("{name}: {}", group.describe());
         if !group.edges.is_empty() {
@@ -155,7 +155,7 @@ impl Mesh {
 /// Group membership as files store it: one number for each cell and node, and for each group the numbers of its
 /// members.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct GroupNumbers {
+pub struct GroupNumbers {
     /// of each cell, triangles before edges; 0 = in no group
     pub cells: Vec<i32>,
     /// of each node; 0 = in no group

@@ -69,7 +69,7 @@ mod tests {
     fn half_split(x: f64, y: f64) -> Mesh {
         let nodes = vec![[0.0; 3], [3.0, 0.0, 0.0], [x, y, 0.0], [1.0, -1.0, 0.0], [1.0, 2.0, 0.0]];
         let triangles = vec![[0, 1, 4], [0, 3, 2], [2, 3, 1]];
-        Mesh { edges: crate::mesh::topology::unique_edges(&triangles), nodes, triangles, ..Mesh::default() }
+        Mesh { edges: crate::topology::unique_edges(&triangles), nodes, triangles, ..Mesh::default() }
     }
 
     fn of(mesh: &Mesh) -> Vec<HangingNode> {
@@ -113,7 +113,7 @@ mod tests {
         let ((mut nodes, mut triangles), (more, further)) = (half(20, 1.0, 0), half(30, -1.0, 441));
         nodes.extend(more);
         triangles.extend(further);
-        let mesh = Mesh { edges: crate::mesh::topology::unique_edges(&triangles), nodes, triangles, ..Mesh::default() };
+        let mesh = Mesh { edges: crate::topology::unique_edges(&triangles), nodes, triangles, ..Mesh::default() };
         // Of 19 and 29 nodes between the ends, nine are on both sides.
         assert_eq!(of(&mesh).len(), 19 - 9 + 29 - 9);
     }

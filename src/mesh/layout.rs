@@ -5,7 +5,7 @@ use super::annulus::GRADING_RANGE;
 use super::hilbert;
 use super::random::SplitMix64;
 use super::sdf::{RadialTable, Ring, SizeFunction, integral, on_unit_circle};
-use crate::model::unit_vector::unit_vector;
+use crate::unit_vector::unit_vector;
 use nalgebra::Vector2;
 use std::f64::consts::{PI, TAU};
 

@@ -66,11 +66,11 @@ pub(super) fn turn_alike(mesh: &mut Mesh) -> (Option<String>, Option<String>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Topology;
+    use crate::Topology;
 
     fn strip(triangles: Vec<[u32; 3]>) -> Mesh {
         let nodes = (0..8).map(|i| [f64::from(i / 2), f64::from(i % 2), 0.1 * f64::from(i * i)]).collect();
-        let edges = crate::mesh::topology::unique_edges(&triangles);
+        let edges = crate::topology::unique_edges(&triangles);
         Mesh { nodes, edges, triangles, ..Mesh::default() }
     }
 

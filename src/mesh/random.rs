@@ -28,14 +28,14 @@ impl SplitMix64 {
 
 /// [-] A fixed number in [-1, 1) for every index: a multiplicative hash (Fibonacci hashing, Knuth 1973, section 6.4).
 /// Test vectors made of it have a part of every mode.
-pub(crate) fn pseudo_random(i: usize) -> f64 {
+pub fn pseudo_random(i: usize) -> f64 {
     let hash = (i as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11;
     2.0 * (hash as f64 / (1u64 << 53) as f64) - 1.0
 }
 
 /// The linear congruential generator of Knuth's MMIX (1999), from one fixed seed. The choice between Cholesky and
 /// conjugate gradients follows its numbers, and so do the bits of results.
-pub(crate) struct Lcg(u64);
+pub struct Lcg(u64);
 
 impl Default for Lcg {
     fn default() -> Self {

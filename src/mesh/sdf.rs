@@ -1,6 +1,6 @@
 //! Signed distance and size function of a ring, the two inputs of Persson & Strang (2004), section 2.
 
-use crate::model::unit_vector::unit_vector;
+use crate::unit_vector::unit_vector;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 

@@ -31,7 +31,7 @@ mod tests {
     use super::*;
     use crate::case::schema::Method;
     use crate::integrate::registry::Family;
-    use crate::study::row::{Job, RowStatus, RunResult, StepSetting};
+    use crate::row::{Job, RowStatus, RunResult, StepSetting};
 
     fn row(id: &str, status: RowStatus, error: f64, cost: f64) -> Row {
         let method = Method { name: "rk4".to_owned(), parameters: Default::default() };

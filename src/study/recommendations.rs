@@ -178,7 +178,7 @@ fn targets(reference_error: f64) -> impl Iterator<Item = f64> {
 
 /// A sentence of the template.
 fn sentence(context: Value) -> Result<String, StudyError> {
-    let text = render("answers.txt", include_str!("../../assets/report/answers.txt"), &context)?;
+    let text = render("answers.txt", include_str!("templates/answers.txt"), &context)?;
     Ok(text.trim().to_owned())
 }
 

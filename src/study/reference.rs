@@ -326,7 +326,7 @@ mod tests {
     /// What was made of a reference is lost with it: nothing says that the study goes on from there.
     #[test]
     fn an_interrupted_reference_starts_again() {
-        let case = format!("{}/assets/cases/spring-pendulum.json", env!("CARGO_MANIFEST_DIR"));
+        let case = format!("{}/../../assets/cases/spring-pendulum.json", env!("CARGO_MANIFEST_DIR"));
         let case = Case::from_file(case.as_ref(), &[]).expect("a good case");
         let prepared = PreparedCase::of(case.into_problem(), 1).expect("a scene");
         let builder =

@@ -113,7 +113,7 @@ impl<P: StudyPlan> Store<P> {
     }
 
     /// The error for a folder without a plan.
-    pub(crate) fn no_plan(folder: &Path) -> StudyError {
+    pub fn no_plan(folder: &Path) -> StudyError {
         StudyError::NoPlan { folder: folder.to_owned(), command: P::COMMAND }
     }
 
@@ -145,12 +145,12 @@ impl<P: StudyPlan> Store<P> {
     }
 
     /// Stores the plan, after its references.
-    pub(crate) fn keep_plan(&self, plan: &P) -> Result<(), StudyError> {
+    pub fn keep_plan(&self, plan: &P) -> Result<(), StudyError> {
         self.write_json(&self.plan_path(), plan)
     }
 
     /// Removes all that belongs to a study.
-    pub(crate) fn clear(&self) -> Result<(), StudyError> {
+    pub fn clear(&self) -> Result<(), StudyError> {
         gone(&self.dir, fs::remove_dir_all(&self.dir))
     }
 
@@ -190,7 +190,7 @@ impl<P: StudyPlan> Store<P> {
     }
 
     /// Copies the finished runs of the same study from another folder; another study there is an error.
-    pub(crate) fn take_from(&self, other: &Self, plan: &P) -> Result<(), StudyError> {
+    pub fn take_from(&self, other: &Self, plan: &P) -> Result<(), StudyError> {
         let theirs = other.plan()?.ok_or_else(|| Self::no_plan(&other.dir))?;
         if !theirs.same_runs(plan) {
             let difference = "its runs are not those of the plan".to_owned();
@@ -229,7 +229,7 @@ impl Store {
     }
 
     /// Stores the reference of a variant.
-    pub(crate) fn keep_reference(&self, variant: usize, reference: &Reference) -> Result<(), StudyError> {
+    pub fn keep_reference(&self, variant: usize, reference: &Reference) -> Result<(), StudyError> {
         self.write_binary(&self.reference_path(variant), reference)
     }
 

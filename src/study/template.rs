@@ -1,5 +1,5 @@
-//! Text from templates under `assets/report`: pages, tables and reports are laid out there, and only numbers are made
-//! here.
+//! Text from the templates in `src/study/templates`: pages, tables and reports are laid out there, and only numbers are
+//! made here.
 
 use minijinja::{Environment, UndefinedBehavior, Value};
 use serde::Serialize;
@@ -12,10 +12,8 @@ use crate::plot::PlotError;
 use crate::plot::chart::{Chart, Size, svg_page};
 
 /// Pages may extend `page.html` and import from `parts.html`.
-const SHARED: [(&str, &str); 2] = [
-    ("page.html", include_str!("../../assets/report/page.html")),
-    ("parts.html", include_str!("../../assets/report/parts.html")),
-];
+const SHARED: [(&str, &str); 2] =
+    [("page.html", include_str!("templates/page.html")), ("parts.html", include_str!("templates/parts.html"))];
 /// Digits of what a mark tells: a row of the csv file is found by them.
 const TOLD: usize = 6;
 
@@ -85,7 +83,7 @@ fn told_cell(text: String) -> String {
     }
 }
 
-/// Fills in a template, which may extend the frame of all pages: `page.html` of `assets/report`. What is put into one
+/// Fills in a template, which may extend the frame of all pages: `page.html`. What is put into one
 /// whose name ends in `.html` is escaped; lines of other ones that hold only a statement leave nothing behind.
 ///
 /// # Errors
@@ -98,10 +96,8 @@ pub fn render(name: &str, template: &str, context: &impl Serialize) -> Result<St
         templates.set_trim_blocks(blocks);
         templates.set_lstrip_blocks(blocks);
         templates.set_keep_trailing_newline(blocks);
-        templates
-            .add_global("page_style", Value::from_safe_string(include_str!("../../assets/report/page.css").to_owned()));
-        templates
-            .add_global("page_script", Value::from_safe_string(include_str!("../../assets/report/page.js").to_owned()));
+        templates.add_global("page_style", Value::from_safe_string(include_str!("templates/page.css").to_owned()));
+        templates.add_global("page_script", Value::from_safe_string(include_str!("templates/page.js").to_owned()));
         templates.add_filter("figures", figures);
         templates.add_filter("short", short);
         templates.add_filter("fixed", |value: f64, digits: usize| format!("{value:.digits$}"));

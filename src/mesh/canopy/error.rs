@@ -1,6 +1,6 @@
 //! Why parts of a mesh are no canopy.
 
-use crate::mesh::MeshError;
+use crate::MeshError;
 
 /// The part of a canopy that is at fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

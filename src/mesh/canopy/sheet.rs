@@ -1,9 +1,9 @@
 //! The triangles of a canopy: their boundary, the arc length over them, their area and their openings.
 
 use super::CanopyError;
-use crate::mesh::adjacency::row_starts;
-use crate::mesh::topology::unique_edges;
-use crate::mesh::{BoundaryLoop, Mesh, MeshError, Topology};
+use crate::adjacency::row_starts;
+use crate::topology::unique_edges;
+use crate::{BoundaryLoop, Mesh, MeshError, Topology};
 use nalgebra::Vector3;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap, HashMap};

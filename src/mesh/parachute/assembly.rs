@@ -3,7 +3,7 @@
 use super::profile::Profile;
 use super::taylor::{Meridian, SkirtHold};
 use super::{CanopyType, LEAST_HEIGHT, LineParameters, ParachuteParameters, reefed_radius};
-use crate::mesh::{Group, Groups, Mesh, MeshError, topology};
+use crate::{Group, Groups, Mesh, MeshError, topology};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::{PI, TAU};

@@ -1,7 +1,7 @@
 //! What a parachute can be asked for.
 
 use super::{InnerLineParameters, LineParameters, MOST, MOST_VENT, ParachuteParameters, StartShape, place};
-use crate::mesh::source::{FaultSink, MAX_NODES, check_count, check_length};
+use crate::source::{FaultSink, MAX_NODES, check_count, check_length};
 
 impl ParachuteParameters {
     /// Reports every value out of range; `at` is the JSON pointer of this section.

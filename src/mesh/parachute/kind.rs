@@ -2,7 +2,7 @@
 
 use super::ParachuteParameters;
 use crate::format_number::figures;
-use crate::mesh::source::FaultSink;
+use crate::source::FaultSink;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI};

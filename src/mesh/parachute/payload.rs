@@ -1,8 +1,8 @@
 //! What hangs at the end of the riser: a rigid payload, and several canopies that share it.
 
 use super::{ClusterParameters, ParachuteParameters, PayloadParameters};
-use crate::mesh::source::{FaultSink, check_length};
-use crate::mesh::{Group, Groups, Mesh, MeshError};
+use crate::source::{FaultSink, check_length};
+use crate::{Group, Groups, Mesh, MeshError};
 use nalgebra::{Rotation3, Unit, Vector3};
 use std::f64::consts::{PI, TAU};
 

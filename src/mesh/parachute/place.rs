@@ -1,6 +1,6 @@
 //! Where a rig stands, and which way.
 
-use crate::mesh::Mesh;
+use crate::Mesh;
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::PI;
 

@@ -6,7 +6,7 @@
 
 use super::ParachuteParameters;
 use super::kind::CanopyType;
-use crate::mesh::MeshError;
+use crate::MeshError;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// [-] relative error of the nominal area at which the size of a canopy counts as found

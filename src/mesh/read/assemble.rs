@@ -4,11 +4,11 @@ use super::Imported;
 use super::cells::Cells;
 use super::merge::joined;
 use super::polygon::{Cutter, Pieces};
+use crate::check::flat;
+use crate::file::{Diagonals, MeshFile};
 use crate::format_number::first_few;
-use crate::mesh::check::flat;
-use crate::mesh::file::{Diagonals, MeshFile};
-use crate::mesh::tuples::{earliest, sorted};
-use crate::mesh::{Group, Groups, Mesh, MeshError, orient, topology};
+use crate::tuples::{earliest, sorted};
+use crate::{Group, Groups, Mesh, MeshError, orient, topology};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -227,7 +227,7 @@ fn drop_loose(mesh: &mut Mesh) -> usize {
 }
 
 /// [m] Largest extent along an axis.
-pub(in crate::mesh) fn extent(points: &[[f64; 3]]) -> f64 {
+pub(crate) fn extent(points: &[[f64; 3]]) -> f64 {
     let along = |k: usize| {
         let range = points
             .iter()

@@ -2,7 +2,7 @@
 //! again.
 
 use super::cells::Cells;
-use crate::mesh::delaunay::{Unfilled, fill};
+use crate::delaunay::{Unfilled, fill};
 use nalgebra::{Vector2, Vector3};
 
 /// A closed outline of a drawing.

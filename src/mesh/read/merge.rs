@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 /// For each point its own number, or that of the earlier point that it is joined to: the nearest one that is kept and
 /// at most `distance` [m] away, the earliest of several. Joined points are never farther than that from the kept one.
-pub(in crate::mesh) fn joined(points: &[[f64; 3]], distance: f64) -> Vec<u32> {
+pub(crate) fn joined(points: &[[f64; 3]], distance: f64) -> Vec<u32> {
     let mut grid = Grid { cell: 2.0 * distance, cells: HashMap::new(), next: Vec::with_capacity(points.len()) };
     let mut kept = Vec::with_capacity(points.len());
     for (number, point) in points.iter().enumerate() {

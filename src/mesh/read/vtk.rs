@@ -3,7 +3,7 @@
 use super::cells::{Cells, IGNORED};
 use super::marks::Marks;
 use super::{SEAM, START_DISPLACEMENT};
-use crate::mesh::group::{CELL_GROUP, GROUP, KIND, NODE_GROUP};
+use crate::group::{CELL_GROUP, GROUP, KIND, NODE_GROUP};
 use crate::vtk::read::{named_array, piece_content, read_with_fields, whole_numbers};
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -1,7 +1,7 @@
 //! Meshes as .obj, .ply and .stl.
 
 use super::members::{groups_of, lines, word};
-use crate::mesh::Mesh;
+use crate::Mesh;
 use nalgebra::Vector3;
 use std::fmt::Write as _;
 
@@ -45,7 +45,7 @@ pub(super) fn ply_text(mesh: &Mesh) -> String {
     let lines = lines(mesh);
     let names: Vec<String> = mesh.groups.keys().map(|name| word(name)).collect();
     let mut text = String::from("ply\nformat ascii 1.0\ncomment canopy-fem\n");
-    let mut element = |name: &str, count: usize, own: &str, members: &dyn Fn(&crate::mesh::Group) -> bool| {
+    let mut element = |name: &str, count: usize, own: &str, members: &dyn Fn(&crate::Group) -> bool| {
         let _ = write!(text, "element {name} {count}\n{own}");
         let held = (0..).zip(mesh.groups.values()).filter(|(_, group)| members(group)).map(|(number, _)| number);
         let held: Vec<usize> = held.collect();

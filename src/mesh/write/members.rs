@@ -1,7 +1,7 @@
 //! What the text formats write of edges and groups.
 
-use crate::mesh::topology::unique_edges;
-use crate::mesh::{Group, Mesh};
+use crate::topology::unique_edges;
+use crate::{Group, Mesh};
 
 /// Edges that a format of faces and lines has to write: those of no triangle, and those of groups of edges.
 pub(super) fn lines(mesh: &Mesh) -> Vec<u32> {

@@ -1,8 +1,8 @@
 //! A mesh as Gmsh .msh, version 4.1 in text, after the Gmsh reference manual, "MSH file format".
 
 use super::members::lines;
-use crate::mesh::Mesh;
-use crate::mesh::group::GroupNumbers;
+use crate::Mesh;
+use crate::group::GroupNumbers;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 

@@ -11,11 +11,11 @@ use super::sample::{Sample, work};
 use super::{Candidate, ForecastSpec};
 use crate::drive::clock::Step;
 use crate::drive::{Outcome, Status};
+use crate::experiment::{Event, Experiment, Start};
+use crate::frames::{Distance, Frames, Sampler};
 use crate::integrate::registry::MethodChoice;
+use crate::prepared_case::{interval, nominal_step, reference_tolerance};
 use crate::process::Stopwatch;
-use crate::study::experiment::{Event, Experiment, Start};
-use crate::study::frames::{Distance, Frames, Sampler};
-use crate::study::prepared_case::{interval, nominal_step, reference_tolerance};
 
 /// The scheme of the reference.
 const METHOD: &str = "dop853";

@@ -31,14 +31,14 @@ use nominal::Budget;
 use output::OutputCost;
 use trials::Trials;
 
+use crate::StudyError;
 use crate::analysis::critical::CriticalStep;
 use crate::case::spec::Problem;
 use crate::drive::clock::{Step, Tolerance};
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::output::frame::Fields;
 use crate::scene::Scene;
-use crate::study::StudyError;
-use crate::study::template::render;
+use crate::template::render;
 use minijinja::context;
 
 /// A method that may run, and what is known of its largest stable step.
@@ -204,7 +204,7 @@ pub fn describe_answer(
 ) -> Result<String, StudyError> {
     let scaled_masses = scene.added_mass().is_some();
     let context = context! { forecast, own => problem.method.info.name, stable, scaled_masses };
-    render("check_answer.txt", include_str!("../../../assets/report/check_answer.txt"), &context)
+    render("check_answer.txt", include_str!("../templates/check_answer.txt"), &context)
 }
 
 /// The tables of a forecast: costs of force passes and tangents, and runs of all methods.
@@ -215,7 +215,7 @@ pub fn describe(problem: &Problem, forecast: &Forecast) -> Result<String, StudyE
     let info = problem.method.info;
     let (own, implicit, end) = (info.name, info.family == Family::Implicit, problem.time.end);
     let context = context! { forecast, own, implicit, end };
-    render("check.txt", include_str!("../../../assets/report/check.txt"), &context)
+    render("check.txt", include_str!("../templates/check.txt"), &context)
 }
 
 /// The step a method would run with: the case's, or what is stable; a method that has no stable step at all keeps the

@@ -8,8 +8,8 @@ use super::cost::TangentCost;
 use super::sample::Work;
 use crate::case::spec::Problem;
 use crate::integrate::registry::{Family, MethodChoice};
+use crate::prepared_case::{nominal_pass, nominal_step};
 use crate::scene::Scene;
-use crate::study::prepared_case::{nominal_pass, nominal_step};
 
 /// [-] Share of the run that a forecast may cost.
 const SHARE: f64 = 0.25;
@@ -134,7 +134,7 @@ impl Budget {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::forecast::sample::Sample;
+    use crate::forecast::sample::Sample;
 
     #[test]
     fn what_is_spent_is_not_spent_twice() {

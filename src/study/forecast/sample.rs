@@ -5,12 +5,12 @@ use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::ledger::Ledger;
 use crate::drive::watch::Watch;
 use crate::drive::{RunError, Snapshot, Status};
+use crate::experiment::{Event, Experiment, Start};
 use crate::integrate::Counters;
 use crate::integrate::stepper::Stepper;
 use crate::model::point::Point;
 use crate::model::state::State;
 use crate::process::Stopwatch;
-use crate::study::experiment::{Event, Experiment, Start};
 
 /// [-] While a step is this many times the one before, adaptive steps have not reached their size yet.
 const GROWING: f64 = 1.4;

@@ -7,7 +7,7 @@ use super::{Candidate, tolerance_of};
 use crate::drive::clock::Step;
 use crate::format_number::two_digits;
 use crate::integrate::registry::{Family, MethodChoice};
-use crate::study::prepared_case::nominal_step;
+use crate::prepared_case::nominal_step;
 
 /// [s] Nominal cost limit of a run: for cheap steps, and for steps that cost more than [`DEAR`].
 const RUN: [f64; 2] = [0.3, 0.12];

@@ -2,8 +2,8 @@
 //! one at its start.
 
 use crate::drive::Snapshot;
+use crate::experiment::{Event, Experiment, Start};
 use crate::process::Stopwatch;
-use crate::study::experiment::{Event, Experiment, Start};
 
 /// States kept at most.
 const MOST: usize = 16;

@@ -70,17 +70,17 @@ mod tests {
     use super::*;
     use crate::analysis::spectrum::Spectrum;
     use crate::case::Case;
+    use crate::forecast::cost::tangent_cost;
+    use crate::forecast::memory::Baseline;
+    use crate::forecast::nominal::Budget;
     use crate::simulation::build_scene;
-    use crate::study::forecast::cost::tangent_cost;
-    use crate::study::forecast::memory::Baseline;
-    use crate::study::forecast::nominal::Budget;
     use std::path::Path;
 
     /// Without any other reference the estimated error is that of the run, within a factor of three, and below the
     /// accuracy.
     #[test]
     fn a_run_with_twice_the_step_estimates_the_error() {
-        let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/cases");
+        let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/cases");
         let end = [("time.end".to_owned(), "0.2".to_owned())];
         let case = Case::from_file(&assets.join("cloth-k100.json"), &end).expect("a case");
         let (mut problem, _) = case.split();

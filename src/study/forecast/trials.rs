@@ -9,9 +9,9 @@ use crate::analysis::critical::{has_limit, plainly_stable};
 use crate::analysis::taut::AllTaut;
 use crate::drive::Snapshot;
 use crate::drive::clock::{FixedSteps, Step};
+use crate::experiment::Experiment;
 use crate::integrate::registry::{Family, MethodChoice};
-use crate::study::experiment::Experiment;
-use crate::study::prepared_case::nominal_step;
+use crate::prepared_case::nominal_step;
 
 /// [s] Time limit of a probe, the run from which states are sampled.
 const PROBE: f64 = 0.3;

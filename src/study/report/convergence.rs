@@ -3,10 +3,10 @@
 use super::figure::{Span, margin_panel, model_errors, nothing, rows, title};
 use super::style::{BLACK, Style, entry};
 use crate::format_number::figures;
+use crate::plan::Variant;
 use crate::plot::chart::{Align, Axis, Chart, Line, Marker, Note, PanelSide, Scale, Stroke};
-use crate::study::plan::Variant;
-use crate::study::row::{Row, StepSetting};
-use crate::study::runner::Study;
+use crate::row::{Row, StepSetting};
+use crate::runner::Study;
 
 /// Slopes drawn as a guide.
 const SLOPES: [f64; 3] = [1.0, 2.0, 4.0];

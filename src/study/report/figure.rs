@@ -2,16 +2,16 @@
 
 use super::style::{BLACK, Style, entry, failure, legend, styles};
 use super::{convergence, stiffness};
+use crate::error::StudyError;
 use crate::format_number::figures;
+use crate::plan::Variant;
 use crate::plot::chart::{
     Align, Axis, Chart, Line, MarginPanel, Marker, Note, PanelMark, PanelSide, Sample, Scale, Size, Stroke,
     legend_samples, svg_grid, svg_page,
 };
-use crate::study::error::StudyError;
-use crate::study::plan::Variant;
-use crate::study::recommendations::Recommendations;
-use crate::study::row::{Row, StepSetting};
-use crate::study::runner::Study;
+use crate::recommendations::Recommendations;
+use crate::row::{Row, StepSetting};
+use crate::runner::Study;
 
 /// A figure of the report.
 #[derive(serde::Serialize)]

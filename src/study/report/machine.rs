@@ -36,7 +36,7 @@ impl Rerun {
     /// them.
     ///
     /// ```
-    /// use canopy_fem::study::report::Rerun;
+    /// use canopy_fem_study::report::Rerun;
     /// let typed = ["tradeoff", "a b.json", "--methods", r#"{"hht": {"alpha": -0.2}}"#, "--out", "it's"];
     /// let how = Rerun::here(typed.map(String::from));
     /// assert_eq!(how.command, r#"canopy-fem tradeoff 'a b.json' --methods '{"hht": {"alpha": -0.2}}' --out 'it'\''s'"#);

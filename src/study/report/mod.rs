@@ -1,7 +1,7 @@
 //! What a study leaves for its reader: tables, figures, one page with all of it, and what the command prints.
 //!
 //! Everything is made from the study and its answers alone; only the page's and the JSON file's account of the machine
-//! differs from one machine and day to the next. Words and layout are those of the templates in `assets/report`.
+//! differs from one machine and day to the next. Words and layout are those of the templates in `src/study/templates`.
 
 mod convergence;
 mod figure;
@@ -46,14 +46,14 @@ pub const FILES: [&str; 8] = [
 pub fn write(out: &Path, study: &Study, answers: &Recommendations, how: &Rerun) -> Result<Vec<PathBuf>, StudyError> {
     let Study { plan, rows } = study;
     let figures = figure::all(study, answers)?;
-    let table = include_str!("../../../assets/report/tradeoff.csv");
+    let table = include_str!("../templates/tradeoff.csv");
     let mut made: Vec<(&str, String)> = vec![
         ("tradeoff.csv", render("tradeoff.csv", table, &context! { plan, rows })?),
         ("tradeoff.json", json(study, answers, how)?),
         ("tradeoff.html", html(study, answers, how, &figures)?),
     ];
     if plan.variants.len() > 1 {
-        let table = include_str!("../../../assets/report/stiffness.csv");
+        let table = include_str!("../templates/stiffness.csv");
         made.push(("stiffness.csv", render("stiffness.csv", table, &context! { answers })?));
     }
     made.extend(figures.into_iter().map(|figure| (figure.file, figure.svg)));
@@ -91,7 +91,7 @@ fn html(study: &Study, answers: &Recommendations, how: &Rerun, drawn: &[figure::
     let page = context! {
         version, command, machine, plan, case_json, failures, notes, rows, answers, figures => drawn, told, legend,
     };
-    render("tradeoff.html", include_str!("../../../assets/report/tradeoff.html"), &page)
+    render("tradeoff.html", include_str!("../templates/tradeoff.html"), &page)
 }
 
 /// What the mark of a run tells, by the run's identifier.
@@ -163,7 +163,7 @@ pub fn planned(plan: &Plan, store: &Store) -> Result<String, StudyError> {
 }
 
 fn text(context: Value) -> Result<String, StudyError> {
-    render("tradeoff.txt", include_str!("../../../assets/report/tradeoff.txt"), &context)
+    render("tradeoff.txt", include_str!("../templates/tradeoff.txt"), &context)
 }
 
 /// Removes the report of an earlier study.

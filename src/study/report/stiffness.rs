@@ -2,10 +2,10 @@
 
 use super::figure::{Span, title};
 use super::style::entry;
+use crate::error::StudyError;
 use crate::plot::chart::{Align, Axis, Chart, Line, Marker, Note, Scale, Size, Stroke, svg};
-use crate::study::error::StudyError;
-use crate::study::recommendations::{Pick, Recommendations, StiffnessPoint};
-use crate::study::runner::Study;
+use crate::recommendations::{Pick, Recommendations, StiffnessPoint};
+use crate::runner::Study;
 
 /// Colours taken in turn; black is left for what is no accuracy.
 const COLORS: usize = 6;

@@ -6,10 +6,10 @@
 
 use crate::case::schema::Method;
 use crate::integrate::registry::{Family, methods};
+use crate::models::Model;
 use crate::plot::chart::{Line, Marker, Stroke};
-use crate::study::models::Model;
-use crate::study::row::{Row, RowStatus, StepSetting, labelled};
-use crate::study::runner::Study;
+use crate::row::{Row, RowStatus, StepSetting, labelled};
+use crate::runner::Study;
 
 /// Number of colours that methods and curves take, each its own as long as they suffice: those of the palette without
 /// black, which is left for what is no method.
@@ -18,14 +18,14 @@ const COLORS: usize = 15;
 /// the colours that differ most.
 const OF_METHODS: [usize; COLORS] = [0, 3, 12, 6, 9, 1, 4, 7, 8, 2, 5, 10, 11, 13, 14];
 /// Black.
-pub(in crate::study) const BLACK: usize = 6;
+pub(crate) const BLACK: usize = 6;
 /// Methods of a family that have the same shape of marks.
 const SHAPE: usize = 6;
 /// The turn whose shapes are left for the cheaper one of two models.
 const OF_CHEAPER: usize = 5;
 
 /// The colour of a curve by its number.
-pub(in crate::study) fn curve_color(number: usize) -> usize {
+pub(crate) fn curve_color(number: usize) -> usize {
     let color = number % COLORS;
     if color < BLACK { color } else { color + 1 }
 }
@@ -33,7 +33,7 @@ pub(in crate::study) fn curve_color(number: usize) -> usize {
 /// The number in the palette of a method's colour, which is the same in all charts of all pages.
 ///
 /// ```
-/// use canopy_fem::study::report::method_color;
+/// use canopy_fem_study::report::method_color;
 /// assert_ne!(method_color("newmark"), method_color("hht"));
 /// ```
 pub fn method_color(name: &str) -> usize {
@@ -43,7 +43,7 @@ pub fn method_color(name: &str) -> usize {
 
 /// Colours of the methods of a study. One whose colour is taken, such as a second HHT with other parameters, has the
 /// first free one.
-pub(in crate::study) fn method_colors<'m>(names: impl Iterator<Item = &'m str> + Clone) -> Vec<usize> {
+pub(crate) fn method_colors<'m>(names: impl Iterator<Item = &'m str> + Clone) -> Vec<usize> {
     let own: Vec<usize> = names.map(method_color).collect();
     let mut taken: Vec<usize> = Vec::with_capacity(own.len());
     for color in &own {
@@ -141,7 +141,7 @@ fn markers(family: Family, turn: usize) -> [Marker; 2] {
 }
 
 /// The mark of a run without a result. `None` for one that has a result.
-pub(in crate::study) fn failure(status: RowStatus) -> Option<Marker> {
+pub(crate) fn failure(status: RowStatus) -> Option<Marker> {
     match status {
         RowStatus::Completed => None,
         RowStatus::Diverged => Some(Marker::Cross),

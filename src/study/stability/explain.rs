@@ -3,12 +3,12 @@
 use super::classify::STAYS;
 use super::measure::{E_FOLDS, MethodRuns};
 use super::{Kind, KnownBy, Row, Start};
+use crate::StudyError;
 use crate::analysis::critical::{CostLimits, CriticalStep};
 use crate::analysis::spectrum::Spectrum;
 use crate::integrate::registry::Family;
 use crate::scene::place_of;
-use crate::study::StudyError;
-use crate::study::template::render;
+use crate::template::render;
 use minijinja::{Value, context};
 
 /// Relative change of a critical step that explains something.
@@ -41,7 +41,7 @@ pub(super) fn explain(row: &mut Row, runs: &MethodRuns<'_>) -> Result<(), StudyE
         // The words of `solve`; of a motion of some 1e-8 of the scene's size they are about nothing.
         let cause = row.failure.as_ref().filter(|_| row.start == Start::AsGiven).map(|failure| &failure.cause);
         let start = State { t: 0.0, critical: runs.critical }.shown(runs);
-        let text = include_str!("../../../assets/report/explain.txt");
+        let text = include_str!("../templates/explain.txt");
         let text = render("explain.txt", text, &context! { cause, start, ..reason })?;
         row.explanation = Some(text.trim().to_owned());
     }

@@ -16,11 +16,11 @@ use crate::analysis::limit::{growth, swing};
 use crate::analysis::spectrum::Spectrum;
 use crate::drive::clock::Step;
 use crate::drive::{Explain, Failure, Outcome, Status};
+use crate::experiment::{self, Event, Experiment};
 use crate::integrate::registry::MethodChoice;
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::BoundBuffer;
-use crate::study::experiment::{self, Event, Experiment};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// [-] Logarithm of the growth that a run leaves room for: by e^45 even a motion of which the displacement at the start

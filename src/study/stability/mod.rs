@@ -26,6 +26,7 @@ pub use output::{FILES, Folder, csv, table};
 pub use perturbation::Start;
 pub use row::{AsGiven, KnownBy, Prediction, Row, RunRow, Stability, Status};
 
+use crate::StudyError;
 use crate::analysis::critical::{CostLimits, CriticalStep};
 use crate::analysis::spectrum::Spectrum;
 use crate::analysis::taut::AllTaut;
@@ -34,7 +35,6 @@ use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::Scene;
-use crate::study::StudyError;
 use measure::{From, MethodRuns, StopReason};
 use std::cell::OnceCell;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -3,13 +3,13 @@
 use super::region::{panels, picture};
 use super::row::AGREES;
 use super::{Row, Stability};
+use crate::StudyError;
 use crate::integrate::registry::MethodChoice;
 use crate::plot::chart::{Chart, Line, Size, legend_samples};
+use crate::report::style::BLACK;
 use crate::scene::Scene;
-use crate::study::StudyError;
-use crate::study::report::style::BLACK;
-use crate::study::store::{system, write_files};
-use crate::study::template::{PageFigure, render, told};
+use crate::store::{system, write_files};
+use crate::template::{PageFigure, render, told};
 use minijinja::context;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -67,7 +67,7 @@ impl Folder {
 /// # Errors
 /// What the template engine refuses.
 pub fn csv(methods: &[Row]) -> Result<String, StudyError> {
-    render("stability.csv", include_str!("../../../assets/report/stability.csv"), &context! { methods })
+    render("stability.csv", include_str!("../templates/stability.csv"), &context! { methods })
 }
 
 /// `stability.html`: one page that needs nothing beside it.
@@ -83,7 +83,7 @@ fn html(study: &Stability, charts: &[Chart]) -> Result<String, StudyError> {
     let told: BTreeMap<&str, Vec<[String; 2]>> =
         methods.iter().map(|row| (row.method.as_str(), told_of(row))).collect();
     let page = context! { name, end, unknowns, methods, case_json, version, panels, legend, told };
-    render("stability.html", include_str!("../../../assets/report/stability.html"), &page)
+    render("stability.html", include_str!("../templates/stability.html"), &page)
 }
 
 /// What the marks of a method tell.
@@ -107,5 +107,5 @@ fn told_of(row: &Row) -> Vec<[String; 2]> {
 pub fn table(study: &Stability) -> Result<String, StudyError> {
     let Stability { name, unknowns, methods, .. } = study;
     let context = context! { agrees => AGREES, name, unknowns, methods };
-    render("stability.txt", include_str!("../../../assets/report/stability.txt"), &context)
+    render("stability.txt", include_str!("../templates/stability.txt"), &context)
 }

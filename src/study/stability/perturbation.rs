@@ -15,6 +15,7 @@ use super::measure::PASSES;
 use crate::drive::Status;
 use crate::drive::clock::Step;
 use crate::drive::observer::AcceptedStep;
+use crate::experiment::{self, Event, Experiment};
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Attempt, Stepper};
@@ -24,7 +25,6 @@ use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
 use crate::model::system::Weights;
 use crate::scene::Scene;
-use crate::study::experiment::{self, Event, Experiment};
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 

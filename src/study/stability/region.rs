@@ -15,8 +15,8 @@ use crate::format_number::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::plot::PlotError;
 use crate::plot::chart::{Axis, Chart, Line, Marker, Size, Stroke, svg_grid};
+use crate::report::style::{BLACK, method_colors};
 use crate::scene::Scene;
-use crate::study::report::style::{BLACK, method_colors};
 use std::f64::consts::FRAC_PI_2;
 
 /// Rays from the imaginary to the real axis.

@@ -8,8 +8,8 @@ use crate::analysis::critical::{Confidence, CriticalStep, has_limit, outside_fil
 use crate::case::schema::Method;
 use crate::drive::Failure;
 use crate::integrate::registry::MethodChoice;
+use crate::row::label;
 use crate::scene::Scene;
-use crate::study::row::label;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

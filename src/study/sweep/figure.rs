@@ -4,11 +4,11 @@ use super::plan::{SweepPlan, plain};
 use super::run::SweepRow;
 use super::table::Quantity;
 use super::vary::Vary;
+use crate::error::StudyError;
 use crate::format_number::figures;
 use crate::plot::chart::{Align, Axis, Chart, Line, MarginPanel, Marker, Note, PanelMark, PanelSide, Scale, Size};
-use crate::study::error::StudyError;
-use crate::study::report::style::{curve_color, failure, method_colors};
-use crate::study::row::RowStatus;
+use crate::report::style::{curve_color, failure, method_colors};
+use crate::row::RowStatus;
 
 /// Quantities that are drawn if nobody asks for others.
 const SHOWN: usize = 4;

@@ -10,12 +10,12 @@ use serde_json::Value;
 use super::run::SweepResult;
 use super::vary::Vary;
 use crate::case::Case;
+use crate::difference::differences;
+use crate::error::StudyError;
 use crate::output::sanitize::file_stem;
-use crate::study::difference::differences;
-use crate::study::error::StudyError;
-use crate::study::plan::{FORMAT, PROGRAM};
-use crate::study::prepared_case::fingerprint_of;
-use crate::study::store::{StudyJob, StudyPlan};
+use crate::plan::{FORMAT, PROGRAM};
+use crate::prepared_case::fingerprint_of;
+use crate::store::{StudyJob, StudyPlan};
 
 /// Most runs of a sweep.
 const MOST: usize = 100_000;

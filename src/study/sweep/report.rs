@@ -10,13 +10,13 @@ use super::figure::{across, charts, chosen, named};
 use super::plan::{SweepPlan, plain};
 use super::run::SweepRow;
 use super::table::{Quantity, cells, header, quantities};
+use crate::error::StudyError;
+use crate::plan::PROGRAM;
 use crate::plot::chart::{Size, legend_samples, svg_grid};
-use crate::study::error::StudyError;
-use crate::study::plan::PROGRAM;
-use crate::study::report::{Machine, Rerun};
-use crate::study::row::RowStatus;
-use crate::study::store::{Store, remove, write_files};
-use crate::study::template::{PageFigure, reasons, render, told};
+use crate::report::{Machine, Rerun};
+use crate::row::RowStatus;
+use crate::store::{Store, remove, write_files};
+use crate::template::{PageFigure, reasons, render, told};
 
 /// All files a report has.
 pub const FILES: [&str; 4] = ["sweep.csv", "sweep.json", "sweep.svg", "sweep.html"];
@@ -51,7 +51,7 @@ impl SweepReport<'_> {
         let csv = context! { head, rows => table };
         let drawn = charts(plan, rows, &shown, Size { width: if shown.len() > 1 { 640 } else { 900 }, height: 440 });
         let made = [
-            ("sweep.csv", render("sweep.csv", include_str!("../../../assets/report/sweep.csv"), &csv)?),
+            ("sweep.csv", render("sweep.csv", include_str!("../templates/sweep.csv"), &csv)?),
             ("sweep.json", self.json(&all)?),
             ("sweep.svg", svg_grid(&drawn, 2)?),
             ("sweep.html", self.html(&all, &shown, &head, &table)?),
@@ -106,7 +106,7 @@ impl SweepReport<'_> {
             version => PROGRAM, command, machine, plan, case_json, told, figures, legend, head, table, failures,
             failed, notes,
         };
-        render("sweep.html", include_str!("../../../assets/report/sweep.html"), &page)
+        render("sweep.html", include_str!("../templates/sweep.html"), &page)
     }
 
     /// What a mark of a run shows, by the run's identifier.
@@ -170,7 +170,7 @@ pub fn planned(plan: &SweepPlan, store: &Store<SweepPlan>) -> Result<String, Stu
 }
 
 fn text(context: Value) -> Result<String, StudyError> {
-    render("sweep.txt", include_str!("../../../assets/report/sweep.txt"), &context)
+    render("sweep.txt", include_str!("../templates/sweep.txt"), &context)
 }
 
 /// Removes the report of an earlier sweep.

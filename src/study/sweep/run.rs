@@ -13,21 +13,21 @@ use crate::case::Case;
 use crate::drive::max_displacement::MaxDisplacement;
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, Resumable, UpcomingStep, Wants};
 use crate::drive::{Explain, RunError, Status};
+use crate::error::StudyError;
+use crate::experiment::{Experiment, Start};
 use crate::integrate::Counters;
+use crate::keeper::{Course, Keeper};
+use crate::measure::measured;
 use crate::model::added_mass::AddedMass;
 use crate::model::stop::Stop;
 use crate::output::gauges::Peak;
 use crate::output::largest::{LargestSoFar, LargestValues};
+use crate::prepared_case::fingerprint_of;
 use crate::process::{Cost, Stopwatch};
+use crate::row::{RowStatus, RunResult};
+use crate::runner::Shard;
 use crate::simulation::{SetupError, build_scene};
-use crate::study::error::StudyError;
-use crate::study::experiment::{Experiment, Start};
-use crate::study::keeper::{Course, Keeper};
-use crate::study::measure::measured;
-use crate::study::prepared_case::fingerprint_of;
-use crate::study::row::{RowStatus, RunResult};
-use crate::study::runner::Shard;
-use crate::study::store::{Store, Unfinished};
+use crate::store::{Store, Unfinished};
 
 /// What came of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -3,7 +3,7 @@
 use super::plan::{SweepPlan, plain};
 use super::run::SweepRow;
 use crate::output::gauges::Peak;
-use crate::study::row::RowStatus;
+use crate::row::RowStatus;
 
 /// A column of numbers.
 pub(super) struct Quantity {

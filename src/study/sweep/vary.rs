@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::study::error::StudyError;
+use crate::error::StudyError;
 
 /// Most values of a key.
 const MOST: usize = 100_000;

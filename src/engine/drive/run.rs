@@ -1,0 +1,434 @@
+//! The loop over the steps: each is attempted (`attempt`), then accepted, added to the account and shown (`accept`), or
+//! several are made in a block (`step_block`).
+
+mod accept;
+mod attempt;
+mod scene_limits;
+mod step_block;
+
+use super::clock::Tick;
+use super::error::RunError;
+use super::failure::Failure;
+use super::ledger::{Elastic, Ledger};
+use super::observer::{LedgerRow, Observer, Occasion, Resumable};
+use super::outcome::{Outcome, RunSpec, Status};
+use super::snapshot::Snapshot;
+use super::step_policy::StepPolicy;
+use super::watch::Watch;
+use crate::integrate::stepper::Stepper;
+use crate::integrate::{Counters, LawChange, StepError};
+use crate::model::point::Point;
+use crate::model::state::{State, StateRef};
+use crate::model::stop::Stop;
+use crate::scene::Scene;
+use crate::startup::{Phase, timed};
+use scene_limits::SceneLimits;
+use std::sync::atomic::AtomicBool;
+
+/// How many times its size a scene may spread before it counts as diverged.
+const BLOW_UP: f64 = 1e4;
+
+/// Runs a scene to its end, to a failure, or until `stop` is set.
+///
+/// # Errors
+/// When the specification is out of range ([`RunSpec::check`]), the scheme cannot start or an observer cannot write. A
+/// diverged or unsolvable run is not an error but an [`Outcome`].
+pub fn run(
+    scene: &dyn Scene,
+    stepper: &mut Stepper<'_>,
+    spec: RunSpec<'_>,
+    observers: &mut [&mut dyn Observer],
+    stop: &AtomicBool,
+) -> Result<Outcome, RunError> {
+    run_from(scene, stepper, spec, scene.initial_state(), observers, stop)
+}
+
+/// Runs a scene from a state at t = 0 that is not its own.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_from(
+    scene: &dyn Scene,
+    stepper: &mut Stepper<'_>,
+    spec: RunSpec<'_>,
+    state: State,
+    observers: &mut [&mut dyn Observer],
+    stop: &AtomicBool,
+) -> Result<Outcome, RunError> {
+    let mut state = RunState::start(scene, stepper, spec, state)?;
+    for o in observers.iter_mut() {
+        o.started(&state.from, state.row)?;
+    }
+    Run { scene, spec, stop: Stop::on(stop), state: &mut state }.finish(stepper, observers)
+}
+
+/// Continues from a snapshot of a run with the same scene, method and step. Every further step has the same bits as in
+/// a run that was never stopped.
+///
+/// # Errors
+/// As [`run`], and when the snapshot does not fit.
+pub fn resume(
+    scene: &dyn Scene,
+    stepper: &mut Stepper<'_>,
+    spec: RunSpec<'_>,
+    snapshot: Snapshot,
+    observers: &mut [&mut dyn Observer],
+    stop: &AtomicBool,
+) -> Result<Outcome, RunError> {
+    let mut state = RunState::restore(scene, stepper, spec, snapshot)?;
+    for o in observers.iter_mut() {
+        o.resumed(&state.from, state.row)?;
+    }
+    Run { scene, spec, stop: Stop::on(stop), state: &mut state }.finish(stepper, observers)
+}
+
+impl Run<'_> {
+    /// Makes all remaining steps.
+    pub fn finish(
+        &mut self,
+        stepper: &mut Stepper<'_>,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<Outcome, RunError> {
+        let (mut status, mut ended_early) = (Status::Completed, false);
+        while let Some(next) = self.next() {
+            if observers.iter().any(|o| o.ends_run()) {
+                ended_early = true;
+                break;
+            }
+            let stopped = self.stop.asked();
+            let occasion = match stopped {
+                true => Occasion::Interrupted,
+                false if next.t >= self.spec.end => Occasion::LastStep,
+                false => Occasion::Step,
+            };
+            for o in observers.iter_mut() {
+                o.resumable(&self.state.resumable(occasion, stepper))?;
+            }
+            if stopped {
+                status = Status::Interrupted;
+                break;
+            }
+            if self.step_block(stepper, observers)? {
+                continue;
+            }
+            if let Err(stopped) = self.advance(stepper, observers)? {
+                status = stopped;
+                break;
+            }
+        }
+        for o in observers.iter_mut() {
+            // A run that continues after a divergence shows all states.
+            if matches!(status, Status::Diverged | Status::NotConverged) && !self.spec.keep_going {
+                o.failed()?;
+            }
+            o.finished(&self.state.from)?;
+        }
+        if self.state.failure.is_some() && status == Status::Completed {
+            status = Status::Diverged;
+        }
+        Ok(Outcome { ended_early, ..self.state.outcome(status, stepper) })
+    }
+
+    /// The next step to attempt; `None` at the end.
+    pub fn next(&self) -> Option<Tick> {
+        self.state.policy.next(self.state.steps, self.state.from.state.t)
+    }
+
+    /// The next step, of `h` [s] where a program gives it.
+    pub fn next_of(&self, h: Option<f64>) -> Option<Tick> {
+        match (&self.state.policy, h) {
+            (StepPolicy::Free(steps), Some(h)) => Some(steps.tick(self.state.from.state.t, h)),
+            _ => self.next(),
+        }
+    }
+
+    /// Passes the events that the accepted state has reached. A snapshot is always of the state after them.
+    fn pass_events(&mut self, stepper: &mut Stepper<'_>) -> Result<(), RunError> {
+        let (scene, state) = (self.scene, &mut *self.state);
+        if state.passed == scene.events().len() {
+            return Ok(());
+        }
+        let passed = state.policy.passed(scene, state.from.state.t);
+        if passed == state.passed {
+            return Ok(());
+        }
+        log::info!("t = {:.6e} s: event {passed} of {} passed", state.from.state.t, scene.events().len());
+        state.passed = passed;
+        let changed = if scene.pass_events(passed) { Changed::Phase } else { Changed::Motion };
+        scene.put_supports(&mut state.from.state);
+        state.refresh(scene, stepper, changed)?;
+        // What a program changes next is no part of the event.
+        state.before_change = None;
+        Ok(())
+    }
+
+    /// Whether a scene of this extent [m] counts as diverged.
+    fn has_left(&self, extent: f64) -> bool {
+        extent.is_nan() || extent > self.state.limit
+    }
+}
+
+/// A run in progress: its scene and specification, and its state.
+pub struct Run<'a> {
+    /// what moves
+    pub scene: &'a dyn Scene,
+    /// its steps, method and solver
+    pub spec: RunSpec<'a>,
+    /// set to stop the run early
+    pub stop: Stop<'a>,
+    /// where it is
+    pub state: &'a mut RunState,
+}
+
+/// What a program or an event has changed since the last step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Changed {
+    /// nothing
+    #[default]
+    Nothing,
+    /// velocities of held nodes: tangents stay the same
+    Motion,
+    /// forces that do not depend on the state: tangents stay the same
+    Values,
+    /// factors of loads or the wind: how forces depend on the state
+    Loads,
+    /// rest lengths of springs, and perhaps loads
+    RestLengths,
+    /// also the nodes that forces depend on: the matrix has another pattern
+    Pattern,
+    /// what is held, or which springs carry force: an event of the scene
+    Phase,
+}
+
+/// The state of a run. After a step, `from` is the accepted point and `to` the one before it. The struct borrows
+/// nothing, so it can be stored beside its scene and scheme.
+pub struct RunState {
+    policy: StepPolicy,
+    /// the accepted point
+    pub from: Point,
+    /// the point before it
+    pub to: Point,
+    /// work so far
+    pub counters: Counters,
+    account_passes: u64,
+    /// energies so far
+    pub ledger: Ledger,
+    watch: Watch,
+    /// energies at `from`
+    pub row: LedgerRow,
+    /// the account before a program changed values at this state
+    before_change: Option<(Ledger, LedgerRow)>,
+    /// number of accepted steps
+    pub steps: u64,
+    /// events of the scene that are passed
+    passed: usize,
+    /// [m] extent beyond which the scene counts as diverged
+    limit: f64,
+    scene_limits: SceneLimits,
+    /// why the run has stopped
+    pub failure: Option<Failure>,
+    new_doubt: Option<String>,
+    doubt: Option<String>,
+    blocks: step_block::StepBlocks,
+}
+
+/// The initial state of a run.
+struct RunStart {
+    from: Point,
+    policy: StepPolicy,
+    ledger: Ledger,
+    watch: Watch,
+    row: LedgerRow,
+}
+
+impl RunState {
+    /// A run before its first step, from a state at t = 0. Starts the scheme.
+    pub fn start(
+        scene: &dyn Scene,
+        stepper: &mut Stepper<'_>,
+        spec: RunSpec<'_>,
+        state: State,
+    ) -> Result<Self, RunError> {
+        spec.check()?;
+        let needed = scene.n_dof();
+        if let Some(found) = [state.x.len(), state.v.len()].into_iter().find(|n| *n != needed) {
+            return Err(RunError::OtherState { found, needed });
+        }
+        scene.sample_tables(spec.steps_of_one_size());
+        let (policy, passed) = StepPolicy::at(scene, stepper, spec, (None, state.t));
+        let mut from = Point { state, forces: scene.new_forces() };
+        let mut counters = Counters::default();
+        timed(Phase::Forces, || counters.evaluate(scene, from.state.as_ref(), &mut from.forces));
+        stepper.start(&from)?;
+        let (ledger, row) = Ledger::open(scene, &from);
+        let watch = Watch::open(scene, spec.method.info, &row);
+        Ok(RunState { counters, passed, ..RunState::new_at(scene, RunStart { from, policy, ledger, watch, row }) })
+    }
+
+    /// A run at a snapshot. Starts the scheme.
+    pub fn restore(
+        scene: &dyn Scene,
+        stepper: &mut Stepper<'_>,
+        spec: RunSpec<'_>,
+        snapshot: Snapshot,
+    ) -> Result<Self, RunError> {
+        spec.check()?;
+        spec.passes(scene, &snapshot)?;
+        scene.sample_tables(spec.steps_of_one_size());
+        let Snapshot { step: steps, t, x, v, forces, carried, counters, ledger, row, .. } = snapshot;
+        let Snapshot { before_change, watch, failure, doubt, adaptive, .. } = snapshot;
+        let (policy, passed) = StepPolicy::at(scene, stepper, spec, (adaptive, t));
+        let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
+        // Already counted in the step that led to this state.
+        timed(Phase::Forces, || scene.evaluate(from.state.as_ref(), &mut from.forces));
+        stepper.start(&from)?;
+        stepper.restore(&carried)?;
+        let lagging = forces.filter(|_| stepper.lags());
+        match lagging {
+            Some(forces) if forces.fits(&from.forces) => from.forces = forces,
+            Some(forces) if forces.total.len() != from.forces.total.len() => return Err(RunError::OtherForces),
+            lagging => {
+                // A place for forces from outside has come, or gone: found again at their velocities.
+                if let Some(forces) = &lagging {
+                    from.forces.total.copy_from_slice(&forces.total);
+                    stepper.keep_over_change(&from);
+                }
+                if let Some(v) = stepper.force_velocities() {
+                    scene.evaluate(StateRef { v, ..from.state.as_ref() }, &mut from.forces);
+                }
+                lagging.iter().for_each(|forces| from.forces.take_sums(forces));
+            }
+        }
+        let watch = Watch::restore(scene, spec.method.info, watch);
+        Ok(RunState {
+            counters,
+            steps,
+            before_change,
+            passed,
+            failure,
+            doubt,
+            ..RunState::new_at(scene, RunStart { from, policy, ledger, watch, row })
+        })
+    }
+
+    /// Before its first step.
+    fn new_at(scene: &dyn Scene, RunStart { from, policy, ledger, watch, row }: RunStart) -> Self {
+        let size = scene.size();
+        RunState {
+            policy,
+            to: from.clone(),
+            from,
+            counters: Counters::default(),
+            account_passes: 0,
+            ledger,
+            watch,
+            row,
+            before_change: None,
+            steps: 0,
+            passed: 0,
+            limit: if size > 0.0 { BLOW_UP * size } else { f64::INFINITY },
+            scene_limits: SceneLimits::of(scene),
+            failure: None,
+            new_doubt: None,
+            doubt: None,
+            blocks: step_block::StepBlocks::default(),
+        }
+    }
+
+    /// [-] Events of the scene that are passed.
+    pub fn events_passed(&self) -> usize {
+        self.passed
+    }
+
+    /// What a snapshot is made of.
+    pub fn resumable<'b>(&'b self, occasion: Occasion, stepper: &'b Stepper<'_>) -> Resumable<'b> {
+        let RunState { from: at, row, counters, ledger, failure, doubt, steps, .. } = self;
+        let (row, counters, failure, doubt) = (*row, *counters, failure.as_ref(), doubt.as_ref());
+        let watch = self.watch.account();
+        let (adaptive, before_change, step) = (self.policy.state(), self.before_change, *steps);
+        Resumable { occasion, step, at, row, counters, ledger, before_change, watch, failure, doubt, stepper, adaptive }
+    }
+
+    /// A copy of all that a run needs to continue from here.
+    pub fn snapshot(&self, stepper: &Stepper<'_>) -> Snapshot {
+        self.resumable(Occasion::Step, stepper).snapshot()
+    }
+
+    /// Takes up what a program or an event has changed since the last step: finds the forces at the present state
+    /// again, and corrects the ledger.
+    ///
+    /// Where only values change, of forces, wind, loads, rest lengths or a support's velocity, the scheme and adaptive
+    /// steps go on: forces jump, but position and velocity do not. What they carry jumps with the forces
+    /// ([`Integrator::keep_over_change`](crate::integrate::Integrator::keep_over_change)). All of it is kept relative
+    /// to the last accepted step, so values may be set again and again there, and only the last ones count. Where
+    /// constraints or masses jump, which only events do, the scheme and adaptive steps start again.
+    pub fn refresh(&mut self, scene: &dyn Scene, stepper: &mut Stepper<'_>, changed: Changed) -> Result<(), StepError> {
+        let kept = changed != Changed::Phase && self.keep_over_change(scene, stepper);
+        let at = stepper.force_velocities().filter(|_| kept);
+        let at = StateRef { v: at.unwrap_or(&self.from.state.v), ..self.from.state.as_ref() };
+        self.counters.evaluate(scene, at, &mut self.from.forces);
+        let fate = if changed == Changed::Phase { Elastic::Dissipated } else { Elastic::FromOutside };
+        (self.ledger, self.row) = self.changed_account(scene, &self.from, fate);
+        let law = match changed {
+            Changed::Loads => Some(LawChange::Loads),
+            Changed::RestLengths => Some(LawChange::RestLengths),
+            Changed::Pattern => Some(LawChange::Pattern),
+            Changed::Nothing | Changed::Motion | Changed::Values | Changed::Phase => None,
+        };
+        match (changed, law) {
+            (Changed::Phase, _) => {
+                if let StepPolicy::Adaptive(policy) = &mut self.policy {
+                    policy.forget_history();
+                    policy.recount(scene);
+                }
+                self.watch.scene_changed(scene);
+                self.scene_limits = SceneLimits::of(scene);
+                stepper.start(&self.from)?;
+                stepper.restart(&self.from);
+            }
+            (_, Some(change)) => {
+                self.watch.loads_changed(scene);
+                if kept { stepper.laws_changed(&self.from, change)? } else { stepper.start(&self.from)? }
+            }
+            (_, None) if !kept => stepper.restart(&self.from),
+            (_, None) => {}
+        }
+        Ok(())
+    }
+
+    /// Before forces of changed values are found: what the scheme and adaptive steps carry, and the account, are kept
+    /// as they are with those of before. Returns whether the scheme can do that.
+    pub fn keep_over_change(&mut self, scene: &dyn Scene, stepper: &mut Stepper<'_>) -> bool {
+        if let StepPolicy::Adaptive(policy) = &mut self.policy {
+            policy.keep_over_change(&self.from, scene.inverse_mass());
+        }
+        self.before_change.get_or_insert((self.ledger, self.row));
+        stepper.keep_over_change(&self.from)
+    }
+
+    /// The account with the forces of `at`, the present state, after a change since the last step.
+    pub fn changed_account(&self, scene: &dyn Scene, at: &Point, elastic: Elastic) -> (Ledger, LedgerRow) {
+        let (mut ledger, row) = self.before_change.unwrap_or((self.ledger, self.row));
+        let row = ledger.changed(scene, at, &row, elastic);
+        (ledger, row)
+    }
+
+    /// The outcome of a run that ends here.
+    pub fn outcome(&self, status: Status, stepper: &Stepper<'_>) -> Outcome {
+        Outcome {
+            status,
+            steps: self.steps,
+            rejected_steps: self.policy.state().map_or(0, |state| state.rejected),
+            t_end: self.from.state.t,
+            ended_early: false,
+            counters: self.counters,
+            account_passes: self.account_passes,
+            energy_error: self.ledger.energy_error(self.steps),
+            energy_made: self.watch.gain_share(&self.from, &self.row, self.steps),
+            doubt: self.doubt.clone(),
+            ledger: self.row,
+            failure: self.failure.clone(),
+            linear: stepper.linear_stats(),
+        }
+    }
+}

@@ -1,0 +1,390 @@
+//! From a plain specification to force terms in internal numbering.
+
+use super::Load;
+use super::air_pressure::{AirLaw, AirPressure};
+use super::apparent::ApparentMass;
+use super::build_bending::AtRest;
+use super::build_surface::MembraneBatch;
+use super::canopy_shape::CanopyShape;
+use super::check::{BuildError, check, check_bars};
+use super::events::Phases;
+use super::network::{Network, SpringBatch};
+use super::numbering::Numbering;
+use crate::force::ForceTerm;
+use crate::force::kernel::element_block::NodeVectors;
+use crate::force::law::air::{Air, AirData};
+use crate::force::law::axial_flow::CanopyAxis;
+use crate::force::law::bar_law::{BarData, Bars, LawBars};
+use crate::force::law::base_acceleration::BaseAcceleration;
+use crate::force::law::canopy::{Canopy, CanopyData};
+use crate::force::law::cavity::Cavity;
+use crate::force::law::damped_springs::{DampedSprings, Dashpots};
+use crate::force::law::drag::{LineDrag, LineDragData, NodeDrag, NodeDragData};
+use crate::force::law::enclosure::Enclosure;
+use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
+use crate::force::law::gravity::Gravity;
+use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
+use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
+use crate::force::law::series::{LoadFactor, SampledTable, Scale, Table, scalar};
+use crate::force::law::spring::{Coefficient, Cut, SpringData};
+use crate::force::law::stream::Stream;
+use crate::force::law::triangle::AreaVector;
+use crate::force::schedule::threads::Threads;
+use crate::mesh::unit_vector::unit_vector;
+use crate::model::spec::{
+    CavitySpec, DashpotKind, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, RestScaleSpec, Series, SpringGroup,
+    StreamSpec, support_velocity,
+};
+use crate::startup::{Phase, timed};
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Builds a network; the mesh is kept for pictures.
+///
+/// # Errors
+/// A specification that contradicts itself.
+pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, BuildError> {
+    build_network_with(spec, &[], threads)
+}
+
+/// The same with bars of a program's own laws. Kang's filter and tensions by edge know only the springs.
+///
+/// # Errors
+/// As [`build_network`], and bars of nodes that do not exist or of rest lengths that are not finite.
+pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) -> Result<Network, BuildError> {
+    check(&spec)?;
+    bars.iter().try_for_each(|bars| check_bars(bars, spec.mesh.nodes.len()))?;
+    let triangle_edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+    let links = spec.mesh.edges.iter().chain(bars.iter().flat_map(|bars| &bars.pairs)).copied();
+    let links = links.chain(spec.mesh.triangles.iter().flat_map(triangle_edges));
+    let numbering = timed(Phase::Numbering, || Numbering::reverse_cuthill_mckee(spec.mesh.nodes.len(), links));
+    let at = |i: usize| numbering.user[i] as usize;
+    let n = spec.mesh.nodes.len();
+    let reference: Vec<Vector3<f64>> = (0..n).map(|i| Vector3::from(spec.mesh.nodes[at(i)])).collect();
+    let displaced = |i: usize| spec.displacement.get(at(i)).map_or(Vector3::zeros(), |&u| Vector3::from(u));
+    let start: Arc<[Vector3<f64>]> = (0..n).map(|i| reference[i] + displaced(i)).collect();
+    let always = spec.always_fixed();
+    let fixed: Vec<[bool; 3]> = (0..n).map(|i| always[at(i)]).collect();
+    let mass: Arc<[f64]> = (0..n).map(|i| spec.mass[at(i)]).collect();
+    let mut builder = Builder {
+        spec: &spec,
+        numbering: &numbering,
+        terms: Vec::new(),
+        springs: Vec::new(),
+        membranes: Vec::new(),
+        loads: Vec::new(),
+        tables: Vec::new(),
+        shapes: Vec::new(),
+        pressures: Vec::new(),
+        apparent: Vec::new(),
+        stream: spec
+            .stream
+            .clone()
+            .or_else(|| Some(StreamSpec::of_wind(spec.air.as_ref()?.wind.clone())))
+            .map(Stream::new),
+    };
+    builder.springs_and_dashpots();
+    bars.iter().for_each(|bars| builder.bars(bars));
+    builder.membranes(&reference)?;
+    builder.bending(AtRest { x: &reference, fixed: &fixed })?;
+    builder.gravity(&mass, &start);
+    builder.base(&fixed, &mass);
+    builder.air();
+    builder.canopies(&start, &reference)?;
+    builder.drag();
+    builder.loads(&start);
+    builder.rayleigh(&mass, &reference);
+    let velocity = initial_velocity(&spec);
+    let velocity = if velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity[at(i)]).collect() };
+    let scaled = builder.scale_masses([&reference, &start], &velocity, (&fixed, &mass))?;
+    let (inertia, added_mass) = scaled.map_or((mass.clone(), None), |(inertia, added)| (inertia.into(), Some(added)));
+    let Builder { terms, springs, membranes, loads, mut tables, stream, shapes: canopies, pressures, apparent, .. } =
+        builder;
+    tables.extend(stream.clone().map(|stream| stream as Arc<dyn SampledTable>));
+    let gravity = spec.gravity.map_or(Vector3::zeros(), Vector3::from);
+    let (corners, changing) = (spec.corners(), spec.changing());
+    let phases = Phases::new(&spec, &inertia, &numbering);
+    Ok(Network::assemble_parts(super::network::Parts {
+        numbering,
+        phases,
+        weighed: mass,
+        mass: inertia,
+        added_mass,
+        start,
+        velocity,
+        gravity,
+        loads,
+        corners,
+        changing,
+        tables,
+        stream,
+        canopies,
+        pressures,
+        apparent,
+        terms,
+        springs,
+        membranes,
+        threads,
+        mesh: spec.mesh,
+    }))
+}
+
+/// The cavity of a canopy, whose mouth must be open at the start.
+fn cavity(
+    spec: CavitySpec,
+    enclosure: Arc<Enclosure>,
+    skirt: &[u32],
+    x: NodeVectors<'_>,
+) -> Result<Cavity, BuildError> {
+    let of_skirt = |rim: &usize| enclosure.rims()[*rim].iter().any(|node| skirt.contains(node));
+    let rims: Vec<usize> = (0..enclosure.rims().len()).filter(of_skirt).collect();
+    let [mouth] = rims[..] else { return Err(BuildError::Mouth { loops: rims.len() }) };
+    if enclosure.opening(mouth, x) == Vector3::zeros() {
+        return Err(BuildError::ClosedMouth);
+    }
+    Ok(Cavity { enclosure, mouth, spec })
+}
+
+/// [m/s] Velocity of every node at t = 0, `[n_nodes][3]`; empty if all stand still.
+fn initial_velocity(spec: &NetworkSpec) -> Vec<[f64; 3]> {
+    let mut velocity = spec.velocity.clone();
+    if !spec.motions.is_empty() {
+        velocity.resize(spec.mesh.nodes.len(), [0.0; 3]);
+    }
+    // What is held stands still: its velocity is 0, and here it loses a sign that steps of different kinds would treat
+    // differently.
+    for (velocity, fixed) in velocity.iter_mut().zip(&spec.fixed) {
+        velocity.iter_mut().zip(fixed).filter(|(_, held)| **held).for_each(|(v, _)| *v = 0.0);
+    }
+    let of_supports = support_velocity(&spec.motions, velocity.len());
+    for (v, of_support) in velocity.as_flattened_mut().iter_mut().zip(of_supports.as_flattened()) {
+        *v += of_support;
+    }
+    velocity
+}
+
+pub(super) struct Builder<'a> {
+    pub(super) spec: &'a NetworkSpec,
+    pub(super) numbering: &'a Numbering,
+    pub(super) terms: Vec<Box<dyn ForceTerm>>,
+    pub(super) springs: Vec<SpringBatch>,
+    pub(super) membranes: Vec<MembraneBatch>,
+    loads: Vec<(Load, Arc<Scale>)>,
+    tables: Vec<Arc<dyn SampledTable>>,
+    shapes: Vec<CanopyShape>,
+    pressures: Vec<AirPressure>,
+    stream: Option<Arc<Stream>>,
+    apparent: Vec<ApparentMass>,
+}
+
+impl Builder<'_> {
+    pub(super) fn node(&self, user: u32) -> u32 {
+        self.numbering.internal[user as usize]
+    }
+
+    fn triangles(&self, ids: impl Iterator<Item = u32>) -> Arc<[[u32; 3]]> {
+        let mut list: Vec<[u32; 3]> = ids.map(|t| self.spec.mesh.triangles[t as usize].map(|i| self.node(i))).collect();
+        list.sort_unstable_by_key(|t| (t[0].min(t[1]).min(t[2]), *t));
+        list.into()
+    }
+
+    fn springs_and_dashpots(&mut self) {
+        for (number, group) in self.spec.springs.iter().enumerate().filter(|(_, g)| !g.edges.is_empty()) {
+            let mut batch = self.spring_batch(group);
+            if let Some(RestScaleSpec { factor, .. }) = self.spec.rest_scales.iter().find(|scale| scale.group == number)
+            {
+                let table = scalar(factor);
+                self.tables.push(table.clone());
+                batch.data.rest_scale = Some(table);
+            }
+            let coefficient = batch.dashpot.clone();
+            let dashpots = group.dashpot.as_ref().map(|dashpot| Dashpots { kind: dashpot.kind, coefficient });
+            let springs = DampedSprings::new(batch.data.clone(), dashpots).cut_with(batch.cut.clone());
+            self.terms.push(Box::new(springs));
+            self.springs.push(batch);
+        }
+    }
+
+    fn bars(&mut self, bars: &Bars) {
+        let ends = |pair: &[u32; 2]| pair.map(|node| self.node(node));
+        let mut order: Vec<([u32; 2], f64)> =
+            bars.pairs.iter().map(ends).zip(bars.rest_length.iter().copied()).collect();
+        order.sort_by_key(|([a, b], _)| (*a.min(b), *a.max(b)));
+        let (nodes, rest_length) = order.into_iter().unzip();
+        self.terms.push(Box::new(LawBars::new(BarData { nodes, rest_length, law: bars.law.clone() })));
+    }
+
+    fn spring_batch(&self, group: &SpringGroup) -> SpringBatch {
+        let nodes = |i: usize| self.spec.mesh.edges[group.edges[i] as usize].map(|n| self.node(n));
+        let mut order: Vec<usize> = (0..group.edges.len()).collect();
+        order.sort_unstable_by_key(|&i| {
+            let [a, b] = nodes(i);
+            (a.min(b), a.max(b), i)
+        });
+        let pick = |values: &[f64]| -> Vec<f64> { order.iter().map(|&i| values[i]).collect() };
+        let data = SpringData {
+            nodes: order.iter().map(|&i| nodes(i)).collect(),
+            rest_length: pick(&group.rest_length).into(),
+            stiffness: Coefficient::from_values(&pick(&group.stiffness)),
+            curve: (&group.law).into(),
+            slack: group.slack,
+            rest_scale: None,
+        };
+        let (dashpot, in_filter) = match &group.dashpot {
+            None => (Coefficient::Uniform(0.0), false),
+            Some(d) => {
+                let in_filter = d.from_step && d.kind == DashpotKind::Relative;
+                (Coefficient::from_values(&pick(&d.coefficient)), in_filter)
+            }
+        };
+        let axial = group.dashpot.as_ref().is_some_and(|d| d.kind == DashpotKind::Axial);
+        let given = data.rest_length.clone();
+        let (edges, cut) = (order.iter().map(|&i| group.edges[i]).collect(), Cut::default());
+        SpringBatch { data, given, edges, dashpot, axial, in_filter, cut }
+    }
+
+    fn gravity(&mut self, mass: &[f64], start: &Arc<[Vector3<f64>]>) {
+        let Some(g) = self.spec.gravity else { return };
+        let scale = self.scale(Load::Gravity);
+        self.terms.push(Box::new(Gravity::new((Vector3::from(g), scale), mass.iter().copied(), start.clone())));
+    }
+
+    pub(super) fn base(&mut self, fixed: &[[bool; 3]], mass: &[f64]) {
+        let Some(table) = &self.spec.base_acceleration else { return };
+        let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
+        let acceleration = Table::new(table.clone());
+        self.tables.push(acceleration.clone());
+        self.terms.push(Box::new(BaseAcceleration::new(acceleration, mass)));
+    }
+
+    fn air(&mut self) {
+        let Some(air) = &self.spec.air else { return };
+        let triangles = self.triangles(0..self.spec.mesh.triangles.len() as u32);
+        let Some(stream) = self.stream.clone() else { return };
+        let data = AirData { triangles, linear: air.linear, quadratic: air.quadratic, stream };
+        self.show_pressure(AirLaw::Cloth(data.clone()));
+        self.terms.push(Box::new(Air::new(data)));
+    }
+
+    fn show_pressure(&mut self, law: AirLaw) {
+        self.pressures.push(AirPressure::new(law, &self.spec.mesh, &self.numbering.internal));
+    }
+
+    fn canopies(&mut self, start: &[Vector3<f64>], reference: &[Vector3<f64>]) -> Result<(), BuildError> {
+        let Some(stream) = self.stream.clone() else { return Ok(()) };
+        for canopy in &self.spec.canopies {
+            let nodes = |list: &[u32]| list.iter().map(|&i| self.node(i)).collect::<Vec<u32>>();
+            let (skirt, apex, confluence) = (nodes(&canopy.skirt), nodes(&canopy.apex), nodes(&canopy.confluence));
+            let corners = |t: u32| self.spec.mesh.triangles[t as usize].map(|i| self.node(i));
+            let mut list: Vec<([u32; 3], f64)> =
+                canopy.triangles.iter().map(|&t| corners(t)).zip(canopy.pressure_coefficient.iter().copied()).collect();
+            let x = NodeVectors::Nodes(start);
+            let axis = x.mean(&confluence) - x.mean(&apex);
+            let inwards: f64 = list.iter().map(|(nodes, _)| AreaVector::new(start, *nodes).s.dot(&axis)).sum();
+            if inwards > 0.0 {
+                list.iter_mut().for_each(|([_, b, c], _)| std::mem::swap(b, c));
+            }
+            list.sort_unstable_by_key(|(t, _)| (t[0].min(t[1]).min(t[2]), *t));
+            let (triangles, pressure_coefficient): (Vec<_>, Vec<_>) = list.into_iter().unzip();
+            let triangles: Arc<[[u32; 3]]> = triangles.into();
+            let pressure_coefficient = pressure_coefficient.into();
+            let enclosure = Arc::new(Enclosure::new(triangles.clone()));
+            if let Some(factor) = canopy.apparent_mass {
+                let mut nodes = BTreeMap::new();
+                for corners in triangles.iter() {
+                    let area = AreaVector::new(reference, *corners).s.norm() / 3.0;
+                    corners.iter().for_each(|&node| *nodes.entry(node).or_insert(0.0) += area);
+                }
+                let area: f64 = nodes.values().sum();
+                let nodes = nodes.into_iter().map(|(node, share)| (node, share / area)).collect();
+                let (enclosure, stream, term) = (enclosure.clone(), stream.clone(), self.terms.len());
+                self.apparent.push(ApparentMass { nodes, enclosure, factor, stream, term });
+            }
+            let cavity = |spec| cavity(spec, enclosure.clone(), &skirt, x);
+            let (cavity, filling) = (canopy.cavity.map(cavity).transpose()?, canopy.filling.clone().into());
+            let axis = CanopyAxis { skirt, apex, confluence, stream: stream.clone() };
+            let data = CanopyData { triangles, pressure_coefficient, axis, filling, cavity };
+            self.shapes.push(CanopyShape::new(data.clone(), enclosure, canopy.nominal_area));
+            self.show_pressure(AirLaw::Canopy(data.clone()));
+            self.terms.push(Box::new(Canopy::new(data)));
+        }
+        Ok(())
+    }
+
+    fn drag(&mut self) {
+        let Some(stream) = &self.stream else { return };
+        for LineDragSpec { edges, diameter, coefficient } in &self.spec.line_drag {
+            let ends = |edge: u32| self.spec.mesh.edges[edge as usize].map(|i| self.node(i));
+            let mut segments: Vec<[u32; 2]> = edges.iter().map(|&edge| ends(edge)).collect();
+            segments.sort_unstable_by_key(|[a, b]| (*a.min(b), *a.max(b)));
+            let (segments, width, stream) = (segments.into(), diameter * coefficient, stream.clone());
+            self.terms.push(Box::new(LineDrag::new(LineDragData { segments, width, stream })));
+        }
+        for NodeDragSpec { nodes, drag_area } in &self.spec.node_drag {
+            let mut nodes: Vec<[u32; 1]> = nodes.iter().map(|&i| [self.node(i)]).collect();
+            nodes.sort_unstable();
+            let (nodes, drag_area, stream) = (nodes.into(), *drag_area, stream.clone());
+            self.terms.push(Box::new(NodeDrag::new(NodeDragData { nodes, drag_area, stream })));
+        }
+    }
+
+    fn scale(&mut self, load: Load) -> Arc<Scale> {
+        let scale = Arc::new(Scale::default());
+        self.loads.push((load, scale.clone()));
+        scale
+    }
+
+    fn factor(&mut self, load: Load, series: Option<&Series<f64>>) -> LoadFactor {
+        let table = series.map(scalar);
+        self.tables.extend(table.iter().map(|table| table.clone() as Arc<dyn SampledTable>));
+        LoadFactor { table, scale: self.scale(load) }
+    }
+
+    fn loads(&mut self, start: &[Vector3<f64>]) {
+        for (number, load) in self.spec.pressures.iter().enumerate() {
+            let triangles = self.triangles(load.triangles.iter().copied());
+            let (pressure, factor) = (load.pressure, self.factor(Load::Pressure(number), load.factor.as_ref()));
+            self.terms.push(match load.kind {
+                PressureKind::Follower => Box::new(FollowerPressure::new(FollowerData { triangles, pressure, factor })),
+                PressureKind::Dead(direction) => {
+                    let direction = direction.map(Vector3::from);
+                    Box::new(DeadPressure { triangles: &triangles, pressure, direction, factor }.lump(start))
+                }
+            });
+        }
+        for (number, load) in self.spec.forces.iter().enumerate() {
+            let mut nodes: Vec<u32> = load.nodes.iter().map(|&i| self.node(i)).collect();
+            nodes.sort_unstable();
+            let force = vec![Vector3::from(load.force); nodes.len()];
+            let factor = self.factor(Load::Forces(number), load.factor.as_ref());
+            self.terms.push(Box::new(NodalForces { info: FORCES, nodes, force, factor }));
+        }
+    }
+
+    fn rayleigh(&mut self, mass: &Arc<[f64]>, reference: &[Vector3<f64>]) {
+        let Some(rayleigh) = self.spec.rayleigh else { return };
+        if rayleigh.mass != 0.0 {
+            self.terms.push(Box::new(RayleighMass { factor: rayleigh.mass, mass: mass.clone() }));
+        }
+        if rayleigh.stiffness == 0.0 {
+            return;
+        }
+        self.rayleigh_membranes(rayleigh.stiffness, reference);
+        for batch in &self.springs {
+            let data = &batch.data;
+            let coefficient: Vec<f64> =
+                (0..data.nodes.len()).map(|i| rayleigh.stiffness * data.stiffness.at(i)).collect();
+            let direction = data
+                .nodes
+                .iter()
+                .map(|&[a, b]| unit_vector(reference[b as usize] - reference[a as usize]).unwrap_or_default());
+            self.terms.push(Box::new(RayleighStiffness::new(RayleighData {
+                nodes: data.nodes.clone(),
+                coefficient: Coefficient::from_values(&coefficient),
+                direction: direction.collect(),
+                cut: batch.cut.clone(),
+            })));
+        }
+    }
+}

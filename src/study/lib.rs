@@ -1,0 +1,42 @@
+//! Studies of many runs on one scene: what accuracy costs.
+//!
+//! ```text
+//! case + options --plan--> references, list of runs --run--> one file a run --rows--> Pareto front, recommendations --report--> csv json svg html
+//! ```
+//! A study is a list of independent runs ([`plan`]), so that machines can share it: each run has its own file
+//! ([`store`]), finished ones are never made again, and a stopped one goes on where it was. Errors are distances from a
+//! reference that knows its own error ([`reference`]). Everything that decides numbers is counted; seconds are only
+//! measured.
+
+#![warn(missing_docs)]
+// Units stand in brackets at the beginning of a field's doc, as `[N/m]`; rustdoc would take them for links.
+#![allow(rustdoc::broken_intra_doc_links)]
+
+pub mod difference;
+mod error;
+pub mod experiment;
+pub mod forecast;
+pub mod frames;
+mod keeper;
+mod measure;
+pub mod models;
+pub mod options;
+pub mod pareto;
+pub mod plan;
+pub mod plot;
+pub mod prepared_case;
+pub mod recommendations;
+pub mod reference;
+pub mod report;
+pub mod row;
+mod runner;
+pub mod stability;
+mod step_grid;
+pub mod store;
+pub mod sweep;
+pub mod template;
+
+use canopy_fem_io::{analysis, assembly, drive, integrate, model, scene, solve};
+use canopy_fem_io::{case, checksum, format_number, input_file, mesh, output, process, simulation, vtk};
+pub use error::StudyError;
+pub use runner::{Runner, Shard, Study, rows_of};
