@@ -21,4 +21,6 @@ pub mod solve;
 pub mod statics;
 
 pub use canopy_fem_mesh as mesh;
-pub use canopy_fem_mesh::{format_number, input_file, interrupt, process, startup, vtk, warning};
+#[cfg(feature = "vtk")]
+pub use canopy_fem_mesh::vtk;
+pub use canopy_fem_mesh::{format_number, input_file, interrupt, process, startup, warning};

@@ -4,7 +4,6 @@ use super::layout::GradedRequest;
 use super::sdf::Ring;
 use super::source::{FaultSink, MAX_NODES, check_count, check_length};
 use super::{Mesh, MeshError, distmesh};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// [-] allowed range of `grading`
@@ -18,21 +17,22 @@ pub const MAX_DISC_SEAMS: usize = 16;
 ///
 /// The loops' nodes come first (inner loop, then outer loop, each counter-clockwise from the +x axis), then the
 /// seams' nodes from the inside out, seam by seam, then the interior.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AnnulusParameters {
     /// [m] radius of the hole, above 0
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub inner_radius: f64,
     /// [m] radius of the outer edge, above `inner_radius`
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub outer_radius: f64,
     /// [-] number of nodes, met exactly
-    #[schemars(range(min = 7))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 7)))]
     pub nodes: usize,
     /// [-] number of nodes on both loops together, met exactly; derived from `nodes` and `grading` if absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 6))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 6)))]
     pub boundary_nodes: Option<usize>,
     /// [-] number of radial lines of edges from the inner to the outer loop, evenly spread from the +x axis; none if
     /// absent
@@ -44,7 +44,7 @@ pub struct AnnulusParameters {
     /// [-] ratio of the wanted edge length in the middle to that at the edges. If absent it is the one at which
     /// `nodes` and `boundary_nodes` agree; 1.5 if `boundary_nodes` is absent too
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.2, max = 10.0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.2, max = 10.0)))]
     pub grading: Option<f64>,
 }
 
@@ -52,18 +52,19 @@ pub struct AnnulusParameters {
 ///
 /// The loop's nodes come first (counter-clockwise from the +x axis), then, with seams, the centre and the seams'
 /// nodes from the inside out, seam by seam, then the interior.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DiscParameters {
     /// [m] radius of the edge, above 0
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub radius: f64,
     /// [-] number of nodes, met exactly
-    #[schemars(range(min = 4))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 4)))]
     pub nodes: usize,
     /// [-] number of nodes on the edge, met exactly; derived from `nodes` and `grading` if absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 3))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 3)))]
     pub boundary_nodes: Option<usize>,
     /// [-] number of radial lines of edges from the centre to the edge, evenly spread from the +x axis; at most 16,
     /// none if absent
@@ -75,7 +76,7 @@ pub struct DiscParameters {
     /// [-] ratio of the wanted edge length in the middle to that at the edge. If absent it is the one at which
     /// `nodes` and `boundary_nodes` agree; 1.5 if `boundary_nodes` is absent too
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.2, max = 10.0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.2, max = 10.0)))]
     pub grading: Option<f64>,
 }
 

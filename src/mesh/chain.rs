@@ -2,11 +2,11 @@
 
 use super::Mesh;
 use super::source::{FaultSink, MAX_NODES, check_count};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A straight line of equal edges without triangles; node 0 is at `from`, node `segments` at `to`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ChainParameters {
     /// [m] position of the first node
@@ -14,7 +14,7 @@ pub struct ChainParameters {
     /// [m] position of the last node, not the same as `from`
     pub to: [f64; 3],
     /// [-] number of edges, at least 1
-    #[schemars(range(min = 1))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub segments: usize,
 }
 

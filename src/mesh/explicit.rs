@@ -2,14 +2,14 @@
 
 use super::source::{FaultSink, MAX_NODES};
 use super::{Groups, Mesh, MeshError, topology};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Number of faults reported per list; one line gives the number of the rest.
 const MOST_REPORTED: usize = 20;
 
 /// Nodes, springs and triangles as lists.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ExplicitMesh {
     /// [m] positions

@@ -3,12 +3,12 @@
 use super::read::{self, Imported, extent, joined};
 use super::source::{FaultSink, check_length, first_fault};
 use super::{Mesh, MeshError, Topology};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// A mesh file, and how its mesh is placed and repaired: in the order axes, scale, translate, edge, merge, orient.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
     /// Name of the file; a relative path counts from the case file's folder. `canopy-fem mesh convert --help`
@@ -43,7 +43,8 @@ pub struct MeshFile {
 }
 
 /// Which axis of a file points up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Axes {
@@ -55,7 +56,8 @@ pub enum Axes {
 }
 
 /// Which diagonals of a quad become edges.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Diagonals {

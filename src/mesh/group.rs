@@ -5,7 +5,6 @@
 //! selected nodes are seldom what is meant.
 
 use super::{Mesh, MeshError};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -25,7 +24,8 @@ pub(super) const NODE_GROUP: &str = "node group ";
 const LONGEST_NAME: usize = 200;
 
 /// The members of a group; every list is ascending.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Group {
     /// [-] node numbers, counted from 0

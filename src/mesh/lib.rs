@@ -43,6 +43,7 @@ pub mod startup;
 pub(crate) mod topology;
 mod tuples;
 pub mod unit_vector;
+#[cfg(feature = "vtk")]
 pub mod vtk;
 pub mod warning;
 pub mod write;

@@ -19,7 +19,6 @@ use super::{Mesh, MeshError};
 use assembly::Assembly;
 pub use kind::CanopyType;
 use profile::Profile;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -36,30 +35,31 @@ const LEAST_HEIGHT: f64 = 1e-3;
 /// cloth, and the radials also across gaps; skirt and vent also select the nodes of their rows), `rims` (edges along
 /// gaps), `vent-lines`, `lines`, `inner-lines`, `riser`, `reefing`, `slings` and `payload-bars` (edges), `apex`,
 /// `confluence` and `payload` (nodes).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ParachuteParameters {
     /// How the canopy is cut.
     #[serde(rename = "type")]
     pub kind: CanopyType,
     /// [m] nominal diameter D0, the diameter of a circle with the area of cloth, slots and vent
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub nominal_diameter: f64,
     /// [-] number of gores, which is that of the lines; even with vent lines, a multiple of 4 for a cruciform canopy
-    #[schemars(range(min = 3))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 3)))]
     pub gores: usize,
     /// [m] diameter of the circle through the vent's corners; no vent if absent. The vent takes at most half of the
     /// nominal area
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub vent_diameter: Option<f64>,
     /// [-] rows of cloth from the vent to the skirt, shared over rings and bands by their width; along an arm of a
     /// cruciform canopy
-    #[schemars(range(min = 1))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub radial_segments: usize,
     /// [-] edges across a gore in every row; 1 if absent
     #[serde(default = "one")]
-    #[schemars(range(min = 1))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub gore_segments: usize,
     /// [rad] angle of a cone's surface below the horizontal
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -133,25 +133,27 @@ pub struct ParachuteParameters {
 }
 
 /// Straight lines of equal segments.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LineParameters {
     /// [m] length
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub length: f64,
     /// [-] number of edges of each line; 1 if absent
     #[serde(default = "one")]
-    #[schemars(range(min = 1))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub segments: usize,
 }
 
 /// Lines from the vent to the confluence.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct InnerLineParameters {
     /// [-] number of edges of each line; 1 if absent
     #[serde(default = "one")]
-    #[schemars(range(min = 1))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub segments: usize,
 }
 
@@ -160,7 +162,8 @@ pub struct InnerLineParameters {
 /// Its size is given by exactly one of `box` and `radii_of_gyration`. The particles are at the corners (+++), (+--),
 /// (-+-) and (--+) of a box around the centre, six edges (`payload-bars`) join them, and four edges (`slings`) lead
 /// from the end of the riser to them. Their masses come from `mass.points` with the group `payload`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PayloadParameters {
     /// [m] edges of a box of even density along x, y and z
@@ -170,7 +173,7 @@ pub struct PayloadParameters {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radii_of_gyration: Option<[f64; 3]>,
     /// [m] distance from the end of the riser down to the centre, more than the half height of the particles
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub below_riser: f64,
 }
 
@@ -179,11 +182,12 @@ pub struct PayloadParameters {
 /// `skirt-1`, and so on. Nothing keeps canopies from passing through each other but springs on the edges of the group
 /// `spacers`, from the apex of each to those of its neighbours; they can stand for the air and the contact that hold
 /// canopies apart.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ClusterParameters {
     /// [-] number of parachutes
-    #[schemars(range(min = 2, max = 20))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 2, max = 20)))]
     pub canopies: usize,
 }
 
@@ -191,16 +195,18 @@ pub struct ClusterParameters {
 /// stiffness; without one no line acts, and the diameter is that of the start `inflated` alone. The rest length of
 /// each edge is pi times the diameter over the number of gores, unless the rule gives another. In a case whose mesh is
 /// a file the rule must give it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ReefingParameters {
     /// [m] length of the reefing line over pi; with the start `inflated` the skirt starts at this size
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub diameter: f64,
 }
 
 /// The shape at the start. Masses and rest lengths are those of the pattern in any shape.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum StartShape {
     /// The pattern as it is cut, above straight lines.

@@ -2,11 +2,11 @@
 
 use super::source::{FaultSink, MAX_NODES, check_count, check_length};
 use super::{Mesh, MeshError, topology};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How a rectangle's cells are cut.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum RectanglePattern {
     /// One diagonal per cell, lower left to upper right: two triangles.
@@ -20,20 +20,21 @@ pub enum RectanglePattern {
 ///
 /// Node `row * (columns + 1) + column` is the grid point in that column and row; the centres of crossed cells
 /// follow, row by row.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RectangleParameters {
     /// [m] extent along x, above 0
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub width: f64,
     /// [m] extent along y, above 0
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub height: f64,
     /// [-] cells along x, at least 1
-    #[schemars(range(min = 1))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub columns: usize,
     /// [-] cells along y, at least 1
-    #[schemars(range(min = 1))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub rows: usize,
     /// how the cells are cut; regular if absent
     #[serde(default)]

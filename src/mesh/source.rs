@@ -7,7 +7,6 @@ use super::parachute::ParachuteParameters;
 use super::read::Imported;
 use super::rectangle::RectangleParameters;
 use super::{Mesh, MeshError, MeshFile};
-use schemars::JsonSchema;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeSeed, Error as _, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -17,9 +16,10 @@ use std::path::Path;
 pub const MAX_NODES: usize = 50_000_000;
 
 /// Where the mesh of a network comes from.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(transform = one_of)]
+#[cfg_attr(feature = "schema", schemars(transform = one_of))]
 pub enum MeshSource {
     /// A flat ring in the x-y plane around the origin, normal +z.
     Annulus(AnnulusParameters),
@@ -101,6 +101,7 @@ impl<'de, M: MapAccess<'de>> MapAccess<'de> for Again<M> {
 }
 
 /// The choices exclude each other, which schemars does not say of one without a key of its own.
+#[cfg(feature = "schema")]
 fn one_of(schema: &mut schemars::Schema) {
     if let Some(choices) = schema.remove("anyOf") {
         schema.insert("oneOf".to_owned(), choices);

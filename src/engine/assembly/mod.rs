@@ -8,6 +8,7 @@
 //! values. Of a symmetric W only the lower triangle is stored.
 
 mod assembler;
+#[cfg(feature = "matrices")]
 mod export;
 mod mean;
 mod pattern;
@@ -15,6 +16,7 @@ mod record;
 mod system;
 
 pub use assembler::{Assembler, MatrixSink, Nodes};
+#[cfg(feature = "matrices")]
 pub use export::{ExportError, write_matrix_market};
 pub use mean::MeanSystem;
 pub use pattern::{Pattern, PatternError};

@@ -1,6 +1,5 @@
 //! The steps of a run: of fixed size, with the last one cut to meet the end, or of the size that a tolerance allows.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The steps of a run.
@@ -33,14 +32,15 @@ impl Step {
 /// Error that the run may make in positions: `absolute` plus `relative` times the largest displacement so far, both as
 /// the root mean square over the free degrees of freedom. Each step may make a share of it in proportion to its size.
 /// The error of a run also depends on the scene: on swinging pendulums and cloths it is within a factor of ten of this.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Tolerance {
     /// [-] Share of the largest displacement so far.
-    #[schemars(extend("minimum" = 1e-13, "exclusiveMaximum" = 1))]
+    #[cfg_attr(feature = "schema", schemars(extend("minimum" = 1e-13, "exclusiveMaximum" = 1)))]
     pub relative: f64,
     /// [m] Error that is always allowed ([rad] for a pendulum); it matters while the motion is small.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub absolute: f64,
 }
 

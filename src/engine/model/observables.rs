@@ -5,7 +5,6 @@ use super::system::System;
 use crate::mesh::Groups;
 use crate::model::forces::Forces;
 use crate::model::point::Point;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A vector quantity of a node.
@@ -26,7 +25,8 @@ pub enum NodeQuantity {
 }
 
 /// What a gauge measures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum GaugeQuantity {
     /// Tension of the springs on the selected edges with their axial dashpots, N: `tension_sum`, `tension_max`.

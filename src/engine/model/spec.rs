@@ -1,7 +1,6 @@
 //! A network as plain resolved data: without files, selections or defaults. The case reader makes it, and
 //! [`crate::scene`] builds the scene from it. All numbers are the user's.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::mesh::Mesh;
@@ -329,17 +328,18 @@ pub struct NodalLoad {
 
 /// Rayleigh damping f -= (alpha M + beta K0) v, with K0 = sum of k n n^T on the mesh as given: no slack, no geometric
 /// part.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-#[schemars(rename = "Rayleigh")]
+#[cfg_attr(feature = "schema", schemars(rename = "Rayleigh"))]
 pub struct RayleighSpec {
     /// [1/s] Factor alpha of the mass; 0 if not given.
     #[serde(default)]
-    #[schemars(range(min = 0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub mass: f64,
     /// [s] Factor beta of the initial stiffness; 0 if not given.
     #[serde(default)]
-    #[schemars(range(min = 0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub stiffness: f64,
 }
 
@@ -459,22 +459,23 @@ fn speed([x, y, z]: &[f64; 3]) -> f64 {
 }
 
 /// A simple pendulum: m L^2 theta'' = -m g L sin(theta) - c theta'. Its bob is node 0 at (L sin, 0, -L cos).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-#[schemars(rename = "Pendulum")]
+#[cfg_attr(feature = "schema", schemars(rename = "Pendulum"))]
 pub struct PendulumSpec {
     /// [m] Length L of the line.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub length: f64,
     /// [kg] Mass m of the bob.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub mass: f64,
     /// [N m s] Damping c of the rotation; 0 if not given.
     #[serde(default)]
-    #[schemars(range(min = 0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub damping: f64,
     /// [m/s^2] Gravity g, downwards along -z.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub gravity: f64,
     /// [rad] Initial angle from the lowest position.
     pub angle: f64,

@@ -10,8 +10,9 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use std::sync::Arc;
 
 /// Linear solver.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[schemars(rename = "Linear")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(rename = "Linear"))]
 #[serde(rename_all = "kebab-case")]
 pub enum LinearChoice {
     /// Where a matrix is kept over many steps: Cholesky or conjugate gradients, whichever is less counted work.

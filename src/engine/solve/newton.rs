@@ -17,7 +17,8 @@ use super::{Accuracy, Inertia, LinearError, search};
 pub(super) use convergence::{Convergence, ConvergenceCriteria, RoundingCheck, RoundingVerdict};
 
 /// When the tangent is computed again.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
     /// As `quasi` where, by counted work, a factorisation costs as much as many iterations with an old factor;

@@ -3,9 +3,9 @@
 use super::ParachuteParameters;
 use crate::format_number::figures;
 use crate::source::FaultSink;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::fmt;
 
 /// [-] length of an extended skirt over the diameter of the flat part, if not given
 const SKIRT_EXTENSION: f64 = 0.1;
@@ -18,7 +18,8 @@ const ARM_RATIO: f64 = 1.0 / 3.0;
 const VIKING: [f64; 3] = [0.72, 0.042, 0.121];
 
 /// How the canopy is cut.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum CanopyType {
     /// A flat disc of triangular gores.
@@ -43,9 +44,10 @@ pub enum CanopyType {
     DiskGapBand,
 }
 
-impl CanopyType {
-    fn name(self) -> String {
-        serde_json::to_value(self).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
+/// Its name in a case.
+impl fmt::Display for CanopyType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
     }
 }
 
@@ -100,13 +102,13 @@ impl ParachuteParameters {
         ];
         for (key, given, types) in owners {
             if given && !types.contains(&self.kind) {
-                let names: Vec<String> = types.iter().map(|t| format!("\"{}\"", t.name())).collect();
+                let names: Vec<String> = types.iter().map(|t| format!("\"{t}\"")).collect();
                 let hint = "leave it out, or change the type".to_owned();
                 faults(&format!("{at}/{key}"), "given".into(), format!("only with type {}", names.join(" or ")), hint);
             }
         }
         let needed = |key: &str, faults: FaultSink<'_>| {
-            let allowed = format!("a value: type \"{}\" needs it", self.kind.name());
+            let allowed = format!("a value: type \"{}\" needs it", self.kind);
             faults(&format!("{at}/{key}"), "(missing)".into(), allowed, "give it".into());
         };
         let mut number = |key: &str, value: Option<f64>, [low, high]: [f64; 2]| {

@@ -12,6 +12,7 @@ mod bdf;
 mod cells;
 mod dxf;
 mod fill;
+#[cfg(feature = "gltf")]
 mod gltf;
 mod inp;
 mod keyword;
@@ -22,10 +23,12 @@ mod merge;
 mod msh;
 mod obj;
 mod off;
+#[cfg(feature = "ply")]
 mod ply;
 mod polygon;
 mod stl;
 mod text;
+#[cfg(feature = "vtk")]
 mod vtk;
 
 use super::{Mesh, MeshError, MeshFile};
@@ -126,19 +129,34 @@ fn reader(path: &Path) -> Result<Reader, MeshError> {
     known.map(|(_, reader)| *reader).ok_or_else(|| {
         let reason = match extension.as_str() {
             "" => "the name has no extension that says its format".to_owned(),
-            other => format!("files \".{other}\" are not read"),
+            other => match feature(other) {
+                Some(feature) => format!("files \".{other}\" need the feature \"{feature}\", which this build lacks"),
+                None => format!("files \".{other}\" are not read"),
+            },
         };
         let reason = format!("{reason}; read are {}{}", endings(), converter(path, &extension));
         MeshError::File { path: path.to_owned(), reason }
     })
 }
 
+/// The feature that reads a format whose libraries a program can do without.
+fn feature(extension: &str) -> Option<&'static str> {
+    match extension {
+        "vtu" | "vtp" | "vtk" => Some("vtk"),
+        "ply" => Some("ply"),
+        "gltf" | "glb" => Some("gltf"),
+        _ => None,
+    }
+}
+
 /// The formats by the endings of their names.
-const FORMATS: [(&[&str], Reader); 12] = [
+const FORMATS: &[(&[&str], Reader)] = &[
+    #[cfg(feature = "vtk")]
     (&["vtu", "vtp", "vtk"], Reader::Alone(vtk::read)),
     (&["msh"], Reader::Alone(msh::read)),
     (&["obj"], Reader::Alone(obj::read)),
     (&["stl"], Reader::Alone(stl::read)),
+    #[cfg(feature = "ply")]
     (&["ply"], Reader::Alone(ply::read)),
     (&["off"], Reader::Alone(off::read)),
     (&["inp"], Reader::Alone(inp::read)),
@@ -146,6 +164,7 @@ const FORMATS: [(&[&str], Reader); 12] = [
     (&["bdf", "nas", "fem", "dat"], Reader::Alone(bdf::read)),
     (&["mdpa"], Reader::Alone(mdpa::read)),
     (&["dxf"], Reader::Alone(dxf::read)),
+    #[cfg(feature = "gltf")]
     (&["gltf", "glb"], Reader::WithOthers(gltf::read)),
 ];
 
@@ -177,5 +196,22 @@ fn converter(path: &Path, extension: &str) -> String {
             ": open it in a CAD program such as FreeCAD, and export it as .dxf, .obj or .stl".to_owned()
         }
         _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FORMATS, feature, mesh_from_bytes};
+    use std::path::Path;
+
+    /// A format is read or names the feature that this build lacks.
+    #[test]
+    fn formats_without_their_feature_are_refused_by_its_name() {
+        for ending in ["vtu", "vtp", "vtk", "ply", "gltf", "glb"] {
+            let name = feature(ending).expect("a feature");
+            let error = mesh_from_bytes(Path::new(&format!("net.{ending}")), b"").expect_err("no mesh").to_string();
+            let on = FORMATS.iter().any(|(endings, _)| endings.contains(&ending));
+            assert_eq!(error.contains(&format!("need the feature \"{name}\"")), !on, "{error}");
+        }
     }
 }
