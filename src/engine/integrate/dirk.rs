@@ -11,8 +11,8 @@
 //! whose slope is known.
 
 use super::backward_euler::BackwardEuler;
-use super::embedded::{Slope, Stage, advance, weighted};
 use super::implicit::{Implicit, StageAttempt};
+use super::runge_kutta::{Slope, Stage, advance, weighted};
 use super::updates::{acceleration, power};
 use super::{
     CarriedState, Counters, ErrorEstimate, Integrator, LawChange, PairInfo, StageWork, StepError, StepInput, StepReport,

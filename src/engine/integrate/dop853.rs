@@ -12,13 +12,7 @@
 //! little up to w h = 5.96.
 
 use super::PairInfo;
-use super::embedded::{Embedded, Estimate, Stage, Tableau};
-use super::stepper::Scheme;
-
-/// The method.
-pub fn scheme() -> Scheme {
-    Scheme::Explicit(Box::new(Embedded::new(&TABLEAU)))
-}
+use super::runge_kutta::{Estimate, Pair, Stage, Tableau};
 
 /// [-] R - e^z over e and over z: 6.404e-8 z^9; e5 = 1.350e-5 z^6 and e3 = 4.202e-3 z^4, so e = 4.334e-7 z^8. Steps get
 /// ten times as much, by measurement (`tests/claims/tolerance.rs`): a controller of order 8 settles at a quarter of the
@@ -118,35 +112,37 @@ pub(super) static TABLEAU: Tableau = Tableau {
         0.20136540080403034,
         0.04471061572777259,
     ],
-    estimate: Estimate::Two {
-        fine: &[
-            0.01312004499419488,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-            -1.2251564463762044,
-            -0.4957589496572502,
-            1.6643771824549864,
-            -0.35032884874997366,
-            0.3341791187130175,
-            0.08192320648511571,
-            -0.022355307863886294,
-        ],
-        coarse: &[
-            -0.18980075407240762,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-            4.450312892752409,
-            1.8915178993145003,
-            -5.801203960010585,
-            -0.42268232132379197,
-            -0.1521609496625161,
-            0.20136540080403034,
-            0.022651792198360825,
-        ],
-    },
-    info: PairInfo { leading: LINEAR / 10.0 },
+    pair: Some(Pair {
+        estimate: Estimate::Two {
+            fine: &[
+                0.01312004499419488,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+                -1.2251564463762044,
+                -0.4957589496572502,
+                1.6643771824549864,
+                -0.35032884874997366,
+                0.3341791187130175,
+                0.08192320648511571,
+                -0.022355307863886294,
+            ],
+            coarse: &[
+                -0.18980075407240762,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+                4.450312892752409,
+                1.8915178993145003,
+                -5.801203960010585,
+                -0.42268232132379197,
+                -0.1521609496625161,
+                0.20136540080403034,
+                0.022651792198360825,
+            ],
+        },
+        info: PairInfo { leading: LINEAR / 10.0 },
+    }),
 };

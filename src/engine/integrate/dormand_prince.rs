@@ -18,13 +18,7 @@
 //! |R(iy)| = 1 - y^6/3600 + ...: undamped oscillations die out slowly up to w h = 0.997 and grow slowly above.
 
 use super::PairInfo;
-use super::embedded::{Embedded, Estimate, Stage, Tableau};
-use super::stepper::Scheme;
-
-/// The method.
-pub fn scheme() -> Scheme {
-    Scheme::Explicit(Box::new(Embedded::new(&TABLEAU)))
-}
+use super::runge_kutta::{Estimate, Pair, Stage, Tableau};
 
 /// [-] R - e^z over e and over z: z^6/3600 and -97/120000 z^5. A controller of order 5 settles lower than one of order
 /// 4, which is why steps get 1.5 times as much (`tests/claims/tolerance.rs`).
@@ -39,14 +33,16 @@ pub(super) static TABLEAU: Tableau = Tableau {
         Stage { c: 1.0, a: &[9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0] },
     ],
     b: &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
-    estimate: Estimate::One(&[
-        71.0 / 57600.0,
-        0.0,
-        -71.0 / 16695.0,
-        71.0 / 1920.0,
-        -17253.0 / 339_200.0,
-        22.0 / 525.0,
-        -1.0 / 40.0,
-    ]),
-    info: PairInfo { leading: LINEAR / 1.5 },
+    pair: Some(Pair {
+        estimate: Estimate::One(&[
+            71.0 / 57600.0,
+            0.0,
+            -71.0 / 16695.0,
+            71.0 / 1920.0,
+            -17253.0 / 339_200.0,
+            22.0 / 525.0,
+            -1.0 / 40.0,
+        ]),
+        info: PairInfo { leading: LINEAR / 1.5 },
+    }),
 };

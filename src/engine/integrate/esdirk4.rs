@@ -4,8 +4,8 @@
 
 use super::PairInfo;
 use super::dirk::{Dirk, DirkTableau};
-use super::embedded::Stage;
 use super::implicit::SolverSpec;
+use super::runge_kutta::Stage;
 use super::stepper::Scheme;
 
 /// The method.

@@ -5,10 +5,11 @@
 //! acceleration, a derivative) changes in [`Integrator::accept`] only. Every run starts from a_0 = M^-1 f(0, x0, v0).
 //!
 //! # How to add a scheme
-//! 1. Write `integrate/<name>.rs` and declare it below. An explicit scheme implements [`Integrator`] for
-//!    `dyn System` and reads like its equations: start from a copy of `improved_euler.rs`, whose helpers (`updates`)
-//!    advance states and integrate the work of the stages. One of the Newmark family only fills a [`stage::StageMap`]
-//!    ([`implicit::ImplicitScheme`]), and a diagonally implicit Runge-Kutta method a tableau (`dirk.rs`).
+//! 1. Write `integrate/<name>.rs` and declare it below. A Runge-Kutta method is a tableau: an explicit one as in
+//!    `rk4.rs`, with an estimate as in `dormand_prince.rs`, a diagonally implicit one as in `esdirk4.rs`. One of the
+//!    Newmark family only fills a [`stage::StageMap`] ([`implicit::ImplicitScheme`]). Another explicit scheme
+//!    implements [`Integrator`] for `dyn System` and reads like its equations: start from a copy of
+//!    `improved_euler_pec.rs`, whose helpers (`updates`) advance states and integrate the work of the stages.
 //! 2. Register it in [`registry`]: name, order, parameters with ranges, stability, source, and the properties of its
 //!    step on linear scenes ([`linear_step`], which limits and diagnoses use instead of names). The case format, the
 //!    JSON Schema, `canopy-fem methods` and every test that loops over methods read that entry; those of
@@ -57,7 +58,6 @@ mod counters;
 mod dirk;
 pub mod dop853;
 pub mod dormand_prince;
-mod embedded;
 pub mod energy_momentum;
 mod equations;
 pub mod esdirk4;
@@ -79,6 +79,7 @@ pub mod newmark;
 mod order_conditions;
 pub mod registry;
 pub mod rk4;
+mod runge_kutta;
 pub mod stage;
 pub mod stepper;
 pub(crate) mod tangents;

@@ -5,22 +5,18 @@ use super::backward_euler::BackwardEuler;
 use super::central_difference::CENTRAL_DIFFERENCE;
 use super::energy_momentum::EnergyMomentum;
 use super::euler_cromer::EULER_CROMER;
-use super::euler_richardson::EulerRichardson;
-use super::explicit_euler::ExplicitEuler;
 use super::generalized_alpha::GeneralizedAlpha;
 use super::hht::Hht;
 use super::implicit::Implicit;
-use super::improved_euler::ImprovedEuler;
 use super::improved_euler_pec::ImprovedEulerPec;
 use super::kang::Kang;
 use super::linear_step::{LinearStep, Pencil};
 use super::multirate::Multirate;
 use super::newmark::Newmark;
-use super::rk4::Rk4;
 use super::stage::NewmarkParameters;
 use super::stepper::Scheme;
 use super::velocity_verlet::VELOCITY_VERLET;
-use super::{dop853, dormand_prince, esdirk4};
+use super::{dop853, dormand_prince, esdirk4, euler_richardson, explicit_euler, improved_euler, rk4};
 
 mod method;
 mod other_names;
@@ -44,7 +40,7 @@ static METHODS: &[MethodInfo] = &[
         stability: "unstable on undamped oscillations for every step; w h < 2 zeta up to damping ratio zeta = 1",
         linear: LinearStep::PLAIN,
         source: "Euler 1768; thesis Eq. 11-12",
-        build: |_, _| Scheme::Explicit(Box::new(ExplicitEuler)),
+        build: |_, _| explicit_euler::TABLEAU.scheme(),
     },
     MethodInfo {
         name: "euler-cromer",
@@ -68,7 +64,7 @@ static METHODS: &[MethodInfo] = &[
         stability: "undamped oscillations grow by (w h)^4/8 a step",
         linear: LinearStep::PLAIN,
         source: "midpoint rule; thesis Eq. 17-22",
-        build: |_, _| Scheme::Explicit(Box::new(EulerRichardson::default())),
+        build: |_, _| euler_richardson::TABLEAU.scheme(),
     },
     MethodInfo {
         name: "improved-euler",
@@ -80,7 +76,7 @@ static METHODS: &[MethodInfo] = &[
         stability: "undamped oscillations grow by (w h)^4/8 a step",
         linear: LinearStep::PLAIN,
         source: "Heun 1900; thesis Eq. 23-24",
-        build: |_, _| Scheme::Explicit(Box::new(ImprovedEuler::default())),
+        build: |_, _| improved_euler::TABLEAU.scheme(),
     },
     MethodInfo {
         name: "improved-euler-pec",
@@ -116,7 +112,7 @@ static METHODS: &[MethodInfo] = &[
         stability: "w h < 2.83 undamped",
         linear: LinearStep::DISSIPATIVE,
         source: "Kutta 1901; thesis Eq. 42-51",
-        build: |_, _| Scheme::Explicit(Box::new(Rk4::default())),
+        build: |_, _| rk4::TABLEAU.scheme(),
     },
     MethodInfo {
         name: "dormand-prince",
@@ -128,7 +124,7 @@ static METHODS: &[MethodInfo] = &[
         stability: "w h < 0.997 undamped, growing slowly above; 2.68 at damping ratio 0.1",
         linear: LinearStep::PLAIN,
         source: "Dormand & Prince 1980, RK5(4)7M; Hairer, Norsett & Wanner 1993, Table II.5.2",
-        build: |_, _| dormand_prince::scheme(),
+        build: |_, _| dormand_prince::TABLEAU.scheme(),
     },
     MethodInfo {
         name: "dop853",
@@ -140,7 +136,7 @@ static METHODS: &[MethodInfo] = &[
         stability: "w h < 5.96 undamped",
         linear: LinearStep::DISSIPATIVE,
         source: "Prince & Dormand 1981; Hairer, Norsett & Wanner 1993, section II.10",
-        build: |_, _| dop853::scheme(),
+        build: |_, _| dop853::TABLEAU.scheme(),
     },
     MethodInfo {
         name: "newmark",
