@@ -100,8 +100,8 @@ fn run(case: &Case, scene: &dyn Scene, sets: &[(&str, String)], warm_up: u64, en
     let stop = AtomicBool::new(false);
     let mut pacer = Pacer { stop: &stop, warm_up, enough, began: 0.0, steps: 0, seconds: 0.0, newton: 0 };
     let mut stepper = bind(&problem, scene).expect("the method fits a network");
-    let spec = problem.run_spec(false);
-    let outcome = canopy_fem::drive::run(scene, &mut stepper, spec, &mut [&mut pacer], &stop).expect("enough memory");
+    let spec = problem.run_spec();
+    let outcome = canopy_fem::drive::run(scene, &mut stepper, &spec, &mut [&mut pacer], &stop).expect("enough memory");
     assert!(outcome.failure.is_none(), "{:?}", outcome.failure);
     Cost { step: pacer.seconds / pacer.steps as f64, newton: pacer.newton as f64 / pacer.steps as f64 }
 }

@@ -8,7 +8,7 @@
 use canopy_fem::drive::observer::LedgerRow;
 use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::spec::Slack;
-use canopy_fem::simulation::{NetworkBuilder, RunSettings, Simulation, SpringLaw};
+use canopy_fem::simulation::{NetworkBuilder, RunSpec, Simulation, SpringLaw};
 use std::error::Error;
 use std::path::Path;
 
@@ -21,7 +21,7 @@ pub fn swing() -> Result<LedgerRow, Box<dyn Error>> {
         .total_mass(0.05)
         .hold(|_, x| x[0] == 0.0)
         .gravity([0.0, 0.0, -9.81]);
-    let mut sim = Simulation::new(cloth.build()?, RunSettings::fixed("newmark", 2e-4, 0.5)?)?;
+    let mut sim = Simulation::new(cloth.build()?, RunSpec::fixed("newmark", 2e-4, 0.5)?)?;
     sim.run_until(0.5)?;
     println!("t = {} s after {} steps: {:#?}", sim.time(), sim.step_count(), sim.energies());
     Ok(sim.energies())

@@ -5,7 +5,7 @@
 //! ```
 
 use canopy_fem::drive::clock::Tolerance;
-use canopy_fem::simulation::{BarForce, BarLaw, Bars, NetworkBuilder, RunSettings, Simulation};
+use canopy_fem::simulation::{BarForce, BarLaw, Bars, NetworkBuilder, RunSpec, Simulation};
 use std::error::Error;
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ pub fn cubic() -> Result<f64, Box<dyn Error>> {
     let network = NetworkBuilder::new(vec![[0.0; 3], [1.5, 0.0, 0.0]]).masses(vec![m; 2]).hold(|node, _| node == 0);
     let bars = Bars { pairs: vec![[0, 1]], rest_length: vec![1.0], law: Arc::new(Cubic(k)) };
     let tolerance = Tolerance { relative: 1e-5, absolute: 1e-7 };
-    let mut sim = Simulation::with_bars(network.build()?, &[bars], RunSettings::adaptive("newmark", tolerance, 1.0)?)?;
+    let mut sim = Simulation::with_bars(network.build()?, &[bars], RunSpec::adaptive("newmark", tolerance, 1.0)?)?;
     let mut worst = 0.0_f64;
     while sim.time() < 1.0 {
         sim.step()?;

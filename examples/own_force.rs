@@ -5,7 +5,7 @@
 //! cargo run --release --example own_force
 //! ```
 
-use canopy_fem::simulation::{ForceDerivative, NetworkBuilder, NodalForce, RunSettings, Simulation, SpringLaw};
+use canopy_fem::simulation::{ForceDerivative, NetworkBuilder, NodalForce, RunSpec, Simulation, SpringLaw};
 use std::error::Error;
 use std::sync::Arc;
 
@@ -40,7 +40,7 @@ pub fn tethered(method: &str) -> Result<f64, Box<dyn Error>> {
     let network = NetworkBuilder::new(vec![[0.0, 1.0, 0.0], [0.5, 1.0, 0.0]])
         .springs(&[[0, 1]], SpringLaw { stiffness: 1.0, ..SpringLaw::default() })
         .masses(vec![2.0; 2]);
-    let mut sim = Simulation::new(network.build()?, RunSettings::fixed(method, 1e-3, 3.0)?)?;
+    let mut sim = Simulation::new(network.build()?, RunSpec::fixed(method, 1e-3, 3.0)?)?;
     sim.set_nodal_law("tether", Arc::new(Tether { stiffness: 8.0, nodes: 2 }))?;
     let mut worst = 0.0_f64;
     for _ in 0..3000 {

@@ -5,7 +5,7 @@
 //! ```
 
 use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer, UpcomingStep, Wants};
-use canopy_fem::simulation::{NetworkBuilder, RunSettings, Simulation, SpringLaw};
+use canopy_fem::simulation::{NetworkBuilder, RunSpec, Simulation, SpringLaw};
 use std::error::Error;
 
 /// Compares the kinetic energy of every hundredth state with that of x = 1 + 0.5 cos(2 t).
@@ -37,7 +37,7 @@ pub fn compare_states() -> Result<f64, Box<dyn Error>> {
         .springs(&[[0, 1]], SpringLaw { stiffness: 8.0, rest_length: Some(1.0), ..SpringLaw::default() })
         .masses(vec![2.0; 2])
         .hold(|node, _| node == 0);
-    let mut sim = Simulation::new(network.build()?, RunSettings::fixed("velocity-verlet", 1e-3, 3.0)?)?;
+    let mut sim = Simulation::new(network.build()?, RunSpec::fixed("velocity-verlet", 1e-3, 3.0)?)?;
     let mut compare = Compare::default();
     sim.run_until_with(3.0, &mut [&mut compare])?;
     assert_eq!(compare.accounts, 3000);

@@ -11,7 +11,7 @@ use canopy_fem::integrate::stepper::Scheme;
 use canopy_fem::integrate::{Counters, Integrator, StepError, StepInput, StepReport};
 use canopy_fem::model::point::Point;
 use canopy_fem::model::system::System;
-use canopy_fem::simulation::{NetworkBuilder, RunSettings, Simulation, SpringLaw};
+use canopy_fem::simulation::{NetworkBuilder, RunSpec, Simulation, SpringLaw};
 use std::collections::BTreeMap;
 use std::error::Error;
 
@@ -63,7 +63,7 @@ pub fn drift_kick() -> Result<f64, Box<dyn Error>> {
         .masses(vec![2.0; 2])
         .hold(|node, _| node == 0);
     let method = MethodChoice::of(&DRIFT_KICK, &BTreeMap::new())?;
-    let mut sim = Simulation::new(network.build()?, RunSettings::of(method, Step::Fixed(1e-4), 3.0))?;
+    let mut sim = Simulation::new(network.build()?, RunSpec::of(method, Step::Fixed(1e-4), 3.0))?;
     let mut worst = 0.0_f64;
     while sim.time() < 3.0 {
         let t = sim.step()?.t;

@@ -6,7 +6,7 @@
 //! ```
 
 use canopy_fem::model::spec::DashpotKind;
-use canopy_fem::simulation::{NetworkBuilder, RunSettings, Simulation, SpringLaw};
+use canopy_fem::simulation::{NetworkBuilder, RunSpec, Simulation, SpringLaw};
 use std::error::Error;
 use std::f64::consts::PI;
 
@@ -24,7 +24,7 @@ pub fn reef() -> Result<f64, Box<dyn Error>> {
     for i in 0..n {
         network = network.force(&[i], [push * outward(i).1, push * outward(i).0, 0.0]);
     }
-    let mut sim = Simulation::new(network.build()?, RunSettings::fixed("velocity-verlet", 1e-3, 20.0)?)?;
+    let mut sim = Simulation::new(network.build()?, RunSpec::fixed("velocity-verlet", 1e-3, 20.0)?)?;
     let line = sim.spring_edges();
     let mut worst = 0.0_f64;
     for (until, target) in [(10.0, 0.5), (20.0, 1.0)] {

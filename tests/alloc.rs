@@ -7,7 +7,7 @@ mod common;
 
 use canopy_fem::drive::clock::{Step, Tolerance};
 use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer};
-use canopy_fem::drive::{Explain, RunSpec, run};
+use canopy_fem::drive::run;
 use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
@@ -16,10 +16,9 @@ use canopy_fem::integrate::stepper::{Attempt, Stepper};
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::step_block::StepSummary;
-use canopy_fem::model::stop::Stop;
 use canopy_fem::model::system::System;
 use canopy_fem::scene::{Network, Scene, build_network};
-use canopy_fem::simulation::{NodalForce, RunSettings, Simulation};
+use canopy_fem::simulation::{NodalForce, RunSpec, Simulation};
 use canopy_fem::solve::LinearChoice;
 use canopy_fem::solve::newton::{NewtonSpec, Strategy};
 use common::{patch, spring_group, square};
@@ -168,7 +167,7 @@ fn external_blocks(steps: u64, law: bool) -> u64 {
     spec.fixed[0] = [true; 3];
     spec.springs = vec![spring_group(&spec, Slack::None)];
     let push = vec![[0.0, 0.0, 1e-3]; spec.mass.len()];
-    let settings = RunSettings::fixed("velocity-verlet", 1e-4, 1.0).expect("registered");
+    let settings = RunSpec::fixed("velocity-verlet", 1e-4, 1.0).expect("registered");
     let mut sim = Simulation::new(spec, settings).expect("a network");
     sim.set_nodal_force("push", &push).expect("a network takes forces");
     if law {
@@ -206,17 +205,8 @@ fn adaptive_blocks(scene: &Network, method: &str) -> u64 {
     let step = Step::Adaptive(Tolerance { relative, absolute: 0.01 * relative });
     let stop = AtomicBool::new(false);
     let mut marks = Marks { blocks: [0; 2], stop: &stop };
-    let spec = RunSpec {
-        free_steps: false,
-        end: 100.0,
-        step,
-        frames_every: None,
-        keep_going: false,
-        explain: Explain::Failures,
-        interrupt: Stop::NEVER,
-        method: &choice,
-    };
-    run(scene, &mut stepper, spec, &mut [&mut marks], &stop).expect("it starts");
+    let spec = RunSpec::of(choice, step, 100.0);
+    run(scene, &mut stepper, &spec, &mut [&mut marks], &stop).expect("it starts");
     let [first, last] = marks.blocks;
     assert!(last > 0, "{method} makes 120 steps");
     last - first

@@ -54,7 +54,7 @@ pub fn record<'py>(
     let done = watched(
         py,
         |stop| {
-            let how = RecordSettings { out: &out, earlier, threads, keep_going };
+            let how = RecordSettings { earlier, threads, keep_going, ..RecordSettings::new(&out) };
             let mut clock = Clock(&time);
             let observers: &mut [&mut dyn Observer] = if progress.is_some() { &mut [&mut clock] } else { &mut [] };
             simulation::record(&case, how, observers, stop)

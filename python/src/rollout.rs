@@ -10,7 +10,7 @@ use canopy_fem::case::Case as EngineCase;
 use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
 use canopy_fem::drive::{Failure, Outcome, Status};
 use canopy_fem::scene::Scene;
-use canopy_fem::simulation::{RecordError, RunSettings, Simulation, SimulationError};
+use canopy_fem::simulation::{RecordError, RunSpec, Simulation, SimulationError};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -197,7 +197,7 @@ fn run(case: &EngineCase, kept: Kept<'_>, stop: &AtomicBool) -> Result<Rollout, 
     if let Some((place, &node)) = kept.nodes.iter().enumerate().find(|(_, node)| **node as usize >= n) {
         return Err(SimulationError::NoNode { what: "nodes: place", place, node, nodes: n }.into());
     }
-    let mut simulation = Simulation::of_scene(scene.clone(), RunSettings::of_case(problem, 1))?;
+    let mut simulation = Simulation::of_scene(scene.clone(), problem.run_spec())?;
     let Kept { nodes, every } = kept;
     let seen = Seen { nodes: if nodes.is_empty() { n } else { nodes.len() }, ..Seen::default() };
     let (positions, velocities) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);

@@ -11,7 +11,7 @@ use crate::values::{Energies, Step, from_json};
 use canopy_fem::drive::clock::{self, Tolerance};
 use canopy_fem::integrate::registry::MethodChoice;
 use canopy_fem::mesh::{Mesh, Topology};
-use canopy_fem::simulation::{self as door, Load, RecordError, RunSettings, SimulationError as Refusal, StepInfo};
+use canopy_fem::simulation::{self as door, Load, RecordError, RunSpec, SimulationError as Refusal, StepInfo};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -54,7 +54,7 @@ struct Settings {
 }
 
 impl Settings {
-    fn run(self) -> PyResult<RunSettings> {
+    fn run(self) -> PyResult<RunSpec> {
         let method = MethodChoice::new(&self.method, &self.parameters);
         let method = method.map_err(|error| CaseError::new_err(error.to_string()))?;
         let step = match (self.step, self.tolerance) {
@@ -62,7 +62,7 @@ impl Settings {
             (None, Some(relative)) => clock::Step::Adaptive(Tolerance { relative, absolute: 0.01 * relative }),
             _ => return Err(PyTypeError::new_err("a network needs either step or tolerance")),
         };
-        Ok(RunSettings::of(method, step, self.end))
+        Ok(RunSpec::of(method, step, self.end))
     }
 }
 
@@ -84,13 +84,12 @@ impl Simulation {
             (Ok(case), ..) => {
                 let case = case.get().case.clone();
                 engine(py, move || {
-                    let problem = case.problem();
-                    let settings = RunSettings { keep_going, free_steps, ..RunSettings::of_case(problem, threads) };
+                    let settings = RunSpec { threads, keep_going, free_steps, ..case.problem().run_spec() };
                     Ok::<_, RecordError>(door::Simulation::of_scene(scene_of(&case, threads)?, settings)?)
                 })?
             }
             (_, Ok(network), Some(settings)) => {
-                let settings = RunSettings { threads, keep_going, free_steps, ..settings.run()? };
+                let settings = RunSpec { threads, keep_going, free_steps, ..settings.run()? };
                 let spec = network.get().spec()?;
                 engine(py, move || Ok(door::Simulation::new(spec, settings)?))?
             }

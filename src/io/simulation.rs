@@ -1,18 +1,18 @@
 //! A simulation that a program drives: [`Simulation`] owns its scene, its scheme and its state.
 //!
-//! A scene comes from a case file ([`Simulation::from_case`]) or from code ([`NetworkBuilder`]); [`RunSettings`] says
+//! A scene comes from a case file ([`Simulation::from_case`]) or from code ([`NetworkBuilder`]); [`RunSpec`] says
 //! by which method and in which steps it moves. Every slice of nodes has shape `[n_nodes][3]`, in the numbering of the
 //! mesh; units are SI.
 //!
 //! ```
-//! use canopy_fem_io::simulation::{NetworkBuilder, RunSettings, Simulation, SpringLaw};
+//! use canopy_fem_io::simulation::{NetworkBuilder, RunSpec, Simulation, SpringLaw};
 //!
 //! // A mass of 2 kg on a spring of 8 N/m, pulled 0.5 m: x = 1 + 0.5 cos(2 t).
 //! let network = NetworkBuilder::new(vec![[0.0; 3], [1.5, 0.0, 0.0]])
 //!     .springs(&[[0, 1]], SpringLaw { stiffness: 8.0, rest_length: Some(1.0), ..SpringLaw::default() })
 //!     .masses(vec![2.0; 2])
 //!     .hold(|node, _| node == 0);
-//! let mut sim = Simulation::new(network.build()?, RunSettings::fixed("rk4", 1e-3, 10.0)?)?;
+//! let mut sim = Simulation::new(network.build()?, RunSpec::fixed("rk4", 1e-3, 10.0)?)?;
 //! sim.run_until(1.0)?;
 //! assert!((sim.positions()[1][0] - (1.0 + 0.5 * 2.0_f64.cos())).abs() < 1e-9);
 //! assert!(sim.energies().numerical.abs() < 1e-9);
@@ -26,8 +26,8 @@
 //! | take scene, method and step of a case file | [`Simulation::from_case`], or [`follow`] to run it to its end |
 //! | write the files of `canopy-fem solve` | [`record`] |
 //! | find an equilibrium, as `canopy-fem static` | [`record_static`], [`crate::statics`] |
-//! | only its scene, another method | [`build_scene`], [`RunSettings::of_case`], [`Simulation::of_scene`] |
-//! | choose method, steps, threads | [`RunSettings::fixed`], [`RunSettings::adaptive`], [`RunSettings::of`] |
+//! | only its scene, another method | [`build_scene`], [`Problem::run_spec`], [`Simulation::of_scene`] |
+//! | choose method, steps, threads | [`RunSpec::fixed`], [`RunSpec::adaptive`], [`RunSpec::of`] |
 //! | make steps | [`Simulation::step`], [`Simulation::advance`], [`Simulation::run_until`] |
 //! | stop on the way | [`Simulation::run_until_or`] |
 //! | give up on a step | [`Simulation::stop_on`] |
@@ -44,7 +44,7 @@
 //! | add a force of its own | [`NodalForce`], [`Simulation::set_nodal_law`]: `examples/own_force.rs` |
 //! | check its derivatives | [`derivative_error`] |
 //! | add a law of bars | [`BarLaw`], [`Simulation::with_bars`]: `examples/own_bar_law.rs` |
-//! | add a scheme | [`crate::integrate`], [`RunSettings::of`]: `examples/own_scheme.rs` |
+//! | add a scheme | [`crate::integrate`], [`RunSpec::of`]: `examples/own_scheme.rs` |
 //! | watch every step | [`Observer`], [`Simulation::run_until_with`]: `examples/own_observer.rs` |
 //! | save and restore | [`Simulation::snapshot`], [`Simulation::restore`] |
 //!
@@ -66,21 +66,23 @@ mod record;
 mod saved;
 mod state;
 
+pub use crate::drive::RunSpec;
 pub use crate::force::law::bar_law::{BarForce, BarLaw, Bars};
 pub use crate::scene::{ForceDerivative, Load, NodalForce};
-pub use builder::{NetworkBuilder, RunSettings, SpringLaw};
+pub use builder::{NetworkBuilder, SpringLaw};
 pub use derivative::{DerivativeError, derivative_error};
-pub use doubts::{check_solver, doubts_at_end};
+pub use doubts::{check_solver, doubts_at_end, doubts_at_start};
 pub use equilibrium::{RecordedStatic, StaticSettings, record_static, record_static_watched};
 pub use error::{SetupError, SimulationError};
 pub use follow::{FollowSpec, FollowedState, follow};
-pub use record::{EarlierResults, RecordError, RecordSettings, Recorded, record};
+pub use record::{EarlierResults, RecordError, RecordSettings, RecordWatch, Recorded, record, record_watched};
 pub use state::NodeMotion;
 
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, UpcomingStep, Wants};
-use crate::drive::{Changed, Outcome, Run, RunError, RunSpec, RunState, Snapshot};
+use crate::drive::{Changed, Outcome, Run, RunError, RunState, Snapshot, StepEnd};
 use crate::force::schedule::threads::Threads;
+use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Scheme, Stepper};
 use crate::interrupt;
 use crate::model::spec::NetworkSpec;
@@ -106,10 +108,16 @@ pub fn build_scene(system: SystemSpec, threads: usize) -> Result<Box<dyn Scene>,
 /// # Errors
 /// When the method needs a network and the scene is none.
 pub fn bind<'a>(problem: &Problem, scene: &'a dyn Scene) -> Result<Stepper<'a>, SetupError> {
-    bind_scheme(problem.method.scheme(problem.solver), problem.method.info.name, scene)
+    bind_scheme(problem.method.scheme(problem.solver), &problem.method, scene)
 }
 
-fn bind_scheme<'a>(scheme: Scheme, method: &'static str, scene: &'a dyn Scene) -> Result<Stepper<'a>, SetupError> {
+/// A new scheme bound to a scene.
+fn bind_spec<'a>(spec: &RunSpec, scene: &'a dyn Scene) -> Result<Stepper<'a>, SetupError> {
+    bind_scheme(spec.scheme(), &spec.method, scene)
+}
+
+fn bind_scheme<'a>(scheme: Scheme, method: &MethodChoice, scene: &'a dyn Scene) -> Result<Stepper<'a>, SetupError> {
+    let method = method.info.name;
     Stepper::bind(scheme, scene.interfaces()).map_err(|source| SetupError::Method { method, source })
 }
 
@@ -132,7 +140,7 @@ pub struct Simulation {
     scene: Arc<dyn Scene>,
     /// away only while a step is made
     scheme: Option<Scheme>,
-    settings: RunSettings,
+    spec: RunSpec,
     state: RunState,
     pending: Option<Pending>,
     /// [m/s] wind that was set
@@ -154,18 +162,18 @@ impl Simulation {
     ///
     /// # Errors
     /// A specification that contradicts itself, settings out of range, or a method that cannot start.
-    pub fn new(network: NetworkSpec, settings: RunSettings) -> Result<Self, SimulationError> {
-        Self::with_bars(network, &[], settings)
+    pub fn new(network: NetworkSpec, spec: RunSpec) -> Result<Self, SimulationError> {
+        Self::with_bars(network, &[], spec)
     }
 
     /// A network with bars of the program's own laws ([`BarLaw`]).
     ///
     /// # Errors
     /// As [`Simulation::new`], and bars of nodes that do not exist or of rest lengths that are not finite.
-    pub fn with_bars(network: NetworkSpec, bars: &[Bars], settings: RunSettings) -> Result<Self, SimulationError> {
-        let threads = Threads::new(settings.threads).map_err(SetupError::from)?;
+    pub fn with_bars(network: NetworkSpec, bars: &[Bars], spec: RunSpec) -> Result<Self, SimulationError> {
+        let threads = Threads::new(spec.threads).map_err(SetupError::from)?;
         let scene = build_network_with(network, bars, threads).map_err(SetupError::from)?;
-        Self::of_scene(Arc::new(scene), settings)
+        Self::of_scene(Arc::new(scene), spec)
     }
 
     /// A case, ready at t = 0, on `threads` threads; results do not depend on their number.
@@ -183,10 +191,10 @@ impl Simulation {
     /// # Errors
     /// As [`Simulation::new`].
     pub fn from_case(problem: &Problem, threads: usize) -> Result<Self, SimulationError> {
-        let settings = RunSettings::of_case(problem, threads);
+        let spec = RunSpec { threads, ..problem.run_spec() };
         match &problem.system {
-            SystemSpec::Network(network) => Self::new((**network).clone(), settings),
-            SystemSpec::Pendulum(pendulum) => Self::of_scene(Arc::new(Pendulum::new(*pendulum)), settings),
+            SystemSpec::Network(network) => Self::new((**network).clone(), spec),
+            SystemSpec::Pendulum(pendulum) => Self::of_scene(Arc::new(Pendulum::new(*pendulum)), spec),
         }
     }
 
@@ -194,11 +202,11 @@ impl Simulation {
     ///
     /// # Errors
     /// As [`Simulation::new`].
-    pub fn of_scene(scene: Arc<dyn Scene>, settings: RunSettings) -> Result<Self, SimulationError> {
-        let mut stepper = settings.stepper(&*scene)?;
-        let state = RunState::start(&*scene, &mut stepper, settings.spec(), scene.initial_state())?;
+    pub fn of_scene(scene: Arc<dyn Scene>, spec: RunSpec) -> Result<Self, SimulationError> {
+        let mut stepper = bind_spec(&spec, &*scene)?;
+        let state = RunState::start(&*scene, &mut stepper, &spec, scene.initial_state())?;
         let scheme = stepper.unbind();
-        Ok(Self::at(scene, settings, scheme, state))
+        Ok(Self::at(scene, spec, scheme, state))
     }
 
     /// A scene where a snapshot was taken of a run with the same scene and settings: every further step has the bits of
@@ -206,21 +214,21 @@ impl Simulation {
     ///
     /// # Errors
     /// As [`Simulation::new`], and when the snapshot does not fit.
-    pub fn resume(scene: Arc<dyn Scene>, settings: RunSettings, snapshot: Snapshot) -> Result<Self, SimulationError> {
-        let mut stepper = settings.stepper(&*scene)?;
-        let state = RunState::restore(&*scene, &mut stepper, settings.spec(), snapshot)?;
+    pub fn resume(scene: Arc<dyn Scene>, spec: RunSpec, snapshot: Snapshot) -> Result<Self, SimulationError> {
+        let mut stepper = bind_spec(&spec, &*scene)?;
+        let state = RunState::restore(&*scene, &mut stepper, &spec, snapshot)?;
         let scheme = stepper.unbind();
-        Ok(Simulation { resumed: true, ..Self::at(scene, settings, scheme, state) })
+        Ok(Simulation { resumed: true, ..Self::at(scene, spec, scheme, state) })
     }
 
-    fn at(scene: Arc<dyn Scene>, settings: RunSettings, scheme: Scheme, state: RunState) -> Self {
+    fn at(scene: Arc<dyn Scene>, spec: RunSpec, scheme: Scheme, state: RunState) -> Self {
         let (scheme, pending, wind, resumed) = (Some(scheme), None, None, false);
         let (rest_length_factors, spring_edges) = (Vec::new(), OnceLock::new());
         let (changed, stop) = (Changed::Nothing, None);
         Simulation {
             scene,
             scheme,
-            settings,
+            spec,
             state,
             pending,
             wind,
@@ -307,16 +315,16 @@ impl Simulation {
                 if !run.spec.keep_going {
                     run.state.failure = None;
                 }
-                if run.step_block(stepper, &mut all)? {
-                    return Ok(Some(Ok(())));
+                match run.step_block(stepper, &mut all)? {
+                    true => Ok(Some(StepEnd::Accepted)),
+                    false => run.advance(stepper, &mut all).map(Some),
                 }
-                run.advance(stepper, &mut all).map(Some)
-            })??;
+            })?;
             match made {
                 None => return Err(SimulationError::Ended { t: self.time() }),
-                Some(Err(_)) => return Err(self.failed()),
-                Some(Ok(())) if pause() || interrupt::asked() => break,
-                Some(Ok(())) => {}
+                Some(StepEnd::Failed(_)) => return Err(self.failed()),
+                Some(_) if pause() || interrupt::asked() => break,
+                Some(_) => {}
             }
         }
         Ok(self.info())
@@ -330,16 +338,10 @@ impl Simulation {
     pub fn run(&mut self, observers: &mut [&mut dyn Observer], stop: &AtomicBool) -> Result<Outcome, SimulationError> {
         self.idle()?;
         let begins = self.state.steps == 0 && !self.resumed;
-        self.at_work(Stop::on(stop), |run, stepper| {
-            for o in observers.iter_mut() {
-                match begins {
-                    true => o.started(&run.state.from, run.state.row)?,
-                    false => o.resumed(&run.state.from, run.state.row)?,
-                }
-            }
-            run.finish(stepper, observers)
-        })?
-        .map_err(Into::into)
+        self.at_work(Stop::on(stop), |run, stepper| match begins {
+            true => run.begin(stepper, observers),
+            false => run.go_on(stepper, observers),
+        })
     }
 
     fn info(&self) -> StepInfo {
@@ -354,14 +356,13 @@ impl Simulation {
     fn at_work<R>(
         &mut self,
         stop: Stop<'_>,
-        act: impl FnOnce(&mut Run<'_>, &mut Stepper<'_>) -> R,
+        act: impl FnOnce(&mut Run<'_>, &mut Stepper<'_>) -> Result<R, RunError>,
     ) -> Result<R, SimulationError> {
         let scheme = self.scheme.take().ok_or(SimulationError::Broken)?;
         let scene = &*self.scene;
-        let mut stepper = self.settings.bind(scheme, scene)?;
+        let mut stepper = bind_scheme(scheme, &self.spec.method, scene)?;
         let interrupt = self.stop.as_deref().map_or(Stop::NEVER, Stop::on);
-        let spec = RunSpec { interrupt, ..self.settings.spec() };
-        let mut run = Run { scene, spec, stop, state: &mut self.state };
+        let mut run = Run { scene, spec: &self.spec, stop, interrupt, state: &mut self.state };
         let ready = match self.changed {
             Changed::Nothing => Ok(()),
             changed => run.state.refresh(scene, &mut stepper, changed),
@@ -370,7 +371,7 @@ impl Simulation {
         self.scheme = Some(stepper.unbind());
         let done = done.map_err(RunError::from)?;
         self.changed = Changed::Nothing;
-        Ok(done)
+        Ok(done?)
     }
 }
 

@@ -230,14 +230,20 @@ fn counted<T>(phase: Phase, work: impl FnOnce() -> T) -> T {
     done
 }
 
-/// The timer of this thread while it prepares a run; removed when dropped.
+/// The timer of this thread while it prepares a run; removed when the one that started it is dropped.
 #[derive(Debug)]
-pub struct StartupTimer(());
+pub struct StartupTimer {
+    /// whether this one started it
+    owner: bool,
+}
 
 impl StartupTimer {
-    /// Starts a timer and discards an earlier one.
+    /// Starts a timer, or takes part in one that this thread has already.
     pub fn open() -> Self {
-        Self::begun(Timestamps::now())
+        match BOOK.with_borrow(Option::is_some) {
+            true => StartupTimer { owner: false },
+            false => Self::begun(Timestamps::now()),
+        }
     }
 
     /// The same in a process that makes one run: all processor time that it has used belongs to the run.
@@ -248,7 +254,7 @@ impl StartupTimer {
 
     fn begun(began: Timestamps) -> Self {
         BOOK.set(Some(PhaseTimes { began, found: Startup::default(), inside: 0.0, whole: false }));
-        StartupTimer(())
+        StartupTimer { owner: true }
     }
 
     /// The measurements so far.
@@ -259,7 +265,9 @@ impl StartupTimer {
 
 impl Drop for StartupTimer {
     fn drop(&mut self) {
-        BOOK.set(None);
+        if self.owner {
+            BOOK.set(None);
+        }
     }
 }
 
@@ -296,6 +304,7 @@ mod tests {
         timed(Phase::Mesh, work);
         let account = StartupTimer::open();
         assert_eq!(account.read(), Startup::default());
+        drop(StartupTimer::open());
         timed(Phase::Parse, || {
             timed(Phase::Mesh, work);
             timed(Phase::Mesh, work);

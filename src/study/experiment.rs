@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::frames::{Distance, Sampler};
 use crate::drive::clock::Step;
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Resumable, UpcomingStep, Wants};
-use crate::drive::{self, Explain, Outcome, RunError, RunSpec, Snapshot};
+use crate::drive::{Explain, Outcome, Run, RunError, RunSpec, RunState, Snapshot};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{NeedsNetwork, Stepper};
@@ -144,14 +144,16 @@ impl<'a> Experiment<'a> {
         observers: &mut [&mut dyn Observer],
         stop: &AtomicBool,
     ) -> Result<Outcome, RunError> {
-        let Experiment { scene, method, step, end, frames_every, keep_going, explain, interrupt, .. } = *self;
-        let free_steps = false;
-        let spec = RunSpec { end, step, free_steps, frames_every, keep_going, explain, interrupt, method };
-        match start {
-            Start::Initial => drive::run(scene, stepper, spec, observers, stop),
-            Start::State(state) => drive::run_from(scene, stepper, spec, state, observers, stop),
-            Start::Snapshot(snapshot) => drive::resume(scene, stepper, spec, *snapshot, observers, stop),
-        }
+        let Experiment { scene, method, solver, step, end, frames_every, keep_going, explain, interrupt, .. } = *self;
+        let spec = RunSpec { solver, frames_every, keep_going, explain, ..RunSpec::of(method.clone(), step, end) };
+        let begins = !matches!(start, Start::Snapshot(_));
+        let state = &mut match start {
+            Start::Initial => RunState::start(scene, stepper, &spec, scene.initial_state())?,
+            Start::State(state) => RunState::start(scene, stepper, &spec, state)?,
+            Start::Snapshot(snapshot) => RunState::restore(scene, stepper, &spec, *snapshot)?,
+        };
+        let mut run = Run { scene, spec: &spec, stop: Stop::on(stop), interrupt, state };
+        if begins { run.begin(stepper, observers) } else { run.go_on(stepper, observers) }
     }
 }
 

@@ -62,7 +62,7 @@ fn times(problem: &Problem) -> (Outcome, Times) {
     let scene = build_scene(problem.system.clone(), 1).expect("the case is good");
     let mut stepper = bind(problem, &*scene).expect("the method fits");
     let (mut times, stop) = (Times::default(), AtomicBool::new(false));
-    let outcome = drive::run(&*scene, &mut stepper, problem.run_spec(false), &mut [&mut times], &stop).expect("starts");
+    let outcome = drive::run(&*scene, &mut stepper, &problem.run_spec(), &mut [&mut times], &stop).expect("starts");
     (outcome, times)
 }
 

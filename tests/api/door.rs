@@ -6,8 +6,8 @@ use canopy_fem::drive::clock::Tolerance;
 use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::spec::{DashpotKind, ReleaseSpec, Slack};
 use canopy_fem::simulation::{
-    ForceDerivative, Load, NetworkBuilder, NodalForce, RunSettings, Simulation, SimulationError, SpringLaw,
-    build_scene, derivative_error,
+    ForceDerivative, Load, NetworkBuilder, NodalForce, RunSpec, Simulation, SimulationError, SpringLaw, build_scene,
+    derivative_error,
 };
 use std::sync::Arc;
 
@@ -22,12 +22,12 @@ fn mass_on_spring() -> NetworkBuilder {
 }
 
 fn fixed(network: NetworkBuilder, method: &str, step: f64, end: f64, threads: usize) -> Simulation {
-    let settings = RunSettings { threads, ..RunSettings::fixed(method, step, end).expect("registered") };
+    let settings = RunSpec { threads, ..RunSpec::fixed(method, step, end).expect("registered") };
     Simulation::new(network.build().expect("a mesh"), settings).expect("it starts")
 }
 
 fn adaptive(network: NetworkBuilder, method: &str, end: f64) -> Simulation {
-    let settings = RunSettings::adaptive(method, Tolerance { relative: 1e-7, absolute: 1e-9 }, end);
+    let settings = RunSpec::adaptive(method, Tolerance { relative: 1e-7, absolute: 1e-9 }, end);
     Simulation::new(network.build().expect("a mesh"), settings.expect("registered")).expect("it starts")
 }
 
@@ -218,9 +218,9 @@ fn free_steps_are_those_a_program_gives() {
     for method in METHODS {
         let mut network = cloth(4).build().expect("a mesh");
         network.releases.push(ReleaseSpec { t: event, nodes: vec![(0, [true; 3])] });
-        let settings = RunSettings::fixed(method, h, 1.0).expect("registered");
+        let settings = RunSpec::fixed(method, h, 1.0).expect("registered");
         let mut fixed = Simulation::new(network.clone(), settings.clone()).expect("it starts");
-        let mut free = Simulation::new(network, RunSettings { free_steps: true, ..settings }).expect("it starts");
+        let mut free = Simulation::new(network, RunSpec { free_steps: true, ..settings }).expect("it starts");
         assert!(matches!(fixed.attempt_of(h), Err(SimulationError::NotFree)));
         for bad in [0.0, -h, f64::NAN, f64::INFINITY] {
             assert!(matches!(free.attempt_of(bad), Err(SimulationError::Run(_))), "{bad}");
@@ -448,7 +448,7 @@ fn two_simulations_at_once_are_those_one_after_the_other() {
         }
         let network = SystemSpec::Network(Box::new(cloth(40).build().expect("a mesh")));
         let scene = build_scene(network, 2).expect("a scene").into();
-        Simulation::of_scene(scene, RunSettings::fixed(method, 2e-4, 1.0).expect("registered")).expect("it starts")
+        Simulation::of_scene(scene, RunSpec::fixed(method, 2e-4, 1.0).expect("registered")).expect("it starts")
     }
     fn run(mut sim: Simulation) -> Vec<u8> {
         sim.advance(40).expect("it goes on");

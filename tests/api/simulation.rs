@@ -3,7 +3,7 @@
 use canopy_fem::case::Case;
 use canopy_fem::drive::clock::Tolerance;
 use canopy_fem::simulation::{
-    FollowSpec, NetworkBuilder, NodalForce, RunSettings, Simulation, SimulationError, SpringLaw, follow,
+    FollowSpec, NetworkBuilder, NodalForce, RunSpec, Simulation, SimulationError, SpringLaw, follow,
 };
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -22,13 +22,13 @@ fn chain() -> NetworkBuilder {
 }
 
 fn falling(method: &str) -> Simulation {
-    let settings = RunSettings::fixed(method, 1e-3, 1.0).expect("registered");
+    let settings = RunSpec::fixed(method, 1e-3, 1.0).expect("registered");
     Simulation::new(chain().build().expect("a mesh"), settings).expect("it starts")
 }
 
 fn adaptive() -> Simulation {
     let tolerance = Tolerance { relative: 1e-6, absolute: 1e-8 };
-    let settings = RunSettings::adaptive("newmark", tolerance, 1.0).expect("registered");
+    let settings = RunSpec::adaptive("newmark", tolerance, 1.0).expect("registered");
     Simulation::new(chain().build().expect("a mesh"), settings).expect("it starts")
 }
 
@@ -111,7 +111,7 @@ fn a_snapshot_of_another_method_or_scene_is_a_start() {
             .springs(&[[0, 1]], SpringLaw { stiffness, ..SpringLaw::default() })
             .masses(vec![2.0; 2])
             .hold(|node, _| node == 0);
-        let settings = RunSettings::fixed(method, step, 1.0).expect("registered");
+        let settings = RunSpec::fixed(method, step, 1.0).expect("registered");
         Simulation::new(network.build().expect("a mesh"), settings).expect("it starts")
     };
     let mut sim = made("velocity-verlet", 8.0, 1e-3);
@@ -143,7 +143,7 @@ fn a_snapshot_of_another_method_or_scene_is_a_start() {
     }
     assert!(made("velocity-verlet", 8.0, 1e-3).restore(&bytes).expect("the same").is_empty());
     let three = NetworkBuilder::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]).masses(vec![2.0; 3]);
-    let settings = RunSettings::fixed("velocity-verlet", 1e-3, 1.0).expect("registered");
+    let settings = RunSpec::fixed("velocity-verlet", 1e-3, 1.0).expect("registered");
     let mut other = Simulation::new(three.build().expect("a mesh"), settings).expect("it starts");
     assert!(matches!(other.restore(&bytes), Err(SimulationError::Snapshot(_))));
     for t in [-0.1, 1.1, f64::NAN] {
@@ -180,7 +180,7 @@ fn a_force_from_outside_does_its_work() {
             .springs(&[[0, 1]], SpringLaw { stiffness: 1e-9, ..SpringLaw::default() })
             .masses(vec![2.0; 2])
             .hold(|node, _| node == 0);
-        let settings = RunSettings::fixed(method, 1e-2, 2.0).expect("registered");
+        let settings = RunSpec::fixed(method, 1e-2, 2.0).expect("registered");
         let mut sim = Simulation::new(network.build().expect("a mesh"), settings).expect("it starts");
         sim.set_nodal_force("push", &[[0.0; 3], [0.0, 4.0, 0.0]]).expect("a network");
         sim.run_until(1.0).expect("it goes on");
@@ -213,7 +213,7 @@ fn a_law_of_ones_own_acts() {
         let network = NetworkBuilder::new(vec![[0.0, 1.0, 0.0], [0.5, 1.0, 0.0]])
             .springs(&[[0, 1]], SpringLaw { stiffness: 1.0, ..SpringLaw::default() })
             .masses(vec![2.0; 2]);
-        let settings = RunSettings::fixed(method, 1e-3, 1.0).expect("registered");
+        let settings = RunSpec::fixed(method, 1e-3, 1.0).expect("registered");
         let mut sim = Simulation::new(network.build().expect("a mesh"), settings).expect("it starts");
         sim.set_nodal_law("tether", Arc::new(Tether(8.0))).expect("a network");
         sim.run_until(1.0).expect("it goes on");
@@ -281,7 +281,7 @@ fn a_state_can_be_set() {
 /// A step that diverges is refused: the error says so, and the state is the last good one.
 #[test]
 fn a_step_that_diverges_is_refused() {
-    let settings = RunSettings::fixed("velocity-verlet", 0.2, 20.0).expect("registered");
+    let settings = RunSpec::fixed("velocity-verlet", 0.2, 20.0).expect("registered");
     let mut sim = Simulation::new(chain().build().expect("a mesh"), settings).expect("it starts");
     let error = sim.advance(100).expect_err("far above the critical step");
     assert!(matches!(&error, SimulationError::Failed(failure) if failure.step == sim.step_count() + 1), "{error}");

@@ -4,7 +4,7 @@
 use crate::common::run::{case_of, changed};
 use canopy_fem::case::Case;
 use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer, UpcomingStep, Wants};
-use canopy_fem::drive::{self, Outcome, Status};
+use canopy_fem::drive::{self, Outcome, RunSpec, Status};
 use canopy_fem::integrate::registry::methods;
 use canopy_fem::output::frame::Fields;
 use canopy_fem::output::recorder::{Recorder, RecorderSpec};
@@ -92,7 +92,8 @@ fn solve(case: &Case, dir: &Path, How { threads, keep_going }: How, lets: bool) 
     let mut witness = Witness { lets, alone: 0, in_blocks: 0 };
     let stop = AtomicBool::new(false);
     let observers: &mut [&mut dyn Observer] = &mut [&mut recorder, &mut witness];
-    let outcome = drive::run(&*scene, &mut stepper, problem.run_spec(keep_going), observers, &stop).expect("it starts");
+    let spec = RunSpec { keep_going, ..problem.run_spec() };
+    let outcome = drive::run(&*scene, &mut stepper, &spec, observers, &stop).expect("it starts");
     (outcome, witness)
 }
 

@@ -5,7 +5,7 @@ use canopy_fem::drive::clock::{Step, Tolerance};
 use canopy_fem::integrate::registry::{self, MethodChoice};
 use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::spec::{AirSpec, DashpotKind, Series};
-use canopy_fem::simulation::{Load, NetworkBuilder, NodalForce, RunSettings, Simulation, SimulationError, SpringLaw};
+use canopy_fem::simulation::{Load, NetworkBuilder, NodalForce, RunSpec, Simulation, SimulationError, SpringLaw};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -118,7 +118,7 @@ fn line(stretch: f64, damped: bool) -> NetworkBuilder {
 }
 
 fn simulation(network: NetworkBuilder, method: &MethodChoice, step: f64, end: f64) -> Simulation {
-    let settings = RunSettings::of(method.clone(), Step::Fixed(step), end);
+    let settings = RunSpec::of(method.clone(), Step::Fixed(step), end);
     Simulation::new(network.build().expect("a mesh"), settings).expect("it starts")
 }
 
@@ -297,7 +297,7 @@ fn the_account_has_what_is_set() {
 
 fn adaptive(method: &MethodChoice) -> Simulation {
     let tolerance = Tolerance { relative: 1e-5, absolute: 1e-7 };
-    let settings = RunSettings::of(method.clone(), Step::Adaptive(tolerance), 2.0);
+    let settings = RunSpec::of(method.clone(), Step::Adaptive(tolerance), 2.0);
     Simulation::new(line(0.01, true).build().expect("a mesh"), settings).expect("it starts")
 }
 

@@ -55,8 +55,7 @@ fn frames(case: &Case, method: &str, relative: f64, count: u32) -> Vec<State> {
     let times = (0..=count).map(|k| problem.time.end * f64::from(k) / f64::from(count)).collect();
     let mut frames = Frames { times, found: Vec::new() };
     let stop = AtomicBool::new(false);
-    let outcome =
-        drive::run(&*scene, &mut stepper, problem.run_spec(false), &mut [&mut frames], &stop).expect("starts");
+    let outcome = drive::run(&*scene, &mut stepper, &problem.run_spec(), &mut [&mut frames], &stop).expect("starts");
     assert_eq!(outcome.status, Status::Completed, "{method} at {relative:e}: {:?}", outcome.failure);
     assert_eq!(frames.found.len(), count as usize + 1, "{method} at {relative:e}");
     frames.found

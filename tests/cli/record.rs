@@ -1,11 +1,12 @@
-//! A program that records a run (`simulation::record`) gets the files that the command `solve` writes.
+//! A program that records a run (`simulation::record`) gets the files and the warnings of the command `solve`.
 
 use crate::bench::Bench;
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
 use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer};
-use canopy_fem::simulation::{EarlierResults, RecordError, RecordSettings, record};
+use canopy_fem::simulation::{EarlierResults, RecordError, RecordSettings, RecordWatch, record, record_watched};
 use serde_json::{Value, json};
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -76,7 +77,7 @@ fn files_are_those_of_the_command() {
     let expected = files(&bench.path("command"));
     assert!(expected.len() > 9, "{:?}", expected.keys());
     let out = bench.path("program");
-    let how = RecordSettings { out: &out, earlier: EarlierResults::Keep, threads: 1, keep_going: false };
+    let how = RecordSettings::new(&out);
     let go = AtomicBool::new(false);
     let recorded = record(&read(&case), how, &mut [], &go).expect("it runs");
     assert_eq!((recorded.outcome.status, recorded.outcome.steps), (Status::Completed, 100));
@@ -94,4 +95,82 @@ fn files_are_those_of_the_command() {
     for (name, bytes) in files(&out).iter().filter(|(name, _)| *name != "summary.json") {
         assert!(expected[name] == *bytes, "{name}");
     }
+}
+
+/// A mass between two springs, pulled across by a growing force: its method becomes unstable on the way.
+fn pulled() -> Value {
+    json!({
+        "name": "pulled",
+        "system": {"network": {
+            "mesh": {"explicit": {"nodes": [[-1, 0, 0], [0, 0, 0], [1, 0, 0]], "springs": [[0, 1], [1, 2]]}},
+            "mass": {"nodal": 0.5},
+            "springs": [{"on": "all", "stiffness": 50}],
+            "supports": [
+                {"on": {"ids": [0, 2]}, "fix": "xyz", "until": 200}, {"on": {"ids": [1]}, "fix": "xy"}
+            ],
+            "loads": [{"on": {"ids": [1]}, "force": [0, 0, 1], "table": [[0, 0], [100, 400]]}]
+        }},
+        "time": {"end": 100, "method": "velocity-verlet", "step": 0.16},
+        "output": {"frames": {"every": 10}, "gauges": [{"name": "mid", "on": {"ids": [1]}, "of": "displacement"}]}
+    })
+}
+
+/// The cloth of the other tests with other values at these places.
+fn cloth_with(changes: &[(&str, Value)]) -> Value {
+    let mut case = case(0.1);
+    for (place, value) in changes {
+        *case.pointer_mut(place).expect("a place") = value.clone();
+    }
+    case
+}
+
+/// Warnings of the case, of its scene, of the run and of its end, as soon as they are known and in this order. What a
+/// case acknowledges is told by neither.
+#[test]
+fn warnings_are_those_of_the_command() {
+    let mut acknowledged = pulled();
+    acknowledged["acknowledge"] = json!(["event-beyond-end", "energy-made"]);
+    let long = json!({"end": 3, "method": "velocity-verlet", "step": 0.05});
+    for (case, codes) in [
+        (pulled(), &["event-beyond-end", "step-above-critical", "energy-made"][..]),
+        (acknowledged, &["step-above-critical"]),
+        (cloth_with(&[("/time", long)]), &["step-above-critical"]),
+        (cloth_with(&[]), &[]),
+    ] {
+        let bench = Bench::new();
+        std::fs::write(bench.path("case.json"), case.to_string()).expect("written");
+        let ended = bench.run(&["solve", "case.json", "--out", "command"]);
+        let command: Vec<&str> = ended.stderr.lines().filter_map(|line| line.strip_prefix("warning: ")).collect();
+        let out = bench.path("program");
+        let (told, begun) = (RefCell::new(Vec::new()), Cell::new(0));
+        let watch = RecordWatch {
+            begins: &|| begun.set(begun.get() + 1),
+            warned: &|warning| told.borrow_mut().push(warning.clone()),
+        };
+        let (how, go) = (RecordSettings::new(&out), AtomicBool::new(false));
+        let recorded = record_watched(read(&case), how, watch, &mut [], &go).expect("it runs");
+        assert_eq!((told.into_inner(), begun.get()), (recorded.warnings.clone(), 1));
+        let warnings: Vec<String> = recorded.warnings.iter().map(ToString::to_string).collect();
+        assert_eq!(warnings, command);
+        let found: Vec<String> = recorded.warnings.iter().map(|warning| warning.code.to_string()).collect();
+        assert_eq!(found, codes);
+        assert!(files(&out) == files(&bench.path("command")), "{codes:?}");
+        // Nothing that is told changes a file.
+        bench.run(&["solve", "case.json", "--out", "quiet", "--quiet"]);
+        assert!(files(&out) == files(&bench.path("quiet")), "{codes:?}");
+    }
+}
+
+/// A program hears of frames beyond the free room of the disk too: 17 MB almost a million times.
+#[test]
+fn frames_beyond_the_disk_are_announced() {
+    let mesh = json!({"rectangle": {"width": 1, "height": 1, "columns": 200, "rows": 200}});
+    let case = cloth_with(&[("/system/network/mesh", mesh), ("/output/frames/every", json!(1.1e-7))]);
+    let bench = Bench::new();
+    let (out, stopped) = (bench.path("program"), AtomicBool::new(true));
+    let recorded = record(&read(&case), RecordSettings::new(&out), &mut [], &stopped).expect("it is stopped");
+    assert_eq!((recorded.outcome.status, recorded.outcome.steps), (Status::Interrupted, 0));
+    let disk = recorded.warnings.iter().find(|warning| warning.code.to_string() == "disk-space");
+    let disk = disk.unwrap_or_else(|| panic!("not in {:?}", recorded.warnings));
+    assert!(disk.text.contains("the frames need about"), "{}", disk.text);
 }

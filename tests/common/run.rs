@@ -43,10 +43,10 @@ pub fn run_with(case: &Case, threads: usize) -> Run {
     let mut problem = case.problem().clone();
     let scene = build_scene(problem.take_system(), threads).expect("the case is good");
     let mut stepper = bind(&problem, &*scene).expect("the method fits the scene");
-    let spec = problem.run_spec(false);
+    let spec = problem.run_spec();
     let mut last = Last::default();
     let stop = AtomicBool::new(false);
-    let outcome = canopy_fem::drive::run(&*scene, &mut stepper, spec, &mut [&mut last], &stop).expect("it starts");
+    let outcome = canopy_fem::drive::run(&*scene, &mut stepper, &spec, &mut [&mut last], &stop).expect("it starts");
     let reference = scene.reference();
     let (mut positions, mut velocities) = (vec![[0.0; 3]; reference.len()], vec![[0.0; 3]; reference.len()]);
     scene.trace(last.state.as_ref(), &mut positions, &mut velocities);

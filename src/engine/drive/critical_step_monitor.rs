@@ -13,7 +13,7 @@ use crate::integrate::registry::MethodChoice;
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
 use crate::scene::{BoundBuffer, Scene, place_of};
-use crate::warning::WarningCode;
+use crate::warning::{Warning, WarningCode};
 
 /// Cost of a pass over the elements, in force passes.
 const PASSES: u32 = 5;
@@ -45,7 +45,7 @@ pub struct Monitored<'a> {
     /// [s] nominal step
     pub step: f64,
     /// called once with a warning, when the critical step falls below the step
-    pub tell: &'a dyn Fn(&str),
+    pub tell: &'a dyn Fn(Warning),
     /// ends a search for the critical step
     pub stop: Stop<'a>,
 }
@@ -177,18 +177,18 @@ impl<'a> CriticalStepMonitor<'a> {
 
     fn warn(&self, t: f64, h: f64, found: CriticalStep) {
         let Monitored { scene, method, tell, .. } = self.monitored;
-        tell(&format!(
+        let text = format!(
             "at t = {} s the critical step of {} has fallen to about {} s ({}; set around {}), below the step of {} s; \
-             expect it to diverge: {} [{}]",
+             expect it to diverge: {}",
             figures(t, 4),
             method.info.name,
             figures(found.step, 3),
             worth(found),
             place_of(scene, found.dof),
             figures(h, 4),
-            remedy(&found, h),
-            WarningCode::StepAboveCritical
-        ));
+            remedy(&found, h)
+        );
+        tell(Warning::new(WarningCode::StepAboveCritical, text));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::cause::{Diagnosis, DiagnosisInput};
 use super::observer::LedgerRow;
-use super::outcome::Explain;
+use super::run_spec::Explain;
 use super::watch::{DivergenceKind, EnergyGain};
 use crate::format_number::figures;
 use crate::integrate::StepError;

@@ -16,13 +16,15 @@ pub mod max_displacement;
 pub mod observer;
 mod outcome;
 mod run;
+mod run_spec;
 pub mod snapshot;
 mod step_policy;
 pub mod watch;
 
 pub use error::RunError;
 pub use failure::Failure;
-pub use outcome::{Explain, Outcome, RunSpec, Status};
-pub use run::{Changed, Run, RunState};
+pub use outcome::{Outcome, Status};
+pub use run::{Changed, Run, RunState, StepEnd};
 pub use run::{resume, run, run_from};
+pub use run_spec::{Explain, RunSpec};
 pub use snapshot::Snapshot;

@@ -11,7 +11,8 @@ use super::error::RunError;
 use super::failure::Failure;
 use super::ledger::{Elastic, Ledger};
 use super::observer::{LedgerRow, Observer, Occasion, Resumable};
-use super::outcome::{Outcome, RunSpec, Status};
+use super::outcome::{Outcome, Status};
+use super::run_spec::RunSpec;
 use super::snapshot::Snapshot;
 use super::step_policy::StepPolicy;
 use super::watch::Watch;
@@ -22,6 +23,7 @@ use crate::model::state::{State, StateRef};
 use crate::model::stop::Stop;
 use crate::scene::Scene;
 use crate::startup::{Phase, timed};
+pub use accept::StepEnd;
 use scene_limits::SceneLimits;
 use std::sync::atomic::AtomicBool;
 
@@ -36,7 +38,7 @@ const BLOW_UP: f64 = 1e4;
 pub fn run(
     scene: &dyn Scene,
     stepper: &mut Stepper<'_>,
-    spec: RunSpec<'_>,
+    spec: &RunSpec,
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
 ) -> Result<Outcome, RunError> {
@@ -50,16 +52,13 @@ pub fn run(
 pub fn run_from(
     scene: &dyn Scene,
     stepper: &mut Stepper<'_>,
-    spec: RunSpec<'_>,
+    spec: &RunSpec,
     state: State,
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
 ) -> Result<Outcome, RunError> {
     let mut state = RunState::start(scene, stepper, spec, state)?;
-    for o in observers.iter_mut() {
-        o.started(&state.from, state.row)?;
-    }
-    Run { scene, spec, stop: Stop::on(stop), state: &mut state }.finish(stepper, observers)
+    Run { scene, spec, stop: Stop::on(stop), interrupt: Stop::NEVER, state: &mut state }.begin(stepper, observers)
 }
 
 /// Continues from a snapshot of a run with the same scene, method and step. Every further step has the same bits as in
@@ -70,25 +69,44 @@ pub fn run_from(
 pub fn resume(
     scene: &dyn Scene,
     stepper: &mut Stepper<'_>,
-    spec: RunSpec<'_>,
+    spec: &RunSpec,
     snapshot: Snapshot,
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
 ) -> Result<Outcome, RunError> {
     let mut state = RunState::restore(scene, stepper, spec, snapshot)?;
-    for o in observers.iter_mut() {
-        o.resumed(&state.from, state.row)?;
-    }
-    Run { scene, spec, stop: Stop::on(stop), state: &mut state }.finish(stepper, observers)
+    Run { scene, spec, stop: Stop::on(stop), interrupt: Stop::NEVER, state: &mut state }.go_on(stepper, observers)
 }
 
 impl Run<'_> {
-    /// Makes all remaining steps.
-    pub fn finish(
+    /// Shows the state to observers, as the first of the run, and makes all steps.
+    ///
+    /// # Errors
+    /// When a scheme cannot start again at an event, or an observer cannot write.
+    pub fn begin(
         &mut self,
         stepper: &mut Stepper<'_>,
         observers: &mut [&mut dyn Observer],
     ) -> Result<Outcome, RunError> {
+        observers.iter_mut().try_for_each(|o| o.started(&self.state.from, self.state.row))?;
+        self.finish(stepper, observers)
+    }
+
+    /// The same for a run that goes on from a snapshot.
+    ///
+    /// # Errors
+    /// As [`Run::begin`].
+    pub fn go_on(
+        &mut self,
+        stepper: &mut Stepper<'_>,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<Outcome, RunError> {
+        observers.iter_mut().try_for_each(|o| o.resumed(&self.state.from, self.state.row))?;
+        self.finish(stepper, observers)
+    }
+
+    /// Makes all remaining steps.
+    fn finish(&mut self, stepper: &mut Stepper<'_>, observers: &mut [&mut dyn Observer]) -> Result<Outcome, RunError> {
         let (mut status, mut ended_early) = (Status::Completed, false);
         while let Some(next) = self.next() {
             if observers.iter().any(|o| o.ends_run()) {
@@ -111,8 +129,8 @@ impl Run<'_> {
             if self.step_block(stepper, observers)? {
                 continue;
             }
-            if let Err(stopped) = self.advance(stepper, observers)? {
-                status = stopped;
+            if let StepEnd::Failed(failed) = self.advance(stepper, observers)? {
+                status = failed;
                 break;
             }
         }
@@ -173,9 +191,11 @@ pub struct Run<'a> {
     /// what moves
     pub scene: &'a dyn Scene,
     /// its steps, method and solver
-    pub spec: RunSpec<'a>,
+    pub spec: &'a RunSpec,
     /// set to stop the run early
     pub stop: Stop<'a>,
+    /// ends the search for a cause, besides the flag that ends the run
+    pub interrupt: Stop<'a>,
     /// where it is
     pub state: &'a mut RunState,
 }
@@ -243,12 +263,7 @@ struct RunStart {
 
 impl RunState {
     /// A run before its first step, from a state at t = 0. Starts the scheme.
-    pub fn start(
-        scene: &dyn Scene,
-        stepper: &mut Stepper<'_>,
-        spec: RunSpec<'_>,
-        state: State,
-    ) -> Result<Self, RunError> {
+    pub fn start(scene: &dyn Scene, stepper: &mut Stepper<'_>, spec: &RunSpec, state: State) -> Result<Self, RunError> {
         spec.check()?;
         let needed = scene.n_dof();
         if let Some(found) = [state.x.len(), state.v.len()].into_iter().find(|n| *n != needed) {
@@ -269,7 +284,7 @@ impl RunState {
     pub fn restore(
         scene: &dyn Scene,
         stepper: &mut Stepper<'_>,
-        spec: RunSpec<'_>,
+        spec: &RunSpec,
         snapshot: Snapshot,
     ) -> Result<Self, RunError> {
         spec.check()?;

@@ -6,7 +6,7 @@ use super::error::RunError;
 use super::failure::Failure;
 use super::ledger::Ledger;
 use super::observer::LedgerRow;
-use super::outcome::RunSpec;
+use super::run_spec::RunSpec;
 use super::watch::EnergyAccount;
 use crate::integrate::stepper::Stepper;
 use crate::integrate::{CarriedState, Counters};
@@ -52,7 +52,7 @@ pub struct Snapshot {
     pub adaptive: Option<AdaptiveState>,
 }
 
-impl RunSpec<'_> {
+impl RunSpec {
     /// Checks that a run of this scene passes through the snapshot. A run with another end does, if its steps up to
     /// there are the same.
     ///

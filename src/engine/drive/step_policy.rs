@@ -2,7 +2,7 @@
 
 use super::adaptive::{Adaptive, AdaptiveSpec, AdaptiveState, PlannedStep};
 use super::clock::{EventSteps, FixedSteps, FreeSteps, Step, Tick};
-use super::outcome::RunSpec;
+use super::run_spec::RunSpec;
 use crate::integrate::registry::Family;
 use crate::integrate::stepper::Stepper;
 use crate::scene::Scene;
@@ -19,7 +19,7 @@ impl StepPolicy {
     pub fn at(
         scene: &dyn Scene,
         stepper: &Stepper<'_>,
-        spec: RunSpec<'_>,
+        spec: &RunSpec,
         (state, t): (Option<AdaptiveState>, f64),
     ) -> (Self, usize) {
         scene.pass_events(0);
@@ -33,7 +33,7 @@ impl StepPolicy {
     }
 
     /// Starts at t = 0, or continues from the adaptive steps of an earlier run.
-    fn of(scene: &dyn Scene, stepper: &Stepper<'_>, spec: RunSpec<'_>, state: Option<AdaptiveState>) -> Self {
+    fn of(scene: &dyn Scene, stepper: &Stepper<'_>, spec: &RunSpec, state: Option<AdaptiveState>) -> Self {
         match spec.step {
             step if spec.free_steps => StepPolicy::Free(FreeSteps {
                 step: step.fixed().unwrap_or(spec.end),

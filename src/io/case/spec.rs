@@ -8,7 +8,6 @@ use crate::integrate::registry::MethodChoice;
 use crate::model::group_totals::{GroupTotals, group_totals};
 use crate::model::observables::GaugeQuantity;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
-use crate::model::stop::Stop;
 use crate::vtk::VtuFormat;
 use crate::warning::{Warning, WarningCode};
 
@@ -43,17 +42,13 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// The specification for [`crate::drive::run`].
-    pub fn run_spec(&self, keep_going: bool) -> RunSpec<'_> {
+    /// By which method the case moves, and in which steps: on one thread.
+    pub fn run_spec(&self) -> RunSpec {
         RunSpec {
-            free_steps: false,
-            end: self.time.end,
-            step: self.time.step,
+            solver: self.solver,
             frames_every: self.output.frames_every,
-            keep_going,
             explain: Explain::All,
-            interrupt: Stop::NEVER,
-            method: &self.method,
+            ..RunSpec::of(self.method.clone(), self.time.step, self.time.end)
         }
     }
 

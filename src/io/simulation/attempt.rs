@@ -1,7 +1,7 @@
 //! Steps that are attempted first, and then accepted or dropped: for implicit coupling.
 
 use super::{Simulation, SimulationError, StepInfo};
-use crate::drive::{RunError, Snapshot};
+use crate::drive::{RunError, Snapshot, StepEnd};
 use crate::integrate::StepReport;
 use crate::model::stop::Stop;
 
@@ -30,7 +30,7 @@ impl Simulation {
     /// As [`Simulation::attempt`]; also settings without `free_steps`, and a size that is not above 0, not finite or
     /// lost in the rounding of the time.
     pub fn attempt_of(&mut self, h: f64) -> Result<(), SimulationError> {
-        if !self.settings.free_steps {
+        if !self.spec.free_steps {
             return Err(SimulationError::NotFree);
         }
         if !(h > 0.0 && h.is_finite() && self.time() + h > self.time()) {
@@ -48,20 +48,18 @@ impl Simulation {
                 run.state.failure = None;
             }
             if run.spec.free_steps || run.spec.step.fixed().is_some() {
-                return Ok(Some(run.fixed_step(stepper, tick).map(Pending::Fixed)));
+                return Ok(Some(run.fixed_step(stepper, tick).ok().map(Pending::Fixed)));
             }
             let before = Box::new(run.state.snapshot(stepper));
-            let made = run.advance(stepper, &mut [])?;
-            Ok::<_, RunError>(Some(made.map(|()| Pending::Adaptive(before))))
-        })??;
-        match made {
-            None => Err(SimulationError::Ended { t: self.time() }),
-            Some(Err(_)) => Err(self.failed()),
-            Some(Ok(pending)) => {
-                self.pending = Some(pending);
-                Ok(())
-            }
-        }
+            Ok(Some(match run.advance(stepper, &mut [])? {
+                StepEnd::Failed(_) => None,
+                _ => Some(Pending::Adaptive(before)),
+            }))
+        })?;
+        // Without a next step the run has ended; without an attempt the step has failed.
+        let attempted = made.ok_or_else(|| SimulationError::Ended { t: self.time() })?;
+        self.pending = Some(attempted.ok_or_else(|| self.failed())?);
+        Ok(())
     }
 
     /// Accepts the attempted step.
@@ -73,7 +71,8 @@ impl Simulation {
             None => return Err(SimulationError::Attempt { pending: false }),
             Some(Pending::Adaptive(_)) => {}
             Some(Pending::Fixed(report)) => {
-                if self.at_work(Stop::NEVER, |run, stepper| run.accept_fixed(stepper, &report))??.is_err() {
+                let end = self.at_work(Stop::NEVER, |run, stepper| run.accept_fixed(stepper, &report))?;
+                if end != StepEnd::Accepted {
                     return Err(self.failed());
                 }
             }

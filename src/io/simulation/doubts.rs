@@ -1,6 +1,8 @@
 //! What is wrong with a case, or doubtful about a run, and shows only on the built scene or at the end.
 
 use crate::analysis::cloth::StrainedCloth;
+use crate::analysis::critical::CriticalStep;
+use crate::analysis::warnings::{Planned, mass_warning, step_warning};
 use crate::case::spec::Problem;
 use crate::case::{CaseError, Source};
 use crate::drive::observer::LedgerRow;
@@ -10,10 +12,12 @@ use crate::integrate::implicit::{SolverSpec, refusal};
 use crate::integrate::registry::Family;
 use crate::output::canopy_doubts::canopy_doubts;
 use crate::output::crossings::CrossingReport;
+use crate::output::space::{frame_bytes, free_bytes};
 use crate::output::summary::Summary;
 use crate::scene::Scene;
 use crate::solve::{LinearChoice, LinearError};
 use crate::warning::{Warning, WarningCode};
+use std::path::Path;
 
 /// [-] Share of the energy above which dissipation by a braked body leads to a warning: less than half of the speed is
 /// left.
@@ -47,6 +51,41 @@ fn unsuitable_solver(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpe
         }
         _ => refusal(scene.symmetric(), newton.strategy, linear),
     }
+}
+
+/// Warnings about a case on its built scene, also those that it acknowledges: a step above the critical one, much added
+/// mass, frames that do not fit on the disk of `out`. `limit` is the critical step at the start with all springs taut.
+pub fn doubts_at_start(planned: Planned<'_>, problem: &Problem, limit: CriticalStep, out: &Path) -> Vec<Warning> {
+    let Planned { scene, .. } = planned;
+    let found = [mass_warning(scene), step_warning(planned, limit), disk_warning(problem, scene, out)];
+    found.into_iter().flatten().collect()
+}
+
+/// Warning for frames that will not fit on the disk of `out`.
+fn disk_warning(problem: &Problem, scene: &dyn Scene, out: &Path) -> Option<Warning> {
+    let every = problem.output.frames_every;
+    let frames = 1.0 + every.map_or(1.0, |every| (problem.time.end / every).ceil());
+    let fields = (&problem.output).into();
+    let bytes = frame_bytes(scene, fields, problem.output.format.precision) as f64;
+    let free = free_bytes(out)? as f64;
+    (frames * bytes > free).then(|| {
+        let text = format!(
+            "the frames need about {} ({} of {} each), but only {} are free where {} is; raise output.frames.every",
+            size(frames * bytes),
+            figures(frames, 6),
+            size(bytes),
+            size(free),
+            out.display()
+        );
+        Warning::new(WarningCode::DiskSpace, text)
+    })
+}
+
+/// A number of bytes in the unit that suits it.
+fn size(bytes: f64) -> String {
+    let units = [(1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
+    let unit = units.into_iter().find(|(unit, _)| bytes >= *unit).unwrap_or((1.0, "bytes"));
+    format!("{} {}", figures(bytes / unit.0, 3), unit.1)
 }
 
 /// Warnings about a finished run that its case does not acknowledge; `strained` is the most strained part of cloth.

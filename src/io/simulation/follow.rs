@@ -1,6 +1,6 @@
 //! A whole run in one call, for a closure that looks at every state.
 
-use super::{RunSettings, Simulation, SimulationError, build_scene};
+use super::{RunSpec, Simulation, SimulationError, build_scene};
 use crate::case::spec::Problem;
 use crate::drive::Outcome;
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
@@ -58,8 +58,9 @@ pub fn follow(
     how: FollowSpec,
     watch: impl FnMut(&FollowedState<'_>),
 ) -> Result<Outcome, SimulationError> {
-    let settings = RunSettings { keep_going: how.keep_going, ..RunSettings::of_case(problem, how.threads) };
-    let mut simulation = Simulation::of_scene(build_scene(problem.system.clone(), how.threads)?.into(), settings)?;
+    let FollowSpec { threads, keep_going } = how;
+    let spec = RunSpec { keep_going, threads, ..problem.run_spec() };
+    let mut simulation = Simulation::of_scene(build_scene(problem.system.clone(), threads)?.into(), spec)?;
     let scene = simulation.scene();
     let n = scene.reference().len();
     let mut follower = Follower { scene: &*scene, positions: vec![[0.0; 3]; n], velocities: vec![[0.0; 3]; n], watch };

@@ -1,14 +1,22 @@
-//! A whole run that writes the files of `canopy-fem solve`.
+//! A whole run that writes the files of `canopy-fem solve`, and gives its warnings.
 
-use super::{RunSettings, SetupError, Simulation, SimulationError, bind, build_scene, check_solver, doubts_at_end};
-use crate::analysis::warnings::{Planned, limit_at_start, mass_warning, step_warning};
+use super::{
+    RunSpec, SetupError, Simulation, SimulationError, bind, build_scene, check_solver, doubts_at_end, doubts_at_start,
+};
+use crate::analysis::critical::{CriticalStep, has_limit};
+use crate::analysis::taut::WhileSlack;
+use crate::analysis::warnings::{limit_at_start, while_slack};
+use crate::assembly::{ExportError, write_matrix_market};
 use crate::case::fingerprint::{Fingerprint, FingerprintError};
 use crate::case::spec::Problem;
 use crate::case::{Case, CaseError};
 use crate::drive::at_rest::AtRest;
 use crate::drive::cloth_strain::ClothStrain;
-use crate::drive::observer::{ObserveError, Observer};
+use crate::drive::critical_step_monitor::{CriticalStepMonitor, LeastStep, Monitored};
+use crate::drive::max_displacement::{Displacement, MaxDisplacement};
+use crate::drive::observer::{AcceptedStep, ObserveError, Observer, UpcomingStep, Wants};
 use crate::drive::{Outcome, Status};
+use crate::model::group_totals::GroupTotals;
 use crate::model::stop::Stop;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::folder::{CHECKPOINT, FolderError, ResultFolder, SUMMARY};
@@ -18,7 +26,9 @@ use crate::output::resume::ResumeError;
 use crate::output::summary::Summary;
 use crate::scene::Scene;
 use crate::startup::{self, Phase, StartupTimer, timed};
-use crate::warning::Warning;
+use crate::warning::{Warning, WarningCode};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -34,6 +44,15 @@ pub struct RecordSettings<'a> {
     pub threads: usize,
     /// go on past a divergence until a value stops being finite
     pub keep_going: bool,
+    /// folder for M, C and K at t = 0, as MatrixMarket files
+    pub matrices: Option<&'a Path>,
+}
+
+impl<'a> RecordSettings<'a> {
+    /// Results in a folder without earlier ones, on one thread.
+    pub fn new(out: &'a Path) -> Self {
+        RecordSettings { out, earlier: EarlierResults::Keep, threads: 1, keep_going: false, matrices: None }
+    }
 }
 
 /// What becomes of earlier results in a folder.
@@ -48,15 +67,42 @@ pub enum EarlierResults {
     Resume,
 }
 
+/// What a program does while [`record_watched`] works.
+#[derive(Clone, Copy)]
+pub struct RecordWatch<'a> {
+    /// called once, before the first file is created or changed: from then on a run should be stopped by its flag only,
+    /// so that it leaves a summary
+    pub begins: &'a dyn Fn(),
+    /// called with each warning of [`Recorded`] as soon as it is known
+    pub warned: &'a dyn Fn(&Warning),
+}
+
+impl RecordWatch<'_> {
+    /// Nothing.
+    pub const NONE: RecordWatch<'static> = RecordWatch { begins: &|| (), warned: &|_| () };
+}
+
 /// A run with its files.
 #[derive(Clone, Debug)]
 pub struct Recorded {
+    /// what was run
+    pub spec: RunSpec,
     /// how it ended
     pub outcome: Outcome,
     /// what `summary.json` holds
     pub summary: Summary,
-    /// warnings of the case, of its scene and of its end that it does not acknowledge
+    /// warnings of the case, of its scene, of the run and of its end that it does not acknowledge, in this order
     pub warnings: Vec<Warning>,
+    /// the critical step at the start, with all springs taut
+    pub limit: CriticalStep,
+    /// springs that are slack at the start, and the critical step while they are
+    pub while_slack: Option<WhileSlack>,
+    /// the smallest critical step after the start, if it is clearly smaller
+    pub least: Option<LeastStep>,
+    /// the largest displacement at the end
+    pub displacement: Displacement,
+    /// [s] time of the last frame
+    pub last_frame: Option<f64>,
 }
 
 /// Why a run has no files.
@@ -86,6 +132,9 @@ pub enum RecordError {
     /// Modes cannot be written.
     #[error(transparent)]
     Modes(#[from] ModesWriteError),
+    /// Matrices cannot be written.
+    #[error(transparent)]
+    Export(#[from] ExportError),
     /// The files that the case names have no checksum.
     #[error(transparent)]
     Fingerprint(#[from] FingerprintError),
@@ -103,70 +152,183 @@ pub fn record(
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
 ) -> Result<Recorded, RecordError> {
-    let timer = StartupTimer::open();
-    let problem = case.problem();
-    let fingerprint = Fingerprint::of(problem)?;
-    let scene: Arc<dyn Scene> = timed(Phase::Scene, || build_scene(problem.system.clone(), how.threads))?.into();
-    // An unsuitable solver or method is refused before any file is created.
-    check_solver(problem, &*scene, case.source())?;
-    bind(problem, &*scene)?;
-    let (folder, checkpoint) = timed(Phase::Files, || folder(problem, how, &fingerprint))?;
-    let step = problem.time.step.fixed().map(|step| step.min(problem.time.end));
-    let plan = Planned { scene: &*scene, method: &problem.method, step, end: problem.time.end, stop: Stop::on(stop) };
-    let limit = timed(Phase::CriticalStep, || limit_at_start(plan));
-    let found = [mass_warning(&*scene), step_warning(plan, limit)].into_iter().flatten();
-    let mut warnings: Vec<Warning> = problem.warnings.iter().cloned().chain(problem.sort_out(found).1).collect();
-    let recorded = RecorderSpec::of(problem, folder.dir());
-    let recorder = match &checkpoint {
-        Some(checkpoint) => {
-            let spec = problem.run_spec(how.keep_going);
-            spec.passes(&*scene, &checkpoint.snapshot).map_err(SimulationError::from)?;
-            Recorder::resume(&*scene, &recorded, checkpoint)?
-        }
-        None => Recorder::new(&*scene, &recorded)?,
-    };
-    let stopwatch = startup::stopwatch(checkpoint.as_ref().map(|checkpoint| checkpoint.spent).unwrap_or_default());
-    let every = problem.output.checkpoint_every;
-    // Settings that were derived at the start of the earlier run are kept.
-    let fingerprint = checkpoint.as_ref().map_or(fingerprint, |checkpoint| checkpoint.case.clone());
-    let case_digest = fingerprint.digest();
-    let mut recorder = recorder.with_checkpoints(CheckpointSpec { case: fingerprint, every, stopwatch });
-    let resumed_from = checkpoint.as_ref().map(|checkpoint| checkpoint.snapshot.t);
-    let settings = RunSettings { keep_going: how.keep_going, ..RunSettings::of_case(problem, how.threads) };
-    let mut simulation = match checkpoint {
-        Some(Checkpoint { snapshot, .. }) => Simulation::resume(scene.clone(), settings, snapshot)?,
-        None => Simulation::of_scene(scene.clone(), settings)?,
-    };
-    startup::ready();
-    let mut rest = problem.time.until_rest.map(|rest| AtRest::new(&*scene, rest, problem.time.end));
-    let mut strained = ClothStrain::new(&*scene, problem.time.end);
-    let mut all: Vec<&mut dyn Observer> = vec![&mut recorder, &mut strained];
-    all.extend(rest.as_mut().map(|rest| rest as &mut dyn Observer));
-    all.extend(observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer));
-    let outcome = simulation.run(&mut all, stop)?;
-    let summary = Summary::new(problem, &*scene, &outcome, limit.step, stopwatch.read());
-    let (peaks, crossings, groups) = (recorder.peaks(), recorder.crossings().cloned(), problem.group_totals());
-    let (mass_scaling, startup) = (scene.added_mass(), timer.read());
-    let summary = Summary { resumed_from, case_digest, peaks, crossings, groups, startup, mass_scaling, ..summary };
-    summary.write(&folder.file(SUMMARY))?;
-    // The checkpoint of an interrupt, which the case did not ask for.
-    if outcome.status == Status::Completed && every.is_none() {
-        folder.remove_checkpoint()?;
-    }
-    warnings.extend(doubts_at_end(problem, &outcome, &summary, strained.most));
-    Ok(Recorded { outcome, summary, warnings })
+    record_watched(case.clone(), how, RecordWatch::NONE, observers, stop)
 }
 
-fn folder(
-    problem: &Problem,
+/// The same, and tells on the way what a user should know at once. The mesh of the case is not kept beside the scene.
+///
+/// # Errors
+/// As [`record`].
+pub fn record_watched(
+    case: Case,
     how: RecordSettings<'_>,
-    fingerprint: &Fingerprint,
-) -> Result<(ResultFolder, Option<Checkpoint>), RecordError> {
-    if how.earlier != EarlierResults::Resume {
-        let replace = how.earlier == EarlierResults::Replace;
-        return Ok((ResultFolder::prepare(how.out, &problem.name, replace)?, None));
+    watch: RecordWatch<'_>,
+    observers: &mut [&mut dyn Observer],
+    stop: &AtomicBool,
+) -> Result<Recorded, RecordError> {
+    let timer = StartupTimer::open();
+    let (mut problem, source) = case.split();
+    let told = Told::of(&problem, watch);
+    let case = Fingerprint::of(&problem)?;
+    let earlier = (how.earlier == EarlierResults::Resume).then(|| reopen(&problem, how.out, &case)).transpose()?;
+    let (groups, system) = (problem.group_totals(), problem.take_system());
+    let scene: Arc<dyn Scene> = timed(Phase::Scene, || build_scene(system, how.threads))?.into();
+    // An unsuitable solver or method is refused before any file is created.
+    check_solver(&problem, &*scene, &source)?;
+    bind(&problem, &*scene)?;
+    (watch.begins)();
+    let (folder, checkpoint) = match earlier {
+        Some((folder, checkpoint)) => (folder, Some(checkpoint)),
+        None => {
+            let replace = how.earlier == EarlierResults::Replace;
+            (timed(Phase::Files, || ResultFolder::prepare(how.out, &problem.name, replace))?, None)
+        }
+    };
+    let spec = RunSpec { keep_going: how.keep_going, threads: how.threads, ..problem.run_spec() };
+    let prepared = Prepared { problem, scene, spec, folder, case, groups, timer, stop, told };
+    let limits = timed(Phase::CriticalStep, || prepared.limits());
+    if let Some(dir) = how.matrices {
+        let scene = &*prepared.scene;
+        write_matrix_market(scene, scene.initial_state().as_ref(), dir, &|dof| scene.name_of(dof))?;
     }
-    let folder = ResultFolder::reopen(how.out, &problem.name)?;
-    let checkpoint = Checkpoint::read(&folder.file(CHECKPOINT), fingerprint)?;
-    Ok((folder, Some(checkpoint)))
+    prepared.run(limits, checkpoint, observers)
+}
+
+/// A run that is ready to start.
+struct Prepared<'a> {
+    problem: Problem,
+    scene: Arc<dyn Scene>,
+    spec: RunSpec,
+    folder: ResultFolder,
+    case: Fingerprint,
+    groups: BTreeMap<String, GroupTotals>,
+    timer: StartupTimer,
+    stop: &'a AtomicBool,
+    told: Told<'a>,
+}
+
+/// The critical step at the start, with all springs taut and while some are slack.
+type Limits = (CriticalStep, Option<WhileSlack>);
+
+impl Prepared<'_> {
+    /// Finds the critical step at the start, and tells what is doubtful there.
+    fn limits(&self) -> Limits {
+        let plan = self.spec.planned(&*self.scene, Stop::on(self.stop));
+        let limit = limit_at_start(plan);
+        let slack = while_slack(plan, limit);
+        let doubts = doubts_at_start(plan, &self.problem, limit, self.folder.dir());
+        doubts.into_iter().for_each(|warning| self.told.tell(warning));
+        (limit, slack)
+    }
+
+    /// Runs from the start or from the checkpoint, and writes all files.
+    fn run(
+        self,
+        (limit, while_slack): Limits,
+        checkpoint: Option<Checkpoint>,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<Recorded, RecordError> {
+        let Prepared { problem, scene, spec, stop, told, .. } = &self;
+        let spent = checkpoint.as_ref().map(|checkpoint| checkpoint.spent).unwrap_or_default();
+        let (stopwatch, every) = (startup::stopwatch(spent), problem.output.checkpoint_every);
+        // Settings that were derived at the start of the earlier run are kept.
+        let case = checkpoint.as_ref().map_or_else(|| self.case.clone(), |checkpoint| checkpoint.case.clone());
+        let (case_digest, resumed_from) = (case.digest(), checkpoint.as_ref().map(|c| c.snapshot.t));
+        let recorder = timed(Phase::Files, || self.recorder(checkpoint.as_ref()))?;
+        let mut recorder = recorder.with_checkpoints(CheckpointSpec { case, every, stopwatch });
+        let (mut farthest, mut strained) = (MaxDisplacement::new(&**scene), ClothStrain::new(&**scene, spec.end));
+        let mut rest = problem.time.until_rest.map(|rest| AtRest::new(&**scene, rest, spec.end));
+        let tell = |warning| told.tell(warning);
+        // Adaptive steps become smaller where a scene stiffens, so no monitor is needed.
+        let mut monitor = spec.step.fixed().and_then(|step| {
+            let (scene, method, start, stop) = (&**scene, &spec.method, limit, Stop::on(stop));
+            CriticalStepMonitor::of(Monitored { scene, method, start, step, tell: &tell, stop }, has_limit(method))
+        });
+        let mut doubtful = told;
+        let mut all: Vec<&mut dyn Observer> = vec![&mut recorder, &mut farthest, &mut strained, &mut doubtful];
+        all.extend(rest.as_mut().map(|rest| rest as &mut dyn Observer));
+        all.extend(monitor.as_mut().map(|monitor| monitor as &mut dyn Observer));
+        all.extend(observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer));
+        let mut simulation = match checkpoint {
+            Some(Checkpoint { snapshot, .. }) => Simulation::resume(scene.clone(), spec.clone(), snapshot)?,
+            None => Simulation::of_scene(scene.clone(), spec.clone())?,
+        };
+        startup::ready();
+        let outcome = simulation.run(&mut all, stop)?;
+        let summary = Summary {
+            resumed_from,
+            case_digest,
+            peaks: recorder.peaks(),
+            crossings: recorder.crossings().cloned(),
+            groups: self.groups.clone(),
+            startup: self.timer.read(),
+            mass_scaling: scene.added_mass(),
+            ..Summary::new(problem, &**scene, &outcome, limit.step, stopwatch.read())
+        };
+        summary.write(&self.folder.file(SUMMARY))?;
+        // The checkpoint of an interrupt, which the case did not ask for.
+        if outcome.status == Status::Completed && every.is_none() {
+            self.folder.remove_checkpoint()?;
+        }
+        if let Some(linear) = &summary.linear {
+            log::info!("linear solver at the end: {}, {}", linear.solver, linear.reason);
+        }
+        doubts_at_end(problem, &outcome, &summary, strained.most).into_iter().for_each(tell);
+        let (spec, warnings) = (spec.clone(), told.all.take());
+        let least = monitor.and_then(|monitor| monitor.least());
+        let (displacement, last_frame) = (farthest.found, recorder.shown());
+        Ok(Recorded { spec, outcome, summary, warnings, limit, while_slack, least, displacement, last_frame })
+    }
+
+    fn recorder(&self, checkpoint: Option<&Checkpoint>) -> Result<Recorder<'_>, RecordError> {
+        let (scene, recorded) = (&*self.scene, RecorderSpec::of(&self.problem, self.folder.dir()));
+        let Some(checkpoint) = checkpoint else { return Ok(Recorder::new(scene, &recorded)?) };
+        self.spec.passes(scene, &checkpoint.snapshot).map_err(SimulationError::from)?;
+        Ok(Recorder::resume(scene, &recorded, checkpoint)?)
+    }
+}
+
+/// The folder of an earlier run of the case and its checkpoint; changes nothing.
+fn reopen(problem: &Problem, out: &Path, case: &Fingerprint) -> Result<(ResultFolder, Checkpoint), RecordError> {
+    let folder = ResultFolder::reopen(out, &problem.name)?;
+    let checkpoint = Checkpoint::read(&folder.file(CHECKPOINT), case)?;
+    Ok((folder, checkpoint))
+}
+
+/// Warnings that were told; as an observer it tells those of the run.
+struct Told<'a> {
+    watch: RecordWatch<'a>,
+    acknowledge: Vec<WarningCode>,
+    all: RefCell<Vec<Warning>>,
+}
+
+impl<'a> Told<'a> {
+    /// Begins with the warnings of the case.
+    fn of(problem: &Problem, watch: RecordWatch<'a>) -> Self {
+        let told = Told { watch, acknowledge: problem.acknowledge.clone(), all: RefCell::default() };
+        problem.warnings.iter().for_each(|warning| told.tell(warning.clone()));
+        told
+    }
+
+    /// Tells a warning, unless the case acknowledges its kind.
+    fn tell(&self, warning: Warning) {
+        if !self.acknowledge.contains(&warning.code) {
+            (self.watch.warned)(&warning);
+            self.all.borrow_mut().push(warning);
+        }
+    }
+}
+
+impl Observer for &Told<'_> {
+    fn wants(&self, _step: UpcomingStep) -> Wants {
+        Wants::ACCOUNT
+    }
+
+    fn accepted(&mut self, _step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        Ok(())
+    }
+
+    fn warned(&mut self, warning: &str) {
+        self.tell(Warning::new(WarningCode::EnergyMade, warning));
+    }
 }

@@ -1,6 +1,6 @@
 //! The state of a simulation as bytes, and a simulation that goes on from them.
 
-use super::{Changed, NodeMotion, RunState, Simulation, SimulationError};
+use super::{Changed, NodeMotion, RunState, Simulation, SimulationError, bind_spec};
 use crate::checksum::{self, ChecksumError, RunningChecksum};
 use crate::drive::Snapshot;
 use crate::drive::clock::{Step, Tolerance};
@@ -71,8 +71,8 @@ const PROGRAM: &str = concat!("canopy-fem state ", env!("CARGO_PKG_VERSION"), " 
 impl Simulation {
     /// Goes on from a snapshot, with a scheme that starts anew and then takes up what it carried.
     pub(super) fn take_up(&mut self, snapshot: Snapshot) -> Result<(), SimulationError> {
-        let mut stepper = self.settings.stepper(&*self.scene)?;
-        let state = RunState::restore(&*self.scene, &mut stepper, self.settings.spec(), snapshot)?;
+        let mut stepper = bind_spec(&self.spec, &*self.scene)?;
+        let state = RunState::restore(&*self.scene, &mut stepper, &self.spec, snapshot)?;
         (self.state, self.scheme, self.pending) = (state, Some(stepper.unbind()), None);
         self.changed = Changed::Nothing;
         Ok(())
@@ -88,7 +88,7 @@ impl Simulation {
         self.idle()?;
         let snapshot = self.at_work(Stop::NEVER, |run, stepper| {
             stepper.drop_unsaved();
-            run.state.snapshot(stepper)
+            Ok(run.state.snapshot(stepper))
         })?;
         let forces = self.scene.external().map(ExternalForces::values).unwrap_or_default();
         let (loads, rest_length_factors) = (self.load_factors(), self.rest_length_factors());
@@ -101,7 +101,7 @@ impl Simulation {
     }
 
     fn origin(&self) -> Origin {
-        let (method, scene) = (&self.settings.method, &*self.scene);
+        let (method, scene) = (&self.spec.method, &*self.scene);
         let sum = |numbers: &[f64]| {
             let mut checksum = RunningChecksum::default();
             checksum.add(bytemuck::cast_slice(numbers));
@@ -116,8 +116,8 @@ impl Simulation {
         let counted = State { t, x: (0..x.len()).map(|dof| dof as f64).collect(), v };
         let mut order = vec![[0.0; 3]; self.node_count()];
         scene.trace(counted.as_ref(), &mut order, &mut vec![[0.0; 3]; self.node_count()]);
-        let steps = match self.settings.step {
-            _ if self.settings.free_steps => FREE.to_owned(),
+        let steps = match self.spec.step {
+            _ if self.spec.free_steps => FREE.to_owned(),
             Step::Fixed(step) => format!("steps of {step:?} s"),
             Step::Adaptive(Tolerance { relative, absolute }) => {
                 format!("steps within a tolerance of {relative:?} and {absolute:?} m")
@@ -157,7 +157,7 @@ impl Simulation {
             return Err(unreadable(&format!("it is of \"{program}\", and this is \"{PROGRAM}\"")));
         }
         let Saved { made_by, snapshot, forces, wind, loads, rest_length_factors } = saved;
-        let (spec, own, Snapshot { t, x, v, .. }) = (self.settings.spec(), self.origin(), &snapshot);
+        let (spec, own, Snapshot { t, x, v, .. }) = (&self.spec, self.origin(), &snapshot);
         let needed = self.scene.n_dof();
         if made_by.numbering != own.numbering || [x.len(), v.len()] != [needed; 2] {
             return Err(unreadable("it is of a scene with other nodes or connections"));

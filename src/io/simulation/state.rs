@@ -1,6 +1,6 @@
 //! What a program reads from a simulation and changes in it.
 
-use super::{Arc, Changed, NodalForce, RunState, Simulation, SimulationError};
+use super::{Arc, Changed, NodalForce, RunState, Simulation, SimulationError, bind_spec};
 use crate::drive::Snapshot;
 use crate::drive::ledger::Elastic;
 use crate::drive::observer::{LedgerRow, Point};
@@ -73,7 +73,7 @@ impl Simulation {
 
     /// [s] End of the run.
     pub fn end(&self) -> f64 {
-        self.settings.end
+        self.spec.end
     }
 
     /// Positions and velocities at the end of the attempted step; `None` without one.
@@ -178,7 +178,7 @@ impl Simulation {
         self.idle()?;
         self.check("positions", positions)?;
         self.check("velocities", velocities)?;
-        let joined = self.settings.spec().join(&*self.scene, (self.state.steps, t))?;
+        let joined = self.spec.join(&*self.scene, (self.state.steps, t))?;
         let state = self.scene.state_of(joined.1, positions, velocities);
         let state = state.ok_or(SimulationError::Unsupported("positions that can be set"))?;
         self.begin(joined.0, state)
@@ -186,8 +186,8 @@ impl Simulation {
 
     /// Begins anew from a state after `steps` steps; counted work stays.
     pub(super) fn begin(&mut self, steps: u64, state: State) -> Result<(), SimulationError> {
-        let mut stepper = self.settings.stepper(&*self.scene)?;
-        let (spec, counters) = (self.settings.spec(), self.state.counters);
+        let mut stepper = bind_spec(&self.spec, &*self.scene)?;
+        let (spec, counters) = (&self.spec, self.state.counters);
         let mut begun = RunState::start(&*self.scene, &mut stepper, spec, state)?;
         (begun.steps, begun.counters) = (steps, counters);
         self.state = begun;
@@ -373,7 +373,7 @@ impl Simulation {
             let snapshot = self.at_work(Stop::NEVER, |run, stepper| {
                 // Forces of the last step do not fit the scene any more, and are found again at their velocities.
                 run.state.keep_over_change(run.scene, stepper);
-                Snapshot { forces: None, ..run.state.snapshot(stepper) }
+                Ok(Snapshot { forces: None, ..run.state.snapshot(stepper) })
             })?;
             let scene = Arc::get_mut(&mut self.scene).ok_or(SimulationError::SceneInUse)?;
             if !scene.enable_external(kind) {

@@ -5,7 +5,6 @@
 use super::check_json::{Report, Totals};
 use super::check_system::{describe_canopies, describe_size, describe_system, filled_canopies};
 use super::known_models::KnownModels;
-use super::warnings::{of_scene, planned};
 use super::{CheckArgs, CliError};
 use crate::analysis::critical::{Confidence, CriticalStep, ElementBounds, outside_filter};
 use crate::analysis::later::{LaterLimit, later_warning, least_later};
@@ -21,7 +20,7 @@ use crate::mesh::parachute::ParachuteParameters;
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::{Scene, place_of};
-use crate::simulation::{build_scene, check_solver};
+use crate::simulation::{build_scene, check_solver, doubts_at_start};
 use crate::study::forecast::memory::Baseline;
 use crate::study::forecast::nominal::Budget;
 use crate::study::forecast::{Candidate, ForecastSpec, describe, describe_answer, forecast};
@@ -56,7 +55,8 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let all_taut = AllTaut::of(scene);
     let mut limits = Limits::of(scene, &state, budget);
     let candidates = candidates(&problem, scene, &mut limits);
-    let plan = planned(&problem, scene, Stop::NEVER);
+    let run = problem.run_spec();
+    let plan = run.planned(scene, Stop::NEVER);
     let limit = limits.critical_step(&problem.method);
     let allowed = || budget.affords_search(scene);
     let search = matches!(limits, Limits::Searched(_)).then_some(&allowed as &dyn Fn() -> bool);
@@ -72,7 +72,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let forecast = forecast(&spec);
     // Trial runs have passed events.
     scene.pass_events(0);
-    let mut found = of_scene(plan, &problem, limit, &models.folder);
+    let mut found = doubts_at_start(plan, &problem, limit, &models.folder);
     found.extend(later_warning(plan, limit, later));
     let (acknowledged, warnings) = problem.sort_out(found);
     let words = |early: &[Warning], late: &[Warning]| early.iter().chain(late).map(Warning::to_string).collect();

@@ -9,10 +9,11 @@ use crate::drive::RunError;
 use crate::drive::observer::ObserveError;
 use crate::integrate::registry::MethodError;
 use crate::output::folder::FolderError;
+use crate::output::modes::ModesWriteError;
 use crate::output::recorder::RecorderError;
 use crate::output::resume::ResumeError;
 use crate::plot::PlotError;
-use crate::simulation::{SetupError, SimulationError};
+use crate::simulation::{RecordError, SetupError, SimulationError};
 use crate::study::StudyError;
 
 /// Any failure of a command.
@@ -71,6 +72,22 @@ impl From<SimulationError> for CliError {
             SimulationError::Setup(error) => error.into(),
             SimulationError::Run(error) => error.into(),
             other => CliError::Simulation(other),
+        }
+    }
+}
+
+impl From<RecordError> for CliError {
+    fn from(error: RecordError) -> Self {
+        match error {
+            RecordError::Case(error) => error.into(),
+            RecordError::Setup(error) => error.into(),
+            RecordError::Simulation(error) => error.into(),
+            RecordError::Folder(error) | RecordError::Modes(ModesWriteError::Folder(error)) => error.into(),
+            RecordError::Resume(error) => error.into(),
+            RecordError::Recorder(error) => error.into(),
+            RecordError::Observe(error) | RecordError::Modes(ModesWriteError::Observe(error)) => error.into(),
+            RecordError::Fingerprint(error) => error.into(),
+            RecordError::Export(error) => error.into(),
         }
     }
 }

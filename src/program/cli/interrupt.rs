@@ -4,7 +4,7 @@
 use super::complain;
 use std::process::exit;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Signals closer together than this count as one: a terminal and a batch system may both send one.
@@ -12,19 +12,27 @@ const SAME_INTERRUPT: Duration = Duration::from_millis(500);
 /// Exit status of an interrupted command.
 pub(super) const STATUS: i32 = 130;
 
-/// What a signal does; global, as signals belong to the process.
-static ASKED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+/// Whether a signal has asked to stop; global, as signals belong to the process.
+static ASKED: AtomicBool = AtomicBool::new(false);
+/// Whether there is something to save, so that the first signal only asks.
+static SAVES: AtomicBool = AtomicBool::new(false);
 /// Time of the first signal.
 static FIRST: Mutex<Option<Instant>> = Mutex::new(None);
 
-/// From now on, the first signal only sets this flag.
-pub(super) fn stop_on_interrupt() -> Arc<AtomicBool> {
-    Arc::clone(ASKED.get_or_init(Arc::default))
+/// From now on, the first signal only sets the [flag].
+pub(super) fn stop_on_interrupt() -> &'static AtomicBool {
+    SAVES.store(true, Ordering::Relaxed);
+    flag()
+}
+
+/// The flag that the first signal sets, once there is something to save.
+pub(super) fn flag() -> &'static AtomicBool {
+    &ASKED
 }
 
 /// Whether a signal has asked to stop.
 pub(super) fn is_asked() -> bool {
-    ASKED.get().is_some_and(|asked| asked.load(Ordering::Relaxed))
+    ASKED.load(Ordering::Relaxed)
 }
 
 /// Catches signals. They end the program until it says that it has something to save.
@@ -47,11 +55,11 @@ pub(super) fn catch_interrupts() {
 }
 
 fn interrupted() {
-    let Some(asked) = ASKED.get() else {
+    if !SAVES.load(Ordering::Relaxed) {
         complain("interrupted");
         exit(STATUS)
-    };
-    asked.store(true, Ordering::Relaxed);
+    }
+    ASKED.store(true, Ordering::Relaxed);
     let mut first = FIRST.lock().unwrap_or_else(PoisonError::into_inner);
     if first.get_or_insert_with(Instant::now).elapsed() > SAME_INTERRUPT {
         exit(STATUS);

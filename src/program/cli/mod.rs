@@ -26,7 +26,6 @@ pub mod sweep;
 mod terminal;
 pub mod tradeoff;
 mod verbose;
-mod warnings;
 
 pub use args::{Args, CaseArgs, CheckArgs, Command, SolveArgs};
 pub use error::CliError;

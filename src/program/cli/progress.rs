@@ -8,7 +8,6 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::statics::SearchProgress;
-use crate::warning::{Warning, WarningCode};
 
 /// Time between two updates of the line.
 const REDRAW: Duration = Duration::from_millis(100);
@@ -35,15 +34,12 @@ pub enum Display {
 #[derive(Debug)]
 pub struct Progress {
     bar: ProgressBar,
-    display: Display,
     end: f64,
     clock: Option<RefreshClock>,
     /// steps until the clock is read next
     countdown: u64,
     every: u64,
     since: WorkSince,
-    /// whether energy that the scheme makes is acknowledged, so that there is no warning
-    acknowledged: bool,
 }
 
 /// Counted since the line was drawn last.
@@ -94,23 +90,7 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template("{percent:>3}% [{bar:24}] {wide_msg}") {
             bar.set_style(style.progress_chars("=> "));
         }
-        Self {
-            bar,
-            display,
-            end,
-            clock: None,
-            countdown: 1,
-            every: 1,
-            since: WorkSince::default(),
-            acknowledged: false,
-        }
-    }
-
-    /// The same, without a warning about energy that the scheme makes if that is acknowledged.
-    #[must_use]
-    pub fn acknowledging(mut self, acknowledged: bool) -> Self {
-        self.acknowledged = acknowledged;
-        self
+        Self { bar, end, clock: None, countdown: 1, every: 1, since: WorkSince::default() }
     }
 
     /// After a step to `t` [s].
@@ -186,13 +166,6 @@ impl Observer for Progress {
     fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         self.stepped(step.t, step.h(), step.newton_iterations);
         Ok(())
-    }
-
-    fn warned(&mut self, warning: &str) {
-        if self.display != Display::Quiet && !self.acknowledged {
-            let warning = Warning::new(WarningCode::EnergyMade, warning);
-            self.bar.suspend(|| complain(&format!("warning: {warning}")));
-        }
     }
 
     fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {

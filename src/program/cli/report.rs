@@ -2,18 +2,15 @@
 
 use super::progress::LONG_START;
 use super::terminal::coloured;
-use crate::analysis::cloth::StrainedCloth;
-use crate::analysis::critical::CriticalStep;
-use crate::analysis::taut::WhileSlack;
 use crate::analysis::warnings::worth;
-use crate::case::spec::Problem;
-use crate::drive::critical_step_monitor::LeastStep;
-use crate::drive::max_displacement::MaxDisplacement;
+use crate::drive::max_displacement::Displacement;
 use crate::drive::{Failure, Outcome, Status};
 use crate::format_number::{counted, figures};
-use crate::output::folder::{CHECKPOINT, ResultFolder};
+use crate::output::folder::CHECKPOINT;
 use crate::output::gauges::Peak;
+use crate::output::sanitize::file_stem;
 use crate::output::summary::Summary;
+use crate::simulation::Recorded;
 use anstyle::AnsiColor;
 use std::fmt::Write;
 use std::path::Path;
@@ -25,24 +22,9 @@ const GOOD: f64 = 0.01;
 /// scheme made, a part of the motion is not the scene's.
 const WRONG: f64 = 0.1;
 
-/// Data of a run for the report, besides its results.
-pub(super) struct RunNotes<'a> {
-    pub limit: CriticalStep,
-    pub while_slack: Option<WhileSlack>,
-    pub least: Option<LeastStep>,
-    pub farthest: MaxDisplacement<'a>,
-    pub strained: Option<StrainedCloth>,
-    /// [s] time of the last frame
-    pub last_frame: Option<f64>,
-}
-
-pub(super) fn report(
-    problem: &Problem,
-    outcome: &Outcome,
-    summary: &Summary,
-    folder: &ResultFolder,
-    seen: &RunNotes<'_>,
-) -> String {
+/// The report on the run of a case of this name, whose results are in `out`.
+pub(super) fn report(name: &str, recorded: &Recorded, out: &Path) -> String {
+    let Recorded { spec, outcome, summary, last_frame, .. } = recorded;
     let status = match outcome.status {
         Status::Completed => "completed",
         Status::Diverged => "diverged",
@@ -52,7 +34,7 @@ pub(super) fn report(
     let failed = outcome.failure.is_some();
     let t = figures(outcome.t_end, 12);
     let steps = counted(outcome.steps, "step", "steps");
-    let mut text = format!("{}: {status} at t = {t} s after {steps} of {}\n", problem.name, problem.method.info.name);
+    let mut text = format!("{name}: {status} at t = {t} s after {steps} of {}\n", spec.method.info.name);
     match summary.at_rest {
         Some(true) => text.push_str("  at rest         yes, so the run ended before its time\n"),
         Some(false) if !failed => text.push_str("  at rest         no\n"),
@@ -69,9 +51,9 @@ pub(super) fn report(
         let _ = writeln!(text, "  energy error    {}", energy_verdict(outcome));
     }
     // For adaptive steps, their average.
-    let fixed = problem.time.step.fixed().map(|step| step.min(problem.time.end));
+    let fixed = spec.step.fixed().map(|step| step.min(spec.end));
     let step = fixed.unwrap_or(outcome.t_end / outcome.steps.max(1) as f64);
-    if let Some(tolerance) = problem.time.step.tolerance() {
+    if let Some(tolerance) = spec.step.tolerance() {
         let _ = writeln!(
             text,
             "  adaptive        tolerance {:e} of the motion and {}; {step:.2e} s a step on average, {} dropped",
@@ -82,16 +64,16 @@ pub(super) fn report(
     }
     if failed {
         // After a divergence, error, displacement and share of the critical step have no meaning.
-        if let Some(t) = seen.last_frame {
+        if let Some(t) = *last_frame {
             let _ = writeln!(text, "  last frame      t = {} s", figures(t, 12));
         }
     } else {
-        describe_motion(&mut text, summary, seen, step);
+        describe_motion(&mut text, recorded, step);
     }
-    let results = folder.dir().join(format!("{}.pvd", folder.stem()));
+    let results = out.join(format!("{}.pvd", file_stem(name)));
     let _ = writeln!(text, "  results         {}", results.display());
     if outcome.status == Status::Interrupted {
-        let path = folder.file(CHECKPOINT);
+        let path = out.join(CHECKPOINT);
         let _ =
             writeln!(text, "  checkpoint      {}; the same command with --resume goes on from there", path.display());
     }
@@ -116,21 +98,21 @@ fn describe_cost(text: &mut String, outcome: &Outcome, summary: &Summary) {
 }
 
 /// Critical step, displacement and peaks of a run that did not fail; `step` [s] is that of the run.
-fn describe_motion(text: &mut String, summary: &Summary, seen: &RunNotes<'_>, step: f64) {
+fn describe_motion(text: &mut String, recorded: &Recorded, step: f64) {
+    let Recorded { summary, limit, while_slack, least, displacement, .. } = recorded;
     if summary.critical_step == Some(0.0) {
         let _ = writeln!(text, "  critical step   none: the method's energy grows at every step here");
     } else if let Some(critical) = summary.critical_step {
-        let later = seen
-            .least
+        let later = least
             .map_or_else(String::new, |least| format!(", about {:.2e} s at t = {} s", least.step, figures(least.t, 4)));
-        let (known, used) = (worth(seen.limit), figures(100.0 * step / critical, 2));
-        let at_start = match &seen.while_slack {
+        let (known, used) = (worth(*limit), figures(100.0 * step / critical, 2));
+        let at_start = match while_slack {
             Some(slack) => format!("with all springs taut, {} while {} are slack", slack.step(), slack.springs()),
             None => "at the start".to_owned(),
         };
         let _ = writeln!(text, "  critical step   {critical:.2e} s {at_start} ({known}; {used} % of it used){later}");
     }
-    let MaxDisplacement { distance, node, .. } = seen.farthest;
+    let Displacement { distance, node } = displacement;
     let _ = writeln!(text, "  displacement    {distance:.6} m at the end, the largest, of node {node}");
     summary.peaks.iter().filter_map(peak).for_each(|line| text.push_str(&line));
 }
@@ -187,9 +169,9 @@ fn peak(one: &Peak) -> Option<String> {
     Some(line + "\n")
 }
 
-pub(super) fn already_done(summary: &Summary, problem: &Problem, out: &Path) -> String {
+pub(super) fn already_done(summary: &Summary, name: &str, out: &Path) -> String {
     let t = figures(summary.t_end, 12);
-    format!("{}: already completed at t = {t} s, in {}; nothing is left to resume\n", problem.name, out.display())
+    format!("{name}: already completed at t = {t} s, in {}; nothing is left to resume\n", out.display())
 }
 
 /// What went wrong, for standard error.

@@ -73,7 +73,7 @@ pub(super) fn run(args: &StabilityArgs) -> Result<CommandOutput, CliError> {
     let stop = super::interrupt::stop_on_interrupt();
     let bar = progress(chosen.len(), args.quiet);
     let mut begins = |beginning: RunStart<'_>| show(&bar, beginning);
-    let rows = study(&spec, &mut begins, &stop)?;
+    let rows = study(&spec, &mut begins, stop)?;
     bar.finish_and_clear();
     let code = if rows.iter().any(|row| row.status == Status::Interrupted) { 130 } else { 0 };
     let done = Stability {

@@ -9,9 +9,8 @@ use crate::drive::Status;
 use crate::format_number::{counted, figures};
 use crate::output::csv::write_fault;
 use crate::output::folder::SUMMARY;
-use crate::output::modes::ModesWriteError;
 use crate::output::sanitize::file_stem;
-use crate::simulation::{EarlierResults, RecordError, RecordedStatic, StaticSettings, record_static_watched};
+use crate::simulation::{EarlierResults, RecordedStatic, StaticSettings, record_static_watched};
 use crate::startup::StartupTimer;
 use crate::statics::{Stability, Watcher};
 use std::fmt::Write;
@@ -76,7 +75,7 @@ pub(super) fn run(args: &StaticArgs) -> Result<CommandOutput, CliError> {
     };
     let stop = stop_on_interrupt();
     let line = SearchLine::new(if args.quiet { Display::Quiet } else { Display::Terminal });
-    let found = record_static_watched(&case, settings, &stop, Watcher(&|progress| line.show(progress)))?;
+    let found = record_static_watched(&case, settings, stop, Watcher(&|progress| line.show(progress)))?;
     drop(line);
     found.warnings.iter().for_each(|warning| warn(&warning.to_string()));
     found.equilibrium.findings.iter().for_each(|finding| warn(&finding.text));
@@ -156,19 +155,4 @@ fn report(name: &str, found: &RecordedStatic, out: &Path) -> String {
     }
     let _ = writeln!(text, "  results         {}", out.join(format!("{}.pvd", file_stem(name))).display());
     text
-}
-
-impl From<RecordError> for CliError {
-    fn from(error: RecordError) -> Self {
-        match error {
-            RecordError::Case(error) => error.into(),
-            RecordError::Setup(error) => error.into(),
-            RecordError::Simulation(error) => error.into(),
-            RecordError::Folder(error) | RecordError::Modes(ModesWriteError::Folder(error)) => error.into(),
-            RecordError::Resume(error) => error.into(),
-            RecordError::Recorder(error) => error.into(),
-            RecordError::Observe(error) | RecordError::Modes(ModesWriteError::Observe(error)) => error.into(),
-            RecordError::Fingerprint(error) => error.into(),
-        }
-    }
 }

@@ -11,7 +11,6 @@ use crate::study::store::Store;
 use crate::study::sweep::{self, SweepPlan, SweepPlanner, SweepReport, SweepRunner, Vary, rows_of};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -43,7 +42,7 @@ pub(super) fn run(args: &SweepArgs) -> Result<CommandOutput, CliError> {
 struct Command<'a> {
     args: &'a SweepArgs,
     out: PathBuf,
-    stop: Arc<AtomicBool>,
+    stop: &'static AtomicBool,
     started: Instant,
 }
 
@@ -85,7 +84,7 @@ impl Command<'_> {
         let vary = Vary::parse_all(&self.args.vary)?;
         self.args.study.warn(case);
         let command = Rerun::here(typed()).command;
-        Ok(SweepPlanner { case, case_file: path, vary, command, stop: &self.stop }.make()?)
+        Ok(SweepPlanner { case, case_file: path, vary, command, stop: self.stop }.make()?)
     }
 
     /// The plan of the folder, which must be the one asked for; or that one, in a folder without a plan.
@@ -119,7 +118,7 @@ impl Command<'_> {
             shard: self.args.study.shard,
             threads: self.args.threads.map_or_else(cores, usize::from),
             deadline: self.args.study.budget.and_then(|budget| budget.deadline(self.started)),
-            interrupt: &self.stop,
+            interrupt: self.stop,
             on_run: &|number, all, what| line.run(number, all, what),
         };
         runner.run()

@@ -47,7 +47,7 @@ pub(super) fn run(args: &TradeoffArgs) -> Result<CommandOutput, CliError> {
 struct Command<'a> {
     args: &'a TradeoffArgs,
     out: PathBuf,
-    stop: std::sync::Arc<AtomicBool>,
+    stop: &'static AtomicBool,
     started: Instant,
 }
 
@@ -121,7 +121,7 @@ impl Command<'_> {
             command: Rerun::here(typed()).command,
             threads: usize::from(self.args.threads),
             allowance,
-            stop: &self.stop,
+            stop: self.stop,
             tell: &|what| line.tell(what),
         };
         let plan = planner.make(|variant, reference| store.keep_reference(variant, reference))?;
@@ -166,7 +166,7 @@ impl Command<'_> {
             shard: self.args.study.shard,
             threads: usize::from(self.args.threads),
             deadline: self.budget(section).deadline(self.started),
-            interrupt: &self.stop,
+            interrupt: self.stop,
             on_run: &|number, all, what| line.run(number, all, what),
         };
         runner.run()

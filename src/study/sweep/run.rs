@@ -216,7 +216,7 @@ impl SweepRunner<'_> {
         if outcome.status == Status::Interrupted {
             return Ok(RunEnd::OutOfTime(outcome.t_end));
         }
-        let result = SweepResult::of(measured(&outcome, None, seconds), &largest, farthest.distance);
+        let result = SweepResult::of(measured(&outcome, None, seconds), &largest, farthest.found.distance);
         Ok(RunEnd::Done(Box::new(SweepResult { mass_scaling: scene.added_mass(), ..result })))
     }
 }

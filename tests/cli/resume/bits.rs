@@ -7,7 +7,7 @@ use std::time::Duration;
 use canopy_fem::case::Case;
 use canopy_fem::case::fingerprint::Fingerprint;
 use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
-use canopy_fem::drive::{self, Outcome, Status};
+use canopy_fem::drive::{self, Outcome, RunSpec, Status};
 use canopy_fem::integrate::registry::{Family, methods};
 use canopy_fem::output::checkpoint::Checkpoint;
 use canopy_fem::output::frame::Fields;
@@ -88,7 +88,7 @@ fn solve_watched(case: &Case, dir: &Path, part: Part, watch: &mut dyn Observer) 
     let fingerprint = Fingerprint::of(problem).expect("numbers");
     let scene = build_scene(problem.system.clone(), part.threads).expect("the case is good");
     let mut stepper = bind(problem, &*scene).expect("the method fits");
-    let spec = problem.run_spec(part.keep_going);
+    let spec = RunSpec { keep_going: part.keep_going, ..problem.run_spec() };
     let fields = Fields {
         force: true,
         reaction: true,
@@ -111,11 +111,11 @@ fn solve_watched(case: &Case, dir: &Path, part: Part, watch: &mut dyn Observer) 
         let mut recorder =
             Recorder::resume(&*scene, &recorded, &checkpoint).expect("the files are there").with_checkpoints(kept);
         let observers: &mut [&mut dyn Observer] = &mut [watch, &mut recorder, &mut stopper];
-        drive::resume(&*scene, &mut stepper, spec, checkpoint.snapshot, observers, &stop).expect("it goes on")
+        drive::resume(&*scene, &mut stepper, &spec, checkpoint.snapshot, observers, &stop).expect("it goes on")
     } else {
         let mut recorder = Recorder::new(&*scene, &recorded).expect("a folder").with_checkpoints(kept);
         let observers: &mut [&mut dyn Observer] = &mut [watch, &mut recorder, &mut stopper];
-        drive::run(&*scene, &mut stepper, spec, observers, &stop).expect("it starts")
+        drive::run(&*scene, &mut stepper, &spec, observers, &stop).expect("it starts")
     }
 }
 

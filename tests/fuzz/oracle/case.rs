@@ -150,7 +150,7 @@ fn run(problem: &Problem, nodes: usize) -> Result<(), String> {
     let Ok(mut stepper) = bind(problem, &*scene) else { return Ok(()) };
     let stop = AtomicBool::new(false);
     let mut look = Look { finite: true, stop: &stop };
-    let outcome = drive::run(&*scene, &mut stepper, problem.run_spec(false), &mut [&mut look], &stop);
+    let outcome = drive::run(&*scene, &mut stepper, &problem.run_spec(), &mut [&mut look], &stop);
     let finite = look.finite;
     let outcome = match outcome {
         Ok(outcome) => outcome,

@@ -7,7 +7,7 @@ use canopy_fem::model::state::State;
 use canopy_fem::simulation::{bind, build_scene};
 use std::sync::atomic::AtomicBool;
 
-type Change<'c> = &'c dyn for<'a> Fn(RunSpec<'a>) -> RunSpec<'a>;
+type Change<'c> = &'c dyn Fn(RunSpec) -> RunSpec;
 
 /// How a pendulum's run with another specification or another state is refused.
 fn refused(method: &str, change: Change<'_>, state: Option<State>) -> RunError {
@@ -15,9 +15,9 @@ fn refused(method: &str, change: Change<'_>, state: Option<State>) -> RunError {
     let mut problem = case.problem().clone();
     let scene = build_scene(problem.take_system(), 1).expect("the case is good");
     let mut stepper = bind(&problem, &*scene).expect("the method fits the scene");
-    let spec = change(problem.run_spec(false));
+    let spec = change(problem.run_spec());
     let state = state.unwrap_or_else(|| scene.initial_state());
-    let outcome = canopy_fem::drive::run_from(&*scene, &mut stepper, spec, state, &mut [], &AtomicBool::new(false));
+    let outcome = canopy_fem::drive::run_from(&*scene, &mut stepper, &spec, state, &mut [], &AtomicBool::new(false));
     outcome.map(|outcome| format!("{outcome:?}")).expect_err("there is no such run")
 }
 

@@ -90,8 +90,8 @@ impl Trial<'_> {
         let most = if self.method.order == 1 { 3_000_000 } else { 300_000 };
         let exact = self.exact;
         let mut probe = Probe { dof, exact, off: 0.0, motion: 0.0, start: first.x[dof], most, stop: &stop };
-        let spec = problem.run_spec(false);
-        let outcome = drive::run(&*scene, &mut stepper, spec, &mut [&mut probe], &stop).expect("it starts");
+        let spec = problem.run_spec();
+        let outcome = drive::run(&*scene, &mut stepper, &spec, &mut [&mut probe], &stop).expect("it starts");
         let delivered = probe.off / (absolute * self.free.sqrt() + self.relative * probe.motion);
         let what = format!("{} at {:.0e}", self.what, self.relative);
         Row { what, method: self.method.name, order: self.method.order, outcome, delivered }

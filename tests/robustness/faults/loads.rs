@@ -357,8 +357,8 @@ fn runs_of_one_scene_do_not_disturb_each_other() {
     let scene = build_scene(problem.take_system(), 1).expect("a scene");
     let end = |step: Step| {
         let mut stepper = bind(&problem, &*scene).expect("it fits");
-        let spec = RunSpec { step, ..problem.run_spec(false) };
-        let outcome = drive::run(&*scene, &mut stepper, spec, &mut [], &AtomicBool::new(false)).expect("it starts");
+        let spec = RunSpec { step, ..problem.run_spec() };
+        let outcome = drive::run(&*scene, &mut stepper, &spec, &mut [], &AtomicBool::new(false)).expect("it starts");
         assert_eq!(outcome.status, Status::Completed);
         outcome.ledger
     };
@@ -369,8 +369,8 @@ fn runs_of_one_scene_do_not_disturb_each_other() {
         let mut problem = case_of(&oscillator(&pulse(0.5037, 0.5137), "newmark", 0.01, 1.0), &[]).problem().clone();
         let scene = build_scene(problem.take_system(), 1).expect("a scene");
         let mut stepper = bind(&problem, &*scene).expect("it fits");
-        let spec = RunSpec { step, ..problem.run_spec(false) };
-        drive::run(&*scene, &mut stepper, spec, &mut [], &AtomicBool::new(false)).expect("it starts").ledger
+        let spec = RunSpec { step, ..problem.run_spec() };
+        drive::run(&*scene, &mut stepper, &spec, &mut [], &AtomicBool::new(false)).expect("it starts").ledger
     });
     for _ in 0..2 {
         assert_eq!(steps.map(end), alone);

@@ -5,7 +5,7 @@ use super::config;
 use canopy_fem::drive::clock::{Step, Tolerance};
 use canopy_fem::integrate::registry::{self, MethodChoice};
 use canopy_fem::model::spec::{AirSpec, DashpotKind, ReleaseSpec, Series, Slack};
-use canopy_fem::simulation::{Load, NetworkBuilder, NodalForce, RunSettings, Simulation, SimulationError, SpringLaw};
+use canopy_fem::simulation::{Load, NetworkBuilder, NodalForce, RunSpec, Simulation, SimulationError, SpringLaw};
 use proptest::prelude::*;
 use std::sync::Arc;
 
@@ -109,7 +109,7 @@ fn simulation(method: usize, adaptive: bool, damped: bool) -> Simulation {
     let tolerance = Tolerance { relative: 1e-3, absolute: 1e-4 };
     let step = if adaptive { Step::Adaptive(tolerance) } else { Step::Fixed(2e-3) };
     let free_steps = !adaptive && free;
-    let settings = RunSettings { free_steps, ..RunSettings::of(method, step, 0.1) };
+    let settings = RunSpec { free_steps, ..RunSpec::of(method, step, 0.1) };
     Simulation::new(network.build().expect("a mesh"), settings).expect("it starts")
 }
 

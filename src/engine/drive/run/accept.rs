@@ -3,7 +3,8 @@
 use super::super::clock::Tick;
 use super::super::failure::{DivergedState, FailureContext};
 use super::super::observer::{AcceptedStep, LedgerRow, Observer};
-use super::super::outcome::{RunSpec, Status};
+use super::super::outcome::Status;
+use super::super::run_spec::RunSpec;
 use super::super::step_policy::StepPolicy;
 use super::super::watch::{DivergenceKind, WatchReport, WatchedStep, power_of};
 use super::{BLOW_UP, Run, RunError};
@@ -18,11 +19,18 @@ pub(super) enum StepPart {
     Last,
 }
 
-/// Whether the state is the new one, or an adaptive step was taken back because it is not credible.
+/// How a step ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Accepted {
-    Over,
-    Back,
+#[must_use]
+pub enum StepEnd {
+    /// the state is the one at its end
+    Accepted,
+    /// it is not credible, or its error too large: the state is the one before it, and a smaller step can be tried
+    TakenBack,
+    /// the run was asked to stop in it: the state is the one before it
+    Stopped,
+    /// the run cannot go on: the state is the one before it
+    Failed(Status),
 }
 
 impl Run<'_> {
@@ -33,7 +41,7 @@ impl Run<'_> {
         part: StepPart,
         report: &StepReport,
         observers: &mut [&mut dyn Observer],
-    ) -> Result<Result<Accepted, Status>, RunError> {
+    ) -> Result<StepEnd, RunError> {
         let tick = Tick { h: self.state.to.state.t - self.state.from.state.t, t: self.state.to.state.t };
         let before = (self.state.ledger, self.state.watch);
         let (row, by_stages) =
@@ -52,12 +60,12 @@ impl Run<'_> {
                 {
                     (self.state.ledger, self.state.watch) = before;
                     policy.take_back(tick.h, (part == StepPart::First).then_some(stepper))?;
-                    return Ok(Ok(Accepted::Back));
+                    return Ok(StepEnd::TakenBack);
                 }
                 self.diverged(tick, trouble, row, left);
                 if !finite || !self.spec.keep_going || adaptive {
                     (self.state.ledger, self.state.watch) = before;
-                    return Ok(Err(Status::Diverged));
+                    return Ok(StepEnd::Failed(Status::Diverged));
                 }
             }
         }
@@ -93,16 +101,15 @@ impl Run<'_> {
         if part == StepPart::Last {
             self.pass_events(stepper)?;
         }
-        Ok(Ok(Accepted::Over))
+        Ok(StepEnd::Accepted)
     }
 
     /// Accepts an attempted step of fixed size.
-    pub fn accept_fixed(
-        &mut self,
-        stepper: &mut Stepper<'_>,
-        report: &StepReport,
-    ) -> Result<Result<(), Status>, RunError> {
-        Ok(self.accept_step(stepper, StepPart::Last, report, &mut [])?.map(|_| ()))
+    ///
+    /// # Errors
+    /// When the scheme cannot start again at an event.
+    pub fn accept_fixed(&mut self, stepper: &mut Stepper<'_>, report: &StepReport) -> Result<StepEnd, RunError> {
+        self.accept_step(stepper, StepPart::Last, report, &mut [])
     }
 
     /// The watch's report on a step; for a state that has left the scene, `left` says whether it is finite.
@@ -145,9 +152,8 @@ impl Run<'_> {
     }
 
     pub(super) fn context(&self, Tick { h, t }: Tick) -> FailureContext<'_> {
-        let &Run { scene, spec, stop, .. } = self;
-        let from = &self.state.from;
-        let RunSpec { method, end, explain, interrupt, .. } = spec;
-        FailureContext { scene, method, from, step: self.state.steps + 1, h, t, end, explain, stop: stop.or(interrupt) }
+        let &Run { scene, spec: &RunSpec { ref method, end, explain, .. }, stop, interrupt, .. } = self;
+        let (from, step, stop) = (&self.state.from, self.state.steps + 1, stop.or(interrupt));
+        FailureContext { scene, method, from, step, h, t, end, explain, stop }
     }
 }

@@ -5,59 +5,83 @@ use super::super::clock::Tick;
 use super::super::observer::Observer;
 use super::super::outcome::Status;
 use super::super::step_policy::StepPolicy;
-use super::accept::{Accepted, StepPart};
+use super::accept::{StepEnd, StepPart};
 use super::{Run, RunError};
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::integrate::{StepError, StepReport};
 use crate::interrupt;
 
+/// How an attempt ended.
+enum Attempted {
+    /// the step is good so far
+    Kept(AdaptiveStep),
+    /// it is dropped, and a smaller one can be tried
+    Dropped,
+    /// the run cannot go on
+    Failed(Status),
+}
+
 impl Run<'_> {
-    /// Advances to the next accepted state, which may take several attempts, unless the run must end before.
+    /// Advances to the next accepted state, which may take several attempts, unless the run must end before. No step is
+    /// ever [taken back](StepEnd::TakenBack) at the end.
+    ///
+    /// # Errors
+    /// When a scheme cannot start again at an event, or an observer cannot write.
     pub fn advance(
         &mut self,
         stepper: &mut Stepper<'_>,
         observers: &mut [&mut dyn Observer],
-    ) -> Result<Result<(), Status>, RunError> {
+    ) -> Result<StepEnd, RunError> {
         while let Some(tick) = self.next() {
             if self.stop.asked() || interrupt::asked() {
-                return Ok(Ok(()));
+                return Ok(StepEnd::Stopped);
             }
-            let kept = match &mut self.state.policy {
-                StepPolicy::Fixed(_) | StepPolicy::Free(_) => self.fixed_step(stepper, tick).map(AdaptiveStep::Single),
-                StepPolicy::Adaptive(_) => match self.adaptive_step(stepper) {
-                    Ok(Some(kept)) => Ok(kept),
-                    Ok(None) => continue,
-                    Err(stopped) => Err(stopped),
+            let attempted = match &mut self.state.policy {
+                StepPolicy::Fixed(_) | StepPolicy::Free(_) => match self.fixed_step(stepper, tick) {
+                    Ok(report) => Attempted::Kept(AdaptiveStep::Single(report)),
+                    Err(status) => Attempted::Failed(status),
                 },
+                StepPolicy::Adaptive(_) => self.adaptive_step(stepper),
             };
-            return match kept {
-                // The loop above ends the run, if it is to.
-                Err(Status::Interrupted) => Ok(Ok(())),
-                Err(stopped) => Ok(Err(stopped)),
-                Ok(AdaptiveStep::Single(report)) => {
-                    match self.accept_step(stepper, StepPart::Last, &report, observers)? {
-                        Ok(Accepted::Back) => continue,
-                        Ok(Accepted::Over) => Ok(Ok(())),
-                        Err(stopped) => Ok(Err(stopped)),
-                    }
-                }
-                Ok(AdaptiveStep::Halves([first, second])) => {
-                    match self.accept_step(stepper, StepPart::First, &first, observers)? {
-                        Ok(Accepted::Back) => continue,
-                        Ok(Accepted::Over) => {
-                            if let StepPolicy::Adaptive(policy) = &mut self.state.policy
-                                && let Some(end) = policy.second()
-                            {
-                                std::mem::swap(&mut self.state.to, end);
-                            }
-                            Ok(self.accept_step(stepper, StepPart::Last, &second, observers)?.map(|_| ()))
-                        }
-                        Err(stopped) => Ok(Err(stopped)),
-                    }
-                }
+            let end = match attempted {
+                Attempted::Kept(kept) => self.accept_parts(stepper, kept, observers)?,
+                Attempted::Dropped => StepEnd::TakenBack,
+                Attempted::Failed(Status::Interrupted) => StepEnd::Stopped,
+                Attempted::Failed(status) => StepEnd::Failed(status),
             };
+            if end != StepEnd::TakenBack {
+                return Ok(end);
+            }
         }
-        Ok(Ok(()))
+        Ok(StepEnd::Stopped)
+    }
+
+    /// Accepts an attempted step, or its halves one after the other.
+    fn accept_parts(
+        &mut self,
+        stepper: &mut Stepper<'_>,
+        kept: AdaptiveStep,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<StepEnd, RunError> {
+        match kept {
+            AdaptiveStep::Single(report) => self.accept_step(stepper, StepPart::Last, &report, observers),
+            AdaptiveStep::Halves([first, second]) => {
+                let end = self.accept_step(stepper, StepPart::First, &first, observers)?;
+                if end != StepEnd::Accepted {
+                    return Ok(end);
+                }
+                if let StepPolicy::Adaptive(policy) = &mut self.state.policy
+                    && let Some(end) = policy.second()
+                {
+                    std::mem::swap(&mut self.state.to, end);
+                }
+                // The first half stays where the second is taken back.
+                Ok(match self.accept_step(stepper, StepPart::Last, &second, observers)? {
+                    StepEnd::TakenBack => StepEnd::Accepted,
+                    end => end,
+                })
+            }
+        }
     }
 
     /// One attempt at a step.
@@ -82,34 +106,34 @@ impl Run<'_> {
         Ok(report)
     }
 
-    /// One attempt; `None` if it is dropped and a smaller step can be tried.
-    fn adaptive_step(&mut self, stepper: &mut Stepper<'_>) -> Result<Option<AdaptiveStep>, Status> {
-        let StepPolicy::Adaptive(policy) = &mut self.state.policy else { return Ok(None) };
+    /// One attempt at an adaptive step.
+    fn adaptive_step(&mut self, stepper: &mut Stepper<'_>) -> Attempted {
+        let StepPolicy::Adaptive(policy) = &mut self.state.policy else { return Attempted::Dropped };
         let mut context =
             AttemptContext { scene: self.scene, stepper: &mut *stepper, counters: &mut self.state.counters };
         policy.begin(&mut context, &self.state.from, &mut self.state.to);
-        let Some(planned) = policy.next(self.state.from.state.t) else { return Ok(None) };
+        let Some(planned) = policy.next(self.state.from.state.t) else { return Attempted::Dropped };
         let dropped = match policy.attempt(context, planned, &self.state.from, &mut self.state.to) {
             Ok(kept) => match policy.stalls(planned.t) {
-                None => return Ok(Some(kept)),
+                None => return Attempted::Kept(kept),
                 Some(gone) => {
                     self.state.failure = Some(self.context(Tick { h: planned.h, t: planned.t }).without_progress(gone));
-                    return Err(Status::NotConverged);
+                    return Attempted::Failed(Status::NotConverged);
                 }
             },
-            Err(_) if interrupt::asked() => return Ok(None),
+            Err(_) if interrupt::asked() => return Attempted::Dropped,
             Err(dropped) => dropped,
         };
         let floor = policy.floor(self.state.from.state.t);
         if policy.next(self.state.from.state.t).is_some_and(|next| next.h >= floor) {
-            return Ok(None);
+            return Attempted::Dropped;
         }
         let context = self.context(Tick { h: planned.h, t: planned.t });
         self.state.failure = Some(match &dropped {
             DropReason::Error(worst) => context.at_the_floor(*worst, floor),
             DropReason::Unsolved(error) => context.not_converged(error, worst_of(error, stepper)),
         });
-        Err(Status::NotConverged)
+        Attempted::Failed(Status::NotConverged)
     }
 }
 
