@@ -49,8 +49,7 @@ fn canopy(apparent_mass: Option<f64>) -> Vec<CanopySpec> {
         skirt,
         apex,
         confluence,
-        filling: Vec::new(),
-        cavity: None,
+        air: CanopyAir::Coefficient,
         apparent_mass,
         nominal_area: 1.0,
     }]
@@ -64,8 +63,8 @@ fn heavy_canopy() -> Network {
     spec.stream = Some(StreamSpec::of_wind(air().wind));
     spec.canopies = canopy(Some(1.0));
     let cloth = Some(ClothSpec { linear: 160.0, quadratic: 48.0 });
-    let cavity = Some(CavitySpec { inflow: 0.7, outer_pressure_coefficient: -0.6, cloth });
-    spec.canopies.iter_mut().for_each(|canopy| canopy.cavity = cavity);
+    let cavity = CavitySpec { inflow: 0.7, outer_pressure_coefficient: -0.6, cloth };
+    spec.canopies.iter_mut().for_each(|canopy| canopy.air = CanopyAir::Cavity(cavity));
     build_network(spec, Threads::one()).expect("the fixture is sound")
 }
 

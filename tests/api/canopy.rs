@@ -5,11 +5,12 @@ use crate::common::run::{apart, case_of, changed, run, run_with};
 use canopy_fem::case::Case;
 use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::force::schedule::threads::Threads;
-use canopy_fem::model::observables::{CANOPY_QUANTITIES, Observables};
-use canopy_fem::model::spec::{CanopySpec, NetworkSpec};
+use canopy_fem::model::gauge::{CANOPY_QUANTITIES, DRAG_AREA};
+use canopy_fem::model::observables::Observables;
+use canopy_fem::model::spec::{CanopyAir, CanopySpec, NetworkSpec};
 use canopy_fem::model::state::StateRef;
 use canopy_fem::model::system::System;
-use canopy_fem::scene::build_network;
+use canopy_fem::scene::{BuildError, build_network};
 use serde_json::{Value, json};
 
 const SMALL: Parachute = Parachute { gores: 8, rings: 4, line_segments: 2, nominal_diameter: 2.0, line_length: 2.0 };
@@ -76,10 +77,11 @@ fn a_reefed_canopy_fills_in_stages() {
                      {"drag_area": 3, "filling_time": 0.2, "start": 0.05}, {"drag_area": 2, "filling_time": 0.1, "start": 0.4}]"#;
     let settings = filling(stages);
     let sets: Vec<(&str, &str)> = settings.iter().map(|(key, value)| (key.as_str(), *value)).collect();
-    let stages = canopy(&sets).filling;
+    let canopy = canopy(&sets);
+    let stages = canopy.air.stages();
     let area = |t: f64| {
         let mut area = 0.0;
-        for stage in &stages {
+        for stage in stages {
             let share: f64 = ((t - stage.start) / stage.duration).clamp(0.0, 1.0);
             area += share.powf(stage.exponent) * (stage.drag_area - area);
         }
@@ -91,9 +93,16 @@ fn a_reefed_canopy_fills_in_stages() {
     let start = scene.initial_state();
     for t in [0.0, 0.05, 0.07, 0.3, 0.45, 9.0] {
         let values = scene.canopy_values(0, StateRef { t, ..start.as_ref() });
-        let found = CANOPY_QUANTITIES.iter().position(|(name, _)| *name == "drag_area").map(|i| values[i]);
+        let found = CANOPY_QUANTITIES.iter().position(|quantity| *quantity == DRAG_AREA).map(|i| values[i]);
         assert_eq!(found, Some(area(t)), "at {t} s");
     }
+}
+
+#[test]
+fn a_specification_that_fills_in_no_stage_is_refused() {
+    let mut spec = network(&case_of(&SMALL.case(1.7, 4.0, 6.0), &[])).clone();
+    spec.canopies[0].air = CanopyAir::Filling(Vec::new());
+    assert_eq!(build_network(spec, Threads::one()).err(), Some(BuildError::NoStage));
 }
 
 #[test]
@@ -311,7 +320,7 @@ fn filling_knows_the_nominal_diameter_of_rings() {
         }},
         "time": {"end": 1.0, "method": "velocity-verlet", "step": 1e-4}
     });
-    let filling = network(&case_of(&case, &[])).canopies[0].filling[0];
+    let filling = network(&case_of(&case, &[])).canopies[0].air.stages()[0];
     assert!((filling.duration / (8.0 * 3.0 / 10.0) - 1.0).abs() < 1e-12, "{}", filling.duration);
 }
 

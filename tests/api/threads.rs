@@ -54,8 +54,7 @@ fn sheet() -> NetworkSpec {
         skirt: vec![0, 69, 2000, 4000],
         apex: vec![300],
         confluence: vec![4900, 17],
-        filling: Vec::new(),
-        cavity: None,
+        air: CanopyAir::Coefficient,
         apparent_mass: None,
         nominal_area: 1.0,
     }];

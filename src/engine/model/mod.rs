@@ -4,6 +4,7 @@
 pub mod added_mass;
 pub mod bounds;
 pub mod forces;
+pub mod gauge;
 pub mod group_totals;
 pub mod lanes;
 pub mod motion;

@@ -1,14 +1,15 @@
 //! The observable quantities of a system: nodes in space, in the user's numbering. Output uses this interface.
 
+use super::gauge::CANOPY_QUANTITIES;
 use super::state::StateRef;
 use super::system::System;
 use crate::mesh::Groups;
 use crate::model::forces::Forces;
 use crate::model::point::Point;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// A vector quantity of a node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum NodeQuantity {
     /// [m] position
     Position,
@@ -22,36 +23,6 @@ pub enum NodeQuantity {
     Force,
     /// [N] reaction of the support, 0 in free directions
     Reaction,
-}
-
-/// What a gauge measures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "lowercase")]
-pub enum GaugeQuantity {
-    /// Tension of the springs on the selected edges with their axial dashpots, N: `tension_sum`, `tension_max`.
-    Tension,
-    /// Net force on the selected nodes, N: the sum `force_x`, `force_y`, `force_z` with its size `force_total`, and the
-    /// largest on a node `force_max`.
-    Force,
-    /// Reaction of the supports on the selected nodes, N, their own weight included: the sum `reaction_x`,
-    /// `reaction_y`, `reaction_z` with its size `reaction_total`, and the largest on a node `reaction_max`.
-    Reaction,
-    /// Acceleration of the selected nodes, m/s^2: the mean `acceleration_x`, `acceleration_y`, `acceleration_z` and the
-    /// largest `acceleration_max`.
-    Acceleration,
-    /// Velocity of the selected nodes, m/s: the mean `velocity_x`, `velocity_y`, `velocity_z`.
-    Velocity,
-    /// Speed of the selected nodes, m/s: `speed_mean`, `speed_max`.
-    Speed,
-    /// Distance of the selected nodes from where they are on the mesh as given, m: `displacement_mean`,
-    /// `displacement_max`.
-    Displacement,
-    /// Position of the selected nodes, m: the mean `position_x`, `position_y`, `position_z`.
-    Position,
-    /// Number of edges of cloth that pass through triangles of cloth, `crossings`, where all nodes of the edge or of
-    /// the triangle are selected.
-    Crossings,
 }
 
 /// One of the springs of a scene: its rule and its number within the rule, in the scene's order.
@@ -81,21 +52,6 @@ impl Default for MembranePicture {
         MembranePicture { stress: [0.0; 2], strain: [0.0; 2], wrinkling: -1.0, warp: [0.0; 3] }
     }
 }
-
-/// What a canopy shows of itself, with units, in the order of [`Observables::canopy_values`].
-pub const CANOPY_QUANTITIES: [(&str, &str); 11] = [
-    ("projected_diameter", "m"),
-    ("skirt_diameter", "m"),
-    ("volume", "m^3"),
-    ("axial_speed", "m/s"),
-    ("dynamic_pressure", "Pa"),
-    ("drag_area", "m^2"),
-    ("drag", "N"),
-    ("pressure", "Pa"),
-    ("projected_ratio", "-"),
-    ("drag_coefficient", "-"),
-    ("angle_of_attack", "deg"),
-];
 
 /// Observable quantities of a system. All slices are in the user's numbering.
 pub trait Observables: System {

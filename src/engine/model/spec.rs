@@ -6,9 +6,11 @@ use serde::{Deserialize, Serialize};
 use crate::mesh::Mesh;
 use std::f64::consts::TAU;
 
+mod canopy;
 mod changes;
 mod over_time;
 mod surface;
+pub use canopy::{CanopyAir, CanopySpec, CavitySpec, ClothSpec, FillingSpec};
 pub use over_time::{MotionSpec, RestScaleSpec, Series, support_velocity};
 pub use surface::{BendingSpec, MembraneSpec};
 
@@ -209,68 +211,6 @@ impl StreamSpec {
         let atmosphere = AtmosphereSpec::Constant { density: 1.225 };
         StreamSpec { wind, gusts: Vec::new(), profile: None, atmosphere, altitude: 0.0 }
     }
-}
-
-/// The air in a canopy: a pressure q dCp along the normals of its triangles, q = rho V|V|/2, or that of a cavity.
-///
-/// V is the axial air speed: the mean velocity of the skirt's nodes minus the wind there, along the axis from the
-/// middle of the apex nodes to the middle of the confluence nodes.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct CanopySpec {
-    /// triangles, ascending; neighbours turn the same way
-    pub triangles: Vec<u32>,
-    /// [-] dCp of each of them
-    pub pressure_coefficient: Vec<f64>,
-    /// nodes of the skirt, at least one
-    pub skirt: Vec<u32>,
-    /// nodes around the apex, at least one
-    pub apex: Vec<u32>,
-    /// nodes where the lines meet, at least one
-    pub confluence: Vec<u32>,
-    /// stages of the drag area that the pressure is scaled to, rising in time; none if the pressure is q dCp
-    pub filling: Vec<FillingSpec>,
-    /// if given, the balance of the air inside that sets the pressure; then dCp is 1 and `filling` is empty
-    pub cavity: Option<CavitySpec>,
-    /// [-] k of the air that the canopy takes along, k rho times its volume
-    pub apparent_mass: Option<f64>,
-    /// [m^2] S0 of cloth, gaps and vents, for coefficients in results and warnings
-    pub nominal_area: f64,
-}
-
-/// A stage of the drag area of a canopy that fills: from what it was before to `drag_area`, by
-/// ((t - start)/duration)^exponent. The pressure is dCp times what makes the force along the axis q times this area.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct FillingSpec {
-    /// [m^2] at the end of the stage
-    pub drag_area: f64,
-    /// [s] line stretch, or the cut of a reefing line; no pressure before the first
-    pub start: f64,
-    /// [s] filling time, > 0
-    pub duration: f64,
-    /// [-] exponent, > 0
-    pub exponent: f64,
-}
-
-/// A canopy with a mouth: one pressure by the balance of the air that flows through mouth and cloth. The mouth is the
-/// loop of the boundary with the nodes of the skirt, the only one.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct CavitySpec {
-    /// [-] eta, > 0: speed in the mouth over that of the free stream, where the pressure inside is that outside
-    pub inflow: f64,
-    /// [-] pressure on the outside over q, < 1
-    pub outer_pressure_coefficient: f64,
-    /// if given, how the cloth lets air through
-    pub cloth: Option<ClothSpec>,
-}
-
-/// The pressure difference over a cloth, linear w + quadratic w|w| with the speed w of the air through it. Neither is
-/// negative, one is positive.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct ClothSpec {
-    /// [Pa s/m] viscous coefficient
-    pub linear: f64,
-    /// [Pa s^2/m^2] inertial coefficient
-    pub quadratic: f64,
 }
 
 /// The drag of lines in a cross-flow.

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use crate::format_number::figures;
 use crate::mesh::components::components;
-use crate::model::spec::{NetworkSpec, PressureKind};
+use crate::model::spec::{CanopyAir, NetworkSpec, PressureKind};
 use crate::warning::{Warning, WarningCode};
 
 /// [-] Sine of the angle between wind and triangle below which the wind is in its plane: a pressure proportional to the
@@ -160,7 +160,7 @@ pub struct Cavities {
 
 /// Finds canopies with a cavity.
 pub fn cavities(spec: &NetworkSpec) -> Option<Cavities> {
-    let canopies = spec.canopies.iter().filter(|canopy| canopy.cavity.is_some()).count();
+    let canopies = spec.canopies.iter().filter(|canopy| matches!(canopy.air, CanopyAir::Cavity(_))).count();
     (canopies > 0).then_some(Cavities { canopies })
 }
 

@@ -39,7 +39,7 @@ pub struct ImplausibleDrag {
 pub fn drag_coefficients(spec: &NetworkSpec) -> Vec<ImplausibleDrag> {
     let [least, most] = COEFFICIENTS;
     let implausible = |(i, canopy): (usize, &CanopySpec)| {
-        let (drag_area, nominal_area) = (canopy.filling.last()?.drag_area, canopy.nominal_area);
+        let (drag_area, nominal_area) = (canopy.air.stages().last()?.drag_area, canopy.nominal_area);
         let fits = (least..=most).contains(&(drag_area / nominal_area));
         (!fits).then(|| ImplausibleDrag { canopy: name(spec, i), drag_area, nominal_area })
     };
@@ -82,7 +82,8 @@ pub struct LongFilling {
 pub fn filling(spec: &NetworkSpec, end: f64) -> Vec<LongFilling> {
     let long = |(i, canopy): (usize, &CanopySpec)| {
         let found = canopy
-            .filling
+            .air
+            .stages()
             .iter()
             .find(|stage| stage.start < end && stage.duration > (LONG * (end - stage.start)).max(SLOW))?;
         let FillingSpec { start, duration, exponent, .. } = *found;
@@ -144,11 +145,11 @@ pub fn reefing_lines(spec: &NetworkSpec) -> Vec<ReefingLine> {
         }
         let grows = spec.rest_scales.iter().any(|scale| groups.contains(&scale.group));
         let cut = spec.cuts.iter().find(|cut| groups.contains(&cut.group)).map(|cut| cut.t);
-        let stage = canopy.filling.get(1..).and_then(<[_]>::last).map(|stage| stage.start);
+        let stage = canopy.air.stages().get(1..).and_then(<[_]>::last).map(|stage| stage.start);
         let fits = match (cut, stage) {
             (None, _) => grows,
             (Some(cut), Some(stage)) => (cut - stage).abs() <= APART * cut,
-            (Some(_), None) => canopy.filling.is_empty(),
+            (Some(_), None) => canopy.air.stages().is_empty(),
         };
         (!fits).then(|| ReefingLine { canopy: name(spec, i), cut, stage })
     };

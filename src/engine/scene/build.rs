@@ -16,7 +16,7 @@ use crate::force::law::air::{Air, AirData};
 use crate::force::law::axial_flow::CanopyAxis;
 use crate::force::law::bar_law::{BarData, Bars, LawBars};
 use crate::force::law::base_acceleration::BaseAcceleration;
-use crate::force::law::canopy::{Canopy, CanopyData};
+use crate::force::law::canopy::{AirModel, Canopy, CanopyData};
 use crate::force::law::cavity::Cavity;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
 use crate::force::law::drag::{LineDrag, LineDragData, NodeDrag, NodeDragData};
@@ -32,8 +32,8 @@ use crate::force::law::triangle::AreaVector;
 use crate::force::schedule::threads::Threads;
 use crate::mesh::unit_vector::unit_vector;
 use crate::model::spec::{
-    CavitySpec, DashpotKind, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, RestScaleSpec, Series, SpringGroup,
-    StreamSpec, support_velocity,
+    CanopyAir, CavitySpec, DashpotKind, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, RestScaleSpec, Series,
+    SpringGroup, StreamSpec, support_velocity,
 };
 use crate::startup::{Phase, timed};
 use nalgebra::Vector3;
@@ -301,10 +301,13 @@ impl Builder<'_> {
                 let (enclosure, stream, term) = (enclosure.clone(), stream.clone(), self.terms.len());
                 self.apparent.push(ApparentMass { nodes, enclosure, factor, stream, term });
             }
-            let cavity = |spec| cavity(spec, enclosure.clone(), &skirt, x);
-            let (cavity, filling) = (canopy.cavity.map(cavity).transpose()?, canopy.filling.clone().into());
+            let air = match &canopy.air {
+                CanopyAir::Coefficient => AirModel::Coefficient,
+                CanopyAir::Filling(stages) => AirModel::Filling(stages.as_slice().into()),
+                CanopyAir::Cavity(spec) => AirModel::Cavity(cavity(*spec, enclosure.clone(), &skirt, x)?),
+            };
             let axis = CanopyAxis { skirt, apex, confluence, stream: stream.clone() };
-            let data = CanopyData { triangles, pressure_coefficient, axis, filling, cavity };
+            let data = CanopyData { triangles, pressure_coefficient, axis, air };
             self.shapes.push(CanopyShape::new(data.clone(), enclosure, canopy.nominal_area));
             self.show_pressure(AirLaw::Canopy(data.clone()));
             self.terms.push(Box::new(Canopy::new(data)));

@@ -2,9 +2,10 @@
 
 use super::network::{Network, by_node, node_state};
 use crate::force::kernel::element_block::NodeVectors;
-use crate::force::law::canopy::CanopyData;
+use crate::force::law::canopy::{AirModel, CanopyData};
 use crate::force::law::enclosure::Enclosure;
-use crate::model::observables::CANOPY_QUANTITIES;
+use crate::model::gauge::CANOPY_QUANTITIES;
+use crate::model::spec::FillingSpec;
 use crate::model::state::StateRef;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -52,15 +53,15 @@ impl CanopyShape {
         let mouth = 2.0 * radii.sum::<f64>() / skirt.len() as f64;
         let [drag, pressure] = data.drag_and_pressure(node_state(at));
         let q = flow.dynamic_pressure;
-        let area = match (data.drag_area(at.t), &data.cavity) {
-            (Some(area), _) => area,
-            (None, Some(_)) => drag / q,
-            (None, None) => closing,
+        let (area, filled) = match &data.air {
+            AirModel::Coefficient => (closing, true),
+            AirModel::Filling(stages) => (FillingSpec::area_at(stages, at.t), FillingSpec::half_filled(stages, at.t)),
+            AirModel::Cavity(_) => (drag / q, true),
         };
         let across = 2.0 * (projected / PI).sqrt();
         let ratio = across / (4.0 * self.nominal_area / PI).sqrt();
         // Before it fills, its attitude does not matter, and its drag is not that of a stage.
-        let [coefficient, lean] = match data.half_filled(at.t) {
+        let [coefficient, lean] = match filled {
             true => [drag / (q * self.nominal_area), (flow.speed / flow.velocity.norm()).acos().to_degrees()],
             false => [f64::NAN; 2],
         };

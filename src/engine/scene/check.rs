@@ -117,7 +117,10 @@ pub enum BuildError {
     /// The mouth of a cavity has no area at the start.
     #[error("the mouth of a cavity has no area at the start")]
     ClosedMouth,
-    /// A coefficient of a cavity without a meaning, or a cavity with a drag area over time.
+    /// A canopy whose drag area grows in no stage.
+    #[error("a canopy that fills needs at least one stage")]
+    NoStage,
+    /// A coefficient of a cavity without a meaning.
     #[error("a cavity {reason}")]
     Cavity {
         /// what is wrong

@@ -3,7 +3,7 @@
 use super::check::{BuildError, below, finite, length, times, vectors};
 use crate::mesh::Mesh;
 use crate::model::spec::{
-    AtmosphereSpec, CavitySpec, ClothSpec, FillingSpec, GustSpec, NetworkSpec, PressureKind, StreamSpec,
+    AtmosphereSpec, CanopyAir, CavitySpec, ClothSpec, FillingSpec, GustSpec, NetworkSpec, PressureKind, StreamSpec,
 };
 
 pub(super) fn loads(spec: &NetworkSpec) -> Result<(), BuildError> {
@@ -67,14 +67,14 @@ fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
         length("pressure coefficients of a canopy", canopy.pressure_coefficient.len(), canopy.triangles.len())?;
         finite("pressure coefficient", &canopy.pressure_coefficient)?;
         finite("apparent mass", canopy.apparent_mass.as_slice())?;
-        for &FillingSpec { drag_area, start, duration, exponent } in &canopy.filling {
-            finite("filling", &[drag_area, start, duration, exponent])?;
-        }
-        if let Some(spec) = canopy.cavity {
-            cavity(spec)?;
-            if !canopy.filling.is_empty() {
-                return Err(BuildError::Cavity { reason: "has no drag area over time" });
-            }
+        match &canopy.air {
+            CanopyAir::Coefficient => {}
+            CanopyAir::Filling(stages) if stages.is_empty() => return Err(BuildError::NoStage),
+            CanopyAir::Filling(stages) => stages.iter().try_for_each(|stage| {
+                let FillingSpec { drag_area, start, duration, exponent } = *stage;
+                finite("filling", &[drag_area, start, duration, exponent])
+            })?,
+            CanopyAir::Cavity(spec) => cavity(*spec)?,
         }
         for (what, list) in [("skirt", &canopy.skirt), ("apex", &canopy.apex), ("confluence", &canopy.confluence)] {
             below("node", list, nodes.len())?;

@@ -5,8 +5,8 @@ use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::{Explain, RunSpec};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
+use crate::model::gauge::{NodeGauge, SpringGauge};
 use crate::model::group_totals::{GroupTotals, group_totals};
-use crate::model::observables::GaugeQuantity;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
 use crate::vtk::VtuFormat;
 use crate::warning::{Warning, WarningCode};
@@ -175,26 +175,36 @@ pub struct ProbeSpec {
 pub struct GaugeSpec {
     /// name in `gauges.csv`
     pub name: String,
-    /// what
-    pub of: GaugeQuantity,
-    /// where
-    pub on: GaugePlaces,
+    /// what, and where
+    pub of: GaugeOf,
     /// [-] steps per row, at least 1
     pub every: u64,
-    /// [N] strength of the springs, if it is known
-    pub strength: Option<f64>,
 }
 
-/// Where a gauge measures.
+/// What a gauge measures, and where.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub enum GaugePlaces {
-    /// on nodes, ascending
-    Nodes(Vec<u32>),
-    /// on the springs of these edges, ascending
+pub enum GaugeOf {
+    /// vectors of nodes
+    Nodes {
+        /// what
+        of: NodeGauge,
+        /// at least one, ascending
+        nodes: Vec<u32>,
+    },
+    /// springs
     Springs {
-        /// edges
+        /// what
+        of: SpringGauge,
+        /// edges that carry them, ascending
         edges: Vec<u32>,
         /// only the springs of this [rule](crate::model::observables::SpringPlace::rule)
         rule: Option<usize>,
+        /// [N] their strength, if it is known
+        strength: Option<f64>,
+    },
+    /// crossings of cloth
+    Cloth {
+        /// corners of the cloth, at least one, ascending
+        nodes: Vec<u32>,
     },
 }

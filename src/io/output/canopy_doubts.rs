@@ -2,6 +2,9 @@
 
 use super::gauges::Peak;
 use crate::format_number::figures;
+use crate::model::gauge::{
+    ANGLE_OF_ATTACK, AXIAL_SPEED, DRAG, DRAG_AREA, DYNAMIC_PRESSURE, PROJECTED_DIAMETER, PROJECTED_RATIO, Quantity,
+};
 use crate::warning::{Warning, WarningCode};
 
 /// [deg] Angle of attack up to which the law of the air in a canopy is meant.
@@ -13,14 +16,14 @@ const LITTLE: f64 = 1e-3;
 
 /// Warnings about the canopies of a run until `end` [s] by their largest and last values.
 pub fn canopy_doubts(peaks: &[Peak], end: f64) -> Vec<Warning> {
-    let of = |name: &str, quantity: &str| peaks.iter().find(|peak| peak.name == name && peak.quantity == quantity);
-    let canopies = peaks.iter().filter(|peak| peak.quantity == "projected_ratio").map(|peak| peak.name.as_str());
+    let of = |name: &str, of: Quantity| peaks.iter().find(|peak| peak.name == name && peak.quantity == of.name);
+    let canopies = peaks.iter().filter(|peak| peak.quantity == PROJECTED_RATIO.name).map(|peak| peak.name.as_str());
     let of_canopy = |name: &str| {
-        let leaning = of(name, "angle_of_attack").and_then(leaning);
-        let parts = [of(name, "drag"), of(name, "dynamic_pressure"), of(name, "drag_area")];
+        let leaning = of(name, ANGLE_OF_ATTACK).and_then(leaning);
+        let parts = [DRAG, DYNAMIC_PRESSURE, DRAG_AREA].map(|quantity| of(name, quantity));
         let [drag, pressure, area] = parts;
         // Cloth takes its shape while the air passes it.
-        let passed = of(name, "axial_speed").zip(of(name, "projected_diameter"));
+        let passed = of(name, AXIAL_SPEED).zip(of(name, PROJECTED_DIAMETER));
         let passed = passed.is_some_and(|(speed, diameter)| speed.value.abs() * end > diameter.last);
         let off = drag
             .filter(|_| passed)

@@ -1,9 +1,12 @@
 //! Gauges: what `gauges.csv` and the peaks in `summary.json` hold.
 
 use super::schedule::RowSchedule;
-use crate::case::spec::{GaugePlaces, GaugeSpec, RowEvery};
+use crate::case::spec::{GaugeOf, GaugeSpec, RowEvery};
 use crate::mesh::CrossingFinder;
-use crate::model::observables::{CANOPY_QUANTITIES, GaugeQuantity, NodeQuantity, Observables, SpringPlace};
+use crate::model::gauge::{
+    CANOPY_QUANTITIES, CROSSINGS, NodeColumns, NodeGauge, PeakRule, Quantity, ReportLine, SpringGauge, TENSION_MAX,
+};
+use crate::model::observables::{Observables, SpringPlace};
 use crate::model::point::Point;
 use serde::{Deserialize, Serialize};
 
@@ -18,10 +21,7 @@ pub struct Channel {
     /// name of the gauge
     pub name: String,
     /// what it measures
-    pub quantity: &'static str,
-    unit: &'static str,
-    /// whether the peak is the value of the largest magnitude, as of components
-    signed: bool,
+    pub quantity: Quantity,
     /// [N]
     strength: Option<f64>,
 }
@@ -68,6 +68,9 @@ pub struct Peak {
     /// [-] strength over the largest value; null without tension
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub safety_factor: Option<f64>,
+    /// its line in the report of the run
+    #[serde(skip)]
+    pub line: Option<ReportLine>,
 }
 
 /// A value of a channel, to be written.
@@ -84,8 +87,8 @@ pub struct GaugeRow {
 /// Where a gauge measures, as the scene knows it.
 #[derive(Debug)]
 enum Places {
-    Nodes(Vec<u32>),
-    Springs(Vec<SpringPlace>),
+    Nodes(NodeGauge, Vec<u32>),
+    Springs(SpringGauge, Vec<SpringPlace>),
     Cloth(Box<Cloth>),
     Canopy(usize),
 }
@@ -127,7 +130,6 @@ impl Cloth {
 #[derive(Debug)]
 struct Gauge {
     places: Places,
-    of: GaugeQuantity,
     rows: RowSchedule,
     /// its first channel, and how many it has
     channels: std::ops::Range<usize>,
@@ -149,34 +151,6 @@ pub(super) struct Gauges {
     end: f64,
 }
 
-/// Names and units of the channels of a quantity.
-fn quantities(of: GaugeQuantity) -> &'static [(&'static str, &'static str)] {
-    match of {
-        GaugeQuantity::Tension => &[("tension_sum", "N"), ("tension_max", "N")],
-        GaugeQuantity::Force => {
-            &[("force_x", "N"), ("force_y", "N"), ("force_z", "N"), ("force_total", "N"), ("force_max", "N")]
-        }
-        GaugeQuantity::Reaction => &[
-            ("reaction_x", "N"),
-            ("reaction_y", "N"),
-            ("reaction_z", "N"),
-            ("reaction_total", "N"),
-            ("reaction_max", "N"),
-        ],
-        GaugeQuantity::Acceleration => &[
-            ("acceleration_x", "m/s^2"),
-            ("acceleration_y", "m/s^2"),
-            ("acceleration_z", "m/s^2"),
-            ("acceleration_max", "m/s^2"),
-        ],
-        GaugeQuantity::Velocity => &[("velocity_x", "m/s"), ("velocity_y", "m/s"), ("velocity_z", "m/s")],
-        GaugeQuantity::Speed => &[("speed_mean", "m/s"), ("speed_max", "m/s")],
-        GaugeQuantity::Displacement => &[("displacement_mean", "m"), ("displacement_max", "m")],
-        GaugeQuantity::Position => &[("position_x", "m"), ("position_y", "m"), ("position_z", "m")],
-        GaugeQuantity::Crossings => &[("crossings", "-")],
-    }
-}
-
 impl Gauges {
     /// The gauges of a request. Canopies are measured too: at every step if there are other gauges, else only at the
     /// rows of the history, because the steps between can then be made in blocks.
@@ -190,48 +164,33 @@ impl Gauges {
             sampled: (specs.is_empty() && picture.canopies() > 0).then(|| RowSchedule::of(history)),
             end,
         };
-        for GaugeSpec { name, of, on, every, strength } in specs {
-            let places = match on {
-                GaugePlaces::Nodes(nodes) if *of == GaugeQuantity::Crossings => {
-                    Places::Cloth(Box::new(Cloth::new(picture, nodes)))
+        for GaugeSpec { name, of, every } in specs {
+            let (columns, places, strength): (&[Quantity], _, _) = match of {
+                GaugeOf::Nodes { of, nodes } => (of.columns.all(), Places::Nodes(*of, nodes.clone()), None),
+                GaugeOf::Cloth { nodes } => (&[CROSSINGS], Places::Cloth(Box::new(Cloth::new(picture, nodes))), None),
+                GaugeOf::Springs { of, edges, rule, strength } => {
+                    (of.columns(), Places::Springs(*of, picture.springs_on(edges, *rule)), *strength)
                 }
-                GaugePlaces::Nodes(nodes) => Places::Nodes(nodes.clone()),
-                GaugePlaces::Springs { edges, rule } => Places::Springs(picture.springs_on(edges, *rule)),
             };
-            let rows = RowSchedule::Steps((*every).max(1));
-            made.add((name, *strength), quantities(*of), (places, *of), rows);
+            made.add((name, strength), columns, places, RowSchedule::Steps((*every).max(1)));
         }
         for canopy in 0..picture.canopies() {
             let name = if picture.canopies() == 1 { "canopy".to_owned() } else { format!("canopy {canopy}") };
-            let places = (Places::Canopy(canopy), GaugeQuantity::Speed);
-            made.add((&name, None), &CANOPY_QUANTITIES, places, RowSchedule::of(history));
+            made.add((&name, None), &CANOPY_QUANTITIES, Places::Canopy(canopy), RowSchedule::of(history));
         }
         made
     }
 
-    fn add(
-        &mut self,
-        (name, strength): (&str, Option<f64>),
-        quantities: &'static [(&'static str, &'static str)],
-        (places, of): (Places, GaugeQuantity),
-        rows: RowSchedule,
-    ) {
+    fn add(&mut self, (name, strength): (&str, Option<f64>), columns: &[Quantity], places: Places, rows: RowSchedule) {
         let first = self.channels.len();
-        for &(quantity, unit) in quantities {
-            let signed = quantity.ends_with("_x")
-                || quantity.ends_with("_y")
-                || quantity.ends_with("_z")
-                || quantity == "axial_speed"
-                || quantity == "dynamic_pressure"
-                || quantity == "pressure"
-                || quantity == "drag_coefficient";
-            let strength = strength.filter(|_| quantity == "tension_max");
-            self.channels.push(Channel { name: name.to_owned(), quantity, unit, signed, strength });
+        for &quantity in columns {
+            let strength = strength.filter(|_| quantity == TENSION_MAX);
+            self.channels.push(Channel { name: name.to_owned(), quantity, strength });
         }
         let channels = first..self.channels.len();
         self.peaks.resize(self.channels.len(), ChannelPeak::default());
         self.values.resize(self.channels.len(), f64::NAN);
-        self.gauges.push(Gauge { places, of, rows, channels, written: f64::NAN });
+        self.gauges.push(Gauge { places, rows, channels, written: f64::NAN });
     }
 
     pub fn is_empty(&self) -> bool {
@@ -320,13 +279,16 @@ impl Gauges {
             let to = &mut self.values[gauge.channels.clone()];
             match &mut gauge.places {
                 Places::Canopy(canopy) => to.copy_from_slice(&picture.canopy_values(*canopy, at.state.as_ref())),
-                Places::Springs(springs) => {
-                    let tensions = springs.iter().map(|&spring| picture.spring_tension(at.state.as_ref(), spring));
-                    let (sum, most) = tensions.fold((0.0, f64::NEG_INFINITY), |(sum, most), t| (sum + t, t.max(most)));
+                Places::Springs(of, springs) => {
+                    let value = |&spring: &SpringPlace| match of {
+                        SpringGauge::Tension => picture.spring_tension(at.state.as_ref(), spring),
+                    };
+                    let values = springs.iter().map(value);
+                    let (sum, most) = values.fold((0.0, f64::NEG_INFINITY), |(sum, most), t| (sum + t, t.max(most)));
                     to.copy_from_slice(&[sum, most]);
                 }
                 Places::Cloth(cloth) => to[0] = cloth.crossings(picture, at),
-                Places::Nodes(nodes) => nodal(picture, (gauge.of, nodes), at, to),
+                Places::Nodes(of, nodes) => nodal(picture, (*of, nodes), at, to),
             }
         }
     }
@@ -334,7 +296,10 @@ impl Gauges {
     fn note(&mut self, t: f64) {
         let known = self.peaks.iter_mut().zip(&self.channels).zip(&self.values).filter(|(_, value)| value.is_finite());
         for ((peak, channel), &value) in known {
-            let more = if channel.signed { value.abs() > peak.value.abs() } else { value > peak.value };
+            let more = match channel.quantity.peak {
+                PeakRule::Largest => value > peak.value,
+                PeakRule::LargestMagnitude => value.abs() > peak.value.abs(),
+            };
             if more || peak.value.is_nan() {
                 (peak.value, peak.t) = (value, t);
             }
@@ -352,14 +317,15 @@ impl Gauges {
             let &ChannelPeak { value, t, last, late: [from, late] } = peak;
             Peak {
                 name: channel.name.clone(),
-                quantity: channel.quantity.to_owned(),
-                unit: channel.unit.to_owned(),
+                quantity: channel.quantity.name.to_owned(),
+                unit: channel.quantity.unit.to_owned(),
                 value,
                 t,
                 last,
                 steady: from >= (1.0 - LAST_PART) * self.end && (last - late).abs() <= STEADY * last.abs(),
                 strength: channel.strength,
                 safety_factor: channel.strength.filter(|_| value > 0.0).map(|strength| strength / value),
+                line: channel.quantity.line,
             }
         };
         peaks.map(peak).collect()
@@ -367,18 +333,10 @@ impl Gauges {
 }
 
 /// The values of a gauge on nodes.
-fn nodal(picture: &dyn Observables, (of, nodes): (GaugeQuantity, &[u32]), at: &Point, to: &mut [f64]) {
-    let quantity = match of {
-        GaugeQuantity::Force | GaugeQuantity::Tension => NodeQuantity::Force,
-        GaugeQuantity::Reaction => NodeQuantity::Reaction,
-        GaugeQuantity::Acceleration => NodeQuantity::Acceleration,
-        GaugeQuantity::Velocity | GaugeQuantity::Speed => NodeQuantity::Velocity,
-        GaugeQuantity::Displacement => NodeQuantity::Displacement,
-        GaugeQuantity::Position | GaugeQuantity::Crossings => NodeQuantity::Position,
-    };
+fn nodal(picture: &dyn Observables, (of, nodes): (NodeGauge, &[u32]), at: &Point, to: &mut [f64]) {
     let (mut sum, mut norms, mut most) = ([0.0; 3], 0.0, 0.0_f64);
     for &node in nodes {
-        let value = picture.node_value(quantity, at, node);
+        let value = picture.node_value(of.vector, at, node);
         let [x, y, z] = value;
         let norm = (x * x + y * y + z * z).sqrt();
         sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
@@ -386,14 +344,10 @@ fn nodal(picture: &dyn Observables, (of, nodes): (GaugeQuantity, &[u32]), at: &P
     }
     let share = 1.0 / nodes.len() as f64;
     let [x, y, z] = sum;
-    match of {
-        GaugeQuantity::Speed | GaugeQuantity::Displacement => to.copy_from_slice(&[share * norms, most]),
-        GaugeQuantity::Force | GaugeQuantity::Reaction | GaugeQuantity::Tension => {
-            to.copy_from_slice(&[x, y, z, (x * x + y * y + z * z).sqrt(), most]);
-        }
-        GaugeQuantity::Acceleration => to.copy_from_slice(&[share * x, share * y, share * z, most]),
-        GaugeQuantity::Velocity | GaugeQuantity::Position | GaugeQuantity::Crossings => {
-            to.copy_from_slice(&[share * x, share * y, share * z])
-        }
+    match of.columns {
+        NodeColumns::Sum(_) => to.copy_from_slice(&[x, y, z, (x * x + y * y + z * z).sqrt(), most]),
+        NodeColumns::Mean(_) => to.copy_from_slice(&[share * x, share * y, share * z]),
+        NodeColumns::MeanAndLargest(_) => to.copy_from_slice(&[share * x, share * y, share * z, most]),
+        NodeColumns::Sizes(_) => to.copy_from_slice(&[share * norms, most]),
     }
 }

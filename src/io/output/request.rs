@@ -7,9 +7,9 @@ use super::frame::Fields;
 use super::gauges::Gauges;
 use super::resume::ResumeError;
 use super::sanitize::file_stem;
-use crate::case::spec::{CrossingSearch, GaugePlaces, GaugeSpec, ProbeSpec, Problem, RowEvery};
+use crate::case::spec::{CrossingSearch, GaugeOf, GaugeSpec, ProbeSpec, Problem, RowEvery};
 use crate::drive::observer::ObserveError;
-use crate::model::observables::{GaugeQuantity, Observables};
+use crate::model::observables::Observables;
 use crate::vtk::VtuFormat;
 
 /// Largest number of frames of a run; their numbers have six digits.
@@ -127,7 +127,7 @@ pub(super) fn files_spec<'a>(picture: &'a dyn Observables, spec: &'a RecorderSpe
         fields: spec.fields.of_scene(picture),
         draw_sides: spec.edges,
         probes: &spec.probes,
-        gauges: channels.map(|channel| [channel.name.clone(), channel.quantity.to_owned()]).collect(),
+        gauges: channels.map(|channel| [channel.name.clone(), channel.quantity.name.to_owned()]).collect(),
         format: spec.format,
     }
 }
@@ -156,17 +156,21 @@ pub(super) fn check(spec: &RecorderSpec, nodes: usize) -> Result<(), RecorderErr
             return Err(RecorderError::ProbeOutOfRange { name: probe.name.clone(), node, nodes });
         }
     }
-    for GaugeSpec { name, of, on, every, .. } in &spec.gauges {
+    for GaugeSpec { name, of, every } in &spec.gauges {
         let bad = |needed: &str| Err(RecorderError::BadGauge { name: name.clone(), needed: needed.to_owned() });
-        match on {
-            GaugePlaces::Springs { .. } if *of != GaugeQuantity::Tension => return bad("nodes for this quantity"),
-            GaugePlaces::Nodes(_) if *of == GaugeQuantity::Tension => return bad("edges for tensions"),
-            GaugePlaces::Nodes(list) if list.is_empty() => return bad("at least one node"),
-            GaugePlaces::Nodes(list) if list.iter().any(|&node| node as usize >= nodes) => {
-                return bad(&format!("nodes below {nodes}"));
+        match of {
+            GaugeOf::Nodes { nodes: list, .. } | GaugeOf::Cloth { nodes: list } => {
+                if list.is_empty() {
+                    return bad("at least one node");
+                }
+                if list.iter().any(|&node| node as usize >= nodes) {
+                    return bad(&format!("nodes below {nodes}"));
+                }
             }
-            _ if *every == 0 => return bad("at least 1 step a row"),
-            _ => {}
+            GaugeOf::Springs { .. } => {}
+        }
+        if *every == 0 {
+            return bad("at least 1 step a row");
         }
     }
     Ok(())

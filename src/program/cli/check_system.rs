@@ -3,8 +3,8 @@
 use crate::case::spec::SystemSpec;
 use crate::format_number::{counted, figures};
 use crate::mesh::group::describe_groups;
+use crate::model::gauge::{CANOPY_QUANTITIES, PROJECTED_RATIO};
 use crate::model::group_totals::GroupTotals;
-use crate::model::observables::CANOPY_QUANTITIES;
 use crate::model::spec::{BendingSpec, CanopySpec, MembraneSpec, NetworkSpec};
 use crate::scene::Scene;
 use std::collections::BTreeMap;
@@ -41,18 +41,18 @@ pub(super) fn describe_size(system: &SystemSpec, mass: f64) -> String {
 /// [m^2] Drag areas of the full canopies, where a schedule gives them, and S0.
 pub(super) fn filled_canopies(system: &SystemSpec) -> Vec<(Option<f64>, f64)> {
     let SystemSpec::Network(spec) = system else { return Vec::new() };
-    let filled = |canopy: &CanopySpec| (canopy.filling.last().map(|stage| stage.drag_area), canopy.nominal_area);
+    let filled = |canopy: &CanopySpec| (canopy.air.stages().last().map(|stage| stage.drag_area), canopy.nominal_area);
     spec.canopies.iter().map(filled).collect()
 }
 
 /// Drag coefficient and size of every canopy in a line.
 pub(super) fn describe_canopies(scene: &dyn Scene, filled: &[(Option<f64>, f64)]) -> String {
     let start = scene.initial_state();
-    let place = |quantity: &str| CANOPY_QUANTITIES.iter().position(|(name, _)| *name == quantity);
+    let place = CANOPY_QUANTITIES.iter().position(|quantity| *quantity == PROJECTED_RATIO);
     let mut text = String::new();
     for (i, (drag_area, nominal_area)) in filled.iter().enumerate() {
         let values = scene.canopy_values(i, start.as_ref());
-        let ratio = place("projected_ratio").map_or(f64::NAN, |at| values[at]);
+        let ratio = place.map_or(f64::NAN, |at| values[at]);
         let name = if filled.len() == 1 { "canopy".to_owned() } else { format!("canopy {i}") };
         let nominal = figures(*nominal_area, 4);
         let drag = drag_area.map_or_else(String::new, |area| {

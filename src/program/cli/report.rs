@@ -6,6 +6,7 @@ use crate::analysis::warnings::worth;
 use crate::drive::max_displacement::Displacement;
 use crate::drive::{Failure, Outcome, Status};
 use crate::format_number::{counted, figures};
+use crate::model::gauge::ReportLine;
 use crate::output::folder::CHECKPOINT;
 use crate::output::gauges::Peak;
 use crate::output::sanitize::file_stem;
@@ -138,33 +139,23 @@ fn energy_verdict(outcome: &Outcome) -> String {
 /// A line of the report for a value that a reader looks for first: opening load, speed of descent, largest loads.
 /// The drag of a canopy that starts full is no opening load.
 fn peak(one: &Peak) -> Option<String> {
-    let Peak { name, quantity, unit, value, t, last, steady, strength, safety_factor } = one;
+    let Peak { name, unit, value, t, last, steady, strength, safety_factor, line, .. } = one;
     let drag = if *t > 0.0 { "opening load" } else { "largest drag" };
     let [value, t, last] = [value, t, last].map(|number| figures(*number, 4));
-    let line = match (quantity.as_str(), strength, safety_factor) {
-        ("drag", ..) => format!("  {drag}    {value} {unit} at t = {t} s ({name}, drag)"),
-        ("axial_speed", ..) => {
+    let line = match ((*line)?, strength, safety_factor) {
+        (ReportLine::Drag, ..) => format!("  {drag}    {value} {unit} at t = {t} s ({name}, drag)"),
+        (ReportLine::Descent, ..) => {
             let steady = if *steady { "steady" } else { "at the end, still changing" };
             format!("  speed           {last} {unit} {steady} ({name}, against the air)")
         }
-        ("drag_coefficient", ..) => format!("  CD0             {last} on S0 at the end ({name})"),
-        ("projected_ratio", ..) => format!("  Dp/D0           {last} at the end ({name})"),
-        (_, Some(strength), Some(factor)) => format!(
+        (ReportLine::Ratio { symbol, of }, ..) => format!("  {symbol:<16}{last}{of} at the end ({name})"),
+        (ReportLine::Peak(_), Some(strength), Some(factor)) => format!(
             "  line load       {value} {unit} at t = {t} s ({name}), strength {} {unit}: safety factor {}{}",
             figures(*strength, 4),
             figures(*factor, 3),
             if *factor < 1.0 { ", it would break" } else { "" }
         ),
-        ("tension_max" | "force_total" | "reaction_total" | "acceleration_max", ..) => {
-            let what = match quantity.as_str() {
-                "tension_max" => "tension",
-                "force_total" => "force",
-                "reaction_total" => "reaction",
-                _ => "acceleration",
-            };
-            format!("  peak            {value} {unit} at t = {t} s ({name}, {what})")
-        }
-        _ => return None,
+        (ReportLine::Peak(what), ..) => format!("  peak            {value} {unit} at t = {t} s ({name}, {what})"),
     };
     Some(line + "\n")
 }

@@ -8,6 +8,7 @@ use super::panel::Panel;
 use super::results::Run;
 use super::series::joined;
 use super::view::{Kind, Results, View};
+use crate::model::gauge::{NodeGauge, Quantity, REACTION_MAX, REACTION_TOTAL, SpringGauge, TENSION_MAX};
 use crate::output::rows::HistoryRow;
 
 /// An entry below this share of the largest one is rounding, and is not drawn.
@@ -186,10 +187,16 @@ fn step_size(run: &Run) -> Series {
 
 /// The gauges of a view; of those kinds that are about a force, with its largest value in the frames.
 fn gauges(run: &Run, view: &View, kind: Kind) -> Result<Vec<Series>, PlotError> {
-    let (prefix, what, add) = match kind {
-        Kind::Tension => ("tension", "no gauge and no frame has tensions", "a gauge or a field of tension"),
-        Kind::Reaction => ("reaction", "no gauge and no frame has reactions", "a gauge or a field of reaction"),
-        _ => ("", "nothing was measured", "gauges"),
+    let (only, what, add): (Option<(&str, &[Quantity])>, _, _) = match kind {
+        Kind::Tension => {
+            let only = ("tension", SpringGauge::Tension.columns().as_slice());
+            (Some(only), "no gauge and no frame has tensions", "a gauge or a field of tension")
+        }
+        Kind::Reaction => {
+            let only = ("reaction", NodeGauge::REACTION.columns.all());
+            (Some(only), "no gauge and no frame has reactions", "a gauge or a field of reaction")
+        }
+        _ => (None, "nothing was measured", "gauges"),
     };
     let of_gauge = |gauge: &super::results::GaugePath| Series {
         name: gauge.name.clone(),
@@ -199,8 +206,8 @@ fn gauges(run: &Run, view: &View, kind: Kind) -> Result<Vec<Series>, PlotError> 
         samples: gauge.values.iter().map(|&(t, value)| Sample { t, value, rate: f64::NAN }).collect(),
     };
     let mut all: Vec<Series> = run.gauges.iter().map(of_gauge).collect();
-    if run.fields.iter().any(|field| field == prefix) {
-        all.extend(in_frames(run, kind, prefix)?);
+    if let Some((array, _)) = only.filter(|(array, _)| run.fields.iter().any(|field| field == array)) {
+        all.extend(in_frames(run, kind, array)?);
     }
     if let Some(name) = view.gauges.iter().find(|name| all.iter().all(|series| series.name != **name)) {
         let mut names: Vec<&str> = all.iter().map(|series| series.name.as_str()).collect();
@@ -209,7 +216,9 @@ fn gauges(run: &Run, view: &View, kind: Kind) -> Result<Vec<Series>, PlotError> 
         return Err(PlotError::NotThere(format!("{folder}: no gauge is called \"{name}\"; there are: {there}")));
     }
     all.retain(|series| view.gauges.is_empty() || view.gauges.contains(&series.name));
-    all.retain(|series| series.quantity.starts_with(prefix));
+    if let Some((_, columns)) = only {
+        all.retain(|series| columns.iter().any(|column| column.name == series.quantity));
+    }
     if all.is_empty() { Err(PlotError::NotHeld { folder: run.folder.clone(), what, add }) } else { Ok(all) }
 }
 
@@ -227,16 +236,15 @@ fn in_frames(run: &Run, kind: Kind, array: &str) -> Result<Vec<Series>, PlotErro
             _ => [f64::NAN, largest(&mut values.iter().copied())],
         }
     })?;
-    let series = |name: &str, quantity: &str, place: usize| {
+    let series = |name: &str, Quantity { name: quantity, unit, .. }: Quantity, place: usize| {
         let samples = found.iter().map(|(t, of)| Sample { t: *t, value: of[place], rate: f64::NAN }).collect();
-        Series { name: name.into(), quantity: quantity.into(), unit: "N".into(), color: None, samples }
+        Series { name: name.into(), quantity: quantity.into(), unit: unit.into(), color: None, samples }
     };
     Ok(match kind {
-        Kind::Reaction => vec![
-            series("all supports (frames)", "reaction_total", 0),
-            series("all supports (frames)", "reaction_max", 1),
-        ],
-        _ => vec![series("all springs (frames)", "tension_max", 1)],
+        Kind::Reaction => {
+            vec![series("all supports (frames)", REACTION_TOTAL, 0), series("all supports (frames)", REACTION_MAX, 1)]
+        }
+        _ => vec![series("all springs (frames)", TENSION_MAX, 1)],
     })
 }
 

@@ -72,8 +72,7 @@ fn canopy() -> Vec<CanopySpec> {
         skirt,
         apex,
         confluence,
-        filling: Vec::new(),
-        cavity: None,
+        air: CanopyAir::Coefficient,
         apparent_mass: None,
         nominal_area: 1.0,
     }]
@@ -83,14 +82,17 @@ fn canopy() -> Vec<CanopySpec> {
 fn filling_canopy() -> Vec<CanopySpec> {
     let stage = |drag_area, start| FillingSpec { drag_area, start, duration: 9.0, exponent: 2.0 };
     let filling = vec![stage(2.5, -4.0), stage(7.0, -1.0)];
-    canopy().into_iter().map(|one| CanopySpec { filling: filling.clone(), ..one }).collect()
+    canopy().into_iter().map(|one| CanopySpec { air: CanopyAir::Filling(filling.clone()), ..one }).collect()
 }
 
 /// The same with a balance at its mouth.
 fn cavity(cloth: Option<[f64; 2]>) -> Vec<CanopySpec> {
     let cloth = cloth.map(|[linear, quadratic]| ClothSpec { linear, quadratic });
-    let cavity = Some(CavitySpec { inflow: 0.7, outer_pressure_coefficient: -0.6, cloth });
-    let one = |one: CanopySpec| CanopySpec { pressure_coefficient: vec![1.0; one.triangles.len()], cavity, ..one };
+    let air = CanopyAir::Cavity(CavitySpec { inflow: 0.7, outer_pressure_coefficient: -0.6, cloth });
+    let one = |one: CanopySpec| {
+        let pressure_coefficient = vec![1.0; one.triangles.len()];
+        CanopySpec { pressure_coefficient, air: air.clone(), ..one }
+    };
     canopy().into_iter().map(one).collect()
 }
 

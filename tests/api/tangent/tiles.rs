@@ -66,8 +66,7 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
             skirt: copy(&one.skirt, c),
             apex: copy(&one.apex, c),
             confluence: copy(&one.confluence, c),
-            filling: one.filling.clone(),
-            cavity: one.cavity,
+            air: one.air.clone(),
             apparent_mass: one.apparent_mass,
             nominal_area: one.nominal_area,
         })

@@ -49,30 +49,22 @@ pub struct CanopyData {
     pub pressure_coefficient: Arc<[f64]>,
     /// skirt, apex and confluence, and the air around them
     pub axis: CanopyAxis,
-    /// stages of its drag area; none if the pressure is q dCp
-    pub filling: Arc<[FillingSpec]>,
+    /// what sets the pressure
+    pub air: AirModel,
+}
+
+/// What sets the pressure in a canopy, as [`CanopyAir`](crate::model::spec::CanopyAir) says.
+#[derive(Clone, Debug)]
+pub enum AirModel {
+    /// q dCp
+    Coefficient,
+    /// stages of the drag area
+    Filling(Arc<[FillingSpec]>),
     /// balance of the air inside
-    pub cavity: Option<Cavity>,
+    Cavity(Cavity),
 }
 
 impl CanopyData {
-    /// [m^2] The drag area at time `t` [s] of a canopy that fills.
-    pub fn drag_area(&self, t: f64) -> Option<f64> {
-        let grown = |before: f64, stage: &FillingSpec| {
-            let share = ((t - stage.start) / stage.duration).clamp(0.0, 1.0).powf(stage.exponent);
-            before + share * (stage.drag_area - before)
-        };
-        (!self.filling.is_empty()).then(|| self.filling.iter().fold(0.0, grown))
-    }
-
-    /// Whether it has at least half of the drag area at which the stage at time `t` [s] ends; one that does not fill
-    /// has.
-    pub fn half_filled(&self, t: f64) -> bool {
-        let stage = self.filling.iter().rev().find(|stage| stage.start <= t);
-        self.filling.is_empty()
-            || stage.zip(self.drag_area(t)).is_some_and(|(stage, area)| area >= 0.5 * stage.drag_area)
-    }
-
     /// [m^2] The sum of dCp S.
     fn opening(&self, x: NodeVectors<'_>) -> Vector3<f64> {
         let areas = self.triangles.iter().zip(self.pressure_coefficient.iter()).map(|(&[a, b, c], dcp)| {
@@ -156,16 +148,22 @@ impl CanopyData {
 
 impl SceneNumbers for CanopyData {
     fn count(&self) -> usize {
-        if self.cavity.is_some() { 6 } else { 5 }
+        match self.air {
+            AirModel::Coefficient | AirModel::Filling(_) => 5,
+            AirModel::Cavity(_) => 6,
+        }
     }
 
     /// kappa [kg/m^3], V [m/s], r [m/s] and p_0 [Pa]
     fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> SceneValues {
         let flow = self.axis.flow(t, x, v);
         let AxialFlow { axis, speed, air, .. } = flow;
-        let share = self.drag_area(t).map_or(1.0, |area| area / -self.opening(x).dot(&axis));
         let along = air.wind[0] + speed * axis;
-        let excess = self.cavity.as_ref().map_or(0.0, |cavity| cavity.excess((&self.triangles, flow), x, v));
+        let (share, excess) = match &self.air {
+            AirModel::Coefficient => (1.0, 0.0),
+            AirModel::Filling(stages) => (FillingSpec::area_at(stages, t) / -self.opening(x).dot(&axis), 0.0),
+            AirModel::Cavity(cavity) => (1.0, cavity.excess((&self.triangles, flow), x, v)),
+        };
         [0.5 * air.density[0] * share, speed, along.x, along.y, along.z, excess]
     }
 }
@@ -258,20 +256,22 @@ impl ForceTerm for Canopy {
             nodes.into_iter().for_each(|node| u[node as usize] -= force);
         }
         let flow = data.axis.flow(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
-        match (which, &data.cavity) {
-            (0, _) => data.add_kappa_gradient(at, flow, w.k, g),
+        match (which, &data.air) {
+            (0, AirModel::Filling(stages)) => {
+                data.add_kappa_gradient(at, (flow, FillingSpec::area_at(stages, at.t)), w.k, g);
+            }
+            (0, AirModel::Coefficient | AirModel::Cavity(_)) => data.axis.add_density_gradient(flow, 0.5 * w.k, g),
             (1, _) => data.axis.add_speed_gradient(flow, w, g),
-            (5, Some(cavity)) => cavity.add_excess_gradient((&data.triangles, &data.axis), at, w, g),
-            (5.., _) => {}
-            _ => data.axis.add_along_gradient(which - 2, flow, w, g),
+            (2..5, _) => data.axis.add_along_gradient(which - 2, flow, w, g),
+            (_, AirModel::Cavity(cavity)) => cavity.add_excess_gradient((&data.triangles, &data.axis), at, w, g),
+            (_, AirModel::Coefficient | AirModel::Filling(_)) => {}
         }
     }
 }
 
 impl CanopyData {
-    /// Adds k dkappa/dx.
-    fn add_kappa_gradient(&self, at: NodeState<'_>, flow: AxialFlow, k: f64, g: &mut [Vector3<f64>]) {
-        let Some(area) = self.drag_area(at.t) else { return self.axis.add_density_gradient(flow, 0.5 * k, g) };
+    /// Adds k dkappa/dx while a canopy fills, with its drag area [m^2].
+    fn add_kappa_gradient(&self, at: NodeState<'_>, (flow, area): (AxialFlow, f64), k: f64, g: &mut [Vector3<f64>]) {
         let AxialFlow { axis, air, .. } = flow;
         let opening = self.opening(NodeVectors::Nodes(at.x));
         let size = -opening.dot(&axis);

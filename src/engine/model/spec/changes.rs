@@ -38,7 +38,7 @@ impl NetworkSpec {
 
     /// [s] Beginnings and ends of the stages of canopies.
     fn stages(&self) -> impl Iterator<Item = [f64; 2]> {
-        let stages = self.canopies.iter().flat_map(|canopy| &canopy.filling);
+        let stages = self.canopies.iter().flat_map(|canopy| canopy.air.stages());
         stages.map(|stage| [stage.start, stage.start + stage.duration])
     }
 }

@@ -12,7 +12,7 @@ use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Aero, Canopy, Cavity, NodeSelection, OneOrSeveral, PressureCoefficient};
 use crate::mesh::canopy::{self, CanopyError, CanopyPart, CanopyParts, SkirtGroup};
-use crate::model::spec::{CanopySpec, CavitySpec, ClothSpec, NetworkSpec, Series};
+use crate::model::spec::{CanopyAir, CanopySpec, CavitySpec, ClothSpec, NetworkSpec, Series};
 
 /// [-] Area that a canopy shows along its axis, over its whole area, below which the air has no direction to fill it.
 const OPENING: f64 = 1e-3;
@@ -42,22 +42,15 @@ pub(super) fn canopy(
         |t: u32| geometry.mesh.triangles[t as usize].iter().map(|&n| found.place[n as usize]).sum::<f64>() / 3.0;
     let pressure_coefficient = triangles.iter().map(|&t| table.at(place(t))[0]).collect();
     let diameter = || found.nominal_diameter();
-    let filling = canopy.schedule.as_ref().map_or_else(Vec::new, |stages| filling::stages(stages, diameter));
+    let air = match (&canopy.schedule, cavity.flatten()) {
+        (Some(stages), _) => CanopyAir::Filling(filling::stages(stages, diameter)),
+        (None, Some(cavity)) => CanopyAir::Cavity(cavity),
+        (None, None) => CanopyAir::Coefficient,
+    };
     (faults.count() == before).then_some(())?;
     let canopy::Canopy { skirt, apex, confluence, nominal_area, .. } = found;
-    let cavity = cavity.flatten();
     let apparent_mass = canopy.apparent_mass.filter(|factor| *factor > 0.0);
-    Some(CanopySpec {
-        triangles,
-        pressure_coefficient,
-        skirt,
-        apex,
-        confluence,
-        filling,
-        cavity,
-        apparent_mass,
-        nominal_area,
-    })
+    Some(CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, air, apparent_mass, nominal_area })
 }
 
 /// Rows of arc length and coefficient by the one way to give the pressure.
@@ -204,8 +197,10 @@ pub(super) fn at_start(at: &Pointer, aero: Option<&Aero>, spec: &mut NetworkSpec
         let start = CanopyStart::of(spec, i);
         let before = faults.count();
         start.check(&at, canopy, faults);
-        if let Some(stages) = canopy.schedule.as_ref().filter(|_| faults.count() == before) {
-            filling::at_speed(&at.key("schedule"), stages, &mut spec.canopies[i].filling, start.motion, faults);
+        if let (Some(stages), CanopyAir::Filling(filling)) = (&canopy.schedule, &mut spec.canopies[i].air)
+            && faults.count() == before
+        {
+            filling::at_speed(&at.key("schedule"), stages, filling, start.motion, faults);
         }
     }
 }

@@ -30,8 +30,8 @@ use std::sync::Arc;
 use super::diagnostics::Faults;
 use super::pointer::Pointer;
 use super::schema::{CaseFile, System};
-use super::spec::{GaugePlaces, GaugeSpec, Problem, SystemSpec};
-use crate::model::observables::GaugeQuantity;
+use super::spec::{GaugeOf, GaugeSpec, Problem, SystemSpec};
+use crate::model::gauge::SpringGauge;
 use crate::model::spec::{NetworkSpec, PendulumSpec, StrengthSpec};
 use crate::preflight;
 use geometry::Geometry;
@@ -116,8 +116,9 @@ pub(crate) fn build(
 /// Gauges for the springs with a strength.
 fn strengths(spec: &NetworkSpec) -> Vec<GaugeSpec> {
     let gauge = |StrengthSpec { group, name, strength }: &StrengthSpec| {
-        let on = GaugePlaces::Springs { edges: spec.springs[*group].edges.clone(), rule: Some(*group) };
-        GaugeSpec { name: name.clone(), of: GaugeQuantity::Tension, on, every: 1, strength: Some(*strength) }
+        let edges = spec.springs[*group].edges.clone();
+        let of = GaugeOf::Springs { of: SpringGauge::Tension, edges, rule: Some(*group), strength: Some(*strength) };
+        GaugeSpec { name: name.clone(), of, every: 1 }
     };
     spec.strengths.iter().map(gauge).collect()
 }

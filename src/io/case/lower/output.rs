@@ -7,8 +7,9 @@ use super::select::{self, NodeSet};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Every, Field, Gauge, Output, Probe};
-use crate::case::spec::{GaugePlaces, GaugeSpec, OutputSpec, ProbeSpec, RowEvery, TimeSpec};
-use crate::model::observables::GaugeQuantity;
+use crate::case::spec::{GaugeOf, GaugeSpec, OutputSpec, ProbeSpec, RowEvery, TimeSpec};
+use crate::model::gauge::{GaugeKind, NodeGauge};
+use crate::model::observables::NodeQuantity;
 use crate::model::spec::SpringGroup;
 use crate::vtk::VtuFormat;
 
@@ -113,35 +114,53 @@ fn gauges(
         if gauge.every == Some(0) {
             faults.add(&at.key("every"), "a whole number of 1 or more");
         }
-        let on = match (gauge.of, nodes) {
-            (
-                GaugeQuantity::Tension
-                | GaugeQuantity::Reaction
-                | GaugeQuantity::Acceleration
-                | GaugeQuantity::Crossings,
-                NodeSet::Bob,
-            ) => {
-                faults.add(
-                    &at.key("of"),
-                    "\"position\", \"displacement\", \"velocity\", \"speed\" or \"force\" for a pendulum",
-                );
-                None
-            }
-            (GaugeQuantity::Tension, _) => springs_of(&at.key("on"), gauge, (nodes, springs), faults),
-            _ => match gauge.on.nodes() {
-                Some(selection) => nodes.select(&at.key("on"), &selection, faults).map(GaugePlaces::Nodes),
-                None => {
-                    faults.add(&at.key("on"), "a selection of nodes; only the tension is measured on edges");
-                    None
-                }
-            },
-        };
-        if let Some(on) = on {
-            let (name, every) = (gauge.name.clone(), gauge.every.unwrap_or(1).max(1));
-            gauges.push(GaugeSpec { name, of: gauge.of, on, every, strength: None });
+        if let Some(of) = gauge_of(&at, gauge, (nodes, springs), faults) {
+            gauges.push(GaugeSpec { name: gauge.name.clone(), of, every: gauge.every.unwrap_or(1).max(1) });
         }
     }
     gauges
+}
+
+/// What a gauge measures, and where.
+fn gauge_of(
+    at: &Pointer,
+    gauge: &Gauge,
+    (nodes, springs): (NodeSet<'_>, Option<&[SpringGroup]>),
+    faults: &mut Faults<'_>,
+) -> Option<GaugeOf> {
+    let kind = gauge.of.kind();
+    if matches!(nodes, NodeSet::Bob) && !has_bob(kind) {
+        let known = "\"position\", \"displacement\", \"velocity\", \"speed\" or \"force\" for a pendulum";
+        faults.add(&at.key("of"), known);
+        return None;
+    }
+    let on = at.key("on");
+    let mut nodes_of = || match gauge.on.nodes() {
+        Some(selection) => nodes.select(&on, &selection, faults),
+        None => {
+            faults.add(&on, "a selection of nodes; only the tension is measured on edges");
+            None
+        }
+    };
+    Some(match kind {
+        GaugeKind::Nodes(of) => GaugeOf::Nodes { of, nodes: nodes_of()? },
+        GaugeKind::Cloth => GaugeOf::Cloth { nodes: nodes_of()? },
+        GaugeKind::Springs(of) => {
+            let edges = springs_of(&on, gauge, (nodes, springs), faults)?;
+            GaugeOf::Springs { of, edges, rule: None, strength: None }
+        }
+    })
+}
+
+/// Whether the bob of a pendulum can be measured so: it has no springs, no cloth, and no support of its own.
+fn has_bob(kind: GaugeKind) -> bool {
+    match kind {
+        GaugeKind::Springs(_) | GaugeKind::Cloth => false,
+        GaugeKind::Nodes(NodeGauge { vector, .. }) => match vector {
+            NodeQuantity::Position | NodeQuantity::Displacement | NodeQuantity::Velocity | NodeQuantity::Force => true,
+            NodeQuantity::Acceleration | NodeQuantity::Reaction => false,
+        },
+    }
 }
 
 /// The edges of a gauge of tension that have springs.
@@ -150,7 +169,7 @@ fn springs_of(
     gauge: &Gauge,
     (nodes, springs): (NodeSet<'_>, Option<&[SpringGroup]>),
     faults: &mut Faults<'_>,
-) -> Option<GaugePlaces> {
+) -> Option<Vec<u32>> {
     let Some(selection) = gauge.on.edges() else {
         faults.add(at, "a selection of edges: the tension is measured on springs");
         return None;
@@ -168,5 +187,5 @@ fn springs_of(
         faults.add_hint(at, "edges with springs", "no rule of the springs section puts a spring on them");
         return None;
     }
-    Some(GaugePlaces::Springs { edges, rule: None })
+    Some(edges)
 }

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::select::{NodeOrEdgeSelection, NodeSelection};
-use crate::model::observables::GaugeQuantity;
+use crate::model::gauge::GaugeQuantity;
 use crate::vtk::{Compression, Precision};
 
 /// What is written.

@@ -1,0 +1,101 @@
+//! Canopies that the air fills: their parts, and what sets the pressure in them.
+
+use serde::Serialize;
+
+/// The air in a canopy: a pressure along the normals of its triangles.
+///
+/// V is the axial air speed: the mean velocity of the skirt's nodes minus the wind there, along the axis from the
+/// middle of the apex nodes to the middle of the confluence nodes; q = rho V|V|/2.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CanopySpec {
+    /// triangles, ascending; neighbours turn the same way
+    pub triangles: Vec<u32>,
+    /// [-] dCp of each of them
+    pub pressure_coefficient: Vec<f64>,
+    /// nodes of the skirt, at least one
+    pub skirt: Vec<u32>,
+    /// nodes around the apex, at least one
+    pub apex: Vec<u32>,
+    /// nodes where the lines meet, at least one
+    pub confluence: Vec<u32>,
+    /// what sets the pressure
+    pub air: CanopyAir,
+    /// [-] k of the air that the canopy takes along, k rho times its volume
+    pub apparent_mass: Option<f64>,
+    /// [m^2] S0 of cloth, gaps and vents, for coefficients in results and warnings
+    pub nominal_area: f64,
+}
+
+/// What sets the pressure in a canopy.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub enum CanopyAir {
+    /// q dCp
+    Coefficient,
+    /// q dCp, scaled to a drag area that grows in stages: at least one, rising in time
+    Filling(Vec<FillingSpec>),
+    /// the balance of the air inside; dCp is then 1
+    Cavity(CavitySpec),
+}
+
+impl CanopyAir {
+    /// The stages of the drag area; none where it is not given.
+    pub fn stages(&self) -> &[FillingSpec] {
+        match self {
+            CanopyAir::Filling(stages) => stages,
+            CanopyAir::Coefficient | CanopyAir::Cavity(_) => &[],
+        }
+    }
+}
+
+/// A stage of the drag area of a canopy that fills: from what it was before to `drag_area`, by
+/// ((t - start)/duration)^exponent. The pressure is dCp times what makes the force along the axis q times this area.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FillingSpec {
+    /// [m^2] at the end of the stage
+    pub drag_area: f64,
+    /// [s] line stretch, or the cut of a reefing line; no pressure before the first
+    pub start: f64,
+    /// [s] filling time, > 0
+    pub duration: f64,
+    /// [-] exponent, > 0
+    pub exponent: f64,
+}
+
+impl FillingSpec {
+    /// [m^2] The drag area at time `t` [s] of a canopy with these stages.
+    pub fn area_at(stages: &[Self], t: f64) -> f64 {
+        let grown = |before: f64, stage: &FillingSpec| {
+            let share = ((t - stage.start) / stage.duration).clamp(0.0, 1.0).powf(stage.exponent);
+            before + share * (stage.drag_area - before)
+        };
+        stages.iter().fold(0.0, grown)
+    }
+
+    /// Whether a canopy with these stages has at least half of the drag area at which the stage at time `t` [s] ends.
+    pub fn half_filled(stages: &[Self], t: f64) -> bool {
+        let stage = stages.iter().rev().find(|stage| stage.start <= t);
+        stage.is_some_and(|stage| Self::area_at(stages, t) >= 0.5 * stage.drag_area)
+    }
+}
+
+/// A canopy with a mouth: one pressure by the balance of the air that flows through mouth and cloth. The mouth is the
+/// loop of the boundary with the nodes of the skirt, the only one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CavitySpec {
+    /// [-] eta, > 0: speed in the mouth over that of the free stream, where the pressure inside is that outside
+    pub inflow: f64,
+    /// [-] pressure on the outside over q, < 1
+    pub outer_pressure_coefficient: f64,
+    /// if given, how the cloth lets air through
+    pub cloth: Option<ClothSpec>,
+}
+
+/// The pressure difference over a cloth, linear w + quadratic w|w| with the speed w of the air through it. Neither is
+/// negative, one is positive.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ClothSpec {
+    /// [Pa s/m] viscous coefficient
+    pub linear: f64,
+    /// [Pa s^2/m^2] inertial coefficient
+    pub quadratic: f64,
+}
