@@ -1,6 +1,6 @@
 //! What goes into the engine of canopy-fem and comes out of it: cases, results, and the simulation that a program
 //! drives.
-#![warn(missing_docs)]
+#![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 // Units stand in brackets at the beginning of a field's doc, as `[N/m]`; rustdoc would take them for links.
 #![allow(rustdoc::broken_intra_doc_links)]
 

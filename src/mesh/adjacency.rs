@@ -28,7 +28,7 @@ impl Adjacency {
     }
 
     /// Number of rows.
-    pub fn len(&self) -> usize {
+    pub fn rows(&self) -> usize {
         self.start.len() - 1
     }
 

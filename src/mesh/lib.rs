@@ -3,7 +3,7 @@
 //! Everything here is in the *user's* numbering: node 7 of a case, a file or a message is `nodes[7]`. The engine has a
 //! numbering of its own (`scene::numbering`).
 
-#![warn(missing_docs)]
+#![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 // Units stand in brackets at the beginning of a field's doc, as `[N/m]`; rustdoc would take them for links.
 #![allow(rustdoc::broken_intra_doc_links)]
 

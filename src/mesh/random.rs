@@ -45,7 +45,7 @@ impl Default for Lcg {
 
 impl Lcg {
     /// [-] evenly spread in [-0.5, 1.5)
-    pub fn next(&mut self) -> f32 {
+    pub fn draw(&mut self) -> f32 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 0.5) as f32
     }

@@ -8,7 +8,7 @@
 //! reference that knows its own error ([`reference`]). Everything that decides numbers is counted; seconds are only
 //! measured.
 
-#![warn(missing_docs)]
+#![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 // Units stand in brackets at the beginning of a field's doc, as `[N/m]`; rustdoc would take them for links.
 #![allow(rustdoc::broken_intra_doc_links)]
 

@@ -214,7 +214,7 @@ fn meshes_that_are_no_canopies_are_refused() {
     let along: Vec<usize> = along.collect();
     assert_eq!(along.len(), 8);
     let set = |key: &str, value: Value| (key.to_owned(), value.to_string());
-    let (mut turned, mut at_apex, mut loose) = (triangles.clone(), nodes.clone(), nodes.clone());
+    let (mut turned, mut at_apex, mut loose) = (triangles, nodes.clone(), nodes.clone());
     turned[9].swap(0, 1);
     at_apex[SMALL.payload()] = nodes[0];
     loose.push([0.0, 0.0, -9.0]);

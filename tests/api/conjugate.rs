@@ -186,7 +186,7 @@ fn a_solve_that_does_not_converge_ends_with_its_numbers() {
     }
     let mut weighed = reusing_solver_for(pattern.clone(), LinearChoice::Auto, &ALONE).expect("symmetric");
     assert_eq!(weighed.prepare(&values), Ok(Inertia::Definite));
-    let mut x = b.clone();
+    let mut x = b;
     weighed.solve(&values, &mut x).expect("definite");
     let stats = weighed.stats();
     assert!(stats.name == "cholesky" && stats.prediction.is_some_and(|p| !p.cg_converged), "{stats:?}");

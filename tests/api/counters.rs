@@ -98,3 +98,47 @@ fn explicit_methods_evaluate_as_often_as_they_say() {
         }
     }
 }
+
+/// Six shipped cases, cut short, each with other work: a name, the case, and what is changed.
+const SHIPPED: [(&str, &str, &[(&str, &str)]); 6] = [
+    ("explicit, blocks of steps", "cloth-k1000", &[("time.end", "0.1")]),
+    (
+        "implicit, a factor that is kept",
+        "cloth-k100000",
+        &[("time.method", "newmark"), ("time.step", "1e-3"), ("time.end", "0.05")],
+    ),
+    ("implicit, every matrix exact", "parachute-50ms", &[("solver.newton.strategy", "full"), ("time.end", "0.02")]),
+    ("a canopy that falls", "parachute/c9-drop", &[("time.end", "0.2")]),
+    (
+        "steps by a tolerance",
+        "spring-pendulum",
+        &[("time", r#"{"end": 2, "method": "dormand-prince", "tolerance": 1e-6}"#)],
+    ),
+    ("conjugate gradients", "big/annulus-10k", &[("solver.linear", "cg"), ("time.end", "0.003")]),
+];
+
+/// Where the work of these is written down, one row a case.
+const SHIPPED_WORK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/counted-work.txt");
+
+/// The work of shipped cases is that of the file. After a change that was meant, `COUNTED_WORK_WRITE=1 cargo test
+/// --release --test api counted` writes it anew, and the commit shows what the change costs or saves.
+#[test]
+fn counted_work_of_shipped_cases_is_as_written_down() {
+    let mut table = format!(
+        "{:34}{:>8}{:>8}{:>12}{:>9}{:>8}{:>8}{:>8}\n",
+        "case", "steps", "passes", "assemblies", "factors", "solves", "newton", "cg"
+    );
+    for (name, stem, sets) in SHIPPED {
+        let outcome = run(&asset(stem, sets)).outcome;
+        assert_eq!(outcome.status, Status::Completed, "{name}");
+        let Counters { force_evaluations, tangent_assemblies, factorizations, .. } = outcome.counters;
+        let Counters { linear_solves, newton_iterations, cg_iterations, .. } = outcome.counters;
+        table += &format!("{name:34}{:>8}{force_evaluations:>8}{tangent_assemblies:>12}", outcome.steps);
+        table += &format!("{factorizations:>9}{linear_solves:>8}{newton_iterations:>8}{cg_iterations:>8}\n");
+    }
+    if std::env::var_os("COUNTED_WORK_WRITE").is_some() {
+        std::fs::write(SHIPPED_WORK, &table).expect("the folder takes files");
+    }
+    let written = std::fs::read_to_string(SHIPPED_WORK).expect("tests/data/counted-work.txt");
+    assert_eq!(table, written, "the work of a shipped case has changed (left: now, right: written down)");
+}

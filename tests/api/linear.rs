@@ -105,7 +105,7 @@ fn a_tangent_that_is_not_symmetric_takes_lu_and_refuses_cholesky() {
     assert!(!w.pattern.symmetric);
     let (residual, _) = solve(&w, LinearChoice::Auto);
     assert!(residual < 1e-12, "{residual}");
-    let refused = solver_for(w.pattern.clone(), LinearChoice::Cholesky, &ALONE).err();
+    let refused = solver_for(w.pattern, LinearChoice::Cholesky, &ALONE).err();
     assert_eq!(refused, Some(LinearError::NotSymmetric));
 }
 

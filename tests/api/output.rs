@@ -421,7 +421,7 @@ fn summary_keeps_the_contract() {
         energy_error: f64::NAN,
         critical_step: Some(f64::INFINITY),
         final_ledger: LedgerRow { kinetic: f64::NEG_INFINITY, elastic: 0.1, ..LedgerRow::default() },
-        failure: Some(failure.clone()),
+        failure: Some(failure),
         case: serde_json::json!({"name": "x"}),
         ..Summary::default()
     };

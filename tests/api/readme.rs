@@ -62,3 +62,23 @@ fn the_tables_it_shows_are_read() {
         assert!(case.problem().time.end > 0.0, "{key}");
     }
 }
+
+/// Every path in backticks that has a folder is a file or folder, of `src` or of the repository, with or without its
+/// ending.
+#[test]
+fn the_paths_of_the_architecture_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = document("ARCHITECTURE.md");
+    let is_path = |word: &&str| {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
+        word.contains('/') && word.chars().all(plain)
+    };
+    let named: Vec<&str> = text.split('`').skip(1).step_by(2).filter(is_path).collect();
+    assert!(named.len() > 60, "{}", named.len());
+    let there = |word: &str| {
+        let mut places = [root.join("src"), root.to_owned()].into_iter();
+        places.any(|base| base.join(word).exists() || base.join(format!("{word}.rs")).exists())
+    };
+    let missing: Vec<&&str> = named.iter().filter(|word| !there(word)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}

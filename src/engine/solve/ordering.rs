@@ -82,7 +82,7 @@ impl Graph {
     }
 
     fn len(&self) -> usize {
-        self.0.len()
+        self.0.rows()
     }
 
     fn neighbours(&self, g: u32) -> &[u32] {

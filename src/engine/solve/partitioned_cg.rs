@@ -300,7 +300,7 @@ impl PartitionedSystem {
         }
         let mut random = Lcg::default();
         for part in self.halves.iter_mut().chain([&mut self.separator]) {
-            part.r.fill_with(|| packed(Vector3::from_fn(|_, _| random.next())));
+            part.r.fill_with(|| packed(Vector3::from_fn(|_, _| random.draw())));
             part.reductions.square = squared(&part.r);
         }
         self.sum(|found| found.square)

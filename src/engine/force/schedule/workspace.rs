@@ -155,7 +155,7 @@ impl WorkspaceView<'_> {
         let (stretches, stretches_after) = stretches.split_at_mut(blocks.len() * levels);
         let (nodes, nodes_after) = nodes.split_at_mut(before.len() * levels);
         let (aside, aside_after) = halves(aside, partition.nodes_of(before.clone()).len());
-        let (kept, kept_after) = kept.split_at_mut(partition.records_of(blocks.clone()).len().min(kept.len()));
+        let (kept, kept_after) = kept.split_at_mut(partition.records_of(blocks).len().min(kept.len()));
         [
             WorkspaceView { node_blocks: before, out, halo, tallies, stretches, nodes, kept, aside, levels },
             WorkspaceView {
