@@ -42,7 +42,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     let account = StartupTimer::of_process();
     let (mut problem, source) =
         timed(Phase::Parse, || Case::from_file(&args.case.case, &args.case.overrides()))?.split();
-    if !args.quiet {
+    if !args.print.quiet {
         problem.warnings.iter().for_each(|w| complain(&format!("warning: {w}")));
     }
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(&problem.name)));
@@ -53,8 +53,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
         return Ok(CommandOutput { text, code: 0 });
     }
     let groups = problem.group_totals();
-    let scene: Arc<dyn Scene> =
-        timed(Phase::Scene, || build_scene(problem.take_system(), usize::from(args.threads)))?.into();
+    let scene: Arc<dyn Scene> = timed(Phase::Scene, || build_scene(problem.take_system(), args.threads.get()))?.into();
     check_solver(&problem, &*scene, &source)?;
     // An unsuitable method is refused before any file is created.
     bind(&problem, &*scene)?;
@@ -67,7 +66,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     let plan = planned(&problem, &*scene, Stop::on(&stop));
     let limit = timed(Phase::CriticalStep, || limit_at_start(plan));
     let mut while_slack = None;
-    if !args.quiet {
+    if !args.print.quiet {
         while_slack = timed(Phase::CriticalStep, || warnings::while_slack(plan, limit));
         let found = timed(Phase::CriticalStep, || of_scene(plan, &problem, limit, &out));
         let (_, warnings) = problem.sort_out(found);
@@ -86,7 +85,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     if let Some(linear) = &summary.linear {
         log::info!("linear solver at the end: {}, {}", linear.solver, linear.reason);
     }
-    if !args.quiet {
+    if !args.print.quiet {
         let warnings = doubts_at_end(&problem, &outcome, &summary, seen.strained);
         warnings.iter().for_each(|warning| complain(&format!("warning: {warning}")));
     }
@@ -141,8 +140,8 @@ impl<'a> PreparedRun<'a> {
         let case = checkpoint.as_ref().map_or(case, |checkpoint| checkpoint.case.clone());
         let case_digest = case.digest();
         let mut recorder = recorder.with_checkpoints(CheckpointSpec { case, every, stopwatch });
-        let display = if args.quiet { Display::Quiet } else { Display::Terminal };
-        let unwatched = args.quiet || problem.acknowledges(WarningCode::StepAboveCritical);
+        let display = if args.print.quiet { Display::Quiet } else { Display::Terminal };
+        let unwatched = args.print.quiet || problem.acknowledges(WarningCode::StepAboveCritical);
         let (mut progress, mut farthest) = (
             Progress::new(spec.end, display).acknowledging(problem.acknowledges(WarningCode::EnergyMade)),
             MaxDisplacement::new(scene),
@@ -164,8 +163,7 @@ impl<'a> PreparedRun<'a> {
         observers.extend(monitor.as_mut().map(|monitor| monitor as &mut dyn Observer));
         let observers = &mut observers[..];
         let resumed_from = checkpoint.as_ref().map(|checkpoint| checkpoint.snapshot.t);
-        let settings =
-            RunSettings { keep_going: args.keep_going, ..RunSettings::of_case(problem, usize::from(args.threads)) };
+        let settings = RunSettings { keep_going: args.keep_going, ..RunSettings::of_case(problem, args.threads.get()) };
         let outcome = match checkpoint {
             Some(Checkpoint { snapshot, .. }) => Simulation::resume(self.scene.clone(), settings, snapshot)?,
             None => Simulation::of_scene(self.scene.clone(), settings)?,
@@ -195,7 +193,7 @@ fn printed(
     folder: &Path,
     report: impl FnOnce() -> String,
 ) -> Result<String, CliError> {
-    match (args.json, args.quiet) {
+    match (args.print.json, args.print.quiet) {
         (true, _) => Ok(summary.to_json().map_err(|e| write_fault(&folder.join(SUMMARY), e.into()))?),
         (false, true) => Ok(String::new()),
         (false, false) => Ok(report()),
