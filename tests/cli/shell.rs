@@ -45,6 +45,56 @@ fn templates_run_without_a_warning() {
     }
 }
 
+/// Commands that do the same kind of work take the same options.
+#[test]
+fn options_are_the_same_for_all_commands() {
+    let bench = Bench::new();
+    for (command, options) in [
+        ("solve", "--set --threads --quiet --json --out --force"),
+        ("static", "--set --threads --quiet --json --out --force"),
+        ("check", "--set --threads --quiet --json"),
+        ("tradeoff", "--set --threads --quiet --json --out --force"),
+        ("sweep", "--set --threads --quiet --json --out --force"),
+        ("stability", "--set --threads --quiet --json --out --force"),
+        ("plot", "--quiet --out"),
+    ] {
+        let help = done(&bench, &[command, "--help"]);
+        for option in options.split(' ') {
+            assert!(help.contains(option), "{command} has no {option}");
+        }
+    }
+}
+
+/// `--json` prints what a study has written, and `--quiet` nothing.
+#[test]
+fn studies_print_their_results_as_json() {
+    let bench = Bench::new();
+    let case = format!("{}/assets/cases/oscillator-damped.json", env!("CARGO_MANIFEST_DIR"));
+    let studies: [&[&str]; 3] = [
+        &["stability", "--methods", "rk4"],
+        &["sweep", "--vary", "time.step=0.01,0.02"],
+        &["tradeoff", "--methods", "rk4", "--steps", "0.01,0.02"],
+    ];
+    for study in studies {
+        let name = study[0];
+        let ended = bench.run(&[study, &[&case, "--out", name, "--quiet"]].concat());
+        assert_eq!((ended.code, ended.stdout.as_str(), ended.stderr.as_str()), (Some(0), "", ""), "{name}");
+        let printed = done(&bench, &[study, &[&case, "--out", name, "--json", "--force"]].concat());
+        let written = std::fs::read_to_string(bench.path(name).join(format!("{name}.json"))).expect("results");
+        assert_eq!(printed, written, "{name}");
+        assert!(json(&printed).is_object());
+    }
+    let checked = bench.run(&["check", &case, "--quiet"]);
+    assert_eq!((checked.code, checked.stdout.as_str(), checked.stderr.as_str()), (Some(0), "", ""));
+    for part in ["--plan", "--shard=1/2"] {
+        assert_eq!(
+            bench.run(&["sweep", &case, "--vary", "time.step=0.01,0.02", part, "--json"]).code,
+            Some(2),
+            "{part}"
+        );
+    }
+}
+
 /// The schema that a written case names lies beside it, and is that of `schema`; a file of another kind is left alone.
 #[test]
 fn an_editor_finds_the_schema() {

@@ -122,9 +122,12 @@ impl Command {
     /// Whether its output is for programs, and printed byte for byte.
     pub(super) fn prints_data(&self) -> bool {
         match self {
-            Command::Solve(args) => args.json,
-            Command::Static(args) => args.json,
-            Command::Check(args) => args.json,
+            Command::Solve(args) => args.print.json,
+            Command::Static(args) => args.print.json,
+            Command::Check(args) => args.print.json,
+            Command::Tradeoff(args) => args.study.print.json,
+            Command::Sweep(args) => args.study.print.json,
+            Command::Stability(args) => args.print.json,
             Command::Methods(args) => args.json,
             Command::Mesh(MeshArgs { command: MeshCommand::Inspect(args) }) => args.json,
             Command::Schema | Command::Completions(_) => true,
@@ -198,6 +201,40 @@ pub(super) fn with_advice(mut error: clap::Error) -> clap::Error {
     error
 }
 
+/// Changes of a case, for every command that reads one.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Changes {
+    /// Replace any value of the case, e.g. time.step=1e-3 or system.network.springs.0.stiffness=500
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub set: Vec<(String, String)>,
+}
+
+/// Threads, for every command that evaluates forces.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct Threads {
+    /// Threads for the force passes of scenes above 2,000 nodes; results are the same for every number
+    #[arg(long = "threads", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub number: u16,
+}
+
+/// What a command prints.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct Print {
+    /// No progress, no warnings, no report
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// Print the results as JSON in place of the report
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl Threads {
+    /// Their number.
+    pub(super) fn get(self) -> usize {
+        usize::from(self.number)
+    }
+}
+
 /// A case with changes to it.
 #[derive(Clone, Debug, clap::Args)]
 pub struct CaseArgs {
@@ -215,9 +252,9 @@ pub struct CaseArgs {
     /// End of the simulated time [s]
     #[arg(long, allow_negative_numbers = true)]
     pub end: Option<String>,
-    /// Replace any value of the case, e.g. time.step=1e-3 or system.network.springs.0.stiffness=500
-    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
-    pub set: Vec<(String, String)>,
+    /// changes
+    #[command(flatten)]
+    pub changes: Changes,
 }
 
 /// `check`.
@@ -231,11 +268,14 @@ pub struct CheckArgs {
     #[arg(long, value_name = "A", value_parser = accuracy, allow_hyphen_values = true)]
     pub accuracy: Option<f64>,
     /// Print the model, its cost, and what is predicted of every method, too
-    #[arg(long, short)]
+    #[arg(long, short, conflicts_with = "json")]
     pub all: bool,
-    /// Print everything as JSON
-    #[arg(long, conflicts_with = "all")]
-    pub json: bool,
+    /// threads
+    #[command(flatten)]
+    pub threads: Threads,
+    /// what is printed
+    #[command(flatten)]
+    pub print: Print,
 }
 
 /// `solve`.
@@ -247,9 +287,9 @@ pub struct SolveArgs {
     /// Folder for the results [default: out/NAME]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Threads for the force passes of scenes above 2,000 nodes; results are the same for every number
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: u16,
+    /// threads
+    #[command(flatten)]
+    pub threads: Threads,
     /// Replace earlier results in the folder
     #[arg(long)]
     pub force: bool,
@@ -263,12 +303,9 @@ pub struct SolveArgs {
     /// Write M, C and K at t = 0 as MatrixMarket files into DIR before solving
     #[arg(long, value_name = "DIR")]
     pub dump_matrices: Option<PathBuf>,
-    /// No progress, no warnings, no report
-    #[arg(long, short)]
-    pub quiet: bool,
-    /// Print the summary as JSON in place of the report, as in summary.json
-    #[arg(long)]
-    pub json: bool,
+    /// what is printed
+    #[command(flatten)]
+    pub print: Print,
 }
 
 impl CaseArgs {
@@ -281,7 +318,7 @@ impl CaseArgs {
         let flags = [("time.method", &self.method), ("time.end", &self.end)];
         let flags = flags.into_iter().filter_map(|(key, value)| Some((key, value.clone()?)));
         let named = flags.chain(steps.into_iter().flatten().flatten()).map(|(key, value)| (key.to_owned(), value));
-        self.set.iter().cloned().chain(named).collect()
+        self.changes.set.iter().cloned().chain(named).collect()
     }
 }
 

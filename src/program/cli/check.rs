@@ -43,7 +43,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     describe_parachute(&mut tables, &problem, &system);
     totals.canopies.iter().for_each(|(name, sizes)| tables.push_str(&format!("  {name:<16}{sizes}\n")));
     // From here on the scene owns the data of the network.
-    let scene = build_scene(system, 1)?;
+    let scene = build_scene(system, args.threads.get())?;
     let baseline = Baseline::now();
     let scene = &*scene;
     let canopies = describe_canopies(scene, &filled);
@@ -85,7 +85,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let linear_only = problem.method.info.linear.linear_only;
     let limit = own.and_then(|own| own.limit);
     let stable = Stability { step: plan.step, limit, later, while_slack, fails, linear_only }.answer();
-    if args.json {
+    if args.print.json {
         return Report {
             problem: &problem,
             scene,
@@ -101,6 +101,9 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
             acknowledged,
         }
         .to_json();
+    }
+    if args.print.quiet {
+        return Ok(String::new());
     }
     let stable = format!("{}: {}", stable.0, stable.1);
     let mut text = heading(&problem, &warnings)

@@ -61,6 +61,9 @@ pub struct PlotArgs {
     /// Formats of the pictures, separated by commas; png and pdf need a program built with `--features pictures`
     #[arg(long, value_enum, value_delimiter = ',', default_value = "svg")]
     pub format: Vec<Format>,
+    /// No warnings, no names of files
+    #[arg(long, short)]
+    pub quiet: bool,
     /// Pixels of a PNG per pixel of the SVG
     #[arg(long, value_parser = scale, default_value = "2", value_name = "FACTOR")]
     pub scale: f32,
@@ -95,7 +98,7 @@ pub(super) fn run(args: &PlotArgs) -> Result<String, CliError> {
     // All charts are made before the first is written.
     let mut files = Vec::new();
     for (stem, Picture { svg, remarks }) in pictures(args, &results)? {
-        remarks.iter().for_each(|remark| complain(&format!("warning: {remark}")));
+        remarks.iter().filter(|_| !args.quiet).for_each(|remark| complain(&format!("warning: {remark}")));
         for (i, format) in args.format.iter().enumerate() {
             if !args.format[..i].contains(format) {
                 let name = format!("{stem}.{}", format.ending());
@@ -118,7 +121,7 @@ pub(super) fn run(args: &PlotArgs) -> Result<String, CliError> {
             .map_err(|source| PlotError::System { path: path.clone(), source })?;
         let _ = writeln!(text, "{}", path.display());
     }
-    Ok(text)
+    Ok(if args.quiet { String::new() } else { text })
 }
 
 /// The pictures with the stems of their files: of the requested kinds, each once; by default of all kinds that the
@@ -143,7 +146,9 @@ fn pictures(args: &PlotArgs, results: &Results) -> Result<Vec<(&'static str, Pic
         match picture(results, &view, kind) {
             Err(PlotError::NotHeld { .. }) if args.kind.is_empty() => {}
             Err(error @ PlotError::NothingPositive { .. }) if args.kind.is_empty() => {
-                complain(&format!("warning: no {}: {error}", kind.stem()));
+                if !args.quiet {
+                    complain(&format!("warning: no {}: {error}", kind.stem()));
+                }
                 refused.get_or_insert(error);
             }
             picture => made.push((kind.stem(), picture?)),

@@ -22,7 +22,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     let _account = StartupTimer::of_process();
     let case = timed(Phase::Parse, || Case::from_file(&args.case.case, &args.case.overrides()))?;
     let warned = |warning: &Warning| {
-        if !args.quiet {
+        if !args.print.quiet {
             interject(&format!("warning: {warning}"));
         }
     };
@@ -40,11 +40,11 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
             (false, true) => EarlierResults::Replace,
             (false, false) => EarlierResults::Keep,
         },
-        threads: usize::from(args.threads),
+        threads: args.threads.get(),
         keep_going: args.keep_going,
         matrices: args.dump_matrices.as_deref(),
     };
-    let display = if args.quiet { Display::Quiet } else { Display::Terminal };
+    let display = if args.print.quiet { Display::Quiet } else { Display::Terminal };
     let mut progress = Progress::new(problem.time.end, display);
     let begins = || {
         stop_on_interrupt();
@@ -74,7 +74,7 @@ fn printed(
     folder: &Path,
     report: impl FnOnce() -> String,
 ) -> Result<String, CliError> {
-    match (args.json, args.quiet) {
+    match (args.print.json, args.print.quiet) {
         (true, _) => Ok(summary.to_json().map_err(|e| write_fault(&folder.join(SUMMARY), e.into()))?),
         (false, true) => Ok(String::new()),
         (false, false) => Ok(report()),

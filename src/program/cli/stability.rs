@@ -1,6 +1,7 @@
 //! `canopy-fem stability CASE`: predicted and measured largest stable step of every method.
 
-use super::args::duration;
+use super::args::{Print, Threads, duration};
+use super::study::printed;
 use super::{CaseArgs, CliError, CommandOutput, complain};
 use crate::case::Case;
 use crate::integrate::registry::MethodChoice;
@@ -35,9 +36,12 @@ pub struct StabilityArgs {
     /// Replace an earlier study in the folder
     #[arg(long)]
     pub force: bool,
-    /// No progress, no warnings, no table
-    #[arg(long, short)]
-    pub quiet: bool,
+    /// threads
+    #[command(flatten)]
+    pub threads: Threads,
+    /// what is printed
+    #[command(flatten)]
+    pub print: Print,
 }
 
 /// Methods as a JSON list, as a case has it.
@@ -53,7 +57,7 @@ pub(super) fn run(args: &StabilityArgs) -> Result<CommandOutput, CliError> {
     let case = Case::from_file(&args.case.case, &overrides(args))?;
     let wanted = case.file().study.clone().unwrap_or_default();
     let (mut problem, _) = case.split();
-    if !args.quiet {
+    if !args.print.quiet {
         problem.warnings.iter().for_each(|w| complain(&format!("warning: {w}")));
     }
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(&problem.name)));
@@ -62,7 +66,7 @@ pub(super) fn run(args: &StabilityArgs) -> Result<CommandOutput, CliError> {
         Some(list) => list.iter().map(|m| MethodChoice::new(&m.name, &m.parameters)).collect::<Result<Vec<_>, _>>(),
         None => Ok(problem.method.among_all().collect()),
     }?;
-    let scene = build_scene(problem.take_system(), 1)?;
+    let scene = build_scene(problem.take_system(), args.threads.get())?;
     let spec = StabilitySpec {
         scene: &*scene,
         methods: &chosen,
@@ -71,7 +75,7 @@ pub(super) fn run(args: &StabilityArgs) -> Result<CommandOutput, CliError> {
         budget: wanted.budget_seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()),
     };
     let stop = super::interrupt::stop_on_interrupt();
-    let bar = progress(chosen.len(), args.quiet);
+    let bar = progress(chosen.len(), args.print.quiet);
     let mut begins = |beginning: RunStart<'_>| show(&bar, beginning);
     let rows = study(&spec, &mut begins, stop)?;
     bar.finish_and_clear();
@@ -89,7 +93,7 @@ pub(super) fn run(args: &StabilityArgs) -> Result<CommandOutput, CliError> {
     for path in written {
         let _ = writeln!(text, "{}", path.display());
     }
-    Ok(CommandOutput { text: if args.quiet { String::new() } else { text }, code })
+    Ok(CommandOutput { text: printed(args.print, text, &out.join("stability.json"))?, code })
 }
 
 /// The flags of a study as values of the case's study section, so that they are checked as those are.

@@ -1,6 +1,6 @@
 //! `canopy-fem static`: finds the equilibrium of a case and writes it.
 
-use super::args::key_value;
+use super::args::{Changes, Print, Threads};
 use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, SearchLine};
 use super::{CliError, CommandOutput, complain};
@@ -21,9 +21,9 @@ use std::path::{Path, PathBuf};
 pub struct StaticArgs {
     /// Case file (JSON; // comments and trailing commas are allowed); its `time` section is not needed
     pub case: PathBuf,
-    /// Replace any value of the case, e.g. system.network.springs.0.stiffness=500
-    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
-    pub set: Vec<(String, String)>,
+    /// changes
+    #[command(flatten)]
+    pub changes: Changes,
     /// Time of loads, wind and supports [s]
     #[arg(long, value_name = "T", default_value_t = 0.0, value_parser = time)]
     pub at: f64,
@@ -36,18 +36,15 @@ pub struct StaticArgs {
     /// Folder for the results [default: out/NAME]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Threads for the force passes of scenes above 2,000 nodes; results are the same for every number
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: u16,
+    /// threads
+    #[command(flatten)]
+    pub threads: Threads,
     /// Replace earlier results in the folder
     #[arg(long)]
     pub force: bool,
-    /// No warnings, no report
-    #[arg(long, short)]
-    pub quiet: bool,
-    /// Print the summary as JSON in place of the report, as in summary.json
-    #[arg(long)]
-    pub json: bool,
+    /// what is printed
+    #[command(flatten)]
+    pub print: Print,
 }
 
 fn time(text: &str) -> Result<f64, String> {
@@ -57,9 +54,9 @@ fn time(text: &str) -> Result<f64, String> {
 
 pub(super) fn run(args: &StaticArgs) -> Result<CommandOutput, CliError> {
     let _account = StartupTimer::of_process();
-    let case = Case::from_file_at_rest(&args.case, &args.set)?;
+    let case = Case::from_file_at_rest(&args.case, &args.changes.set)?;
     let warn = |text: &str| {
-        if !args.quiet {
+        if !args.print.quiet {
             complain(&format!("warning: {text}"));
         }
     };
@@ -68,13 +65,13 @@ pub(super) fn run(args: &StaticArgs) -> Result<CommandOutput, CliError> {
     let settings = StaticSettings {
         out: &out,
         earlier: if args.force { EarlierResults::Replace } else { EarlierResults::Keep },
-        threads: usize::from(args.threads),
+        threads: args.threads.get(),
         at: args.at,
         load_steps: args.load_steps,
         modes: args.modes.map_or(0, usize::from),
     };
     let stop = stop_on_interrupt();
-    let line = SearchLine::new(if args.quiet { Display::Quiet } else { Display::Terminal });
+    let line = SearchLine::new(if args.print.quiet { Display::Quiet } else { Display::Terminal });
     let found = record_static_watched(&case, settings, stop, Watcher(&|progress| line.show(progress)))?;
     drop(line);
     found.warnings.iter().for_each(|warning| warn(&warning.to_string()));
@@ -88,7 +85,7 @@ pub(super) fn run(args: &StaticArgs) -> Result<CommandOutput, CliError> {
             failure.cause, failure.advice
         ));
     }
-    let text = match (args.json, args.quiet) {
+    let text = match (args.print.json, args.print.quiet) {
         (true, _) => found.summary.to_json().map_err(|e| write_fault(&out.join(SUMMARY), e.into()))?,
         (false, true) => String::new(),
         (false, false) => report(name, &found, &out),

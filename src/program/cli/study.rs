@@ -1,6 +1,6 @@
 //! What the studies that can be divided among machines, `tradeoff` and `sweep`, have in common on the command line.
 
-use super::args::{duration, key_value};
+use super::args::{Changes, Print, duration};
 use super::{CliError, complain};
 use crate::case::Case;
 use crate::output::sanitize::file_stem;
@@ -22,10 +22,10 @@ pub struct StudyArgs {
     #[arg(long, value_name = "TIME", value_parser = budget)]
     pub budget: Option<Budget>,
     /// Make the list of runs only, for `tradeoff` with the references
-    #[arg(long, conflicts_with_all = ["shard", "merge"])]
+    #[arg(long, conflicts_with_all = ["shard", "merge", "json"])]
     pub plan: bool,
     /// Make one share of the planned runs, e.g. 3/8; shares are counted from 1
-    #[arg(long, value_name = "I/N", conflicts_with = "merge")]
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["merge", "json"])]
     pub shard: Option<Shard>,
     /// Merge the results of the shards in --out, and in these folders if shards ran elsewhere
     #[arg(long, value_name = "DIR", num_args = 0..)]
@@ -36,15 +36,15 @@ pub struct StudyArgs {
     /// End of the simulated time [s]
     #[arg(long, allow_negative_numbers = true)]
     pub end: Option<String>,
-    /// Replace any value of the case, e.g. system.network.springs.0.stiffness=500
-    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
-    pub set: Vec<(String, String)>,
+    /// changes
+    #[command(flatten)]
+    pub changes: Changes,
     /// Replace earlier results in the folder
     #[arg(long, conflicts_with_all = ["shard", "merge"])]
     pub force: bool,
-    /// No progress, no warnings, no report
-    #[arg(long, short)]
-    pub quiet: bool,
+    /// what is printed
+    #[command(flatten)]
+    pub print: Print,
 }
 
 /// A case, and its file as it was typed.
@@ -80,7 +80,7 @@ impl StudyArgs {
     /// The case, if one is given, and the folder of the study.
     pub(super) fn case_and_folder(&self) -> Result<(Option<CaseFile<'_>>, PathBuf), CliError> {
         let end = self.end.clone().map(|end| ("time.end".to_owned(), end));
-        let overrides: Vec<(String, String)> = self.set.iter().cloned().chain(end).collect();
+        let overrides: Vec<(String, String)> = self.changes.set.iter().cloned().chain(end).collect();
         let read = |path| Ok::<_, CliError>((path, Case::from_file(path, &overrides)?));
         let case = self.case.as_deref().map(read).transpose()?;
         let out = match (&self.out, &case) {
@@ -103,7 +103,7 @@ impl StudyArgs {
     }
 
     pub(super) fn warn(&self, case: &Case) {
-        if !self.quiet {
+        if !self.print.quiet {
             case.warnings().iter().for_each(|warning| complain(&format!("warning: {warning}")));
         }
     }
@@ -124,8 +124,24 @@ impl StudyArgs {
         ))
     }
 
+    /// What the whole study prints: its report, or what it has written as `results`.
+    pub(super) fn printed(&self, report: String, results: &Path) -> Result<String, StudyError> {
+        printed(self.print, report, results)
+    }
+
     pub(super) fn unless_quiet(&self, text: String) -> String {
-        if self.quiet { String::new() } else { text }
+        if self.print.quiet { String::new() } else { text }
+    }
+}
+
+/// A report, or with `--json` the file with all results; nothing with `--quiet` alone.
+pub(super) fn printed(print: Print, report: String, results: &Path) -> Result<String, StudyError> {
+    match (print.json, print.quiet) {
+        (true, _) => {
+            std::fs::read_to_string(results).map_err(|source| StudyError::System { path: results.to_owned(), source })
+        }
+        (false, true) => Ok(String::new()),
+        (false, false) => Ok(report),
     }
 }
 

@@ -55,7 +55,7 @@ impl Command<'_> {
             store.clear()?;
             sweep::clear(&self.out)?;
         }
-        let line = ProgressLine::new(args.quiet);
+        let line = ProgressLine::new(args.print.quiet);
         let plan = self.plan(&store, asked)?;
         if args.plan {
             return done(args.unless_quiet(sweep::planned(&plan, &store)?));
@@ -72,7 +72,7 @@ impl Command<'_> {
         // To repeat a sweep one needs the command that planned it, not the one that merged its parts.
         let how = Rerun { command: plan.command.clone(), ..here };
         let text = SweepReport { plan: &plan, rows: &rows, plot: &self.args.plot, how: &how }.write(&self.out)?;
-        done(args.unless_quiet(text))
+        done(args.printed(text, &self.out.join("sweep.json"))?)
     }
 
     /// The plan that the arguments ask for; a shard or a merge follows that of the folder.

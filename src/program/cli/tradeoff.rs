@@ -1,5 +1,6 @@
 //! `canopy-fem tradeoff`: what accuracy costs, on the user's own scene.
 
+use super::args::Threads;
 use super::interrupt::stop_on_interrupt;
 use super::study::{Budget, CaseFile, ProgressLine, StudyArgs, nothing_lost, typed};
 use super::{CliError, CommandOutput};
@@ -33,9 +34,9 @@ pub struct TradeoffArgs {
     /// what to try
     #[command(flatten)]
     pub options: TypedOptions,
-    /// Threads for the force passes of scenes above 2,000 nodes; counted work and errors are the same for every number
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: u16,
+    /// threads
+    #[command(flatten)]
+    pub threads: Threads,
 }
 
 pub(super) fn run(args: &TradeoffArgs) -> Result<CommandOutput, CliError> {
@@ -59,7 +60,7 @@ impl Command<'_> {
             store.clear()?;
             report::clear(&self.out)?;
         }
-        let line = ProgressLine::new(asked.quiet);
+        let line = ProgressLine::new(asked.print.quiet);
         let known = store.plan()?;
         let plan = match (known, case) {
             (Some(plan), Some((path, case))) => {
@@ -91,7 +92,8 @@ impl Command<'_> {
         let command = if study.plan.command.is_empty() { here.command } else { study.plan.command.clone() };
         let how = Rerun { command, ..here };
         let files = report::write(&self.out, &study, &answers, &how)?;
-        Ok(done(asked.unless_quiet(report::summary(&study, &answers, &files)?)))
+        let text = report::summary(&study, &answers, &files)?;
+        Ok(done(asked.printed(text, &self.out.join("tradeoff.json"))?))
     }
 
     fn options(&self, case: &Case) -> Result<StudyOptions, StudyError> {
@@ -119,7 +121,7 @@ impl Command<'_> {
             case_file: path,
             options,
             command: Rerun::here(typed()).command,
-            threads: usize::from(self.args.threads),
+            threads: self.args.threads.get(),
             allowance,
             stop: self.stop,
             tell: &|what| line.tell(what),
@@ -164,7 +166,7 @@ impl Command<'_> {
             plan,
             store,
             shard: self.args.study.shard,
-            threads: usize::from(self.args.threads),
+            threads: self.args.threads.get(),
             deadline: self.budget(section).deadline(self.started),
             interrupt: self.stop,
             on_run: &|number, all, what| line.run(number, all, what),
