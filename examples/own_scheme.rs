@@ -48,6 +48,7 @@ static DRIFT_KICK: MethodInfo = MethodInfo {
     order: 1,
     order_with: None,
     family: Family::Explicit,
+    color: 0,
     evaluations: [1, 1],
     parameters: &[],
     stability: "w h < 2",

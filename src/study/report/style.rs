@@ -14,9 +14,6 @@ use crate::runner::Study;
 /// Number of colours that methods and curves take, each its own as long as they suffice: those of the palette without
 /// black, which is left for what is no method.
 const COLORS: usize = 15;
-/// Numbers of the colours of the registered methods, in the order of the registry: the methods that are used most have
-/// the colours that differ most.
-const OF_METHODS: [usize; COLORS] = [0, 3, 12, 6, 9, 1, 4, 7, 8, 2, 5, 10, 11, 13, 14];
 /// Black.
 pub(crate) const BLACK: usize = 6;
 /// Methods of a family that have the same shape of marks.
@@ -34,11 +31,10 @@ pub(crate) fn curve_color(number: usize) -> usize {
 ///
 /// ```
 /// use canopy_fem_study::report::method_color;
-/// assert_ne!(method_color("newmark"), method_color("hht"));
+/// assert_ne!(method_color("newmark"), method_color("energy-momentum"));
 /// ```
 pub fn method_color(name: &str) -> usize {
-    let number = methods().iter().position(|method| method.name == name).unwrap_or(0);
-    curve_color(OF_METHODS.get(number).copied().unwrap_or(number))
+    methods().iter().find(|method| method.name == name).map_or(BLACK, |method| curve_color(method.color))
 }
 
 /// Colours of the methods of a study. One whose colour is taken, such as a second HHT with other parameters, has the
@@ -185,4 +181,19 @@ pub(super) fn legend(study: &Study, styles: &[Style]) -> Vec<Line> {
 /// A black entry without points.
 pub(super) fn entry(label: &str, stroke: Stroke, marker: Marker) -> Line {
     Line { label: label.to_owned(), stroke, marker, color: Some(BLACK), ..Line::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Families have their own marks, so a colour and a mark belong to one method.
+    #[test]
+    fn methods_of_a_family_have_different_colours() {
+        for (i, method) in methods().iter().enumerate() {
+            assert!(method.color < COLORS, "{}", method.name);
+            let alike = methods()[..i].iter().find(|m| (m.family, m.color) == (method.family, method.color));
+            assert!(alike.is_none(), "{} looks like {}", method.name, alike.map_or("", |m| m.name));
+        }
+    }
 }
