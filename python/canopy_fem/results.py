@@ -46,6 +46,8 @@ def run(
 ) -> Result:
     """Runs a case to its end and writes the files of ``canopy-fem solve``, byte for byte.
 
+    Each warning of the program is a `CaseWarning`.
+
     Args:
         case: a `Case`, a case file or a dictionary.
         out: folder for the files; a temporary one, which the result removes with itself, if left out.

@@ -1,7 +1,9 @@
 """Whole runs: the same files as the program writes, and what is read of them."""
 
 import json
+import os
 import subprocess
+import warnings
 
 import numpy as np
 import pytest
@@ -81,6 +83,42 @@ def test_added_mass_is_told():
     added = scaled.summary["mass_scaling"]["added"]
     assert added > 0 and f"with {added:.3g} kg of added mass" in repr(scaled)
     assert "added mass" not in repr(cf.run(cloth(time=time)))
+
+
+def test_warnings_are_those_of_the_program(tmp_path):
+    """A run warns of what `canopy-fem solve` warns of, in its words: of the case, on the way and of the end."""
+    # A mass between two springs, pulled across by a growing force until the step is too long.
+    case = {
+        "name": "pulled",
+        "system": {
+            "network": {
+                "mesh": {"explicit": {"nodes": [[-1, 0, 0], [0, 0, 0], [1, 0, 0]], "springs": [[0, 1], [1, 2]]}},
+                "mass": {"nodal": 0.5},
+                "springs": [{"on": "all", "stiffness": 50}],
+                "supports": [
+                    {"on": {"ids": [0, 2]}, "fix": "xyz", "until": 200},
+                    {"on": {"ids": [1]}, "fix": "xy"},
+                ],
+                "loads": [{"on": {"ids": [1]}, "force": [0, 0, 1], "table": [[0, 0], [100, 400]]}],
+            }
+        },
+        "time": {"end": 100, "method": "velocity-verlet", "step": 0.16},
+        "output": {"frames": {"every": 10}},
+    }
+    path = tmp_path / "pulled.json"
+    path.write_text(json.dumps(case))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        result = cf.run(path, tmp_path / "python", check=False)
+    ours = [str(warning.message) for warning in caught if warning.category is cf.CaseWarning]
+    command = [cf.program(), "solve", path, "--out", tmp_path / "program"]
+    unwrapped = {key: value for key, value in os.environ.items() if key not in {"COLUMNS", "CLICOLOR_FORCE"}}
+    done = subprocess.run(command, check=False, capture_output=True, text=True, encoding="utf-8", env=unwrapped)
+    theirs = [line.removeprefix("warning: ") for line in done.stderr.splitlines() if line.startswith("warning: ")]
+    assert ours == theirs
+    codes = ["event-beyond-end", "step-above-critical", "energy-made"]
+    assert [text.rsplit("[", 1)[1].rstrip("]") for text in ours] == codes and result.status == "diverged"
+    assert files(tmp_path / "python") == files(tmp_path / "program")
 
 
 def test_absent_tables_are_empty(small):

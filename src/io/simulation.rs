@@ -75,7 +75,9 @@ pub use doubts::{check_solver, doubts_at_end, doubts_at_start};
 pub use equilibrium::{RecordedStatic, StaticSettings, record_static, record_static_watched};
 pub use error::{SetupError, SimulationError};
 pub use follow::{FollowSpec, FollowedState, follow};
-pub use record::{EarlierResults, RecordError, RecordSettings, RecordWatch, Recorded, record, record_watched};
+pub use record::{
+    EarlierResults, RecordError, RecordSettings, RecordWatch, Recorded, StartLimits, record, record_watched,
+};
 pub use state::NodeMotion;
 
 use crate::case::spec::{Problem, SystemSpec};

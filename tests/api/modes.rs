@@ -1,8 +1,8 @@
 //! The lowest modes of many small scenes, all of which a dense solver has too: free bodies, mechanisms, frequencies
 //! that come many times over, states in compression that grow, pressures and air.
 
-use crate::common::Random;
 use crate::common::run::case_of;
+use crate::common::{self, Random};
 use canopy_fem::analysis::lowest::{LowModes, ModesError, lowest};
 use canopy_fem::model::state::State;
 use canopy_fem::model::stop::Stop;
@@ -178,17 +178,9 @@ fn parts_that_are_not_joined_are_all_found() {
     Dense::of(&bodies).agrees_for_all_counts("three bodies");
 }
 
-/// The octahedron of many tests, its triangles under pressure: the stiffness of a closed surface is symmetric.
+/// The octahedron of many tests with loads: the stiffness of a closed surface under pressure is symmetric.
 fn octahedron(load: &Value) -> Value {
-    let r = 0.7;
-    let mut network = json!({
-        "mesh": {"explicit": {
-            "nodes": [[r, 0, 0], [-r, 0, 0], [0, r, 0], [0, -r, 0], [0, 0, r], [0, 0, -r]],
-            "triangles": [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
-        }},
-        "mass": {"nodal": 0.4},
-        "springs": [{"on": "all", "stiffness": 800.0}]
-    });
+    let mut network = common::octahedron();
     let members = network.as_object_mut().expect("an object");
     members.extend(load.as_object().expect("an object").clone());
     network

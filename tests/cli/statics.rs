@@ -1,6 +1,7 @@
 //! `canopy-fem static` as a user meets it: exit statuses, messages, files, and runs that begin where it ended.
 
 use crate::bench::{Bench, Ended, Results};
+use crate::common::octahedron;
 use serde_json::{Value, json};
 
 /// [m/s^2]
@@ -391,16 +392,8 @@ fn a_cloth_on_one_corner_has_modes() {
 #[test]
 fn pressure_is_part_of_the_modes() {
     let bench = Bench::new();
-    let r = 0.7;
-    let mut network = json!({
-        "mesh": {"explicit": {
-            "nodes": [[r, 0, 0], [-r, 0, 0], [0, r, 0], [0, -r, 0], [0, 0, r], [0, 0, -r]],
-            "triangles": [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
-        }},
-        "mass": {"nodal": 0.4},
-        "springs": [{"on": "all", "stiffness": 800.0}],
-        "loads": [{"on": "all", "pressure": 300.0}]
-    });
+    let mut network = octahedron();
+    network["loads"] = json!([{"on": "all", "pressure": 300.0}]);
     let ended = rest(&bench, &case(network.clone()), &["--modes", "18"]);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     assert!(!ended.stdout.contains("not symmetric"), "{}", ended.stdout);

@@ -45,6 +45,19 @@ pub fn square(side: u32, mass: f64) -> NetworkSpec {
     NetworkSpec { mesh, mass: vec![mass; n], fixed: vec![[false; 3]; n], ..Default::default() }
 }
 
+/// A case's network: an octahedron of springs on the axes, 0.7 m from its middle, a closed surface of eight triangles.
+pub fn octahedron() -> serde_json::Value {
+    let r = 0.7;
+    serde_json::json!({
+        "mesh": {"explicit": {
+            "nodes": [[r, 0, 0], [-r, 0, 0], [0, r, 0], [0, -r, 0], [0, 0, r], [0, 0, -r]],
+            "triangles": [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
+        }},
+        "mass": {"nodal": 0.4},
+        "springs": [{"on": "all", "stiffness": 800.0}]
+    })
+}
+
 /// A 3 x 3 grid of nodes with diagonals: 9 nodes, 16 edges, 8 triangles, all masses different, one corner held.
 pub fn patch() -> NetworkSpec {
     let nodes: Vec<[f64; 3]> = (0..9).map(|i| [f64::from(i % 3), f64::from(i / 3), 0.0]).collect();

@@ -93,16 +93,23 @@ pub struct Recorded {
     pub summary: Summary,
     /// warnings of the case, of its scene, of the run and of its end that it does not acknowledge, in this order
     pub warnings: Vec<Warning>,
-    /// the critical step at the start, with all springs taut
-    pub limit: CriticalStep,
-    /// springs that are slack at the start, and the critical step while they are
-    pub while_slack: Option<WhileSlack>,
+    /// the critical step at the start
+    pub limits: StartLimits,
     /// the smallest critical step after the start, if it is clearly smaller
     pub least: Option<LeastStep>,
     /// the largest displacement at the end
     pub displacement: Displacement,
     /// [s] time of the last frame
     pub last_frame: Option<f64>,
+}
+
+/// The critical step of a run at its start.
+#[derive(Clone, Copy, Debug)]
+pub struct StartLimits {
+    /// with all springs taut
+    pub taut: CriticalStep,
+    /// springs that are slack, and the longer critical step as long as they are
+    pub while_slack: Option<WhileSlack>,
 }
 
 /// Why a run has no files.
@@ -207,24 +214,21 @@ struct Prepared<'a> {
     told: Told<'a>,
 }
 
-/// The critical step at the start, with all springs taut and while some are slack.
-type Limits = (CriticalStep, Option<WhileSlack>);
-
 impl Prepared<'_> {
     /// Finds the critical step at the start, and tells what is doubtful there.
-    fn limits(&self) -> Limits {
+    fn limits(&self) -> StartLimits {
         let plan = self.spec.planned(&*self.scene, Stop::on(self.stop));
-        let limit = limit_at_start(plan);
-        let slack = while_slack(plan, limit);
-        let doubts = doubts_at_start(plan, &self.problem, limit, self.folder.dir());
+        let taut = limit_at_start(plan);
+        let while_slack = while_slack(plan, taut);
+        let doubts = doubts_at_start(plan, &self.problem, taut, self.folder.dir());
         doubts.into_iter().for_each(|warning| self.told.tell(warning));
-        (limit, slack)
+        StartLimits { taut, while_slack }
     }
 
     /// Runs from the start or from the checkpoint, and writes all files.
     fn run(
         self,
-        (limit, while_slack): Limits,
+        limits: StartLimits,
         checkpoint: Option<Checkpoint>,
         observers: &mut [&mut dyn Observer],
     ) -> Result<Recorded, RecordError> {
@@ -241,7 +245,7 @@ impl Prepared<'_> {
         let tell = |warning| told.tell(warning);
         // Adaptive steps become smaller where a scene stiffens, so no monitor is needed.
         let mut monitor = spec.step.fixed().and_then(|step| {
-            let (scene, method, start, stop) = (&**scene, &spec.method, limit, Stop::on(stop));
+            let (scene, method, start, stop) = (&**scene, &spec.method, limits.taut, Stop::on(stop));
             CriticalStepMonitor::of(Monitored { scene, method, start, step, tell: &tell, stop }, has_limit(method))
         });
         let mut doubtful = told;
@@ -263,7 +267,7 @@ impl Prepared<'_> {
             groups: self.groups.clone(),
             startup: self.timer.read(),
             mass_scaling: scene.added_mass(),
-            ..Summary::new(problem, &**scene, &outcome, limit.step, stopwatch.read())
+            ..Summary::new(problem, &**scene, &outcome, limits.taut.step, stopwatch.read())
         };
         summary.write(&self.folder.file(SUMMARY))?;
         // The checkpoint of an interrupt, which the case did not ask for.
@@ -277,7 +281,7 @@ impl Prepared<'_> {
         let (spec, warnings) = (spec.clone(), told.all.take());
         let least = monitor.and_then(|monitor| monitor.least());
         let (displacement, last_frame) = (farthest.found, recorder.shown());
-        Ok(Recorded { spec, outcome, summary, warnings, limit, while_slack, least, displacement, last_frame })
+        Ok(Recorded { spec, outcome, summary, warnings, limits, least, displacement, last_frame })
     }
 
     fn recorder(&self, checkpoint: Option<&Checkpoint>) -> Result<Recorder<'_>, RecordError> {

@@ -100,14 +100,14 @@ fn describe_cost(text: &mut String, outcome: &Outcome, summary: &Summary) {
 
 /// Critical step, displacement and peaks of a run that did not fail; `step` [s] is that of the run.
 fn describe_motion(text: &mut String, recorded: &Recorded, step: f64) {
-    let Recorded { summary, limit, while_slack, least, displacement, .. } = recorded;
+    let Recorded { summary, limits, least, displacement, .. } = recorded;
     if summary.critical_step == Some(0.0) {
         let _ = writeln!(text, "  critical step   none: the method's energy grows at every step here");
     } else if let Some(critical) = summary.critical_step {
         let later = least
             .map_or_else(String::new, |least| format!(", about {:.2e} s at t = {} s", least.step, figures(least.t, 4)));
-        let (known, used) = (worth(*limit), figures(100.0 * step / critical, 2));
-        let at_start = match while_slack {
+        let (known, used) = (worth(limits.taut), figures(100.0 * step / critical, 2));
+        let at_start = match &limits.while_slack {
             Some(slack) => format!("with all springs taut, {} while {} are slack", slack.step(), slack.springs()),
             None => "at the start".to_owned(),
         };
