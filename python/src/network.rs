@@ -96,7 +96,8 @@ impl Network {
         let coefficient = dashpot.map(|given| numbers(given, "dashpot", n)).transpose()?;
         let dashpot = coefficient.map(|coefficient| DashpotSpec { kind, coefficient, from_step: false });
         builder.spec.mesh.edges.extend_from_slice(&added);
-        builder.spec.springs.push(SpringGroup { edges, stiffness, rest_length, law, slack, dashpot });
+        let group = SpringGroup { edges, stiffness, rest_length, law, slack, dashpot, ..SpringGroup::default() };
+        builder.spec.springs.push(group);
         Ok(())
     }
 

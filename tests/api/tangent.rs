@@ -92,14 +92,13 @@ fn tangents_before_and_after_events() {
             edges: keep.iter().map(|&i| group.edges[i]).collect(),
             stiffness: pick(&group.stiffness),
             rest_length: pick(&group.rest_length),
-            law: group.law.clone(),
-            slack: group.slack,
             dashpot,
+            ..group.clone()
         }
     };
     spec.springs = vec![some(&all, true), some(&all, false)];
     spec.rayleigh = Some(RayleighSpec { mass: 0.0, stiffness: 0.02 });
-    spec.cuts = vec![CutSpec { t: 0.3, group: 0 }];
+    spec.springs[0].cut = Some(0.3);
     spec.releases = vec![ReleaseSpec { t: 0.4, nodes: vec![(0, [true, false, true])] }];
     let scene = build(spec);
     let mut products = Vec::new();

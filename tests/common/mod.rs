@@ -8,7 +8,7 @@ pub mod run;
 
 use canopy_fem::mesh::Mesh;
 use canopy_fem::mesh::source::MeshSource;
-use canopy_fem::model::spec::{ElasticLaw, NetworkSpec, Slack, SpringGroup};
+use canopy_fem::model::spec::{NetworkSpec, Slack, SpringGroup};
 use std::path::Path;
 
 /// Numbers in [-1, 1) from a counter (splitmix64), the same on every machine.
@@ -92,9 +92,8 @@ pub fn spring_group(spec: &NetworkSpec, slack: Slack) -> SpringGroup {
         edges: (0..n as u32).collect(),
         stiffness: (0..n).map(|i| 40.0 + 3.0 * i as f64).collect(),
         rest_length: spec.mesh.edges.iter().map(length).collect(),
-        law: ElasticLaw::Linear,
         slack,
-        dashpot: None,
+        ..SpringGroup::default()
     }
 }
 
@@ -115,9 +114,7 @@ pub fn oscillator(o: OscillatorSpec) -> NetworkSpec {
             edges: vec![0],
             stiffness: vec![o.stiffness],
             rest_length: vec![5.0],
-            law: ElasticLaw::Linear,
-            slack: Slack::None,
-            dashpot: None,
+            ..SpringGroup::default()
         }],
         displacement: vec![[0.0; 3], [o.displacement, 0.0, 0.0]],
         ..Default::default()

@@ -11,7 +11,7 @@ mod changes;
 mod over_time;
 mod surface;
 pub use canopy::{CanopyAir, CanopySpec, CavitySpec, ClothSpec, FillingSpec};
-pub use over_time::{MotionSpec, RestScaleSpec, Series, support_velocity};
+pub use over_time::{MotionSpec, Series, support_velocity};
 pub use surface::{BendingSpec, MembraneSpec};
 
 /// How the tension of a spring grows with its strain r = e/l0, before any slack.
@@ -70,7 +70,7 @@ pub struct DashpotSpec {
 }
 
 /// Springs that share a rule of the case.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SpringGroup {
     /// edges of the mesh, ascending
     pub edges: Vec<u32>,
@@ -84,26 +84,41 @@ pub struct SpringGroup {
     pub slack: Slack,
     /// optional dashpots
     pub dashpot: Option<DashpotSpec>,
+    /// [s] from when on they carry no force, above 0, if they are cut
+    pub cut: Option<f64>,
+    /// [-] factor of the rest lengths over time, above 0, if they change
+    pub rest_scale: Option<Series<f64>>,
+    /// their strength, for reports only
+    #[serde(skip)]
+    pub strength: Option<StrengthSpec>,
+    /// the sheet that they stand for, if its rule gives the stiffness
+    #[serde(skip)]
+    pub sheet: Option<SheetSpec>,
 }
 
-/// The strength of the springs of a group; they do not break.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+impl SpringGroup {
+    /// [-] Factor of the rest lengths at t = 0.
+    pub fn rest_scale_at_start(&self) -> f64 {
+        self.rest_scale.as_ref().map_or(1.0, |factor| factor.rows().at(0.0)[0])
+    }
+}
+
+/// The strength of springs; they do not break.
+#[derive(Clone, Debug, PartialEq)]
 pub struct StrengthSpec {
-    /// place of the group in [`NetworkSpec::springs`]
-    pub group: usize,
-    /// what reports call it
+    /// what reports call them
     pub name: String,
     /// [N] of each spring
     pub strength: f64,
 }
 
-/// Springs of a group that carry no force from a time on.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct CutSpec {
-    /// [s] when, above 0
-    pub t: f64,
-    /// place of the group in [`NetworkSpec::springs`]
-    pub group: usize,
+/// A continuous isotropic sheet in place of springs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SheetSpec {
+    /// [Pa] Young's modulus
+    pub modulus: f64,
+    /// [m] thickness
+    pub thickness: f64,
 }
 
 /// Directions of nodes that are held until a time.
@@ -306,18 +321,12 @@ pub struct NetworkSpec {
     pub releases: Vec<ReleaseSpec>,
     /// what supports move; no direction of a node twice
     pub motions: Vec<MotionSpec>,
-    /// springs that are cut
-    pub cuts: Vec<CutSpec>,
-    /// rest lengths that change over time, at most once a group
-    pub rest_scales: Vec<RestScaleSpec>,
     /// springs by rule
     pub springs: Vec<SpringGroup>,
     /// membranes; no triangle twice
     pub membranes: Vec<MembraneSpec>,
     /// bending of cloth and of lines
     pub bending: Vec<BendingSpec>,
-    /// strengths of groups, for reports only
-    pub strengths: Vec<StrengthSpec>,
     /// [m/s^2] gravity, if any
     pub gravity: Option<[f64; 3]>,
     /// [m/s^2] acceleration of the base over time, if it moves: positions and velocities are then relative to it
@@ -358,7 +367,7 @@ impl NetworkSpec {
 
     /// [s] The times of all releases and cuts, ascending.
     pub fn divisions(&self) -> Vec<f64> {
-        let cuts = self.cuts.iter().map(|cut| cut.t);
+        let cuts = self.springs.iter().filter_map(|group| group.cut);
         ascending(self.releases.iter().map(|release| release.t).chain(cuts).collect())
     }
 
@@ -367,12 +376,6 @@ impl NetworkSpec {
         let mut times = self.divisions();
         times.extend(self.motions.iter().flat_map(|motion| motion.displacement.bends()));
         ascending(times)
-    }
-
-    /// [-] Factor of the rest lengths of a group at t = 0.
-    pub fn rest_scale_at_start(&self, group: usize) -> f64 {
-        let scale = self.rest_scales.iter().find(|scale| scale.group == group);
-        scale.map_or(1.0, |scale| scale.factor.rows().at(0.0)[0])
     }
 
     /// [m/s] A bound on the speed of the wind.

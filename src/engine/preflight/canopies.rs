@@ -2,7 +2,7 @@
 //! and air above the standard atmosphere.
 
 use crate::format_number::figures;
-use crate::model::spec::{AtmosphereSpec, CanopySpec, FillingSpec, NetworkSpec};
+use crate::model::spec::{AtmosphereSpec, CanopySpec, FillingSpec, NetworkSpec, SpringGroup};
 use crate::warning::{Warning, WarningCode};
 use std::collections::BTreeSet;
 use std::fmt;
@@ -134,17 +134,15 @@ pub fn reefing_lines(spec: &NetworkSpec) -> Vec<ReefingLine> {
         let first = lines.edges.iter().find(around)?;
         // Cloth has the edges of its sides too.
         let only = |edges: &[u32]| edges.iter().all(|edge| lines.edges.binary_search(edge).is_ok());
-        let has = |group: &usize| {
-            spec.springs.get(*group).is_some_and(|g| g.edges.binary_search(first).is_ok() && only(&g.edges))
-        };
+        let has = |group: &&SpringGroup| group.edges.binary_search(first).is_ok() && only(&group.edges);
         // Where the skirt has no nodes between the lines, its tape has the same edges.
         let with_tape = spec.mesh.groups.get("skirt").is_some_and(|skirt| skirt.edges.binary_search(first).is_ok());
-        let groups: Vec<usize> = (0..spec.springs.len()).filter(has).collect();
+        let groups: Vec<&SpringGroup> = spec.springs.iter().filter(has).collect();
         if groups.len() < if with_tape { 2 } else { 1 } {
             return None;
         }
-        let grows = spec.rest_scales.iter().any(|scale| groups.contains(&scale.group));
-        let cut = spec.cuts.iter().find(|cut| groups.contains(&cut.group)).map(|cut| cut.t);
+        let grows = groups.iter().any(|group| group.rest_scale.is_some());
+        let cut = groups.iter().find_map(|group| group.cut);
         let stage = canopy.air.stages().get(1..).and_then(<[_]>::last).map(|stage| stage.start);
         let fits = match (cut, stage) {
             (None, _) => grows,

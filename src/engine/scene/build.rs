@@ -32,8 +32,8 @@ use crate::force::law::triangle::AreaVector;
 use crate::force::schedule::threads::Threads;
 use crate::mesh::unit_vector::unit_vector;
 use crate::model::spec::{
-    CanopyAir, CavitySpec, DashpotKind, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, RestScaleSpec, Series,
-    SpringGroup, StreamSpec, support_velocity,
+    CanopyAir, CavitySpec, DashpotKind, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, Series, SpringGroup,
+    StreamSpec, support_velocity,
 };
 use crate::startup::{Phase, timed};
 use nalgebra::Vector3;
@@ -190,10 +190,9 @@ impl Builder<'_> {
     }
 
     fn springs_and_dashpots(&mut self) {
-        for (number, group) in self.spec.springs.iter().enumerate().filter(|(_, g)| !g.edges.is_empty()) {
+        for group in self.spec.springs.iter().filter(|group| !group.edges.is_empty()) {
             let mut batch = self.spring_batch(group);
-            if let Some(RestScaleSpec { factor, .. }) = self.spec.rest_scales.iter().find(|scale| scale.group == number)
-            {
+            if let Some(factor) = &group.rest_scale {
                 let table = scalar(factor);
                 self.tables.push(table.clone());
                 batch.data.rest_scale = Some(table);

@@ -3,7 +3,7 @@
 use super::check_elements::{springs, surfaces};
 use super::check_loads::loads;
 use crate::force::law::bar_law::Bars;
-use crate::model::spec::{MotionSpec, NetworkSpec, RestScaleSpec, Series};
+use crate::model::spec::{MotionSpec, NetworkSpec, Series};
 
 /// Why a scene cannot be built from a specification. The case reader finds these faults first, with more precise
 /// messages; a library user may not.
@@ -151,10 +151,7 @@ pub(super) fn check(spec: &NetworkSpec) -> Result<(), BuildError> {
         finite("time of a release", &[release.t])?;
         below("node", &release.nodes.iter().map(|(node, _)| *node).collect::<Vec<_>>(), spec.mesh.nodes.len())?;
     }
-    for cut in &spec.cuts {
-        finite("time of a cut", &[cut.t])?;
-        below("spring group", &[u32::try_from(cut.group).unwrap_or(u32::MAX)], spec.springs.len())?;
-    }
+    spec.springs.iter().try_for_each(|group| finite("time of a cut", group.cut.as_slice()))?;
     spec.springs.iter().try_for_each(|group| springs(group, spec.mesh.edges.len()))?;
     surfaces(spec)?;
     loads(spec)?;
@@ -251,8 +248,7 @@ fn tables(spec: &NetworkSpec) -> Result<(), BuildError> {
             }
         }
     }
-    for RestScaleSpec { group, factor } in &spec.rest_scales {
-        below("group of springs", &[*group as u32], spec.springs.len())?;
+    for factor in spec.springs.iter().filter_map(|group| group.rest_scale.as_ref()) {
         times("rest_scale", factor)?;
         finite("rest_scale", &factor.value)?;
         if factor.value.iter().any(|s| *s <= 0.0) {
@@ -282,7 +278,7 @@ mod tests {
     use super::*;
     use crate::mesh::Mesh;
     use crate::model::spec::{
-        AirSpec, DashpotKind, DashpotSpec, ElasticLaw, NodalLoad, PressureKind, PressureLoad, Slack, SpringGroup,
+        AirSpec, DashpotKind, DashpotSpec, NodalLoad, PressureKind, PressureLoad, Slack, SpringGroup,
     };
 
     fn constant<T>(value: T) -> Series<T> {
@@ -304,9 +300,9 @@ mod tests {
                 edges: vec![0, 1, 2],
                 stiffness: vec![1.0; 3],
                 rest_length: vec![1.0; 3],
-                law: ElasticLaw::Linear,
                 slack: Slack::DeadZone { eps: 0.1 },
                 dashpot: Some(DashpotSpec { kind: DashpotKind::Axial, coefficient: vec![1.0; 3], from_step: false }),
+                ..SpringGroup::default()
             }],
             air: Some(AirSpec { linear: 1.0, quadratic: 1.0, wind: constant([0.0; 3]) }),
             pressures: vec![PressureLoad {

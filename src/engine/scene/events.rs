@@ -5,7 +5,7 @@ use super::graph::Graph;
 use super::motion::{Moved, Support};
 use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
-use crate::model::spec::NetworkSpec;
+use crate::model::spec::{NetworkSpec, SpringGroup};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -53,9 +53,10 @@ impl Phases {
                 let before = first.fixed.as_flattened().iter().zip(fixed.as_flattened()).filter(|(held, _)| **held);
                 before.map(|(_, held)| !held).collect()
             });
-            let groups = spec.springs.iter().enumerate().filter(|(_, group)| !group.edges.is_empty());
-            let is_cut = |group: usize| spec.cuts.iter().any(|cut| cut.group == group && cut.t <= begun);
-            let cut = if spec.cuts.is_empty() { Vec::new() } else { groups.map(|(group, _)| is_cut(group)).collect() };
+            let groups = spec.springs.iter().filter(|group| !group.edges.is_empty());
+            let any_cut = spec.springs.iter().any(|group| group.cut.is_some());
+            let is_cut = |group: &SpringGroup| group.cut.is_some_and(|t| t <= begun);
+            let cut = if any_cut { groups.map(is_cut).collect() } else { Vec::new() };
             let (released, graph) = (released.unwrap_or_default(), OnceLock::new());
             let moved = Moved::new(&supports, &fixed, all.first().map_or(&fixed, |first| &first.fixed));
             all.push(Phase { fixed, inverse_mass, released, cut, moved, graph });

@@ -168,7 +168,7 @@ mod tests {
     use super::*;
     use crate::force::schedule::threads::Threads;
     use crate::mesh::Mesh;
-    use crate::model::spec::{DashpotKind, DashpotSpec, ElasticLaw, NetworkSpec, Slack, SpringGroup};
+    use crate::model::spec::{DashpotKind, DashpotSpec, NetworkSpec, Slack, SpringGroup};
     use crate::model::system::System;
     use crate::scene::build::build_network;
 
@@ -181,9 +181,9 @@ mod tests {
             edges: vec![0],
             stiffness: vec![100.0],
             rest_length: vec![1.0],
-            law: ElasticLaw::Linear,
             slack,
             dashpot,
+            ..SpringGroup::default()
         };
         let spec = NetworkSpec {
             mesh,

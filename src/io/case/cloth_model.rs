@@ -7,13 +7,11 @@
 //! with the sum A of the areas of the sheet's triangles there (Van Gelder 1998). Such a net has a Poisson's ratio of
 //! about 1/3, whatever the sheet has. All other springs stay: tapes and lines are bars in both models.
 
-use super::schema::{ClothModel, Membrane, System};
+use super::schema::ClothModel;
 use super::spec::SystemSpec;
 use super::{Case, Problem, lower::geometry::Geometry};
 use crate::format_number::first_few;
-use crate::model::spec::{
-    DashpotKind, DashpotSpec, ElasticLaw, MembraneSpec, NetworkSpec, Slack, SpringGroup, StrengthSpec,
-};
+use crate::model::spec::{DashpotKind, DashpotSpec, MembraneSpec, NetworkSpec, SheetSpec, Slack, SpringGroup};
 
 /// [-] Poisson's ratio that a regular net of equal springs has.
 const OF_NETS: f64 = 1.0 / 3.0;
@@ -65,7 +63,7 @@ pub enum ClothModelError {
 /// What a group of springs stands for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Sheet {
-    membrane: Membrane,
+    of: SheetSpec,
     wrinkling: bool,
     /// [s]
     damping_time: f64,
@@ -81,13 +79,12 @@ impl Case {
         let (SystemSpec::Network(spec), Some(geometry)) = (&mut problem.system, &self.geometry) else {
             return Err(ClothModelError::NoSheet);
         };
-        let sheets = self.sheets(spec, geometry);
-        if spec.membranes.is_empty() && sheets.iter().all(Option::is_none) {
+        if !has_sheets(spec) {
             return Err(ClothModelError::NoSheet);
         }
         match model {
             ClothModel::Net => as_net(spec, geometry)?,
-            ClothModel::Membrane => as_membranes(spec, &sheets, geometry)?,
+            ClothModel::Membrane => as_membranes(spec, geometry)?,
         }
         Ok(problem)
     }
@@ -99,29 +96,12 @@ impl Case {
 
     /// Whether the case has cloth of a known modulus, which can be both models.
     pub fn has_sheets(&self) -> bool {
-        match (&self.problem.system, &self.geometry) {
-            (SystemSpec::Network(spec), Some(geometry)) => {
-                !spec.membranes.is_empty() || self.sheets(spec, geometry).iter().any(Option::is_some)
-            }
-            _ => false,
-        }
+        matches!(&self.problem.system, SystemSpec::Network(spec) if has_sheets(spec))
     }
+}
 
-    /// The sheet that each group of springs stands for.
-    fn sheets(&self, spec: &NetworkSpec, geometry: &Geometry) -> Vec<Option<Membrane>> {
-        let System::Network(network) = &self.file.system else { return Vec::new() };
-        let rules: Vec<Membrane> = network.springs.iter().filter_map(|rule| rule.membrane).collect();
-        let sheet = |group: &SpringGroup| {
-            let of_rule = |rule: &&Membrane| {
-                let mut springs = group.edges.iter().zip(&group.stiffness);
-                springs.all(|(&edge, &k)| {
-                    same(k, geometry.net_stiffness(rule.modulus * rule.thickness, edge as usize, |_| true))
-                })
-            };
-            rules.iter().find(of_rule).copied()
-        };
-        spec.springs.iter().map(sheet).collect()
-    }
+fn has_sheets(spec: &NetworkSpec) -> bool {
+    !spec.membranes.is_empty() || spec.springs.iter().any(|group| group.sheet.is_some())
 }
 
 fn same(a: f64, b: f64) -> bool {
@@ -138,12 +118,9 @@ fn as_net(spec: &mut NetworkSpec, geometry: &Geometry) -> Result<(), ClothModelE
         let mut sides: Vec<Option<u32>> = vec![None; geometry.mesh.triangles.len()];
         sheet.triangles.iter().for_each(|&t| sides[t as usize] = Some(0));
         let mut group = SpringGroup {
-            edges: Vec::new(),
-            stiffness: Vec::new(),
-            rest_length: Vec::new(),
-            law: ElasticLaw::Linear,
             slack: if sheet.wrinkling { Slack::TensionOnly } else { Slack::None },
-            dashpot: None,
+            sheet: Some(SheetSpec { modulus: along, thickness: sheet.thickness }),
+            ..SpringGroup::default()
         };
         for (edge, &length) in geometry.length.iter().enumerate() {
             let k = geometry.net_stiffness(along * sheet.thickness, edge, |t| sides[t as usize].is_some());
@@ -170,15 +147,11 @@ fn as_net(spec: &mut NetworkSpec, geometry: &Geometry) -> Result<(), ClothModelE
 }
 
 /// Makes the triangles membranes whose sides have springs of a sheet, and takes these springs away.
-fn as_membranes(
-    spec: &mut NetworkSpec,
-    sheets: &[Option<Membrane>],
-    geometry: &Geometry,
-) -> Result<(), ClothModelError> {
+fn as_membranes(spec: &mut NetworkSpec, geometry: &Geometry) -> Result<(), ClothModelError> {
     let edges = geometry.mesh.edges.len();
     let (mut of_edge, mut carries) = (vec![None::<Sheet>; edges], vec![false; edges]);
-    for (number, (group, sheet)) in spec.springs.iter().zip(sheets).enumerate() {
-        let sheet = sheet.map(|membrane| of_group(spec, number, membrane, geometry)).transpose()?;
+    for group in &spec.springs {
+        let sheet = group.sheet.map(|sheet| of_group(group, sheet, geometry)).transpose()?;
         for &edge in &group.edges {
             carries[edge as usize] = true;
             of_edge[edge as usize] = sheet.or(of_edge[edge as usize]);
@@ -214,13 +187,13 @@ fn as_membranes(
         return Err(ClothModelError::Both(both));
     }
     spec.membranes.extend(made.into_iter().map(|(sheet, triangles)| sheet.of_triangles(triangles)));
-    take_away(spec, sheets);
+    spec.springs.retain(|group| group.sheet.is_none());
     Ok(())
 }
 
 impl Sheet {
     fn of_triangles(self, triangles: Vec<u32>) -> MembraneSpec {
-        let Sheet { membrane: Membrane { modulus, thickness }, wrinkling, damping_time } = self;
+        let Sheet { of: SheetSpec { modulus, thickness }, wrinkling, damping_time } = self;
         let shear = modulus / (2.0 * (1.0 + OF_NETS));
         let (modulus, poisson) = ([modulus; 2], OF_NETS);
         MembraneSpec { triangles, thickness, modulus, poisson, shear, warp: None, wrinkling, damping_time }
@@ -228,23 +201,17 @@ impl Sheet {
 }
 
 /// A group of springs as a sheet, if a membrane can do what it does.
-fn of_group(
-    spec: &NetworkSpec,
-    number: usize,
-    membrane: Membrane,
-    geometry: &Geometry,
-) -> Result<Sheet, ClothModelError> {
+fn of_group(group: &SpringGroup, of: SheetSpec, geometry: &Geometry) -> Result<Sheet, ClothModelError> {
     let only = |what, hint| Err(ClothModelError::OnlySprings { what, hint });
-    let Some(group) = spec.springs.get(number) else { return Err(ClothModelError::NoSheet) };
     let as_meshed =
         |(&edge, &rest): (&u32, &f64)| geometry.length.get(edge as usize).is_some_and(|length| same(*length, rest));
     if !group.edges.iter().zip(&group.rest_length).all(as_meshed) {
         return only("rest lengths other than those of the mesh", "stretch the cloth by its supports or loads");
     }
-    if spec.rest_scales.iter().any(|scale| scale.group == number) {
+    if group.rest_scale.is_some() {
         return only("rest lengths that change over time", "");
     }
-    if spec.cuts.iter().any(|cut| cut.group == number) {
+    if group.cut.is_some() {
         return only("a time when they are cut", "");
     }
     let wrinkling = match group.slack {
@@ -266,17 +233,5 @@ fn of_group(
             return only("dashpots that are relative or follow the step", "give them as \"axial\": {\"time\": ...}");
         }
     };
-    Ok(Sheet { membrane, wrinkling, damping_time })
-}
-
-/// Removes the groups that stood for sheets; what names the others by their places follows.
-fn take_away(spec: &mut NetworkSpec, sheets: &[Option<Membrane>]) {
-    let is_sheet = |group: usize| sheets.get(group).is_some_and(Option::is_some);
-    let moved = |group: usize| group - (0..group).filter(|&before| is_sheet(before)).count();
-    let mut number = 0..;
-    spec.springs.retain(|_| !number.next().is_some_and(is_sheet));
-    spec.strengths.retain(|StrengthSpec { group, .. }| !is_sheet(*group));
-    spec.strengths.iter_mut().for_each(|strength| strength.group = moved(strength.group));
-    spec.cuts.iter_mut().for_each(|cut| cut.group = moved(cut.group));
-    spec.rest_scales.iter_mut().for_each(|scale| scale.group = moved(scale.group));
+    Ok(Sheet { of, wrinkling, damping_time })
 }

@@ -149,13 +149,9 @@ impl Fingerprint {
             fixed,
             releases,
             motions,
-            cuts,
-            rest_scales,
             springs,
             membranes,
             bending,
-            // These are among the gauges.
-            strengths: _,
             gravity,
             base_acceleration,
             air,
@@ -183,14 +179,8 @@ impl Fingerprint {
         if !bending.is_empty() {
             self.sum("system.network.bending", bending)?;
         }
-        if !cuts.is_empty() {
-            self.sum("system.network.springs", cuts)?;
-        }
         if !motions.is_empty() {
             self.sum("system.network.supports", motions)?;
-        }
-        if !rest_scales.is_empty() {
-            self.sum("system.network.springs", rest_scales)?;
         }
         if base_acceleration.is_some() {
             self.sum("system.network.base_acceleration", base_acceleration)?;

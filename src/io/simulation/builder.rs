@@ -75,7 +75,9 @@ impl NetworkBuilder {
         let rest_length = edges.iter().map(|edge| law.rest_length.unwrap_or_else(|| distance(edge))).collect();
         let (stiffness, n) = (vec![law.stiffness; edges.len()], edges.len());
         let dashpot = law.dashpot.map(|(kind, c)| DashpotSpec { kind, coefficient: vec![c; n], from_step: false });
-        self.spec.springs.push(SpringGroup { edges, stiffness, rest_length, law: law.law, slack: law.slack, dashpot });
+        let SpringLaw { law, slack, .. } = law;
+        let group = SpringGroup { edges, stiffness, rest_length, law, slack, dashpot, ..SpringGroup::default() };
+        self.spec.springs.push(group);
         self
     }
 

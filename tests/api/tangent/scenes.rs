@@ -138,9 +138,9 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
         ("reeled, tension-only", Slack::TensionOnly, Some(DashpotKind::Axial)),
         ("reeled, compression limit", Slack::CompressionLimit { eps: 0.13 }, Some(DashpotKind::Relative)),
     ] {
-        let spec = kind.map_or_else(|| with_springs(slack), |kind| with_dashpots(slack, kind));
-        let factor = Series { t: vec![0.0, 1.0], value: vec![0.8, 1.15] };
-        list.push((name, NetworkSpec { rest_scales: vec![RestScaleSpec { group: 0, factor }], ..spec }));
+        let mut spec = kind.map_or_else(|| with_springs(slack), |kind| with_dashpots(slack, kind));
+        spec.springs[0].rest_scale = Some(Series { t: vec![0.0, 1.0], value: vec![0.8, 1.15] });
+        list.push((name, spec));
     }
     let factor = Series { t: vec![0.0, 1.0], value: vec![1.0, 0.85] };
     for (name, law) in [
@@ -154,8 +154,9 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
         for (_, slack) in slacks {
             list.push((name, with_law(with_dashpots(slack, DashpotKind::Axial))));
         }
-        let reeled = vec![RestScaleSpec { group: 0, factor: factor.clone() }];
-        list.push((name, NetworkSpec { rest_scales: reeled, ..with_law(with_springs(Slack::TensionOnly)) }));
+        let mut reeled = with_law(with_springs(Slack::TensionOnly));
+        reeled.springs[0].rest_scale = Some(factor.clone());
+        list.push((name, reeled));
     }
     list.push(("relative dashpots", with_dashpots(Slack::TensionOnly, DashpotKind::Relative)));
     let rayleigh = Some(RayleighSpec { mass: 0.7, stiffness: 0.02 });

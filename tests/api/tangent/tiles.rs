@@ -46,14 +46,7 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
             dashpot.coefficient = many(&dashpot.coefficient);
         }
         let (stiffness, rest_length) = (many(&group.stiffness), many(&group.rest_length));
-        SpringGroup {
-            edges: renamed(&group.edges),
-            stiffness,
-            rest_length,
-            dashpot,
-            law: group.law.clone(),
-            slack: group.slack,
-        }
+        SpringGroup { edges: renamed(&group.edges), stiffness, rest_length, dashpot, ..group.clone() }
     });
     let pressures = spec.pressures.iter().map(|p| PressureLoad { triangles: renamed(&p.triangles), ..p.clone() });
     let forces = spec.forces.iter().map(|f| NodalLoad { nodes: renamed(&f.nodes), ..f.clone() });

@@ -27,7 +27,7 @@ impl NetworkSpec {
     /// Tables of factors of loads and of rest lengths.
     fn factors(&self) -> impl Iterator<Item = &Series<f64>> {
         let loads = self.pressures.iter().map(|load| &load.factor).chain(self.forces.iter().map(|load| &load.factor));
-        loads.flatten().chain(self.rest_scales.iter().map(|scale| &scale.factor))
+        loads.flatten().chain(self.springs.iter().filter_map(|group| group.rest_scale.as_ref()))
     }
 
     /// Tables of the wind and of the base.

@@ -1,4 +1,4 @@
-//! Tables over time, and what they change: supports that move, and rest lengths.
+//! Tables over time, and supports that move by them.
 
 use serde::Serialize;
 
@@ -65,15 +65,6 @@ pub struct MotionSpec {
     pub nodes: Vec<(u32, [bool; 3])>,
     /// [m] displacement from where the nodes are at t = 0; it is 0 there
     pub displacement: Series<[f64; 3]>,
-}
-
-/// Rest lengths of a group that change over time.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RestScaleSpec {
-    /// place of the group in [`NetworkSpec::springs`]
-    pub group: usize,
-    /// [-] factor of the rest lengths, above 0
-    pub factor: Series<f64>,
 }
 
 /// [m/s] Velocity at t = 0 of what supports move, `[n_nodes][3]`; 0 elsewhere. Empty if nothing moves.

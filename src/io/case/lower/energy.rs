@@ -20,8 +20,8 @@ pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, fau
         faults.add_value(&at.key("initial").key("velocity"), value, ALLOWED, None);
     }
     let length = |edge: u32| geometry.start_length(edge, &spec.displacement).unwrap_or_default();
-    let springs = spec.springs.iter().enumerate().flat_map(|(number, g)| {
-        let scale = spec.rest_scale_at_start(number);
+    let springs = spec.springs.iter().flat_map(|g| {
+        let scale = g.rest_scale_at_start();
         let values = g.edges.iter().zip(g.stiffness.iter().zip(&g.rest_length));
         values.map(move |(&edge, (&k, &rest))| (edge, k, scale * rest))
     });

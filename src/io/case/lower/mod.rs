@@ -32,7 +32,7 @@ use super::pointer::Pointer;
 use super::schema::{CaseFile, System};
 use super::spec::{GaugeOf, GaugeSpec, Problem, SystemSpec};
 use crate::model::gauge::SpringGauge;
-use crate::model::spec::{NetworkSpec, PendulumSpec, StrengthSpec};
+use crate::model::spec::{NetworkSpec, PendulumSpec, SpringGroup, StrengthSpec};
 use crate::preflight;
 use geometry::Geometry;
 use numbers::{not_negative, positive};
@@ -115,12 +115,13 @@ pub(crate) fn build(
 
 /// Gauges for the springs with a strength.
 fn strengths(spec: &NetworkSpec) -> Vec<GaugeSpec> {
-    let gauge = |StrengthSpec { group, name, strength }: &StrengthSpec| {
-        let edges = spec.springs[*group].edges.clone();
-        let of = GaugeOf::Springs { of: SpringGauge::Tension, edges, rule: Some(*group), strength: Some(*strength) };
-        GaugeSpec { name: name.clone(), of, every: 1 }
+    let gauge = |(rule, group): (usize, &SpringGroup)| {
+        let StrengthSpec { name, strength } = group.strength.clone()?;
+        let (of, edges) = (SpringGauge::Tension, group.edges.clone());
+        let of = GaugeOf::Springs { of, edges, rule: Some(rule), strength: Some(strength) };
+        Some(GaugeSpec { name, of, every: 1 })
     };
-    spec.strengths.iter().map(gauge).collect()
+    spec.springs.iter().enumerate().filter_map(gauge).collect()
 }
 
 /// A name that is usable in a file name, a table and a title.

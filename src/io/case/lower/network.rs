@@ -4,7 +4,6 @@ use super::air::{self, Flow};
 use super::geometry::Geometry;
 use super::initial::{self, initial};
 use super::numbers::{not_negative, series};
-use super::springs::SpringSections;
 use super::supports::{Supports, supports};
 use super::{canopy, digits, energy, loads, mass, plausible, springs, surface};
 use crate::case::diagnostics::Faults;
@@ -32,7 +31,7 @@ pub(super) fn network(
     let Supports { fixed, releases, motions } = supports(&at.key("supports"), &network.supports, geometry, faults);
     let membranes = surface::membranes(&at.key("membranes"), &network.membranes, geometry, faults);
     let bending = surface::bending(&at.key("bending"), &network.bending, geometry, faults);
-    let SpringSections { groups, strengths, cuts, rest_scales } =
+    let groups =
         springs::springs(&at.key("springs"), (&network.springs, &membranes), geometry, step, &mut masses, faults);
     let readable = |keys: &[&str], faults: &Faults<'_>| keys.iter().all(|key| faults.readable(&at.key(key)));
     let masses_known = faults.count() == before && readable(&["mass", "supports", "springs", "membranes"], faults);
@@ -73,9 +72,6 @@ pub(super) fn network(
         springs: groups,
         membranes,
         bending,
-        strengths,
-        cuts,
-        rest_scales,
         gravity: network.gravity,
         base_acceleration,
         air,

@@ -146,8 +146,8 @@ fn in_millimetres(metres: f64, other: f64) -> bool {
 }
 
 fn strain(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
-    let springs = spec.springs.iter().enumerate().flat_map(|(number, group)| {
-        let scale = spec.rest_scale_at_start(number);
+    let springs = spec.springs.iter().flat_map(|group| {
+        let scale = group.rest_scale_at_start();
         let tension_only = matches!(group.slack, Slack::TensionOnly | Slack::DeadZone { .. });
         group.edges.iter().zip(&group.rest_length).map(move |(edge, rest)| (edge, scale * rest, tension_only))
     });

@@ -8,24 +8,11 @@ use super::select;
 use super::stiffness::{Springs, Stiffness, dashpot, dashpot_number, rest_lengths, stiffness};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{EdgeSelection, Factor, FactorTable, SlackRule, SpringRule};
+use crate::case::schema::{EdgeSelection, Factor, FactorTable, Membrane, SlackRule, SpringRule};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
-use crate::model::spec::{CutSpec, ElasticLaw, MembraneSpec, RestScaleSpec, Series, Slack, SpringGroup, StrengthSpec};
+use crate::model::spec::{ElasticLaw, MembraneSpec, Series, SheetSpec, Slack, SpringGroup, StrengthSpec};
 use crate::warning::WarningCode;
-
-/// The springs of a case.
-#[derive(Debug, Default)]
-pub(super) struct SpringSections {
-    /// by rule, in the order of the rules
-    pub groups: Vec<SpringGroup>,
-    /// strengths of groups
-    pub strengths: Vec<StrengthSpec>,
-    /// when groups are cut
-    pub cuts: Vec<CutSpec>,
-    /// how rest lengths of groups change
-    pub rest_scales: Vec<RestScaleSpec>,
-}
 
 /// Groups of springs in the order of the rules; adds the springs' own mass to `mass` `[n_nodes]`.
 pub(super) fn springs(
@@ -35,10 +22,10 @@ pub(super) fn springs(
     step: Option<Step>,
     mass: &mut [f64],
     faults: &mut Faults<'_>,
-) -> SpringSections {
+) -> Vec<SpringGroup> {
     let bare = vec![false; geometry.map_or(0, |g| g.mesh.edges.len())];
     let mut claimed = Claimed { by_rule: bare.clone(), by_any: bare };
-    let mut sections = SpringSections::default();
+    let mut groups = Vec::new();
     let mut geometry = geometry;
     for (i, rule) in rules.iter().enumerate() {
         let at = at.index(i);
@@ -57,17 +44,17 @@ pub(super) fn springs(
             && !edges.is_empty()
             && let Some(group) = group(&at, RuleEdges { rule, values, edges, rest_length, step }, geometry, faults)
         {
-            let number = sections.groups.len();
-            if let Some(strength) = rule.strength {
-                let name = match &rule.on {
-                    EdgeSelection::Group(group) => format!("springs[{i}] {group}"),
-                    _ => format!("springs[{i}]"),
-                };
-                sections.strengths.push(StrengthSpec { group: number, name, strength });
-            }
-            sections.cuts.extend(rule.cut.map(|t| CutSpec { t, group: number }));
-            sections.rest_scales.extend(factor.map(|factor| RestScaleSpec { group: number, factor }));
-            sections.groups.push(group);
+            let name = || match &rule.on {
+                EdgeSelection::Group(group) => format!("springs[{i}] {group}"),
+                _ => format!("springs[{i}]"),
+            };
+            groups.push(SpringGroup {
+                cut: rule.cut,
+                rest_scale: factor,
+                strength: rule.strength.map(|strength| StrengthSpec { name: name(), strength }),
+                sheet: rule.membrane.map(|Membrane { modulus, thickness }| SheetSpec { modulus, thickness }),
+                ..group
+            });
         }
     }
     if let Some(geometry) = geometry {
@@ -78,7 +65,7 @@ pub(super) fn springs(
         }
         warn_bare(&claimed.by_any, faults);
     }
-    sections
+    groups
 }
 
 /// Values of a rule that need no edge.
@@ -184,7 +171,8 @@ fn group(at: &Pointer, members: RuleEdges<'_>, geometry: &Geometry, faults: &mut
             Some(dashpot(&at.key("dashpot"), rule, &springs, faults)?)
         }
     };
-    Some(SpringGroup { edges, stiffness, rest_length, law: values.law, slack: values.slack, dashpot })
+    let RuleValues { law, slack, .. } = values;
+    Some(SpringGroup { edges, stiffness, rest_length, law, slack, dashpot, ..SpringGroup::default() })
 }
 
 /// Adds half of an edge's mass to each of its ends; `total` [kg] `[n_nodes]`.
