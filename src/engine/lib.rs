@@ -5,6 +5,8 @@
 //! ck K. Units are SI: m, kg, s, N, Pa, J; every number's doc begins with its own. Specifications, meshes, frames and
 //! messages number nodes as the user does; states and forces within a run have [a numbering of the
 //! engine](model::state).
+//!
+//! `README.md` beside this file says why it is built as it is.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 // Units stand in brackets at the beginning of a field's doc, as `[N/m]`; rustdoc would take them for links.
 #![allow(rustdoc::broken_intra_doc_links)]

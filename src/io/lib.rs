@@ -1,5 +1,7 @@
 //! What goes into the engine of canopy-fem and comes out of it: cases, results, and the simulation that a program
 //! drives.
+//!
+//! `README.md` beside this file says why it is built as it is.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 // Units stand in brackets at the beginning of a field's doc, as `[N/m]`; rustdoc would take them for links.
 #![allow(rustdoc::broken_intra_doc_links)]

@@ -2,6 +2,8 @@
 //!
 //! Everything here is in the *user's* numbering: node 7 of a case, a file or a message is `nodes[7]`. The engine has a
 //! numbering of its own (`scene::numbering`).
+//!
+//! `README.md` beside this file says why it is built as it is.
 
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 // Units stand in brackets at the beginning of a field's doc, as `[N/m]`; rustdoc would take them for links.

@@ -7,6 +7,8 @@
 //! ([`store`]), finished ones are never made again, and a stopped one goes on where it was. Errors are distances from a
 //! reference that knows its own error ([`reference`]). Everything that decides numbers is counted; seconds are only
 //! measured.
+//!
+//! `README.md` beside this file says why it is built as it is.
 
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 // Units stand in brackets at the beginning of a field's doc, as `[N/m]`; rustdoc would take them for links.

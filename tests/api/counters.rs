@@ -112,7 +112,7 @@ const SHIPPED: [(&str, &str, &[(&str, &str)]); 6] = [
     (
         "steps by a tolerance",
         "spring-pendulum",
-        &[("time", r#"{"end": 2, "method": "dormand-prince", "tolerance": 1e-6}"#)],
+        &[("time", r#"{"end": 2, "method": "dormand-prince", "tolerance": {"relative": 1e-6, "absolute": 1e-9}}"#)],
     ),
     ("conjugate gradients", "big/annulus-10k", &[("solver.linear", "cg"), ("time.end", "0.003")]),
 ];
@@ -120,8 +120,14 @@ const SHIPPED: [(&str, &str, &[(&str, &str)]); 6] = [
 /// Where the work of these is written down, one row a case.
 const SHIPPED_WORK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/counted-work.txt");
 
-/// The work of shipped cases is that of the file. After a change that was meant, `COUNTED_WORK_WRITE=1 cargo test
-/// --release --test api counted` writes it anew, and the commit shows what the change costs or saves.
+/// The numbers in the rows of such a table.
+fn numbers(table: &str) -> Vec<Vec<u64>> {
+    table.lines().map(|row| row.split_whitespace().filter_map(|word| word.parse().ok()).collect()).collect()
+}
+
+/// The work of shipped cases is that of the file, but for 2 %, since the last digits of a factorisation differ from
+/// processor to processor. After a change that was meant, `COUNTED_WORK_WRITE=1 cargo test --release --test api
+/// counted` writes it anew, and the commit shows what the change costs or saves.
 #[test]
 fn counted_work_of_shipped_cases_is_as_written_down() {
     let mut table = format!(
@@ -140,5 +146,10 @@ fn counted_work_of_shipped_cases_is_as_written_down() {
         std::fs::write(SHIPPED_WORK, &table).expect("the folder takes files");
     }
     let written = std::fs::read_to_string(SHIPPED_WORK).expect("tests/data/counted-work.txt");
-    assert_eq!(table, written, "the work of a shipped case has changed (left: now, right: written down)");
+    let (now, then) = (numbers(&table), numbers(&written));
+    let close = now.len() == then.len()
+        && now.iter().zip(&then).all(|(now, then)| {
+            now.len() == then.len() && now.iter().zip(then).all(|(now, then)| now.abs_diff(*then) <= then / 50)
+        });
+    assert!(close && now.len() == SHIPPED.len() + 1, "the work was\n{written}\nand is\n{table}");
 }
