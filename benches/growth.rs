@@ -15,7 +15,7 @@
 mod fixture;
 
 use canopy_fem::case::Case;
-use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
+use canopy_fem::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point};
 use canopy_fem::plot::chart::{Axis, Chart, Line, Marker, Stroke};
 use canopy_fem::process::cpu_seconds;
 use canopy_fem::scene::Scene;
@@ -60,7 +60,7 @@ struct Pacer<'a> {
 }
 
 impl Observer for Pacer<'_> {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn started(&mut self, _at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
         self.began = cpu();
         Ok(())
     }

@@ -5,7 +5,7 @@
 //! cargo run --release --example cloth_by_hand
 //! ```
 
-use canopy_fem::drive::observer::LedgerRow;
+use canopy_fem::drive::observer::Energies;
 use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::spec::Slack;
 use canopy_fem::simulation::{NetworkBuilder, RunSpec, Simulation, SpringLaw};
@@ -13,10 +13,10 @@ use std::error::Error;
 use std::path::Path;
 
 /// Swings the cloth for half a second; returns the energy account at the end.
-pub fn swing() -> Result<LedgerRow, Box<dyn Error>> {
+pub fn swing() -> Result<Energies, Box<dyn Error>> {
     let rectangle = r#"{"rectangle": {"width": 1, "height": 1, "columns": 12, "rows": 12, "pattern": "crossed"}}"#;
     let mesh = serde_json::from_str::<MeshSource>(rectangle)?.build(Path::new("."))?;
-    let cloth = NetworkBuilder::of_mesh(mesh)
+    let cloth = NetworkBuilder::from_mesh(mesh)
         .springs_on_edges(SpringLaw { stiffness: 500.0, slack: Slack::TensionOnly, ..SpringLaw::default() })
         .total_mass(0.05)
         .hold(|_, x| x[0] == 0.0)

@@ -41,7 +41,7 @@ pub fn tethered(method: &str) -> Result<f64, Box<dyn Error>> {
         .springs(&[[0, 1]], SpringLaw { stiffness: 1.0, ..SpringLaw::default() })
         .masses(vec![2.0; 2]);
     let mut sim = Simulation::new(network.build()?, RunSpec::fixed(method, 1e-3, 3.0)?)?;
-    sim.set_nodal_law("tether", Arc::new(Tether { stiffness: 8.0, nodes: 2 }))?;
+    sim.set_force_law("tether", Arc::new(Tether { stiffness: 8.0, nodes: 2 }))?;
     let mut worst = 0.0_f64;
     for _ in 0..3000 {
         let t = sim.step()?.t;

@@ -28,11 +28,11 @@ pub fn reef() -> Result<f64, Box<dyn Error>> {
     let line = sim.spring_edges();
     let mut worst = 0.0_f64;
     for (until, target) in [(10.0, 0.5), (20.0, 1.0)] {
-        let mut factor = sim.rest_length_factors()[0];
+        let mut factor = sim.rest_scales()[0];
         while sim.time() < until {
             // The winch takes in or lets out 0.5 of the length a second.
             factor += (target - factor).clamp(-0.005, 0.005);
-            sim.set_rest_length_factor(&line, factor)?;
+            sim.set_rest_scale(&line, factor)?;
             sim.run_until(sim.time() + 0.01)?;
         }
         // 2 T sin(pi/n) = F, and a piece is 2 r sin(pi/n) = l0 + T/k long.

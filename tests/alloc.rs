@@ -168,13 +168,13 @@ fn external_blocks(steps: u64, law: bool) -> u64 {
     let push = vec![[0.0, 0.0, 1e-3]; spec.mass.len()];
     let settings = RunSpec::fixed("velocity-verlet", 1e-4, 1.0).expect("registered");
     let mut sim = Simulation::new(spec, settings).expect("a network");
-    sim.set_nodal_force("push", &push).expect("a network takes forces");
+    sim.set_force("push", &push).expect("a network takes forces");
     if law {
-        sim.set_nodal_law("drag", Arc::new(Drag)).expect("a network takes laws");
+        sim.set_force_law("drag", Arc::new(Drag)).expect("a network takes laws");
     }
-    sim.advance(60).expect("easy steps");
+    sim.steps(60).expect("easy steps");
     let before = dhat::HeapStats::get().total_blocks;
-    sim.advance(steps).expect("easy steps");
+    sim.steps(steps).expect("easy steps");
     dhat::HeapStats::get().total_blocks - before
 }
 

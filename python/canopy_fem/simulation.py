@@ -210,7 +210,7 @@ class Simulation(_core.Simulation):
 
     def __reduce__(self) -> tuple[Any, ...]:
         state = {
-            "functions": self.force_functions(),
+            "functions": self.force_laws(),
             "state": self.snapshot(),
             "more": getattr(self, "__dict__", None),
         }
@@ -219,7 +219,7 @@ class Simulation(_core.Simulation):
     def __setstate__(self, state: dict[str, Any]) -> None:
         # Before the state, since the first function would begin it anew.
         for name, (function, velocity_dependent) in state["functions"].items():
-            self.set_force_function(name, function, velocity_dependent=velocity_dependent)
+            self.set_force_law(name, function, velocity_dependent=velocity_dependent)
         self._restore_later(state["state"])
         if state["more"]:
             self.__dict__.update(state["more"])
@@ -397,7 +397,7 @@ class Forces(MutableMapping[str, Any]):
     ) -> None:
         """Sets a force that a function computes. One that does not depend on velocities costs velocity Verlet one call
         a step less."""
-        self._sim.set_force_function(name, function, velocity_dependent=velocity_dependent)
+        self._sim.set_force_law(name, function, velocity_dependent=velocity_dependent)
 
     def __getitem__(self, name: str) -> Any:
         return self._sim.acting_forces()[name]

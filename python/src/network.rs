@@ -28,7 +28,7 @@ impl Network {
             Err(_) => mesh::Mesh { nodes: rows(mesh, "nodes", None)?, ..mesh::Mesh::default() },
         };
         let mass = numbers(mass, "mass", mesh.nodes.len())?;
-        let mut builder = NetworkBuilder::of_mesh(mesh).masses(mass);
+        let mut builder = NetworkBuilder::from_mesh(mesh).masses(mass);
         builder.spec.gravity = gravity.map(|given| vector(given, "gravity")).transpose()?;
         Ok(Network { builder: Mutex::new(builder) })
     }

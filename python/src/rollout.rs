@@ -7,7 +7,7 @@ use crate::interrupt::watched;
 use crate::record::checked_threads;
 use crate::values::{Energies, from_json};
 use canopy_fem::case::Case as EngineCase;
-use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
+use canopy_fem::drive::observer::{self, AcceptedStep, ObserveError, Observer, Point, UpcomingStep, Wants};
 use canopy_fem::drive::{Failure, Outcome, Status};
 use canopy_fem::scene::Scene;
 use canopy_fem::simulation::{RecordError, Simulation, SimulationError};
@@ -34,7 +34,7 @@ struct End {
     steps: u64,
     /// [s]
     t_end: f64,
-    ledger: LedgerRow,
+    ledger: observer::Energies,
     energy_error: f64,
     failure: Option<Failure>,
 }
@@ -158,7 +158,7 @@ impl Keeper<'_> {
 }
 
 impl Observer for Keeper<'_> {
-    fn started(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn started(&mut self, at: &Point, _ledger: observer::Energies) -> Result<(), ObserveError> {
         self.keep(at);
         Ok(())
     }
@@ -197,7 +197,7 @@ fn run(case: &EngineCase, kept: Kept<'_>, stop: &AtomicBool) -> Result<Rollout, 
     if let Some((place, &node)) = kept.nodes.iter().enumerate().find(|(_, node)| **node as usize >= n) {
         return Err(SimulationError::NoNode { what: "nodes: place", place, node, nodes: n }.into());
     }
-    let mut simulation = Simulation::of_scene(scene.clone(), problem.run_spec())?;
+    let mut simulation = Simulation::from_scene(scene.clone(), problem.run_spec())?;
     let Kept { nodes, every } = kept;
     let seen = Seen { nodes: if nodes.is_empty() { n } else { nodes.len() }, ..Seen::default() };
     let (positions, velocities) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);

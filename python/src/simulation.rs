@@ -85,7 +85,7 @@ impl Simulation {
                 let case = case.get().case.clone();
                 engine(py, move || {
                     let settings = RunSpec { threads, keep_going, free_steps, ..case.problem().run_spec() };
-                    Ok::<_, RecordError>(door::Simulation::of_scene(scene_of(&case, threads)?, settings)?)
+                    Ok::<_, RecordError>(door::Simulation::from_scene(scene_of(&case, threads)?, settings)?)
                 })?
             }
             (_, Ok(network), Some(settings)) => {
@@ -177,7 +177,7 @@ impl Simulation {
         let motion = self.with(py, |sim| {
             match step {
                 None => sim.attempt()?,
-                Some(h) => sim.attempt_of(h)?,
+                Some(h) => sim.attempt_with_step(h)?,
             }
             Ok(sim.attempted())
         })?;
@@ -213,7 +213,7 @@ impl Simulation {
     ///     ValueError: damaged bytes, or those of other nodes or connections, or of another version.
     fn restore(&self, py: Python<'_>, state: &[u8]) -> PyResult<Vec<String>> {
         let state = state.to_vec();
-        let (differs, set) = self.with(py, move |sim| Ok((sim.restore(&state)?, sim.nodal_forces())))?;
+        let (differs, set) = self.with(py, move |sim| Ok((sim.restore(&state)?, sim.acting_forces())))?;
         for (name, _) in &set {
             self.forget_function(name);
         }
@@ -250,7 +250,7 @@ impl Simulation {
     ///     SimulationError: a pendulum, which has no forces from outside.
     fn set_force(&self, py: Python<'_>, name: &str, force: &Bound<'_, PyAny>) -> PyResult<()> {
         let force = rows(force, "force", Some(self.mesh.nodes.len()))?;
-        self.with(py, |sim| sim.set_nodal_force(name, &force))?;
+        self.with(py, |sim| sim.set_force(name, &force))?;
         self.forget_function(name);
         Ok(())
     }
@@ -260,7 +260,7 @@ impl Simulation {
     /// Raises:
     ///     TypeError: no function.
     #[pyo3(signature = (name, function, *, velocity_dependent=true))]
-    fn set_force_function(
+    fn set_force_law(
         &self,
         py: Python<'_>,
         name: String,
@@ -272,7 +272,7 @@ impl Simulation {
         }
         let (raised, function) = (self.raised.clone(), Mutex::new(Some(function)));
         let law = Arc::new(PythonForce { name: name.clone(), function, velocity_dependent, raised });
-        self.with(py, |sim| sim.set_nodal_law(&name, law.clone()))?;
+        self.with(py, |sim| sim.set_force_law(&name, law.clone()))?;
         let before = self.own_functions().insert(name, law);
         drop(before);
         Ok(())
@@ -280,7 +280,7 @@ impl Simulation {
 
     /// Removes a force; False if there is none of this name.
     fn remove_force(&self, py: Python<'_>, name: &str) -> PyResult<bool> {
-        let removed = self.with(py, |sim| sim.remove_nodal_force(name))?;
+        let removed = self.with(py, |sim| sim.remove_force(name))?;
         self.forget_function(name);
         Ok(removed)
     }
@@ -288,7 +288,7 @@ impl Simulation {
     /// Forces from outside that act, by name: arrays [N], (n, 3), and functions.
     fn acting_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);
-        let set = self.lock()?.nodal_forces();
+        let set = self.lock()?.acting_forces();
         for (name, force) in set {
             all.set_item(name, of_rows(py, force)?)?;
         }
@@ -299,7 +299,7 @@ impl Simulation {
     }
 
     /// Forces that are functions, by name, each with whether it depends on velocities.
-    fn force_functions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    fn force_laws<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);
         for (name, force) in self.own_functions().iter() {
             all.set_item(name, (force.function(py)?, force.velocity_dependent))?;
@@ -323,12 +323,12 @@ impl Simulation {
     ///     ValueError, TypeError: an edge without a spring, a factor of 0 or less.
     fn set_rest_scale(&self, py: Python<'_>, edges: &Bound<'_, PyAny>, factor: f64) -> PyResult<()> {
         let edges = indices(edges, "edges")?;
-        self.with(py, move |sim| sim.set_rest_length_factor(&edges, factor))
+        self.with(py, move |sim| sim.set_rest_scale(&edges, factor))
     }
 
     /// [-] factors of the rest lengths of all edges, (m,); NaN where an edge has no spring
     fn rest_scales<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (springs, factors) = self.with(py, |sim| Ok((sim.spring_edges(), sim.rest_length_factors())))?;
+        let (springs, factors) = self.with(py, |sim| Ok((sim.spring_edges(), sim.rest_scales())))?;
         let mut all = vec![f64::NAN; factors.len()];
         springs.iter().for_each(|&edge| all[edge as usize] = factors[edge as usize]);
         Ok(of_list(py, all))

@@ -1,6 +1,6 @@
 //! Small values that the engine returns.
 
-use canopy_fem::drive::observer::LedgerRow;
+use canopy_fem::drive::observer;
 use canopy_fem::simulation::StepInfo;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -65,9 +65,9 @@ impl Energies {
     }
 }
 
-impl From<LedgerRow> for Energies {
-    fn from(row: LedgerRow) -> Self {
-        let LedgerRow { kinetic, elastic, gravity, external_work, dissipated, numerical } = row;
+impl From<observer::Energies> for Energies {
+    fn from(row: observer::Energies) -> Self {
+        let observer::Energies { kinetic, elastic, gravity, external_work, dissipated, numerical } = row;
         Energies { kinetic, elastic, gravity, external_work, dissipated, numerical }
     }
 }

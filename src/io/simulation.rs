@@ -26,12 +26,12 @@
 //! | take scene, method and step of a case file | [`Simulation::from_case`], or [`follow`] to run it to its end |
 //! | write the files of `canopy-fem solve` | [`record`] |
 //! | find an equilibrium, as `canopy-fem static` | [`record_static`], [`crate::statics`] |
-//! | only its scene, another method | [`build_scene`], [`Problem::run_spec`], [`Simulation::of_scene`] |
+//! | only its scene, another method | [`build_scene`], [`Problem::run_spec`], [`Simulation::from_scene`] |
 //! | choose method, steps, threads | [`RunSpec::fixed`], [`RunSpec::adaptive`], [`RunSpec::of`] |
-//! | make steps | [`Simulation::step`], [`Simulation::advance`], [`Simulation::run_until`] |
+//! | make steps | [`Simulation::step`], [`Simulation::steps`], [`Simulation::run_until`] |
 //! | stop on the way | [`Simulation::run_until_or`] |
 //! | give up on a step | [`Simulation::stop_on`] |
-//! | give the size of a step | [`Simulation::attempt_of`] |
+//! | give the size of a step | [`Simulation::attempt_with_step`] |
 //! | look at a step first | [`Simulation::attempt`]; [`Simulation::accept`] or [`Simulation::drop_attempt`] |
 //! | read nodes | [`Simulation::positions`], [`Simulation::velocities`], [`Simulation::reactions`] |
 //! | read springs and energies | [`Simulation::tensions`], [`Simulation::energies`] |
@@ -39,9 +39,9 @@
 //! | set positions and velocities | [`Simulation::set_state`] |
 //! | set the wind | [`Simulation::set_wind`] |
 //! | scale gravity, pressures, forces | [`Simulation::set_load_factor`], [`Simulation::load_factors`] |
-//! | reef lines or let them out | [`Simulation::set_rest_length_factor`]: `examples/reefing.rs` |
-//! | push nodes | [`Simulation::set_nodal_force`], [`Simulation::remove_nodal_force`] |
-//! | add a force of its own | [`NodalForce`], [`Simulation::set_nodal_law`]: `examples/own_force.rs` |
+//! | reef lines or let them out | [`Simulation::set_rest_scale`]: `examples/reefing.rs` |
+//! | push nodes | [`Simulation::set_force`], [`Simulation::remove_force`] |
+//! | add a force of its own | [`NodalForce`], [`Simulation::set_force_law`]: `examples/own_force.rs` |
 //! | check its derivatives | [`derivative_error`] |
 //! | add a law of bars | [`BarLaw`], [`Simulation::with_bars`]: `examples/own_bar_law.rs` |
 //! | add a scheme | [`crate::integrate`], [`RunSpec::of`]: `examples/own_scheme.rs` |
@@ -81,7 +81,7 @@ pub use record::{
 pub use state::NodeMotion;
 
 use crate::case::spec::{Problem, SystemSpec};
-use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, UpcomingStep, Wants};
+use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, UpcomingStep, Wants};
 use crate::drive::{Changed, Outcome, Run, RunError, RunState, Snapshot, StepEnd};
 use crate::force::schedule::threads::Threads;
 use crate::integrate::registry::MethodChoice;
@@ -131,7 +131,7 @@ pub struct StepInfo {
     /// [s] time at its end
     pub t: f64,
     /// energy account at its end
-    pub energies: LedgerRow,
+    pub energies: Energies,
 }
 
 /// A scene in motion. It borrows nothing and may move between threads (`Send`).
@@ -148,7 +148,7 @@ pub struct Simulation {
     /// [m/s] wind that was set
     wind: Option<[f64; 3]>,
     /// [-] factors of rest lengths that were set, `[n_edges]`; empty if none was
-    rest_length_factors: Vec<f64>,
+    rest_scales: Vec<f64>,
     /// the edges that have a spring, once they were asked for
     spring_edges: OnceLock<Vec<u32>>,
     /// what was changed since the last step
@@ -175,7 +175,7 @@ impl Simulation {
     pub fn with_bars(network: NetworkSpec, bars: &[Bars], spec: RunSpec) -> Result<Self, SimulationError> {
         let threads = Threads::new(spec.threads).map_err(SetupError::from)?;
         let scene = build_network_with(network, bars, threads).map_err(SetupError::from)?;
-        Self::of_scene(Arc::new(scene), spec)
+        Self::from_scene(Arc::new(scene), spec)
     }
 
     /// A case, ready at t = 0, on `threads` threads; results do not depend on their number.
@@ -185,7 +185,7 @@ impl Simulation {
     /// # let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/cases/oscillator.json"));
     /// let case = Case::from_file(path, &[])?;
     /// let mut sim = Simulation::from_case(case.problem(), 1)?;
-    /// sim.advance(100)?;
+    /// sim.steps(100)?;
     /// assert_eq!(sim.step_count(), 100);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -196,7 +196,7 @@ impl Simulation {
         let spec = RunSpec { threads, ..problem.run_spec() };
         match &problem.system {
             SystemSpec::Network(network) => Self::new((**network).clone(), spec),
-            SystemSpec::Pendulum(pendulum) => Self::of_scene(Arc::new(Pendulum::new(*pendulum)), spec),
+            SystemSpec::Pendulum(pendulum) => Self::from_scene(Arc::new(Pendulum::new(*pendulum)), spec),
         }
     }
 
@@ -204,7 +204,7 @@ impl Simulation {
     ///
     /// # Errors
     /// As [`Simulation::new`].
-    pub fn of_scene(scene: Arc<dyn Scene>, spec: RunSpec) -> Result<Self, SimulationError> {
+    pub fn from_scene(scene: Arc<dyn Scene>, spec: RunSpec) -> Result<Self, SimulationError> {
         let mut stepper = bind_spec(&spec, &*scene)?;
         let state = RunState::start(&*scene, &mut stepper, &spec, scene.initial_state())?;
         let scheme = stepper.unbind();
@@ -225,21 +225,9 @@ impl Simulation {
 
     fn at(scene: Arc<dyn Scene>, spec: RunSpec, scheme: Scheme, state: RunState) -> Self {
         let (scheme, pending, wind, resumed) = (Some(scheme), None, None, false);
-        let (rest_length_factors, spring_edges) = (Vec::new(), OnceLock::new());
+        let (rest_scales, spring_edges) = (Vec::new(), OnceLock::new());
         let (changed, stop) = (Changed::Nothing, None);
-        Simulation {
-            scene,
-            scheme,
-            spec,
-            state,
-            pending,
-            wind,
-            rest_length_factors,
-            spring_edges,
-            changed,
-            resumed,
-            stop,
-        }
+        Simulation { scene, scheme, spec, state, pending, wind, rest_scales, spring_edges, changed, resumed, stop }
     }
 
     /// Makes one step: of the fixed size, or of the size that the tolerance allows. An adaptive step whose error was
@@ -248,14 +236,14 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::Failed`] with the state unchanged, or [`SimulationError::Ended`].
     pub fn step(&mut self) -> Result<StepInfo, SimulationError> {
-        self.advance(1)
+        self.steps(1)
     }
 
     /// Makes `n` steps.
     ///
     /// # Errors
     /// As [`Simulation::step`]; the steps before a failed one are made.
-    pub fn advance(&mut self, n: u64) -> Result<StepInfo, SimulationError> {
+    pub fn steps(&mut self, n: u64) -> Result<StepInfo, SimulationError> {
         let last = self.state.steps.saturating_add(n);
         self.go(StopAt { step: last, t: f64::INFINITY }, &mut [], &mut || false)
     }
@@ -264,7 +252,7 @@ impl Simulation {
     /// now or past.
     ///
     /// # Errors
-    /// As [`Simulation::advance`]; also when `t` is not finite. Where `t` is beyond the end of the run, all its steps
+    /// As [`Simulation::steps`]; also when `t` is not finite. Where `t` is beyond the end of the run, all its steps
     /// are made and [`SimulationError::Ended`] is returned.
     pub fn run_until(&mut self, t: f64) -> Result<StepInfo, SimulationError> {
         self.run_until_with(t, &mut [])

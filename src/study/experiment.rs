@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::frames::{Distance, Sampler};
 use crate::drive::clock::Step;
-use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Resumable, UpcomingStep, Wants};
+use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Resumable, UpcomingStep, Wants};
 use crate::drive::{Explain, Outcome, Run, RunError, RunSpec, RunState, Snapshot};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
@@ -57,7 +57,7 @@ pub enum Start {
 /// What a run reports on its way, in this order.
 pub enum Event<'e> {
     /// the run starts at t = 0
-    Started(&'e Point, LedgerRow),
+    Started(&'e Point, Energies),
     /// a step or a block of steps is about to begin, or the run is interrupted
     Boundary(&'e Resumable<'e>),
     /// a step was accepted
@@ -177,7 +177,7 @@ impl Monitor<'_, '_> {
 }
 
 impl Observer for Monitor<'_, '_> {
-    fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn started(&mut self, at: &Point, ledger: Energies) -> Result<(), ObserveError> {
         self.tell(Event::Started(at, ledger));
         Ok(())
     }

@@ -3,7 +3,7 @@
 use crate::common::run::{asset, case_of, changed, run};
 use canopy_fem::case::Case;
 use canopy_fem::case::spec::Problem;
-use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, Resumable};
+use canopy_fem::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, Resumable};
 use canopy_fem::drive::{self, Outcome, Status};
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::registry::{Family, methods};
@@ -42,7 +42,7 @@ struct Times {
 }
 
 impl Observer for Times {
-    fn started(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn started(&mut self, at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
         self.all.push(at.state.t);
         Ok(())
     }

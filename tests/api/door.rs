@@ -45,7 +45,7 @@ fn cloth(cells: u32) -> NetworkBuilder {
     );
     let mesh = serde_json::from_str::<MeshSource>(&rectangle).expect("a mesh").build(std::path::Path::new("."));
     let dashpot = Some((DashpotKind::Axial, 0.02));
-    NetworkBuilder::of_mesh(mesh.expect("a mesh"))
+    NetworkBuilder::from_mesh(mesh.expect("a mesh"))
         .springs_on_edges(SpringLaw { stiffness: 300.0, slack: Slack::TensionOnly, dashpot, ..SpringLaw::default() })
         .total_mass(0.2)
         .hold(|_, x| x[0] == 0.0)
@@ -66,7 +66,7 @@ fn assert_same(a: &Simulation, b: &Simulation) {
 fn a_shorter_rest_length_is_work_from_outside() {
     let turn = std::f64::consts::PI;
     for (method, mut sim) in ways(mass_on_spring, 2.0 * turn) {
-        sim.set_rest_length_factor(&[0], 0.75).expect("a spring");
+        sim.set_rest_scale(&[0], 0.75).expect("a spring");
         let at_once = sim.energies();
         assert_eq!((at_once.elastic, at_once.external_work), (0.25, 0.25), "{method}: before the next step");
         sim.run_until(1.3).expect("it goes on");
@@ -76,7 +76,7 @@ fn a_shorter_rest_length_is_work_from_outside() {
         assert!((energies - 0.25).abs() < 5e-6 && sim.energies().external_work == 0.25, "{method}: {energies}");
         assert!(sim.energies().numerical.abs() < 5e-6, "{method}: {:?}", sim.energies());
         sim.run_until(turn).expect("it goes on");
-        sim.set_rest_length_factor(&[0], 1.0).expect("a spring");
+        sim.set_rest_scale(&[0], 1.0).expect("a spring");
         sim.run_until(1.5 * turn).expect("it goes on");
         assert!((sim.positions()[1][0] - 1.0).abs() < 4e-3, "{method}: {:?}", sim.positions());
         assert!(sim.energies().numerical.abs() < 5e-6, "{method}: {:?}", sim.energies());
@@ -160,31 +160,31 @@ fn factors_are_part_of_snapshots() {
         for (cells, step, threads) in [(6, 5e-4, [1, 1]), (40, 2e-4, [1, 2])] {
             let [mut sim, mut other] = threads.map(|n| fixed(cloth(cells), method, step, 1.0, n));
             let edges: Vec<u32> = sim.spring_edges().into_iter().step_by(3).collect();
-            sim.advance(12).expect("it goes on");
-            sim.set_rest_length_factor(&edges, 0.97).expect("springs");
+            sim.steps(12).expect("it goes on");
+            sim.set_rest_scale(&edges, 0.97).expect("springs");
             sim.set_load_factor(Load::Gravity, 1.5).expect("a load");
             sim.set_load_factor(Load::Forces(0), -0.5).expect("a load");
-            sim.advance(11).expect("it goes on");
+            sim.steps(11).expect("it goes on");
             let bytes = sim.snapshot().expect("idle");
-            sim.advance(13).expect("it goes on");
+            sim.steps(13).expect("it goes on");
             other.restore(&bytes).expect("the same scene");
-            assert_eq!(other.rest_length_factors()[edges[1] as usize], 0.97);
-            other.advance(13).expect("it goes on");
+            assert_eq!(other.rest_scales()[edges[1] as usize], 0.97);
+            other.steps(13).expect("it goes on");
             assert_same(&sim, &other);
             sim.restore(&bytes).expect("its own");
-            sim.advance(13).expect("it goes on");
+            sim.steps(13).expect("it goes on");
             assert_same(&sim, &other);
         }
     }
     for method in ["newmark", "velocity-verlet", "dormand-prince"] {
         let [mut sim, mut other] = [(); 2].map(|()| adaptive(cloth(4), method, 0.3));
-        sim.advance(9).expect("it goes on");
-        sim.set_rest_length_factor(&[2, 7], 1.1).expect("springs");
+        sim.steps(9).expect("it goes on");
+        sim.set_rest_scale(&[2, 7], 1.1).expect("springs");
         sim.set_load_factor(Load::Gravity, -1.0).expect("a load");
-        sim.advance(7).expect("it goes on");
+        sim.steps(7).expect("it goes on");
         other.restore(&sim.snapshot().expect("idle")).expect("the same scene");
         for sim in [&mut sim, &mut other] {
-            sim.advance(8).expect("it goes on");
+            sim.steps(8).expect("it goes on");
         }
         assert_same(&sim, &other);
     }
@@ -196,16 +196,16 @@ fn a_change_meets_snapshots_and_attempts() {
     for method in METHODS {
         let [mut sim, mut other] = [(); 2].map(|()| fixed(cloth(4), method, 5e-4, 1.0, 1));
         for sim in [&mut sim, &mut other] {
-            sim.advance(5).expect("it goes on");
+            sim.steps(5).expect("it goes on");
         }
-        sim.set_rest_length_factor(&[1, 2, 3], 0.9).expect("springs");
+        sim.set_rest_scale(&[1, 2, 3], 0.9).expect("springs");
         other.restore(&sim.snapshot().expect("idle")).expect("the same scene");
         sim.attempt().expect("it is made");
         assert!(matches!(sim.set_load_factor(Load::Gravity, 2.0), Err(SimulationError::Attempt { .. })));
-        assert!(matches!(sim.set_rest_length_factor(&[0], 2.0), Err(SimulationError::Attempt { .. })));
+        assert!(matches!(sim.set_rest_scale(&[0], 2.0), Err(SimulationError::Attempt { .. })));
         sim.drop_attempt().expect("it waits");
         for sim in [&mut sim, &mut other] {
-            sim.advance(5).expect("it goes on");
+            sim.steps(5).expect("it goes on");
         }
         assert_same(&sim, &other);
     }
@@ -221,14 +221,14 @@ fn free_steps_are_those_a_program_gives() {
         let settings = RunSpec::fixed(method, h, 1.0).expect("registered");
         let mut fixed = Simulation::new(network.clone(), settings.clone()).expect("it starts");
         let mut free = Simulation::new(network, RunSpec { free_steps: true, ..settings }).expect("it starts");
-        assert!(matches!(fixed.attempt_of(h), Err(SimulationError::NotFree)));
+        assert!(matches!(fixed.attempt_with_step(h), Err(SimulationError::NotFree)));
         for bad in [0.0, -h, f64::NAN, f64::INFINITY] {
-            assert!(matches!(free.attempt_of(bad), Err(SimulationError::Run(_))), "{bad}");
+            assert!(matches!(free.attempt_with_step(bad), Err(SimulationError::Run(_))), "{bad}");
         }
         let before = free.snapshot().expect("idle");
         for _ in 0..2 {
             for end in [1.0, 2.0, 3.0, 4.0, 5.0, 5.5] {
-                free.attempt_of(h).expect("it is made");
+                free.attempt_with_step(h).expect("it is made");
                 assert_eq!(free.attempted_time(), Some(end * h), "{method}");
                 free.accept().expect("it is right");
             }
@@ -236,7 +236,7 @@ fn free_steps_are_those_a_program_gives() {
             free.restore(&before).expect("the same scene");
             assert_eq!(free.time(), 0.0);
             free.restore(&after).expect("the same scene");
-            free.attempt_of(0.5 * h).expect("it is made");
+            free.attempt_with_step(0.5 * h).expect("it is made");
             free.accept().expect("it is right");
             fixed.run_until(6.0 * h).expect("it goes on");
             assert_eq!((free.time(), free.positions()), (fixed.time(), fixed.positions()), "{method}");
@@ -250,25 +250,23 @@ fn free_steps_are_those_a_program_gives() {
 fn wrong_factors_are_refused() {
     let [mut sim, mut other] = [(); 2].map(|()| fixed(cloth(3), "newmark", 5e-4, 1.0, 1));
     let none = sim.edges().len() as u32;
-    assert!(
-        matches!(sim.set_rest_length_factor(&[0, none], 0.5), Err(SimulationError::NoSpring { edge }) if edge == none)
-    );
+    assert!(matches!(sim.set_rest_scale(&[0, none], 0.5), Err(SimulationError::NoSpring { edge }) if edge == none));
     for factor in [0.0, -1.0] {
-        let refused = sim.set_rest_length_factor(&[0], factor);
+        let refused = sim.set_rest_scale(&[0], factor);
         assert!(matches!(refused, Err(SimulationError::NotPositive { factor: found }) if found == factor));
     }
     for factor in [f64::NAN, f64::INFINITY] {
-        let refused = sim.set_rest_length_factor(&[4], factor);
+        let refused = sim.set_rest_scale(&[4], factor);
         assert!(matches!(refused, Err(SimulationError::NotFinite { row: 4, .. })));
         assert!(matches!(sim.set_load_factor(Load::Gravity, factor), Err(SimulationError::NotFinite { .. })));
     }
     assert!(matches!(sim.set_load_factor(Load::Forces(1), 1.0), Err(SimulationError::NoLoad(Load::Forces(1)))));
     assert!(matches!(sim.set_load_factor(Load::Pressure(0), 1.0), Err(SimulationError::NoLoad(_))));
     let held = sim.scene();
-    assert!(matches!(sim.set_rest_length_factor(&[0], 0.5), Err(SimulationError::SceneInUse)));
+    assert!(matches!(sim.set_rest_scale(&[0], 0.5), Err(SimulationError::SceneInUse)));
     drop(held);
     for sim in [&mut sim, &mut other] {
-        sim.advance(5).expect("it goes on");
+        sim.steps(5).expect("it goes on");
     }
     assert_same(&sim, &other);
 }
@@ -282,9 +280,9 @@ fn forces_from_outside_act_in_blocks_of_steps() {
         for push in [0.01, -0.02] {
             force[7] = [0.0, push, 0.3 * push];
             for sim in [&mut blocks, &mut single] {
-                sim.set_nodal_force("push", &force).expect("a network");
+                sim.set_force("push", &force).expect("a network");
             }
-            blocks.advance(60).expect("it goes on");
+            blocks.steps(60).expect("it goes on");
             for _ in 0..60 {
                 single.step().expect("it goes on");
             }
@@ -345,7 +343,7 @@ fn tethered(tether: Tether, step: f64) -> Simulation {
         .springs(&[[0, 1]], SpringLaw { stiffness: 1.0, ..SpringLaw::default() })
         .masses(vec![1.0, 2.0]);
     let mut sim = fixed(network, "newmark", step, 10.0, 1);
-    sim.set_nodal_law("tether", Arc::new(tether)).expect("a network");
+    sim.set_force_law("tether", Arc::new(tether)).expect("a network");
     sim
 }
 
@@ -380,7 +378,7 @@ fn derivatives_are_checked_by_differences() {
 fn newton_uses_the_derivatives_of_a_law() {
     let run = |k: f64, derivatives: bool| {
         let mut sim = tethered(Tether { k, c: k, b: 0.3, derivatives }, 2e-2);
-        let made = sim.advance(50);
+        let made = sim.steps(50);
         let iterations = sim.counters().newton_iterations as f64 / 50.0;
         (sim, made, iterations)
     };
@@ -413,10 +411,10 @@ fn the_pattern_follows_the_laws() {
         let mut sim = fixed(cloth(12), method, 2e-4, 1.0, 1);
         for law in laws {
             match law() {
-                Some(law) => sim.set_nodal_law("tether", Arc::new(law)).expect("a network"),
-                None => assert!(sim.remove_nodal_force("tether").expect("idle")),
+                Some(law) => sim.set_force_law("tether", Arc::new(law)).expect("a network"),
+                None => assert!(sim.remove_force("tether").expect("idle")),
             }
-            sim.advance(100).expect("it goes on");
+            sim.steps(100).expect("it goes on");
         }
         sim
     };
@@ -432,7 +430,7 @@ fn the_pattern_follows_the_laws() {
             vec![[0, 0], [0, 2]]
         }
     }
-    let refused = fixed(mass_on_spring(), "newmark", 1e-3, 1.0, 1).set_nodal_law("beyond", Arc::new(Beyond));
+    let refused = fixed(mass_on_spring(), "newmark", 1e-3, 1.0, 1).set_force_law("beyond", Arc::new(Beyond));
     assert!(matches!(refused, Err(SimulationError::NoNode { place: 1, node: 2, nodes: 2, .. })));
 }
 
@@ -448,12 +446,12 @@ fn two_simulations_at_once_are_those_one_after_the_other() {
         }
         let network = SystemSpec::Network(Box::new(cloth(40).build().expect("a mesh")));
         let scene = build_scene(network, 2).expect("a scene").into();
-        Simulation::of_scene(scene, RunSpec::fixed(method, 2e-4, 1.0).expect("registered")).expect("it starts")
+        Simulation::from_scene(scene, RunSpec::fixed(method, 2e-4, 1.0).expect("registered")).expect("it starts")
     }
     fn run(mut sim: Simulation) -> Vec<u8> {
-        sim.advance(40).expect("it goes on");
-        sim.set_rest_length_factor(&[5, 6], 0.98).expect("springs");
-        sim.advance(20).expect("it goes on");
+        sim.steps(40).expect("it goes on");
+        sim.set_rest_scale(&[5, 6], 0.98).expect("springs");
+        sim.steps(20).expect("it goes on");
         sim.snapshot().expect("idle")
     }
     for methods in [["velocity-verlet", "newmark"], ["newmark", "newmark"], ["kang", "rk4"]] {

@@ -10,7 +10,7 @@ use crate::common::read_vtu::{self, Vtu};
 use canopy_fem::case::spec::CrossingSearch;
 use canopy_fem::case::spec::ProbeSpec;
 use canopy_fem::case::spec::RowEvery;
-use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer};
+use canopy_fem::drive::observer::{Energies, ObserveError, Observer};
 use canopy_fem::output::frame::Fields;
 use canopy_fem::output::recorder::{Recorder, RecorderError, RecorderSpec};
 use canopy_fem::vtk::{Compression, Encoding, VtuFormat};
@@ -420,7 +420,7 @@ fn summary_keeps_the_contract() {
         method_parameters: [("alpha".to_owned(), -0.1)].into(),
         energy_error: f64::NAN,
         critical_step: Some(f64::INFINITY),
-        final_ledger: LedgerRow { kinetic: f64::NEG_INFINITY, elastic: 0.1, ..LedgerRow::default() },
+        final_ledger: Energies { kinetic: f64::NEG_INFINITY, elastic: 0.1, ..Energies::default() },
         failure: Some(failure),
         case: serde_json::json!({"name": "x"}),
         ..Summary::default()

@@ -55,7 +55,7 @@ fn steps_are_those_of_a_run() {
         by_step.step().expect("it goes on");
         assert_eq!((by_step.time(), by_step.positions()[1], by_step.energies()), *end);
     }
-    by_many.advance(30).expect("it goes on");
+    by_many.steps(30).expect("it goes on");
     by_many.run_until(ends[50].0).expect("it goes on");
     assert_same(&by_step, &by_many);
     by_many.run_until(ends.last().expect("steps").0).expect("to the end");
@@ -68,15 +68,15 @@ fn it_moves_between_threads() {
     fn assert_send<T: Send + 'static>(_: &T) {}
     for (mut moved, mut stayed) in all().into_iter().zip(all()) {
         assert_send(&moved);
-        moved.advance(10).expect("it goes on");
+        moved.steps(10).expect("it goes on");
         let mut moved = std::thread::spawn(move || {
-            moved.advance(10).expect("it goes on");
+            moved.steps(10).expect("it goes on");
             moved
         })
         .join()
         .expect("no panic");
-        moved.advance(10).expect("it goes on");
-        stayed.advance(30).expect("it goes on");
+        moved.steps(10).expect("it goes on");
+        stayed.steps(30).expect("it goes on");
         assert_same(&moved, &stayed);
     }
 }
@@ -86,15 +86,15 @@ fn it_moves_between_threads() {
 fn a_snapshot_goes_on_with_the_same_bits() {
     for (mut sim, mut other) in all().into_iter().zip(all()) {
         let force = vec![[0.0, 0.1, 0.0]; sim.node_count()];
-        sim.set_nodal_force("wake", &force).expect("a network");
-        sim.advance(17).expect("it goes on");
+        sim.set_force("wake", &force).expect("a network");
+        sim.steps(17).expect("it goes on");
         let mut bytes = sim.snapshot().expect("idle");
-        sim.advance(20).expect("it goes on");
+        sim.steps(20).expect("it goes on");
         other.restore(&bytes).expect("the same scene");
-        other.advance(20).expect("it goes on");
+        other.steps(20).expect("it goes on");
         assert_same(&sim, &other);
         sim.restore(&bytes).expect("its own");
-        sim.advance(20).expect("it goes on");
+        sim.steps(20).expect("it goes on");
         assert_same(&sim, &other);
         bytes[40] ^= 1;
         assert!(matches!(sim.restore(&bytes), Err(SimulationError::Snapshot(_))));
@@ -116,7 +116,7 @@ fn a_snapshot_of_another_method_or_scene_is_a_start() {
     };
     let mut sim = made("velocity-verlet", 8.0, 1e-3);
     sim.set_state(&[[0.0; 3], [1.1, 0.0, 0.0]], &[[0.0; 3], [0.2, 0.0, 0.0]]).expect("idle");
-    sim.advance(10).expect("it goes on");
+    sim.steps(10).expect("it goes on");
     let bytes = sim.snapshot().expect("idle");
     for (method, stiffness, step, count, word) in [
         ("rk4", 8.0, 1e-3, 10, "velocity-verlet, now rk4"),
@@ -182,16 +182,16 @@ fn a_force_from_outside_does_its_work() {
             .hold(|node, _| node == 0);
         let settings = RunSpec::fixed(method, 1e-2, 2.0).expect("registered");
         let mut sim = Simulation::new(network.build().expect("a mesh"), settings).expect("it starts");
-        sim.set_nodal_force("push", &[[0.0; 3], [0.0, 4.0, 0.0]]).expect("a network");
+        sim.set_force("push", &[[0.0; 3], [0.0, 4.0, 0.0]]).expect("a network");
         sim.run_until(1.0).expect("it goes on");
         assert!((sim.positions()[1][1] - 1.0).abs() < 1e-6, "{method}: {:?}", sim.positions());
         assert!((sim.energies().external_work - 4.0).abs() < 1e-6, "{method}: {:?}", sim.energies());
-        sim.set_nodal_force("push", &[[0.0; 3], [0.0, -4.0, 0.0]]).expect("a network");
+        sim.set_force("push", &[[0.0; 3], [0.0, -4.0, 0.0]]).expect("a network");
         sim.run_until(2.0).expect("it goes on");
         assert!((sim.positions()[1][1] - 2.0).abs() < 1e-6, "{method}: {:?}", sim.positions());
         assert!(sim.velocities()[1][1].abs() < 1e-6, "{method}: {:?}", sim.velocities());
         assert!(sim.energies().numerical.abs() < 1e-6, "{method}: {:?}", sim.energies());
-        assert!(sim.remove_nodal_force("push").expect("idle") && !sim.remove_nodal_force("push").expect("idle"));
+        assert!(sim.remove_force("push").expect("idle") && !sim.remove_force("push").expect("idle"));
     }
 }
 
@@ -215,7 +215,7 @@ fn a_law_of_ones_own_acts() {
             .masses(vec![2.0; 2]);
         let settings = RunSpec::fixed(method, 1e-3, 1.0).expect("registered");
         let mut sim = Simulation::new(network.build().expect("a mesh"), settings).expect("it starts");
-        sim.set_nodal_law("tether", Arc::new(Tether(8.0))).expect("a network");
+        sim.set_force_law("tether", Arc::new(Tether(8.0))).expect("a network");
         sim.run_until(1.0).expect("it goes on");
         for x in sim.positions() {
             assert!((x[1] - 2.0_f64.cos()).abs() < 1e-3, "{method}: {x:?}");
@@ -238,13 +238,13 @@ impl NodalForce for Failing {
 fn a_step_that_is_given_up_on_is_not_looked_into() {
     for (method, given_up) in [("velocity-verlet", true), ("velocity-verlet", false), ("rk4", true), ("rk4", false)] {
         let mut sim = falling(method);
-        sim.advance(5).expect("it goes on");
+        sim.steps(5).expect("it goes on");
         let before = (sim.step_count(), sim.positions());
         let flag = Arc::new(AtomicBool::new(false));
         if given_up {
             sim.stop_on(flag.clone());
         }
-        sim.set_nodal_law("failing", Arc::new(Failing(flag.clone()))).expect("a network");
+        sim.set_force_law("failing", Arc::new(Failing(flag.clone()))).expect("a network");
         match sim.step() {
             Err(SimulationError::Failed(failure)) => {
                 assert_eq!(failure.cause.contains("cut short"), given_up, "{failure:?}");
@@ -253,8 +253,8 @@ fn a_step_that_is_given_up_on_is_not_looked_into() {
         }
         assert_eq!(before, (sim.step_count(), sim.positions()));
         flag.store(false, Ordering::Relaxed);
-        assert!(sim.remove_nodal_force("failing").expect("idle"));
-        sim.advance(5).expect("it goes on");
+        assert!(sim.remove_force("failing").expect("idle"));
+        sim.steps(5).expect("it goes on");
     }
 }
 
@@ -264,11 +264,11 @@ fn a_state_can_be_set() {
     let mut sim = falling("velocity-verlet");
     let (x, v) = (sim.positions(), sim.velocities());
     let mut fresh = falling("velocity-verlet");
-    sim.advance(50).expect("it goes on");
+    sim.steps(50).expect("it goes on");
     sim.set_state(&x, &v).expect("it fits");
     assert_eq!((sim.time(), sim.step_count()), (0.05, 50));
-    sim.advance(20).expect("it goes on");
-    fresh.advance(20).expect("it goes on");
+    sim.steps(20).expect("it goes on");
+    fresh.steps(20).expect("it goes on");
     assert_eq!(sim.positions(), fresh.positions());
     assert!(matches!(sim.set_state(&x[1..], &v), Err(SimulationError::Shape { found: 5, needed: 6, .. })));
     let mut wrong = x.clone();
@@ -283,7 +283,7 @@ fn a_state_can_be_set() {
 fn a_step_that_diverges_is_refused() {
     let settings = RunSpec::fixed("velocity-verlet", 0.2, 20.0).expect("registered");
     let mut sim = Simulation::new(chain().build().expect("a mesh"), settings).expect("it starts");
-    let error = sim.advance(100).expect_err("far above the critical step");
+    let error = sim.steps(100).expect_err("far above the critical step");
     assert!(matches!(&error, SimulationError::Failed(failure) if failure.step == sim.step_count() + 1), "{error}");
     assert!(sim.positions().as_flattened().iter().all(|x| x.is_finite()));
 }
@@ -310,7 +310,7 @@ fn pauses_change_nothing() {
 #[test]
 fn nodes_are_read_into_slices() {
     let mut sim = falling("newmark");
-    sim.advance(20).expect("it goes on");
+    sim.steps(20).expect("it goes on");
     let (mut x, mut v) = ([[0.0; 3]; 6], [[0.0; 3]; 6]);
     sim.read_nodes(&mut x, &mut v).expect("six nodes");
     assert_eq!((x.to_vec(), v.to_vec()), (sim.positions(), sim.velocities()));

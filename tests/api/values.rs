@@ -50,16 +50,16 @@ impl Kind {
                 if let Some(last) = force.last_mut() {
                     last[0] = value;
                 }
-                sim.set_nodal_force("push", &force)
+                sim.set_force("push", &force)
             }
             Kind::Law | Kind::LawWithDerivatives => {
                 let derivatives = self == Kind::LawWithDerivatives;
-                sim.set_nodal_law("push", Arc::new(Push { force: value, derivatives }))
+                sim.set_force_law("push", Arc::new(Push { force: value, derivatives }))
             }
             Kind::Load => sim.set_load_factor(Load::Gravity, value),
             Kind::RestLength => {
                 let last = sim.edges().len() as u32 - 1;
-                sim.set_rest_length_factor(&[last], 1.0 + 0.05 * value)
+                sim.set_rest_scale(&[last], 1.0 + 0.05 * value)
             }
             Kind::Wind => sim.set_wind(Some([0.0, 0.0, 5.0 + value])),
         }
@@ -213,7 +213,7 @@ fn sheet(cells: u32) -> NetworkBuilder {
     let rectangle =
         json!({"rectangle": {"width": 1, "height": 1, "columns": cells, "rows": cells, "pattern": "crossed"}});
     let source: MeshSource = serde_json::from_value(rectangle).expect("a mesh");
-    NetworkBuilder::of_mesh(source.build(std::path::Path::new(".")).expect("a mesh"))
+    NetworkBuilder::from_mesh(source.build(std::path::Path::new(".")).expect("a mesh"))
         .total_mass(1.0)
         .hold(|_, x| x[0] == 0.0)
 }
@@ -399,7 +399,7 @@ fn reel(sim: &mut Simulation, factor: f64) {
     let along = |edge: &u32| sim.edges()[*edge as usize].iter().all(|&node| sim.reference()[node as usize][1] == 0.0);
     let side: Vec<u32> = sim.spring_edges().into_iter().filter(along).collect();
     assert!(side.len() == 30);
-    sim.set_rest_length_factor(&side, factor).expect("springs");
+    sim.set_rest_scale(&side, factor).expect("springs");
 }
 
 /// A line that is taken in a little in every step goes on with the kept factor, as if it were not.
@@ -462,7 +462,7 @@ fn a_force_on_a_damped_line_acts_by_every_method() {
             .hold(|node, _| node == 0);
         let mut sim = simulation(network, &method, 2e-3, 1.0);
         Kind::Force.set(&mut sim, 4.0).expect("it is taken");
-        sim.advance(100).unwrap_or_else(|e| panic!("{}: {e}", words(&method)));
+        sim.steps(100).unwrap_or_else(|e| panic!("{}: {e}", words(&method)));
         let x = sim.positions()[2][0];
         let tolerance = if method.info.name == "kang" { 4e-3 } else { 1e-3 };
         assert!((x - 2.047_21).abs() < tolerance, "{}: {x}", words(&method));

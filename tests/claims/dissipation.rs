@@ -11,7 +11,7 @@ use crate::claim::Claim;
 use crate::common::run::{case_of, follow};
 use crate::one_mass::{MASS, REST, START, STIFFNESS, frequency};
 use canopy_fem::drive::Status;
-use canopy_fem::drive::observer::LedgerRow;
+use canopy_fem::drive::observer::Energies;
 use serde_json::{Value, json};
 
 /// [N s/m] a damping ratio of 0.1
@@ -20,7 +20,7 @@ const C: f64 = 0.49;
 const STEPS: u32 = 2000;
 const PACE: f64 = 0.005;
 
-fn last_row(method: &str, damper: (&str, &Value)) -> (f64, LedgerRow) {
+fn last_row(method: &str, damper: (&str, &Value)) -> (f64, Energies) {
     let h = PACE / frequency();
     let mut network = json!({
         "mesh": {"explicit": {"nodes": [[-REST, 0, 0], [0, 0, 0]], "springs": [[0, 1]]}},
@@ -34,7 +34,7 @@ fn last_row(method: &str, damper: (&str, &Value)) -> (f64, LedgerRow) {
         (key, rule) => network["springs"][0][key] = rule.clone(),
     }
     let time = json!({"end": f64::from(STEPS) * h, "method": method, "step": h});
-    let mut last = (0.0, LedgerRow::default());
+    let mut last = (0.0, Energies::default());
     let outcome =
         follow(&case_of(&json!({"name": "damper", "system": {"network": network}, "time": time}), &[]), |seen| {
             last = (seen.t, seen.ledger);

@@ -11,7 +11,7 @@ use crate::common::run::{case_of, changed, follow};
 use crate::rich_net::{GRAVITY, MASS, NODES, SPRINGS, net, rule};
 use crate::rich_power::{Moving, dissipated, external};
 use canopy_fem::drive::Status;
-use canopy_fem::drive::observer::LedgerRow;
+use canopy_fem::drive::observer::Energies;
 use canopy_fem::integrate::registry::{MethodInfo, methods};
 use canopy_fem::model::forces::Forces;
 use canopy_fem::model::state::State;
@@ -29,7 +29,7 @@ const TOLERANCE: f64 = 0.15;
 /// [J] in the order of [`COLUMNS`].
 type Account = [f64; 6];
 
-fn columns(row: LedgerRow) -> Account {
+fn columns(row: Energies) -> Account {
     [row.kinetic, row.elastic, row.gravity, row.external_work, row.dissipated, row.numerical]
 }
 

@@ -4,7 +4,7 @@
 
 use crate::common::run::{case_of, follow_on};
 use canopy_fem::case::Case;
-use canopy_fem::drive::observer::LedgerRow;
+use canopy_fem::drive::observer::Energies;
 use serde_json::{Value, json};
 
 /// [N/m] and [kg] of the thesis' Appendix A
@@ -27,7 +27,7 @@ pub struct Row {
     pub x: f64,
     /// [m/s]
     pub v: f64,
-    pub ledger: LedgerRow,
+    pub ledger: Energies,
 }
 
 impl Row {

@@ -7,7 +7,7 @@
 use crate::claim::Claim;
 use crate::common::run::{asset, changed};
 use canopy_fem::case::Case;
-use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
+use canopy_fem::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point};
 use canopy_fem::drive::{self, Status};
 use canopy_fem::integrate::registry::{Family, MethodInfo, methods};
 use canopy_fem::model::state::State;
@@ -28,7 +28,7 @@ struct Frames {
 }
 
 impl Observer for Frames {
-    fn started(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn started(&mut self, at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
         self.found.push(at.state.clone());
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! The largest strain of cloth in a run.
 
 use super::at_rest::passes_multiple;
-use super::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
+use super::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::analysis::cloth::StrainedCloth;
 use crate::scene::Scene;
 
@@ -27,7 +27,7 @@ impl<'a> ClothStrain<'a> {
 }
 
 impl Observer for ClothStrain<'_> {
-    fn started(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn started(&mut self, at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
         self.from_start = StrainedCloth::of(self.scene, at.state.as_ref()).is_some();
         Ok(())
     }

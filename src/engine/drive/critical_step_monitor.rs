@@ -7,7 +7,7 @@ use crate::analysis::critical::{CostLimits, CriticalStep, measure_of_limit, plai
 use crate::analysis::spectrum::Spectrum;
 use crate::analysis::taut::AllTaut;
 use crate::analysis::warnings::worth;
-use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
+use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::format_number::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::model::state::StateRef;
@@ -193,7 +193,7 @@ impl<'a> CriticalStepMonitor<'a> {
 }
 
 impl Observer for CriticalStepMonitor<'_> {
-    fn resumed(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn resumed(&mut self, at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
         self.estimate(at.state.as_ref(), self.monitored.step);
         Ok(())
     }

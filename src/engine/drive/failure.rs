@@ -1,7 +1,7 @@
 //! Why a run was stopped, with advice for the user.
 
 use super::cause::{Diagnosis, DiagnosisInput};
-use super::observer::LedgerRow;
+use super::observer::Energies;
 use super::run_spec::Explain;
 use super::watch::{DivergenceKind, EnergyGain};
 use crate::format_number::figures;
@@ -66,8 +66,8 @@ pub(super) struct FailureContext<'a> {
 pub(super) struct DivergedState<'a> {
     pub trouble: DivergenceKind,
     pub to: &'a Point,
-    pub before: LedgerRow,
-    pub after: LedgerRow,
+    pub before: Energies,
+    pub after: Energies,
     pub gain: EnergyGain,
 }
 

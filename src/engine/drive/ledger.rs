@@ -10,7 +10,7 @@
 //! masses whose support changes its velocity. The energy of springs that are cut is dissipated. `numerical` is the
 //! remainder: the energy that the scheme itself lost (above 0) or made (below 0).
 
-use super::observer::LedgerRow;
+use super::observer::Energies;
 use crate::integrate::{StageWork, StepReport, reeling_work};
 use crate::model::forces::{Role, Tally};
 use crate::model::point::Point;
@@ -38,7 +38,7 @@ pub enum Elastic {
 /// Energy account of a run, up to the present step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Ledger {
-    first: LedgerRow,
+    first: Energies,
     work: StageWork,
     largest_numerical: f64,
     exchanged: f64,
@@ -46,7 +46,7 @@ pub struct Ledger {
 
 impl Ledger {
     /// Opens the account at the initial state.
-    pub fn open(system: &dyn System, at: &Point) -> (Self, LedgerRow) {
+    pub fn open(system: &dyn System, at: &Point) -> (Self, Energies) {
         let mut ledger = Ledger::default();
         ledger.first = ledger.row(system, system.kinetic_energy(&at.state.v), &at.forces.tallies);
         ledger.first.numerical = 0.0;
@@ -65,8 +65,8 @@ impl Ledger {
         system: &dyn System,
         (from, to): (&Point, &Point),
         report: &StepReport,
-        before: &LedgerRow,
-    ) -> (LedgerRow, bool) {
+        before: &Energies,
+    ) -> (Energies, bool) {
         let kinetic = system.kinetic_energy(&to.state.v);
         let way = [&from.state.x, &to.state.x].map(Vec::as_slice);
         let ends = || StageWork::by_ends(system, [&from.forces, &to.forces], way, [from.state.t, to.state.t]);
@@ -91,7 +91,7 @@ impl Ledger {
     }
 
     /// The same for the summary of a step in a block, which began at a time [s] with these tallies.
-    pub fn close_with(&mut self, system: &dyn System, start: (f64, &[Tally]), end: &StepSummary) -> LedgerRow {
+    pub fn close_with(&mut self, system: &dyn System, start: (f64, &[Tally]), end: &StepSummary) -> Energies {
         let reeled = reeling_work(system, [start.0, end.t], [start.1, &end.tallies]);
         self.work.external += end.nodes.work.external + reeled;
         self.work.dissipated -= end.nodes.work.dissipative;
@@ -101,7 +101,7 @@ impl Ledger {
     /// Accounts for forces, and velocities of supports, that were changed between two steps: what weight and held
     /// masses gained or lost at once is work done from outside, and of elastic energy `elastic` says what became. `at`
     /// is the state as it is now, `before` the account until then.
-    pub fn changed(&mut self, system: &dyn System, at: &Point, before: &LedgerRow, elastic: Elastic) -> LedgerRow {
+    pub fn changed(&mut self, system: &dyn System, at: &Point, before: &Energies, elastic: Elastic) -> Energies {
         let kinetic = if system.moved().is_empty() { before.kinetic } else { system.kinetic_energy(&at.state.v) };
         let now = self.row(system, kinetic, &at.forces.tallies);
         self.work.external += (now.kinetic - before.kinetic) + (now.gravity - before.gravity);
@@ -112,7 +112,7 @@ impl Ledger {
         self.close(system, kinetic, &at.forces.tallies)
     }
 
-    fn close(&mut self, system: &dyn System, kinetic: f64, tallies: &[Tally]) -> LedgerRow {
+    fn close(&mut self, system: &dyn System, kinetic: f64, tallies: &[Tally]) -> Energies {
         let row = self.row(system, kinetic, tallies);
         let first = self.first;
         self.largest_numerical = self.largest_numerical.max(row.numerical.abs());
@@ -141,8 +141,8 @@ impl Ledger {
         if self.exchanged > 0.0 { self.largest_numerical / whole } else { 0.0 }
     }
 
-    fn row(&self, system: &dyn System, kinetic: f64, tallies: &[Tally]) -> LedgerRow {
-        let mut row = LedgerRow {
+    fn row(&self, system: &dyn System, kinetic: f64, tallies: &[Tally]) -> Energies {
+        let mut row = Energies {
             kinetic,
             external_work: self.work.external,
             dissipated: self.work.dissipated,
@@ -172,8 +172,8 @@ mod tests {
     /// Examples are a pendulum that turns without gravity, and a taut string that moves by 1e-8 of its length.
     #[test]
     fn rounding_is_no_energy_error() {
-        let turning = LedgerRow { kinetic: 4.5, ..LedgerRow::default() };
-        let taut = LedgerRow { elastic: 0.5, ..LedgerRow::default() };
+        let turning = Energies { kinetic: 4.5, ..Energies::default() };
+        let taut = Energies { elastic: 0.5, ..Energies::default() };
         for (first, largest_numerical, exchanged, steps) in
             [(turning, 3.0e-13, 3.0e-13, 20_000), (turning, 2.4e-12, 2.4e-12, 20_000), (taut, 5.6e-16, 2.6e-15, 100)]
         {
@@ -187,13 +187,13 @@ mod tests {
     /// was exchanged.
     #[test]
     fn an_energy_error_is_over_the_energy_exchanged() {
-        let taut = LedgerRow { elastic: 0.5, ..LedgerRow::default() };
+        let taut = Energies { elastic: 0.5, ..Energies::default() };
         for (first, largest_numerical, exchanged) in [
             (taut, 2.1e-9, 2.4e-7),
             (taut, 1.1e-15, 2.4e-7),
-            (LedgerRow::default(), 1e-16, 3.0),
+            (Energies::default(), 1e-16, 3.0),
             (taut, 1e-3, 0.1),
-            (LedgerRow::default(), 0.3, 0.1),
+            (Energies::default(), 0.3, 0.1),
         ] {
             let ledger = Ledger { first, largest_numerical, exchanged, ..Ledger::default() };
             assert_eq!(ledger.energy_error(2000), largest_numerical / exchanged);

@@ -8,7 +8,7 @@ use crate::model::step_block::StepSummary;
 /// The energy account at one time. kinetic + elastic + gravity - external_work + dissipated + numerical
 /// keeps its value at t = 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct LedgerRow {
+pub struct Energies {
     /// [J] kinetic energy
     pub kinetic: f64,
     /// [J] energy of springs and bars
@@ -23,7 +23,7 @@ pub struct LedgerRow {
     pub numerical: f64,
 }
 
-impl LedgerRow {
+impl Energies {
     /// Whether all energies of the account are finite.
     pub(super) fn is_finite(&self) -> bool {
         (self.kinetic + self.elastic + self.gravity + self.external_work + self.dissipated).is_finite()
@@ -89,7 +89,7 @@ pub struct AcceptedStep<'a> {
     /// [s] time at its end
     pub t: f64,
     /// account at its end
-    pub ledger: LedgerRow,
+    pub ledger: Energies,
     /// state at its start, if an observer wants both ends
     pub start: Option<&'a Point>,
     /// state at its end, if an observer wants it
@@ -157,7 +157,7 @@ pub trait Observer {
     ///
     /// # Errors
     /// When results cannot be written.
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn started(&mut self, _at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
         Ok(())
     }
 
@@ -165,7 +165,7 @@ pub trait Observer {
     ///
     /// # Errors
     /// When results cannot be written.
-    fn resumed(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn resumed(&mut self, _at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! The outcome of a run.
 
 use super::failure::Failure;
-use super::observer::LedgerRow;
+use super::observer::Energies;
 use super::watch::DOUBTFUL;
 use crate::format_number::figures;
 use crate::integrate::Counters;
@@ -48,7 +48,7 @@ pub struct Outcome {
     /// warning that the run gave
     pub doubt: Option<String>,
     /// the account at the last good state
-    pub ledger: LedgerRow,
+    pub ledger: Energies,
     /// what went wrong, if anything did
     pub failure: Option<Failure>,
     /// the linear solver's account, for implicit methods

@@ -10,7 +10,7 @@ use super::clock::Tick;
 use super::error::RunError;
 use super::failure::Failure;
 use super::ledger::{Elastic, Ledger};
-use super::observer::{LedgerRow, Observer, Occasion, Resumable};
+use super::observer::{Energies, Observer, Occasion, Resumable};
 use super::outcome::{Outcome, Status};
 use super::run_spec::RunSpec;
 use super::snapshot::Snapshot;
@@ -235,9 +235,9 @@ pub struct RunState {
     pub ledger: Ledger,
     watch: Watch,
     /// energies at `from`
-    pub row: LedgerRow,
+    pub row: Energies,
     /// the account before a program changed values at this state
-    before_change: Option<(Ledger, LedgerRow)>,
+    before_change: Option<(Ledger, Energies)>,
     /// number of accepted steps
     pub steps: u64,
     /// events of the scene that are passed
@@ -258,7 +258,7 @@ struct RunStart {
     policy: StepPolicy,
     ledger: Ledger,
     watch: Watch,
-    row: LedgerRow,
+    row: Energies,
 }
 
 impl RunState {
@@ -422,7 +422,7 @@ impl RunState {
     }
 
     /// The account with the forces of `at`, the present state, after a change since the last step.
-    pub fn changed_account(&self, scene: &dyn Scene, at: &Point, elastic: Elastic) -> (Ledger, LedgerRow) {
+    pub fn changed_account(&self, scene: &dyn Scene, at: &Point, elastic: Elastic) -> (Ledger, Energies) {
         let (mut ledger, row) = self.before_change.unwrap_or((self.ledger, self.row));
         let row = ledger.changed(scene, at, &row, elastic);
         (ledger, row)

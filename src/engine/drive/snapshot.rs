@@ -5,7 +5,7 @@ use super::clock::{EventSteps, FixedSteps, Step};
 use super::error::RunError;
 use super::failure::Failure;
 use super::ledger::Ledger;
-use super::observer::LedgerRow;
+use super::observer::Energies;
 use super::run_spec::RunSpec;
 use super::watch::EnergyAccount;
 use crate::integrate::stepper::Stepper;
@@ -39,9 +39,9 @@ pub struct Snapshot {
     /// energy account of the run
     pub ledger: Ledger,
     /// the account at this state
-    pub row: LedgerRow,
+    pub row: Energies,
     /// both before a program changed values at this state
-    pub before_change: Option<(Ledger, LedgerRow)>,
+    pub before_change: Option<(Ledger, Energies)>,
     /// the energy account of the watch
     pub watch: EnergyAccount,
     /// first divergence of a run that continued after it
@@ -121,11 +121,11 @@ pub struct Resumable<'a> {
     pub step: u64,
     /// the state
     pub at: &'a Point,
-    pub(super) row: LedgerRow,
+    pub(super) row: Energies,
     /// work done so far
     pub counters: Counters,
     pub(super) ledger: &'a Ledger,
-    pub(super) before_change: Option<(Ledger, LedgerRow)>,
+    pub(super) before_change: Option<(Ledger, Energies)>,
     pub(super) watch: &'a EnergyAccount,
     pub(super) failure: Option<&'a Failure>,
     pub(super) doubt: Option<&'a String>,

@@ -24,7 +24,7 @@
 //! 1/2 (f_n + f_{n+1}).(x_{n+1} - x_n) exactly the energy they make. Therefore energy from dashpots counts as made by
 //! the scheme. So does work of the air above twice its power at either end of the step times h.
 
-use super::observer::LedgerRow;
+use super::observer::Energies;
 use crate::integrate::registry::{Family, MethodInfo};
 use crate::model::forces::{Role, Tally};
 use crate::model::point::Point;
@@ -110,9 +110,9 @@ pub struct WatchedStep<'a> {
     /// its end
     pub to: &'a Point,
     /// account at its start
-    pub before: &'a LedgerRow,
+    pub before: &'a Energies,
     /// account at its end, finite
-    pub after: &'a LedgerRow,
+    pub after: &'a Energies,
     /// whether that account uses the works that the scheme integrated itself
     pub by_stages: bool,
     /// [W] power of external forces at its start and at its end
@@ -186,7 +186,7 @@ fn mass_that_moves(scene: &dyn Scene) -> f64 {
 
 impl Watch {
     /// A watch of a run from its first state.
-    pub fn open(scene: &dyn Scene, method: &MethodInfo, first: &LedgerRow) -> Self {
+    pub fn open(scene: &dyn Scene, method: &MethodInfo, first: &Energies) -> Self {
         let supplied = first.kinetic + first.elastic;
         Watch::restore(
             scene,
@@ -259,7 +259,7 @@ impl Watch {
 
     /// [-] Largest gain over what was supplied or loads give in a step, without rounding; 0 where nothing was. At most
     /// [`DOUBTFUL`] where nothing is to be said of it.
-    pub fn gain_share(&self, at: &Point, row: &LedgerRow, steps: u64) -> f64 {
+    pub fn gain_share(&self, at: &Point, row: &Energies, steps: u64) -> f64 {
         let EnergyAccount { largest, supplied, .. } = self.account;
         if largest <= DOUBTFUL * supplied {
             return if supplied > 0.0 { largest / supplied } else { 0.0 };
@@ -302,7 +302,7 @@ impl Watch {
     }
 
     /// Whether there is nothing to report even without allowing for rounding.
-    fn is_calm(&self, after: &LedgerRow) -> bool {
+    fn is_calm(&self, after: &Energies) -> bool {
         let EnergyGain { made, supplied, .. } = self.gain();
         let EnergyBounds { doubtful, credible, held, .. } = self.bounds(supplied);
         made <= (if self.account.doubted { credible } else { doubtful }) && after.elastic <= CREDIBLE * held
@@ -310,7 +310,7 @@ impl Watch {
 
     /// Whether a recorded state is credible: apart from rounding, the scheme has made no more energy than was present
     /// or supplied.
-    pub fn credible(&self, at: &Point, row: &LedgerRow, steps: u64) -> bool {
+    pub fn credible(&self, at: &Point, row: &Energies, steps: u64) -> bool {
         if self.is_calm(row) {
             return true;
         }
@@ -379,7 +379,7 @@ impl Watch {
     }
 
     /// [J] Rounding error of the account after a number of steps, from positions, forces and sums.
-    fn rounding(&self, at: &Point, row: &LedgerRow, steps: u64) -> f64 {
+    fn rounding(&self, at: &Point, row: &Energies, steps: u64) -> f64 {
         let reach = self.reach.max(farthest(&at.state.x));
         let forces = [&at.forces.total, &at.forces.external, &at.forces.dissipative];
         let force: f64 = forces.into_iter().flatten().map(|f| f.abs()).sum();

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::gauges::{ChannelPeak, Gauges, Peak};
 use super::schedule::Schedule;
 use crate::case::spec::OutputSpec;
-use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, States, UpcomingStep, Wants};
+use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, States, UpcomingStep, Wants};
 use crate::model::observables::Observables;
 
 /// What is kept from step to step; part of a snapshot.
@@ -60,14 +60,14 @@ impl<'a> LargestValues<'a> {
 }
 
 impl Observer for LargestValues<'_> {
-    fn started(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn started(&mut self, at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
         let state = at.state.as_ref();
         self.note(self.picture.max_speed(state), self.picture.max_strain(state));
         self.gauges.skip(state.t);
         self.gauges.step(self.picture, (0, at, true), |_| Ok(()))
     }
 
-    fn resumed(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn resumed(&mut self, at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
         self.frames = Schedule::new(self.frames_every, at.state.t);
         self.gauges.skip(at.state.t);
         Ok(())

@@ -14,7 +14,7 @@ use super::schedule::{FrameDue, RowSchedule, Schedule, TimeInStep, tolerance};
 use super::writer::{Message, ResultWriter};
 use crate::case::spec::RowEvery;
 use crate::drive::observer::{
-    AcceptedStep, LedgerRow, ObserveError, Observer, Occasion, Point, Resumable, States, UpcomingStep, Wants,
+    AcceptedStep, Energies, ObserveError, Observer, Occasion, Point, Resumable, States, UpcomingStep, Wants,
 };
 use crate::model::forces::Forces;
 use crate::model::observables::Observables;
@@ -238,7 +238,7 @@ impl<'a> Recorder<'a> {
 }
 
 impl Observer for Recorder<'_> {
-    fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn started(&mut self, at: &Point, ledger: Energies) -> Result<(), ObserveError> {
         let state = at.state.as_ref();
         self.schedule = Schedule::new(self.frames_every, state.t);
         self.rows.skip(state.t);
@@ -296,7 +296,7 @@ impl Observer for Recorder<'_> {
         self.row(row, || (step.max_speed(picture), step.max_strain(picture)))
     }
 
-    fn resumed(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn resumed(&mut self, at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
         self.rows.skip(at.state.t);
         self.gauges.skip(at.state.t);
         if let Some(checkpoints) = &mut self.checkpoints {

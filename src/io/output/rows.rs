@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use super::csv::CsvFile;
 use super::frame::Frame;
 use crate::case::spec::ProbeSpec;
-use crate::drive::observer::{LedgerRow, ObserveError};
+use crate::drive::observer::{Energies, ObserveError};
 
 /// The header line of `history.csv`; other programs rely on it.
 pub const HISTORY_HEADER: &str =
@@ -24,7 +24,7 @@ pub struct HistoryRow {
     /// number of the step, 0 for the start
     pub step: u64,
     /// [J] the energy account
-    pub ledger: LedgerRow,
+    pub ledger: Energies,
     /// Newton iterations of the step, 0 for explicit schemes
     pub newton_iterations: u32,
     /// [-] final residual over its scale, 0 for explicit schemes
@@ -42,7 +42,7 @@ impl HistoryRow {
     /// Those of `out`.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let Self { t, step, ledger, newton_iterations, residual, max_speed, max_strain } = self;
-        let LedgerRow { kinetic, elastic, gravity, external_work, dissipated, numerical } = ledger;
+        let Energies { kinetic, elastic, gravity, external_work, dissipated, numerical } = ledger;
         write!(
             out,
             "{t:?},{step},{kinetic:?},{elastic:?},{gravity:?},{external_work:?},{dissipated:?},{numerical:?},"

@@ -11,7 +11,7 @@ use super::csv::write_fault;
 use super::gauges::Peak;
 use crate::analysis::growing::GrowingMotion;
 use crate::case::spec::Problem;
-use crate::drive::observer::{LedgerRow, ObserveError};
+use crate::drive::observer::{Energies, ObserveError};
 use crate::drive::{Failure, Outcome, Status};
 use crate::integrate::Counters;
 use crate::model::added_mass::AddedMass;
@@ -139,7 +139,7 @@ pub struct Summary {
     /// were rounded
     pub energy_error: f64,
     /// the energy account at the end
-    pub final_ledger: LedgerRow,
+    pub final_ledger: Energies,
     /// what mass scaling has added; not given without mass scaling
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass_scaling: Option<AddedMass>,

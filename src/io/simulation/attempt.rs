@@ -29,7 +29,7 @@ impl Simulation {
     /// # Errors
     /// As [`Simulation::attempt`]; also settings without `free_steps`, and a size that is not above 0, not finite or
     /// lost in the rounding of the time.
-    pub fn attempt_of(&mut self, h: f64) -> Result<(), SimulationError> {
+    pub fn attempt_with_step(&mut self, h: f64) -> Result<(), SimulationError> {
         if !self.spec.free_steps {
             return Err(SimulationError::NotFree);
         }

@@ -35,12 +35,12 @@ pub struct NetworkBuilder {
 impl NetworkBuilder {
     /// Free nodes without mass at these positions [m].
     pub fn new(nodes: Vec<[f64; 3]>) -> Self {
-        Self::of_mesh(Mesh { nodes, ..Mesh::default() })
+        Self::from_mesh(Mesh { nodes, ..Mesh::default() })
     }
 
     /// The nodes, edges and triangles of a mesh, with its displacement at the start; the nodes are free and have no
     /// mass.
-    pub fn of_mesh(mesh: Mesh) -> Self {
+    pub fn from_mesh(mesh: Mesh) -> Self {
         let n = mesh.nodes.len();
         let displacement = mesh.displacement.clone();
         let (mass, fixed) = (vec![0.0; n], vec![[false; 3]; n]);

@@ -5,7 +5,7 @@ use crate::analysis::critical::CriticalStep;
 use crate::analysis::warnings::{Planned, mass_warning, step_warning};
 use crate::case::spec::Problem;
 use crate::case::{CaseError, Source};
-use crate::drive::observer::LedgerRow;
+use crate::drive::observer::Energies;
 use crate::drive::{Outcome, Status};
 use crate::format_number::figures;
 use crate::integrate::implicit::{SolverSpec, refusal};
@@ -130,6 +130,6 @@ fn energy_dissipated(problem: &Problem, outcome: &Outcome) -> Option<Warning> {
 }
 
 /// [-] Dissipated energy over the kinetic and elastic energy that there would be without dissipation.
-fn dissipated_share(at: &LedgerRow) -> f64 {
+fn dissipated_share(at: &Energies) -> f64 {
     at.dissipated / (at.dissipated + at.kinetic + at.elastic)
 }

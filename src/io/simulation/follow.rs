@@ -3,7 +3,7 @@
 use super::{RunSpec, Simulation, SimulationError, build_scene};
 use crate::case::spec::Problem;
 use crate::drive::Outcome;
-use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
+use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point};
 use crate::scene::Scene;
 use std::sync::atomic::AtomicBool;
 
@@ -19,7 +19,7 @@ pub struct FollowedState<'a> {
     /// [m/s] velocities
     pub velocities: &'a [[f64; 3]],
     /// energy account
-    pub ledger: LedgerRow,
+    pub ledger: Energies,
     /// Newton iterations of the step that led here
     pub newton_iterations: u32,
 }
@@ -60,7 +60,7 @@ pub fn follow(
 ) -> Result<Outcome, SimulationError> {
     let FollowSpec { threads, keep_going } = how;
     let spec = RunSpec { keep_going, threads, ..problem.run_spec() };
-    let mut simulation = Simulation::of_scene(build_scene(problem.system.clone(), threads)?.into(), spec)?;
+    let mut simulation = Simulation::from_scene(build_scene(problem.system.clone(), threads)?.into(), spec)?;
     let scene = simulation.scene();
     let n = scene.reference().len();
     let mut follower = Follower { scene: &*scene, positions: vec![[0.0; 3]; n], velocities: vec![[0.0; 3]; n], watch };
@@ -75,7 +75,7 @@ struct Follower<'a, W> {
 }
 
 impl<W: FnMut(&FollowedState<'_>)> Follower<'_, W> {
-    fn show(&mut self, at: &Point, ledger: LedgerRow, newton_iterations: u32) -> Result<(), ObserveError> {
+    fn show(&mut self, at: &Point, ledger: Energies, newton_iterations: u32) -> Result<(), ObserveError> {
         self.scene.trace(at.state.as_ref(), &mut self.positions, &mut self.velocities);
         let Follower { scene, positions, velocities, watch } = self;
         let reference = scene.reference();
@@ -85,7 +85,7 @@ impl<W: FnMut(&FollowedState<'_>)> Follower<'_, W> {
 }
 
 impl<W: FnMut(&FollowedState<'_>)> Observer for Follower<'_, W> {
-    fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn started(&mut self, at: &Point, ledger: Energies) -> Result<(), ObserveError> {
         self.show(at, ledger, 0)
     }
 

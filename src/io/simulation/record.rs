@@ -255,7 +255,7 @@ impl Prepared<'_> {
         all.extend(observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer));
         let mut simulation = match checkpoint {
             Some(Checkpoint { snapshot, .. }) => Simulation::resume(scene.clone(), spec.clone(), snapshot)?,
-            None => Simulation::of_scene(scene.clone(), spec.clone())?,
+            None => Simulation::from_scene(scene.clone(), spec.clone())?,
         };
         startup::ready();
         let outcome = simulation.run(&mut all, stop)?;

@@ -20,7 +20,7 @@ struct Saved {
     wind: Option<[f64; 3]>,
     loads: Vec<(Load, f64)>,
     /// `[n_edges]`
-    rest_length_factors: Vec<f64>,
+    rest_scales: Vec<f64>,
 }
 
 /// What a snapshot must fit.
@@ -91,9 +91,9 @@ impl Simulation {
             Ok(run.state.snapshot(stepper))
         })?;
         let forces = self.scene.external().map(ExternalForces::values).unwrap_or_default();
-        let (loads, rest_length_factors) = (self.load_factors(), self.rest_length_factors());
+        let (loads, rest_scales) = (self.load_factors(), self.rest_scales());
         let made_by = self.origin();
-        let saved = Saved { made_by, snapshot, forces, wind: self.wind, loads, rest_length_factors };
+        let saved = Saved { made_by, snapshot, forces, wind: self.wind, loads, rest_scales };
         let mut bytes = Vec::new();
         postcard::to_io(&(PROGRAM, saved), &mut bytes).map_err(|error| SimulationError::Snapshot(error.to_string()))?;
         checksum::append(&mut bytes);
@@ -156,7 +156,7 @@ impl Simulation {
         if program != PROGRAM {
             return Err(unreadable(&format!("it is of \"{program}\", and this is \"{PROGRAM}\"")));
         }
-        let Saved { made_by, snapshot, forces, wind, loads, rest_length_factors } = saved;
+        let Saved { made_by, snapshot, forces, wind, loads, rest_scales } = saved;
         let (spec, own, Snapshot { t, x, v, .. }) = (&self.spec, self.origin(), &snapshot);
         let needed = self.scene.n_dof();
         if made_by.numbering != own.numbering || [x.len(), v.len()] != [needed; 2] {
@@ -174,11 +174,11 @@ impl Simulation {
             self.check("force of the snapshot", force)?;
         }
         loads.iter().try_for_each(|(load, factor)| self.scale_of(*load, *factor).map(|_| ()))?;
-        if rest_length_factors.len() != self.edges().len() {
+        if rest_scales.len() != self.edges().len() {
             return Err(unreadable("it is of a scene with other edges"));
         }
         self.pending = None;
-        self.put_rest_length_factors(rest_length_factors)?;
+        self.put_rest_length_factors(rest_scales)?;
         if !forces.is_empty() {
             self.external(ExternalKind::Values)?;
         }

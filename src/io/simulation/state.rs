@@ -3,7 +3,7 @@
 use super::{Arc, Changed, NodalForce, RunState, Simulation, SimulationError, bind_spec};
 use crate::drive::Snapshot;
 use crate::drive::ledger::Elastic;
-use crate::drive::observer::{LedgerRow, Point};
+use crate::drive::observer::{Energies, Point};
 use crate::force::law::series::Scale;
 use crate::integrate::Counters;
 use crate::model::state::{State, StateRef};
@@ -113,7 +113,7 @@ impl Simulation {
 
     /// [J] The energy account at the present state, with what loads and rest lengths that were set since the last step
     /// have given or taken at once.
-    pub fn energies(&self) -> LedgerRow {
+    pub fn energies(&self) -> Energies {
         if self.changed == Changed::Nothing {
             return self.state.row;
         }
@@ -202,7 +202,7 @@ impl Simulation {
     /// # Errors
     /// A slice of another length, numbers that are not finite, a pendulum, or a step that was attempted and waits; also
     /// the first external force of a scene that is in use elsewhere.
-    pub fn set_nodal_force(&mut self, name: &str, force: &[[f64; 3]]) -> Result<(), SimulationError> {
+    pub fn set_force(&mut self, name: &str, force: &[[f64; 3]]) -> Result<(), SimulationError> {
         self.idle()?;
         self.check("force", force)?;
         let had_derivatives = self.has_derivatives(name);
@@ -214,12 +214,12 @@ impl Simulation {
 
     /// Sets a force that the program computes ([`NodalForce`]). It is not part of snapshots. From the first one on
     /// every step is made alone: explicit methods then take 2 to 5 times as long, where steps were made in blocks
-    /// before. A force that changes seldom is better set as values ([`Simulation::set_nodal_force`]), which cost 1.2 to
+    /// before. A force that changes seldom is better set as values ([`Simulation::set_force`]), which cost 1.2 to
     /// 1.5 times.
     ///
     /// # Errors
-    /// As [`Simulation::set_nodal_force`]; also pairs of nodes that do not exist.
-    pub fn set_nodal_law(&mut self, name: &str, law: Arc<dyn NodalForce>) -> Result<(), SimulationError> {
+    /// As [`Simulation::set_force`]; also pairs of nodes that do not exist.
+    pub fn set_force_law(&mut self, name: &str, law: Arc<dyn NodalForce>) -> Result<(), SimulationError> {
         self.idle()?;
         let (pairs, nodes) = (law.pairs(), self.node_count());
         let unknown = |(place, pair): (usize, &[u32; 2])| {
@@ -241,7 +241,7 @@ impl Simulation {
     ///
     /// # Errors
     /// When an attempted step waits.
-    pub fn remove_nodal_force(&mut self, name: &str) -> Result<bool, SimulationError> {
+    pub fn remove_force(&mut self, name: &str) -> Result<bool, SimulationError> {
         self.idle()?;
         let other_pattern = self.has_derivatives(name);
         let removed = self.scene.external().is_some_and(|external| external.remove(name));
@@ -252,7 +252,7 @@ impl Simulation {
     }
 
     /// Names and values [N] `[n_nodes][3]` of the external forces that are values, in the order in which they came.
-    pub fn nodal_forces(&self) -> Vec<(String, Vec<[f64; 3]>)> {
+    pub fn acting_forces(&self) -> Vec<(String, Vec<[f64; 3]>)> {
         self.scene.external().map(ExternalForces::values).unwrap_or_default()
     }
 
@@ -321,8 +321,8 @@ impl Simulation {
     }
 
     /// [-] Factors of the rest lengths as given, `[n_edges]`; 1 where none was set.
-    pub fn rest_length_factors(&self) -> Vec<f64> {
-        match self.rest_length_factors.as_slice() {
+    pub fn rest_scales(&self) -> Vec<f64> {
+        match self.rest_scales.as_slice() {
             [] => vec![1.0; self.edges().len()],
             set => set.to_vec(),
         }
@@ -335,27 +335,27 @@ impl Simulation {
     /// # Errors
     /// An edge without a spring, a factor that is not finite or not above 0, or a step that was attempted and waits;
     /// also a scene that is in use elsewhere. Nothing is changed then.
-    pub fn set_rest_length_factor(&mut self, edges: &[u32], factor: f64) -> Result<(), SimulationError> {
+    pub fn set_rest_scale(&mut self, edges: &[u32], factor: f64) -> Result<(), SimulationError> {
         self.idle()?;
         let springs = self.spring_edges.get_or_init(|| self.scene.spring_edges());
         for &edge in edges {
             springs.binary_search(&edge).map_err(|_| SimulationError::NoSpring { edge })?;
         }
-        let now = |edge: u32| self.rest_length_factors.get(edge as usize).copied().unwrap_or(1.0);
+        let now = |edge: u32| self.rest_scales.get(edge as usize).copied().unwrap_or(1.0);
         if edges.iter().all(|&edge| now(edge) == factor) {
             return Ok(());
         }
-        let mut factors = self.rest_length_factors();
+        let mut factors = self.rest_scales();
         edges.iter().for_each(|&edge| factors[edge as usize] = factor);
         self.put_rest_length_factors(factors)
     }
 
     pub(super) fn put_rest_length_factors(&mut self, factors: Vec<f64>) -> Result<(), SimulationError> {
-        if factors != self.rest_length_factors() {
+        if factors != self.rest_scales() {
             check_factors(&factors)?;
             let scene = Arc::get_mut(&mut self.scene).ok_or(SimulationError::SceneInUse)?;
             scene.set_rest_length_factors(&factors);
-            self.rest_length_factors = factors;
+            self.rest_scales = factors;
             self.note(Changed::RestLengths);
         }
         Ok(())

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use super::complain;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
+use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::statics::SearchProgress;
 
 /// Time between two updates of the line.
@@ -143,7 +143,7 @@ impl Progress {
 }
 
 impl Observer for Progress {
-    fn started(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn started(&mut self, at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
         let startup = crate::startup::ready().filter(|startup| startup.wall_seconds > LONG_START);
         if !self.bar.is_hidden() {
             if let Some(startup) = startup {
@@ -155,7 +155,7 @@ impl Observer for Progress {
         Ok(())
     }
 
-    fn resumed(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn resumed(&mut self, at: &Point, ledger: Energies) -> Result<(), ObserveError> {
         self.started(at, ledger)
     }
 

@@ -24,7 +24,7 @@
 use super::measure::MethodRuns;
 use super::perturbation::{Start, displacement};
 use crate::analysis::critical::step_by_bounds;
-use crate::drive::observer::{AcceptedStep, LedgerRow, Point};
+use crate::drive::observer::{AcceptedStep, Energies, Point};
 use crate::drive::watch::load_energy;
 use crate::integrate::registry::Family;
 use crate::model::state::{State, StateRef};
@@ -180,7 +180,7 @@ impl<'a> EnergyClassifier<'a> {
         })
     }
 
-    pub fn started(&mut self, at: &Point, ledger: LedgerRow) {
+    pub fn started(&mut self, at: &Point, ledger: Energies) {
         self.supplied = ledger.kinetic + ledger.elastic;
         self.base = self.supplied + ledger.gravity;
         self.evidence.measure(at.state.as_ref());
@@ -188,7 +188,7 @@ impl<'a> EnergyClassifier<'a> {
 
     /// Books a step; returns whether the run is certainly unstable.
     pub fn stepped(&mut self, step: &AcceptedStep<'_>, [start, end]: [&Point; 2]) -> bool {
-        let LedgerRow { kinetic, elastic, gravity, external_work, dissipated, numerical } = step.ledger;
+        let Energies { kinetic, elastic, gravity, external_work, dissipated, numerical } = step.ledger;
         self.supplied = self.supplied.max(self.base - gravity + external_work);
         let there = kinetic + elastic;
         let mut share = self.share(there);

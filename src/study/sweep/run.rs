@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::plan::{SweepJob, SweepPlan};
 use crate::case::Case;
 use crate::drive::max_displacement::MaxDisplacement;
-use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, Resumable, UpcomingStep, Wants};
+use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, Resumable, UpcomingStep, Wants};
 use crate::drive::{Explain, RunError, Status};
 use crate::error::StudyError;
 use crate::experiment::{Experiment, Start};
@@ -261,11 +261,11 @@ struct Watcher<'a, 's> {
 }
 
 impl Observer for Watcher<'_, '_> {
-    fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn started(&mut self, at: &Point, ledger: Energies) -> Result<(), ObserveError> {
         self.largest.started(at, ledger)
     }
 
-    fn resumed(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn resumed(&mut self, at: &Point, ledger: Energies) -> Result<(), ObserveError> {
         self.largest.resumed(at, ledger)
     }
 

@@ -1,6 +1,6 @@
 //! Two triangles whose nodes move along cubics in time, and runs that show them to an observer.
 
-use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
+use canopy_fem::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point};
 use canopy_fem::model::forces::Forces;
 use canopy_fem::model::observables::Observables;
 use canopy_fem::model::state::{State, StateRef};
@@ -107,8 +107,8 @@ impl Observables for TrianglePair {
 }
 
 /// An account with a different value in every column.
-pub fn ledger(t: f64) -> LedgerRow {
-    LedgerRow {
+pub fn ledger(t: f64) -> Energies {
+    Energies {
         kinetic: t / 3.0,
         elastic: 1e-12 * t,
         gravity: -t,

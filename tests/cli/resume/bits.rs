@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use canopy_fem::case::Case;
 use canopy_fem::case::fingerprint::Fingerprint;
-use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
+use canopy_fem::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, UpcomingStep, Wants};
 use canopy_fem::drive::{self, Outcome, RunSpec, Status};
 use canopy_fem::integrate::registry::{Family, methods};
 use canopy_fem::output::checkpoint::Checkpoint;
@@ -36,7 +36,7 @@ impl StopAfter<'_> {
 }
 
 impl Observer for StopAfter<'_> {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn started(&mut self, _at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
         self.look(0);
         Ok(())
     }

@@ -10,7 +10,7 @@ use canopy_fem::case::fingerprint::Fingerprint;
 use canopy_fem::case::spec::{Problem, SystemSpec};
 use canopy_fem::case::{Case, CaseError, Location};
 use canopy_fem::drive::clock::Step;
-use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
+use canopy_fem::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point};
 use canopy_fem::drive::{self, Outcome, Status};
 use canopy_fem::simulation::{bind, build_scene};
 use std::path::Path;
@@ -183,7 +183,7 @@ impl Look<'_> {
 }
 
 impl Observer for Look<'_> {
-    fn started(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+    fn started(&mut self, at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
         self.at(at);
         Ok(())
     }

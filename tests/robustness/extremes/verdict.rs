@@ -3,7 +3,7 @@
 use crate::failure::is_true;
 use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::case::{Case, CaseError, Problem};
-use canopy_fem::drive::observer::LedgerRow;
+use canopy_fem::drive::observer::Energies;
 use canopy_fem::drive::{Outcome, Status};
 use canopy_fem::simulation::{FollowSpec, follow};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -65,7 +65,7 @@ pub struct Ran {
     pub positions: Vec<[f64; 3]>,
     pub velocities: Vec<[f64; 3]>,
     /// account at the start
-    first: LedgerRow,
+    first: Energies,
     /// [J] the most energy that was there or went in or out, the scheme's own gains apart
     otherwise: f64,
     /// [J] largest numerical gain

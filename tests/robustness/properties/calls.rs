@@ -117,25 +117,25 @@ fn simulation(method: usize, adaptive: bool, damped: bool) -> Simulation {
 fn make(sim: &mut Simulation, call: Call, saved: &mut Vec<Vec<u8>>) -> Result<(), SimulationError> {
     let nodes = sim.node_count();
     match call {
-        Call::Step(n) => sim.advance(u64::from(n % 5)).map(|_| ()),
+        Call::Step(n) => sim.steps(u64::from(n % 5)).map(|_| ()),
         Call::RunUntil(n) => sim.run_until(0.0005 * f64::from(n)).map(|_| ()),
         Call::Attempt => sim.attempt(),
-        Call::AttemptOf(n) => sim.attempt_of(1e-3 * value(n)),
+        Call::AttemptOf(n) => sim.attempt_with_step(1e-3 * value(n)),
         Call::Accept => sim.accept().map(|_| ()),
         Call::Drop => sim.drop_attempt(),
         Call::Force(n) => {
             let mut force = vec![[0.0; 3]; nodes + usize::from(n == 7)];
             force[3] = [value(n), 0.0, value(n / 2)];
-            sim.set_nodal_force(name(n), &force)
+            sim.set_force(name(n), &force)
         }
-        Call::RemoveForce(n) => sim.remove_nodal_force(name(n)).map(|_| ()),
+        Call::RemoveForce(n) => sim.remove_force(name(n)).map(|_| ()),
         Call::Law(n) => {
             let (of_velocity, derivatives) = (n % 2 == 0, n % 8 == 1);
-            sim.set_nodal_law(name(n), Arc::new(Drag { coefficient: 0.01 * f64::from(n), of_velocity, derivatives }))
+            sim.set_force_law(name(n), Arc::new(Drag { coefficient: 0.01 * f64::from(n), of_velocity, derivatives }))
         }
         Call::Wind(n) => sim.set_wind((n % 7 > 0).then(|| [value(n), 0.0, 2.0])),
         Call::Load(n) => sim.set_load_factor(if n % 5 > 0 { Load::Gravity } else { Load::Pressure(3) }, 1.0 + value(n)),
-        Call::RestLength(n) => sim.set_rest_length_factor(&[u32::from(n % 6)], 1.0 + 0.1 * value(n)),
+        Call::RestLength(n) => sim.set_rest_scale(&[u32::from(n % 6)], 1.0 + 0.1 * value(n)),
         Call::State(n) => {
             let (mut x, mut v) = (sim.positions(), sim.velocities());
             (x[3][2], v[3][0]) = (x[3][2] + 0.01 * value(n), value(n));
@@ -149,8 +149,7 @@ fn make(sim: &mut Simulation, call: Call, saved: &mut Vec<Vec<u8>>) -> Result<()
         Call::Read => {
             let rows = (sim.positions(), sim.velocities(), sim.reactions(), sim.tensions(), sim.attempted());
             assert_eq!((rows.0.len(), rows.1.len(), rows.2.len()), (nodes, nodes, nodes));
-            let _ =
-                (sim.energies(), sim.counters(), sim.load_factors(), sim.rest_length_factors(), sim.attempted_time());
+            let _ = (sim.energies(), sim.counters(), sim.load_factors(), sim.rest_scales(), sim.attempted_time());
             Ok(())
         }
     }

@@ -2,7 +2,7 @@
 
 use super::super::clock::Tick;
 use super::super::failure::{DivergedState, FailureContext};
-use super::super::observer::{AcceptedStep, LedgerRow, Observer};
+use super::super::observer::{AcceptedStep, Energies, Observer};
 use super::super::outcome::Status;
 use super::super::run_spec::RunSpec;
 use super::super::step_policy::StepPolicy;
@@ -113,7 +113,7 @@ impl Run<'_> {
     }
 
     /// The watch's report on a step; for a state that has left the scene, `left` says whether it is finite.
-    fn examine(&mut self, tick: Tick, (after, by_stages): (&LedgerRow, bool), left: Option<bool>) -> WatchReport {
+    fn examine(&mut self, tick: Tick, (after, by_stages): (&Energies, bool), left: Option<bool>) -> WatchReport {
         if left == Some(false) {
             return WatchReport::Diverged(DivergenceKind::NotFinite);
         }
@@ -135,7 +135,7 @@ impl Run<'_> {
         }
     }
 
-    fn diverged(&mut self, tick: Tick, trouble: DivergenceKind, after: LedgerRow, left: bool) {
+    fn diverged(&mut self, tick: Tick, trouble: DivergenceKind, after: Energies, left: bool) {
         if self.state.failure.is_none() {
             let diverged = DivergedState {
                 trouble,

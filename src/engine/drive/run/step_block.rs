@@ -6,7 +6,7 @@
 //! own step.
 
 use super::super::clock::Tick;
-use super::super::observer::{AcceptedStep, LedgerRow, Observer, States, UpcomingStep, Wants};
+use super::super::observer::{AcceptedStep, Energies, Observer, States, UpcomingStep, Wants};
 use super::super::watch::{WatchedStep, power_of};
 use super::{Run, RunError, StepPolicy};
 use crate::integrate::stepper::{Attempt, Stepper};
@@ -17,7 +17,7 @@ use crate::model::step_block::{LONGEST, StepSummary};
 pub(super) struct StepBlocks {
     /// summaries of the steps of a block
     summaries: Vec<StepSummary>,
-    rows: [LedgerRow; LONGEST],
+    rows: [Energies; LONGEST],
     /// steps up to this number are made one by one
     not_before: u64,
     /// blocks dropped in a row
