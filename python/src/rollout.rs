@@ -10,7 +10,7 @@ use canopy_fem::case::Case as EngineCase;
 use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
 use canopy_fem::drive::{Failure, Outcome, Status};
 use canopy_fem::scene::Scene;
-use canopy_fem::simulation::{RecordError, RunSpec, Simulation, SimulationError};
+use canopy_fem::simulation::{RecordError, Simulation, SimulationError};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
