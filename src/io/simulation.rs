@@ -224,21 +224,18 @@ impl Simulation {
     }
 
     fn at(scene: Arc<dyn Scene>, spec: RunSpec, scheme: Scheme, state: RunState) -> Self {
-        let (scheme, pending, wind, resumed) = (Some(scheme), None, None, false);
-        let (rest_length_factors, spring_edges) = (Vec::new(), OnceLock::new());
-        let (changed, stop) = (Changed::Nothing, None);
         Simulation {
             scene,
-            scheme,
+            scheme: Some(scheme),
             spec,
             state,
-            pending,
-            wind,
-            rest_length_factors,
-            spring_edges,
-            changed,
-            resumed,
-            stop,
+            pending: None,
+            wind: None,
+            rest_length_factors: Vec::new(),
+            spring_edges: OnceLock::new(),
+            changed: Changed::Nothing,
+            resumed: false,
+            stop: None,
         }
     }
 
