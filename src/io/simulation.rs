@@ -224,10 +224,19 @@ impl Simulation {
     }
 
     fn at(scene: Arc<dyn Scene>, spec: RunSpec, scheme: Scheme, state: RunState) -> Self {
-        let (scheme, pending, wind, resumed) = (Some(scheme), None, None, false);
-        let (rest_scales, spring_edges) = (Vec::new(), OnceLock::new());
-        let (changed, stop) = (Changed::Nothing, None);
-        Simulation { scene, scheme, spec, state, pending, wind, rest_scales, spring_edges, changed, resumed, stop }
+        Simulation {
+            scene,
+            scheme: Some(scheme),
+            spec,
+            state,
+            pending: None,
+            wind: None,
+            rest_scales: Vec::new(),
+            spring_edges: OnceLock::new(),
+            changed: Changed::Nothing,
+            resumed: false,
+            stop: None,
+        }
     }
 
     /// Makes one step: of the fixed size, or of the size that the tolerance allows. An adaptive step whose error was

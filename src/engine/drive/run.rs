@@ -1,29 +1,31 @@
 //! The loop over the steps: each is attempted (`attempt`), then accepted, added to the account and shown (`accept`), or
-//! several are made in a block (`step_block`).
+//! several are made in a block (`step_block`). Between steps a program or an event may change the scene (`change`).
 
 mod accept;
 mod attempt;
+mod change;
 mod scene_limits;
 mod step_block;
 
 use super::clock::Tick;
 use super::error::RunError;
 use super::failure::Failure;
-use super::ledger::{Elastic, Ledger};
+use super::ledger::Ledger;
 use super::observer::{Energies, Observer, Occasion, Resumable};
 use super::outcome::{Outcome, Status};
 use super::run_spec::RunSpec;
 use super::snapshot::Snapshot;
 use super::step_policy::StepPolicy;
 use super::watch::Watch;
+use crate::integrate::Counters;
 use crate::integrate::stepper::Stepper;
-use crate::integrate::{Counters, LawChange, StepError};
 use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
 use crate::model::stop::Stop;
 use crate::scene::Scene;
 use crate::startup::{Phase, timed};
 pub use accept::StepEnd;
+pub use change::Changed;
 use scene_limits::SceneLimits;
 use std::sync::atomic::AtomicBool;
 
@@ -200,26 +202,6 @@ pub struct Run<'a> {
     pub state: &'a mut RunState,
 }
 
-/// What a program or an event has changed since the last step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Changed {
-    /// nothing
-    #[default]
-    Nothing,
-    /// velocities of held nodes: tangents stay the same
-    Motion,
-    /// forces that do not depend on the state: tangents stay the same
-    Values,
-    /// factors of loads or the wind: how forces depend on the state
-    Loads,
-    /// rest lengths of springs, and perhaps loads
-    RestLengths,
-    /// also the nodes that forces depend on: the matrix has another pattern
-    Pattern,
-    /// what is held, or which springs carry force: an event of the scene
-    Phase,
-}
-
 /// The state of a run. After a step, `from` is the accepted point and `to` the one before it. The struct borrows
 /// nothing, so it can be stored beside its scene and scheme.
 pub struct RunState {
@@ -367,65 +349,6 @@ impl RunState {
     /// A copy of all that a run needs to continue from here.
     pub fn snapshot(&self, stepper: &Stepper<'_>) -> Snapshot {
         self.resumable(Occasion::Step, stepper).snapshot()
-    }
-
-    /// Takes up what a program or an event has changed since the last step: finds the forces at the present state
-    /// again, and corrects the ledger.
-    ///
-    /// Where only values change, of forces, wind, loads, rest lengths or a support's velocity, the scheme and adaptive
-    /// steps go on: forces jump, but position and velocity do not. What they carry jumps with the forces
-    /// ([`Integrator::keep_over_change`](crate::integrate::Integrator::keep_over_change)). All of it is kept relative
-    /// to the last accepted step, so values may be set again and again there, and only the last ones count. Where
-    /// constraints or masses jump, which only events do, the scheme and adaptive steps start again.
-    pub fn refresh(&mut self, scene: &dyn Scene, stepper: &mut Stepper<'_>, changed: Changed) -> Result<(), StepError> {
-        let kept = changed != Changed::Phase && self.keep_over_change(scene, stepper);
-        let at = stepper.force_velocities().filter(|_| kept);
-        let at = StateRef { v: at.unwrap_or(&self.from.state.v), ..self.from.state.as_ref() };
-        self.counters.evaluate(scene, at, &mut self.from.forces);
-        let fate = if changed == Changed::Phase { Elastic::Dissipated } else { Elastic::FromOutside };
-        (self.ledger, self.row) = self.changed_account(scene, &self.from, fate);
-        let law = match changed {
-            Changed::Loads => Some(LawChange::Loads),
-            Changed::RestLengths => Some(LawChange::RestLengths),
-            Changed::Pattern => Some(LawChange::Pattern),
-            Changed::Nothing | Changed::Motion | Changed::Values | Changed::Phase => None,
-        };
-        match (changed, law) {
-            (Changed::Phase, _) => {
-                if let StepPolicy::Adaptive(policy) = &mut self.policy {
-                    policy.forget_history();
-                    policy.recount(scene);
-                }
-                self.watch.scene_changed(scene);
-                self.scene_limits = SceneLimits::of(scene);
-                stepper.start(&self.from)?;
-                stepper.restart(&self.from);
-            }
-            (_, Some(change)) => {
-                self.watch.loads_changed(scene);
-                if kept { stepper.laws_changed(&self.from, change)? } else { stepper.start(&self.from)? }
-            }
-            (_, None) if !kept => stepper.restart(&self.from),
-            (_, None) => {}
-        }
-        Ok(())
-    }
-
-    /// Before forces of changed values are found: what the scheme and adaptive steps carry, and the account, are kept
-    /// as they are with those of before. Returns whether the scheme can do that.
-    pub fn keep_over_change(&mut self, scene: &dyn Scene, stepper: &mut Stepper<'_>) -> bool {
-        if let StepPolicy::Adaptive(policy) = &mut self.policy {
-            policy.keep_over_change(&self.from, scene.inverse_mass());
-        }
-        self.before_change.get_or_insert((self.ledger, self.row));
-        stepper.keep_over_change(&self.from)
-    }
-
-    /// The account with the forces of `at`, the present state, after a change since the last step.
-    pub fn changed_account(&self, scene: &dyn Scene, at: &Point, elastic: Elastic) -> (Ledger, Energies) {
-        let (mut ledger, row) = self.before_change.unwrap_or((self.ledger, self.row));
-        let row = ledger.changed(scene, at, &row, elastic);
-        (ledger, row)
     }
 
     /// The outcome of a run that ends here.
