@@ -99,8 +99,11 @@ fn explicit_methods_evaluate_as_often_as_they_say() {
     }
 }
 
-/// Six shipped cases, cut short, each with other work: a name, the case, and what is changed.
-const SHIPPED: [(&str, &str, &[(&str, &str)]); 6] = [
+/// A name, a shipped case, and what is changed in it.
+type ShippedCase = (&'static str, &'static str, &'static [(&'static str, &'static str)]);
+
+/// Six shipped cases, cut short, each with other work.
+const SHIPPED: [ShippedCase; 6] = [
     ("explicit, blocks of steps", "cloth-k1000", &[("time.end", "0.1")]),
     (
         "implicit, a factor that is kept",
