@@ -1,5 +1,6 @@
 //! One variant of the case, ready for any number of runs: the scene is built once and shared by all of them.
 
+use super::costs;
 use super::error::StudyError;
 use super::experiment::Experiment;
 use super::row::StepSetting;
@@ -16,13 +17,6 @@ use crate::simulation::build_scene;
 const FRAMES: f64 = 50.0;
 /// [byte] Most memory that the frames of a reference may take; above it fewer are compared.
 const MOST_BYTES: f64 = 2.5e8;
-
-/// [s] nominal cost of a spring, a triangle and a node in a force pass, and of a pass
-const NOMINAL: [f64; 4] = [8e-9, 15e-9, 8e-9, 3e-7];
-/// [s] nominal cost of a pass itself, where that of the step is counted besides
-const SMALL_PASS: f64 = 5e-8;
-/// [s] nominal cost of an implicit step a degree of freedom
-const NOMINAL_IMPLICIT: f64 = 1e-6;
 
 /// A variant of the case with its scene built.
 pub struct PreparedCase {
@@ -87,18 +81,21 @@ pub fn interval(problem: &Problem, scene: &dyn Scene) -> f64 {
 /// [s] What a step of a method costs, to an order of magnitude, from counts alone: what is decided by it is the same on
 /// every machine.
 pub fn nominal_step(scene: &dyn Scene, method: &MethodChoice) -> f64 {
-    let [spring, triangle, node, pass] = NOMINAL;
-    let sizes = [scene.edges().len(), scene.triangles().len(), scene.reference().len()].map(|n| n as f64);
     let passes = f64::from(method.info.evaluations[usize::from(scene.velocity_dependent())].max(1));
-    let solving = if method.info.family == Family::Implicit { NOMINAL_IMPLICIT * scene.n_dof() as f64 } else { 0.0 };
-    solving + passes * (spring * sizes[0] + triangle * sizes[1] + node * sizes[2] + pass)
+    let solving = if method.info.family == Family::Implicit { costs::IMPLICIT_DOF * scene.n_dof() as f64 } else { 0.0 };
+    solving + passes * (elements(scene) + costs::PASS)
 }
 
 /// [s] What the elements of a force pass cost, with a little for the pass, from counts alone as [`nominal_step`].
 pub fn nominal_pass(scene: &dyn Scene) -> f64 {
-    let [spring, triangle, node, _] = NOMINAL;
-    let sizes = [scene.edges().len(), scene.triangles().len(), scene.reference().len()].map(|n| n as f64);
-    SMALL_PASS + spring * sizes[0] + triangle * sizes[1] + node * sizes[2]
+    costs::SMALL_PASS + elements(scene)
+}
+
+/// [s] The elements of a force pass.
+fn elements(scene: &dyn Scene) -> f64 {
+    let [springs, triangles, nodes] =
+        [scene.edges().len(), scene.triangles().len(), scene.reference().len()].map(|n| n as f64);
+    costs::SPRING * springs + costs::TRIANGLE * triangles + costs::NODE * nodes
 }
 
 impl StepSetting {

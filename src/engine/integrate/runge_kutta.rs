@@ -12,9 +12,9 @@
 //! next step needs in any case ("first same as last"). So a step costs as many force passes as the method has stages,
 //! and the estimate none.
 //!
-//! Where stages need no slope but the one before them and there is no estimate, one slope is held, and y_{n+1} is summed
-//! as the stages come. Other methods hold all slopes; their sums are formed before they are added to y_n, so that they
-//! lose no digits to a far origin.
+//! Where stages need no slope but the one before them and there is no estimate, one slope is held, and y_{n+1} is
+//! summed as the stages come. Other methods hold all slopes; their sums are formed before they are added to y_n, so
+//! that they lose no digits to a far origin.
 
 use super::stepper::Scheme;
 use super::updates::{Slopes, acceleration, accumulate, accumulate_slopes, follow, follow_on, power};

@@ -7,7 +7,7 @@
 
 use super::estimate::Estimate;
 use super::nominal::{Budget, NominalCosts};
-use super::sample::{Sample, work};
+use super::sample::Sample;
 use super::{Candidate, ForecastSpec};
 use crate::drive::clock::Step;
 use crate::drive::{Outcome, Status};
@@ -157,7 +157,7 @@ impl<'a> CoarseReference<'a> {
         let before = clock.seconds();
         let run = experiment.run(Start::Initial, Some(sampler), &mut |event, distance| match event {
             Event::Boundary(run) => {
-                let cost = |costs: NominalCosts| costs.cost(run.step as f64, work(run.counters));
+                let cost = |costs: NominalCosts| costs.cost(run.step as f64, run.counters.into());
                 most.work.is_some_and(|(costs, most)| cost(costs) > most)
             }
             Event::Step(_) => {
@@ -175,7 +175,7 @@ impl<'a> CoarseReference<'a> {
         if let Some(budget) = self.budget {
             budget.spend(steps * nominal_step(scene, method));
         }
-        let sample = Sample { steps, simulated: outcome.t_end, seconds, work: work(outcome.counters) };
+        let sample = Sample { steps, simulated: outcome.t_end, seconds, work: outcome.counters.into() };
         let made = MeasuredRun { error: 0.0, account_passes: outcome.account_passes as f64, sample };
         Some((outcome, made, halfway))
     }

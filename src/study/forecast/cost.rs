@@ -2,7 +2,9 @@
 
 use std::hint::black_box;
 
+use super::work::Work;
 use crate::assembly::Assembler;
+use crate::costs;
 use crate::integrate::implicit::{Factor, SolverSpec, cached_factor};
 use crate::model::system::Weights;
 use crate::process::Stopwatch;
@@ -15,21 +17,8 @@ const BUDGET: f64 = 0.01;
 const SAMPLE: f64 = 20e-6;
 /// Samples of which the median is taken.
 const SAMPLES: usize = 7;
-/// [1/s] Operations of a Cholesky factorisation (8e9 on one core of the machine this was written on, 15.7 million
-/// entries).
-const OPERATIONS: f64 = 6e9;
-/// [s] Nominal costs: an entry of W in an assembly, an entry of the factor in its making and in a solve (703 nodes,
-/// quiet: 0.22, 0.8 and 0.1 ms).
-const ASSEMBLY: f64 = 12e-9;
-const FACTOR: f64 = 2e-9;
-const SOLVE: f64 = 1.05e-9;
-/// [s] An entry of W in an iteration of conjugate gradients, and in making them ready (703 and 10,000 nodes).
-const CG_ITERATION: f64 = 1.3e-9;
-const CG_READY: f64 = 3.5e-9;
 /// [s] A factorisation is not tried if it is expected to take longer.
 const DEAR: f64 = 1.0;
-/// [s] An LU factorisation of a net with n unknowns over n^1.5 (annuli of 2,500 to 40,000 nodes: 55 to 105 ns).
-const LU: f64 = 6e-8;
 
 /// One kind of force in a scene.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -90,18 +79,24 @@ pub struct TangentCost {
 impl TangentCost {
     /// [s] What an assembly, a factorisation, a solve and in it an iteration of conjugate gradients cost nominally, by
     /// counts alone.
-    pub fn nominal(&self) -> [f64; 4] {
+    pub fn nominal(&self) -> Work {
         let (n, entries) = (self.unknowns as f64, self.factor_nonzeros.unwrap_or(0) as f64);
-        let assembly = ASSEMBLY * self.matrix_nonzeros as f64;
+        let assembly = costs::ASSEMBLY * self.matrix_nonzeros as f64;
         if self.cg_iterations > 0 {
             // Nothing is factorised; beginning and ending a solve takes as long as an iteration.
-            let iteration = CG_ITERATION * self.matrix_nonzeros as f64;
-            return [assembly + CG_READY * self.matrix_nonzeros as f64, 0.0, iteration, iteration];
+            let iteration = costs::CG_ITERATION * self.matrix_nonzeros as f64;
+            return Work {
+                tangent_assemblies: assembly + costs::CG_READY * self.matrix_nonzeros as f64,
+                linear_solves: iteration,
+                cg_iterations: iteration,
+                ..Work::default()
+            };
         }
-        match self.factor_operations {
-            Some(operations) => [assembly, operations / OPERATIONS + FACTOR * entries, SOLVE * entries, 0.0],
-            None => [assembly, LU * n.powf(1.5), LU * n, 0.0],
-        }
+        let [factorizations, linear_solves] = match self.factor_operations {
+            Some(operations) => [operations / costs::OPERATIONS + costs::FACTOR * entries, costs::SOLVE * entries],
+            None => [costs::LU * n.powf(1.5), costs::LU * n],
+        };
+        Work { tangent_assemblies: assembly, factorizations, linear_solves, ..Work::default() }
     }
 
     /// [s] One Newton iteration without its force pass.
@@ -205,8 +200,8 @@ pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<
 fn expected(stats: &LinearStats, unknowns: usize) -> f64 {
     match (stats.name, stats.factor_operations) {
         ("cg", _) => 0.0,
-        (_, Some(operations)) => operations / OPERATIONS,
-        (_, None) => LU * (unknowns as f64).powf(1.5),
+        (_, Some(operations)) => operations / costs::OPERATIONS,
+        (_, None) => costs::LU * (unknowns as f64).powf(1.5),
     }
 }
 

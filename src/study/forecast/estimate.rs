@@ -1,8 +1,7 @@
 //! The cost of a whole run, estimated from a few real steps sampled along it.
 
-use serde::ser::{SerializeMap, Serializer};
-
-use super::sample::{Sample, StartSample, Work};
+use super::sample::{Sample, StartSample};
+use super::work::Work;
 
 /// [-] If the numbers of steps per second of parts of a run differ by more, the estimate is doubtful.
 const UNEVEN: f64 = 3.0;
@@ -40,22 +39,8 @@ pub struct Estimate {
     /// [s] processor time of the whole run, output included
     pub cpu_seconds: f64,
     /// [-] counted work
-    #[serde(flatten, serialize_with = "by_name")]
+    #[serde(flatten)]
     pub work: Work,
-}
-
-fn by_name<S: Serializer>(work: &Work, serializer: S) -> Result<S::Ok, S::Error> {
-    let names = [
-        "force_evaluations",
-        "tangent_assemblies",
-        "factorizations",
-        "linear_solves",
-        "newton_iterations",
-        "cg_iterations",
-    ];
-    let mut map = serializer.serialize_map(Some(names.len()))?;
-    names.iter().zip(work).try_for_each(|(name, n)| map.serialize_entry(name, n))?;
-    map.end()
 }
 
 impl Estimate {
@@ -82,7 +67,7 @@ impl Estimate {
             mean_step: end / made,
             step_seconds: seconds / made,
             cpu_seconds: seconds,
-            work: std::array::from_fn(|i| total(&|s| s.work[i])),
+            work: Work::each(|kind| total(&|s| kind(&s.work))),
         })
     }
 
@@ -99,7 +84,7 @@ impl Estimate {
             steps: add(first.steps, left.steps),
             simulated: end,
             seconds: add(first.seconds, left.cpu_seconds),
-            work: std::array::from_fn(|i| add(first.work[i], left.work[i])),
+            work: Work::each(|kind| add(kind(&first.work), kind(&left.work))),
         };
         Estimate { doubtful: rest > 0.0 && differ(paces), ..Estimate::from_one(&whole, end, whole.steps) }
     }
@@ -114,7 +99,7 @@ impl Estimate {
             mean_step: end / steps,
             step_seconds: sample.seconds / sample.steps,
             cpu_seconds: sample.seconds * share,
-            work: sample.work.map(|n| n * share),
+            work: sample.work.times(share),
         }
     }
 
@@ -133,10 +118,10 @@ mod tests {
     /// mean a second simulated.
     #[test]
     fn parts_of_a_run_count_by_the_time_they_stand_for() {
-        let dear = Sample { steps: 2.0, simulated: 1.0, seconds: 4.0, work: [6.0; 6] };
-        let cheap = Sample { steps: 1.0, simulated: 2.0, seconds: 1.0, work: [2.0; 6] };
+        let dear = Sample { steps: 2.0, simulated: 1.0, seconds: 4.0, work: Work::each(|_| 6.0) };
+        let cheap = Sample { steps: 1.0, simulated: 2.0, seconds: 1.0, work: Work::each(|_| 2.0) };
         let fixed = Estimate::of(&[dear, cheap], 10.0, Some(10)).expect("samples");
-        assert_eq!((fixed.steps, fixed.cpu_seconds, fixed.work[0]), (10.0, 15.0, 25.0));
+        assert_eq!((fixed.steps, fixed.cpu_seconds, fixed.work.force_evaluations), (10.0, 15.0, 25.0));
         let adaptive = Estimate::of(&[dear, cheap], 10.0, None).expect("samples");
         assert_eq!((adaptive.steps, adaptive.cpu_seconds, adaptive.mean_step), (12.5, 22.5, 0.8));
         assert!(Estimate::of(&[], 1.0, None).is_none());
@@ -147,12 +132,12 @@ mod tests {
     /// the end was seen.
     #[test]
     fn a_run_that_was_begun_goes_on_as_later_samples_do() {
-        let sample = Sample { steps: 100.0, simulated: 1.0, seconds: 10.0, work: [100.0; 6] };
+        let sample = Sample { steps: 100.0, simulated: 1.0, seconds: 10.0, work: Work::each(|_| 100.0) };
         let begun = StartSample { sample, pace: [50.0, 150.0] };
-        let later = Sample { steps: 1.0, simulated: 0.1, seconds: 0.2, work: [2.0; 6] };
+        let later = Sample { steps: 1.0, simulated: 0.1, seconds: 0.2, work: Work::each(|_| 2.0) };
         let run = Estimate::begun(&begun, &[later], 10.0);
         assert!((run.steps - 190.0).abs() < 1e-9 && (run.cpu_seconds - 28.0).abs() < 1e-9, "{run:?}");
-        assert!((run.work[0] - 280.0).abs() < 1e-9 && run.doubtful);
+        assert!((run.work.force_evaluations - 280.0).abs() < 1e-9 && run.doubtful);
         let run = Estimate::begun(&begun, &[], 10.0);
         assert!((run.steps - 1450.0).abs() < 1e-9 && !run.doubtful, "{run:?}");
         let whole = Estimate::begun(&begun, &[], 1.0);

@@ -22,6 +22,7 @@ pub mod search;
 pub mod states;
 mod step_doubling;
 mod trials;
+pub mod work;
 
 use advice::{Advice, Adviser};
 use cost::{ForceCost, TangentCost, force_cost, tangent_cost};

@@ -5,8 +5,9 @@ use std::cell::Cell;
 
 use super::coarse_reference::MeasuredRun;
 use super::cost::TangentCost;
-use super::sample::Work;
+use super::work::Work;
 use crate::case::spec::Problem;
+use crate::costs;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::prepared_case::{nominal_pass, nominal_step};
 use crate::scene::Scene;
@@ -17,21 +18,20 @@ const SHARE: f64 = 0.25;
 /// time to build them and to choose their solver is not counted here.
 const LEAST: f64 = 3.0;
 const SMALL: f64 = 60_000.0;
-/// [s] A search of the spectrum for critical steps, a degree of freedom: some two hundred tangent products.
-const SEARCH: f64 = 1e-5;
-/// [-] Largest part of the budget that such a search may take.
+/// [-] Largest part of the budget that a search of the spectrum for critical steps may take.
 const SEARCHES: f64 = 0.5;
 
-/// [s] Cost of a step besides its forces and its equations: per step, and per degree of freedom.
-const OVERHEAD: [f64; 2] = [3e-7, 4e-9];
-/// [-] Cost of a second force pass at the same positions over that of the first, from which it takes what follows from
-/// positions (annuli of 703 nodes in the wind: 0.88; of 10,000 and 100,000 nodes without: 0.65; with a first pass that
-/// kept all sums apart).
-const AGAIN: f64 = 0.7;
 /// [-] Assumed work of an implicit step: two iterations and a convergence test.
-const UNTRIED: Work = [3.0, 2.0, 2.0, 2.0, 2.0, 0.0];
+const UNTRIED: Work = Work { tangent_assemblies: 2.0, factorizations: 2.0, ..KEPT };
 /// The same where a matrix is kept.
-const KEPT: Work = [3.0, 0.0, 0.0, 2.0, 2.0, 0.0];
+const KEPT: Work = Work {
+    force_evaluations: 3.0,
+    tangent_assemblies: 0.0,
+    factorizations: 0.0,
+    linear_solves: 2.0,
+    newton_iterations: 2.0,
+    cg_iterations: 0.0,
+};
 
 /// What the units of work cost on a scene, nominally.
 #[derive(Clone, Copy, Debug)]
@@ -49,24 +49,24 @@ pub struct NominalCosts {
 impl NominalCosts {
     /// Those of a scene; `tangent` where implicit steps are possible.
     pub fn new(scene: &dyn Scene, tangent: Option<&TangentCost>) -> NominalCosts {
-        let [assembly, factorization, solve, iteration] = tangent.map_or([0.0; 4], TangentCost::nominal);
-        let step = OVERHEAD[0] + OVERHEAD[1] * scene.n_dof() as f64;
+        let tangent_work = tangent.map(TangentCost::nominal).unwrap_or_default();
+        let step = costs::STEP + costs::STEP_DOF * scene.n_dof() as f64;
         let mut implicit = if tangent.is_some_and(|t| t.kept) { KEPT } else { UNTRIED };
-        implicit[5] = implicit[3] * tangent.map_or(0.0, |t| t.cg_iterations as f64);
-        let work = [nominal_pass(scene), assembly, factorization, solve, 0.0, iteration];
+        implicit.cg_iterations = implicit.linear_solves * tangent.map_or(0.0, |t| t.cg_iterations as f64);
+        let work = Work { force_evaluations: nominal_pass(scene), ..tangent_work };
         NominalCosts { step, work, moving: scene.velocity_dependent(), implicit }
     }
 
     /// [s] So many steps and their work, all passes in full.
     pub fn cost(&self, steps: f64, work: Work) -> f64 {
-        self.step * steps + self.work.iter().zip(work).map(|(unit, n)| unit * n).sum::<f64>()
+        self.step * steps + work.cost(&self.work)
     }
 
     /// [s] So many steps, from the work of those that were made.
     pub fn as_made(&self, method: &MethodChoice, made: &MeasuredRun, steps: f64) -> f64 {
         let share = steps / made.sample.steps.max(1.0);
-        let mut work = made.sample.work.map(|n| n * share);
-        work[0] += made.account_passes * share - self.saved(method) * steps;
+        let mut work = made.sample.work.times(share);
+        work.force_evaluations += made.account_passes * share - self.saved(method) * steps;
         self.cost(steps, work)
     }
 
@@ -74,10 +74,8 @@ impl NominalCosts {
     pub fn untried(&self, method: &MethodChoice, steps: f64) -> f64 {
         let passes = f64::from(method.info.evaluations[usize::from(self.moving)]) - self.saved(method);
         match method.info.family {
-            Family::Implicit => self.cost(steps, self.implicit.map(|n| n * steps)),
-            Family::Explicit | Family::MatrixFree => {
-                self.cost(steps, [passes.max(1.0) * steps, 0.0, 0.0, 0.0, 0.0, 0.0])
-            }
+            Family::Implicit => self.cost(steps, self.implicit.times(steps)),
+            Family::Explicit | Family::MatrixFree => self.cost(steps, Work::passes(passes.max(1.0) * steps)),
         }
     }
 
@@ -85,7 +83,7 @@ impl NominalCosts {
     /// positions for which a pass was made already.
     fn saved(&self, method: &MethodChoice) -> f64 {
         let [still, moving] = method.info.evaluations.map(f64::from);
-        if self.moving { (1.0 - AGAIN) * (moving - still) } else { 0.0 }
+        if self.moving { (1.0 - costs::AGAIN) * (moving - still) } else { 0.0 }
     }
 }
 
@@ -126,7 +124,7 @@ impl Budget {
     /// Charges a search of the spectrum, which gives the stability limits of all methods, if it is affordable.
     /// Otherwise the bounds from the elements are used.
     pub fn affords_search(&self, scene: &dyn Scene) -> bool {
-        let cost = SEARCH * scene.n_dof() as f64;
+        let cost = costs::SEARCH_DOF * scene.n_dof() as f64;
         cost <= SEARCHES * self.left() && self.affords(cost)
     }
 }
@@ -148,16 +146,16 @@ mod tests {
     /// the account alone costs as much as any, and is known when it was made.
     #[test]
     fn a_pass_at_the_same_positions_costs_less_and_one_for_the_account_as_much() {
-        let units = NominalCosts { step: 0.0, work: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0], moving: true, implicit: KEPT };
+        let units = NominalCosts { step: 0.0, work: Work::passes(1.0), moving: true, implicit: KEPT };
         let method = |name| MethodChoice::with_defaults(name).expect("in the registry");
         let cost = |name, passes: f64, account_passes: f64| {
-            let work = [10.0 * passes, 0.0, 0.0, 0.0, 0.0, 0.0];
+            let work = Work::passes(10.0 * passes);
             let sample = Sample { steps: 10.0, work, ..Sample::default() };
             let made = MeasuredRun { sample, account_passes: 10.0 * account_passes, ..MeasuredRun::default() };
             units.as_made(&method(name), &made, 1.0)
         };
-        assert_eq!(cost("velocity-verlet", 2.0, 0.0), 1.0 + AGAIN);
-        assert_eq!(units.untried(&method("velocity-verlet"), 1.0), 1.0 + AGAIN);
+        assert_eq!(cost("velocity-verlet", 2.0, 0.0), 1.0 + costs::AGAIN);
+        assert_eq!(units.untried(&method("velocity-verlet"), 1.0), 1.0 + costs::AGAIN);
         assert_eq!(cost("improved-euler", 2.0, 0.0), 2.0);
         assert_eq!(cost("improved-euler-pec", 1.0, 1.0), 2.0);
         let still = NominalCosts { moving: false, ..units };

@@ -1,6 +1,7 @@
 //! A few real steps of a method, their cost and the time they simulate. They begin at the start of a run or at a state
 //! along it. Nothing is written.
 
+use super::work::Work;
 use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::ledger::Ledger;
 use crate::drive::watch::Watch;
@@ -20,18 +21,6 @@ pub(super) const PATIENCE: f64 = 3.0;
 const LEAST: u64 = 6;
 /// Number of first steps that are always made one by one: they touch their memory for the first time.
 pub(super) const COLD: u64 = 2;
-
-/// [-] Counted work: force passes, assemblies, factorisations, solves, Newton iterations, iterations of conjugate
-/// gradients.
-pub type Work = [f64; 6];
-
-/// Counted work as numbers that can be divided.
-pub(super) fn work(c: Counters) -> Work {
-    let Counters { force_evaluations, tangent_assemblies, factorizations, .. } = c;
-    let Counters { linear_solves, newton_iterations, cg_iterations, .. } = c;
-    [force_evaluations, tangent_assemblies, factorizations, linear_solves, newton_iterations, cg_iterations]
-        .map(|n| n as f64)
-}
 
 /// What some steps cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,7 +47,7 @@ impl Sample {
             steps: self.steps - earlier.steps,
             simulated: self.simulated - earlier.simulated,
             seconds: self.seconds - earlier.seconds,
-            work: std::array::from_fn(|i| self.work[i] - earlier.work[i]),
+            work: Work::each(|kind| kind(&self.work) - kind(&earlier.work)),
         }
     }
 }
@@ -134,7 +123,7 @@ pub fn sample_start(
         steps: outcome.steps as f64,
         simulated: outcome.t_end,
         seconds: clock.seconds() - start,
-        work: work(outcome.counters),
+        work: outcome.counters.into(),
     };
     let (steps, t) = (marks[0].0 as f64, marks[0].1);
     let pace = match steps > 0.0 {
@@ -227,7 +216,7 @@ impl Meter {
     fn mark(&mut self, step: u64, t: f64, counters: Counters) {
         let steps = step as f64;
         if self.marks.last().is_none_or(|last| steps > last.steps) {
-            self.marks.push(Sample { steps, simulated: t, seconds: self.clock.seconds(), work: work(counters) });
+            self.marks.push(Sample { steps, simulated: t, seconds: self.clock.seconds(), work: counters.into() });
         }
     }
 

@@ -9,9 +9,8 @@ use crate::format_number::two_digits;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::prepared_case::nominal_step;
 
-/// [s] Nominal cost limit of a run: for cheap steps, and for steps that cost more than [`DEAR`].
-const RUN: [f64; 2] = [0.3, 0.12];
-/// [-] An implicit run is stopped at this multiple of [`RUN`]: its number of iterations is not known in advance.
+/// [-] An implicit run is stopped at this multiple of [`Effort::most`]: its number of iterations is not known in
+/// advance.
 const SPENT: f64 = 3.0;
 /// [-] Results of longer steps are extrapolated to steps that are at most this many times shorter.
 pub(super) const REACH: f64 = 5.0;
@@ -35,6 +34,24 @@ const FEWEST: f64 = 4.0;
 const DEAR: f64 = 4e-3;
 /// [-] Larger errors are limited by the size of the motion and say nothing about shorter steps.
 pub(super) const SATURATED: f64 = 0.3;
+
+/// What a step costs.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Effort {
+    Cheap,
+    /// an implicit step above [`DEAR`]
+    Dear,
+}
+
+impl Effort {
+    /// [s] Nominal cost limit of a run.
+    fn most(self) -> f64 {
+        match self {
+            Effort::Cheap => 0.3,
+            Effort::Dear => 0.12,
+        }
+    }
+}
 
 /// How an error is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -103,7 +120,7 @@ impl Search<'_> {
     pub fn tries(&self, candidate: &Candidate, own: &str) -> bool {
         let info = candidate.method.info;
         let stable = candidate.limit.is_some_and(|limit| limit.step > 0.0);
-        stable && (!self.dear(candidate) || [own, "newmark"].contains(&info.name))
+        stable && (self.effort(candidate) == Effort::Cheap || [own, "newmark"].contains(&info.name))
     }
 
     /// The longest step that reaches the accuracy; `None` if it would cost more than `dearest` [s], or cannot be found.
@@ -181,7 +198,7 @@ impl Search<'_> {
     /// Largest number of steps of a run that is compared.
     fn most(&self, candidate: &Candidate) -> f64 {
         let step = self.nominal(candidate);
-        RUN[usize::from(self.dear(candidate))] / step
+        self.effort(candidate).most() / step
     }
 
     /// [s] Nominal cost of a step before any was made. For implicit methods it includes the solution of the equations,
@@ -193,13 +210,14 @@ impl Search<'_> {
         }
     }
 
-    fn dear(&self, candidate: &Candidate) -> bool {
-        candidate.method.info.family == Family::Implicit && self.nominal(candidate) > DEAR
+    fn effort(&self, candidate: &Candidate) -> Effort {
+        let dear = candidate.method.info.family == Family::Implicit && self.nominal(candidate) > DEAR;
+        if dear { Effort::Dear } else { Effort::Cheap }
     }
 
     /// The budget of a run of `steps` steps; implicit ones may need more iterations than expected.
     fn budget(&self, candidate: &Candidate, steps: f64) -> RunBudget {
-        let most = SPENT * RUN[usize::from(self.dear(candidate))];
+        let most = SPENT * self.effort(candidate).most();
         let implicit = candidate.method.info.family == Family::Implicit;
         RunBudget { steps: steps as u64, work: implicit.then_some((self.costs, most)) }
     }

@@ -4,6 +4,7 @@ use super::cost::{ForceCost, TangentCost};
 use super::estimate::{Basis, Estimate};
 use super::sample::{COLD, PATIENCE, Sample, SampleError, StartSample, sample, sample_start};
 use super::states::SampledStates;
+use super::work::Work;
 use super::{Candidate, ForecastSpec, tolerance_of};
 use crate::analysis::critical::{has_limit, plainly_stable};
 use crate::analysis::taut::AllTaut;
@@ -210,7 +211,7 @@ impl<'a> Trials<'a> {
         if steps.is_none() {
             return Err("not tried: adaptive steps of a scene this large cost more than a forecast may".to_owned());
         }
-        let (seconds, work) = (passes * self.force.pass_seconds, [passes, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let (seconds, work) = (passes * self.force.pass_seconds, Work::passes(passes));
         let made = self.estimate(&[Sample { steps: 1.0, simulated: 1.0, seconds, work }], steps)?;
         Ok(Estimate { basis: Basis::Counts, ..made })
     }
@@ -222,7 +223,7 @@ impl<'a> Trials<'a> {
             steps: 1.0,
             simulated: 1.0,
             seconds: iterations * iteration + (passes - iterations) * self.force.pass_seconds,
-            work: [passes, iterations, iterations, iterations, iterations, 0.0],
+            work: Work { force_evaluations: passes, cg_iterations: 0.0, ..Work::each(|_| iterations) },
         };
         let sample = learnt.or(steps.map(|_| untried)).ok_or_else(|| {
             format!(
