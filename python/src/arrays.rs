@@ -7,7 +7,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
 /// The array, which cannot be written to from now on.
-pub fn read_only<T: Element, D: Dimension>(array: Bound<'_, PyArray<T, D>>) -> Bound<'_, PyArray<T, D>> {
+pub(crate) fn read_only<T: Element, D: Dimension>(array: Bound<'_, PyArray<T, D>>) -> Bound<'_, PyArray<T, D>> {
     // It is new, so nobody else holds it.
     if let Ok(write) = array.try_readwrite() {
         drop(write.make_nonwriteable());
@@ -16,12 +16,12 @@ pub fn read_only<T: Element, D: Dimension>(array: Bound<'_, PyArray<T, D>>) -> B
 }
 
 /// Numbers, shape (n,), read-only.
-pub fn of_list<T: Element>(py: Python<'_>, list: Vec<T>) -> Bound<'_, PyArray1<T>> {
+pub(crate) fn of_list<T: Element>(py: Python<'_>, list: Vec<T>) -> Bound<'_, PyArray1<T>> {
     read_only(PyArray1::from_vec(py, list))
 }
 
 /// Rows of three numbers, shape (n, 3), read-only.
-pub fn of_rows<'py>(py: Python<'py>, rows: Vec<[f64; 3]>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+pub(crate) fn of_rows<'py>(py: Python<'py>, rows: Vec<[f64; 3]>) -> PyResult<Bound<'py, PyArray2<f64>>> {
     own_rows(py, rows).map(read_only)
 }
 
@@ -32,7 +32,10 @@ fn own_rows<'py>(py: Python<'py>, rows: Vec<[f64; 3]>) -> PyResult<Bound<'py, Py
 }
 
 /// Node numbers, shape (n, N), read-only.
-pub fn of_numbers<'py, const N: usize>(py: Python<'py>, rows: &[[u32; N]]) -> PyResult<Bound<'py, PyArray2<u32>>> {
+pub(crate) fn of_numbers<'py, const N: usize>(
+    py: Python<'py>,
+    rows: &[[u32; N]],
+) -> PyResult<Bound<'py, PyArray2<u32>>> {
     PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), N]).map(read_only)
 }
 
@@ -62,7 +65,7 @@ fn array<'py>(
 ///
 /// # Errors
 /// `TypeError` for other types, `ValueError` for another shape.
-pub fn rows(value: &Bound<'_, PyAny>, what: &str, needed: Option<usize>) -> PyResult<Vec<[f64; 3]>> {
+pub(crate) fn rows(value: &Bound<'_, PyAny>, what: &str, needed: Option<usize>) -> PyResult<Vec<[f64; 3]>> {
     if let Ok(array) = value.cast::<PyArray2<f64>>() {
         let read = array.try_readonly().map_err(|error| PyValueError::new_err(format!("{what}: {error}")))?;
         if array.is_c_contiguous()
@@ -90,7 +93,7 @@ pub fn rows(value: &Bound<'_, PyAny>, what: &str, needed: Option<usize>) -> PyRe
 ///
 /// # Errors
 /// As [`rows`].
-pub fn numbers(value: &Bound<'_, PyAny>, what: &str, needed: usize) -> PyResult<Vec<f64>> {
+pub(crate) fn numbers(value: &Bound<'_, PyAny>, what: &str, needed: usize) -> PyResult<Vec<f64>> {
     let right = |shape: &[usize]| match shape {
         [] => Ok(()),
         &[n] if n == needed => Ok(()),
@@ -105,7 +108,7 @@ pub fn numbers(value: &Bound<'_, PyAny>, what: &str, needed: usize) -> PyResult<
 ///
 /// # Errors
 /// As [`rows`].
-pub fn vector(value: &Bound<'_, PyAny>, what: &str) -> PyResult<[f64; 3]> {
+pub(crate) fn vector(value: &Bound<'_, PyAny>, what: &str) -> PyResult<[f64; 3]> {
     let right = |shape: &[usize]| if shape == [3] { Ok(()) } else { Err("(3,)".to_owned()) };
     contiguous(&array(value, what, "biuf", right)?, "float64")?.call_method0("tolist")?.extract()
 }
@@ -114,7 +117,7 @@ pub fn vector(value: &Bound<'_, PyAny>, what: &str) -> PyResult<[f64; 3]> {
 ///
 /// # Errors
 /// As [`rows`]; also numbers below 0 or beyond 32 bits.
-pub fn indices(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<u32>> {
+pub(crate) fn indices(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<u32>> {
     let right = |shape: &[usize]| if shape.len() == 1 { Ok(()) } else { Err("(n,)".to_owned()) };
     whole(&array(value, what, "iu", right)?, what)
 }
@@ -123,7 +126,7 @@ pub fn indices(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<u32>> {
 ///
 /// # Errors
 /// As [`indices`].
-pub fn index_rows<const N: usize>(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<[u32; N]>> {
+pub(crate) fn index_rows<const N: usize>(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<[u32; N]>> {
     let right = |shape: &[usize]| match shape {
         [0] => Ok(()),
         &[_, columns] if columns == N => Ok(()),
@@ -149,7 +152,7 @@ fn contiguous<'py>(array: &Bound<'py, PyUntypedArray>, dtype: &str) -> PyResult<
 ///
 /// # Errors
 /// An `out` that is not a writable C-contiguous array of float64 with shape (n, 3).
-pub fn filled<'py>(
+pub(crate) fn filled<'py>(
     py: Python<'py>,
     n: usize,
     out: Option<&Bound<'py, PyAny>>,

@@ -113,7 +113,7 @@ impl Case {
 ///
 /// # Errors
 /// A specification that contradicts itself, and a solver that does not fit the scene.
-pub fn scene_of(case: &case::Case, threads: usize) -> Result<Arc<dyn Scene>, RecordError> {
+pub(crate) fn scene_of(case: &case::Case, threads: usize) -> Result<Arc<dyn Scene>, RecordError> {
     let problem = case.problem();
     let scene = build_scene(problem.system.clone(), threads)?;
     check_solver(problem, &*scene, case.source())?;
@@ -122,13 +122,13 @@ pub fn scene_of(case: &case::Case, threads: usize) -> Result<Arc<dyn Scene>, Rec
 
 /// The JSON Schema of a case, as a dictionary.
 #[pyfunction]
-pub fn schema(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+pub(crate) fn schema(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
     from_json(py, &case::json_schema())
 }
 
 /// The methods: a list of dictionaries with name, order, needs, stability and source.
 #[pyfunction]
-pub fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
+pub(crate) fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
     let entry = |method: &canopy_fem::integrate::registry::MethodInfo| {
         let needs = match method.family {
             Family::Explicit => "forces",

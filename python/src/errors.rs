@@ -20,24 +20,24 @@ pyo3::import_exception!(canopy_fem.errors, InternalError);
 ///
 /// # Errors
 /// A panic.
-pub fn engine<R: Send>(py: Python<'_>, work: impl FnOnce() -> R + Send) -> PyResult<R> {
+pub(crate) fn engine<R: Send>(py: Python<'_>, work: impl FnOnce() -> R + Send) -> PyResult<R> {
     py.detach(|| catch_unwind(AssertUnwindSafe(work))).map_err(|panic| panicked(&*panic))
 }
 
 /// The exception of a panic.
-pub fn panicked(panic: &(dyn Any + Send)) -> PyErr {
+pub(crate) fn panicked(panic: &(dyn Any + Send)) -> PyErr {
     let text = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
     InternalError::new_err(format!("the engine has a defect: {}; please report it", text.unwrap_or("a panic")))
 }
 
 /// Panics in the engine's place, so that tests can see what becomes of it.
 #[pyfunction]
-pub fn _panic(py: Python<'_>) -> PyResult<()> {
+pub(crate) fn _panic(py: Python<'_>) -> PyResult<()> {
     engine(py, || std::panic::panic_any("a test asked for this panic"))
 }
 
 /// The exception of a bad case, with its faults.
-pub fn of_case(py: Python<'_>, error: BadCase) -> PyErr {
+pub(crate) fn of_case(py: Python<'_>, error: BadCase) -> PyErr {
     if let BadCase::Read { path, source } = &error {
         return PyErr::from(std::io::Error::new(source.kind(), format!("{path}: {source}")));
     }
@@ -56,7 +56,7 @@ pub fn of_case(py: Python<'_>, error: BadCase) -> PyErr {
 }
 
 /// The exception of a mesh that cannot be made, read or written.
-pub fn of_mesh(error: &MeshError) -> PyErr {
+pub(crate) fn of_mesh(error: &MeshError) -> PyErr {
     match error {
         MeshError::File { .. } | MeshError::Target { .. } => PyOSError::new_err(error.to_string()),
         _ => CaseError::new_err(error.to_string()),
@@ -64,7 +64,7 @@ pub fn of_mesh(error: &MeshError) -> PyErr {
 }
 
 /// The exception of a failed run or step, with its report.
-pub fn of_failure(py: Python<'_>, message: String, failure: &Failure) -> PyErr {
+pub(crate) fn of_failure(py: Python<'_>, message: String, failure: &Failure) -> PyErr {
     match crate::values::from_json(py, failure) {
         Ok(report) => Diverged::new_err((message, report.unbind())),
         Err(error) => error,
@@ -72,7 +72,7 @@ pub fn of_failure(py: Python<'_>, message: String, failure: &Failure) -> PyErr {
 }
 
 /// The exception of what a simulation refuses.
-pub fn of_simulation(py: Python<'_>, error: Refusal) -> PyErr {
+pub(crate) fn of_simulation(py: Python<'_>, error: Refusal) -> PyErr {
     let text = error.to_string();
     match &error {
         Refusal::Failed(failure) => of_failure(py, text, failure),
@@ -92,7 +92,7 @@ pub fn of_simulation(py: Python<'_>, error: Refusal) -> PyErr {
 }
 
 /// The exception of a run that cannot be recorded.
-pub fn of_record(py: Python<'_>, error: RecordError) -> PyErr {
+pub(crate) fn of_record(py: Python<'_>, error: RecordError) -> PyErr {
     match error {
         RecordError::Case(error) => of_case(py, error),
         RecordError::Simulation(error) => of_simulation(py, error),

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Where an exception of a force waits until the step has ended.
 #[derive(Default)]
-pub struct Raised {
+pub(crate) struct Raised {
     error: Mutex<Option<PyErr>>,
     /// whether there is one, for the engine to give up on the step
     pub flag: Arc<AtomicBool>,
@@ -21,24 +21,24 @@ impl Raised {
     }
 
     /// Whether an exception waits.
-    pub fn is_set(&self) -> bool {
+    pub(crate) fn is_set(&self) -> bool {
         self.flag.load(Ordering::Relaxed)
     }
 
     /// Keeps an exception until the step has ended.
-    pub fn keep(&self, error: PyErr) {
+    pub(crate) fn keep(&self, error: PyErr) {
         *self.slot() = Some(error);
         self.flag.store(true, Ordering::Relaxed);
     }
 
     /// Takes the waiting exception.
-    pub fn take(&self) -> Option<PyErr> {
+    pub(crate) fn take(&self) -> Option<PyErr> {
         if self.flag.swap(false, Ordering::Relaxed) { self.slot().take() } else { None }
     }
 }
 
 /// A force `function(t, x, v)` -> (n, 3).
-pub struct PythonForce {
+pub(crate) struct PythonForce {
     /// what the program calls it
     pub name: String,
     /// the function; none once the collector of Python's garbage has it
@@ -54,7 +54,7 @@ impl PythonForce {
     ///
     /// # Errors
     /// It is gone.
-    pub fn function<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    pub(crate) fn function<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let function = self.function.lock().unwrap_or_else(PoisonError::into_inner);
         let gone = || PyRuntimeError::new_err(format!("the function of force \"{}\" is gone", self.name));
         Ok(function.as_ref().ok_or_else(gone)?.bind(py).clone())

@@ -12,7 +12,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 /// Time between two looks at signals.
-pub const LOOK: Duration = Duration::from_millis(10);
+pub(crate) const LOOK: Duration = Duration::from_millis(10);
 
 /// The same within a step, where each look may wait for other threads of the interpreter.
 const SELDOM: Duration = Duration::from_millis(50);
@@ -22,7 +22,7 @@ const SELDOM: Duration = Duration::from_millis(50);
 ///
 /// # Errors
 /// A signal's exception, such as `KeyboardInterrupt`; one of `meanwhile`; a panic.
-pub fn watched<R: Send>(
+pub(crate) fn watched<R: Send>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> R + Send,
     mut meanwhile: impl FnMut(Python<'_>) -> PyResult<()> + Send,
@@ -63,7 +63,7 @@ pub fn watched<R: Send>(
 
 /// Runs `work` on this thread, which looks at signals wherever `work` asks whether to stop: the interpreter calls its
 /// handlers on no other thread than the main one. An exception of one goes to `raised`, and `work` is asked to end.
-pub fn looking<R>(raised: &Arc<Raised>, work: impl FnOnce() -> R) -> R {
+pub(crate) fn looking<R>(raised: &Arc<Raised>, work: impl FnOnce() -> R) -> R {
     let (raised, last) = (raised.clone(), Cell::new(Instant::now()));
     let asked = move || {
         if !raised.is_set() && last.get().elapsed() > SELDOM {

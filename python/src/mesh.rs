@@ -206,7 +206,7 @@ fn groups_of(given: &Bound<'_, PyDict>) -> PyResult<Groups> {
 
 /// Makes a mesh from its section of a case, as JSON text; paths are relative to `base`.
 #[pyfunction]
-pub fn generate(py: Python<'_>, section: &str, base: PathBuf) -> PyResult<Mesh> {
+pub(crate) fn generate(py: Python<'_>, section: &str, base: PathBuf) -> PyResult<Mesh> {
     let source: MeshSource =
         serde_json::from_str(section).map_err(|error| CaseError::new_err(format!("mesh: {error}")))?;
     made(py, move || source.build_with_notes(&base))
@@ -214,7 +214,7 @@ pub fn generate(py: Python<'_>, section: &str, base: PathBuf) -> PyResult<Mesh> 
 
 /// The mesh that a pickle holds.
 #[pyfunction]
-pub fn _mesh_of(
+pub(crate) fn _mesh_of(
     py: Python<'_>,
     nodes: &Bound<'_, PyAny>,
     edges: &Bound<'_, PyAny>,

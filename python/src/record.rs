@@ -32,7 +32,7 @@ impl Observer for Clock<'_> {
 /// Runs a case and writes its files; the summary as a dictionary, and warnings.
 #[pyfunction]
 #[pyo3(signature = (case, out, *, earlier, threads, keep_going, progress))]
-pub fn record<'py>(
+pub(crate) fn record<'py>(
     py: Python<'py>,
     case: &Case,
     out: PathBuf,
@@ -76,7 +76,7 @@ pub fn record<'py>(
 #[pyfunction]
 #[pyo3(signature = (case, out, *, replace, threads, at, load_steps, modes))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
-pub fn record_static<'py>(
+pub(crate) fn record_static<'py>(
     py: Python<'py>,
     case: &Case,
     out: PathBuf,
@@ -110,7 +110,7 @@ pub fn record_static<'py>(
 ///
 /// # Errors
 /// None, or more than 1024.
-pub fn checked_threads(threads: usize) -> PyResult<usize> {
+pub(crate) fn checked_threads(threads: usize) -> PyResult<usize> {
     match threads {
         1..=1024 => Ok(threads),
         _ => Err(PyValueError::new_err(format!("threads is {threads}: give 1 to 1024"))),

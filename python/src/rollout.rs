@@ -208,14 +208,14 @@ fn run(case: &EngineCase, kept: Kept<'_>, stop: &AtomicBool) -> Result<Rollout, 
 
 /// The run of a rollout that a pickle holds.
 #[pyfunction]
-pub fn _rollout_of(bytes: &[u8]) -> PyResult<Rollout> {
+pub(crate) fn _rollout_of(bytes: &[u8]) -> PyResult<Rollout> {
     postcard::from_bytes(bytes).map_err(|error| PyValueError::new_err(format!("these bytes are no rollout: {error}")))
 }
 
 /// Runs cases on a pool of threads, one case a thread.
 #[pyfunction]
 #[pyo3(signature = (cases, *, threads, nodes, every))]
-pub fn rollout(
+pub(crate) fn rollout(
     py: Python<'_>,
     cases: Vec<Bound<'_, Case>>,
     threads: usize,

@@ -20,7 +20,7 @@ pub(super) struct Flips {
 
 impl Flips {
     /// Takes over a triangulation; `constraints` are edges that must stay.
-    pub fn new(triangles: Vec<[u32; 3]>, constraints: &[[usize; 2]]) -> Self {
+    pub(crate) fn new(triangles: Vec<[u32; 3]>, constraints: &[[usize; 2]]) -> Self {
         let key = |a: u32, b: u32| [a.min(b), a.max(b)];
         let mut fixed: Vec<[u32; 2]> = constraints.iter().map(|&[a, b]| key(a as u32, b as u32)).collect();
         fixed.sort_unstable();
@@ -45,12 +45,12 @@ impl Flips {
     }
 
     /// The triangles, counter-clockwise.
-    pub fn triangles(&self) -> &[[u32; 3]] {
+    pub(crate) fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
     /// The edges, each once.
-    pub fn edges(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+    pub(crate) fn edges(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         self.triangles.iter().zip(&self.beyond).enumerate().flat_map(|(t, (corners, beyond))| {
             let own = move |&s: &usize| beyond[s] == NONE || (t as u32) < beyond[s];
             (0..3).filter(own).map(move |s| [corners[s], corners[(s + 1) % 3]])
@@ -59,7 +59,7 @@ impl Flips {
 
     /// Flips edges until the triangulation is Delaunay again; false if a triangle has turned over, or the flips do
     /// not end, and a new triangulation is needed.
-    pub fn follow(&mut self, points: &[Vector2<f64>]) -> bool {
+    pub(crate) fn follow(&mut self, points: &[Vector2<f64>]) -> bool {
         let upright = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|n| points[n as usize]);
             (b - a).perp(&(c - a)) > 0.0

@@ -75,7 +75,7 @@ impl GradedRequest {
     ///
     /// # Errors
     /// Inconsistent counts.
-    pub fn plan(&self) -> Result<MeshPlan, MeshError> {
+    pub(crate) fn plan(&self) -> Result<MeshPlan, MeshError> {
         let boundary = match self.boundary_nodes {
             Some(count) => count.max(self.least_boundary()),
             None => self.derived_boundary(),
@@ -197,18 +197,18 @@ impl GradedRequest {
 
 impl MeshPlan {
     /// Whether it has many nodes.
-    pub fn is_large(&self) -> bool {
+    pub(crate) fn is_large(&self) -> bool {
         self.free > MANY
     }
 
     /// `p` moved out of the hub by at least `depth` [m].
-    pub fn off_hub(&self, p: Vector2<f64>, depth: f64) -> Vector2<f64> {
+    pub(crate) fn off_hub(&self, p: Vector2<f64>, depth: f64) -> Vector2<f64> {
         let least = self.hub + depth;
         if self.hub == 0.0 || p.norm() >= least { p } else { least * unit_vector(p).unwrap_or(Vector2::x()) }
     }
 
     /// Lays out the nodes: inner loop, outer loop, centre, seams, interior.
-    pub fn start(&self, mut random: SplitMix64) -> Layout {
+    pub(crate) fn start(&self, mut random: SplitMix64) -> Layout {
         let mut start = Layout { points: Vec::new(), freedom: Vec::new(), constraints: Vec::new(), loop_edges: 0 };
         let ring = self.size.ring;
         let firsts = [0, self.loops[0]];

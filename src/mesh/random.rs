@@ -6,7 +6,7 @@ pub(super) struct SplitMix64(u64);
 
 impl SplitMix64 {
     /// Numbers for the given attempt at a mesh with the given seed.
-    pub fn new(seed: u64, attempt: u64) -> Self {
+    pub(crate) fn new(seed: u64, attempt: u64) -> Self {
         let mut mixed = Self(seed);
         Self(mixed.next().wrapping_add(attempt))
     }
@@ -20,7 +20,7 @@ impl SplitMix64 {
     }
 
     /// [-] evenly spread in [-1, 1)
-    pub fn signed(&mut self) -> f64 {
+    pub(crate) fn signed(&mut self) -> f64 {
         // The upper 53 bits fill a double's mantissa exactly.
         (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 /// A ring around the origin, or a disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ring {
+pub(crate) struct Ring {
     /// [m] radius of the hole; 0 for a disc
     pub inner: f64,
     /// [m] radius of the outer edge
@@ -15,19 +15,19 @@ pub struct Ring {
 
 impl Ring {
     /// Whether it has a hole.
-    pub fn has_hole(&self) -> bool {
+    pub(crate) fn has_hole(&self) -> bool {
         self.inner > 0.0
     }
 
     /// [m] signed distance to the boundary, negative inside (Persson & Strang 2004, section 2.1: the intersection of
     /// a circle and the outside of another is the larger of both distances).
-    pub fn signed_distance(&self, p: Vector2<f64>) -> f64 {
+    pub(crate) fn signed_distance(&self, p: Vector2<f64>) -> f64 {
         let r = p.norm();
         if self.has_hole() { (r - self.outer).max(self.inner - r) } else { r - self.outer }
     }
 
     /// The point at least `depth` [m] inside that is nearest to `p`; half way between the loops if the ring is thinner.
-    pub fn pushed_inside(&self, p: Vector2<f64>, depth: f64) -> Vector2<f64> {
+    pub(crate) fn pushed_inside(&self, p: Vector2<f64>, depth: f64) -> Vector2<f64> {
         if self.signed_distance(p) <= -depth {
             return p;
         }
@@ -63,7 +63,7 @@ pub(super) fn turned_off_seams(p: Vector2<f64>, seams: usize, depth: f64) -> Vec
 /// Wanted edge length by radius: linear between its values at the loops, times a tent function that is 1 at the loops
 /// and `grading` in the middle (for a disc: at the centre).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SizeFunction {
+pub(crate) struct SizeFunction {
     /// the domain
     pub ring: Ring,
     /// [m] edge length on the inner loop; for a disc the same as `at_outer`
@@ -76,7 +76,7 @@ pub struct SizeFunction {
 
 impl SizeFunction {
     /// [m] wanted edge length at a radius [m]
-    pub fn at(&self, radius: f64) -> f64 {
+    pub(crate) fn at(&self, radius: f64) -> f64 {
         let Ring { inner, outer } = self.ring;
         let s = ((radius - inner) / (outer - inner)).clamp(0.0, 1.0);
         let tent = if self.ring.has_hole() { 1.0 - (2.0 * s - 1.0).abs() } else { 1.0 - s };
@@ -89,7 +89,7 @@ const CELLS: usize = 4096;
 
 /// The integral of a density over the radius, and its inverse.
 #[derive(Clone, Debug)]
-pub struct RadialTable {
+pub(crate) struct RadialTable {
     /// [m] radii of the cell borders, denser at the lower end, where a small hole makes the size function steep
     radii: Vec<f64>,
     /// integral from the first radius
@@ -98,7 +98,7 @@ pub struct RadialTable {
 
 impl RadialTable {
     /// Integrates a positive density from radius `from` to `to` with the midpoint rule.
-    pub fn new(ends: [f64; 2], density: impl Fn(f64) -> f64) -> Self {
+    pub(crate) fn new(ends: [f64; 2], density: impl Fn(f64) -> f64) -> Self {
         let mut table = Self { radii: vec![ends[0]], sums: vec![0.0] };
         integrate(ends, density, |radius, sum| {
             table.radii.push(radius);
@@ -108,7 +108,7 @@ impl RadialTable {
     }
 
     /// [m] the radius up to which the given fraction of the integral lies
-    pub fn radius_at(&self, fraction: f64) -> f64 {
+    pub(crate) fn radius_at(&self, fraction: f64) -> f64 {
         let wanted = fraction.clamp(0.0, 1.0) * self.sums[CELLS];
         let cell = self.sums.partition_point(|&s| s < wanted).clamp(1, CELLS);
         let (low, high) = (self.sums[cell - 1], self.sums[cell]);
@@ -118,7 +118,7 @@ impl RadialTable {
 }
 
 /// The same integral without a table.
-pub fn integral(ends: [f64; 2], density: impl Fn(f64) -> f64) -> f64 {
+pub(crate) fn integral(ends: [f64; 2], density: impl Fn(f64) -> f64) -> f64 {
     integrate(ends, density, |_, _| ())
 }
 

@@ -57,12 +57,12 @@ impl Sides {
     }
 
     /// Triangles at an edge.
-    pub fn at(&self, edge: usize) -> &[u32] {
+    pub(crate) fn at(&self, edge: usize) -> &[u32] {
         &self.triangles[self.start[edge] as usize..self.start[edge + 1] as usize]
     }
 
     /// The edge between two nodes, if it is a triangle's.
-    pub fn find(&self, pair: [u32; 2]) -> Option<usize> {
+    pub(crate) fn find(&self, pair: [u32; 2]) -> Option<usize> {
         let key = edge_key(pair[0], pair[1]);
         let [from, to] = [0, 1].map(|next| self.of_node.get(key[0] as usize + next).map(|edge| *edge as usize));
         let (from, to) = (from?, to?);
@@ -75,7 +75,7 @@ fn edge_key(a: u32, b: u32) -> [u32; 2] {
 }
 
 /// All edges of some triangles, each once, the smaller node first, in ascending order.
-pub fn unique_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+pub(crate) fn unique_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     Sides::new(triangles).nodes
 }
 

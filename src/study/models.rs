@@ -120,7 +120,7 @@ impl Solved {
     ///
     /// # Errors
     /// Solutions whose distance is no number.
-    pub fn error_of(&self, other: &Solved) -> Result<ModelError, StudyError> {
+    pub(crate) fn error_of(&self, other: &Solved) -> Result<ModelError, StudyError> {
         let motion = self.reference.account.motion;
         let distance = Distance::between(&other.reference.frames, &self.reference.frames).over(motion);
         let [error, error_max] = distance.ok_or(StudyError::NothingMoves)?;
@@ -128,7 +128,7 @@ impl Solved {
     }
 
     /// What is told of it.
-    pub fn report(&self, model: Model, error: Option<ModelError>) -> ModelReport {
+    pub(crate) fn report(&self, model: Model, error: Option<ModelError>) -> ModelReport {
         ModelReport { model, fingerprint: self.prepared.fingerprint.clone(), error }
     }
 }

@@ -24,11 +24,11 @@ const ROUNDING: f64 = 1e-9;
 /// Errors smaller than this are of no interest to a study without a list of what to try.
 const FINE_ENOUGH: f64 = 1e-8;
 /// Tolerances tried by methods of order 2 and above.
-pub const TOLERANCES: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+pub(crate) const TOLERANCES: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
 /// What the steps of a scene are laid around.
 #[derive(Clone, Copy, Debug)]
-pub struct StepScales {
+pub(crate) struct StepScales {
     /// [s] interval of the frames
     pub every: f64,
     /// [s] end of the run
@@ -42,7 +42,7 @@ pub struct StepScales {
 
 impl StepScales {
     /// Of a scene's spectrum and the motion of its reference.
-    pub fn of(spectrum: &Spectrum<'_>, every: f64, end: f64, period: f64) -> Self {
+    pub(crate) fn of(spectrum: &Spectrum<'_>, every: f64, end: f64, period: f64) -> Self {
         let rates = spectrum.rates();
         let rate = rates.frequency.max(rates.damping);
         let fastest = if rate > 0.0 { 2.0 / rate } else { f64::INFINITY };
@@ -51,7 +51,7 @@ impl StepScales {
 
     /// [s] The largest step that is not above `wanted` and meets the frames: the interval over, or times, a number 2^a
     /// 5^b.
-    pub fn round(&self, wanted: f64) -> f64 {
+    pub(crate) fn round(&self, wanted: f64) -> f64 {
         let ratio = wanted / self.every;
         if !(ratio > 0.0 && ratio.is_finite()) {
             return wanted;
@@ -70,7 +70,7 @@ impl StepScales {
     }
 
     /// [s] About the step that a method of this order takes within a tolerance.
-    pub fn rough_step(&self, tolerance: f64, order: u32) -> f64 {
+    pub(crate) fn rough_step(&self, tolerance: f64, order: u32) -> f64 {
         self.period / std::f64::consts::TAU * tolerance.powf(1.0 / f64::from(order.max(1)))
     }
 
@@ -82,14 +82,14 @@ impl StepScales {
 
     /// Those of [`TOLERANCES`] that matter for a method with a limit of `limit` [s], infinite if it has none: where
     /// stability holds the steps, looser tolerances all give the same run.
-    pub fn tolerances(&self, order: u32, limit: f64) -> Vec<f64> {
+    pub(crate) fn tolerances(&self, order: u32, limit: f64) -> Vec<f64> {
         let held = if limit > 0.0 && limit.is_finite() { 10.0 * self.rough_error(limit, order) } else { f64::INFINITY };
         let matters = |(i, t): &(usize, f64)| *i == 0 || *t < held;
         TOLERANCES.into_iter().enumerate().filter(matters).map(|(_, t)| t).collect()
     }
 
     /// [s] Steps for a method, the largest first, each once.
-    pub fn steps(&self, method: &MethodChoice, spectrum: &mut Spectrum<'_>) -> Vec<f64> {
+    pub(crate) fn steps(&self, method: &MethodChoice, spectrum: &mut Spectrum<'_>) -> Vec<f64> {
         let most = LARGEST * self.end;
         let limit = match method.info.family {
             // Its filter has no limit; what acts outside it does.
@@ -136,7 +136,7 @@ fn regular(x: f64, side: Neighbour) -> f64 {
 }
 
 /// 1, 2 and 5 times powers of ten from one number to another, both ends included.
-pub fn series(from: f64, to: f64) -> Vec<f64> {
+pub(crate) fn series(from: f64, to: f64) -> Vec<f64> {
     let first = from.log10().floor() as i32;
     let last = to.log10().ceil() as i32;
     let within = |x: &f64| (from * (1.0 - 1e-9)..=to * (1.0 + 1e-9)).contains(x);
@@ -145,7 +145,7 @@ pub fn series(from: f64, to: f64) -> Vec<f64> {
 }
 
 /// Powers of ten from one number to another, both ends included.
-pub fn decades(from: f64, to: f64) -> Vec<f64> {
+pub(crate) fn decades(from: f64, to: f64) -> Vec<f64> {
     series(from, to).into_iter().filter(|x| format!("{x:e}").starts_with("1e")).collect()
 }
 

@@ -33,13 +33,18 @@ pub(super) struct RitzVector {
 
 impl Krylov {
     /// From `start` `[n]`, with no products yet.
-    pub fn from(start: Vec<f64>) -> Self {
+    pub(super) fn from(start: Vec<f64>) -> Self {
         Krylov { basis: vec![], columns: vec![], outside: start, scale: 0.0, h: Mat::zeros(0, 0), values: vec![] }
     }
 
     /// Extends the space to `most` products, or as many vectors as are affordable. `None` if a product is not finite,
     /// it was stopped, or the eigenvalue iteration did not converge.
-    pub fn extend(&mut self, most: usize, stop: Stop<'_>, mut times: impl FnMut(&[f64], &mut [f64])) -> Option<()> {
+    pub(super) fn extend(
+        &mut self,
+        most: usize,
+        stop: Stop<'_>,
+        mut times: impl FnMut(&[f64], &mut [f64]),
+    ) -> Option<()> {
         let n = self.outside.len();
         let most = affordable(n, [MIN_ARNOLDI, most]);
         while self.basis.len() < most && self.left() > 0.0 {
@@ -72,14 +77,14 @@ impl Krylov {
     }
 
     /// The Ritz vector of an eigenvalue.
-    pub fn ritz(&self, value: c64) -> RitzVector {
+    pub(super) fn ritz(&self, value: c64) -> RitzVector {
         let Eigenvector { u, residual } = eigenvector(&self.h, value);
         let last = u.last().map_or(0.0, |u| u.norm());
         RitzVector { shares: u, residual: residual + self.left() * last }
     }
 
     /// Real and imaginary parts of a Ritz vector, each `[n]`.
-    pub fn vector(&self, of: &RitzVector) -> [Vec<f64>; 2] {
+    pub(super) fn vector(&self, of: &RitzVector) -> [Vec<f64>; 2] {
         let n = self.basis.first().map_or(0, Vec::len);
         let mut parts = [vec![0.0; n], vec![0.0; n]];
         for (v, u) in self.basis.iter().zip(&of.shares) {

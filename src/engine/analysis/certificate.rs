@@ -18,7 +18,7 @@ pub(super) struct Certifier {
 
 impl Certifier {
     /// `None` for non-symmetric scenes.
-    pub fn of(scene: &dyn Scene) -> Option<Self> {
+    pub(super) fn of(scene: &dyn Scene) -> Option<Self> {
         if !scene.symmetric() {
             return None;
         }
@@ -33,7 +33,7 @@ impl Certifier {
     }
 
     /// Whether m M + c C + k K is proved positive definite.
-    pub fn definite(&mut self, scene: &dyn Scene, at: StateRef<'_>, w: Weights) -> bool {
+    pub(super) fn definite(&mut self, scene: &dyn Scene, at: StateRef<'_>, w: Weights) -> bool {
         scene.assemble(at, w, &mut self.assembler);
         match &mut self.solver {
             None => self.assembler.values().first().is_some_and(|&value| value > 0.0 && value.is_finite()),

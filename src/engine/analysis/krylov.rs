@@ -43,7 +43,7 @@ pub(super) struct Krylov {
 
 impl Krylov {
     /// Unit eigenvectors `[n]` of the `count` largest eigenvalues, descending.
-    pub fn largest(
+    pub(super) fn largest(
         of: &mut impl Operator,
         n: usize,
         count: usize,

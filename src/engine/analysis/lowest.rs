@@ -118,7 +118,7 @@ impl Pencil {
     ///
     /// # Errors
     /// See [`ModesError`].
-    pub fn lowest(&self, count: usize, stop: Stop<'_>) -> Result<Vec<LowMode>, ModesError> {
+    pub(crate) fn lowest(&self, count: usize, stop: Stop<'_>) -> Result<Vec<LowMode>, ModesError> {
         let unknowns = self.unknowns();
         if count > unknowns {
             return Err(ModesError::TooMany { asked: count, unknowns });

@@ -38,11 +38,11 @@ pub(super) struct Mode {
 
 impl Mode {
     /// [s] Largest stable step of a method on this mode.
-    pub fn limit(&self, method: &MethodChoice) -> f64 {
+    pub(super) fn limit(&self, method: &MethodChoice) -> f64 {
         critical_step(method, self.rates())
     }
 
-    pub fn rates(&self) -> Rates {
+    pub(super) fn rates(&self) -> Rates {
         let Mode { frequency, damping, dof, .. } = *self;
         Rates { frequency, frequency_dof: dof, damping, damping_dof: dof, ..Rates::default() }
     }
@@ -56,7 +56,7 @@ pub(super) struct Modes {
 impl Modes {
     /// Finds outer modes: the stiffest and the most damped one from their Rayleigh quotients, others from eigenvalues
     /// of L. `unit` [1/s] is the scale of rates.
-    pub fn find(linear: &Linearised<'_>, shapes: [&Ritz; 2], unit: f64) -> Self {
+    pub(super) fn find(linear: &Linearised<'_>, shapes: [&Ritz; 2], unit: f64) -> Self {
         let mut list = Vec::new();
         for shape in shapes.map(|ritz| &ritz.vector).into_iter().filter(|shape| !shape.is_empty()) {
             if let Some(Rates { frequency, damping, .. }) = linear.quotients(shape) {
@@ -87,12 +87,12 @@ impl Modes {
     }
 
     /// Rates of all modes that do not grow by themselves.
-    pub fn rates(&self) -> Vec<Rates> {
+    pub(super) fn rates(&self) -> Vec<Rates> {
         self.list.iter().filter(|mode| !mode.grows).map(Mode::rates).collect()
     }
 
     /// The smallest limit of a method and the mode that sets it.
-    pub fn limit(&self, method: &MethodChoice) -> Option<(f64, Mode)> {
+    pub(super) fn limit(&self, method: &MethodChoice) -> Option<(f64, Mode)> {
         let mut found: Option<(f64, Mode)> = None;
         for mode in &self.list {
             // A mode that is stable at the smallest limit so far sets none. This check is forty times cheaper than
@@ -167,7 +167,7 @@ pub(super) struct ModeShape {
 impl ModeShape {
     /// From the real and imaginary parts of (M^1/2 x `unit`, M^1/2 v), each [2 n_dof]; `unit` in 1/s, `root` is the
     /// diagonal of M^-1/2 `[n_dof]`.
-    pub fn of([re, im]: &[Vec<f64>; 2], matrices: &Matrices, root: &[f64], unit: f64) -> Self {
+    pub(super) fn of([re, im]: &[Vec<f64>; 2], matrices: &Matrices, root: &[f64], unit: f64) -> Self {
         let n = root.len();
         let ((x, v), (ix, iv)) = (re.split_at(n), im.split_at(n));
         let along = |a: &[f64], b: &[f64]| c64::new(dot(x, a) + dot(ix, b), dot(x, b) - dot(ix, a));
@@ -184,7 +184,7 @@ impl ModeShape {
     }
 
     /// Whether an eigenvalue z of a step of h [s], beyond the unit circle, is growth of the scene itself.
-    pub fn grows_by_itself(&self, [re, im]: [f64; 2], h: f64) -> bool {
+    pub(super) fn grows_by_itself(&self, [re, im]: [f64; 2], h: f64) -> bool {
         let z = c64::new(re, im);
         let between = (self.c * self.c - self.k * 4.0).sqrt();
         let follows_slow = z.re > 0.0 && self.rate.re > -0.5 * self.c.re;

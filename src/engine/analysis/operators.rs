@@ -34,7 +34,7 @@ pub(super) struct Linearised<'a> {
 }
 
 impl<'a> Linearised<'a> {
-    pub fn of(scene: &'a dyn Scene, at: StateRef<'a>, stop: Stop<'a>) -> Self {
+    pub(super) fn of(scene: &'a dyn Scene, at: StateRef<'a>, stop: Stop<'a>) -> Self {
         let root: Vec<f64> = scene.inverse_mass().iter().map(|m| m.sqrt()).collect();
         let worth = (scene.velocity_dependent() || !scene.symmetric()) && root.len() <= MOST_ASSEMBLED;
         let matrices = if worth && !stop.asked() { Matrices::of(scene, at).map(Arc::new) } else { None };
@@ -42,12 +42,12 @@ impl<'a> Linearised<'a> {
     }
 
     /// A fixed start vector with a part of every mode, rich in high ones; 0 at fixed degrees of freedom.
-    pub fn start(&self) -> Vec<f64> {
+    pub(super) fn start(&self) -> Vec<f64> {
         self.root.iter().enumerate().map(|(i, r)| if *r > 0.0 { pseudo_random(i) } else { 0.0 }).collect()
     }
 
     /// y = M^-1/2 (c C + k K) M^-1/2 q, all `[n_dof]`; `p` is a buffer for M^-1/2 q.
-    pub fn times(&self, w: Weights, q: &[f64], p: &mut [f64], y: &mut [f64]) {
+    pub(super) fn times(&self, w: Weights, q: &[f64], p: &mut [f64], y: &mut [f64]) {
         for ((p, q), r) in p.iter_mut().zip(q).zip(&self.root) {
             *p = r * q;
         }
@@ -61,7 +61,7 @@ impl<'a> Linearised<'a> {
     }
 
     /// Rayleigh quotients of K and C for a vector, as rates; `None` if not finite.
-    pub fn quotients(&self, shape: &[f64]) -> Option<Rates> {
+    pub(super) fn quotients(&self, shape: &[f64]) -> Option<Rates> {
         // The vector is empty if products with the tangent overflow.
         if shape.is_empty() {
             return None;
@@ -77,7 +77,7 @@ impl<'a> Linearised<'a> {
     }
 
     /// The degree of freedom that moves most in a vector `[n_dof]`.
-    pub fn most_moving_dof(&self, shape: &[f64]) -> usize {
+    pub(super) fn most_moving_dof(&self, shape: &[f64]) -> usize {
         let moves = |i: usize| (shape[i] * self.root[i]).abs();
         (0..shape.len()).max_by(|&a, &b| moves(a).total_cmp(&moves(b))).unwrap_or(0)
     }
@@ -96,7 +96,7 @@ type Block = [[f64; 4]; 3];
 
 impl Matrices {
     /// `None` if the matrix has too many entries.
-    pub fn of(scene: &dyn Scene, at: StateRef<'_>) -> Option<Self> {
+    pub(super) fn of(scene: &dyn Scene, at: StateRef<'_>) -> Option<Self> {
         let mut assembler = scene.assembler().ok()?;
         let coupled = coupled(&assembler.pattern, scene.n_dof().div_ceil(3));
         let mut matrix = |w: Weights| {
@@ -108,7 +108,7 @@ impl Matrices {
     }
 
     /// y = k K x + c C v, all `[n_dof]`; a matrix with the factor 0 is not read.
-    pub fn times(&self, [k, c]: [f64; 2], [x, v]: [&[f64]; 2], y: &mut [f64]) {
+    pub(super) fn times(&self, [k, c]: [f64; 2], [x, v]: [&[f64]; 2], y: &mut [f64]) {
         y.fill(0.0);
         for (factor, blocks, x) in [(k, &self.k, x), (c, &self.c, v)] {
             if factor != 0.0 {
@@ -118,7 +118,7 @@ impl Matrices {
     }
 
     /// Entry `[k, c]` of a row and a column.
-    pub fn entry(&self, row: u32, column: u32) -> [f64; 2] {
+    pub(super) fn entry(&self, row: u32, column: u32) -> [f64; 2] {
         let place = place(&self.coupled, row / 3, column / 3);
         let entry = |blocks: &[Block], place: usize| blocks[place][column as usize % 3][row as usize % 3];
         place.map_or([0.0; 2], |place| [entry(&self.k, place), entry(&self.c, place)])

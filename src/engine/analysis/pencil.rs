@@ -46,7 +46,7 @@ pub(crate) struct Pencil {
 impl Pencil {
     /// # Errors
     /// A scene without nodes, or with too many entries.
-    pub fn of(scene: &dyn Scene, at: StateRef<'_>) -> Result<Self, ModesError> {
+    pub(crate) fn of(scene: &dyn Scene, at: StateRef<'_>) -> Result<Self, ModesError> {
         if scene.n_dof() != 3 * scene.reference().len() {
             return Err(ModesError::NoNetwork);
         }
@@ -78,29 +78,29 @@ impl Pencil {
     }
 
     /// Number of unknowns.
-    pub fn unknowns(&self) -> usize {
+    pub(crate) fn unknowns(&self) -> usize {
         self.mass.len()
     }
 
     /// [N/m] The diagonal of K `[n]`.
-    pub fn diagonal(&self) -> Vec<f64> {
+    pub(crate) fn diagonal(&self) -> Vec<f64> {
         let of_couplings = |i: usize| self.couplings.iter().map(|[u, g]| u[i] * g[i]).sum::<f64>();
         self.diagonal.iter().enumerate().map(|(i, &slot)| self.values[slot] + of_couplings(i)).collect()
     }
 
     /// Adds springs to the ground [N/m] `[n]`.
-    pub fn add_diagonal(&mut self, stiffness: impl Iterator<Item = f64>) {
+    pub(crate) fn add_diagonal(&mut self, stiffness: impl Iterator<Item = f64>) {
         self.diagonal.iter().zip(stiffness).for_each(|(&slot, k)| self.values[slot] += k);
     }
 
     /// [1/s^2] The largest ratio of a stiffness to its mass; 1 without any.
-    pub fn fastest(&self) -> f64 {
+    pub(crate) fn fastest(&self) -> f64 {
         let ratios = self.stiffness.iter().zip(&self.mass).filter(|(_, m)| **m > 0.0).map(|(k, m)| k / m);
         Some(ratios.fold(0.0, f64::max)).filter(|fastest| *fastest > 0.0).unwrap_or(1.0)
     }
 
     /// y = K p `[n]`
-    pub fn times(&self, p: &[f64], y: &mut [f64]) {
+    pub(crate) fn times(&self, p: &[f64], y: &mut [f64]) {
         self.pattern.multiply(&self.values, p, y);
         for [u, g] in &self.couplings {
             let along = [dot(g, p), dot(u, p)];
@@ -113,7 +113,7 @@ impl Pencil {
     ///
     /// # Errors
     /// When the analysis of the pattern runs out of memory or index range.
-    pub fn solver(&self) -> Result<Cholesky, LinearError> {
+    pub(crate) fn solver(&self) -> Result<Cholesky, LinearError> {
         Cholesky::new(self.pattern.clone())
     }
 
@@ -121,7 +121,7 @@ impl Pencil {
     ///
     /// # Errors
     /// When it is singular.
-    pub fn factor<'a>(&'a self, mut solver: Cholesky, s: f64) -> Result<Factored<'a>, LinearError> {
+    pub(crate) fn factor<'a>(&'a self, mut solver: Cholesky, s: f64) -> Result<Factored<'a>, LinearError> {
         let mut values = self.values.clone();
         self.diagonal.iter().zip(&self.mass).for_each(|(&slot, m)| values[slot] += s * m);
         let pivots = solver.factor_with_inertia(&values)?;
@@ -149,7 +149,7 @@ impl Pencil {
     }
 
     /// Whether K is positive definite.
-    pub fn is_definite(&self) -> bool {
+    pub(crate) fn is_definite(&self) -> bool {
         self.solver().and_then(|solver| self.factor(solver, 0.0)).is_ok_and(|factored| factored.negatives == 0)
     }
 }
@@ -172,7 +172,7 @@ impl Factored<'_> {
     ///
     /// # Errors
     /// When it is too close to singular.
-    pub fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
+    pub(crate) fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
         self.solver.solve(&self.values, b)?;
         let along: Vec<f64> = self.pencil.couplings.iter().flatten().map(|column| dot(column, b)).collect();
         for (i, x) in self.solved.iter().enumerate() {
@@ -183,7 +183,7 @@ impl Factored<'_> {
     }
 
     /// The solver, for another factor.
-    pub fn into_solver(self) -> Cholesky {
+    pub(crate) fn into_solver(self) -> Cholesky {
         self.solver
     }
 }

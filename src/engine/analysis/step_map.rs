@@ -70,7 +70,7 @@ pub(super) struct LinearScene {
 
 impl LinearScene {
     /// `None` if the scene has no assembled matrices.
-    pub fn of(linear: &Linearised<'_>) -> Option<Self> {
+    pub(super) fn of(linear: &Linearised<'_>) -> Option<Self> {
         Some(LinearScene {
             matrices: Arc::clone(linear.matrices.as_ref()?),
             assembler: linear.scene.assembler().ok()?,
@@ -82,7 +82,7 @@ impl LinearScene {
 
     /// [s] The largest step whose map grows only in modes that grow in the scene, and the degree of freedom that moves
     /// most just beyond it.
-    pub fn limit(&self, method: &MethodChoice, search: Search<'_>) -> Option<(f64, usize)> {
+    pub(super) fn limit(&self, method: &MethodChoice, search: Search<'_>) -> Option<(f64, usize)> {
         let guess = search.guess;
         let grows = |h: f64| self.grows(method, h, search);
         let (mut stable, mut unstable) = (0.0, guess);

@@ -75,7 +75,7 @@ struct Limit {
 
 impl DiagnosisInput<'_> {
     /// Why the scheme has made energy.
-    pub fn gain(&self) -> Diagnosis {
+    pub(super) fn gain(&self) -> Diagnosis {
         let start = self.scene.initial_state();
         let found = self.explicit(&start).or_else(|| self.unresolved(&start));
         if self.stop.asked() {
@@ -103,7 +103,7 @@ impl DiagnosisInput<'_> {
     }
 
     /// Why nodes have left the scene although the scheme made no energy: `error` is that of the energy account.
-    pub fn flight(&self, error: f64) -> Diagnosis {
+    pub(super) fn flight(&self, error: f64) -> Diagnosis {
         let found = self.explicit(&self.scene.initial_state());
         if self.stop.asked() {
             return Diagnosis::cut_short(self.h);

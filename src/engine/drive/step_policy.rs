@@ -16,7 +16,7 @@ pub(super) enum StepPolicy {
 
 impl StepPolicy {
     /// The policy of a run at time `t` [s], and how many events it has passed; the scene is then at that time.
-    pub fn at(
+    pub(super) fn at(
         scene: &dyn Scene,
         stepper: &Stepper<'_>,
         spec: &RunSpec,
@@ -56,7 +56,7 @@ impl StepPolicy {
     }
 
     /// The step after `steps` accepted ones, or the next to attempt from `t` [s]; `None` at the end.
-    pub fn next(&self, steps: u64, t: f64) -> Option<Tick> {
+    pub(super) fn next(&self, steps: u64, t: f64) -> Option<Tick> {
         match self {
             StepPolicy::Fixed(clock) => (steps < clock.count()).then(|| clock.tick_from(steps + 1, t)),
             StepPolicy::Adaptive(policy) => policy.next(t).map(|PlannedStep { h, t, .. }| Tick { h, t }),
@@ -65,7 +65,7 @@ impl StepPolicy {
     }
 
     /// [-] How many of a scene's events a run has passed that is at time `t` [s].
-    pub fn passed(&self, scene: &dyn Scene, t: f64) -> usize {
+    pub(super) fn passed(&self, scene: &dyn Scene, t: f64) -> usize {
         let events = match self {
             StepPolicy::Fixed(clock) => clock.events(),
             StepPolicy::Adaptive(_) | StepPolicy::Free(_) => scene.events(),
@@ -74,7 +74,7 @@ impl StepPolicy {
     }
 
     /// What adaptive steps keep.
-    pub fn state(&self) -> Option<&AdaptiveState> {
+    pub(super) fn state(&self) -> Option<&AdaptiveState> {
         match self {
             StepPolicy::Fixed(_) | StepPolicy::Free(_) => None,
             StepPolicy::Adaptive(policy) => Some(policy.state()),

@@ -47,7 +47,7 @@ pub(super) struct Dirk {
 }
 
 impl Dirk {
-    pub fn new(tableau: &'static DirkTableau, solver: SolverSpec) -> Self {
+    pub(super) fn new(tableau: &'static DirkTableau, solver: SolverSpec) -> Self {
         let (slopes, guess, start) = (Vec::new(), Vec::new(), Point::default());
         Dirk { tableau, engine: Implicit::new(BackwardEuler, solver), slopes, start, guess }
     }

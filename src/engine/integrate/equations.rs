@@ -58,7 +58,7 @@ pub(super) struct DofData {
 }
 
 impl DofData {
-    pub fn of(system: &dyn TangentSystem) -> Self {
+    pub(super) fn of(system: &dyn TangentSystem) -> Self {
         let mut mass = vec![0.0; system.n_dof()];
         system.mass_times(&vec![1.0; system.n_dof()], &mut mass);
         let stiffness = system.nodal_stiffness();
@@ -80,7 +80,7 @@ pub(super) struct Workspace {
 }
 
 impl Workspace {
-    pub fn new(at: &Point) -> Self {
+    pub(super) fn new(at: &Point) -> Self {
         let zero = || vec![0.0; at.state.x.len()];
         Workspace { a_next: zero(), residual: zero(), floor: zero(), halfway: at.clone() }
     }
@@ -117,7 +117,7 @@ const FORCE_CHANGE: f64 = 0.5;
 const LONG_STEP: f64 = 4.0;
 
 impl Equations<'_> {
-    pub fn fill(&self, z: &mut [f64]) {
+    pub(super) fn fill(&self, z: &mut [f64]) {
         let (StepStart { from, a, expected, h, .. }, map) = (&self.start, self.map);
         let v = &from.state.v;
         for (&dof, z) in self.linear.tangents.dof.iter().zip(z) {
@@ -138,7 +138,7 @@ impl Equations<'_> {
     }
 
     /// The weights of W = dF/dz.
-    pub fn weights(&self) -> Weights {
+    pub(super) fn weights(&self) -> Weights {
         let new = 1.0 - self.map.af;
         Weights { m: (1.0 - self.map.am) * self.map.ca, c: new * self.map.cv, k: new }
     }
@@ -148,7 +148,7 @@ impl Equations<'_> {
     }
 
     /// Rebuilds the reused factor if an attempt since the last accepted step has overwritten it.
-    pub fn rebuild_factor(&mut self) -> Result<(), LinearError> {
+    pub(super) fn rebuild_factor(&mut self) -> Result<(), LinearError> {
         let Some((at, w, make)) = self.linear.cache.outdated() else { return Ok(()) };
         let mut spent = Counters::default();
         self.linear.tangents.freeze(self.system, at, w, make, &mut spent)?;

@@ -60,13 +60,13 @@ pub(super) struct FactorCache {
 }
 
 impl FactorCache {
-    pub fn new(n_dof: usize) -> Self {
+    pub(super) fn new(n_dof: usize) -> Self {
         let state = || State { t: 0.0, x: vec![0.0; n_dof], v: vec![0.0; n_dof] };
         FactorCache { accepted_at: state(), attempted_at: state(), ..FactorCache::default() }
     }
 
     /// State, weights and request of the factor that must be rebuilt before an attempt, if any.
-    pub fn outdated(&mut self) -> Option<(StateRef<'_>, Weights, FactorRequest)> {
+    pub(super) fn outdated(&mut self) -> Option<(StateRef<'_>, Weights, FactorRequest)> {
         if self.state != CacheState::Valid {
             self.drop_unsaved();
         }
@@ -84,24 +84,24 @@ impl FactorCache {
 
     /// Marks the factor as rebuilt. Returns whether this work counts: a run without dropped attempts would not have had
     /// it.
-    pub fn rebuilt(&mut self) -> bool {
+    pub(super) fn rebuilt(&mut self) -> bool {
         std::mem::take(&mut self.state) == CacheState::Replaced
     }
 
     /// Statistics of the factor for a step with these weights.
-    pub fn history_for(&self, w: Weights) -> FactorHistory {
+    pub(super) fn history_for(&self, w: Weights) -> FactorHistory {
         let ratio = w.m / weights(self.accepted).m;
         let near = ratio < OTHER_STEP && ratio > 1.0 / OTHER_STEP;
         if near { self.accepted.frozen } else { self.accepted.frozen.after_step_change() }
     }
 
     /// Statistics of the factor of this attempt.
-    pub fn attempted_history(&self) -> FactorHistory {
+    pub(super) fn attempted_history(&self) -> FactorHistory {
         self.attempted.frozen
     }
 
     /// Records a new factor of this attempt.
-    pub fn store(&mut self, at: StateRef<'_>, w: Weights, FactorRequest { convex, expected }: FactorRequest) {
+    pub(super) fn store(&mut self, at: StateRef<'_>, w: Weights, FactorRequest { convex, expected }: FactorRequest) {
         self.state = CacheState::Replaced;
         self.attempted_at.copy_from(at);
         self.attempted = CachedFactor {
@@ -114,7 +114,7 @@ impl FactorCache {
     }
 
     /// State, weights and request to rebuild the factor from the convex tangent; `None` if it is convex already.
-    pub fn turn_convex(&mut self) -> Option<(StateRef<'_>, Weights, FactorRequest)> {
+    pub(super) fn turn_convex(&mut self) -> Option<(StateRef<'_>, Weights, FactorRequest)> {
         if self.attempted.convex {
             return None;
         }
@@ -128,7 +128,7 @@ impl FactorCache {
     }
 
     /// Records that another matrix was factorised; if in the same memory, the reused factor is gone.
-    pub fn discard(&mut self, same_room: bool) {
+    pub(super) fn discard(&mut self, same_room: bool) {
         if same_room {
             self.state = CacheState::Replaced;
             self.attempted = CachedFactor::default();
@@ -136,18 +136,18 @@ impl FactorCache {
     }
 
     /// Forgets the factor.
-    pub fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         (self.accepted, self.state, self.outlived) = (CachedFactor::default(), CacheState::Valid, false);
     }
 
     /// A program has changed how forces depend on the state. The factor is as good as the iteration finds it, but it
     /// cannot be made again.
-    pub fn outlive_laws(&mut self) {
+    pub(super) fn outlive_laws(&mut self) {
         self.outlived = self.accepted.frozen.made;
     }
 
     /// Forgets the factor if [`FactorCache::save`] leaves it out.
-    pub fn drop_unsaved(&mut self) {
+    pub(super) fn drop_unsaved(&mut self) {
         if self.outlived {
             (self.accepted, self.state, self.outlived) = (self.to_save(), CacheState::Valid, false);
         }
@@ -160,17 +160,17 @@ impl FactorCache {
     }
 
     /// Weights of the factor of this attempt.
-    pub fn weights(&self) -> Weights {
+    pub(super) fn weights(&self) -> Weights {
         weights(self.attempted)
     }
 
     /// Sets the statistics after this attempt.
-    pub fn set_history(&mut self, frozen: FactorHistory) {
+    pub(super) fn set_history(&mut self, frozen: FactorHistory) {
         self.attempted.frozen = frozen;
     }
 
     /// The attempt was accepted.
-    pub fn accept(&mut self) {
+    pub(super) fn accept(&mut self) {
         if self.state == CacheState::Replaced {
             std::mem::swap(&mut self.accepted_at, &mut self.attempted_at);
             self.outlived = false;
@@ -179,7 +179,7 @@ impl FactorCache {
     }
 
     /// Appends the state of the factor to `vectors` and returns the rest; `None` if there is nothing to be known of it.
-    pub fn save(&self, vectors: &mut Vec<Vec<f64>>) -> Option<CachedFactor> {
+    pub(super) fn save(&self, vectors: &mut Vec<Vec<f64>>) -> Option<CachedFactor> {
         let saved = self.to_save();
         if saved.frozen == FactorHistory::default() {
             return None;
@@ -189,12 +189,12 @@ impl FactorCache {
     }
 
     /// Positions and velocities of the factor's state, to be restored `[n_dof]`.
-    pub fn state_vectors(&mut self) -> [&mut Vec<f64>; 2] {
+    pub(super) fn state_vectors(&mut self) -> [&mut Vec<f64>; 2] {
         [&mut self.accepted_at.x, &mut self.accepted_at.v]
     }
 
     /// Restores a saved factor except for its state.
-    pub fn restore(&mut self, factor: CachedFactor) {
+    pub(super) fn restore(&mut self, factor: CachedFactor) {
         self.accepted_at.t = factor.t;
         (self.accepted, self.state, self.outlived) = (factor, CacheState::Resumed, false);
     }

@@ -69,7 +69,7 @@ pub(super) struct Tableau {
 
 impl Tableau {
     /// The method, which carries no state between steps.
-    pub fn scheme(&'static self) -> Scheme {
+    pub(super) fn scheme(&'static self) -> Scheme {
         let (slopes, x, v) = (Vec::new(), Vec::new(), Vec::new());
         Scheme::Explicit(Box::new(RungeKutta { tableau: self, slopes, x, v, forces: Forces::default() }))
     }

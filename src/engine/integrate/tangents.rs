@@ -165,7 +165,7 @@ pub(crate) struct Tangents {
 impl Tangents {
     /// # Errors
     /// When patterns cannot be found or analysed, or the choice of solver does not fit.
-    pub fn new(system: &dyn TangentSystem, strategy: Strategy, choice: LinearChoice) -> Result<Self, StepError> {
+    pub(crate) fn new(system: &dyn TangentSystem, strategy: Strategy, choice: LinearChoice) -> Result<Self, StepError> {
         refusal(system.symmetric(), strategy, choice).map_or(Ok(()), Err)?;
         let frozen = cached_factor(system, strategy, choice)?;
         let exact = match &frozen {
@@ -197,17 +197,17 @@ impl Tangents {
     }
 
     /// [-] Cost of a factorisation in iterations without one.
-    pub fn factor_cost(&self) -> f64 {
+    pub(crate) fn factor_cost(&self) -> f64 {
         self.frozen.as_ref().map_or(0.0, Factor::cost)
     }
 
     /// Whether a matrix is reused over many solves.
-    pub fn reuses_factors(&self) -> bool {
+    pub(crate) fn reuses_factors(&self) -> bool {
         self.frozen.is_some()
     }
 
     /// Whether W is symmetric.
-    pub fn symmetric(&self) -> bool {
+    pub(crate) fn symmetric(&self) -> bool {
         self.symmetric
     }
 
@@ -220,7 +220,7 @@ impl Tangents {
     ///
     /// # Errors
     /// A tangent that is not finite or singular, or that cannot be analysed.
-    pub fn factor(
+    pub(crate) fn factor(
         &mut self,
         system: &dyn TangentSystem,
         at: StateRef<'_>,
@@ -260,12 +260,12 @@ impl Tangents {
     }
 
     /// Whether another solver would have been chosen for the reused tangent with this expected use.
-    pub fn prefers_other_solver(&self, expected: ExpectedUse) -> bool {
+    pub(crate) fn prefers_other_solver(&self, expected: ExpectedUse) -> bool {
         self.frozen.as_ref().is_some_and(|factor| factor.linear.prefers_other_solver(expected))
     }
 
     /// [-] Cost of an iteration of conjugate gradients with the reused tangent over one without deflation.
-    pub fn cg_cost(&self) -> f64 {
+    pub(crate) fn cg_cost(&self) -> f64 {
         self.frozen.as_ref().map_or(1.0, |factor| factor.linear.cg_cost())
     }
 
@@ -308,7 +308,7 @@ impl Tangents {
     ///
     /// # Errors
     /// A solution that is not finite, or no factor.
-    pub fn solve(&mut self, b: &mut [f64], counters: &mut Counters) -> Result<(), LinearError> {
+    pub(crate) fn solve(&mut self, b: &mut [f64], counters: &mut Counters) -> Result<(), LinearError> {
         let Some(factor) = self.in_use() else { return Err(LinearError::Singular { unknown: None }) };
         interrupt::check()?;
         counters.linear_solves += 1;
@@ -332,14 +332,14 @@ impl Tangents {
     }
 
     /// Sets the accuracy of further solves.
-    pub fn set_accuracy(&mut self, accuracy: Accuracy) {
+    pub(crate) fn set_accuracy(&mut self, accuracy: Accuracy) {
         for factor in self.frozen.iter_mut().chain(&mut self.exact) {
             factor.linear.set_accuracy(accuracy);
         }
     }
 
     /// Name and sizes of the solver that works most.
-    pub fn stats(&self) -> Option<LinearStats> {
+    pub(crate) fn stats(&self) -> Option<LinearStats> {
         self.frozen.as_ref().or(self.exact.as_ref()).map(|f| f.linear.stats())
     }
 }

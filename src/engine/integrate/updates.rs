@@ -88,7 +88,7 @@ pub(super) struct Product<'a> {
 
 impl Product<'_> {
     /// Some degrees of freedom of it.
-    pub fn of(&self, r: Range<usize>) -> Product<'_> {
+    pub(super) fn of(&self, r: Range<usize>) -> Product<'_> {
         Product { inverse_mass: &self.inverse_mass[r.clone()], f: &self.f[r] }
     }
 }

@@ -29,13 +29,13 @@ pub(super) struct MotionSum<Q> {
 
 impl<Q: Quad> MotionSum<Q> {
     #[inline(always)]
-    pub fn new<U: VectorUnit<Quad = Q>>(unit: U) -> Self {
+    pub(super) fn new<U: VectorUnit<Quad = Q>>(unit: U) -> Self {
         MotionSum { doubled: 0.0, block: unit.splat(0.0), largest: unit.splat(0.0) }
     }
 
     /// Four nodes by their masses [kg] and the components of their velocities [m/s].
     #[inline(always)]
-    pub fn add(&mut self, mass: Q, [x, y, z]: [Q; 3]) {
+    pub(super) fn add(&mut self, mass: Q, [x, y, z]: [Q; 3]) {
         let squares = x * x + y * y + z * z;
         self.block = self.block + mass * squares;
         self.largest = squares.larger(self.largest);
@@ -43,14 +43,14 @@ impl<Q: Quad> MotionSum<Q> {
 
     /// Called after the last four of every block of [`BLOCK`] nodes, and of all.
     #[inline(always)]
-    pub fn end_block<U: VectorUnit<Quad = Q>>(&mut self, unit: U) {
+    pub(super) fn end_block<U: VectorUnit<Quad = Q>>(&mut self, unit: U) {
         let [a, b, c, d] = self.block.numbers();
         self.doubled += (a + b) + (c + d);
         self.block = unit.splat(0.0);
     }
 
     #[inline(always)]
-    pub fn motion(self) -> Motion {
+    pub(super) fn motion(self) -> Motion {
         let [a, b, c, d] = self.largest.numbers();
         Motion { kinetic: 0.5 * self.doubled, largest_square: a.max(b).max(c.max(d)) }
     }

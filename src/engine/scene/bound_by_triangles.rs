@@ -35,14 +35,14 @@ struct Triangle {
 
 impl AlikeEdges {
     /// Takes an edge with the block c I, unless all are there. One with c below 0, as of a hinge, lies below 0.
-    pub fn push(&mut self, [a, b]: [u32; 2], c: f64) {
+    pub(super) fn push(&mut self, [a, b]: [u32; 2], c: f64) {
         if !self.complete && c > 0.0 {
             self.edges.push(Edge { nodes: [a.min(b), a.max(b)], c, triangles: 0.0 });
         }
     }
 
     /// Calls `add(node, value)` with the parts of a diagonal matrix above the sum of the edges. Every node has a share.
-    pub fn bound(&mut self, share: &[f64], mut add: impl FnMut(u32, f64)) {
+    pub(super) fn bound(&mut self, share: &[f64], mut add: impl FnMut(u32, f64)) {
         if !std::mem::replace(&mut self.complete, true) {
             self.find_triangles(share.len());
         }

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 
 /// Membrane triangles of one rule, as the terms hold them, with their way back to the user's triangles.
 #[derive(Clone, Debug)]
-pub struct MembraneBatch {
+pub(super) struct MembraneBatch {
     /// arrays shared with the terms
     pub data: MembraneData,
     /// user's number of every triangle

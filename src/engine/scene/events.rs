@@ -40,7 +40,7 @@ pub(super) struct Phase {
 
 impl Phases {
     /// Those of a specification; `mass` [kg] is by internal node. Groups without edges have no batch.
-    pub fn new(spec: &NetworkSpec, mass: &[f64], numbering: &Numbering) -> Self {
+    pub(super) fn new(spec: &NetworkSpec, mass: &[f64], numbering: &Numbering) -> Self {
         let (times, divisions) = (spec.events(), spec.divisions());
         let mut all: Vec<Phase> = Vec::with_capacity(divisions.len() + 1);
         let supports = Support::all(spec, numbering);
@@ -67,7 +67,7 @@ impl Phases {
     }
 
     /// A single phase without events, of nodes of these masses [kg]; supports that are moved from outside hold `moved`.
-    pub fn lasting(fixed: Vec<[bool; 3]>, mass: &[f64], moved: Vec<u32>) -> Self {
+    pub(super) fn lasting(fixed: Vec<[bool; 3]>, mass: &[f64], moved: Vec<u32>) -> Self {
         let phase = Phase {
             inverse_mass: inverse_mass(&fixed, mass),
             moved: Moved::from_outside(moved, &fixed),
@@ -80,35 +80,35 @@ impl Phases {
     }
 
     /// [s] The events.
-    pub fn times(&self) -> &[f64] {
+    pub(super) fn times(&self) -> &[f64] {
         &self.times
     }
 
     /// [s] The events that begin another phase.
-    pub fn divisions(&self) -> impl Iterator<Item = f64> {
+    pub(super) fn divisions(&self) -> impl Iterator<Item = f64> {
         let pairs = self.times.iter().zip(self.phase.windows(2));
         pairs.filter(|(_, phases)| phases[0] != phases[1]).map(|(t, _)| *t)
     }
 
     /// Whether supports move at some time.
-    pub fn move_supports(&self) -> bool {
+    pub(super) fn move_supports(&self) -> bool {
         self.all.iter().any(|phase| !phase.moved.dofs.is_empty())
     }
 
     /// Number of events that are passed, at most all.
-    pub fn passed(&self) -> usize {
+    pub(super) fn passed(&self) -> usize {
         self.passed.load(Ordering::Relaxed).min(self.times.len())
     }
 
     /// [s] The last event that is passed, and the next; infinite where there is none.
-    pub fn around(&self) -> [f64; 2] {
+    pub(super) fn around(&self) -> [f64; 2] {
         let passed = self.passed();
         let before = passed.checked_sub(1).and_then(|last| self.times.get(last));
         [before.map_or(f64::NEG_INFINITY, |t| *t), self.times.get(passed).map_or(f64::INFINITY, |t| *t)]
     }
 
     /// The present one.
-    pub fn current(&self) -> &Phase {
+    pub(super) fn current(&self) -> &Phase {
         &self.all[self.phase[self.passed()]]
     }
 }

@@ -36,7 +36,7 @@ pub(super) struct Moved {
 
 impl Support {
     /// Those of a specification.
-    pub fn all(spec: &NetworkSpec, numbering: &Numbering) -> Vec<Self> {
+    pub(super) fn all(spec: &NetworkSpec, numbering: &Numbering) -> Vec<Self> {
         let of = |MotionSpec { nodes, displacement }: &MotionSpec| {
             let dofs = nodes.iter().flat_map(|&(node, axes)| {
                 let first = 3 * numbering.internal[node as usize];
@@ -50,7 +50,7 @@ impl Support {
 
 impl Moved {
     /// Degrees of freedom whose positions and velocities are given with every state.
-    pub fn from_outside(dofs: Vec<u32>, fixed: &[[bool; 3]]) -> Self {
+    pub(super) fn from_outside(dofs: Vec<u32>, fixed: &[[bool; 3]]) -> Self {
         let held = |dof: &u32| fixed.as_flattened()[..*dof as usize].iter().filter(|fixed| **fixed).count() as u32;
         let reactions = dofs.iter().map(held).collect();
         Moved { supports: Vec::new(), dofs, reactions }
@@ -58,7 +58,7 @@ impl Moved {
 
     /// Those of `supports` that hold something where this is `fixed`, `[n_nodes][3]`; `at_first` is what is fixed at t
     /// = 0.
-    pub fn new(supports: &[Support], fixed: &[[bool; 3]], at_first: &[[bool; 3]]) -> Self {
+    pub(super) fn new(supports: &[Support], fixed: &[[bool; 3]], at_first: &[[bool; 3]]) -> Self {
         if supports.is_empty() {
             return Moved::default();
         }

@@ -57,28 +57,28 @@ pub(super) struct SymmetricBlock(pub [f32; 6]);
 
 impl SymmetricBlock {
     /// The lower triangle of a symmetric matrix.
-    pub fn of(m: &Matrix3<f32>) -> Self {
+    pub(super) fn of(m: &Matrix3<f32>) -> Self {
         SymmetricBlock([m.m11, m.m21, m.m31, m.m22, m.m32, m.m33])
     }
 
     #[inline(always)]
-    pub fn matrix(&self) -> Matrix3<f32> {
+    pub(super) fn matrix(&self) -> Matrix3<f32> {
         let [xx, yx, zx, yy, zy, zz] = self.0;
         Matrix3::new(xx, yx, zx, yx, yy, zy, zx, zy, zz)
     }
 
     #[inline(always)]
-    pub fn columns(&self) -> [f32x4; 3] {
+    pub(super) fn columns(&self) -> [f32x4; 3] {
         let [xx, yx, zx, yy, zy, zz] = self.0;
         [[xx, yx, zx, 0.0], [yx, yy, zy, 0.0], [zx, zy, zz, 0.0]].map(f32x4::new)
     }
 
     /// Adds the lower triangle of a symmetric matrix.
-    pub fn add(&mut self, m: &Matrix3<f32>) {
+    pub(super) fn add(&mut self, m: &Matrix3<f32>) {
         self.0.iter_mut().zip(SymmetricBlock::of(m).0).for_each(|(entry, other)| *entry += other);
     }
 
-    pub fn diagonal(&self) -> Vector3<f32> {
+    pub(super) fn diagonal(&self) -> Vector3<f32> {
         let [x, _, _, y, _, z] = self.0;
         Vector3::new(x, y, z)
     }
@@ -108,11 +108,11 @@ pub(super) const ELSEWHERE: u32 = u32::MAX;
 
 impl NodeBlocks {
     /// Maximum number of stored entries of W. Each block holds one at least, so that entries of blocks fit 32 bits.
-    pub const MOST_ENTRIES: usize = (u32::MAX / BLOCK) as usize;
+    pub(super) const MOST_ENTRIES: usize = (u32::MAX / BLOCK) as usize;
 
     /// Finds the blocks of a subdomain. The symmetric pattern must have all entries of a block between free components,
     /// as others are never written. `node` is the node of every unknown `[n]`.
-    pub fn new(pattern: Arc<Pattern>, subdomain: Subdomain, node: &[u32]) -> Self {
+    pub(super) fn new(pattern: Arc<Pattern>, subdomain: Subdomain, node: &[u32]) -> Self {
         let (own, places) = (subdomain.own.len(), subdomain.n_local());
         let mut found = Vec::new();
         pairs(&pattern, &subdomain, node, |column, row| found.push((column as u32, row as u32)));
@@ -138,7 +138,7 @@ impl NodeBlocks {
     }
 
     /// Number of nodes.
-    pub fn nodes(&self) -> usize {
+    pub(super) fn nodes(&self) -> usize {
         self.start.len() - 1
     }
 
@@ -175,13 +175,13 @@ impl NodeBlocks {
 
     /// Unknowns of a node of the subdomain.
     #[inline(always)]
-    pub fn unknowns_of(&self, g: usize) -> Range<usize> {
+    pub(super) fn unknowns_of(&self, g: usize) -> Range<usize> {
         let node = self.subdomain.node(g);
         self.pattern.node_start[node] as usize..self.pattern.node_start[node + 1] as usize
     }
 
     /// Unknowns of the subdomain's own nodes and of its separator.
-    pub fn unknowns(&self) -> [Range<usize>; 2] {
+    pub(super) fn unknowns(&self) -> [Range<usize>; 2] {
         [unknowns(&self.pattern, &self.subdomain.own), unknowns(&self.pattern, &self.subdomain.separator)]
     }
 }

@@ -37,7 +37,7 @@ impl CoarseMatrix {
     ///
     /// # Errors
     /// When the analysis of the coarse matrix fails.
-    pub fn new(pattern: &Pattern, largest: usize) -> Result<(Self, Adjacency), LinearError> {
+    pub(super) fn new(pattern: &Pattern, largest: usize) -> Result<(Self, Adjacency), LinearError> {
         let node = pattern.node_of_unknown();
         let (aggregate, count) = aggregates(&pattern.position, largest);
         let rows = rows(pattern, &node, &aggregate);
@@ -66,7 +66,7 @@ impl CoarseMatrix {
     ///
     /// # Errors
     /// Sums that are not finite.
-    pub fn set_values(&mut self, fine: &Pattern, values: &[f64], scale: &[f64]) -> Result<bool, LinearError> {
+    pub(super) fn set_values(&mut self, fine: &Pattern, values: &[f64], scale: &[f64]) -> Result<bool, LinearError> {
         self.weight.fill(f64::INFINITY);
         for (&node, scale) in self.node.iter().zip(scale) {
             let weight = &mut self.weight[self.aggregate[node as usize] as usize];
@@ -126,7 +126,11 @@ impl CoarseMatrix {
     ///
     /// # Errors
     /// Sums that are not finite.
-    pub fn solve<'a>(&mut self, parts: impl Iterator<Item = &'a [f32x4]>, share: f32) -> Result<(), LinearError> {
+    pub(super) fn solve<'a>(
+        &mut self,
+        parts: impl Iterator<Item = &'a [f32x4]>,
+        share: f32,
+    ) -> Result<(), LinearError> {
         self.sums.fill(0.0);
         for part in parts {
             for (sum, part) in self.sums.chunks_exact_mut(3).zip(part) {

@@ -77,7 +77,7 @@ pub(super) const COSTS: CostModel = CostModel {
 
 impl CostModel {
     /// [-] Cost of an assembly and a factorisation, in Newton iterations on an existing factor.
-    pub fn factor_cost(&self, stats: &LinearStats, unknowns: usize) -> f64 {
+    pub(super) fn factor_cost(&self, stats: &LinearStats, unknowns: usize) -> f64 {
         let entries = stats.factor_nonzeros.unwrap_or(stats.matrix_nonzeros) as f64;
         let operations = stats.factor_operations.unwrap_or(0.0);
         // Small factors take the time of their operations; in large ones dense blocks make most of these cheap.

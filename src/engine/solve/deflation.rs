@@ -117,7 +117,7 @@ impl CoarseRows {
 
     /// sums += (row g of A Z)^T u
     #[inline(always)]
-    pub fn restrict(&mut self, g: usize, u: f32x4) {
+    pub(super) fn restrict(&mut self, g: usize, u: f32x4) {
         let row = self.start[g] as usize..self.start[g + 1] as usize;
         let numbers = &self.blocks[BLOCK as usize * row.start..=BLOCK as usize * row.end];
         let blocks = numbers.windows(BLOCK as usize + 1).step_by(BLOCK as usize);
@@ -127,7 +127,7 @@ impl CoarseRows {
     }
 
     /// sums <- Z^T v for the own nodes' v
-    pub fn project(&mut self, v: &[f32x4]) {
+    pub(super) fn project(&mut self, v: &[f32x4]) {
         self.clear();
         for (g, v) in v.iter().enumerate() {
             let sum = self.basis_of(g).tr_mul(&unpacked(*v));
@@ -136,7 +136,7 @@ impl CoarseRows {
     }
 
     /// t <- u + beta t - Z translation
-    pub fn combine(&self, translation: &[f32x4], (u, beta): (&[f32x4], f32), t: &mut [f32x4]) {
+    pub(super) fn combine(&self, translation: &[f32x4], (u, beta): (&[f32x4], f32), t: &mut [f32x4]) {
         let bases = self.basis.windows(BLOCK as usize + 1).step_by(BLOCK as usize);
         for (((t, u), &a), basis) in t.iter_mut().zip(u).zip(&self.aggregate).zip(bases) {
             *t = *u + *t * beta - times(columns(basis), translation[a as usize]);
@@ -166,7 +166,7 @@ impl PartitionedSystem {
     ///
     /// # Errors
     /// When the analysis of the coarse matrix fails, or its entries are not finite.
-    pub fn deflate(&mut self, values: &[f64], largest: usize) -> Result<bool, LinearError> {
+    pub(super) fn deflate(&mut self, values: &[f64], largest: usize) -> Result<bool, LinearError> {
         let pattern = Arc::clone(&self.separator.blocks.pattern);
         let mut coarse = match self.coarse.take() {
             Some(coarse) => coarse,

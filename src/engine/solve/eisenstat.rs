@@ -13,14 +13,14 @@ const AHEAD: usize = 192;
 
 impl NodeBlocks {
     /// v = E^-1 b; `b` by unknown, `v` `[n_own]`.
-    pub fn gather(&self, b: impl Fn(usize) -> f32, v: &mut [f32x4]) {
+    pub(super) fn gather(&self, b: impl Fn(usize) -> f32, v: &mut [f32x4]) {
         for (g, (v, inverse_root)) in v.iter_mut().zip(&self.inverse_root).take(self.nodes()).enumerate() {
             *v = packed(*inverse_root * self.node_vector(g, &b));
         }
     }
 
     /// b = s Y^-1 E^-T v. `scale` is Y^-1 of every unknown `[n]`, `b` has the unknowns of the subdomain.
-    pub fn scatter(&self, v: &[f32x4], (s, scale): (f64, &[f64]), b: &mut [f64]) {
+    pub(super) fn scatter(&self, v: &[f32x4], (s, scale): (f64, &[f64]), b: &mut [f64]) {
         let first = self.unknowns()[0].start;
         for (g, (v, inverse_root)) in v.iter().zip(&self.inverse_root).take(self.nodes()).enumerate() {
             let own = inverse_root.tr_mul(&unpacked(*v));
@@ -33,7 +33,7 @@ impl NodeBlocks {
     }
 
     /// v <- (I + L)^-1 v
-    pub fn forward(&self, v: &mut [f32x4]) {
+    pub(super) fn forward(&self, v: &mut [f32x4]) {
         for g in 0..self.nodes() {
             let column = self.column(g);
             self.fetch(column.start.wrapping_add(AHEAD));
@@ -42,7 +42,7 @@ impl NodeBlocks {
     }
 
     /// v <- (I + L^T)^-1 v
-    pub fn backward(&self, v: &mut [f32x4]) {
+    pub(super) fn backward(&self, v: &mut [f32x4]) {
         for g in (0..self.nodes()).rev() {
             let column = self.column(g);
             self.fetch(column.start.wrapping_sub(AHEAD));
@@ -95,7 +95,7 @@ impl NodeBlocks {
     /// q = (I + L)^-1 A (I + L^T)^-1 p = t + (I + L)^-1 (L^T t + J t),      t = (I + L^T)^-1 p,      L^T t = p - t
     /// ```
     /// The backward sweep computes t, and L^T t + J t in q.
-    pub fn back(&self, z: &[f32x4], beta: f32, sweep: Sweep<'_>) {
+    pub(super) fn back(&self, z: &[f32x4], beta: f32, sweep: Sweep<'_>) {
         let Sweep { p, t, q } = sweep;
         for g in (0..self.nodes()).rev() {
             let column = self.column(g);
@@ -108,7 +108,7 @@ impl NodeBlocks {
     }
 
     /// The forward sweep of the product.
-    pub fn forth(&self, sweep: Sweep<'_>) -> Curvature {
+    pub(super) fn forth(&self, sweep: Sweep<'_>) -> Curvature {
         let Sweep { p, t, q } = sweep;
         let (mut along, mut squares) = (Vector3::zeros(), Vector3::zeros());
         for g in 0..self.nodes() {
@@ -123,7 +123,7 @@ impl NodeBlocks {
     }
 
     /// u <- (I + L^T)^-1 r, and the sums of (A Z)^T u.
-    pub fn back_residual(&self, r: &[f32x4], u: &mut [f32x4], coarse: &mut CoarseRows) {
+    pub(super) fn back_residual(&self, r: &[f32x4], u: &mut [f32x4], coarse: &mut CoarseRows) {
         for g in (0..self.nodes()).rev() {
             let column = self.column(g);
             self.fetch(column.start.wrapping_sub(AHEAD));
@@ -138,7 +138,7 @@ impl NodeBlocks {
     /// q = (I + L)^-1 A t = t + (I + L)^-1 (L^T t + J t)
     /// ```
     /// q is 0 before, but for what a separator gets from its halves.
-    pub fn product(&self, t: &[f32x4], q: &mut [f32x4]) -> Curvature {
+    pub(super) fn product(&self, t: &[f32x4], q: &mut [f32x4]) -> Curvature {
         let (mut along, mut squares) = (Vector3::zeros(), Vector3::zeros());
         for g in 0..self.nodes() {
             let column = self.column(g);

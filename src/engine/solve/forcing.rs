@@ -38,7 +38,7 @@ pub(super) struct Forcing {
 
 impl Forcing {
     /// [-] Share of the residual [N] that the next solve may leave, for a tolerance [N] on the residual.
-    pub fn next(&mut self, residual: f64, tolerance: f64) -> f64 {
+    pub(super) fn next(&mut self, residual: f64, tolerance: f64) -> f64 {
         let wanted = match self.last {
             None => FIRST,
             Some(before) => GAMMA * (residual / before).powi(2),

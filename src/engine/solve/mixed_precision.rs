@@ -70,7 +70,7 @@ struct Panel {
 
 impl SinglePrecisionFactor {
     /// For factors of a symbolic analysis; `None` if it is not supernodal.
-    pub fn new(symbolic: &SymbolicCholesky<u32>) -> Option<Self> {
+    pub(super) fn new(symbolic: &SymbolicCholesky<u32>) -> Option<Self> {
         let SymbolicCholeskyRaw::Supernodal(by_supernode) = symbolic.raw() else { return None };
         let n = by_supernode.ncols();
         let (mut panels, mut rows, mut room) = (Vec::new(), Vec::new(), 0);
@@ -106,7 +106,7 @@ impl SinglePrecisionFactor {
     }
 
     /// Copies the values of a factor. Returns whether they fit single precision.
-    pub fn set_values(&mut self, values: &[f64]) -> bool {
+    pub(super) fn set_values(&mut self, values: &[f64]) -> bool {
         let SinglePrecisionFactor { panels, l, inverse, .. } = self;
         panels.iter().all(|panel| {
             let (wide, values) = (panel.columns.len(), &values[panel.first..]);
@@ -121,7 +121,7 @@ impl SinglePrecisionFactor {
     }
 
     /// Replaces b `[n]` by an approximation of W^-1 b.
-    pub fn solve(&mut self, b: &mut [f64]) {
+    pub(super) fn solve(&mut self, b: &mut [f64]) {
         let size = b.iter().fold(0.0_f64, |size, b| size.max(b.abs()));
         let scale = if size > 0.0 { size.recip() } else { 0.0 };
         for (x, &from) in self.x.iter_mut().zip(&self.order) {

@@ -151,7 +151,7 @@ pub(super) struct PartitionedSystem {
 
 impl PartitionedSystem {
     /// `subdomains` are both halves and the separator.
-    pub fn new(pattern: &Arc<Pattern>, subdomains: [Subdomain; 3], workers: Workers) -> Self {
+    pub(super) fn new(pattern: &Arc<Pattern>, subdomains: [Subdomain; 3], workers: Workers) -> Self {
         let node = pattern.node_of_unknown();
         // A single subdomain needs no threads.
         let workers = if subdomains[1].own.is_empty() { Workers::default() } else { workers };
@@ -171,7 +171,7 @@ impl PartitionedSystem {
 
     /// Factorises W: `values` [nonzeros], with the share `omega` [-] of the fill added to the pivots. Returns `false`
     /// if a diagonal block is not positive definite or an off-diagonal one is too large for that.
-    pub fn set_values(&mut self, values: &[f64], omega: f64) -> bool {
+    pub(super) fn set_values(&mut self, values: &[f64], omega: f64) -> bool {
         self.deflated = false;
         let PartitionedSystem { halves, separator, scale, workers, .. } = self;
         let diagonals = &separator.blocks.pattern.col_ptr;
@@ -201,7 +201,7 @@ impl PartitionedSystem {
     }
 
     /// r <- (I + L)^-1 E^-1 Y^-1 b / s, where s is the largest entry of Y^-1 b; `b` `[n]`. Returns s and r . r.
-    pub fn set_right_hand_side(&mut self, b: &[f64]) -> [f64; 2] {
+    pub(super) fn set_right_hand_side(&mut self, b: &[f64]) -> [f64; 2] {
         let scale = &self.scale;
         let most = |range: Range<usize>| {
             b[range.clone()].iter().zip(&scale[range]).fold(0.0_f64, |most, (b, scale)| most.max((b * scale).abs()))
@@ -231,7 +231,7 @@ impl PartitionedSystem {
     ///
     /// # Errors
     /// An r that is not finite.
-    pub fn begin(&mut self, first: f64) -> Result<f64, LinearError> {
+    pub(super) fn begin(&mut self, first: f64) -> Result<f64, LinearError> {
         let deflated = self.deflated;
         both(&self.workers, &mut self.halves, |half| half.begin(deflated));
         self.separator.begin(deflated);
@@ -242,7 +242,7 @@ impl PartitionedSystem {
     ///
     /// # Errors
     /// An r that is not finite.
-    pub fn product(&mut self, beta: f32) -> Result<Curvature, LinearError> {
+    pub(super) fn product(&mut self, beta: f32) -> Result<Curvature, LinearError> {
         if self.deflated {
             return self.deflated_product(beta);
         }
@@ -263,7 +263,7 @@ impl PartitionedSystem {
     }
 
     /// x^ += alpha p, r -= alpha q; returns r . r.
-    pub fn advance(&mut self, alpha: f32) -> f64 {
+    pub(super) fn advance(&mut self, alpha: f32) -> f64 {
         let deflated = self.deflated;
         both(&self.workers, &mut self.halves, |half| half.advance(alpha, deflated));
         self.separator.advance(alpha, deflated);
@@ -271,7 +271,7 @@ impl PartitionedSystem {
     }
 
     /// b <- s Y^-1 E^-T (I + L^T)^-1 x^
-    pub fn finish(&mut self, s: f64, b: &mut [f64]) {
+    pub(super) fn finish(&mut self, s: f64, b: &mut [f64]) {
         let PartitionedSystem { halves, separator, scale, workers, deflated, .. } = self;
         let factors = (s, &**scale);
         let (first, rest) = b.split_at_mut(separator.blocks.unknowns()[0].start);
@@ -294,7 +294,7 @@ impl PartitionedSystem {
     }
 
     /// Sets r to a fixed pseudo-random vector, which has a part of every mode; returns r . r.
-    pub fn set_trial_right_hand_side(&mut self) -> f64 {
+    pub(super) fn set_trial_right_hand_side(&mut self) -> f64 {
         if self.deflated {
             return self.set_scaled(|_, u| pseudo_random(u) as f32);
         }
@@ -307,7 +307,7 @@ impl PartitionedSystem {
     }
 
     /// Whether p . q <= most * p . p in every range of [`RUN`] nodes.
-    pub fn runs_within(&self, most: f64) -> bool {
+    pub(super) fn runs_within(&self, most: f64) -> bool {
         let mut runs = self.all().flat_map(|part| part.p.chunks(RUN).zip(part.q.chunks(RUN)));
         runs.all(|(p, q)| product(p, q) <= most * squared(p))
     }

@@ -32,7 +32,7 @@ const LARGEST: f32 = 1.0 + 1e-5;
 impl NodeBlocks {
     /// Sets the off-diagonal values of W, scaled by the diagonal; `values` [nonzeros], `scale` `[n]`. Returns whether
     /// all are small enough.
-    pub fn begin(&mut self, values: &[f64], scale: &[f64]) -> bool {
+    pub(super) fn begin(&mut self, values: &[f64], scale: &[f64]) -> bool {
         // Until a node is eliminated, these hold what earlier nodes subtract from its pivot, and the fill.
         self.inverse_root.fill(Matrix3::zeros());
         self.surplus.fill(SymmetricBlock::default());
@@ -50,7 +50,7 @@ impl NodeBlocks {
     }
 
     /// Adds what the elimination of a half subtracts from the pivots of this separator.
-    pub fn add_elimination_of(&mut self, half: &NodeBlocks) {
+    pub(super) fn add_elimination_of(&mut self, half: &NodeBlocks) {
         for (own, other) in self.inverse_root.iter_mut().zip(&half.inverse_root[half.nodes()..]) {
             *own += *other;
         }
@@ -60,7 +60,7 @@ impl NodeBlocks {
     }
 
     /// Copies the pivots of the separator into a half.
-    pub fn copy_separator_pivots(&mut self, separator: &NodeBlocks) {
+    pub(super) fn copy_separator_pivots(&mut self, separator: &NodeBlocks) {
         let own = self.nodes();
         self.inverse_root[own..].copy_from_slice(&separator.inverse_root);
         self.surplus[own..].copy_from_slice(&separator.surplus);
@@ -68,7 +68,7 @@ impl NodeBlocks {
 
     /// Eliminates all nodes in order, with the share `omega` [-] of the fill in the pivots. Returns whether all
     /// diagonal blocks are positive definite.
-    pub fn eliminate(&mut self, values: &[f64], scale: &[f64], omega: f64) -> bool {
+    pub(super) fn eliminate(&mut self, values: &[f64], scale: &[f64], omega: f64) -> bool {
         (0..self.nodes()).all(|g| {
             let taken = [self.inverse_root[g], self.surplus[g].matrix()].map(|block| block.cast::<f64>());
             let Some(pivot) = Pivot::new(&self.diagonal(g, values, scale), taken, omega) else { return false };
@@ -119,7 +119,7 @@ impl NodeBlocks {
     }
 
     /// Scales all rows from the left. Returns whether entries are as small as in a positive definite W.
-    pub fn scale_rows(&mut self) -> bool {
+    pub(super) fn scale_rows(&mut self) -> bool {
         let mut small = true;
         for g in 0..self.nodes() {
             let own = self.surplus[g].diagonal().add_scalar(1.0) * (LARGEST * LARGEST);

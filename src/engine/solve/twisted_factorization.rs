@@ -32,12 +32,12 @@ pub(super) struct Subdomain {
 
 impl Subdomain {
     /// Length of its local vectors.
-    pub fn n_local(&self) -> usize {
+    pub(super) fn n_local(&self) -> usize {
         self.own.len() + self.separator.len()
     }
 
     /// Local index of a node, if it has one.
-    pub fn local_index(&self, node: usize) -> Option<usize> {
+    pub(super) fn local_index(&self, node: usize) -> Option<usize> {
         if self.own.contains(&node) {
             Some(if self.backwards { self.own.end - 1 - node } else { node - self.own.start })
         } else {
@@ -47,7 +47,7 @@ impl Subdomain {
 
     /// The node of a local index.
     #[inline(always)]
-    pub fn node(&self, place: usize) -> usize {
+    pub(super) fn node(&self, place: usize) -> usize {
         if place >= self.own.len() {
             self.separator.start + place - self.own.len()
         } else if self.backwards {

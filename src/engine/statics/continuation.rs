@@ -68,7 +68,7 @@ pub(super) struct Continuation<'a> {
 }
 
 impl<'a> Continuation<'a> {
-    pub fn new(
+    pub(super) fn new(
         scene: &'a dyn Scene,
         spec: StaticSpec,
         (stop, watcher): (Stop<'a>, Watcher<'a>),
@@ -98,26 +98,26 @@ impl<'a> Continuation<'a> {
     }
 
     /// Goes back to the start.
-    pub fn restart(&mut self) {
+    pub(super) fn restart(&mut self) {
         self.at.copy_from(&self.start);
     }
 
     /// Evaluates the forces again, after loads have changed.
-    pub fn refresh(&mut self) {
+    pub(super) fn refresh(&mut self) {
         self.counters.evaluate(self.scene, self.at.state.as_ref(), &mut self.at.forces);
     }
 
     /// Newton iterations made.
-    pub fn iterations(&self) -> u64 {
+    pub(super) fn iterations(&self) -> u64 {
         self.counters.newton_iterations
     }
 
-    pub fn residual(&self) -> Residual {
+    pub(super) fn residual(&self) -> Residual {
         self.dofs.residual(self.scene, &self.at)
     }
 
     /// Solves for the present loads, up to `relative` of the forces.
-    pub fn settle(&mut self, relative: f64) -> Result<(), StaticFailure> {
+    pub(super) fn settle(&mut self, relative: f64) -> Result<(), StaticFailure> {
         let mut now = self.residual();
         if !now.force.is_finite() {
             return Err(self.not_finite(now));
@@ -246,7 +246,7 @@ impl<'a> Continuation<'a> {
     }
 
     /// The result, judged.
-    pub fn finish(self, failure: Option<StaticFailure>) -> Equilibrium {
+    pub(super) fn finish(self, failure: Option<StaticFailure>) -> Equilibrium {
         let residual = self.residual();
         let judged = match failure {
             None => diagnosis::judge(self.scene, &self.dofs, &self.at, self.stop),

@@ -18,7 +18,7 @@ pub(super) struct Dofs {
 }
 
 impl Dofs {
-    pub fn of(scene: &dyn Scene) -> Self {
+    pub(super) fn of(scene: &dyn Scene) -> Self {
         let mut mass = vec![0.0; scene.n_dof()];
         scene.mass_times(&vec![1.0; scene.n_dof()], &mut mass);
         mass.iter_mut().zip(scene.inverse_mass()).filter(|(_, inverse)| **inverse == 0.0).for_each(|(m, _)| *m = 0.0);
@@ -31,13 +31,13 @@ impl Dofs {
     }
 
     /// [N] Rounding error of every sum of forces: positions are rounded, which springs turn into force.
-    pub fn floor(&self, dof: usize, largest: f64, force: f64) -> f64 {
+    pub(super) fn floor(&self, dof: usize, largest: f64, force: f64) -> f64 {
         4.0 * f64::EPSILON * (self.stiffness[dof] * largest + force.abs())
     }
 
     /// The forces left at a state. What they are compared with has the springs in it that balance each other, whose sum
     /// is 0.
-    pub fn residual(&self, scene: &dyn Scene, at: &Point) -> Residual {
+    pub(super) fn residual(&self, scene: &dyn Scene, at: &Point) -> Residual {
         let total = &at.forces.total;
         let free = self.free.iter().map(|free| f64::from(u8::from(*free)));
         let tensions = scene.tension_sums(at.state.as_ref());

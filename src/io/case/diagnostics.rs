@@ -124,27 +124,27 @@ pub(crate) struct Faults<'a> {
 
 impl<'a> Faults<'a> {
     /// A collection for this case, with the faults of an earlier pass.
-    pub fn new(json: &'a Value, found: FaultList) -> Self {
+    pub(crate) fn new(json: &'a Value, found: FaultList) -> Self {
         Self { json, found, kept_back: 0, warnings: Vec::new() }
     }
 
     /// Adds a fault: the value at `at` is not allowed there.
-    pub fn add(&mut self, at: &Pointer, allowed: impl Into<String>) {
+    pub(crate) fn add(&mut self, at: &Pointer, allowed: impl Into<String>) {
         self.add_value(at, self.shown(at), allowed, None);
     }
 
     /// The same with advice.
-    pub fn add_hint(&mut self, at: &Pointer, allowed: impl Into<String>, hint: impl Into<String>) {
+    pub(crate) fn add_hint(&mut self, at: &Pointer, allowed: impl Into<String>, hint: impl Into<String>) {
         self.add_value(at, self.shown(at), allowed, Some(hint.into()));
     }
 
     /// The same for a wrong key at the end of `at`.
-    pub fn add_key(&mut self, at: &Pointer, allowed: impl Into<String>, hint: impl Into<String>) {
+    pub(crate) fn add_key(&mut self, at: &Pointer, allowed: impl Into<String>, hint: impl Into<String>) {
         self.put(at, FaultTarget::Key, self.shown(at), allowed.into(), Some(hint.into()));
     }
 
     /// The same for a wrong value that is not written at `at`, but follows from it.
-    pub fn add_value(
+    pub(crate) fn add_value(
         &mut self,
         at: &Pointer,
         value: impl Into<String>,
@@ -164,38 +164,38 @@ impl<'a> Faults<'a> {
     }
 
     /// Whether the case has something at `at`.
-    pub fn is_there(&self, at: &Pointer) -> bool {
+    pub(crate) fn is_there(&self, at: &Pointer) -> bool {
         self.json.pointer(at.as_str()).is_some()
     }
 
     /// Adds a warning, which does not stop a run.
-    pub fn warn(&mut self, code: WarningCode, text: impl Into<String>) {
+    pub(crate) fn warn(&mut self, code: WarningCode, text: impl Into<String>) {
         self.pass_on(Warning::new(code, text));
     }
 
     /// The same for a warning that was made elsewhere.
-    pub fn pass_on(&mut self, warning: Warning) {
+    pub(crate) fn pass_on(&mut self, warning: Warning) {
         self.warnings.push(warning);
     }
 
     /// Whether the values at `at`, above it and below it are those of the file. Where an earlier pass found a fault,
     /// the value is a stand-in. Faults that follow from a stand-in are not the user's.
-    pub fn readable(&self, at: &Pointer) -> bool {
+    pub(crate) fn readable(&self, at: &Pointer) -> bool {
         self.found.readable(at)
     }
 
     /// Whether a stand-in is at `at` itself or above it.
-    pub fn unread(&self, at: &Pointer) -> bool {
+    pub(crate) fn unread(&self, at: &Pointer) -> bool {
         self.found.unread(at)
     }
 
     /// Number of faults so far, including those not shown and those left out.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.found.count().saturating_add(self.kept_back)
     }
 
     /// Ends the collection: the warnings if there was no fault, else the faults.
-    pub fn finish(self) -> Result<Vec<Warning>, FaultReport> {
+    pub(crate) fn finish(self) -> Result<Vec<Warning>, FaultReport> {
         if self.found.count() == 0 { Ok(self.warnings) } else { Err(self.found.report()) }
     }
 
@@ -229,7 +229,7 @@ pub(crate) struct FaultReport {
 
 impl FaultReport {
     /// The faults that another report has too.
-    pub fn in_both(mut self, other: &FaultReport) -> FaultReport {
+    pub(crate) fn in_both(mut self, other: &FaultReport) -> FaultReport {
         self.faults.retain(|fault| other.faults.contains(fault));
         self.more = self.more.min(other.more);
         self
@@ -238,7 +238,7 @@ impl FaultReport {
 
 impl FaultList {
     /// Adds a fault; `new` is called only if the fault will be shown.
-    pub fn note(&mut self, fault: impl FnOnce() -> Fault) {
+    pub(crate) fn note(&mut self, fault: impl FnOnce() -> Fault) {
         if self.list.len() < SHOWN {
             self.list.push(fault());
         } else {
@@ -247,12 +247,12 @@ impl FaultList {
     }
 
     /// Marks an entry whose value was not read.
-    pub fn leave_unread(&mut self, at: &Pointer) {
+    pub(crate) fn leave_unread(&mut self, at: &Pointer) {
         self.unread.insert(at.as_str().to_owned());
     }
 
     /// Marks an entry whose misspelt key is read as a similar known key.
-    pub fn rename(&mut self, known: &Pointer, written: &Pointer) {
+    pub(crate) fn rename(&mut self, known: &Pointer, written: &Pointer) {
         // Entries below it that the JSON reader left unread still have the written key.
         let below =
             |path: &&String| path.strip_prefix(written.as_str()).is_some_and(|r| r.is_empty() || r.starts_with('/'));
@@ -264,13 +264,13 @@ impl FaultList {
     }
 
     /// Whether `at` or something above it was left unread.
-    pub fn unread(&self, at: &Pointer) -> bool {
+    pub(crate) fn unread(&self, at: &Pointer) -> bool {
         let path = at.as_str();
         path.match_indices('/').filter_map(|(i, _)| path.get(..i)).chain([path]).any(|p| self.unread.contains(p))
     }
 
     /// Whether nothing at `at`, above it or below it was left unread.
-    pub fn readable(&self, at: &Pointer) -> bool {
+    pub(crate) fn readable(&self, at: &Pointer) -> bool {
         // Quick answer for a case without faults, because this is called for every number.
         if self.unread.is_empty() {
             return true;
@@ -281,12 +281,12 @@ impl FaultList {
     }
 
     /// Number of faults, the ones not shown included.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.list.len().saturating_add(self.dropped)
     }
 
     /// Ends the search: the faults with pointers as the file spells them.
-    pub fn report(mut self) -> FaultReport {
+    pub(crate) fn report(mut self) -> FaultReport {
         let mut faults = std::mem::take(&mut self.list);
         for fault in &mut faults {
             fault.pointer = self.written(&fault.pointer);

@@ -193,7 +193,7 @@ impl<'a> Tree<'a> {
     ///
     /// # Errors
     /// The byte from which nothing more can be read.
-    pub fn parse(text: &'a str) -> Result<Self, usize> {
+    pub(crate) fn parse(text: &'a str) -> Result<Self, usize> {
         let tree = parse_to_ast(text, &CollectOptions::default(), &ParseOptions::default());
         match tree.map(|tree| tree.value) {
             Ok(Some(root)) => Ok(Self { text, root }),
@@ -204,12 +204,12 @@ impl<'a> Tree<'a> {
 
     /// The value; every deviation from JSON becomes a fault. The text must have no comments. Of a repeated key the
     /// first value is used.
-    pub fn value(&self, findings: &mut FaultList) -> Value {
+    pub(crate) fn value(&self, findings: &mut FaultList) -> Value {
         Reader { text: self.text, findings }.value(&self.root, ValuePath::Root)
     }
 
     /// The longest part of a pointer that exists in the text: `/time` of `/time/step`, if there is no step.
-    pub fn reach<'p>(&self, pointer: &'p str) -> &'p str {
+    pub(crate) fn reach<'p>(&self, pointer: &'p str) -> &'p str {
         let mut node = Some(&self.root);
         let mut reached = 0;
         for step in pointer.split('/').skip(1) {
@@ -223,7 +223,7 @@ impl<'a> Tree<'a> {
     }
 
     /// [byte] Location of the value of a pointer, or of its key; for a missing entry, of the opening brace above it.
-    pub fn range(&self, pointer: &str, part: FaultTarget) -> Range<usize> {
+    pub(crate) fn range(&self, pointer: &str, part: FaultTarget) -> Range<usize> {
         let mut node = &self.root;
         let mut key = span(node);
         for step in pointer.split('/').skip(1) {

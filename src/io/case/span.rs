@@ -71,7 +71,7 @@ pub(crate) struct CaseText<'a> {
 
 impl CaseText<'_> {
     /// Gives every fault its location and sorts them in the order of the text; assignments come last.
-    pub fn locate(&self, faults: &mut [Fault]) {
+    pub(crate) fn locate(&self, faults: &mut [Fault]) {
         for fault in faults.iter_mut().filter(|fault| fault.place.is_none() && fault.part != FaultTarget::Text) {
             fault.place = self.place(fault);
         }

@@ -95,7 +95,7 @@ pub(super) struct CrossingWatch {
 
 impl CrossingWatch {
     /// Of a scene; `None` where cloth cannot meet cloth or none is searched for.
-    pub fn new(picture: &dyn Observables, searched: CrossingSearch) -> Option<Self> {
+    pub(super) fn new(picture: &dyn Observables, searched: CrossingSearch) -> Option<Self> {
         let finder = (searched != CrossingSearch::None).then(|| CrossingFinder::new(picture.triangles()))??;
         let finder = finder.with_start(picture.reference());
         let report = CrossingReport { searched, complete: true, ..CrossingReport::default() };
@@ -105,22 +105,22 @@ impl CrossingWatch {
     }
 
     /// What was found so far; part of a checkpoint.
-    pub fn report(&self) -> &CrossingReport {
+    pub(super) fn report(&self) -> &CrossingReport {
         &self.report
     }
 
     /// Takes up what a checkpoint kept.
-    pub fn take_up(&mut self, kept: &CrossingReport) {
+    pub(super) fn take_up(&mut self, kept: &CrossingReport) {
         self.report = kept.clone();
     }
 
-    pub fn every_step(&self) -> bool {
+    pub(super) fn every_step(&self) -> bool {
         self.report.searched == CrossingSearch::Steps
     }
 
     /// Searches a frame, counts it if frames are counted, and writes 1 for its triangles that pass through others, 0
     /// for all others.
-    pub fn frame(&mut self, t: f64, positions: &[[f64; 3]], flags: &mut [u8]) {
+    pub(super) fn frame(&mut self, t: f64, positions: &[[f64; 3]], flags: &mut [u8]) {
         self.finder.find(positions);
         self.at = t;
         // Of the steps, the start is a frame as well.
@@ -131,7 +131,7 @@ impl CrossingWatch {
     }
 
     /// Searches and counts the state at the end of a step.
-    pub fn step(&mut self, picture: &dyn Observables, state: StateRef<'_>) {
+    pub(super) fn step(&mut self, picture: &dyn Observables, state: StateRef<'_>) {
         // A frame at the end of the step has been searched already.
         if self.at != state.t {
             let [positions, velocities] = &mut self.trace;

@@ -22,7 +22,7 @@ const HIDDEN_CELL: u8 = 32;
 
 /// Writes frames one by one; each is complete before it gets its final name.
 #[derive(Debug)]
-pub struct FrameFiles {
+pub(crate) struct FrameFiles {
     folder: PathBuf,
     stem: String,
     vtu: VtuWriter,
@@ -45,7 +45,7 @@ fn name_of(stem: &str, number: u64) -> String {
 }
 
 /// The number in the name of a frame; `None` for any other name.
-pub fn number_of(stem: &str, name: &str) -> Option<u64> {
+pub(crate) fn number_of(stem: &str, name: &str) -> Option<u64> {
     let digits = name.strip_prefix(stem)?.strip_prefix('_')?.strip_suffix(".vtu")?;
     let number = digits.bytes().all(|b| b.is_ascii_digit()).then(|| digits.parse().ok())??;
     (name_of(stem, number) == name).then_some(number)
@@ -56,7 +56,7 @@ impl FrameFiles {
     ///
     /// # Errors
     /// When it cannot be created, or a cell names a node that does not exist.
-    pub fn create(spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
+    pub(crate) fn create(spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
         let folder = spec.folder.join(FRAMES);
         fs::create_dir_all(&folder).map_err(|e| write_fault(&folder, e))?;
         let cells = Cells { points: spec.reference.len(), triangles: spec.triangles, edges: spec.edges };
@@ -85,7 +85,7 @@ impl FrameFiles {
     ///
     /// # Errors
     /// As [`FrameFiles::create`], and when a frame cannot be removed.
-    pub fn reopen(spec: &FilesSpec<'_>, frames: u64) -> Result<Self, ObserveError> {
+    pub(crate) fn reopen(spec: &FilesSpec<'_>, frames: u64) -> Result<Self, ObserveError> {
         let mut made = Self::create(spec)?;
         made.unsynced = frames;
         let folder = &made.folder;
@@ -103,7 +103,7 @@ impl FrameFiles {
     ///
     /// # Errors
     /// The first missing frame.
-    pub fn check(spec: &FilesSpec<'_>, frames: u64) -> Result<(), ResumeError> {
+    pub(crate) fn check(spec: &FilesSpec<'_>, frames: u64) -> Result<(), ResumeError> {
         let folder = spec.folder.join(FRAMES);
         for number in 0..frames {
             let path = folder.join(name_of(&spec.stem, number));
@@ -123,7 +123,7 @@ impl FrameFiles {
     ///
     /// # Errors
     /// Errors of the system; the frame then does not exist.
-    pub fn write(&mut self, frame: &Frame, number: u64) -> Result<String, ObserveError> {
+    pub(crate) fn write(&mut self, frame: &Frame, number: u64) -> Result<String, ObserveError> {
         let name = name_of(&self.stem, number);
         let path = self.folder.join(&name);
         self.prepare(frame);
@@ -161,7 +161,7 @@ impl FrameFiles {
     }
 
     /// Removes frames by their numbers.
-    pub fn remove(&mut self, frames: Range<u64>) -> Result<(), ObserveError> {
+    pub(crate) fn remove(&mut self, frames: Range<u64>) -> Result<(), ObserveError> {
         self.unsynced = self.unsynced.min(frames.start);
         for number in frames {
             let path = self.folder.join(name_of(&self.stem, number));
@@ -174,7 +174,7 @@ impl FrameFiles {
     }
 
     /// Makes the frames before number `frames` durable.
-    pub fn sync(&mut self, frames: u64) -> Result<(), ObserveError> {
+    pub(crate) fn sync(&mut self, frames: u64) -> Result<(), ObserveError> {
         for number in self.unsynced..frames {
             let path = self.folder.join(name_of(&self.stem, number));
             match OpenOptions::new().write(true).open(&path).and_then(|file| file.sync_all()) {
@@ -259,7 +259,7 @@ fn name_parts(vtu: VtuWriter, spec: &FilesSpec<'_>, map: &CellMap) -> Result<Vtu
 }
 
 /// The frames of one run in a folder, also the part of one that was never finished.
-pub fn frames_in(folder: &Path, stem: &str) -> Result<Vec<PathBuf>, io::Error> {
+pub(crate) fn frames_in(folder: &Path, stem: &str) -> Result<Vec<PathBuf>, io::Error> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder)? {
         let entry = entry?;

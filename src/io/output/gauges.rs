@@ -154,7 +154,7 @@ pub(super) struct Gauges {
 impl Gauges {
     /// The gauges of a request. Canopies are measured too: at every step if there are other gauges, else only at the
     /// rows of the history, because the steps between can then be made in blocks.
-    pub fn new(picture: &dyn Observables, specs: &[GaugeSpec], history: RowEvery, end: f64) -> Self {
+    pub(super) fn new(picture: &dyn Observables, specs: &[GaugeSpec], history: RowEvery, end: f64) -> Self {
         let mut made = Gauges {
             gauges: Vec::new(),
             channels: Vec::new(),
@@ -193,34 +193,34 @@ impl Gauges {
         self.gauges.push(Gauge { places, rows, channels, written: f64::NAN });
     }
 
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.gauges.is_empty()
     }
 
     /// All channels, in the order of the rows.
-    pub fn channels(&self) -> &[Channel] {
+    pub(super) fn channels(&self) -> &[Channel] {
         &self.channels
     }
 
     /// What a checkpoint keeps.
-    pub fn kept(&self) -> Vec<ChannelPeak> {
+    pub(super) fn kept(&self) -> Vec<ChannelPeak> {
         self.peaks.clone()
     }
 
     /// Takes up what a checkpoint kept.
-    pub fn take_up(&mut self, kept: &[ChannelPeak]) {
+    pub(super) fn take_up(&mut self, kept: &[ChannelPeak]) {
         if kept.len() == self.peaks.len() {
             self.peaks.copy_from_slice(kept);
         }
     }
 
     /// Skips the rows up to `t` [s].
-    pub fn skip(&mut self, t: f64) {
+    pub(super) fn skip(&mut self, t: f64) {
         self.gauges.iter_mut().map(|gauge| &mut gauge.rows).chain(&mut self.sampled).for_each(|rows| rows.skip(t));
     }
 
     /// Whether the state at the end of step number `step`, at `t` [s], is measured; `from` [s] is its start.
-    pub fn wants(&self, step: u64, [from, t]: [f64; 2]) -> bool {
+    pub(super) fn wants(&self, step: u64, [from, t]: [f64; 2]) -> bool {
         self.every_step
             || self.sampled.is_some_and(|mut rows| {
                 rows.skip(from);
@@ -230,7 +230,7 @@ impl Gauges {
 
     /// Measures at the end of a step (number 0 is the start) and adds it to the peaks where it is credible; calls
     /// `write` for the rows that are due.
-    pub fn step<E>(
+    pub(super) fn step<E>(
         &mut self,
         picture: &dyn Observables,
         (step, at, credible): (u64, &Point, bool),
@@ -256,7 +256,7 @@ impl Gauges {
     }
 
     /// Measures the last state of a run and calls `write` for gauges without a row there.
-    pub fn last<E>(
+    pub(super) fn last<E>(
         &mut self,
         picture: &dyn Observables,
         (at, credible): (&Point, bool),
@@ -311,7 +311,7 @@ impl Gauges {
     }
 
     /// The peaks so far.
-    pub fn peaks(&self) -> Vec<Peak> {
+    pub(super) fn peaks(&self) -> Vec<Peak> {
         let peaks = self.peaks.iter().zip(&self.channels).filter(|(peak, _)| peak.t.is_finite());
         let peak = |(peak, channel): (&ChannelPeak, &Channel)| {
             let &ChannelPeak { value, t, last, late: [from, late] } = peak;

@@ -36,7 +36,7 @@ pub struct CollectionMark {
 
 /// A growing collection of frames.
 #[derive(Debug)]
-pub struct Collection {
+pub(crate) struct Collection {
     path: PathBuf,
     /// the whole file except its last lines
     text: String,
@@ -48,7 +48,7 @@ pub struct Collection {
 
 impl Collection {
     /// An empty collection; nothing is written yet.
-    pub fn new(path: &Path) -> Self {
+    pub(crate) fn new(path: &Path) -> Self {
         let mut tally = RunningChecksum::default();
         tally.add(HEAD.as_bytes());
         let (path, text) = (path.to_owned(), HEAD.to_owned());
@@ -59,7 +59,7 @@ impl Collection {
     ///
     /// # Errors
     /// When it cannot be read or has changed before the mark.
-    pub fn read(path: &Path, mark: CollectionMark) -> Result<Self, ResumeError> {
+    pub(crate) fn read(path: &Path, mark: CollectionMark) -> Result<Self, ResumeError> {
         let mut found = Self::new(path);
         if mark.frames > 0 {
             let mut bytes = Vec::new();
@@ -76,17 +76,17 @@ impl Collection {
     }
 
     /// Its present state.
-    pub fn mark(&self) -> CollectionMark {
+    pub(crate) fn mark(&self) -> CollectionMark {
         CollectionMark { frames: self.frames, text: self.tally.mark() }
     }
 
     /// Number of frames so far.
-    pub fn frames(&self) -> u64 {
+    pub(crate) fn frames(&self) -> u64 {
         self.frames
     }
 
     /// Adds a frame that is complete on disk: its time in seconds and its path from the collection's folder.
-    pub fn push(&mut self, time: f64, file: &str) {
+    pub(crate) fn push(&mut self, time: f64, file: &str) {
         let (file, before) = (xml_attribute(file), self.text.len());
         let _ = writeln!(self.text, "<DataSet timestep=\"{time:?}\" group=\"\" part=\"0\" file=\"{file}\"/>");
         self.tally.add(self.text.as_bytes().get(before..).unwrap_or_default());
@@ -94,7 +94,7 @@ impl Collection {
     }
 
     /// Removes the frames after a time [s], which are the last; returns the number of the others.
-    pub fn withdraw_after(&mut self, t: f64) -> u64 {
+    pub(crate) fn withdraw_after(&mut self, t: f64) -> u64 {
         while let Some((head, time)) = self.text.trim_end().rsplit_once("<DataSet timestep=\"") {
             let later = time.split('"').next().and_then(|time| time.parse::<f64>().ok()).is_some_and(|time| time > t);
             if !later {
@@ -112,7 +112,7 @@ impl Collection {
 
     /// Replaces the file on disk if it is due (see [`Collection::write`]): with the first frame, and then at most ten
     /// times per second. Beyond 1000 frames it is due after one per cent more, or a second.
-    pub fn write_if_due(&mut self) -> Result<(), ObserveError> {
+    pub(crate) fn write_if_due(&mut self) -> Result<(), ObserveError> {
         let waiting = self.frames - self.shown;
         if waiting == 0 {
             return Ok(());
@@ -123,7 +123,7 @@ impl Collection {
     }
 
     /// Replaces the file on disk, atomically, with all frames so far.
-    pub fn write(&mut self, durability: Durability) -> Result<(), ObserveError> {
+    pub(crate) fn write(&mut self, durability: Durability) -> Result<(), ObserveError> {
         let open = self.text.len();
         self.text.push_str(TAIL);
         let written = replace(&self.path, self.text.as_bytes(), durability);

@@ -22,7 +22,7 @@ pub(super) struct Sheet<'a> {
 }
 
 impl<'a> Sheet<'a> {
-    pub fn new(whole: &'a Mesh, triangles: &[u32]) -> Result<Self, CanopyError> {
+    pub(super) fn new(whole: &'a Mesh, triangles: &[u32]) -> Result<Self, CanopyError> {
         let corners = triangles.iter().filter_map(|&t| whole.triangles.get(t as usize)).copied().collect();
         let mesh = Mesh { nodes: whole.nodes.clone(), triangles: corners, ..Mesh::default() };
         let number = |triangle: u32| triangles.get(triangle as usize).copied().unwrap_or(triangle);
@@ -50,12 +50,12 @@ impl<'a> Sheet<'a> {
     }
 
     /// Whether a triangle has this node.
-    pub fn has(&self, node: u32) -> bool {
+    pub(super) fn has(&self, node: u32) -> bool {
         self.has.get(node as usize).copied().unwrap_or_default()
     }
 
     /// Number of triangles at an edge.
-    pub fn triangles_at(&self, [a, b]: [u32; 2]) -> usize {
+    pub(super) fn triangles_at(&self, [a, b]: [u32; 2]) -> usize {
         self.sides.get(&[a.min(b), a.max(b)]).copied().unwrap_or_default()
     }
 
@@ -64,7 +64,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// The nodes of the one outer boundary.
-    pub fn outer_boundary(&self) -> Result<&[u32], CanopyError> {
+    pub(super) fn outer_boundary(&self) -> Result<&[u32], CanopyError> {
         let outer: Vec<&BoundaryLoop> = self.topology.loops().iter().filter(|l| l.outer).collect();
         match outer.as_slice() {
             [one] => closed(one),
@@ -74,7 +74,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// The closed loop of the boundary that has all these nodes.
-    pub fn loop_through(&self, nodes: &[u32]) -> Result<&[u32], CanopyError> {
+    pub(super) fn loop_through(&self, nodes: &[u32]) -> Result<&[u32], CanopyError> {
         let first = nodes.first().copied().unwrap_or_default();
         let with = |node: u32| self.topology.loops().iter().find(|l| l.nodes.contains(&node));
         let one = with(first).ok_or(CanopyError::OffSkirt { node: first })?;
@@ -124,7 +124,7 @@ impl<'a> Sheet<'a> {
 
     /// The nodes of the apex and the arc length over the sheet by node, from 0 there to 1 at the skirt, whose loop is
     /// `around`. The apex is the middle of the vent, or the node that is farthest from the skirt.
-    pub fn arc_lengths(&self, skirt: &[u32], around: &[u32]) -> Result<(Vec<u32>, Vec<f64>), CanopyError> {
+    pub(super) fn arc_lengths(&self, skirt: &[u32], around: &[u32]) -> Result<(Vec<u32>, Vec<f64>), CanopyError> {
         let from_skirt = self.distances(&skirt.iter().map(|&node| (node, 0.0)).collect::<Vec<_>>());
         let nodes = || (0_u32..).zip(&self.has).filter(|(_, has)| **has).map(|(node, _)| node);
         let far = |node: &u32| from_skirt[*node as usize];
@@ -147,18 +147,18 @@ impl<'a> Sheet<'a> {
     }
 
     /// [m^2] Area of the triangles.
-    pub fn cloth_area(&self) -> f64 {
+    pub(super) fn cloth_area(&self) -> f64 {
         self.mesh.triangles.iter().map(|corners| self.mesh.area(corners)).sum()
     }
 
     /// [m] The longest side of a triangle.
-    pub fn longest_edge(&self) -> f64 {
+    pub(super) fn longest_edge(&self) -> f64 {
         self.sides.keys().map(|[a, b]| (self.point(*a) - self.point(*b)).norm()).fold(0.0, f64::max)
     }
 
     /// [m^2] Area of the gaps between parts of the sheet, and of flat covers of its vents. A gap lies between two loops
     /// that edges join, such as radial tapes; a vent is any other loop but the skirt's, which is `around`.
-    pub fn openings(&self, around: &[u32]) -> [f64; 2] {
+    pub(super) fn openings(&self, around: &[u32]) -> [f64; 2] {
         let loops = self.topology.loops();
         let mut on: HashMap<u32, (usize, usize)> = HashMap::new();
         for (number, one) in loops.iter().enumerate() {

@@ -33,7 +33,7 @@ pub(super) struct Assembly {
 }
 
 impl Assembly {
-    pub fn add_node(&mut self, place: Vector3<f64>) -> u32 {
+    pub(super) fn add_node(&mut self, place: Vector3<f64>) -> u32 {
         self.nodes.push(place);
         self.nodes.len() as u32 - 1
     }
@@ -43,7 +43,7 @@ impl Assembly {
     }
 
     /// Adds a canopy of gores.
-    pub fn add_gores(&mut self, p: &ParachuteParameters, profile: &Profile) {
+    pub(super) fn add_gores(&mut self, p: &ParachuteParameters, profile: &Profile) {
         let (n, across) = (p.gores, p.gore_segments);
         // The radials run along the corners, which are farther from the axis than the gores' centre lines.
         let to_corner = 1.0 / (PI / n as f64).cos();
@@ -134,7 +134,7 @@ impl Assembly {
     ///
     /// # Errors
     /// Lines that do not reach the axis.
-    pub fn add_rig(&mut self, p: &ParachuteParameters, lines: LineParameters) -> Result<(), MeshError> {
+    pub(super) fn add_rig(&mut self, p: &ParachuteParameters, lines: LineParameters) -> Result<(), MeshError> {
         let from_axis = |node: &u32| self.at(*node).xy().norm();
         let radius = self.corners.iter().map(from_axis).fold(0.0, f64::max);
         let height = (lines.length * lines.length - radius * radius).sqrt();
@@ -171,7 +171,7 @@ impl Assembly {
     }
 
     /// Adds the reefing line from corner to corner.
-    pub fn add_reefing(&mut self) {
+    pub(super) fn add_reefing(&mut self) {
         let next = self.corners.iter().skip(1).chain(self.corners.first());
         let ring: Vec<_> = self.corners.iter().zip(next).map(|(&a, &b)| ("reefing", [a, b])).collect();
         self.edges.extend(ring);
@@ -181,7 +181,7 @@ impl Assembly {
     ///
     /// # Errors
     /// A pattern that is too narrow for the shape.
-    pub fn inflate(&mut self, p: &ParachuteParameters) -> Result<(), MeshError> {
+    pub(super) fn inflate(&mut self, p: &ParachuteParameters) -> Result<(), MeshError> {
         let Some(lines) = p.lines else { return Ok(()) };
         let refuse = |allowed: String| MeshError::Parameter {
             pointer: "/parachute/start".to_owned(),
@@ -248,7 +248,7 @@ impl Assembly {
     }
 
     /// The mesh: edges of the cloth first, sorted by their nodes, then the others.
-    pub fn into_mesh(self) -> Mesh {
+    pub(super) fn into_mesh(self) -> Mesh {
         let mut edges = topology::unique_edges(&self.triangles);
         let cloth = edges.len() as u32;
         let key = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];

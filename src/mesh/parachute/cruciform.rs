@@ -22,7 +22,7 @@ pub(super) struct Cross {
 }
 
 impl Cross {
-    pub fn of(p: &ParachuteParameters) -> Self {
+    pub(super) fn of(p: &ParachuteParameters) -> Self {
         let ratio = p.arm_ratio();
         let area = 0.25 * PI * p.nominal_diameter * p.nominal_diameter;
         let length = (area / (ratio * (2.0 - ratio))).sqrt();
@@ -31,7 +31,7 @@ impl Cross {
         Self { length, width: ratio * length, along: p.radial_segments, across, between: p.gore_segments }
     }
 
-    pub fn sizes(&self) -> ParachuteSizes {
+    pub(super) fn sizes(&self) -> ParachuteSizes {
         let area = self.width * (2.0 * self.length - self.width);
         let Self { length, .. } = *self;
         ParachuteSizes { nominal_area: area, cloth_area: area, constructed_diameter: length, gore_length: length }
@@ -56,7 +56,7 @@ impl Cross {
     }
 
     /// Adds the canopy.
-    pub fn add_to(&self, parts: &mut Assembly) {
+    pub(super) fn add_to(&self, parts: &mut Assembly) {
         let (last, strip) = (self.cells(), self.along..=self.along + self.across);
         let in_strip = |line: usize| strip.contains(&line);
         let mut numbers: BTreeMap<[usize; 2], u32> = BTreeMap::new();

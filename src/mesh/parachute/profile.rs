@@ -95,7 +95,7 @@ impl Profile {
     ///
     /// # Errors
     /// A vent or a gap that leaves no cloth, and too few rows.
-    pub fn of(p: &ParachuteParameters) -> Result<Self, MeshError> {
+    pub(super) fn of(p: &ParachuteParameters) -> Result<Self, MeshError> {
         let wanted = 0.25 * PI * p.nominal_diameter * p.nominal_diameter;
         let mut size = 0.5 * p.nominal_diameter;
         // The area is nearly the square of the size, but for the shape of a curved profile near its vent.

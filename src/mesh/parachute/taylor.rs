@@ -33,7 +33,7 @@ pub(super) enum SkirtHold {
 
 impl Meridian {
     /// The meridian of an arc length [m]; `None` where no such shape exists, as with lines that are too short.
-    pub fn of(length: f64, hold: SkirtHold) -> Option<Self> {
+    pub(super) fn of(length: f64, hold: SkirtHold) -> Option<Self> {
         // Positive while the skirt is too wide, that is, the arc over R is too small.
         let excess = |arc: f64| {
             let [x, slope, _] = lemniscate(arc);
@@ -64,7 +64,7 @@ impl Meridian {
     }
 
     /// [m] Distance from the axis and height above the skirt at an arc length [m] from the apex.
-    pub fn at(&self, s: f64) -> [f64; 2] {
+    pub(super) fn at(&self, s: f64) -> [f64; 2] {
         let depth = |s: f64| lemniscate(s / self.radius);
         let [x, _, z] = depth(s);
         [self.radius * x, self.radius * (depth(self.length)[2] - z)]

@@ -46,12 +46,12 @@ pub(super) struct Numbers {
 impl Cells {
     /// Cells of a format that gives every face corners of its own, mostly in single precision: what its rounding
     /// divided is joined.
-    pub fn of_corners() -> Self {
+    pub(super) fn of_corners() -> Self {
         Cells { resolution: Some(RESOLUTION), ..Self::default() }
     }
 
     /// Adds a line through two or more nodes.
-    pub fn add_line(&mut self, nodes: &[u64], seam: bool) {
+    pub(super) fn add_line(&mut self, nodes: &[u64], seam: bool) {
         for pair in nodes.windows(2) {
             self.lines.push([pair[0], pair[1]]);
             self.seam.push(seam);
@@ -59,20 +59,20 @@ impl Cells {
     }
 
     /// Adds a face with its corners in order around it.
-    pub fn add_face(&mut self, corners: &[u64]) {
+    pub(super) fn add_face(&mut self, corners: &[u64]) {
         self.corners.extend_from_slice(corners);
         self.ends.push(self.corners.len());
     }
 
     /// Adds a strip of triangles, of which every second one turns the other way.
-    pub fn add_strip(&mut self, nodes: &[u64]) {
+    pub(super) fn add_strip(&mut self, nodes: &[u64]) {
         for (i, t) in nodes.windows(3).enumerate() {
             self.add_face(&if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] });
         }
     }
 
     /// Adds the cells of another file; groups of the same name become one.
-    pub fn append(&mut self, other: Cells) {
+    pub(super) fn append(&mut self, other: Cells) {
         let first = self.points.len() as u64;
         // A file without numbers or displacements has them as if they were 0.
         self.number_points([]);
@@ -128,7 +128,7 @@ impl Cells {
     }
 
     /// Checks that lines and faces name points that are there.
-    pub fn check_points(&self) -> Result<(), String> {
+    pub(super) fn check_points(&self) -> Result<(), String> {
         let count = self.points.len();
         match self.used_points().find(|point| *point >= count as u64) {
             Some(node) => Err(format!("a cell names node {node}, but there are {count} nodes")),
@@ -137,24 +137,24 @@ impl Cells {
     }
 
     /// Counts something that the reader left out or changed; `what` is a sentence without its number.
-    pub fn remark(&mut self, what: &'static str) {
+    pub(super) fn remark(&mut self, what: &'static str) {
         *self.remarks.entry(what).or_default() += 1;
     }
 
     /// Gives the lines and faces that were added since the last call a number of groups.
-    pub fn number_cells(&mut self, number: i64) {
+    pub(super) fn number_cells(&mut self, number: i64) {
         self.numbers.lines.resize(self.lines.len(), number);
         self.numbers.faces.resize(self.ends.len(), number);
     }
 
     /// Puts the lines and faces that were added since the last call into groups.
-    pub fn name_cells(&mut self, names: &[String]) {
+    pub(super) fn name_cells(&mut self, names: &[String]) {
         let number = self.number_of(names);
         self.number_cells(number);
     }
 
     /// Adds a closed outline that is in these groups.
-    pub fn add_outline(&mut self, points: Vec<u64>, names: &[String]) {
+    pub(super) fn add_outline(&mut self, points: Vec<u64>, names: &[String]) {
         let number = self.number_of(names);
         self.outlines.push(Outline { points, number });
     }
@@ -173,12 +173,12 @@ impl Cells {
     }
 
     /// Puts a point into groups.
-    pub fn name_point(&mut self, names: &[String], point: u64) {
+    pub(super) fn name_point(&mut self, names: &[String], point: u64) {
         names.iter().for_each(|name| self.named_points.entry(name.clone()).or_default().push(point));
     }
 
     /// Gives the points that were added since the last call their numbers of groups; missing ones are 0.
-    pub fn number_points(&mut self, numbers: impl IntoIterator<Item = i64>) {
+    pub(super) fn number_points(&mut self, numbers: impl IntoIterator<Item = i64>) {
         self.numbers.points.extend(numbers);
         self.numbers.points.resize(self.points.len(), 0);
     }

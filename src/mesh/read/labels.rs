@@ -23,7 +23,7 @@ struct Element {
 }
 
 impl Labelled {
-    pub fn add_node(&mut self, label: u64, point: [f64; 3]) -> Result<(), String> {
+    pub(super) fn add_node(&mut self, label: u64, point: [f64; 3]) -> Result<(), String> {
         if self.index.insert(label, self.cells.points.len() as u64).is_some() {
             return Err(format!("node {label} is listed twice"));
         }
@@ -32,12 +32,12 @@ impl Labelled {
     }
 
     /// Adds a line of two nodes, or a face of more.
-    pub fn add_element(&mut self, label: u64, nodes: Vec<u64>, set: &str) {
+    pub(super) fn add_element(&mut self, label: u64, nodes: Vec<u64>, set: &str) {
         self.elements.push(Element { label, nodes, set: set.to_owned() });
     }
 
     /// The cells, once all nodes are known.
-    pub fn finish(mut self) -> Result<Cells, String> {
+    pub(super) fn finish(mut self) -> Result<Cells, String> {
         // Ranges may hold far more numbers than there are elements.
         let mut sets_of: HashMap<u64, Vec<&str>> =
             self.elements.iter().map(|element| (element.label, Vec::new())).collect();

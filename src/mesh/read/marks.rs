@@ -18,7 +18,7 @@ enum Naming {
 
 impl Marks {
     /// Arrays with too many different numbers, or names of what programs count through, mark nothing.
-    pub fn new(arrays: Vec<(String, Vec<i64>)>) -> Self {
+    pub(super) fn new(arrays: Vec<(String, Vec<i64>)>) -> Self {
         let parts = arrays.into_iter().filter_map(|(name, numbers)| {
             let different: BTreeSet<i64> = numbers.iter().copied().collect();
             let counts = name.starts_with("vtk") || name.starts_with("Global") || name.starts_with("Original");
@@ -29,7 +29,7 @@ impl Marks {
     }
 
     /// The groups of a member: none for the number 0.
-    pub fn names(&self, member: usize) -> Vec<String> {
+    pub(super) fn names(&self, member: usize) -> Vec<String> {
         let named = self.0.iter().filter_map(|(name, numbers, naming)| match (numbers.get(member)?, naming) {
             (0, _) => None,
             (_, Naming::Plain) => Some(name.clone()),

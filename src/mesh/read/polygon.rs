@@ -33,13 +33,13 @@ pub(super) enum Pieces {
 pub(super) struct Crossed;
 
 impl Cutter {
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         let (space, plane, indices) = (Vec::new(), Vec::new(), Vec::new());
         Cutter { cut: Earcut::new(), refiner: Refiner::new(), space, plane, indices }
     }
 
     /// Cuts a face with these corners, at least three.
-    pub fn cut(&mut self, corners: &[Vector3<f64>]) -> Result<Pieces, Crossed> {
+    pub(super) fn cut(&mut self, corners: &[Vector3<f64>]) -> Result<Pieces, Crossed> {
         match corners {
             [_, _, _] => Ok(Pieces::Whole),
             [a, b, c, d] => quad([a, b, c, d]),

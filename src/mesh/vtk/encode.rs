@@ -16,7 +16,7 @@ const BLOCK: usize = 1 << 20;
 
 /// Appends arrays to a body, with the length headers (`UInt64`) that VTK expects before each.
 #[derive(Clone, Debug, Default)]
-pub struct Appender {
+pub(super) struct Appender {
     format: VtuFormat,
     head: Vec<u8>,
     packed: Vec<u8>,
@@ -24,22 +24,22 @@ pub struct Appender {
 
 impl Appender {
     /// An appender for a format.
-    pub fn new(format: VtuFormat) -> Self {
+    pub(super) fn new(format: VtuFormat) -> Self {
         Self { format, ..Self::default() }
     }
 
     /// The format in use.
-    pub fn format(&self) -> VtuFormat {
+    pub(super) fn format(&self) -> VtuFormat {
         self.format
     }
 
     /// Whether bytes are neither compressed nor encoded.
-    pub fn leaves_as_is(&self) -> bool {
+    pub(super) fn leaves_as_is(&self) -> bool {
         (self.format.encoding, self.format.compression) == (Encoding::Raw, Compression::None)
     }
 
     /// Appends the header of `len` bytes of data, which then follow unchanged.
-    pub fn announce(&self, len: usize, body: &mut Vec<u8>) {
+    pub(super) fn announce(&self, len: usize, body: &mut Vec<u8>) {
         body.extend_from_slice(&(len as u64).to_le_bytes());
     }
 
@@ -47,7 +47,7 @@ impl Appender {
     ///
     /// # Errors
     /// When an encoder fails, which does not happen in memory.
-    pub fn append(&mut self, data: &[u8], body: &mut Vec<u8>) -> io::Result<()> {
+    pub(super) fn append(&mut self, data: &[u8], body: &mut Vec<u8>) -> io::Result<()> {
         self.head.clear();
         match self.format.compression {
             Compression::None => {
@@ -96,7 +96,7 @@ impl Appender {
 }
 
 /// The bytes of numbers, little-endian; borrowed on little-endian machines.
-pub fn little_endian(values: &[f64]) -> Cow<'_, [u8]> {
+pub(super) fn little_endian(values: &[f64]) -> Cow<'_, [u8]> {
     if cfg!(target_endian = "little") {
         Cow::Borrowed(bytemuck::cast_slice(values))
     } else {
@@ -105,7 +105,7 @@ pub fn little_endian(values: &[f64]) -> Cow<'_, [u8]> {
 }
 
 /// Writes numbers as `f32`, little-endian, into `out`; those that are too large become infinite.
-pub fn little_endian_f32(values: &[f64], out: &mut Vec<u8>) {
+pub(super) fn little_endian_f32(values: &[f64], out: &mut Vec<u8>) {
     out.clear();
     out.extend(values.iter().flat_map(|v| (*v as f32).to_le_bytes()));
 }
@@ -171,7 +171,7 @@ impl CellTable {
     ///
     /// # Errors
     /// When a cell names a point that does not exist.
-    pub fn new(cells: &Cells<'_>, width: Width) -> Result<Self, VtuError> {
+    pub(super) fn new(cells: &Cells<'_>, width: Width) -> Result<Self, VtuError> {
         let mut table = Self { connectivity: Vec::new(), ends: Vec::new(), types: Vec::new(), width };
         for triangle in cells.triangles {
             table.push(VTK_TRIANGLE, triangle, cells.points)?;

@@ -23,19 +23,19 @@ pub(super) enum Segment<'a> {
 
 impl<'a> Appended<'a> {
     /// Starts with a piece.
-    pub fn from(first: Segment<'a>) -> Self {
+    pub(super) fn from(first: Segment<'a>) -> Self {
         let mut made = Appended { parts: Vec::new(), len: 0 };
         made.push(first);
         made
     }
 
     /// [byte] of all pieces.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.len
     }
 
     /// Appends a piece.
-    pub fn push(&mut self, part: Segment<'a>) {
+    pub(super) fn push(&mut self, part: Segment<'a>) {
         self.len += match &part {
             Segment::Body(range) => range.len(),
             Segment::Numbers(bytes) => bytes.len(),
@@ -47,7 +47,7 @@ impl<'a> Appended<'a> {
     ///
     /// # Errors
     /// Errors of `out`.
-    pub fn write(&self, out: &mut impl Write, body: &[u8], [head, tail]: [&[u8]; 2]) -> io::Result<()> {
+    pub(super) fn write(&self, out: &mut impl Write, body: &[u8], [head, tail]: [&[u8]; 2]) -> io::Result<()> {
         let pieces = self.parts.iter().map(|part| match part {
             Segment::Body(range) => &body[range.clone()],
             Segment::Numbers(bytes) => bytes,

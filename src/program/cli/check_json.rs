@@ -46,7 +46,7 @@ pub(super) struct Totals {
 
 impl Report<'_> {
     /// JSON text that ends with a line break.
-    pub fn to_json(&self) -> Result<String, CliError> {
+    pub(super) fn to_json(&self) -> Result<String, CliError> {
         let Report { problem, scene, candidates, forecast, totals, groups, models, warnings, acknowledged, .. } = self;
         let tolerance = problem.time.step.tolerance();
         let unknowns = scene.inverse_mass().iter().filter(|m| **m > 0.0).count();

@@ -20,7 +20,11 @@ const SHORTER: f64 = 0.9;
 
 /// The step for the accuracy, searched downwards from the longest possible one; `None` if no run is affordable or none
 /// is conclusive.
-pub fn by_step_doubling(spec: &ForecastSpec<'_>, costs: NominalCosts, candidate: &Candidate) -> Option<FoundStep> {
+pub(super) fn by_step_doubling(
+    spec: &ForecastSpec<'_>,
+    costs: NominalCosts,
+    candidate: &Candidate,
+) -> Option<FoundStep> {
     let (method, whole) = (&candidate.method, spec.problem.time.end);
     let order = f64::from(method.order());
     let cost = |h: f64| BOTH * costs.untried(method, whole / h);

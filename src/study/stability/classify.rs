@@ -113,7 +113,7 @@ pub(super) struct EnergyClassifier<'a> {
 }
 
 impl<'a> EnergyClassifier<'a> {
-    pub fn new(runs: &MethodRuns<'a>, steps: u64) -> Self {
+    pub(super) fn new(runs: &MethodRuns<'a>, steps: u64) -> Self {
         let (scene, method) = (runs.spec.scene, runs.method);
         let moved = displacement(scene);
         EnergyClassifier {
@@ -138,7 +138,7 @@ impl<'a> EnergyClassifier<'a> {
     }
 
     /// [-] Mean energy of motion over the last quarter of the run, over all energy supplied.
-    pub fn lively(&self) -> f64 {
+    pub(super) fn lively(&self) -> f64 {
         let [all, _] = self.late;
         let supplied = self.supplied + self.floor;
         if all > 0 && supplied > 0.0 { self.motion / all as f64 / supplied } else { 0.0 }
@@ -157,7 +157,7 @@ impl<'a> EnergyClassifier<'a> {
     }
 
     /// The verdict from the energy, for a run that made all its steps or was stopped here.
-    pub fn energy(&self) -> Verdict {
+    pub(super) fn energy(&self) -> Verdict {
         if self.blown {
             return Verdict::BlownUp;
         }
@@ -180,14 +180,14 @@ impl<'a> EnergyClassifier<'a> {
         })
     }
 
-    pub fn started(&mut self, at: &Point, ledger: Energies) {
+    pub(super) fn started(&mut self, at: &Point, ledger: Energies) {
         self.supplied = ledger.kinetic + ledger.elastic;
         self.base = self.supplied + ledger.gravity;
         self.evidence.measure(at.state.as_ref());
     }
 
     /// Books a step; returns whether the run is certainly unstable.
-    pub fn stepped(&mut self, step: &AcceptedStep<'_>, [start, end]: [&Point; 2]) -> bool {
+    pub(super) fn stepped(&mut self, step: &AcceptedStep<'_>, [start, end]: [&Point; 2]) -> bool {
         let Energies { kinetic, elastic, gravity, external_work, dissipated, numerical } = step.ledger;
         self.supplied = self.supplied.max(self.base - gravity + external_work);
         let there = kinetic + elastic;
@@ -238,14 +238,14 @@ pub(super) struct Evidence<'a> {
 }
 
 impl<'a> Evidence<'a> {
-    pub fn new(scene: &'a dyn Scene, steps: u64) -> Self {
+    pub(super) fn new(scene: &'a dyn Scene, steps: u64) -> Self {
         let start = scene.initial_state();
         let seen = [(f64::INFINITY, start.clone()), (f64::NEG_INFINITY, start)];
         // Odd, so that both sides of an alternating motion are sampled.
         Evidence { scene, every: steps.div_ceil(MEASURED) | 1, buffer: BoundBuffer::default(), seen }
     }
 
-    pub fn measure(&mut self, at: StateRef<'_>) {
+    pub(super) fn measure(&mut self, at: StateRef<'_>) {
         let now = step_by_bounds(self.scene, at, &mut self.buffer);
         let [(least, stiffest), (largest, softest)] = &mut self.seen;
         if now < (1.0 + ROUNDING) * *least {
@@ -258,13 +258,13 @@ impl<'a> Evidence<'a> {
         }
     }
 
-    pub fn stepped(&mut self, step: &AcceptedStep<'_>) {
+    pub(super) fn stepped(&mut self, step: &AcceptedStep<'_>) {
         if let Some(end) = step.end.filter(|_| step.step.is_multiple_of(self.every)) {
             self.measure(end.state.as_ref());
         }
     }
 
-    pub fn extremes(self) -> [State; 2] {
+    pub(super) fn extremes(self) -> [State; 2] {
         self.seen.map(|(_, state)| state)
     }
 }

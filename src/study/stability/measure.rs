@@ -98,7 +98,7 @@ pub(super) struct Trial {
 }
 
 impl<'a> MethodRuns<'a> {
-    pub fn new(
+    pub(super) fn new(
         spec: &'a StabilitySpec<'a>,
         method: &'a MethodChoice,
         critical: CriticalStep,
@@ -117,12 +117,12 @@ impl<'a> MethodRuns<'a> {
         MethodRuns { spec, method, critical, kind, stays, interrupt, from, trials: Vec::new() }
     }
 
-    pub fn stop(&self) -> Stop<'a> {
+    pub(super) fn stop(&self) -> Stop<'a> {
         Stop::on(self.interrupt)
     }
 
     /// Steps of a run at step `h` [s].
-    pub fn steps(&self, h: f64) -> u64 {
+    pub(super) fn steps(&self, h: f64) -> u64 {
         let n = self.spec.scene.n_dof().max(1) as f64;
         let (cap, fewest) = match dear(self.method) {
             true => {
@@ -146,19 +146,19 @@ impl<'a> MethodRuns<'a> {
     }
 
     /// [-] E-folds a step of the motion that sets the prediction, at step `h` [s]; below 0 it dies out.
-    pub fn e_folds(&self, h: f64) -> Option<f64> {
+    pub(super) fn e_folds(&self, h: f64) -> Option<f64> {
         growth(self.method, self.critical.rates, h).map(f64::ln)
     }
 
     /// [-] E-folds of that motion in a run at step `h` [s]; infinite where no step can be made.
-    pub fn folds(&self, h: f64) -> f64 {
+    pub(super) fn folds(&self, h: f64) -> f64 {
         self.e_folds(h).map_or(f64::INFINITY, |rate| rate * self.steps(h) as f64)
     }
 
     /// Whether a run at step `h` [s] that held says that the step is stable: beyond the predicted limit it has to be
     /// long enough for growth to be seen. Of methods without a predicted limit nothing is known that a run could be too
     /// short for.
-    pub fn settles(&self, h: f64) -> bool {
+    pub(super) fn settles(&self, h: f64) -> bool {
         let Kind::Near(limit) = self.kind else { return true };
         let folds = self.folds(h);
         h <= limit || folds <= 0.0 || folds >= E_FOLDS
@@ -166,13 +166,13 @@ impl<'a> MethodRuns<'a> {
 
     /// [s] Bounds on the limit from the runs so far: the largest step that is known to hold, and the smallest that
     /// failed.
-    pub fn between(&self) -> [Option<f64>; 2] {
+    pub(super) fn between(&self) -> [Option<f64>; 2] {
         let known = |h: &f64| self.critical.step > 0.0 && self.settles(*h);
         [self.held().filter(known).max_by(f64::total_cmp), self.failed()]
     }
 
     /// [s] The largest step that held below the least that failed.
-    pub fn longest(&self) -> Option<f64> {
+    pub(super) fn longest(&self) -> Option<f64> {
         self.held().max_by(f64::total_cmp)
     }
 
@@ -188,7 +188,7 @@ impl<'a> MethodRuns<'a> {
     }
 
     /// Whether a run at step `h` [s] holds; `before` is asked for leave to begin it.
-    pub fn holds(
+    pub(super) fn holds(
         &mut self,
         h: f64,
         before: &mut dyn FnMut(f64, u64) -> Result<(), StopReason>,
@@ -261,12 +261,12 @@ impl<'a> MethodRuns<'a> {
     }
 
     /// Why a run at step `h` [s] fails, in the words of `solve`.
-    pub fn failure(&self, h: f64) -> Option<Failure> {
+    pub(super) fn failure(&self, h: f64) -> Option<Failure> {
         self.run(h, self.steps(h), false, Explain::Failures).ok().and_then(|(outcome, _)| outcome.failure)
     }
 
     /// The run at exactly this step.
-    pub fn trial(&self, h: f64) -> Option<&Trial> {
+    pub(super) fn trial(&self, h: f64) -> Option<&Trial> {
         self.trials.iter().find(|trial| trial.row.step == h)
     }
 }

@@ -20,7 +20,7 @@ impl Progress {
     /// After an accepted step that ended at `t` [s] of a run of `run` [s]: the time [s] that the last [`STEPS`] took,
     /// if it is too little. The count begins again where a step ends at the row of a table: tables are finite, so such
     /// steps come to an end.
-    pub fn stalls(&mut self, t: f64, at_row: bool, run: f64) -> Option<f64> {
+    pub(super) fn stalls(&mut self, t: f64, at_row: bool, run: f64) -> Option<f64> {
         self.steps += 1;
         if self.steps < STEPS && !at_row {
             return None;

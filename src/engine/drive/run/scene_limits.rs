@@ -15,19 +15,19 @@ pub(super) struct SceneLimits {
 }
 
 impl SceneLimits {
-    pub fn of(scene: &dyn Scene) -> Self {
+    pub(super) fn of(scene: &dyn Scene) -> Self {
         let lightest = scene.inverse_mass().iter().fold(0.0, |most: f64, inverse| most.max(*inverse));
         let held = scene.inverse_mass().contains(&0.0);
         SceneLimits { size: scene.size(), lightest, held }
     }
 
     /// Whether nodes with speeds up to this one [m/s] stay within the scene's size in a step `h` [s].
-    pub fn allows(&self, speed: f64, h: f64) -> bool {
+    pub(super) fn allows(&self, speed: f64, h: f64) -> bool {
         self.size == 0.0 || speed * h <= self.size
     }
 
     /// Whether no node moves farther than the scene's size in a step that ends with this kinetic energy [J].
-    pub fn holds(&self, from: &State, to: &State, kinetic: f64) -> bool {
+    pub(super) fn holds(&self, from: &State, to: &State, kinetic: f64) -> bool {
         // No node is faster than with all of the kinetic energy; so the positions are seldom needed.
         let fastest = (2.0 * kinetic * self.lightest).sqrt();
         if self.allows(fastest, to.t - from.t) {

@@ -42,7 +42,7 @@ pub(in crate::force) struct Bars<'a> {
 
 impl BarBatch {
     /// Takes the elements of the next block, by their ends and numbers.
-    pub fn assign_block(&mut self, block: usize, ends: Vec<[u16; 2]>, (first, all): (usize, &[Coefficient; 3])) {
+    pub(crate) fn assign_block(&mut self, block: usize, ends: Vec<[u16; 2]>, (first, all): (usize, &[Coefficient; 3])) {
         if block == 0 {
             *self = BarBatch::default();
             for (uniform, numbers) in self.uniform.iter_mut().zip(all) {
@@ -73,13 +73,13 @@ impl BarBatch {
     }
 
     /// Replaces one of the three numbers, which every element has its own of.
-    pub fn set_number(&mut self, which: usize, values: &[f64]) {
+    pub(crate) fn set_number(&mut self, which: usize, values: &[f64]) {
         let places = self.elements.as_chunks().0;
         self.numbers[which].iter_mut().zip(numbers_at(places, values)).for_each(|(to, value)| *to = value);
     }
 
     /// A block's elements, if it has any.
-    pub fn bars(&self, block: usize) -> Option<Bars<'_>> {
+    pub(crate) fn bars(&self, block: usize) -> Option<Bars<'_>> {
         let BlockBars { quads, in_stars } = self.blocks.get(block).filter(|placing| !placing.quads.is_empty())?;
         let numbers = std::array::from_fn(|i| match self.numbers[i].get(quads.clone()) {
             Some(numbers) => Column::each(numbers),
@@ -89,7 +89,7 @@ impl BarBatch {
     }
 
     /// One of the three numbers of a block's elements; none where all are the same.
-    pub fn each_number(&self, block: usize, which: usize) -> &[f64] {
+    pub(crate) fn each_number(&self, block: usize, which: usize) -> &[f64] {
         let quads = self.blocks.get(block).map_or(0..0, |placing| placing.quads.clone());
         self.numbers[which].get(quads).unwrap_or_default().as_flattened()
     }
@@ -103,7 +103,7 @@ fn numbers_at(places: &[[Option<u32>; STARS]], values: &[f64]) -> impl Iterator<
 impl Bars<'_> {
     /// Adds elastic and damping forces [N] to a block's sums; returns the elastic energy [J] and the power of damping
     /// [W].
-    pub fn axial_force<L: AxialLaw>(
+    pub(crate) fn axial_force<L: AxialLaw>(
         self,
         law: &L,
         block: &ElementBlock<'_>,

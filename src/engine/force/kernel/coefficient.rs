@@ -41,23 +41,23 @@ pub(in crate::force) struct Column<'a> {
 
 impl<'a> Column<'a> {
     /// One value an element.
-    pub fn each(quads: &'a [[f64; STARS]]) -> Self {
+    pub(crate) fn each(quads: &'a [[f64; STARS]]) -> Self {
         Column { quads, mask: usize::MAX }
     }
 
     /// The same for all.
-    pub fn uniform(quads: &'a [[f64; STARS]; STAR]) -> Self {
+    pub(crate) fn uniform(quads: &'a [[f64; STARS]; STAR]) -> Self {
         Column { quads, mask: 0 }
     }
 
     /// The column without its first quads.
-    pub fn after(self, quads: usize) -> Self {
+    pub(crate) fn after(self, quads: usize) -> Self {
         Column { quads: &self.quads[quads & self.mask..], ..self }
     }
 
     /// The values of a group of four stars of `N` elements each.
     #[inline(always)]
-    pub fn group<const N: usize>(&self, group: usize) -> &'a [[f64; STARS]; N] {
+    pub(crate) fn group<const N: usize>(&self, group: usize) -> &'a [[f64; STARS]; N] {
         &self.quads.as_chunks().0[group & self.mask]
     }
 }

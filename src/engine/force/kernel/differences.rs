@@ -31,7 +31,7 @@ pub(in crate::force) struct Differences {
 
 impl Differences {
     /// Takes the elements of the next block, by their ends; the first of them has number `first` in `c`.
-    pub fn assign_block(&mut self, block: usize, ends: &[[u16; 2]], (first, c): (usize, &Coefficient)) {
+    pub(crate) fn assign_block(&mut self, block: usize, ends: &[[u16; 2]], (first, c): (usize, &Coefficient)) {
         if block == 0 {
             *self = Differences::default();
         }
@@ -58,7 +58,7 @@ impl Differences {
     }
 
     /// Adds the sums of a block to `f`, and returns the sum of f_i . v_i of these.
-    pub fn add(&self, block: usize, v: &Records, f: &mut Records) -> f64 {
+    pub(crate) fn add(&self, block: usize, v: &Records, f: &mut Records) -> f64 {
         let Some([nodes, others, runs]) = self.blocks.get(block) else { return 0.0 };
         let numbers = self.numbers.get(others.clone()).unwrap_or_default();
         let (nodes, others, runs) =

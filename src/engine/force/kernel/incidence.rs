@@ -11,7 +11,7 @@ pub(in crate::force) struct Incidence {
 
 impl Incidence {
     /// Of elements by where the records of their nodes begin. One that has a node twice is there twice.
-    pub fn new<const N: usize>(elements: &[[u16; N]]) -> Self {
+    pub(crate) fn new<const N: usize>(elements: &[[u16; N]]) -> Self {
         let places = elements.as_flattened();
         let nodes = places.iter().max().map_or(0, |&last| number(last) + 1);
         let mut first = vec![0; nodes + 1];
@@ -27,12 +27,12 @@ impl Incidence {
     }
 
     /// Where the records of all nodes begin, up to the last that has an element.
-    pub fn places(&self) -> impl Iterator<Item = u16> {
+    pub(crate) fn places(&self) -> impl Iterator<Item = u16> {
         (0..self.first.len() - 1).map(|node| (RECORD * node) as u16)
     }
 
     /// Numbers of the elements at a node, ascending.
-    pub fn at(&self, place: u16) -> &[usize] {
+    pub(crate) fn at(&self, place: u16) -> &[usize] {
         let node = number(place);
         &self.elements[self.first[node]..self.first[node + 1]]
     }

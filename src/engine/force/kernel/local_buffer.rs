@@ -49,12 +49,12 @@ pub(in crate::force) struct LocalBuffer {
 impl LocalBuffer {
     /// LocalBuffers that are used together begin at different lines of a page: where a load and an earlier store are
     /// equally far from the beginning of their pages, a processor lets the load wait as if both were one place.
-    pub fn new(shift: usize) -> Self {
+    pub(crate) fn new(shift: usize) -> Self {
         LocalBuffer { room: Vec::new(), shift, first: 0 }
     }
 
     /// The records; whatever was there before.
-    pub fn records(&mut self) -> &mut Records {
+    pub(crate) fn records(&mut self) -> &mut Records {
         if self.room.is_empty() {
             // Zeroed by the operating system, page after page when they are used.
             self.room = vec![0.0; REACH + 2 * PAGE];

@@ -23,7 +23,7 @@ pub(in crate::force) struct MeanBar {
 
 impl MeanBar {
     /// From the vectors [m] between its ends at the start, in the middle and at the end of the step, and the law.
-    pub fn new([start, middle, end]: [Vector3<f64>; 3], tension: impl FnOnce([f64; 2]) -> MeanTension) -> Self {
+    pub(crate) fn new([start, middle, end]: [Vector3<f64>; 3], tension: impl FnOnce([f64; 2]) -> MeanTension) -> Self {
         let lengths = [start, end].map(|d| d.norm());
         MeanBar { lengths, middle, mean_length: 0.5 * (lengths[0] + lengths[1]), end, tension: tension(lengths) }
     }
@@ -34,14 +34,14 @@ impl MeanBar {
     }
 
     /// Adds f_a and f_b [N] to `f` `[n_nodes]`.
-    pub fn add(&self, [a, b]: [u32; 2], f: &mut [Vector3<f64>]) {
+    pub(crate) fn add(&self, [a, b]: [u32; 2], f: &mut [Vector3<f64>]) {
         let force = self.middle * self.over_length();
         f[a as usize] += force;
         f[b as usize] -= force;
     }
 
     /// [N/m] B; in the symmetric form with the direction of d in place of both d/l and n_1.
-    pub fn block(&self, form: TangentForm) -> Matrix3<f64> {
+    pub(crate) fn block(&self, form: TangentForm) -> Matrix3<f64> {
         let kept = |number: f64| if form.convex { number.max(0.0) } else { number };
         let (across, along) = (kept(self.over_length()), kept(2.0 * self.tension.slope));
         let [left, right] = match form.symmetric {

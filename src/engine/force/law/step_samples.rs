@@ -26,7 +26,7 @@ const LAST: f64 = 1e15;
 
 /// The replacement of a table in steps of `h` [s] from t = 0; `None` if it has no corner within a step. Work: rows
 /// times the logarithm of their number.
-pub fn sampled_by_steps<const N: usize>(given: &Series<[f64; N]>, h: f64) -> Option<Series<[f64; N]>> {
+pub(crate) fn sampled_by_steps<const N: usize>(given: &Series<[f64; N]>, h: f64) -> Option<Series<[f64; N]>> {
     let mut bent = Vec::new();
     let mut corrections: Vec<(u64, [f64; N])> = Vec::new();
     let mut first = 0;

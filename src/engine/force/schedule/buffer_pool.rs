@@ -16,7 +16,7 @@ pub(in crate::force) struct Pooled<'a, T: Default> {
 
 impl<T: Default> BufferPool<T> {
     /// The value that was returned last, or a new one if all are in use.
-    pub fn take(&self) -> Pooled<'_, T> {
+    pub(crate) fn take(&self) -> Pooled<'_, T> {
         let what = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
         Pooled { what: what.unwrap_or_default(), pool: self }
     }

@@ -19,12 +19,12 @@ pub(in crate::force) enum PassKind {
 
 impl PassKind {
     /// Whether the terms of a sum are evaluated.
-    pub fn goes_over(self, sum: usize) -> bool {
+    pub(crate) fn goes_over(self, sum: usize) -> bool {
         self != PassKind::ReusePosition || sum > 0
     }
 
     /// Number of sums.
-    pub fn sums(self) -> usize {
+    pub(crate) fn sums(self) -> usize {
         if self == PassKind::TotalOnly { 1 } else { SUMS }
     }
 }
@@ -44,7 +44,7 @@ pub(in crate::force) struct Sums<'a> {
 impl Sums<'_> {
     /// Writes the sums of the terms for the nodes of a block to the local buffers, and their energies and powers to
     /// `tallies`. If the terms of the first sum are evaluated, its buffer must hold zeros before.
-    pub fn add<T: Terms + ?Sized>(
+    pub(crate) fn add<T: Terms + ?Sized>(
         &mut self,
         terms: &T,
         kind: PassKind,

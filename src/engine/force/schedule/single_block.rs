@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 
 impl Sweep {
     /// Whether all nodes and elements are in one block.
-    pub fn is_single_block(&self) -> bool {
+    pub(crate) fn is_single_block(&self) -> bool {
         self.partition.blocks().len() == 1
     }
 

@@ -28,7 +28,7 @@ use nalgebra::Vector3;
 use std::ops::Range;
 
 /// The state of a range of nodes, to be moved.
-pub struct NodeStateMut<'a> {
+pub(crate) struct NodeStateMut<'a> {
     /// [s]
     pub t: f64,
     /// number of the first node
@@ -123,13 +123,13 @@ impl BlockSpan<'_> {
 
 impl Sweep {
     /// Largest useful number of steps in a block, with this many force passes per step.
-    pub fn longest_block(&self, passes: usize) -> usize {
+    pub(crate) fn longest_block(&self, passes: usize) -> usize {
         if self.is_single_block() { LONGEST } else { LEVELS / passes }
     }
 
     /// Makes as many steps as there are entries of `summaries`, or a single one of which no summary is made. Sums,
     /// state, tallies and summaries have the bits of steps made one by one.
-    pub fn advance<T: Terms + ?Sized>(
+    pub(crate) fn advance<T: Terms + ?Sized>(
         &self,
         (terms, moving): (&T, NodeStateMut<'_>),
         boundary: StepBoundary<'_>,

@@ -16,7 +16,7 @@ use std::ops::Range;
 
 /// The scheme of the steps, and its data of nodes.
 #[derive(Clone, Copy)]
-pub struct StepBoundary<'a> {
+pub(crate) struct StepBoundary<'a> {
     /// the scheme, and the point at which the first step begins
     pub block: KickDriftBlock<'a>,
     /// [kg] `[n_nodes]`

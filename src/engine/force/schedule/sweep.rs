@@ -22,7 +22,7 @@ use std::ops::Range;
 
 /// A force term in a pass.
 #[derive(Clone, Copy)]
-pub struct Term<'a> {
+pub(crate) struct Term<'a> {
     /// the term
     pub forces: &'a dyn BlockForces,
     /// the output of each of its parts; `None` = the part is left out
@@ -31,7 +31,7 @@ pub struct Term<'a> {
 
 /// The output of a part of a force term.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PartTarget {
+pub(crate) struct PartTarget {
     /// the sum of its forces: 0, 1 or 2
     pub sum: usize,
     /// index of its energy and power
@@ -39,7 +39,7 @@ pub struct PartTarget {
 }
 
 /// The force terms of a pass.
-pub trait Terms: Sync {
+pub(crate) trait Terms: Sync {
     /// Number of terms.
     fn count(&self) -> usize;
 
@@ -63,7 +63,7 @@ pub trait Terms: Sync {
 
 /// The blocks of a scene and the buffers of a pass.
 #[derive(Debug)]
-pub struct Sweep {
+pub(crate) struct Sweep {
     pub(in crate::force) partition: Partition,
     workspace: BufferPool<Workspace>,
     /// buffers of a sum over node blocks
@@ -92,7 +92,7 @@ pub(in crate::force) struct PassSpec<'a, T: ?Sized> {
 
 impl Sweep {
     /// Cuts `nodes` nodes into blocks and assigns to every term its elements.
-    pub fn new(nodes: usize, forces: &mut [&mut dyn BlockForces]) -> Self {
+    pub(crate) fn new(nodes: usize, forces: &mut [&mut dyn BlockForces]) -> Self {
         Sweep::of(Partition::new(nodes, forces))
     }
 
@@ -102,7 +102,7 @@ impl Sweep {
 
     /// Overwrites every sum [N] with the forces of its terms; the first also gets those of the others. A sum may be
     /// empty only if no term adds to it. Writes the energy [J] or power [W] of every term to `tallies`.
-    pub fn pass<T: Terms + ?Sized>(
+    pub(crate) fn pass<T: Terms + ?Sized>(
         &self,
         (terms, at): (&T, NodeState<'_>),
         threads: &Threads,
@@ -147,7 +147,7 @@ impl Sweep {
     }
 
     /// Sums over the nodes, node block after node block.
-    pub fn by_node_blocks(&self, threads: &Threads, of: impl Fn(Range<usize>) -> f64 + Sync) -> f64 {
+    pub(crate) fn by_node_blocks(&self, threads: &Threads, of: impl Fn(Range<usize>) -> f64 + Sync) -> f64 {
         let node_blocks = self.partition.node_blocks();
         let of = |node_block: usize| of(self.partition.nodes_of(node_block..node_block + 1));
         match threads.workers().pool().filter(|_| node_blocks.len() > 1) {

@@ -90,7 +90,7 @@ impl Wavefront {
     }
 
     /// The next node blocks to do: those of the highest level that can continue, whose nodes are still in cache.
-    pub fn ahead(&self, partition: &Partition, node_blocks: usize) -> Option<NextBlocks> {
+    pub(crate) fn ahead(&self, partition: &Partition, node_blocks: usize) -> Option<NextBlocks> {
         (0..self.levels.len()).rev().find_map(|number| {
             let Level { node_blocks: left, open, .. } = &self.levels[number];
             let node_blocks = left.start..(left.start + node_blocks).min(left.end);
@@ -108,14 +108,14 @@ impl Wavefront {
     }
 
     /// The nodes to move before these node blocks are done; marks them as moved.
-    pub fn move_for(&mut self, ahead: &NextBlocks) -> Range<usize> {
+    pub(crate) fn move_for(&mut self, ahead: &NextBlocks) -> Range<usize> {
         let Range { start, end } = self.unmoved;
         self.unmoved.start = if ahead.level > 0 { start } else { ahead.reach.clamp(start, end) };
         start..self.unmoved.start
     }
 
     /// Marks node blocks as done; returns the blocks that add to the nodes that are now complete.
-    pub fn advance(&mut self, partition: &Partition, ahead: &NextBlocks) -> Range<usize> {
+    pub(crate) fn advance(&mut self, partition: &Partition, ahead: &NextBlocks) -> Range<usize> {
         let level = &mut self.levels[ahead.level];
         let first = partition.nodes_of(ahead.completed.clone()).start;
         let end = partition.blocks_of(0..ahead.completed.end).end;
@@ -133,7 +133,7 @@ impl Wavefront {
 
 impl Wavefronts {
     /// Wavefronts for this number of threads.
-    pub fn plan(&mut self, partition: &Partition, levels: usize, threads: usize) {
+    pub(crate) fn plan(&mut self, partition: &Partition, levels: usize, threads: usize) {
         let parts = if divides(partition, levels, threads) { threads } else { 0 };
         // Without parts, one wavefront over all node blocks.
         self.used = [parts, parts.saturating_sub(1).max(1)];
@@ -150,7 +150,7 @@ impl Wavefronts {
     }
 
     /// The parts, if there are any, and the wavefronts to do after them: their seams, or else the whole scene.
-    pub fn all(&mut self) -> [&mut [Wavefront]; 2] {
+    pub(crate) fn all(&mut self) -> [&mut [Wavefront]; 2] {
         [&mut self.parts[..self.used[0]], &mut self.others[..self.used[1]]]
     }
 }

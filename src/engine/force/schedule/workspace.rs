@@ -49,7 +49,7 @@ pub(in crate::force) struct WorkspaceSize {
 
 impl WorkspaceSize {
     /// The sizes of a single pass.
-    pub fn of_a_pass(terms: usize) -> Self {
+    pub(crate) fn of_a_pass(terms: usize) -> Self {
         WorkspaceSize { terms, levels: 1, threads: 1, keeps: false, aside: [false; ASIDE] }
     }
 }
@@ -73,7 +73,7 @@ pub(in crate::force) struct WorkspaceView<'a> {
 
 impl Workspace {
     /// Sizes the buffers for passes into these sums, and resets the wavefronts.
-    pub fn fit(&mut self, partition: &Partition, needs: WorkspaceSize, out: &[&mut [Vector3<f64>]; SUMS]) {
+    pub(crate) fn fit(&mut self, partition: &Partition, needs: WorkspaceSize, out: &[&mut [Vector3<f64>]; SUMS]) {
         let WorkspaceSize { terms, levels, threads, keeps, aside } = needs;
         for (halo, _) in self.halo.iter_mut().zip(out).filter(|(_, out)| !out.is_empty()) {
             halo.resize(partition.halo().len(), PaddedVec3::default());
@@ -93,7 +93,7 @@ impl Workspace {
     }
 
     /// All node blocks, and the wavefronts.
-    pub fn parts<'a>(
+    pub(crate) fn parts<'a>(
         &'a mut self,
         partition: &Partition,
         out: [&'a mut [Vector3<f64>]; SUMS],
@@ -105,7 +105,7 @@ impl Workspace {
     }
 
     /// Adds up energies and powers of every term, block after block, in one of the levels.
-    pub fn add_up(&self, level: usize, tallies: &mut [Tally]) {
+    pub(crate) fn add_up(&self, level: usize, tallies: &mut [Tally]) {
         tallies.fill(Tally::default());
         let terms = self.terms.max(1);
         for by_block in self.tallies.chunks(terms).skip(level).step_by(self.levels) {
@@ -114,20 +114,20 @@ impl Workspace {
     }
 
     /// The node sums of one of the levels, node block after node block.
-    pub fn node_sums(&self, level: usize) -> NodeSums {
+    pub(crate) fn node_sums(&self, level: usize) -> NodeSums {
         let of_level = self.nodes.iter().skip(level).step_by(self.levels);
         of_level.fold(NodeSums::default(), |sums, next| sums.and(*next))
     }
 
     /// [-] The largest stretch in one of the levels.
-    pub fn largest_stretch(&self, level: usize) -> f64 {
+    pub(crate) fn largest_stretch(&self, level: usize) -> f64 {
         self.stretches.iter().skip(level).step_by(self.levels).copied().fold(f64::NEG_INFINITY, f64::max)
     }
 }
 
 impl WorkspaceView<'_> {
     /// Some of the node blocks.
-    pub fn within(&mut self, partition: &Partition, node_blocks: Range<usize>) -> WorkspaceView<'_> {
+    pub(crate) fn within(&mut self, partition: &Partition, node_blocks: Range<usize>) -> WorkspaceView<'_> {
         let all = WorkspaceView {
             node_blocks: self.node_blocks.clone(),
             out: self.out.each_mut().map(|out| &mut **out),
@@ -145,7 +145,7 @@ impl WorkspaceView<'_> {
     }
 
     /// Splits the node blocks at one of them.
-    pub fn split(self, partition: &Partition, at: usize) -> [Self; 2] {
+    pub(crate) fn split(self, partition: &Partition, at: usize) -> [Self; 2] {
         let WorkspaceView { node_blocks, out, halo, tallies, stretches, nodes, kept, aside, levels } = self;
         let (before, after) = (node_blocks.start..at, at..node_blocks.end);
         let (blocks, terms) = (partition.blocks_of(before.clone()), tallies.len() / stretches.len().max(1));

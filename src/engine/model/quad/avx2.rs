@@ -8,20 +8,20 @@ use std::ops::{Add, Div, Mul, Sub};
 
 /// Processors with AVX2.
 #[derive(Clone, Copy, Debug)]
-pub struct Avx2(V3);
+pub(super) struct Avx2(V3);
 
 /// A register, with the proof that there are such.
 #[derive(Clone, Copy, Debug)]
-pub struct Register(V3, __m256d);
+pub(super) struct Register(V3, __m256d);
 
 impl Avx2 {
     #[inline]
-    pub fn new() -> Option<Self> {
+    pub(super) fn new() -> Option<Self> {
         V3::try_new().map(Avx2)
     }
 
     #[inline(always)]
-    pub fn run<P: Pass>(self, pass: P) -> P::Output {
+    pub(super) fn run<P: Pass>(self, pass: P) -> P::Output {
         self.0.vectorize(Compiled { pass, unit: self })
     }
 }

@@ -58,19 +58,19 @@ pub(super) struct Sums<Q, const N: usize> {
 
 impl<Q: Quad, const N: usize> Sums<Q, N> {
     #[inline(always)]
-    pub fn new<U: VectorUnit<Quad = Q>>(unit: U) -> Self {
+    pub(super) fn new<U: VectorUnit<Quad = Q>>(unit: U) -> Self {
         Sums { sums: [0.0; N], block: [unit.splat(0.0); N] }
     }
 
     /// Adds four nodes to one of the sums.
     #[inline(always)]
-    pub fn add(&mut self, place: usize, four: Q) {
+    pub(super) fn add(&mut self, place: usize, four: Q) {
         self.block[place] = self.block[place] + four;
     }
 
     /// Called after the last four of every block of [`BLOCK`] nodes, and of all.
     #[inline(always)]
-    pub fn end_block<U: VectorUnit<Quad = Q>>(&mut self, unit: U) {
+    pub(super) fn end_block<U: VectorUnit<Quad = Q>>(&mut self, unit: U) {
         for (sum, block) in self.sums.iter_mut().zip(&mut self.block) {
             let [a, b, c, d] = block.numbers();
             *sum += (a + b) + (c + d);
@@ -79,7 +79,7 @@ impl<Q: Quad, const N: usize> Sums<Q, N> {
     }
 
     #[inline(always)]
-    pub fn sums(self) -> [f64; N] {
+    pub(super) fn sums(self) -> [f64; N] {
         self.sums
     }
 }

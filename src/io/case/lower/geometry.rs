@@ -43,7 +43,7 @@ impl Geometry {
     }
 
     /// [m] Rest length of the edges of a generated parachute's reefing line.
-    pub fn reefing_length(&self) -> Option<f64> {
+    pub(crate) fn reefing_length(&self) -> Option<f64> {
         match &self.source {
             MeshSource::Parachute(parachute) => parachute.reefing_length(),
             _ => None,
@@ -52,7 +52,7 @@ impl Geometry {
 
     /// [N/m] Stiffness of an edge of a net that stands for a sheet of stiffness `et` = E t [N/m], from its triangles
     /// that belong to the sheet: k = E t (sum of their areas)/l^2 (Van Gelder 1998).
-    pub fn net_stiffness(&self, et: f64, edge: usize, of_sheet: impl Fn(u32) -> bool) -> f64 {
+    pub(crate) fn net_stiffness(&self, et: f64, edge: usize, of_sheet: impl Fn(u32) -> bool) -> f64 {
         let triangles = self.topology.edge_triangles(edge).iter().filter(|&&t| of_sheet(t));
         let area: f64 = triangles.filter_map(|&t| self.area.get(t as usize)).sum();
         let length = self.length.get(edge).copied().unwrap_or(f64::NAN);
@@ -60,12 +60,12 @@ impl Geometry {
     }
 
     /// Number of nodes.
-    pub fn nodes(&self) -> usize {
+    pub(crate) fn nodes(&self) -> usize {
         self.mesh.nodes.len()
     }
 
     /// [m] Length of an edge at the start; `displacement` [m] is `[n_nodes][3]`, or empty if no node is displaced.
-    pub fn start_length(&self, edge: u32, displacement: &[[f64; 3]]) -> Option<f64> {
+    pub(crate) fn start_length(&self, edge: u32, displacement: &[[f64; 3]]) -> Option<f64> {
         if displacement.is_empty() {
             return self.length.get(edge as usize).copied();
         }

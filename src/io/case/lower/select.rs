@@ -23,7 +23,7 @@ pub(super) enum NodeSet<'a> {
 impl NodeSet<'_> {
     /// The selected nodes, ascending; `None` with a fault if there are none, and without a fault if the mesh is
     /// unknown.
-    pub fn select(self, at: &Pointer, selection: &NodeSelection, faults: &mut Faults<'_>) -> Option<Vec<u32>> {
+    pub(super) fn select(self, at: &Pointer, selection: &NodeSelection, faults: &mut Faults<'_>) -> Option<Vec<u32>> {
         match self {
             Self::Mesh(geometry) => nodes(at, selection, geometry, faults),
             Self::Unknown => None,

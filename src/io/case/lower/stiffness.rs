@@ -128,7 +128,7 @@ fn needs_rest_length(rule: &SpringRule) -> Option<&'static str> {
 impl Stiffness {
     /// [N/m] Stiffness of every edge, from rest lengths [m] `[n_edges]`; a value that is not usable is a fault that
     /// names the edges.
-    pub fn of_edges(
+    pub(super) fn of_edges(
         self,
         at: &Pointer,
         edges: &[u32],

@@ -21,7 +21,7 @@ pub(super) struct Winds {
 
 impl Winds {
     /// Calm air.
-    pub fn calm() -> Self {
+    pub(super) fn calm() -> Self {
         Winds { table: Series { t: vec![0.0], value: vec![[0.0; 3]] }, gusts: Vec::new(), profile: None }
     }
 }

@@ -26,7 +26,7 @@ fn find(bytes: &[u8], mark: &[u8]) -> Option<usize> {
 
 impl<'a> Sections<'a> {
     /// All sections in their order. What a section holds is not searched for others.
-    pub fn of(bytes: &'a [u8]) -> Result<Self, String> {
+    pub(super) fn of(bytes: &'a [u8]) -> Result<Self, String> {
         let mut rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let mut sections = Vec::new();
         while let Some((title, after)) = line(rest) {
@@ -42,11 +42,11 @@ impl<'a> Sections<'a> {
         Ok(Sections(sections))
     }
 
-    pub fn get(&self, name: &str) -> Option<&'a [u8]> {
+    pub(super) fn get(&self, name: &str) -> Option<&'a [u8]> {
         self.0.iter().find(|(known, _)| *known == name).map(|(_, body)| *body)
     }
 
-    pub fn need(&self, name: &str) -> Result<&'a [u8], String> {
+    pub(super) fn need(&self, name: &str) -> Result<&'a [u8], String> {
         self.get(name).ok_or_else(|| format!("has no ${name} section"))
     }
 }
@@ -58,7 +58,7 @@ pub(super) enum Numbers<'a> {
 }
 
 impl<'a> Numbers<'a> {
-    pub fn of(body: &'a [u8], binary: bool) -> Result<Self, String> {
+    pub(super) fn of(body: &'a [u8], binary: bool) -> Result<Self, String> {
         if binary {
             return Ok(Self::Binary(body));
         }
@@ -67,7 +67,7 @@ impl<'a> Numbers<'a> {
     }
 
     /// The count on the first line, which is text in version 2, and the numbers after it.
-    pub fn counted(body: &'a [u8], binary: bool) -> Result<(u64, Self), String> {
+    pub(super) fn counted(body: &'a [u8], binary: bool) -> Result<(u64, Self), String> {
         let (first, rest) = line(body).ok_or("ends too early")?;
         let text: Cow<'_, str> = String::from_utf8_lossy(first);
         let count = text.trim().parse().map_err(|_| format!("\"{text}\" is not a count"))?;
@@ -86,7 +86,7 @@ impl<'a> Numbers<'a> {
     }
 
     /// A whole number of 4 bytes.
-    pub fn int(&mut self) -> Result<i32, String> {
+    pub(super) fn int(&mut self) -> Result<i32, String> {
         match self {
             Self::Text(words) => Self::text(words),
             Self::Binary(rest) => Self::bytes(rest).map(i32::from_le_bytes),
@@ -94,7 +94,7 @@ impl<'a> Numbers<'a> {
     }
 
     /// A label of 4 bytes.
-    pub fn tag(&mut self) -> Result<u64, String> {
+    pub(super) fn tag(&mut self) -> Result<u64, String> {
         match self {
             Self::Text(words) => Self::text(words),
             Self::Binary(rest) => Self::bytes(rest).map(u32::from_le_bytes).map(u64::from),
@@ -102,14 +102,14 @@ impl<'a> Numbers<'a> {
     }
 
     /// A count or a label of 8 bytes.
-    pub fn size(&mut self) -> Result<u64, String> {
+    pub(super) fn size(&mut self) -> Result<u64, String> {
         match self {
             Self::Text(words) => Self::text(words),
             Self::Binary(rest) => Self::bytes(rest).map(u64::from_le_bytes),
         }
     }
 
-    pub fn real(&mut self) -> Result<f64, String> {
+    pub(super) fn real(&mut self) -> Result<f64, String> {
         match self {
             Self::Text(words) => Self::text(words),
             Self::Binary(rest) => Self::bytes(rest).map(f64::from_le_bytes),
@@ -117,7 +117,7 @@ impl<'a> Numbers<'a> {
     }
 
     /// Refuses more numbers than the counts of the section say.
-    pub fn at_end(&mut self, name: &str) -> Result<(), String> {
+    pub(super) fn at_end(&mut self, name: &str) -> Result<(), String> {
         let more = match self {
             Self::Text(words) => words.next().is_some(),
             Self::Binary(rest) => !rest.trim_ascii().is_empty(),
