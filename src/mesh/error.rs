@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 /// Failures of mesh generators, readers, writers and checks.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeshError {
     /// A parameter of a mesh source is outside its range.
     #[error("mesh{pointer} = {value} is not allowed: {allowed}; {hint}")]

@@ -14,6 +14,7 @@ use crate::simulation::SetupError;
 
 /// Why a study cannot go on.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum StudyError {
     /// The case or a variant of it is bad.
     #[error(transparent)]

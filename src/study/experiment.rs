@@ -68,6 +68,7 @@ pub enum Event<'e> {
 
 /// Why there was no run.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ExperimentError {
     /// The method does not fit the scene.
     #[error(transparent)]

@@ -86,6 +86,7 @@ pub struct ReferenceReport {
 
 /// Why one way to a reference is no way.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReferenceFailure {
     /// It would take too long.
     #[error("it would take about {} s, {} s are allowed; raise --budget, or shorten the run with --end", figures(*seconds, 2), figures(*allowance, 2))]

@@ -69,6 +69,7 @@ pub struct LowModes {
 
 /// Why modes cannot be found.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
+#[non_exhaustive]
 pub enum ModesError {
     /// A scene without nodes.
     #[error("modes are those of a network, and this scene is none")]

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// Why matrices cannot be exported.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ExportError {
     /// The folder or a file cannot be written.
     #[error("{path}: {source}", path = path.display())]

@@ -2,6 +2,7 @@
 
 /// Why a pattern cannot be built.
 #[derive(Clone, Debug, thiserror::Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PatternError {
     /// More nonzeros than 32-bit slots can number.
     #[error(

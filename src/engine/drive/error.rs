@@ -5,6 +5,7 @@ use crate::integrate::StepError;
 
 /// Why a run could not start, or its results could not be written.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RunError {
     /// The scheme cannot start.
     #[error(transparent)]

@@ -137,6 +137,7 @@ impl<'a> AcceptedStep<'a> {
 
 /// Why an observer stops a run.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ObserveError {
     /// Results could not be written.
     #[error("{path}: {source}")]

@@ -188,6 +188,7 @@ pub struct ErrorEstimate<'a> {
 
 /// Why a scheme cannot start or a step cannot be made.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
+#[non_exhaustive]
 pub enum StepError {
     /// Newton's iteration did not converge; such a step is never accepted.
     #[error("{0}")]

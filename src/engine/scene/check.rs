@@ -8,6 +8,7 @@ use crate::model::spec::{MotionSpec, NetworkSpec, Series};
 /// Why a scene cannot be built from a specification. The case reader finds these faults first, with more precise
 /// messages; a library user may not.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
+#[non_exhaustive]
 pub enum BuildError {
     /// A list does not have one entry per node, or per spring of its group.
     #[error("{what}: {found} entries where {expected} are needed")]

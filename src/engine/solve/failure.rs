@@ -4,6 +4,7 @@ use super::LinearError;
 
 /// Why Newton's iteration failed.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
+#[non_exhaustive]
 pub enum NewtonFailure {
     /// The tolerance was not reached within the allowed iterations.
     #[error(

@@ -109,6 +109,7 @@ impl Default for ExpectedUse {
 
 /// Why a linear system cannot be solved.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
+#[non_exhaustive]
 pub enum LinearError {
     /// An entry of W is not a finite number.
     #[error("the tangent matrix holds a value that is not finite in the column of unknown {unknown}")]

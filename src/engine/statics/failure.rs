@@ -7,6 +7,7 @@ use crate::scene::Suspect;
 
 /// Why a search has ended without an equilibrium.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum StaticFailure {
     /// Nothing can move at the time of the loads.
     #[error("at t = {} s every node is held in x, y and z: there is nothing to find", figures(*at, 6))]

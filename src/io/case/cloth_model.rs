@@ -20,6 +20,7 @@ const SAME: f64 = 1e-9;
 
 /// Why cloth has no other model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ClothModelError {
     /// No membranes, and no springs that stand for a sheet.
     #[error(

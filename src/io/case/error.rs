@@ -6,6 +6,7 @@ use super::render::render;
 
 /// Why a case cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CaseError {
     /// The operating system cannot read the file.
     #[error("{path}: {source}")]

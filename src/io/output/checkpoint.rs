@@ -50,6 +50,7 @@ pub struct Checkpoint {
 
 /// Why a file is not a checkpoint that this program can use.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CheckpointFault {
     /// The file is not a checkpoint.
     #[error("this is not a checkpoint of canopy-fem")]

@@ -21,6 +21,7 @@ pub const CHECKPOINT: &str = "checkpoint.bin";
 
 /// Why a folder cannot take results.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FolderError {
     /// The folder has results already.
     #[error(

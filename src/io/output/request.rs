@@ -64,6 +64,7 @@ impl RecorderSpec {
 
 /// Why a run cannot be recorded as requested.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RecorderError {
     /// The interval is not finite and above 0.
     #[error(

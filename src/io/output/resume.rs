@@ -12,6 +12,7 @@ use crate::drive::observer::ObserveError;
 /// Why a run cannot be resumed. No results are lost: nothing is changed before everything has been checked, and a
 /// resumed run writes again what is then cut off.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ResumeError {
     /// There is no checkpoint.
     #[error(

@@ -6,6 +6,7 @@ use crate::scene::{BuildError, Load};
 
 /// Why a good case cannot be made ready.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SetupError {
     /// The specification contradicts itself.
     #[error(transparent)]
@@ -25,6 +26,7 @@ pub enum SetupError {
 
 /// Why a simulation cannot go on, or refuses what it is given.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SimulationError {
     /// The scene or the method cannot be made ready.
     #[error(transparent)]

@@ -17,6 +17,7 @@ pub enum CanopyPart {
 
 /// Why parts of a mesh are no canopy.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CanopyError {
     /// Triangles that cannot be used.
     #[error(transparent)]

@@ -65,6 +65,7 @@ pub struct Snapshot<'a> {
 
 /// Why a frame cannot be written.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum VtuError {
     /// A cell names a point that does not exist.
     #[error("cell {cell} uses point {point}, but there are {points} points, counted from 0")]

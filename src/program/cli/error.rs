@@ -18,6 +18,7 @@ use crate::study::StudyError;
 
 /// Any failure of a command.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CliError {
     /// The case is bad.
     #[error(transparent)]

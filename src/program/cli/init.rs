@@ -59,6 +59,7 @@ pub struct InitArgs {
 
 /// Why no example was written.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum InitError {
     /// The name cannot be a file name.
     #[error("\"{name}\" cannot name a case here; use letters, digits, '-', '_' and '.', not beginning with '.' or '-'")]

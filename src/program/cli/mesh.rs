@@ -233,6 +233,7 @@ pub struct InspectArgs {
 
 /// Why `canopy-fem mesh` failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeshCliError {
     /// The mesh cannot be made or read.
     #[error(transparent)]

@@ -63,6 +63,7 @@ pub struct StartSample {
 
 /// Why there is no sample.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SampleError {
     /// The method cannot run here.
     #[error(transparent)]

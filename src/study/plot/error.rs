@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 /// Any error of this folder.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PlotError {
     /// No line has a point that can be drawn: finite, and above 0 on a logarithmic axis.
     #[error("chart \"{title}\": no line has a point that can be drawn")]
