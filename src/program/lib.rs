@@ -24,6 +24,48 @@
 //! assert!(outcome.energy_error < 1e-5 && (lowest + 1.0).abs() < 1e-4);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # What a library uses
+//! | for | items |
+//! |---|---|
+//! | cases | [`Case`], [`Problem`], [`CaseError`], [`json_schema`] |
+//! | simulations | [`Simulation`] with [a table of its calls](simulation), [`NetworkBuilder`], [`RunSpec`] |
+//! | whole runs | [`follow`], [`record`], [`record_static`], [`Outcome`], [`Summary`] |
+//! | forces, laws and observers of its own | [`NodalForce`], [`BarLaw`], [`Observer`] |
+//! | methods, and schemes of its own | [`registry`], [`Integrator`] |
+//! | specifications in code | [`NetworkSpec`], [`build_scene`] |
+//! | meshes | [`Mesh`], [`MeshSource`], [`read`], [`write`] |
+//! | critical steps, spectra, modes | [`critical`], [`Spectrum`], [`modes`] |
+//! | studies and charts | [`study`], [`plot`] |
+//!
+//! All else is public for the other crates of this program, and changes with them.
+//!
+//! [`BarLaw`]: simulation::BarLaw
+//! [`CaseError`]: case::CaseError
+//! [`Case`]: case::Case
+//! [`Integrator`]: integrate::Integrator
+//! [`MeshSource`]: mesh::MeshSource
+//! [`Mesh`]: mesh::Mesh
+//! [`NetworkBuilder`]: simulation::NetworkBuilder
+//! [`NetworkSpec`]: model::spec::NetworkSpec
+//! [`NodalForce`]: simulation::NodalForce
+//! [`Observer`]: drive::observer::Observer
+//! [`Outcome`]: drive::Outcome
+//! [`Problem`]: case::Problem
+//! [`RunSpec`]: simulation::RunSpec
+//! [`Simulation`]: simulation::Simulation
+//! [`Spectrum`]: analysis::spectrum::Spectrum
+//! [`Summary`]: output::summary::Summary
+//! [`build_scene`]: simulation::build_scene
+//! [`critical`]: analysis::critical
+//! [`follow`]: simulation::follow()
+//! [`json_schema`]: case::json_schema
+//! [`modes`]: analysis::modes
+//! [`read`]: mesh::read
+//! [`record_static`]: simulation::record_static
+//! [`record`]: simulation::record()
+//! [`registry`]: integrate::registry
+//! [`write`]: mesh::write
 #![warn(unreachable_pub, clippy::print_stdout, clippy::print_stderr)]
 // Units stand in brackets at the beginning of a field's doc, as `[N/m]`; rustdoc would take them for links.
 #![allow(rustdoc::broken_intra_doc_links)]
