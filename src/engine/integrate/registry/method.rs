@@ -48,7 +48,7 @@ pub struct MethodInfo {
     pub order_with: Option<fn(&[f64]) -> u32>,
     /// what a step needs
     pub family: Family,
-    /// number of its colour in charts, from 0 to 14, which no other method of its family has; families have their own marks
+    /// number of its colour in charts, 0 to 14, which no other method of its family has; a family has marks of its own
     pub color: usize,
     /// force passes a step: without and with velocity-dependent forces; 0 = as many as Newton needs
     pub evaluations: [u32; 2],
