@@ -21,4 +21,4 @@ pub use export::{ExportError, write_matrix_market};
 pub use mean::MeanSystem;
 pub use pattern::{Pattern, PatternError};
 pub use record::{Emission, Recorder};
-pub use system::{SceneInterfaces, TangentSystem};
+pub use system::{MixedForm, MixedSystem, SceneInterfaces, TangentSystem};

@@ -3,6 +3,7 @@
 use super::{Assembler, PatternError};
 use crate::force::TangentForm;
 use crate::model::forces::Forces;
+use crate::model::spring_state::{SpringState, SpringTangent};
 use crate::model::state::StateRef;
 use crate::model::system::{SpringGraph, StepMean, System, Weights};
 
@@ -86,6 +87,11 @@ pub trait TangentSystem: System {
         assembler: &mut Assembler,
     );
 
+    /// Its springs, if their tensions can be unknowns of Newton's iteration.
+    fn mixed(&self) -> Option<&dyn MixedSystem> {
+        None
+    }
+
     /// Whether a spring turns by more than 90 degrees between the positions `from` and `to` [m] `[n_dof]`; `true` if
     /// unknown. Only then can a first guess lie near the mirror image of the solution.
     fn turns_over(&self, from: &[f64], to: &[f64]) -> bool {
@@ -99,6 +105,30 @@ pub trait TangentSystem: System {
     /// [N] The larger of |internal| and |external| forces (Euclidean norms over the free degrees of freedom); weight is
     /// external. The scale of residuals.
     fn force_scale(&self, forces: &Forces) -> f64;
+}
+
+/// The springs of a system whose tensions are unknowns of Newton's mixed iteration (`solve/mixed`), with the matrix of
+/// that iteration. Its pattern is that of [`TangentSystem::assemble`] or [`TangentSystem::assemble_symmetric`].
+pub trait MixedSystem {
+    /// Number of springs.
+    fn springs(&self) -> usize;
+
+    /// Writes all springs in a state to `out` `[n_springs]`. `cv` [1/s] is dv/dx of the step.
+    fn measure(&self, at: StateRef<'_>, cv: f64, out: &mut [SpringState]);
+
+    /// Writes W at a state, with springs of given tensions and stiffnesses, into `assembler`'s values.
+    fn assemble_mixed(&self, at: StateRef<'_>, weights: Weights, form: MixedForm<'_>, assembler: &mut Assembler);
+}
+
+/// What the matrix of the mixed iteration has.
+#[derive(Clone, Copy, Debug)]
+pub struct MixedForm<'a> {
+    /// its springs `[n_springs]`
+    pub springs: &'a [SpringTangent],
+    /// whether other forces leave out the part that makes K indefinite
+    pub convex: bool,
+    /// whether other forces are in their symmetric form
+    pub symmetric: bool,
 }
 
 /// The interfaces of a scene that a scheme is bound to.

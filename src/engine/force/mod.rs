@@ -59,6 +59,7 @@ pub mod schedule;
 
 pub use mean::{MeanForce, MeanStep};
 
+use crate::model::spring_state::{SpringState, SpringTangent};
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -141,6 +142,11 @@ pub trait ForceTerm: kernel::batch::BlockForces {
         None
     }
 
+    /// Its springs, if Newton's iteration can take their tensions as unknowns.
+    fn springs(&self) -> Option<&dyn SpringTerm> {
+        None
+    }
+
     /// Replaces the rest lengths [m] of its springs, `[n_springs]` in their order. Terms without springs do nothing.
     fn set_rest_lengths(&mut self, rest_length: &Arc<[f64]>) {
         let _ = rest_length;
@@ -151,6 +157,18 @@ pub trait ForceTerm: kernel::batch::BlockForces {
     fn add_stiffness(&self, nodes: &mut [f64]) {
         let _ = nodes;
     }
+}
+
+/// The springs of a term whose tensions can be unknowns of Newton's iteration (`solve/mixed`).
+pub trait SpringTerm {
+    /// Number of springs.
+    fn count(&self) -> usize;
+
+    /// Writes every spring in a state to `out` `[n_springs]`. `cv` [1/s] is dv/dx of the step.
+    fn measure(&self, at: NodeState<'_>, cv: f64, out: &mut [SpringState]);
+
+    /// As [`ForceTerm::tangent`], but with these tensions and stiffnesses `[n_springs]`; symmetric.
+    fn mixed_tangent(&self, at: NodeState<'_>, w: Weights, tangents: &[SpringTangent], sink: &mut dyn TangentSink);
 }
 
 /// The matrix `a b^T`.

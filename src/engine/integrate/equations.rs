@@ -13,7 +13,8 @@ use super::tangents::{TangentKind, Tangents};
 use crate::assembly::TangentSystem;
 use crate::model::point::Point;
 use crate::model::system::Weights;
-use crate::solve::newton::{Curvature, NonlinearProblem, Scales};
+use crate::model::spring_state::{SpringState, SpringTangent};
+use crate::solve::newton::{Curvature, MixedSprings, NonlinearProblem, Scales};
 use crate::solve::norms::norm;
 use crate::solve::{Accuracy, ExpectedUse, Inertia, LinearError};
 
@@ -286,6 +287,10 @@ impl NonlinearProblem for Equations<'_> {
         self.linear.tangents.factor_cost()
     }
 
+    fn mixed(&mut self) -> Option<&mut dyn MixedSprings> {
+        if self.system.mixed().is_some() { Some(self) } else { None }
+    }
+
     fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
         match self.linear.tangents.solve(b, self.counters) {
             // A reused matrix that is not factorised shows this only in a solve.
@@ -295,6 +300,61 @@ impl NonlinearProblem for Equations<'_> {
                 self.linear.tangents.solve(b, self.counters)
             }
             solved => solved,
+        }
+    }
+}
+
+impl MixedSprings for Equations<'_> {
+    fn count(&self) -> usize {
+        self.system.mixed().map_or(0, |mixed| mixed.springs())
+    }
+
+    fn measure_start(&mut self, out: &mut [SpringState]) {
+        if let Some(mixed) = self.system.mixed() {
+            mixed.measure(self.start.from.state.as_ref(), self.map.cv, out);
+        }
+    }
+
+    fn measure(&mut self, out: &mut [SpringState]) {
+        if let Some(mixed) = self.system.mixed() {
+            mixed.measure(self.to.state.as_ref(), self.map.cv, out);
+        }
+    }
+
+    fn linearise(&mut self, springs: &[SpringTangent], convex: bool) -> Result<Inertia, LinearError> {
+        let (w, system) = (self.weights(), self.system);
+        let Some(mixed) = system.mixed() else { return Err(LinearError::Singular { unknown: None }) };
+        self.linear.mass_weight = Some(w.m);
+        self.linear.cache.discard(true);
+        let at = (self.to.state.as_ref(), w);
+        self.linear.tangents.factor_mixed((system, mixed), at, (springs, convex), self.counters)
+    }
+
+    fn add_pull(&mut self, springs: &[SpringState], pull: &[f64], r: &mut [f64]) {
+        let k = self.weights().k;
+        let forces = &mut self.workspace.residual;
+        forces.fill(0.0);
+        for (spring, pull) in springs.iter().zip(pull) {
+            let [a, b] = spring.nodes.map(|node| 3 * node as usize);
+            for (axis, n) in spring.n.iter().enumerate() {
+                forces[a + axis] += k * pull * n;
+                forces[b + axis] -= k * pull * n;
+            }
+        }
+        for (&dof, r) in self.linear.tangents.dof.iter().zip(r) {
+            *r += forces[dof as usize];
+        }
+    }
+
+    fn stretch(&mut self, springs: &[SpringState], dz: &[f64], out: &mut [f64]) {
+        let moves = &mut self.workspace.residual;
+        moves.fill(0.0);
+        for (&dof, dz) in self.linear.tangents.dof.iter().zip(dz) {
+            moves[dof as usize] = *dz;
+        }
+        for (spring, out) in springs.iter().zip(out) {
+            let [a, b] = spring.nodes.map(|node| 3 * node as usize);
+            *out = spring.n.iter().enumerate().map(|(axis, n)| n * (moves[b + axis] - moves[a + axis])).sum();
         }
     }
 }

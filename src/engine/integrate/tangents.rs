@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use super::factor_cache::FactorRequest;
 use super::{Counters, StepError};
-use crate::assembly::{Assembler, TangentSystem};
+use crate::assembly::{Assembler, MixedForm, MixedSystem, TangentSystem};
 use crate::interrupt;
+use crate::model::spring_state::SpringTangent;
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use crate::model::workers::Workers;
@@ -253,6 +254,42 @@ impl Tangents {
         let inertia = made?;
         let Factor { assembler, linear } = factor;
         self.rank_ones.find((system, system.rank_ones()), (at, w), &self.dof, |b| {
+            counters.linear_solves += 1;
+            linear.solve(assembler.values(), b)
+        })?;
+        Ok(inertia)
+    }
+
+    /// Factorises the matrix of the mixed iteration: symmetric where the scene reuses a factor, else exact.
+    ///
+    /// # Errors
+    /// A tangent that is not finite or singular, or that cannot be analysed.
+    pub(crate) fn factor_mixed(
+        &mut self,
+        (system, mixed): (&dyn TangentSystem, &dyn MixedSystem),
+        (at, w): (StateRef<'_>, Weights),
+        (springs, convex): (&[SpringTangent], bool),
+        counters: &mut Counters,
+    ) -> Result<Inertia, LinearError> {
+        let reused = self.frozen.is_some() && !self.symmetric;
+        self.current = if reused { TangentKind::Frozen } else { TangentKind::Exact };
+        let slot = if self.frozen.is_some() { &mut self.frozen } else { &mut self.exact };
+        let Some(factor) = slot else { return Err(LinearError::Singular { unknown: None }) };
+        let form = MixedForm { springs, convex, symmetric: reused };
+        mixed.assemble_mixed(at, w, form, &mut factor.assembler);
+        interrupt::check()?;
+        let (values, before) = (factor.assembler.values(), factor.linear.work());
+        let symmetric = reused || self.symmetric;
+        let made = if symmetric { factor.linear.factor_definite(values) } else { factor.linear.factor(values) };
+        counters.tangent_assemblies += 1;
+        count(counters, before, factor.linear.work());
+        let inertia = made?;
+        let Factor { assembler, linear } = factor;
+        let (parts, number) = match reused {
+            true => (&mut self.mass_parts, system.mass_parts()),
+            false => (&mut self.rank_ones, system.rank_ones()),
+        };
+        parts.find((system, number), (at, w), &self.dof, |b| {
             counters.linear_solves += 1;
             linear.solve(assembler.values(), b)
         })?;

@@ -12,6 +12,7 @@ pub mod observables;
 pub mod point;
 pub mod quad;
 pub mod spec;
+pub mod spring_state;
 pub mod state;
 pub mod step_block;
 pub mod stop;

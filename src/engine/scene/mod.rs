@@ -20,6 +20,7 @@ mod external;
 mod graph;
 mod mass_scaling;
 mod mean;
+mod mixed;
 mod motion;
 pub mod network;
 pub mod numbering;

@@ -1,7 +1,7 @@
 //! The tangent of a network: its pattern, W = cm M + cc C + ck K, and what solvers ask of forces besides.
 
 use super::network::{Network, by_node, node_state};
-use crate::assembly::{Assembler, Nodes, PatternError, Recorder, TangentSystem};
+use crate::assembly::{Assembler, MixedSystem, Nodes, PatternError, Recorder, TangentSystem};
 use crate::force::{ForceTerm, MeanStep, RankOne, TangentForm, TangentSink};
 use crate::model::forces::Forces;
 use crate::model::state::StateRef;
@@ -107,6 +107,10 @@ impl TangentSystem for Network {
         let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
         self.emit_mean_tangents(MeanStep { at: node_state(middle), mean }, w, form, &mut sink);
         self.emit_law_tangents(middle, w, form, &mut sink);
+    }
+
+    fn mixed(&self) -> Option<&dyn MixedSystem> {
+        (!self.springs.is_empty()).then_some(self)
     }
 
     fn turns_over(&self, from: &[f64], to: &[f64]) -> bool {

@@ -11,6 +11,7 @@ mod failure;
 mod forcing;
 mod linear;
 mod lu;
+mod mixed;
 mod mixed_precision;
 pub mod newton;
 pub(crate) mod norms;

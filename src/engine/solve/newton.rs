@@ -10,8 +10,9 @@ mod convergence;
 
 pub use super::failure::NewtonFailure;
 use super::forcing::{self, Forcing};
+use super::mixed::{self, Sides, Tensions};
 use super::norms::{dot, excess, norm};
-pub use super::problem::{Curvature, NonlinearProblem, Scales};
+pub use super::problem::{Curvature, MixedSprings, NonlinearProblem, Scales};
 use super::quasi_newton::{self, FactorHistory, SecantPairs};
 use super::{Accuracy, Inertia, LinearError, search};
 pub(super) use convergence::{Convergence, ConvergenceCriteria, RoundingCheck, RoundingVerdict};
@@ -133,6 +134,7 @@ pub struct Newton {
     pub(super) r_trial: Vec<f64>,
     pub(super) correction: Vec<f64>,
     pub(super) pairs: SecantPairs,
+    pub(super) tensions: Tensions,
     /// the first guess, restored if an iteration fails `[n]`
     guess: Vec<f64>,
     /// iterations on a reused factor
@@ -150,7 +152,8 @@ impl Newton {
         };
         let (r, r_trial, floor, dz, trial, correction, guess) =
             (zero(), zero(), zero(), zero(), zero(), zero(), zero());
-        Newton { spec, r, r_trial, floor, dz, trial, correction, pairs, guess, spent: 0 }
+        let tensions = Tensions::default();
+        Newton { spec, r, r_trial, floor, dz, trial, correction, pairs, tensions, guess, spent: 0 }
     }
 
     pub(super) fn most_iterations(&self) -> u32 {
@@ -222,7 +225,7 @@ impl Newton {
         criteria: ConvergenceCriteria,
         frozen: &mut FactorHistory,
     ) -> Result<NewtonReport, NewtonFailure> {
-        if problem.reuses_factors() && !frozen.uses_exact_tangent() {
+        if problem.reuses_factors() && !frozen.rest.takes_step() {
             match quasi_newton::solve(self, problem, z, criteria, frozen) {
                 Ok(Some(report)) => return Ok(report),
                 // A failed solve with the frozen tangent says nothing about the exact one.
@@ -237,6 +240,9 @@ impl Newton {
                 _ => *frozen = frozen.without_factor(),
             }
             self.return_to_guess(problem, z);
+        }
+        if let Some(report) = self.mixed(problem, z, criteria, frozen)? {
+            return Ok(report);
         }
         let ConvergenceCriteria { tolerance, .. } = criteria;
         let (mut caution, mut forcing) = (ConvexPhase::default(), Forcing::default());
@@ -273,6 +279,40 @@ impl Newton {
         }
         let (iterations, worst) = (self.spent + self.spec.max_iterations, self.worst());
         Err(NewtonFailure::MaxIterations { iterations, residual, tolerance, worst })
+    }
+
+    /// The mixed iteration from the first guess, where springs have tensions: with the tangents of one-sided springs and,
+    /// if that fails, by interior points. `None` if both fail; `z` is then the first guess.
+    fn mixed(
+        &mut self,
+        problem: &mut dyn NonlinearProblem,
+        z: &mut [f64],
+        criteria: ConvergenceCriteria,
+        frozen: &mut FactorHistory,
+    ) -> Result<Option<NewtonReport>, NewtonFailure> {
+        if problem.mixed().is_none() {
+            return Ok(None);
+        }
+        let rests = frozen.interior.takes_step();
+        for sides in [Sides::AsTheyAre, Sides::Interior].into_iter().skip(usize::from(rests)) {
+            match mixed::solve(self, problem, z, (criteria, sides)) {
+                Ok(Some(report)) => {
+                    match sides {
+                        Sides::AsTheyAre => frozen.interior.shorten(),
+                        Sides::Interior if !rests => frozen.interior.begin(),
+                        Sides::Interior => {}
+                    }
+                    return Ok(Some(report));
+                }
+                Ok(None)
+                | Err(LinearError::Stalled { .. } | LinearError::Singular { .. } | LinearError::Indefinite { .. }) => {}
+                Err(error) => {
+                    return Err(NewtonFailure::Linear { iterations: self.spent, error, worst: self.worst() });
+                }
+            }
+            self.return_to_guess(problem, z);
+        }
+        Ok(None)
     }
 
     fn return_to_guess(&mut self, problem: &mut dyn NonlinearProblem, z: &mut [f64]) {

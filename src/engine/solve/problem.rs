@@ -1,6 +1,7 @@
 //! The problem that Newton's iteration solves.
 
 use super::{Accuracy, ExpectedUse, Inertia, LinearError};
+use crate::model::spring_state::{SpringState, SpringTangent};
 
 /// Sizes that residuals and increments are compared with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,9 +98,39 @@ pub trait NonlinearProblem {
         0.0
     }
 
+    /// Its springs, if their tensions can be unknowns of the iteration.
+    fn mixed(&mut self) -> Option<&mut dyn MixedSprings> {
+        None
+    }
+
     /// Replaces b `[n]` by (dF/dz)^-1 b.
     ///
     /// # Errors
     /// A solution that is not finite, or a tangent that only now shows not to be positive definite.
     fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError>;
+}
+
+/// The springs of a problem whose tensions are unknowns of the mixed iteration; lists are `[n_springs]`.
+pub trait MixedSprings {
+    /// Number of springs.
+    fn count(&self) -> usize;
+
+    /// Writes the springs at the start of the step to `out`.
+    fn measure_start(&mut self, out: &mut [SpringState]);
+
+    /// Writes the springs at the last evaluated residual to `out`.
+    fn measure(&mut self, out: &mut [SpringState]);
+
+    /// Factorises the matrix at the last evaluated residual with these tensions and stiffnesses; without the parts that
+    /// make other forces indefinite if `convex`.
+    ///
+    /// # Errors
+    /// As [`NonlinearProblem::linearise`].
+    fn linearise(&mut self, springs: &[SpringTangent], convex: bool) -> Result<Inertia, LinearError>;
+
+    /// Adds the forces [N] of tensions `pull` [N] to a residual `[n]`.
+    fn add_pull(&mut self, springs: &[SpringState], pull: &[f64], r: &mut [f64]);
+
+    /// Writes n . (dz_b - dz_a) [m] of every spring to `out`.
+    fn stretch(&mut self, springs: &[SpringState], dz: &[f64], out: &mut [f64]);
 }

@@ -25,7 +25,9 @@ const WINDOW: usize = 4;
 const EXPECTED: u32 = 6;
 /// Maximum number of factors in a step, after which the exact tangent takes over.
 const MOST_FACTORS: u32 = 8;
-/// Maximum number of steps on the exact tangent before a frozen factor is tried again.
+/// The same where the mixed iteration can take over.
+const FEW_FACTORS: u32 = 2;
+/// Maximum number of steps before what has failed is tried again.
 const LONGEST_REST: u32 = 64;
 /// Statistics of the use of a frozen factor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -44,10 +46,10 @@ pub struct FactorHistory {
     pub cg_solves: u32,
     /// their iterations, each counted as [`super::LinearSolver::cg_cost`]
     pub cg_iterations: u32,
-    /// steps left on the exact tangent after a frozen factor failed
-    pub rest: u32,
-    /// the number of them after the next failure
-    pub next_rest: u32,
+    /// from a frozen factor, after it has failed
+    pub rest: Rest,
+    /// from the tangents of one-sided springs as they are, after these have failed
+    pub interior: Rest,
 }
 
 impl FactorHistory {
@@ -73,16 +75,37 @@ impl FactorHistory {
         ExpectedUse { reuse, cg_iterations }
     }
 
-    /// The frozen factor failed in a step: the next steps use the exact tangent, twice as many as the last time.
+    /// The frozen factor failed in a step.
     pub(super) fn record_failure(&mut self) {
-        self.rest = self.next_rest.clamp(1, LONGEST_REST);
-        *self = FactorHistory { next_rest: 2 * self.rest, ..self.without_factor() };
+        self.rest.begin();
+        *self = self.without_factor();
+    }
+}
+
+/// Steps without something that has failed: twice as many after every failure, and half as many after a success.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Rest {
+    /// steps left
+    left: u32,
+    /// the number of them after the next failure
+    next: u32,
+}
+
+impl Rest {
+    pub(super) fn begin(&mut self) {
+        self.left = self.next.clamp(1, LONGEST_REST);
+        self.next = 2 * self.left;
     }
 
-    /// Whether this step uses the exact tangent.
-    pub(super) fn uses_exact_tangent(&mut self) -> bool {
-        let rests = self.rest > 0;
-        self.rest = self.rest.saturating_sub(1);
+    /// It has served.
+    pub(super) fn shorten(&mut self) {
+        self.next /= 2;
+    }
+
+    /// Whether this step rests.
+    pub(super) fn takes_step(&mut self) -> bool {
+        let rests = self.left > 0;
+        self.left = self.left.saturating_sub(1);
         rests
     }
 }
@@ -152,6 +175,7 @@ impl Iteration<'_> {
             return Ok(None);
         }
         self.problem.take_frozen();
+        let most_factors = if self.problem.mixed().is_some() { FEW_FACTORS } else { MOST_FACTORS };
         let mut fresh = self.frozen.fresh == 0;
         let (mut residual, mut factors) = (norm(&self.newton.r), 0);
         let mut rate_seen = ConvergenceRate::new(residual);
@@ -172,7 +196,7 @@ impl Iteration<'_> {
                 Step::Stuck => {
                     // No descent direction: the factor of another state may be the cause.
                     factors += 1;
-                    if rate_seen.iterations == 0 && fresh || factors > MOST_FACTORS || !self.refreeze(z)? {
+                    if rate_seen.iterations == 0 && fresh || factors > most_factors || !self.refreeze(z)? {
                         return Ok(None);
                     }
                     (fresh, rate_seen) = (true, ConvergenceRate::new(residual));
@@ -205,7 +229,7 @@ impl Iteration<'_> {
                 .is_some_and(|left| left > self.problem.factor_cost() + f64::from(needed))
             {
                 factors += 1;
-                if factors > MOST_FACTORS || !self.refreeze(z)? {
+                if factors > most_factors || !self.refreeze(z)? {
                     return Ok(None);
                 }
                 (fresh, rate_seen) = (true, ConvergenceRate::new(residual));
@@ -226,7 +250,7 @@ impl Iteration<'_> {
     /// Records the iterations of a step.
     fn record_step(&mut self, iterations: u32, fresh: bool) {
         self.frozen.served += iterations;
-        self.frozen.next_rest /= 2;
+        self.frozen.rest.shorten();
         if fresh {
             self.frozen.fresh = iterations.max(1);
             self.frozen.excess = 0;

@@ -6,6 +6,8 @@
 //! -df/dx = [[B, -B], [-B, B]],  -df/dv = [[D, -D], [-D, D]]          B and D: see the two laws
 //! ```
 
+mod mixed;
+
 use crate::force::kernel::bar_batch::BarBatch;
 use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, Records};
 use crate::force::kernel::differences::Differences;
@@ -17,7 +19,7 @@ use crate::force::law::mean_bar::MeanBar;
 use crate::force::law::slack::{Clamp, TensionLaw, tension, with_law};
 use crate::force::law::spring::{Coefficient, Cut, SpringData, SpringsAt, Stretch};
 use crate::force::law::stretch::{InLocalBuffer, SpringLengths, largest};
-use crate::force::{ForceTerm, MeanForce, MeanStep, NodeState, TangentForm, TangentSink, outer};
+use crate::force::{ForceTerm, MeanForce, MeanStep, NodeState, SpringTerm, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::Real;
 use crate::model::spec::DashpotKind;
@@ -339,6 +341,10 @@ impl ForceTerm for DampedSprings {
     }
 
     fn mean(&self) -> Option<&dyn MeanForce> {
+        Some(self)
+    }
+
+    fn springs(&self) -> Option<&dyn SpringTerm> {
         Some(self)
     }
 

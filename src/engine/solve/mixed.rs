@@ -1,0 +1,388 @@
+//! Newton's iteration with the tensions of springs as unknowns beside the positions: for stiff springs, slack ones, and
+//! states far from the solution.
+//!
+//! A trial step that moves a node across a spring by d makes it longer by d^2/(2 l). Newton's iteration on positions
+//! takes this for a tension k d^2/(2 l), and its next tangent is far too stiff across the spring. The mixed iteration
+//! keeps the tension t that its last linear step expects, and eliminates it again spring by spring, so matrix, pattern
+//! and solution stay (mixed integration points: Magisano, Leonetti & Garcea 2017). With the taut tension T and its slope
+//! k at x, and y = T above its least value:
+//!
+//! ```text
+//! both ways    (W + sum k n n^T + t/l (I - n n^T)) dx = -r(x),                        t <- T + k n . dx
+//! one-sided    t >= 0, s >= 0, t s = 0, s = (t - y)/k:   primal-dual interior point with t s = mu -> 0
+//!              k' = k t/(t + k s),   dt = k' (n . dx + (y - t)/k + mu/t),   ds = (mu - t s - s dt)/t
+//! ```
+//! A spring that acts both ways has its own t in the matrix if that is positive definite, and else max(t, 0). The product
+//! mu falls by the predictor and corrector of Mehrotra (1992), two solves a factor. A step is cut only where it would
+//! make both the forces out of balance (with the tensions t) and the errors of the tensions larger.
+
+use super::forcing::Forcing;
+use super::newton::{Convergence, ConvergenceCriteria, Newton, NewtonReport};
+use super::norms::{dot, norm};
+use super::problem::{MixedSprings, NonlinearProblem};
+use super::{Accuracy, Inertia, LinearError};
+use crate::model::spring_state::{SpringState, SpringTangent};
+
+/// How one-sided springs are solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sides {
+    /// taut or slack as they are at an iterate, with the tangents of their laws
+    AsTheyAre,
+    /// by interior points
+    Interior,
+}
+
+/// Iterations after which it gives up.
+const MOST: u32 = 80;
+/// The same if it need not be the last try: with one-sided springs as they are.
+const FEW: u32 = 10;
+/// [-] Share of the way to t = 0 or s = 0 that a step goes.
+const TO_BOUNDARY: f64 = 0.995;
+/// [-] Product t s of a slack or taut spring at the start, over the size of a nodal force times that of a spring.
+const FIRST_PRODUCT: f64 = 1e-4;
+/// [-] The least share of the mean product that an iteration aims at.
+const LEAST_CENTRE: f64 = 1e-3;
+/// Halvings of a step.
+const HALVINGS: u32 = 4;
+
+/// The tensions, with their buffers; all `[n_springs]`.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tensions {
+    /// whether one-sided springs are solved by interior points
+    interior: bool,
+    /// whether there are one-sided springs
+    any_one_sided: bool,
+    at: Vec<SpringState>,
+    /// [N] unknown tensions; above the least ones for one-sided springs
+    t: Vec<f64>,
+    /// [m] slack of one-sided springs
+    s: Vec<f64>,
+    tangents: Vec<SpringTangent>,
+    /// [m] n . dx
+    dl: Vec<f64>,
+    /// [N]
+    dt: Vec<f64>,
+    /// [m]
+    ds: Vec<f64>,
+    /// [N m] products t s that a direction aims at
+    product: Vec<f64>,
+    /// [N] what the right-hand side has in place of the tensions
+    pull: Vec<f64>,
+    /// tensions and slacks before a step
+    before: [Vec<f64>; 2],
+}
+
+/// [-] Shares of a direction: of positions and slacks, and of one-sided tensions.
+#[derive(Clone, Copy)]
+struct Shares {
+    x: f64,
+    t: f64,
+}
+
+/// Sizes of what is left.
+#[derive(Clone, Copy)]
+struct Left {
+    /// [N] forces with the tensions t
+    forces: f64,
+    /// [m] errors of the tensions over stiffnesses
+    lengths: f64,
+    /// [N m] mean product t s
+    product: f64,
+}
+
+impl Left {
+    fn is_worse_than(self, other: Left) -> bool {
+        !(self.forces < other.forces || self.lengths < other.lengths || self.product < other.product)
+    }
+}
+
+impl Tensions {
+    /// Makes the springs at the start of the step the first tensions. `size` [N] is that of a nodal force.
+    fn begin(&mut self, springs: &mut dyn MixedSprings, size: f64, interior: bool) {
+        self.interior = interior;
+        self.any_one_sided = false;
+        let n = springs.count();
+        let idle = SpringState::idle([0; 2]);
+        self.at.resize(n, idle);
+        for numbers in [&mut self.t, &mut self.s, &mut self.dl, &mut self.dt, &mut self.ds, &mut self.product] {
+            numbers.resize(n, 0.0);
+        }
+        self.pull.resize(n, 0.0);
+        self.tangents.resize(n, SpringTangent::default());
+        springs.measure_start(&mut self.at);
+        self.decide();
+        let length = self.at.iter().map(|spring| spring.length).sum::<f64>() / n as f64;
+        let mu = FIRST_PRODUCT * size * length;
+        for (spring, (t, s)) in self.at.iter().zip(self.t.iter_mut().zip(&mut self.s)) {
+            (*t, *s) = if spring.is_one_sided() { central(spring, mu) } else { (spring.tension, 0.0) };
+        }
+    }
+
+    /// Takes one-sided springs as taut or slack as they are, unless they are solved by interior points.
+    fn decide(&mut self) {
+        let any = self.one_sided().next().is_some();
+        self.any_one_sided |= any;
+        if self.interior {
+            return;
+        }
+        for (spring, t) in self.at.iter_mut().zip(&mut self.t).filter(|(spring, _)| spring.is_one_sided()) {
+            *t = t.max(spring.least);
+            if spring.taut < spring.least {
+                spring.stiffness = 0.0;
+            }
+            (spring.taut, spring.least) = (spring.tension, f64::NEG_INFINITY);
+        }
+    }
+
+    fn one_sided(&self) -> impl Iterator<Item = usize> {
+        (0..self.at.len()).filter(|&i| self.at[i].is_one_sided())
+    }
+
+    /// [N m] Mean product t s; `None` without one-sided springs.
+    fn mean_product(&self) -> Option<f64> {
+        let (sum, count) = self.one_sided().fold((0.0, 0), |(sum, n), i| (sum + self.t[i] * self.s[i], n + 1));
+        (count > 0).then(|| sum / f64::from(count))
+    }
+
+    /// [m] Error of spring i: (t - y)/k - s.
+    fn error(&self, i: usize) -> f64 {
+        let spring = &self.at[i];
+        if spring.is_one_sided() {
+            (self.t[i] - (spring.taut - spring.least)) / spring.stiffness - self.s[i]
+        } else if spring.stiffness > 0.0 {
+            (self.t[i] - spring.taut) / spring.stiffness
+        } else {
+            0.0
+        }
+    }
+
+    /// What the matrix has of the springs; without tensions below 0 if `convex`.
+    fn set_tangents(&mut self, convex: bool) {
+        for (i, tangent) in self.tangents.iter_mut().enumerate() {
+            let (spring, t) = (&self.at[i], self.t[i]);
+            let (tension, stiffness) = if spring.is_one_sided() {
+                (t + spring.least, spring.stiffness * t / (t + spring.stiffness * self.s[i]))
+            } else {
+                (t, spring.stiffness.max(0.0))
+            };
+            *tangent = SpringTangent { tension: if convex { tension.max(0.0) } else { tension }, stiffness };
+        }
+    }
+
+    /// [N] Change of the tension of spring i without the part of dx.
+    fn own_change(&self, i: usize) -> f64 {
+        let (spring, t) = (&self.at[i], self.t[i]);
+        if spring.is_one_sided() {
+            let free = (spring.taut - spring.least - t) / spring.stiffness + self.product[i] / t;
+            self.tangents[i].stiffness * free
+        } else {
+            spring.taut - t
+        }
+    }
+
+    /// What a direction with these products puts in the place of the tensions: `pull` [N] is the difference.
+    fn set_pull(&mut self) {
+        for i in 0..self.at.len() {
+            let spring = &self.at[i];
+            let least = if spring.is_one_sided() { spring.least } else { 0.0 };
+            self.pull[i] = spring.tension - (self.t[i] + least + self.own_change(i));
+        }
+    }
+
+    /// Finds the changes of tensions and slacks from `dl`, and the shares that keep both positive.
+    fn follow(&mut self) -> Shares {
+        let mut shares = Shares { x: 1.0, t: 1.0 };
+        for i in 0..self.at.len() {
+            self.dt[i] = self.own_change(i) + self.tangents[i].stiffness * self.dl[i];
+            if self.at[i].is_one_sided() {
+                let (t, s) = (self.t[i], self.s[i]);
+                self.ds[i] = (self.product[i] - t * s - s * self.dt[i]) / t;
+                let room = |value: f64, change: f64| if change < 0.0 { -TO_BOUNDARY * value / change } else { 1.0 };
+                shares = Shares { x: shares.x.min(room(s, self.ds[i])), t: shares.t.min(room(t, self.dt[i])) };
+            }
+        }
+        shares
+    }
+
+    /// Aims at the corrector's products, after a predictor with these shares.
+    fn correct(&mut self, now: f64, shares: Shares) {
+        let after = {
+            let ends = |i: usize| (self.t[i] + shares.t * self.dt[i]) * (self.s[i] + shares.x * self.ds[i]);
+            let (sum, count) = self.one_sided().fold((0.0, 0), |(sum, n), i| (sum + ends(i), n + 1));
+            sum / f64::from(count)
+        };
+        let centre = (after / now).powi(3).clamp(LEAST_CENTRE, 1.0);
+        let both = shares.x.min(shares.t);
+        for i in 0..self.at.len() {
+            self.product[i] = centre * now - both * self.dt[i] * self.ds[i];
+        }
+    }
+
+    /// Takes shares of the changes, from the values before.
+    fn take(&mut self, shares: Shares) {
+        let [t, s] = &self.before;
+        for i in 0..self.at.len() {
+            let share = if self.at[i].is_one_sided() { shares.t } else { shares.x };
+            self.t[i] = t[i] + share * self.dt[i];
+            self.s[i] = s[i] + shares.x * self.ds[i];
+        }
+    }
+
+    fn remember(&mut self) {
+        let [t, s] = &mut self.before;
+        t.clone_from(&self.t);
+        s.clone_from(&self.s);
+    }
+}
+
+/// Tension above the least one and slack of a one-sided spring, on t s = mu [N m] and (t - y)/k = s.
+fn central(spring: &SpringState, mu: f64) -> (f64, f64) {
+    let (y, k) = (spring.taut - spring.least, spring.stiffness);
+    let root = (y * y + 4.0 * k * mu).sqrt();
+    // Of the two forms the one without cancellation.
+    let t = if y > 0.0 { 0.5 * (y + root) } else { 2.0 * k * mu / (root - y) };
+    (t, mu / t)
+}
+
+/// Iterates from `z` `[n]`, whose residual is in `newton.r`. Returns `None` if it does not converge, or if the problem
+/// has no springs; `z` is then undefined.
+///
+/// # Errors
+/// A linear system that cannot be solved.
+pub(super) fn solve(
+    newton: &mut Newton,
+    problem: &mut dyn NonlinearProblem,
+    z: &mut [f64],
+    (criteria, sides): (ConvergenceCriteria, Sides),
+) -> Result<Option<NewtonReport>, LinearError> {
+    let mut tensions = std::mem::take(&mut newton.tensions);
+    let found = Iteration { newton, problem, tensions: &mut tensions, criteria }.run(z, sides);
+    newton.tensions = tensions;
+    found
+}
+
+struct Iteration<'a> {
+    newton: &'a mut Newton,
+    problem: &'a mut dyn NonlinearProblem,
+    tensions: &'a mut Tensions,
+    criteria: ConvergenceCriteria,
+}
+
+impl Iteration<'_> {
+    fn run(&mut self, z: &mut [f64], sides: Sides) -> Result<Option<NewtonReport>, LinearError> {
+        let size = self.criteria.scales.residual / (z.len() as f64).sqrt();
+        let Some(springs) = self.problem.mixed() else { return Ok(None) };
+        self.tensions.begin(springs, size, sides == Sides::Interior);
+        let (mut forcing, spent) = (Forcing::default(), self.newton.spent);
+        self.newton.r_trial.copy_from_slice(&self.newton.r);
+        let mut left = self.left();
+        let most = match sides {
+            // Nothing would be another with interior points.
+            Sides::Interior if !self.tensions.any_one_sided => return Ok(None),
+            Sides::AsTheyAre if self.tensions.any_one_sided => FEW,
+            _ => MOST,
+        };
+        for made in 1..=most {
+            self.newton.spent = spent + made;
+            let before = norm(&self.newton.r);
+            self.problem.set_accuracy(Accuracy::to(forcing.next(before, self.criteria.tolerance)));
+            if !self.linearise()? {
+                return Ok(None);
+            }
+            let shares = self.direction()?;
+            left = match self.step(z, shares, left) {
+                Some(left) => left,
+                None => return Ok(None),
+            };
+            let residual = norm(&self.newton.r);
+            log::trace!(
+                "mixed iteration {made}: {:.2e} N left with the tensions, {residual:.2e} N without, product {:.2e} N m",
+                left.forces,
+                left.product
+            );
+            if self.newton.convergence(z, self.criteria, shares.x * residual / before) == Convergence::Converged {
+                let report = NewtonReport {
+                    iterations: self.newton.spent,
+                    residual: self.criteria.over_scale(residual),
+                };
+                return Ok(Some(report));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Factorises the matrix at the last evaluated residual; `false` if it is not positive definite.
+    fn linearise(&mut self) -> Result<bool, LinearError> {
+        for convex in [false, true] {
+            self.tensions.set_tangents(convex);
+            let Some(springs) = self.problem.mixed() else { return Ok(false) };
+            match springs.linearise(&self.tensions.tangents, convex) {
+                Ok(Inertia::Indefinite) | Err(LinearError::Indefinite { .. }) => {}
+                made => return made.map(|_| true),
+            }
+        }
+        Ok(false)
+    }
+
+    /// The changes of all unknowns; of positions in `newton.dz`.
+    fn direction(&mut self) -> Result<Shares, LinearError> {
+        self.tensions.product.fill(0.0);
+        let shares = self.solve()?;
+        let Some(now) = self.tensions.mean_product() else { return Ok(shares) };
+        self.tensions.correct(now, shares);
+        self.solve()
+    }
+
+    /// One solve for the present products.
+    fn solve(&mut self) -> Result<Shares, LinearError> {
+        self.tensions.set_pull();
+        let Newton { r, dz, .. } = &mut *self.newton;
+        dz.copy_from_slice(r);
+        if let Some(springs) = self.problem.mixed() {
+            springs.add_pull(&self.tensions.at, &self.tensions.pull, dz);
+        }
+        self.problem.solve(dz)?;
+        dz.iter_mut().for_each(|dz| *dz = -*dz);
+        if let Some(springs) = self.problem.mixed() {
+            springs.stretch(&self.tensions.at, dz, &mut self.tensions.dl);
+        }
+        Ok(self.tensions.follow())
+    }
+
+    /// Takes the step, or a shorter one. Returns what is left; `None` if no step is finite.
+    fn step(&mut self, z: &mut [f64], shares: Shares, before: Left) -> Option<Left> {
+        self.tensions.remember();
+        let mut cut = 1.0;
+        for halving in 0..=HALVINGS {
+            let taken = Shares { x: cut * shares.x, t: cut * shares.t };
+            self.newton.evaluate_at(self.problem, z, taken.x, 0.0);
+            self.tensions.take(taken);
+            let left = self.left();
+            let finite = left.forces.is_finite() && left.lengths.is_finite();
+            if finite && (halving == HALVINGS || !left.is_worse_than(before)) {
+                self.newton.accept_trial(z);
+                return Some(left);
+            }
+            cut *= 0.5;
+        }
+        None
+    }
+
+    /// Measures the springs at the last evaluated residual, and what is left there. Forces are those of the trial.
+    fn left(&mut self) -> Left {
+        let Some(springs) = self.problem.mixed() else { return Left { forces: 0.0, lengths: 0.0, product: 0.0 } };
+        springs.measure(&mut self.tensions.at);
+        self.tensions.decide();
+        for i in 0..self.tensions.at.len() {
+            let spring = &self.tensions.at[i];
+            let least = if spring.is_one_sided() { spring.least } else { 0.0 };
+            self.tensions.pull[i] = spring.tension - (self.tensions.t[i] + least);
+        }
+        let correction = &mut self.newton.correction;
+        correction.copy_from_slice(&self.newton.r_trial);
+        springs.add_pull(&self.tensions.at, &self.tensions.pull, correction);
+        let errors = (0..self.tensions.at.len()).map(|i| self.tensions.error(i).powi(2)).sum::<f64>();
+        let product = self.tensions.mean_product().unwrap_or(0.0);
+        Left { forces: dot(correction, correction).sqrt(), lengths: errors.sqrt(), product }
+    }
+}
