@@ -330,32 +330,12 @@ impl MixedSprings for Equations<'_> {
         self.linear.tangents.factor_mixed((system, mixed), at, (springs, convex), self.counters)
     }
 
-    fn add_pull(&mut self, springs: &[SpringState], pull: &[f64], r: &mut [f64]) {
-        let k = self.weights().k;
-        let forces = &mut self.workspace.residual;
-        forces.fill(0.0);
-        for (spring, pull) in springs.iter().zip(pull) {
-            let [a, b] = spring.nodes.map(|node| 3 * node as usize);
-            for (axis, n) in spring.n.iter().enumerate() {
-                forces[a + axis] += k * pull * n;
-                forces[b + axis] -= k * pull * n;
-            }
-        }
-        for (&dof, r) in self.linear.tangents.dof.iter().zip(r) {
-            *r += forces[dof as usize];
-        }
+    fn dofs(&self) -> (&[u32], usize) {
+        (&self.linear.tangents.dof, self.system.n_dof())
     }
 
-    fn stretch(&mut self, springs: &[SpringState], dz: &[f64], out: &mut [f64]) {
-        let moves = &mut self.workspace.residual;
-        moves.fill(0.0);
-        for (&dof, dz) in self.linear.tangents.dof.iter().zip(dz) {
-            moves[dof as usize] = *dz;
-        }
-        for (spring, out) in springs.iter().zip(out) {
-            let [a, b] = spring.nodes.map(|node| 3 * node as usize);
-            *out = spring.n.iter().enumerate().map(|(axis, n)| n * (moves[b + axis] - moves[a + axis])).sum();
-        }
+    fn weight(&self) -> f64 {
+        self.weights().k
     }
 }
 

@@ -30,6 +30,9 @@ pub(super) enum Sides {
     AsTheyAre,
     /// by interior points
     Interior,
+    /// the same with all springs one-sided, from tensions of the size of the loads: for an equilibrium that may be far.
+    /// Springs that act both ways do so once it is found.
+    Loaded,
 }
 
 /// Iterations after which it gives up.
@@ -42,14 +45,16 @@ const TO_BOUNDARY: f64 = 0.995;
 const FIRST_PRODUCT: f64 = 1e-4;
 /// [-] The least share of the mean product that an iteration aims at.
 const LEAST_CENTRE: f64 = 1e-3;
+/// [-] Errors of lengths over the lengths, and products t s over loads and lengths, with which springs may act both
+/// ways.
+const LOADED: f64 = 1e-9;
 /// Halvings of a step.
 const HALVINGS: u32 = 4;
 
 /// The tensions, with their buffers; all `[n_springs]`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tensions {
-    /// whether one-sided springs are solved by interior points
-    interior: bool,
+    sides: Option<Sides>,
     /// whether there are one-sided springs
     any_one_sided: bool,
     at: Vec<SpringState>,
@@ -70,6 +75,8 @@ pub(super) struct Tensions {
     pull: Vec<f64>,
     /// tensions and slacks before a step
     before: [Vec<f64>; 2],
+    /// forces or displacements of all degrees of freedom `[n_dof]`
+    dofs: Vec<f64>,
 }
 
 /// [-] Shares of a direction: of positions and slacks, and of one-sided tensions.
@@ -98,8 +105,8 @@ impl Left {
 
 impl Tensions {
     /// Makes the springs at the start of the step the first tensions. `size` [N] is that of a nodal force.
-    fn begin(&mut self, springs: &mut dyn MixedSprings, size: f64, interior: bool) {
-        self.interior = interior;
+    fn begin(&mut self, springs: &mut dyn MixedSprings, size: f64, sides: Sides) {
+        self.sides = Some(sides);
         self.any_one_sided = false;
         let n = springs.count();
         let idle = SpringState::idle([0; 2]);
@@ -114,7 +121,11 @@ impl Tensions {
         let length = self.at.iter().map(|spring| spring.length).sum::<f64>() / n as f64;
         let mu = FIRST_PRODUCT * size * length;
         for (spring, (t, s)) in self.at.iter().zip(self.t.iter_mut().zip(&mut self.s)) {
-            (*t, *s) = if spring.is_one_sided() { central(spring, mu) } else { (spring.tension, 0.0) };
+            (*t, *s) = match sides {
+                _ if !spring.is_one_sided() => (spring.tension, 0.0),
+                Sides::Loaded => (size, length),
+                _ => central(spring, mu),
+            };
         }
     }
 
@@ -122,8 +133,15 @@ impl Tensions {
     fn decide(&mut self) {
         let any = self.one_sided().next().is_some();
         self.any_one_sided |= any;
-        if self.interior {
-            return;
+        match self.sides {
+            Some(Sides::Interior) => return,
+            Some(Sides::Loaded) => {
+                for spring in self.at.iter_mut().filter(|spring| !spring.is_one_sided()) {
+                    spring.least = 0.0;
+                }
+                return;
+            }
+            _ => {}
         }
         for (spring, t) in self.at.iter_mut().zip(&mut self.t).filter(|(spring, _)| spring.is_one_sided()) {
             *t = t.max(spring.least);
@@ -182,6 +200,7 @@ impl Tensions {
 
     /// What a direction with these products puts in the place of the tensions: `pull` [N] is the difference.
     fn set_pull(&mut self) {
+        // For springs both ways `tension` may be below the least one: it is what the residual has.
         for i in 0..self.at.len() {
             let spring = &self.at[i];
             let least = if spring.is_one_sided() { spring.least } else { 0.0 };
@@ -228,6 +247,42 @@ impl Tensions {
         }
     }
 
+    /// From all springs one-sided to springs as they are, with the same tensions.
+    fn let_push(&mut self) {
+        for (spring, (t, s)) in self.at.iter().zip(self.t.iter_mut().zip(&mut self.s)) {
+            *t += if spring.is_one_sided() { spring.least } else { 0.0 };
+            *s = 0.0;
+        }
+        self.sides = Some(Sides::AsTheyAre);
+    }
+
+    /// Adds the forces of the tensions `pull` to a residual [N] `[n]`.
+    fn add_pull(&mut self, springs: &dyn MixedSprings, r: &mut [f64]) {
+        let ((dofs, n_dof), weight) = (springs.dofs(), springs.weight());
+        self.dofs.clear();
+        self.dofs.resize(n_dof, 0.0);
+        for (spring, pull) in self.at.iter().zip(&self.pull) {
+            let [a, b] = spring.nodes.map(|node| 3 * node as usize);
+            for (axis, n) in spring.n.iter().enumerate() {
+                self.dofs[a + axis] += weight * pull * n;
+                self.dofs[b + axis] -= weight * pull * n;
+            }
+        }
+        r.iter_mut().zip(dofs).for_each(|(r, &dof)| *r += self.dofs[dof as usize]);
+    }
+
+    /// Finds n . dx of every spring.
+    fn stretch(&mut self, springs: &dyn MixedSprings, dz: &[f64]) {
+        let (dofs, n_dof) = springs.dofs();
+        self.dofs.clear();
+        self.dofs.resize(n_dof, 0.0);
+        dofs.iter().zip(dz).for_each(|(&dof, dz)| self.dofs[dof as usize] = *dz);
+        for (spring, dl) in self.at.iter().zip(&mut self.dl) {
+            let [a, b] = spring.nodes.map(|node| 3 * node as usize);
+            *dl = spring.n.iter().enumerate().map(|(axis, n)| n * (self.dofs[b + axis] - self.dofs[a + axis])).sum();
+        }
+    }
+
     fn remember(&mut self) {
         let [t, s] = &mut self.before;
         t.clone_from(&self.t);
@@ -270,9 +325,10 @@ struct Iteration<'a> {
 
 impl Iteration<'_> {
     fn run(&mut self, z: &mut [f64], sides: Sides) -> Result<Option<NewtonReport>, LinearError> {
-        let size = self.criteria.scales.residual / (z.len() as f64).sqrt();
+        let root = (z.len() as f64).sqrt();
+        let size = self.criteria.scales.residual * if sides == Sides::Loaded { root } else { 1.0 / root };
         let Some(springs) = self.problem.mixed() else { return Ok(None) };
-        self.tensions.begin(springs, size, sides == Sides::Interior);
+        self.tensions.begin(springs, size, sides);
         let (mut forcing, spent) = (Forcing::default(), self.newton.spent);
         self.newton.r_trial.copy_from_slice(&self.newton.r);
         let mut left = self.left();
@@ -300,6 +356,11 @@ impl Iteration<'_> {
                 left.forces,
                 left.product
             );
+            if self.tensions.sides == Some(Sides::Loaded) && self.is_loaded(left) {
+                self.tensions.let_push();
+                left = self.left();
+                continue;
+            }
             if self.newton.convergence(z, self.criteria, shares.x * residual / before) == Convergence::Converged {
                 let report = NewtonReport {
                     iterations: self.newton.spent,
@@ -309,6 +370,16 @@ impl Iteration<'_> {
             }
         }
         Ok(None)
+    }
+
+    /// Whether tensions balance the loads, and all springs that they leave slack are.
+    fn is_loaded(&self, left: Left) -> bool {
+        let Tensions { at, .. } = &*self.tensions;
+        let length: f64 = at.iter().map(|spring| spring.length).sum();
+        let root = (self.newton.r.len() as f64).sqrt();
+        left.forces <= self.criteria.tolerance
+            && left.lengths <= LOADED * length
+            && left.product <= LOADED * self.criteria.scales.residual * root * length / at.len() as f64
     }
 
     /// Factorises the matrix at the last evaluated residual; `false` if it is not positive definite.
@@ -339,12 +410,12 @@ impl Iteration<'_> {
         let Newton { r, dz, .. } = &mut *self.newton;
         dz.copy_from_slice(r);
         if let Some(springs) = self.problem.mixed() {
-            springs.add_pull(&self.tensions.at, &self.tensions.pull, dz);
+            self.tensions.add_pull(springs, dz);
         }
         self.problem.solve(dz)?;
         dz.iter_mut().for_each(|dz| *dz = -*dz);
         if let Some(springs) = self.problem.mixed() {
-            springs.stretch(&self.tensions.at, dz, &mut self.tensions.dl);
+            self.tensions.stretch(springs, dz);
         }
         Ok(self.tensions.follow())
     }
@@ -380,7 +451,7 @@ impl Iteration<'_> {
         }
         let correction = &mut self.newton.correction;
         correction.copy_from_slice(&self.newton.r_trial);
-        springs.add_pull(&self.tensions.at, &self.tensions.pull, correction);
+        self.tensions.add_pull(springs, correction);
         let errors = (0..self.tensions.at.len()).map(|i| self.tensions.error(i).powi(2)).sum::<f64>();
         let product = self.tensions.mean_product().unwrap_or(0.0);
         Left { forces: dot(correction, correction).sqrt(), lengths: errors.sqrt(), product }

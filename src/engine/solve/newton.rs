@@ -156,6 +156,11 @@ impl Newton {
         Newton { spec, r, r_trial, floor, dz, trial, correction, pairs, tensions, guess, spent: 0 }
     }
 
+    /// Iterations of the last solve that were made before the exact tangent took over.
+    pub(crate) fn iterations(&self) -> u32 {
+        self.spent
+    }
+
     pub(super) fn most_iterations(&self) -> u32 {
         self.spec.max_iterations
     }
@@ -215,6 +220,22 @@ impl Newton {
             found => return found,
         };
         Err(NewtonFailure::Hidden { iterations, rounding, forces, worst: self.worst() })
+    }
+
+    /// Iterates from `z` `[n]` to a residual below `tolerance` [N], from tensions of the size of the loads; `None` where
+    /// that fails or there are no springs. `z` is then worthless.
+    ///
+    /// # Errors
+    /// A linear system that cannot be solved.
+    pub fn load(
+        &mut self,
+        problem: &mut dyn NonlinearProblem,
+        z: &mut [f64],
+        (tolerance, scales): (f64, Scales),
+    ) -> Result<Option<NewtonReport>, LinearError> {
+        self.spent = 0;
+        problem.residual(z, &mut self.r, &mut self.floor);
+        mixed::solve(self, problem, z, (ConvergenceCriteria { tolerance, scales }, Sides::Loaded))
     }
 
     /// Iterates from `z` `[n]` on the frozen factor and, if that fails, from the same guess on the exact tangent.
@@ -300,7 +321,7 @@ impl Newton {
                     match sides {
                         Sides::AsTheyAre => frozen.interior.shorten(),
                         Sides::Interior if !rests => frozen.interior.begin(),
-                        Sides::Interior => {}
+                        _ => {}
                     }
                     return Ok(Some(report));
                 }

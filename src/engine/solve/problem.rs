@@ -128,9 +128,9 @@ pub trait MixedSprings {
     /// As [`NonlinearProblem::linearise`].
     fn linearise(&mut self, springs: &[SpringTangent], convex: bool) -> Result<Inertia, LinearError>;
 
-    /// Adds the forces [N] of tensions `pull` [N] to a residual `[n]`.
-    fn add_pull(&mut self, springs: &[SpringState], pull: &[f64], r: &mut [f64]);
+    /// Degree of freedom of every unknown `[n]`, and the number of degrees of freedom.
+    fn dofs(&self) -> (&[u32], usize);
 
-    /// Writes n . (dz_b - dz_a) [m] of every spring to `out`.
-    fn stretch(&mut self, springs: &[SpringState], dz: &[f64], out: &mut [f64]);
+    /// [-] Weight of the forces in the residual.
+    fn weight(&self) -> f64;
 }

@@ -40,6 +40,8 @@ const SETTLED: f64 = 1e-8;
 const CREEPS: u32 = 20;
 /// [-] Weights above this multiple of the first are of no use.
 const HEAVIEST: f64 = 1e12;
+/// [-] Weight over the first with which a state is looked for from tensions of the size of the loads.
+const LIGHTEST: f64 = 1e-8;
 /// [-] A node that is farther from its start than this many sizes of the scene has left it.
 const LEFT: f64 = 1e3;
 
@@ -125,8 +127,13 @@ impl<'a> Continuation<'a> {
         if now.force == 0.0 {
             return Ok(());
         }
-        let mut mu = cautious_weight(self.scene, &self.at, FIRST_MOVE * self.dofs.size);
-        let heaviest = HEAVIEST * mu;
+        let cautious = cautious_weight(self.scene, &self.at, FIRST_MOVE * self.dofs.size);
+        let heaviest = HEAVIEST * cautious;
+        let mut mu = cautious;
+        if self.load(LIGHTEST * cautious, (now, relative)) {
+            now = self.residual();
+            mu *= LIGHTEST;
+        }
         // The lightest weight that rounding leaves visible.
         let (mut lightest, mut creeps, mut hard) = (0.0, 0, 0);
         let (mut wait, mut patience) = (0, 1);
@@ -203,14 +210,46 @@ impl<'a> Continuation<'a> {
         }
     }
 
+    /// One solve from tensions of the size of the loads, with a weight that holds only what no spring does. Returns
+    /// whether it has found a state nearer to equilibrium.
+    fn load(&mut self, mu: f64, (now, relative): (Residual, f64)) -> bool {
+        let tolerance = (0.5 * relative * now.scale).max(f64::MIN_POSITIVE);
+        let scales = Scales { residual: now.scale, ..self.scales(now.force) };
+        self.z.fill(0.0);
+        let mut problem = Proximal {
+            scene: self.scene,
+            dofs: &self.dofs,
+            tangents: &mut self.tangents,
+            counters: &mut self.counters,
+            from: &self.at,
+            to: &mut self.trial,
+            mu,
+            all: &mut self.all,
+            stop: self.stop,
+        };
+        let loaded = self.newton.load(&mut problem, &mut self.z, (tolerance, scales));
+        self.counters.newton_iterations += u64::from(self.newton.iterations());
+        let found = matches!(loaded, Ok(Some(_)));
+        let nearer = found && self.dofs.residual(self.scene, &self.trial).force < now.force;
+        if nearer {
+            self.pseudo_steps += 1;
+            self.at.copy_from(&self.trial);
+        }
+        nearer
+    }
+
+    fn scales(&self, residual: f64) -> Scales {
+        Scales {
+            residual,
+            increment: self.dofs.size * (self.z.len().max(1) as f64).sqrt(),
+            increment_floor: 4.0 * f64::EPSILON * norm(&self.at.state.x),
+        }
+    }
+
     /// One solve into `trial` and `z`.
     fn solve(&mut self, mu: f64, (now, relative): (Residual, f64)) -> Result<NewtonReport, NewtonFailure> {
         let wanted = (0.5 * relative * now.scale).max(f64::MIN_POSITIVE);
-        let scales = Scales {
-            residual: now.force.max(wanted / INNER),
-            increment: self.dofs.size * (self.z.len().max(1) as f64).sqrt(),
-            increment_floor: 4.0 * f64::EPSILON * norm(&self.at.state.x),
-        };
+        let scales = self.scales(now.force.max(wanted / INNER));
         self.z.fill(0.0);
         let mut problem = Proximal {
             scene: self.scene,

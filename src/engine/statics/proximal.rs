@@ -4,10 +4,11 @@ use super::unknowns::{Dofs, largest};
 use crate::integrate::Counters;
 use crate::integrate::tangents::Tangents;
 use crate::model::point::Point;
+use crate::model::spring_state::{SpringState, SpringTangent};
 use crate::model::stop::Stop;
 use crate::model::system::{System, Weights};
 use crate::scene::Scene;
-use crate::solve::newton::{Curvature, NonlinearProblem};
+use crate::solve::newton::{Curvature, MixedSprings, NonlinearProblem};
 use crate::solve::{Inertia, LinearError};
 
 /// F(z) = 0; z is the displacement of the unknowns [m].
@@ -57,7 +58,7 @@ impl NonlinearProblem for Proximal<'_> {
         if self.stop.asked() {
             return Err(LinearError::Singular { unknown: None });
         }
-        let w = Weights { m: self.mu, c: 0.0, k: 1.0 };
+        let w = self.weights();
         let made = self.tangents.factor(self.scene, self.to.state.as_ref(), w, curvature, self.counters)?;
         // So small a weight that rounding hides it: there is no direction to follow.
         if made == Inertia::Indefinite && curvature == Curvature::Convex && self.conservative() {
@@ -66,8 +67,53 @@ impl NonlinearProblem for Proximal<'_> {
         Ok(made)
     }
 
+    fn mixed(&mut self) -> Option<&mut dyn MixedSprings> {
+        if self.scene.mixed().is_some() { Some(self) } else { None }
+    }
+
     fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
         self.tangents.solve(b, self.counters)
+    }
+}
+
+impl MixedSprings for Proximal<'_> {
+    fn count(&self) -> usize {
+        self.scene.mixed().map_or(0, |mixed| mixed.springs())
+    }
+
+    fn measure_start(&mut self, out: &mut [SpringState]) {
+        if let Some(mixed) = self.scene.mixed() {
+            mixed.measure(self.from.state.as_ref(), 0.0, out);
+        }
+    }
+
+    fn measure(&mut self, out: &mut [SpringState]) {
+        if let Some(mixed) = self.scene.mixed() {
+            mixed.measure(self.to.state.as_ref(), 0.0, out);
+        }
+    }
+
+    fn linearise(&mut self, springs: &[SpringTangent], convex: bool) -> Result<Inertia, LinearError> {
+        let scene = self.scene;
+        let Some(mixed) = scene.mixed().filter(|_| !self.stop.asked()) else {
+            return Err(LinearError::Singular { unknown: None });
+        };
+        let at = (self.to.state.as_ref(), self.weights());
+        self.tangents.factor_mixed((scene, mixed), at, (springs, convex), self.counters)
+    }
+
+    fn dofs(&self) -> (&[u32], usize) {
+        (&self.tangents.dof, self.all.len())
+    }
+
+    fn weight(&self) -> f64 {
+        1.0
+    }
+}
+
+impl Proximal<'_> {
+    fn weights(&self) -> Weights {
+        Weights { m: self.mu, c: 0.0, k: 1.0 }
     }
 }
 
