@@ -57,6 +57,8 @@ pub(super) struct Tensions {
     sides: Option<Sides>,
     /// whether there are one-sided springs
     any_one_sided: bool,
+    /// which springs act both ways although they are taken as one-sided
+    both_ways: Vec<bool>,
     at: Vec<SpringState>,
     /// [N] unknown tensions; above the least ones for one-sided springs
     t: Vec<f64>,
@@ -136,8 +138,12 @@ impl Tensions {
         match self.sides {
             Some(Sides::Interior) => return,
             Some(Sides::Loaded) => {
-                for spring in self.at.iter_mut().filter(|spring| !spring.is_one_sided()) {
-                    spring.least = 0.0;
+                self.both_ways.clear();
+                for spring in &mut self.at {
+                    self.both_ways.push(spring.least == f64::NEG_INFINITY);
+                    if spring.least == f64::NEG_INFINITY {
+                        spring.least = 0.0;
+                    }
                 }
                 return;
             }
@@ -247,13 +253,16 @@ impl Tensions {
         }
     }
 
-    /// From all springs one-sided to springs as they are, with the same tensions.
+    /// Whether springs that act both ways are taken as one-sided.
+    fn pushes_later(&self) -> bool {
+        self.sides == Some(Sides::Loaded) && self.both_ways.contains(&true)
+    }
+
+    /// Lets the springs that act both ways push again, with the same tensions.
     fn let_push(&mut self) {
-        for (spring, (t, s)) in self.at.iter().zip(self.t.iter_mut().zip(&mut self.s)) {
-            *t += if spring.is_one_sided() { spring.least } else { 0.0 };
-            *s = 0.0;
-        }
-        self.sides = Some(Sides::AsTheyAre);
+        self.sides = Some(Sides::Interior);
+        let both_ways = self.both_ways.iter().zip(&mut self.s);
+        both_ways.filter(|(both_ways, _)| **both_ways).for_each(|(_, s)| *s = 0.0);
     }
 
     /// Adds the forces of the tensions `pull` to a residual [N] `[n]`.
@@ -351,12 +360,12 @@ impl Iteration<'_> {
                 None => return Ok(None),
             };
             let residual = norm(&self.newton.r);
-            log::trace!(
+            log::debug!(
                 "mixed iteration {made}: {:.2e} N left with the tensions, {residual:.2e} N without, product {:.2e} N m",
                 left.forces,
                 left.product
             );
-            if self.tensions.sides == Some(Sides::Loaded) && self.is_loaded(left) {
+            if self.tensions.pushes_later() && self.is_loaded(left) {
                 self.tensions.let_push();
                 left = self.left();
                 continue;
