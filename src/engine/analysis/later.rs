@@ -23,7 +23,7 @@ pub struct LaterLimit {
 
 /// The smallest critical step after a change of the scene, with the nodes where they are at t = 0; `None` if it is not
 /// below that at the start. Limits are searched as long as `search`, if given, allows another one; without it they are
-/// bounds from the elements, as `at_start` then is. The scene is at its start again after it.
+/// bounds from the elements, as `at_start` then is.
 pub fn least_later(
     planned: Planned<'_>,
     at_start: CriticalStep,
@@ -33,6 +33,7 @@ pub fn least_later(
     if !has_limit(method) {
         return None;
     }
+    let scene = &*scene.for_run();
     let mut state = scene.initial_state();
     let mut least: Option<LaterLimit> = None;
     for t in scene.changes().into_iter().filter(|t| *t < end).take(MOST) {
@@ -48,7 +49,6 @@ pub fn least_later(
             least = Some(LaterLimit { t, limit });
         }
     }
-    scene.pass_events(0);
     least
 }
 

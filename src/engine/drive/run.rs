@@ -332,11 +332,6 @@ impl RunState {
         }
     }
 
-    /// [-] Events of the scene that are passed.
-    pub fn events_passed(&self) -> usize {
-        self.passed
-    }
-
     /// What a snapshot is made of.
     pub fn resumable<'b>(&'b self, occasion: Occasion, stepper: &'b Stepper<'_>) -> Resumable<'b> {
         let RunState { from: at, row, counters, ledger, failure, doubt, steps, .. } = self;

@@ -30,6 +30,8 @@
 //!    * any other element: a [`kernel::batch::Kernel`], element by element, as the stiffness part of
 //!      [`law::rayleigh`];
 //!    * nodes: a `NodeLaw`, as [`law::nodal`].
+//!    Values that change in a run, such as a table over time or a factor that a program sets, are behind an `Arc`;
+//!    [`ForceTerm::for_run`] replaces them by those of another run ([`Copies`]), and shares all else.
 //! 2. Describe it in the [`TermInfo`] of its [parts](ForceTerm::parts): schemes, the ledger and diagnoses use that, and
 //!    no names. A new law of springs needs none of its own. A step may be too long for forces with `velocity_dependent`
 //!    or `follower` (`drive/cause`); with `on_triangles` a failure report names a triangle. A term with elastic energy
@@ -52,11 +54,13 @@
 //! A term must emit the same elements in the same order at every state (a slack spring emits a zero block). The
 //! assembler needs this to know the slot of every block in advance.
 
+mod copies;
 pub mod kernel;
 pub mod law;
 mod mean;
 pub mod schedule;
 
+pub use copies::Copies;
 pub use mean::{MeanForce, MeanStep};
 
 use crate::model::system::{TermInfo, Weights};
@@ -140,6 +144,10 @@ pub trait ForceTerm: kernel::batch::BlockForces {
     fn mean(&self) -> Option<&dyn MeanForce> {
         None
     }
+
+    /// The same elements for another run, with the values that change in a run from `copies`. All other arrays are
+    /// shared.
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm>;
 
     /// Replaces the rest lengths [m] of its springs, `[n_springs]` in their order. Terms without springs do nothing.
     fn set_rest_lengths(&mut self, rest_length: &Arc<[f64]>) {

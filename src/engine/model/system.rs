@@ -108,8 +108,7 @@ pub trait System: Send + Sync {
     }
 
     /// Makes load and wind tables ready for a run in fixed steps of `h` [s] from t = 0, whose samples would miss
-    /// changes between them, or for any other run. All later evaluations belong to that run, so two runs of one scene
-    /// cannot overlap.
+    /// changes between them, or for any other run. All later evaluations belong to that run.
     fn sample_tables(&self, h: Option<f64>) {
         let _ = h;
     }

@@ -132,7 +132,7 @@ fn lines(batch: &SpringBatch, times: [f64; 2]) -> impl Iterator<Item = (OneSided
 impl Network {
     /// Whether springs can go slack.
     pub(super) fn goes_slack(&self) -> bool {
-        self.springs.iter().any(|batch| Clamp::of(batch.data.slack).is_some())
+        self.acting.springs.iter().any(|batch| Clamp::of(batch.data.slack).is_some())
     }
 
     /// See [`super::Scene::branch_changes`].

@@ -90,7 +90,7 @@ impl Builder<'_> {
             return;
         }
         list.sort_by_key(|(nodes, _)| (nodes.iter().copied().min(), *nodes));
-        let (nodes, elements) = list.into_iter().unzip();
-        self.terms.push(Box::new(Bending::new(BendingData { nodes, elements })));
+        let (nodes, elements): (Vec<_>, Vec<_>) = list.into_iter().unzip();
+        self.acting.terms.push(Box::new(Bending::new(BendingData { nodes, elements })));
     }
 }

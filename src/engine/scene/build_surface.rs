@@ -50,7 +50,7 @@ impl Builder<'_> {
         for spec in &self.spec.membranes {
             let corners = |t: u32| self.spec.mesh.triangles[t as usize].map(|i| self.node(i));
             let batch = MembraneBatch::new(spec, corners, rest)?;
-            self.terms.push(Box::new(Membrane::new(batch.data.clone())));
+            self.acting.terms.push(Box::new(Membrane::new(batch.data.clone())));
             self.membranes.push(batch);
         }
         Ok(())
@@ -60,7 +60,7 @@ impl Builder<'_> {
         for MembraneBatch { data, .. } in &self.membranes {
             let triangles = data.triangles.clone();
             let rest = (0..triangles.len()).map(|i| data.at_rest(i, rest, beta)).collect();
-            self.terms.push(Box::new(RayleighMembrane::new(RayleighMembraneData { triangles, rest })));
+            self.acting.terms.push(Box::new(RayleighMembrane::new(RayleighMembraneData { triangles, rest })));
         }
     }
 }

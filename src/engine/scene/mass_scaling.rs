@@ -37,7 +37,7 @@ impl Builder<'_> {
         let Some(step) = self.spec.mass_scaling else { return Ok(None) };
         let mut moving: Vec<Vector3<f64>> = velocity.iter().copied().map(Vector3::from).collect();
         moving.resize(mass.len(), Vector3::zeros());
-        let (terms, springs, numbering) = (&self.terms, &self.springs, self.numbering);
+        let (terms, springs, numbering) = (&self.acting.terms, &self.acting.springs, self.numbering);
         let unscaled = Unscaled { terms, springs, reference, start, velocity: &moving, fixed, mass, numbering };
         let (inertia, added) = unscaled.scale(step)?;
         // Inertia in an accelerated frame is a force on all of it.

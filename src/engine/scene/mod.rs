@@ -84,6 +84,12 @@ pub trait Scene: TangentSystem + Observables {
     /// The interfaces that schemes use.
     fn interfaces(&self) -> SceneInterfaces<'_>;
 
+    /// The same scene for another run, with its own values of all that changes in a run: events that are passed, tables
+    /// as steps sample them, the wind, loads and forces that a program sets. At first they are those of this scene. All
+    /// else is shared, so that a copy is cheap. Each of two runs that overlap, on one thread or on several, needs its
+    /// own, and observers and schemes that of their run.
+    fn for_run(&self) -> Box<dyn Scene>;
+
     /// Gives the scene a place for forces from outside. Forces that were sized before do not fit it any more. `false`
     /// if the scene cannot have any.
     fn enable_external(&mut self, kind: ExternalKind) -> bool {
@@ -113,7 +119,7 @@ pub trait Scene: TangentSystem + Observables {
     }
 
     /// Changes to the state of affairs after this many events. Returns whether forces, masses and tangents found
-    /// before do not fit any more. Two runs of one scene cannot overlap.
+    /// before do not fit any more.
     fn pass_events(&self, passed: usize) -> bool {
         let _ = passed;
         false

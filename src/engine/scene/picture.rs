@@ -32,17 +32,17 @@ impl Observables for Network {
     }
 
     fn has_air_pressure(&self) -> bool {
-        !self.pressures.is_empty()
+        !self.acting.pressures.is_empty()
     }
 
     fn triangle_pressure(&self, at: StateRef<'_>, out: &mut [f64]) {
         out.fill(0.0);
-        self.pressures.iter().for_each(|pressure| pressure.write(node_state(at), out));
+        self.acting.pressures.iter().for_each(|pressure| pressure.write(node_state(at), out));
     }
 
     fn triangle_membranes(&self, at: StateRef<'_>, out: &mut [MembranePicture]) {
         out.fill(MembranePicture::default());
-        for MembraneBatch { data, triangles, thickness } in &self.membranes {
+        for MembraneBatch { data, triangles, thickness } in &self.built.membranes {
             for (i, &triangle) in triangles.iter().enumerate() {
                 let MembraneState { tension, strain, wrinkling, warp } = data.state(i, by_node(at.x));
                 let (stress, wrinkling) = (tension.map(|t| t / thickness), f64::from(wrinkling as u8));
@@ -52,29 +52,29 @@ impl Observables for Network {
     }
 
     fn trace(&self, at: StateRef<'_>, positions: &mut [[f64; 3]], velocities: &mut [[f64; 3]]) {
-        self.numbering.to_user(by_node(at.x), positions);
-        self.numbering.to_user(by_node(at.v), velocities);
+        self.built.numbering.to_user(by_node(at.x), positions);
+        self.built.numbering.to_user(by_node(at.v), velocities);
     }
 
     fn node_forces(&self, _at: StateRef<'_>, forces: &Forces, out: &mut [[f64; 3]]) {
-        self.numbering.to_user(by_node(&forces.total), out);
+        self.built.numbering.to_user(by_node(&forces.total), out);
     }
 
     fn node_reactions(&self, forces: &Forces, out: &mut [[f64; 3]]) {
         out.fill([0.0; 3]);
-        for (&dof, &reaction) in self.fixed_dofs.iter().zip(&forces.reactions) {
+        for (&dof, &reaction) in self.built.fixed_dofs.iter().zip(&forces.reactions) {
             let dof = dof as usize;
-            out[self.numbering.user[dof / 3] as usize][dof % 3] = reaction;
+            out[self.built.numbering.user[dof / 3] as usize][dof % 3] = reaction;
         }
     }
 
     fn edge_tension(&self, at: StateRef<'_>, tension: &mut [f64], strain: &mut [f64]) {
         tension.fill(f64::NAN);
         strain.fill(f64::NAN);
-        for &edge in self.springs.iter().filter(|batch| batch.cut.get()).flat_map(|batch| &batch.edges) {
+        for &edge in self.acting.springs.iter().filter(|batch| batch.cut.get()).flat_map(|batch| batch.edges.iter()) {
             tension[edge as usize] = 0.0;
         }
-        if self.shared_edges {
+        if self.built.shared_edges {
             return self.edge_sums(at, tension, strain);
         }
         for batch in self.carrying() {
@@ -94,16 +94,16 @@ impl Observables for Network {
     fn max_strain(&self, at: StateRef<'_>) -> f64 {
         let x = by_node(at.x);
         let springs = self.carrying().map(|b| b.data.largest_stretch(b.data.at(at.t, x)));
-        let membranes = self.membranes.iter().map(|batch| batch.data.largest_stretch_of_all(x));
+        let membranes = self.built.membranes.iter().map(|batch| batch.data.largest_stretch_of_all(x));
         strain_of(springs.chain(membranes).fold(f64::NEG_INFINITY, f64::max))
     }
 
     fn max_speed(&self, at: StateRef<'_>) -> f64 {
-        motion(at.v, &self.mass).largest_square.sqrt()
+        motion(at.v, &self.built.mass).largest_square.sqrt()
     }
 
     fn node_value(&self, quantity: NodeQuantity, at: &Point, node: u32) -> [f64; 3] {
-        let internal = self.numbering.internal[node as usize] as usize;
+        let internal = self.built.numbering.internal[node as usize] as usize;
         let of = |dofs: &[f64]| by_node(dofs)[internal];
         match quantity {
             NodeQuantity::Position => of(&at.state.x).into(),
@@ -120,7 +120,8 @@ impl Observables for Network {
     }
 
     fn springs_on(&self, edges: &[u32], rule: Option<usize>) -> Vec<SpringPlace> {
-        let batches = self.springs.iter().zip(0_u32..).filter(|(_, number)| rule.is_none_or(|r| r == *number as usize));
+        let batches =
+            self.acting.springs.iter().zip(0_u32..).filter(|(_, number)| rule.is_none_or(|r| r == *number as usize));
         let places = batches.flat_map(|(batch, rule)| {
             let chosen = batch.edges.iter().zip(0_u32..).filter(|(edge, _)| edges.binary_search(edge).is_ok());
             chosen.map(move |(_, number)| SpringPlace { rule, number })
@@ -129,7 +130,7 @@ impl Observables for Network {
     }
 
     fn spring_tension(&self, at: StateRef<'_>, SpringPlace { rule, number }: SpringPlace) -> f64 {
-        let Some(batch) = self.springs.get(rule as usize) else { return f64::NAN };
+        let Some(batch) = self.acting.springs.get(rule as usize) else { return f64::NAN };
         if batch.cut.get() {
             return 0.0;
         }
@@ -139,7 +140,7 @@ impl Observables for Network {
     }
 
     fn canopies(&self) -> usize {
-        self.canopies.len()
+        self.acting.canopies.len()
     }
 
     fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {

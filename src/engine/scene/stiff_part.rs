@@ -8,7 +8,7 @@
 use super::BesideStiff;
 use super::bound::{FORM, largest_by_node};
 use super::events::Phases;
-use super::network::{Network, Parts, SpringBatch, node_state};
+use super::network::{Acting, Built, Network, SpringBatch, node_state};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
@@ -20,7 +20,7 @@ use crate::model::forces::Role;
 use crate::model::spec::DashpotKind;
 use crate::model::state::StateRef;
 use crate::model::system::{StiffPart, System, Weights};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ impl Network {
         let place = |node: u32| nodes.partition_point(|&before| before < node) as u32;
         let springs: Vec<SpringBatch> = self.carrying().filter_map(|batch| part_of(batch, is_stiff, place)).collect();
         let count: usize = springs.iter().map(|batch| batch.data.nodes.len()).sum();
-        let share = count as f64 / self.terms.iter().map(|term| term.elements()).sum::<usize>() as f64;
+        let share = count as f64 / self.acting.terms.iter().map(|term| term.elements()).sum::<usize>() as f64;
         let dofs = nodes.iter().flat_map(|&node| 3 * node..3 * node + 3).collect();
         log::info!(
             "stiff springs: {} at {}, {:.0} % of all elements",
@@ -53,34 +53,21 @@ impl Network {
     /// These springs alone, of which node `i` is `nodes[i]` here.
     fn of_springs(&self, springs: Vec<SpringBatch>, nodes: &[u32]) -> Network {
         let of = |node: &u32| *node as usize;
-        let mass: Arc<[f64]> = nodes.iter().map(|node| self.mass[of(node)]).collect();
+        let mass: Arc<[f64]> = nodes.iter().map(|node| self.built.mass[of(node)]).collect();
         let fixed: Vec<[bool; 3]> = nodes.iter().map(|node| self.phase().fixed[of(node)]).collect();
         let all_moved: BTreeSet<u32> = self.phase().moved.dofs.iter().copied().collect();
         let dofs = (0..).zip(nodes.iter().flat_map(|node| 3 * node..3 * node + 3));
         let moved = dofs.filter(|(_, dof)| all_moved.contains(dof)).map(|(own, _)| own).collect();
-        Network::assemble_parts(Parts {
+        let built = Built {
             numbering: Numbering { user: nodes.to_vec(), internal: Vec::new() },
             phases: Phases::lasting(fixed, &mass, moved),
             weighed: mass.clone(),
             mass,
-            added_mass: None,
-            start: nodes.iter().map(|node| self.start[of(node)]).collect(),
-            velocity: Vec::new(),
-            gravity: Vector3::zeros(),
-            loads: Vec::new(),
-            corners: Vec::new(),
-            changing: Vec::new(),
-            tables: Vec::new(),
-            stream: None,
-            canopies: Vec::new(),
-            pressures: Vec::new(),
-            apparent: Vec::new(),
-            terms: springs.iter().map(|batch| Box::new(springs_of(batch)) as Box<dyn ForceTerm>).collect(),
-            springs,
-            membranes: Vec::new(),
-            threads: self.threads.again(),
-            mesh: Mesh::default(),
-        })
+            start: nodes.iter().map(|node| self.built.start[of(node)]).collect(),
+            ..Built::default()
+        };
+        let terms = springs.iter().map(|batch| Box::new(springs_of(batch)) as Box<dyn ForceTerm>).collect();
+        Network::new(built, Acting { terms, springs, ..Acting::default() }, Mesh::default(), self.threads.again())
     }
 
     /// See [`super::Scene::beside_stiff`].
@@ -91,7 +78,7 @@ impl Network {
             return None;
         }
         // Springs are the first terms, one a batch.
-        let (springs, others) = self.terms.split_at(self.springs.len());
+        let (springs, others) = self.acting.terms.split_at(self.acting.springs.len());
         let bound = |w: Weights| {
             self.bound_in_rounds(|sink| {
                 let mut rest = Rest { is_stiff: &is_stiff, sink };
@@ -124,7 +111,7 @@ impl Network {
         let fixed = &self.phase().fixed;
         // All directions for a spring without one.
         let along = |[a, b]: [u32; 2]| {
-            let n = (self.start[b as usize] - self.start[a as usize]).try_normalize(0.0);
+            let n = (self.built.start[b as usize] - self.built.start[a as usize]).try_normalize(0.0);
             n.map_or(Matrix3::identity(), |n| outer(n, n))
         };
         let by_node = |block: &dyn Fn(&SpringBatch, usize) -> Matrix3<f64>| {
@@ -139,7 +126,7 @@ impl Network {
             true => along(batch.data.nodes[i]) * batch.dashpot.at(i),
             false => Matrix3::from_diagonal_element(batch.dashpot.at(i)),
         });
-        let rates = stiffness.iter().zip(&damping).zip(self.mass.iter()).zip(fixed);
+        let rates = stiffness.iter().zip(&damping).zip(self.built.mass.iter()).zip(fixed);
         let step = |(((k, c), m), fixed): (((&f64, &f64), &f64), &[bool; 3])| {
             let held = *fixed == [true; 3];
             if held { f64::INFINITY } else { 4.0 / (c / m + ((c / m).powi(2) + 4.0 * k / m).sqrt()) }

@@ -21,21 +21,25 @@ impl Scene for Network {
         SceneInterfaces { system: self, tangent: self, graph: Some(self) }
     }
 
+    fn for_run(&self) -> Box<dyn Scene> {
+        Box::new(self.copy())
+    }
+
     fn enable_external(&mut self, kind: ExternalKind) -> bool {
         self.enable(kind);
         true
     }
 
     fn added_mass(&self) -> Option<AddedMass> {
-        self.added_mass
+        self.built.added_mass
     }
 
     fn loads(&self) -> &[(Load, Arc<Scale>)] {
-        &self.loads
+        &self.acting.loads
     }
 
     fn spring_edges(&self) -> Vec<u32> {
-        let mut edges: Vec<u32> = self.springs.iter().flat_map(|batch| batch.edges.iter().copied()).collect();
+        let mut edges: Vec<u32> = self.acting.springs.iter().flat_map(|batch| batch.edges.iter().copied()).collect();
         edges.sort_unstable();
         edges.dedup();
         edges
@@ -46,7 +50,7 @@ impl Scene for Network {
     }
 
     fn events(&self) -> &[f64] {
-        self.phases.times()
+        self.built.phases.times()
     }
 
     fn pass_events(&self, passed: usize) -> bool {
@@ -54,19 +58,19 @@ impl Scene for Network {
     }
 
     fn take_slack_as_taut(&self, taut: bool) {
-        self.springs.iter().for_each(|batch| batch.cut.set_slack_is_taut(taut));
+        self.acting.springs.iter().for_each(|batch| batch.cut.set_slack_is_taut(taut));
     }
 
     fn changes(&self) -> Vec<f64> {
-        let shortest = self.springs.iter().filter_map(|batch| batch.data.rest_scale.as_ref()?.lowest_at());
-        let mut times: Vec<f64> = self.phases.divisions().chain(shortest.filter(|t| *t > 0.0)).collect();
+        let shortest = self.acting.springs.iter().filter_map(|batch| batch.data.rest_scale.as_ref()?.lowest_at());
+        let mut times: Vec<f64> = self.built.phases.divisions().chain(shortest.filter(|t| *t > 0.0)).collect();
         times.sort_by(f64::total_cmp);
         times.dedup();
         times
     }
 
     fn settled_after(&self, end: f64) -> f64 {
-        let begun = self.changing.iter().filter(|[from, _]| *from < end);
+        let begun = self.built.changing.iter().filter(|[from, _]| *from < end);
         begun.fold(0.0, |last: f64, [_, until]| last.max(until.min(end)))
     }
 
@@ -79,16 +83,16 @@ impl Scene for Network {
     }
 
     fn hold_wind(&self, wind: Option<[f64; 3]>) -> bool {
-        self.stream.as_ref().map(|stream| stream.hold(wind)).is_some()
+        self.acting.stream.as_ref().map(|stream| stream.hold(wind)).is_some()
     }
 
     fn state_of(&self, t: f64, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Option<State> {
-        let n = self.numbering.user.len();
+        let n = self.built.numbering.user.len();
         if [positions.len(), velocities.len()] != [n; 2] {
             return None;
         }
         let own = |values: &[[f64; 3]]| -> Vec<f64> {
-            self.numbering.user.iter().flat_map(|&user| values[user as usize]).collect()
+            self.built.numbering.user.iter().flat_map(|&user| values[user as usize]).collect()
         };
         let (x, mut v) = (own(positions), own(velocities));
         let held = v.iter_mut().zip(self.phase().fixed.as_flattened()).filter(|(_, held)| **held);
@@ -107,11 +111,11 @@ impl Scene for Network {
     }
 
     fn winds(&self, t: f64) -> Vec<[f64; 3]> {
-        self.stream.iter().flat_map(|stream| stream.winds(t)).map(Into::into).collect()
+        self.acting.stream.iter().flat_map(|stream| stream.winds(t)).map(Into::into).collect()
     }
 
     fn size(&self) -> f64 {
-        extent(bytemuck::cast_slice(&self.start), self.threads.workers()).max(self.reach)
+        extent(bytemuck::cast_slice(&self.built.start), self.threads.workers()).max(self.built.reach)
     }
 
     fn extent(&self, at: StateRef<'_>) -> f64 {
@@ -122,7 +126,8 @@ impl Scene for Network {
         let node = dof / 3;
         let mut strongest = (0.0, None);
         let mut f = vec![Vector3::zeros(); self.phase().fixed.len()];
-        for (part, info) in self.infos.iter().enumerate().filter(|(part, _)| self.term_of(*part).is_some()) {
+        for (part, info) in self.arrangement.infos.iter().enumerate().filter(|(part, _)| self.term_of(*part).is_some())
+        {
             self.pass_of(part, node_state(at), &mut f);
             let size = f[node].norm();
             // A force that is not finite counts as the strongest.
@@ -132,7 +137,7 @@ impl Scene for Network {
             }
         }
         Suspect {
-            node: Some(self.numbering.user[node]),
+            node: Some(self.built.numbering.user[node]),
             spring: self.most_strained_at(node as u32, at),
             term: strongest.1,
         }
@@ -145,14 +150,15 @@ impl Scene for Network {
     }
 
     fn name_of(&self, dof: usize) -> (u32, &'static str) {
-        (self.numbering.user[dof / 3], AXES[dof % 3])
+        (self.built.numbering.user[dof / 3], AXES[dof % 3])
     }
 
     fn fastest_spring(&self, dof: usize) -> Option<u32> {
         let node = (dof / 3) as u32;
         let mut fastest: Option<(f64, u32)> = None;
         for batch in self.carrying() {
-            let here = batch.data.nodes.iter().zip(&batch.edges).enumerate().filter(|(_, (n, _))| n.contains(&node));
+            let here =
+                batch.data.nodes.iter().zip(batch.edges.iter()).enumerate().filter(|(_, (n, _))| n.contains(&node));
             for (i, (nodes, edge)) in here {
                 let inverse = |node: u32| by_node(&self.phase().inverse_mass)[node as usize].max();
                 let square = batch.data.stiffness.at(i) * nodes.map(inverse).iter().sum::<f64>();
@@ -165,8 +171,12 @@ impl Scene for Network {
     }
 
     fn load(&self, at: StateRef<'_>, f: &mut [f64]) {
-        let loads =
-            self.infos.iter().enumerate().filter(|(_, info)| matches!(info.role, Role::Gravity | Role::External));
+        let loads = self
+            .arrangement
+            .infos
+            .iter()
+            .enumerate()
+            .filter(|(_, info)| matches!(info.role, Role::Gravity | Role::External));
         let parts: Vec<(&dyn ForceTerm, usize)> = loads.filter_map(|(part, _)| self.term_of(part)).collect();
         self.sum_of(&parts, node_state(at), bytemuck::cast_slice_mut(f), &mut []);
         self.add_laws(at, [bytemuck::cast_slice_mut(f), &mut []]);

@@ -101,17 +101,16 @@ impl Simulation {
     }
 
     fn origin(&self) -> Origin {
-        let (method, scene) = (&self.spec.method, &*self.scene);
+        // The scene as it is before its events: a snapshot may be of another time than the present one.
+        let (method, scene) = (&self.spec.method, self.scene.for_run());
+        scene.pass_events(0);
         let sum = |numbers: &[f64]| {
             let mut checksum = RunningChecksum::default();
             checksum.add(bytemuck::cast_slice(numbers));
             checksum.mark().crc
         };
-        // The scene as it is before its events: a snapshot may be of another time than the present one.
-        scene.pass_events(0);
         let (masses, stiffness) = (sum(scene.inverse_mass()), scene.nodal_stiffness());
         let State { t, x, v } = scene.initial_state();
-        scene.pass_events(self.state.events_passed());
         // Numbers in the engine's order, brought into the user's.
         let counted = State { t, x: (0..x.len()).map(|dof| dof as f64).collect(), v };
         let mut order = vec![[0.0; 3]; self.node_count()];
