@@ -102,11 +102,6 @@ pub trait Scene: TangentSystem + Observables {
         &[]
     }
 
-    /// The edges (user's numbers) that have a spring, ascending.
-    fn spring_edges(&self) -> Vec<u32> {
-        Vec::new()
-    }
-
     /// Multiplies the rest lengths of springs as given by factors, `[n_edges]` in the user's numbering.
     fn set_rest_length_factors(&mut self, factors: &[f64]) {
         let _ = factors;
@@ -123,11 +118,6 @@ pub trait Scene: TangentSystem + Observables {
     fn pass_events(&self, passed: usize) -> bool {
         let _ = passed;
         false
-    }
-
-    /// While `taut`, tangents and bounds take every spring that is slack as just taut.
-    fn take_slack_as_taut(&self, taut: bool) {
-        let _ = taut;
     }
 
     /// [s] Times after 0 from which the tangent is another at the same positions, ascending: of releases, of cuts, and
@@ -156,12 +146,6 @@ pub trait Scene: TangentSystem + Observables {
         None
     }
 
-    /// Holds the wind at a velocity [m/s], or goes back to its table. `false` if the scene has no air.
-    fn hold_wind(&self, wind: Option<[f64; 3]>) -> bool {
-        let _ = wind;
-        false
-    }
-
     /// The state at time `t` [s] with these positions [m] and velocities [m/s], each `[n_nodes][3]` in the user's
     /// numbering; held directions have the velocity of their support, and what a support moves is where it moves it.
     /// `None` if the scene has no such state.
@@ -175,12 +159,6 @@ pub trait Scene: TangentSystem + Observables {
         None
     }
 
-    /// [m/s] Winds at time `t` [s], between which that at any height is; none without air.
-    fn winds(&self, t: f64) -> Vec<[f64; 3]> {
-        let _ = t;
-        Vec::new()
-    }
-
     /// [m] the scene's size: half the largest extent of its nodes at t = 0, or what its rest lengths allow if it is
     /// packed in less: a quarter of the longest path along springs and sheets. 0 for a single node.
     fn size(&self) -> f64;
@@ -188,32 +166,11 @@ pub trait Scene: TangentSystem + Observables {
     /// [m] half the largest extent of the nodes in a state.
     fn extent(&self, at: StateRef<'_>) -> f64;
 
-    /// Whether some force changes its law with the state: springs that can go slack.
-    fn has_branches(&self) -> bool {
-        false
-    }
-
-    /// Writes into `impulse` [N s] `[n_dof]` the impulse that depends on changes of force laws within a step. For each
-    /// force it is the smaller of two: what the force would have added with the law at the start, or with the other law
-    /// from the start. Returns where the force with the largest impulse changes first, as a share of the step. `None`
-    /// if none changes; `impulse` is then unspecified.
-    fn branch_changes(&self, step: [StateRef<'_>; 2], impulse: &mut [f64]) -> Option<f64> {
-        let _ = (step, impulse);
-        None
-    }
-
     /// The likely cause of a failure at a degree of freedom of a state.
     fn suspect(&self, at: StateRef<'_>, dof: usize) -> Suspect;
 
     /// Node (user's number) and axis of a degree of freedom.
     fn name_of(&self, dof: usize) -> (u32, &'static str);
-
-    /// The spring (user's number) with the largest stiffness over the masses at its ends, at the node of a degree of
-    /// freedom.
-    fn fastest_spring(&self, dof: usize) -> Option<u32> {
-        let _ = dof;
-        None
-    }
 
     /// Writes into `f` [N] `[n_dof]` the loads in a state: gravity, pressure and air, without springs and dampers.
     /// Allocates.
@@ -254,5 +211,11 @@ pub trait Scene: TangentSystem + Observables {
 /// The node of a degree of freedom, and the fastest spring at it, in words.
 pub fn place_of(scene: &dyn Scene, dof: usize) -> String {
     let node = scene.name_of(dof).0;
-    scene.fastest_spring(dof).map_or_else(|| format!("node {node}"), |spring| format!("node {node}, spring {spring}"))
+    fastest_spring(scene, dof).map_or_else(|| format!("node {node}"), |spring| format!("node {node}, spring {spring}"))
+}
+
+/// The spring (user's number) with the largest stiffness over the masses at its ends, at the node of a degree of
+/// freedom.
+pub fn fastest_spring(scene: &dyn Scene, dof: usize) -> Option<u32> {
+    scene.springs()?.fastest_spring(dof)
 }

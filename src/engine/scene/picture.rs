@@ -6,6 +6,7 @@ use crate::force::law::damped_springs::axial_force;
 use crate::force::law::membrane::MembraneState;
 use crate::force::law::spring::SpringOutput;
 use crate::mesh::Groups;
+use crate::model::abilities::{Air, Springs};
 use crate::model::forces::Forces;
 use crate::model::gauge::CANOPY_QUANTITIES;
 use crate::model::motion::motion;
@@ -31,13 +32,12 @@ impl Observables for Network {
         &self.mesh.groups
     }
 
-    fn has_air_pressure(&self) -> bool {
-        !self.acting.pressures.is_empty()
+    fn springs(&self) -> Option<&dyn Springs> {
+        (!self.acting.springs.is_empty()).then_some(self)
     }
 
-    fn triangle_pressure(&self, at: StateRef<'_>, out: &mut [f64]) {
-        out.fill(0.0);
-        self.acting.pressures.iter().for_each(|pressure| pressure.write(node_state(at), out));
+    fn air(&self) -> Option<&dyn Air> {
+        self.acting.stream.is_some().then_some(self)
     }
 
     fn triangle_membranes(&self, at: StateRef<'_>, out: &mut [MembranePicture]) {
@@ -83,14 +83,6 @@ impl Observables for Network {
         }
     }
 
-    fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]) {
-        for batch in self.carrying().filter(|batch| batch.axial) {
-            for (i, &edge) in batch.edges.iter().enumerate() {
-                tension[edge as usize] += axial_force(&batch.data, node_state(at), i, batch.dashpot.at(i));
-            }
-        }
-    }
-
     fn max_strain(&self, at: StateRef<'_>) -> f64 {
         let x = by_node(at.x);
         let springs = self.carrying().map(|b| b.data.largest_stretch(b.data.at(at.t, x)));
@@ -118,6 +110,15 @@ impl Observables for Network {
             NodeQuantity::Reaction => std::array::from_fn(|i| self.reaction(&at.forces, (3 * internal + i) as u32)),
         }
     }
+}
+
+impl Springs for Network {
+    fn spring_edges(&self) -> Vec<u32> {
+        let mut edges: Vec<u32> = self.acting.springs.iter().flat_map(|batch| batch.edges.iter().copied()).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+    }
 
     fn springs_on(&self, edges: &[u32], rule: Option<usize>) -> Vec<SpringPlace> {
         let batches =
@@ -137,6 +138,62 @@ impl Observables for Network {
         let (data, i) = (&batch.data, number as usize);
         let elastic = data.tension(data.at(at.t, by_node(at.x)), i);
         if batch.axial { elastic + axial_force(data, node_state(at), i, batch.dashpot.at(i)) } else { elastic }
+    }
+
+    fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]) {
+        for batch in self.carrying().filter(|batch| batch.axial) {
+            for (i, &edge) in batch.edges.iter().enumerate() {
+                tension[edge as usize] += axial_force(&batch.data, node_state(at), i, batch.dashpot.at(i));
+            }
+        }
+    }
+
+    fn fastest_spring(&self, dof: usize) -> Option<u32> {
+        let node = (dof / 3) as u32;
+        let mut fastest: Option<(f64, u32)> = None;
+        for batch in self.carrying() {
+            let here =
+                batch.data.nodes.iter().zip(batch.edges.iter()).enumerate().filter(|(_, (n, _))| n.contains(&node));
+            for (i, (nodes, edge)) in here {
+                let inverse = |node: u32| by_node(&self.phase().inverse_mass)[node as usize].max();
+                let square = batch.data.stiffness.at(i) * nodes.map(inverse).iter().sum::<f64>();
+                if fastest.is_none_or(|(most, _)| square > most) {
+                    fastest = Some((square, *edge));
+                }
+            }
+        }
+        fastest.map(|(_, edge)| edge)
+    }
+
+    fn take_slack_as_taut(&self, taut: bool) {
+        self.acting.springs.iter().for_each(|batch| batch.cut.set_slack_is_taut(taut));
+    }
+
+    fn has_branches(&self) -> bool {
+        self.goes_slack()
+    }
+
+    fn branch_changes(&self, step: [StateRef<'_>; 2], impulse: &mut [f64]) -> Option<f64> {
+        self.branch_changes_of(step, impulse)
+    }
+}
+
+impl Air for Network {
+    fn hold_wind(&self, wind: Option<[f64; 3]>) {
+        self.acting.stream.iter().for_each(|stream| stream.hold(wind));
+    }
+
+    fn winds(&self, t: f64) -> Vec<[f64; 3]> {
+        self.acting.stream.iter().flat_map(|stream| stream.winds(t)).map(Into::into).collect()
+    }
+
+    fn presses(&self) -> bool {
+        !self.acting.pressures.is_empty()
+    }
+
+    fn triangle_pressure(&self, at: StateRef<'_>, out: &mut [f64]) {
+        out.fill(0.0);
+        self.acting.pressures.iter().for_each(|pressure| pressure.write(node_state(at), out));
     }
 
     fn canopies(&self) -> usize {

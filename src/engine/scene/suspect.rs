@@ -38,13 +38,6 @@ impl Scene for Network {
         &self.acting.loads
     }
 
-    fn spring_edges(&self) -> Vec<u32> {
-        let mut edges: Vec<u32> = self.acting.springs.iter().flat_map(|batch| batch.edges.iter().copied()).collect();
-        edges.sort_unstable();
-        edges.dedup();
-        edges
-    }
-
     fn set_rest_length_factors(&mut self, factors: &[f64]) {
         self.scale_rest_lengths(factors);
     }
@@ -55,10 +48,6 @@ impl Scene for Network {
 
     fn pass_events(&self, passed: usize) -> bool {
         self.begin_phase(passed)
-    }
-
-    fn take_slack_as_taut(&self, taut: bool) {
-        self.acting.springs.iter().for_each(|batch| batch.cut.set_slack_is_taut(taut));
     }
 
     fn changes(&self) -> Vec<f64> {
@@ -82,10 +71,6 @@ impl Scene for Network {
         self.external.as_ref()
     }
 
-    fn hold_wind(&self, wind: Option<[f64; 3]>) -> bool {
-        self.acting.stream.as_ref().map(|stream| stream.hold(wind)).is_some()
-    }
-
     fn state_of(&self, t: f64, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Option<State> {
         let n = self.built.numbering.user.len();
         if [positions.len(), velocities.len()] != [n; 2] {
@@ -100,18 +85,6 @@ impl Scene for Network {
         let mut state = State { t, x, v };
         self.put_moved(&mut state);
         Some(state)
-    }
-
-    fn has_branches(&self) -> bool {
-        self.goes_slack()
-    }
-
-    fn branch_changes(&self, step: [StateRef<'_>; 2], impulse: &mut [f64]) -> Option<f64> {
-        self.branch_changes_of(step, impulse)
-    }
-
-    fn winds(&self, t: f64) -> Vec<[f64; 3]> {
-        self.acting.stream.iter().flat_map(|stream| stream.winds(t)).map(Into::into).collect()
     }
 
     fn size(&self) -> f64 {
@@ -151,23 +124,6 @@ impl Scene for Network {
 
     fn name_of(&self, dof: usize) -> (u32, &'static str) {
         (self.built.numbering.user[dof / 3], AXES[dof % 3])
-    }
-
-    fn fastest_spring(&self, dof: usize) -> Option<u32> {
-        let node = (dof / 3) as u32;
-        let mut fastest: Option<(f64, u32)> = None;
-        for batch in self.carrying() {
-            let here =
-                batch.data.nodes.iter().zip(batch.edges.iter()).enumerate().filter(|(_, (n, _))| n.contains(&node));
-            for (i, (nodes, edge)) in here {
-                let inverse = |node: u32| by_node(&self.phase().inverse_mass)[node as usize].max();
-                let square = batch.data.stiffness.at(i) * nodes.map(inverse).iter().sum::<f64>();
-                if fastest.is_none_or(|(most, _)| square > most) {
-                    fastest = Some((square, *edge));
-                }
-            }
-        }
-        fastest.map(|(_, edge)| edge)
     }
 
     fn load(&self, at: StateRef<'_>, f: &mut [f64]) {

@@ -187,7 +187,7 @@ impl Simulation {
         for (load, factor) in loads {
             self.scale_of(load, factor)?.set(factor);
         }
-        self.scene.hold_wind(wind);
+        self.scene.air().into_iter().for_each(|air| air.hold_wind(wind));
         self.wind = wind;
         match anew {
             None => self.take_up(snapshot)?,

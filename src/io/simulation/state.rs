@@ -107,7 +107,7 @@ impl Simulation {
         let (mut tension, mut strain) = (vec![0.0; n], vec![0.0; n]);
         let at = self.state.from.state.as_ref();
         self.scene.edge_tension(at, &mut tension, &mut strain);
-        self.scene.add_axial_damping(at, &mut tension);
+        self.scene.springs().into_iter().for_each(|springs| springs.add_axial_damping(at, &mut tension));
         tension
     }
 
@@ -278,9 +278,8 @@ impl Simulation {
         if wind.is_some_and(|wind| wind.iter().any(|value| !value.is_finite())) {
             return Err(SimulationError::NotFinite { what: "wind", row: 0 });
         }
-        if !self.scene.hold_wind(wind) && wind.is_some() {
-            return Err(SimulationError::Unsupported("air, and so no wind"));
-        }
+        let air = self.scene.air().ok_or(SimulationError::Unsupported("air, and so no wind"))?;
+        air.hold_wind(wind);
         self.wind = wind;
         self.note(Changed::Loads);
         Ok(())
@@ -317,7 +316,7 @@ impl Simulation {
 
     /// The edges that have a spring, ascending.
     pub fn spring_edges(&self) -> Vec<u32> {
-        self.scene.spring_edges()
+        self.scene.springs().map_or_else(Vec::new, |springs| springs.spring_edges())
     }
 
     /// [-] Factors of the rest lengths as given, `[n_edges]`; 1 where none was set.
@@ -337,7 +336,7 @@ impl Simulation {
     /// also a scene that is in use elsewhere. Nothing is changed then.
     pub fn set_rest_scale(&mut self, edges: &[u32], factor: f64) -> Result<(), SimulationError> {
         self.idle()?;
-        let springs = self.spring_edges.get_or_init(|| self.scene.spring_edges());
+        let springs = self.spring_edges.get_or_init(|| self.spring_edges());
         for &edge in edges {
             springs.binary_search(&edge).map_err(|_| SimulationError::NoSpring { edge })?;
         }

@@ -170,7 +170,8 @@ impl Adaptive {
         let error = LocalError::new(start.len());
         let free = free_count(scene);
         let product = vec![0.0; if scene.velocity_dependent() { start.len() } else { 0 }];
-        let kick = vec![0.0; if scene.has_branches() { start.len() } else { 0 }];
+        let kick =
+            vec![0.0; if scene.springs().is_some_and(|springs| springs.has_branches()) { start.len() } else { 0 }];
         let (motion_before, carried) = (state.motion, CarriedState::default());
         Adaptive { spec, corners, start, free, error, product, kick, motion_before, carried, pair: None, state }
     }

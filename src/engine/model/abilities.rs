@@ -1,0 +1,64 @@
+//! What only some systems have. A system returns such an ability as a value, `None` if it has none.
+
+use super::gauge::CANOPY_QUANTITIES;
+use super::observables::SpringPlace;
+use super::state::StateRef;
+
+/// Springs on edges, in the user's numbering.
+pub trait Springs {
+    /// The edges that have a spring, ascending.
+    fn spring_edges(&self) -> Vec<u32>;
+
+    /// The springs on some edges (ascending), of one rule or of all.
+    fn springs_on(&self, edges: &[u32], rule: Option<usize>) -> Vec<SpringPlace>;
+
+    /// [N] Tension of a spring with its axial dashpot.
+    fn spring_tension(&self, at: StateRef<'_>, spring: SpringPlace) -> f64;
+
+    /// Adds to the elastic tension [N] of every edge `[n_edges]` the force of the dashpot along it, if it has one.
+    /// Forces between its ends that also have other directions are not included.
+    fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]);
+
+    /// The spring with the largest stiffness over the masses at its ends, at the node of a degree of freedom.
+    fn fastest_spring(&self, dof: usize) -> Option<u32>;
+
+    /// While `taut`, tangents and bounds take every spring that is slack as just taut.
+    fn take_slack_as_taut(&self, taut: bool);
+
+    /// Whether some spring changes its law with the state: it can go slack.
+    fn has_branches(&self) -> bool;
+
+    /// Writes into `impulse` [N s] `[n_dof]` the impulse that depends on changes of force laws within a step. For each
+    /// force it is the smaller of two: what the force would have added with the law at the start, or with the other law
+    /// from the start. Returns where the force with the largest impulse changes first, as a share of the step. `None`
+    /// if none changes; `impulse` is then unspecified.
+    fn branch_changes(&self, step: [StateRef<'_>; 2], impulse: &mut [f64]) -> Option<f64>;
+}
+
+/// Air around a system.
+pub trait Air {
+    /// Holds the wind at a velocity [m/s], or goes back to its table.
+    fn hold_wind(&self, wind: Option<[f64; 3]>);
+
+    /// [m/s] Winds at time `t` [s], between which that at any height is.
+    fn winds(&self, t: f64) -> Vec<[f64; 3]>;
+
+    /// Whether it puts pressures on triangles.
+    fn presses(&self) -> bool;
+
+    /// Pressure difference [Pa] that the air puts on every triangle `[n_triangles]`, positive along its right-hand
+    /// normal; 0 on a triangle without air.
+    fn triangle_pressure(&self, at: StateRef<'_>, out: &mut [f64]);
+
+    /// Number of canopies that it fills.
+    fn canopies(&self) -> usize;
+
+    /// [`CANOPY_QUANTITIES`] of a canopy: the diameter of a circle with the area that the canopy and its openings show
+    /// along the axis; twice the mean distance of the skirt's nodes from the axis; the volume between the cloth and
+    /// flat covers of its openings; speed against the air along the axis; rho V |V|/2; drag over that; force of the air
+    /// against the motion along the axis; mean over the cloth of the pressure difference from inside to outside; the
+    /// projected diameter over D0; drag over rho V |V|/2 and S0; angle between the axis and the motion of the skirt
+    /// through the air. The drag area leaves the breathing out but for a cavity, and has no value there without speed.
+    /// The last two have no value without speed, nor while a stage has less than half of its drag area.
+    fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()];
+}
