@@ -36,9 +36,10 @@ pub fn least_later(
     let scene = &*scene.for_run();
     let mut state = scene.initial_state();
     let mut least: Option<LaterLimit> = None;
-    for t in scene.changes().into_iter().filter(|t| *t < end).take(MOST) {
+    let events = scene.events()?;
+    for t in events.changes().into_iter().filter(|t| *t < end).take(MOST) {
         state.t = t;
-        scene.pass_events(scene.events().partition_point(|event| *event <= t));
+        events.pass_events(events.event_times().partition_point(|event| *event <= t));
         let limit = match search {
             Some(allowed) if !allowed() => break,
             Some(_) => Spectrum::of(scene, state.as_ref()).critical_step(method),

@@ -165,17 +165,17 @@ impl Run<'_> {
     /// Passes the events that the accepted state has reached. A snapshot is always of the state after them.
     fn pass_events(&mut self, stepper: &mut Stepper<'_>) -> Result<(), RunError> {
         let (scene, state) = (self.scene, &mut *self.state);
-        if state.passed == scene.events().len() {
+        let Some(events) = scene.events().filter(|events| events.event_times().len() > state.passed) else {
             return Ok(());
-        }
+        };
         let passed = state.policy.passed(scene, state.from.state.t);
         if passed == state.passed {
             return Ok(());
         }
-        log::info!("t = {:.6e} s: event {passed} of {} passed", state.from.state.t, scene.events().len());
+        log::info!("t = {:.6e} s: event {passed} of {} passed", state.from.state.t, events.event_times().len());
         state.passed = passed;
-        let changed = if scene.pass_events(passed) { Changed::Phase } else { Changed::Motion };
-        scene.put_supports(&mut state.from.state);
+        let changed = if events.pass_events(passed) { Changed::Phase } else { Changed::Motion };
+        events.put_supports(&mut state.from.state);
         state.refresh(scene, stepper, changed)?;
         // What a program changes next is no part of the event.
         state.before_change = None;

@@ -2,7 +2,7 @@
 
 use super::gauge::CANOPY_QUANTITIES;
 use super::observables::SpringPlace;
-use super::state::StateRef;
+use super::state::{State, StateRef};
 
 /// Springs on edges, in the user's numbering.
 pub trait Springs {
@@ -61,4 +61,29 @@ pub trait Air {
     /// through the air. The drag area leaves the breathing out but for a cavity, and has no value there without speed.
     /// The last two have no value without speed, nor while a stage has less than half of its drag area.
     fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()];
+}
+
+/// What happens at given times: supports are released or change their velocity, springs are cut, loads and rest lengths
+/// change.
+pub trait Events {
+    /// [s] Times at which supports are released or change their velocity, or springs are cut, ascending. A run ends a
+    /// step there.
+    fn event_times(&self) -> &[f64];
+
+    /// Changes to the state of affairs after this many events. Returns whether forces, masses and tangents found
+    /// before do not fit any more.
+    fn pass_events(&self, passed: usize) -> bool;
+
+    /// [s] Times after 0 from which the tangent is another at the same positions, ascending: of releases, of cuts, and
+    /// where rest lengths that change are shortest.
+    fn changes(&self) -> Vec<f64>;
+
+    /// [s] When the last change is over that takes place before `end` [s], 0 without any: of loads, wind, base and rest
+    /// lengths by their tables, of canopies by their stages, and events. A change that goes on at `end` lasts until
+    /// then.
+    fn settled_after(&self, end: f64) -> f64;
+
+    /// Puts what supports move where it is at the time of a state, with the velocity that it then has. Returns whether
+    /// they move anything.
+    fn put_supports(&self, state: &mut State) -> bool;
 }

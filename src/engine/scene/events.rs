@@ -5,7 +5,9 @@ use super::graph::Graph;
 use super::motion::{Moved, Support};
 use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
+use crate::model::abilities::Events;
 use crate::model::spec::{NetworkSpec, SpringGroup};
+use crate::model::state::State;
 use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
 
@@ -141,5 +143,32 @@ impl Network {
             batch.cut.set(cut.get(i).copied().unwrap_or(false));
         }
         phase_before != self.built.phases.phase[self.passed()]
+    }
+}
+
+impl Events for Network {
+    fn event_times(&self) -> &[f64] {
+        self.built.phases.times()
+    }
+
+    fn pass_events(&self, passed: usize) -> bool {
+        self.begin_phase(passed)
+    }
+
+    fn changes(&self) -> Vec<f64> {
+        let shortest = self.acting.springs.iter().filter_map(|batch| batch.data.rest_scale.as_ref()?.lowest_at());
+        let mut times: Vec<f64> = self.built.phases.divisions().chain(shortest.filter(|t| *t > 0.0)).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+
+    fn settled_after(&self, end: f64) -> f64 {
+        let begun = self.built.changing.iter().filter(|[from, _]| *from < end);
+        begun.fold(0.0, |last: f64, [_, until]| last.max(until.min(end)))
+    }
+
+    fn put_supports(&self, state: &mut State) -> bool {
+        self.put_moved(state)
     }
 }

@@ -15,6 +15,7 @@ mod canopy_shape;
 mod check;
 mod check_elements;
 mod check_loads;
+mod controls;
 mod events;
 mod external;
 mod graph;
@@ -39,6 +40,7 @@ pub use pendulum::Pendulum;
 
 use crate::assembly::{SceneInterfaces, TangentSystem};
 use crate::force::law::series::Scale;
+use crate::model::abilities::Events;
 use crate::model::added_mass::AddedMass;
 use crate::model::observables::Observables;
 use crate::model::state::{State, StateRef};
@@ -90,67 +92,18 @@ pub trait Scene: TangentSystem + Observables {
     /// own, and observers and schemes that of their run.
     fn for_run(&self) -> Box<dyn Scene>;
 
-    /// Gives the scene a place for forces from outside. Forces that were sized before do not fit it any more. `false`
-    /// if the scene cannot have any.
-    fn enable_external(&mut self, kind: ExternalKind) -> bool {
-        let _ = kind;
-        false
-    }
-
-    /// The loads that a program can scale, with their factors.
-    fn loads(&self) -> &[(Load, Arc<Scale>)] {
-        &[]
-    }
-
-    /// Multiplies the rest lengths of springs as given by factors, `[n_edges]` in the user's numbering.
-    fn set_rest_length_factors(&mut self, factors: &[f64]) {
-        let _ = factors;
-    }
-
-    /// [s] Times at which supports are released or change their velocity, or springs are cut, ascending. A run ends a
-    /// step there.
-    fn events(&self) -> &[f64] {
-        &[]
-    }
-
-    /// Changes to the state of affairs after this many events. Returns whether forces, masses and tangents found
-    /// before do not fit any more.
-    fn pass_events(&self, passed: usize) -> bool {
-        let _ = passed;
-        false
-    }
-
-    /// [s] Times after 0 from which the tangent is another at the same positions, ascending: of releases, of cuts, and
-    /// where rest lengths that change are shortest.
-    fn changes(&self) -> Vec<f64> {
-        Vec::new()
-    }
-
-    /// [s] When the last change is over that takes place before `end` [s], 0 without any: of loads, wind, base and rest
-    /// lengths by their tables, of canopies by their stages, and events. A change that goes on at `end` lasts until
-    /// then.
-    fn settled_after(&self, end: f64) -> f64 {
-        let _ = end;
-        0.0
-    }
-
-    /// Puts what supports move where it is at the time of a state, with the velocity that it then has. Returns whether
-    /// they move anything.
-    fn put_supports(&self, state: &mut State) -> bool {
-        let _ = state;
-        false
-    }
-
-    /// The forces from outside, once they are enabled.
-    fn external(&self) -> Option<&ExternalForces> {
+    /// What happens to it at given times; `None` if nothing can.
+    fn events(&self) -> Option<&dyn Events> {
         None
     }
 
-    /// The state at time `t` [s] with these positions [m] and velocities [m/s], each `[n_nodes][3]` in the user's
-    /// numbering; held directions have the velocity of their support, and what a support moves is where it moves it.
-    /// `None` if the scene has no such state.
-    fn state_of(&self, t: f64, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Option<State> {
-        let _ = (t, positions, velocities);
+    /// What a program can set, and read of it; `None` if there is nothing.
+    fn controls(&self) -> Option<&dyn Controls> {
+        None
+    }
+
+    /// The same, also what is set for the whole scene at once.
+    fn controls_mut(&mut self) -> Option<&mut dyn Controls> {
         None
     }
 
@@ -206,6 +159,41 @@ pub trait Scene: TangentSystem + Observables {
         let _ = (ratio, at);
         None
     }
+}
+
+/// What a program sets while a simulation runs.
+pub trait Controls {
+    /// The loads that a program can scale, with their factors.
+    fn loads(&self) -> &[(Load, Arc<Scale>)];
+
+    /// The forces from outside, once they are enabled.
+    fn external(&self) -> Option<&ExternalForces>;
+
+    /// Gives the scene a place for forces from outside. Forces that were sized before do not fit it any more.
+    fn enable_external(&mut self, kind: ExternalKind);
+
+    /// Multiplies the rest lengths of springs as given by factors, `[n_edges]` in the user's numbering.
+    fn set_rest_length_factors(&mut self, factors: &[f64]);
+
+    /// The state at time `t` [s] with these positions [m] and velocities [m/s], each `[n_nodes][3]` in the user's
+    /// numbering; held directions have the velocity of their support, and what a support moves is where it moves it.
+    /// `None` if slices have another length.
+    fn state_of(&self, t: f64, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Option<State>;
+}
+
+/// [s] The [events](Events::event_times) of a scene.
+pub fn event_times(scene: &dyn Scene) -> &[f64] {
+    scene.events().map_or(&[], |events| events.event_times())
+}
+
+/// [Passes events](Events::pass_events) of a scene, if it can have any.
+pub fn pass_events(scene: &dyn Scene, passed: usize) -> bool {
+    scene.events().is_some_and(|events| events.pass_events(passed))
+}
+
+/// The [loads](Controls::loads) of a scene.
+pub fn loads(scene: &dyn Scene) -> &[(Load, Arc<Scale>)] {
+    scene.controls().map_or(&[], |controls| controls.loads())
 }
 
 /// The node of a degree of freedom, and the fastest spring at it, in words.

@@ -1,18 +1,16 @@
 //! What a failure report says about a node of a network, and the size of a network.
 
-use super::external::{ExternalForces, ExternalKind};
 use super::network::{Network, by_node, node_state};
-use super::{BesideStiff, BoundBuffer, Load, Scene, Suspect};
+use super::{BesideStiff, BoundBuffer, Controls, Scene, Suspect};
 use crate::assembly::{SceneInterfaces, TangentSystem};
-use crate::force::law::series::Scale;
 use crate::force::{ForceTerm, TangentForm, TangentSink};
+use crate::model::abilities::Events;
 use crate::model::added_mass::AddedMass;
 use crate::model::bounds::extent;
 use crate::model::forces::Role;
-use crate::model::state::{State, StateRef};
+use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use nalgebra::{Matrix3, Vector3};
-use std::sync::Arc;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -25,66 +23,20 @@ impl Scene for Network {
         Box::new(self.copy())
     }
 
-    fn enable_external(&mut self, kind: ExternalKind) -> bool {
-        self.enable(kind);
-        true
+    fn events(&self) -> Option<&dyn Events> {
+        Some(self)
+    }
+
+    fn controls(&self) -> Option<&dyn Controls> {
+        Some(self)
+    }
+
+    fn controls_mut(&mut self) -> Option<&mut dyn Controls> {
+        Some(self)
     }
 
     fn added_mass(&self) -> Option<AddedMass> {
         self.built.added_mass
-    }
-
-    fn loads(&self) -> &[(Load, Arc<Scale>)] {
-        &self.acting.loads
-    }
-
-    fn set_rest_length_factors(&mut self, factors: &[f64]) {
-        self.scale_rest_lengths(factors);
-    }
-
-    fn events(&self) -> &[f64] {
-        self.built.phases.times()
-    }
-
-    fn pass_events(&self, passed: usize) -> bool {
-        self.begin_phase(passed)
-    }
-
-    fn changes(&self) -> Vec<f64> {
-        let shortest = self.acting.springs.iter().filter_map(|batch| batch.data.rest_scale.as_ref()?.lowest_at());
-        let mut times: Vec<f64> = self.built.phases.divisions().chain(shortest.filter(|t| *t > 0.0)).collect();
-        times.sort_by(f64::total_cmp);
-        times.dedup();
-        times
-    }
-
-    fn settled_after(&self, end: f64) -> f64 {
-        let begun = self.built.changing.iter().filter(|[from, _]| *from < end);
-        begun.fold(0.0, |last: f64, [_, until]| last.max(until.min(end)))
-    }
-
-    fn put_supports(&self, state: &mut State) -> bool {
-        self.put_moved(state)
-    }
-
-    fn external(&self) -> Option<&ExternalForces> {
-        self.external.as_ref()
-    }
-
-    fn state_of(&self, t: f64, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Option<State> {
-        let n = self.built.numbering.user.len();
-        if [positions.len(), velocities.len()] != [n; 2] {
-            return None;
-        }
-        let own = |values: &[[f64; 3]]| -> Vec<f64> {
-            self.built.numbering.user.iter().flat_map(|&user| values[user as usize]).collect()
-        };
-        let (x, mut v) = (own(positions), own(velocities));
-        let held = v.iter_mut().zip(self.phase().fixed.as_flattened()).filter(|(_, held)| **held);
-        held.for_each(|(v, _)| *v = 0.0);
-        let mut state = State { t, x, v };
-        self.put_moved(&mut state);
-        Some(state)
     }
 
     fn size(&self) -> f64 {

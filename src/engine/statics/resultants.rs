@@ -127,7 +127,9 @@ const MOVED: f64 = 0.1;
 
 /// The failure of a scene with loads that nothing holds: no support, no pressure, no wind.
 pub(super) fn unsupported(scene: &dyn Scene, at: &Point, size: f64) -> Option<StaticFailure> {
-    if scene.external().is_some() || scene.n_dof() != 3 * scene.reference().len() {
+    if scene.controls().is_some_and(|controls| controls.external().is_some())
+        || scene.n_dof() != 3 * scene.reference().len()
+    {
         return None;
     }
     let mut moved = at.state.clone();
