@@ -8,7 +8,7 @@ use super::build_surface::MembraneBatch;
 use super::canopy_shape::CanopyShape;
 use super::check::{BuildError, check, check_bars};
 use super::events::Phases;
-use super::network::{Acting, Built, Network, SpringBatch};
+use super::network::{Acting, Added, Built, Network, SpringBatch};
 use super::numbering::Numbering;
 use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::air::{Air, AirData};
@@ -24,7 +24,7 @@ use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::law::gravity::Gravity;
 use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
 use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
-use crate::force::law::series::{LoadFactor, SampledTable, Scale, Table, scalar};
+use crate::force::law::series::{LoadFactor, Table, scalar};
 use crate::force::law::spring::{Coefficient, Cut, SpringData};
 use crate::force::law::stream::Stream;
 use crate::force::law::triangle::AreaVector;
@@ -32,7 +32,7 @@ use crate::force::schedule::threads::Threads;
 use crate::mesh::unit_vector::unit_vector;
 use crate::model::spec::{
     CanopyAir, CavitySpec, DashpotKind, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, Series, SpringGroup,
-    StreamSpec, support_velocity,
+    StreamSpec, ascending, support_velocity,
 };
 use crate::startup::{Phase, timed};
 use nalgebra::Vector3;
@@ -68,7 +68,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let mass: Arc<[f64]> = (0..n).map(|i| spec.mass[at(i)]).collect();
     let of_wind = || Some(StreamSpec::of_wind(spec.air.as_ref()?.wind.clone()));
     let stream = spec.stream.clone().or_else(of_wind).map(|stream| Arc::new(Stream::new(stream)));
-    let acting = Acting { stream, ..Acting::default() };
+    let acting = Acting::around(stream);
     let mut builder = Builder { spec: &spec, numbering: &numbering, acting, membranes: Vec::new() };
     builder.springs_and_dashpots();
     bars.iter().for_each(|bars| builder.bars(bars));
@@ -85,10 +85,12 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let velocity = if velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity[at(i)]).collect() };
     let scaled = builder.scale_masses([&reference, &start], &velocity, (&fixed, &mass))?;
     let (inertia, added_mass) = scaled.map_or((mass.clone(), None), |(inertia, added)| (inertia.into(), Some(added)));
-    let Builder { mut acting, membranes, .. } = builder;
-    acting.tables.extend(acting.stream.clone().map(|stream| stream as Arc<dyn SampledTable>));
+    let Builder { acting, membranes, .. } = builder;
+    let phases = Phases::new(&spec, &inertia, &numbering);
     let built = Built {
-        phases: Phases::new(&spec, &inertia, &numbering),
+        corners: ascending(acting.corners().chain(phases.times().iter().copied()).collect()),
+        changing: acting.changing().chain(phases.changing(&spec.motions)).collect(),
+        phases,
         numbering,
         weighed: mass,
         mass: inertia,
@@ -96,8 +98,6 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         start,
         velocity,
         gravity: spec.gravity.map_or(Vector3::zeros(), Vector3::from),
-        corners: spec.corners(),
-        changing: spec.changing(),
         membranes,
         ..Built::default()
     };
@@ -159,15 +159,15 @@ impl Builder<'_> {
     fn springs_and_dashpots(&mut self) {
         for group in self.spec.springs.iter().filter(|group| !group.edges.is_empty()) {
             let mut batch = self.spring_batch(group);
-            if let Some(factor) = &group.rest_scale {
-                let table = scalar(factor);
-                self.acting.tables.push(table.clone());
-                batch.data.rest_scale = Some(table);
-            }
+            batch.data.rest_scale = group.rest_scale.as_ref().map(scalar);
             let coefficient = batch.dashpot.clone();
             let dashpots = group.dashpot.as_ref().map(|dashpot| Dashpots { kind: dashpot.kind, coefficient });
             let springs = DampedSprings::new(batch.data.clone(), dashpots).cut_with(batch.cut.clone());
-            self.acting.terms.push(Box::new(springs));
+            let added = Added::term(springs);
+            self.acting.add(match batch.data.rest_scale.clone() {
+                Some(table) => added.by(table),
+                None => added,
+            });
             self.acting.springs.push(batch);
         }
     }
@@ -178,7 +178,7 @@ impl Builder<'_> {
             bars.pairs.iter().map(ends).zip(bars.rest_length.iter().copied()).collect();
         order.sort_by_key(|([a, b], _)| (*a.min(b), *a.max(b)));
         let (nodes, rest_length) = order.into_iter().unzip();
-        self.acting.terms.push(Box::new(LawBars::new(BarData { nodes, rest_length, law: bars.law.clone() })));
+        self.acting.add(Added::term(LawBars::new(BarData { nodes, rest_length, law: bars.law.clone() })));
     }
 
     fn spring_batch(&self, group: &SpringGroup) -> SpringBatch {
@@ -212,16 +212,16 @@ impl Builder<'_> {
 
     fn gravity(&mut self, mass: &[f64], start: &Arc<[Vector3<f64>]>) {
         let Some(g) = self.spec.gravity else { return };
-        let scale = self.scale(Load::Gravity);
-        self.acting.terms.push(Box::new(Gravity::new((Vector3::from(g), scale), mass.iter().copied(), start.clone())));
+        let factor = LoadFactor::default();
+        let g = (Vector3::from(g), factor.scale.clone());
+        self.acting.add(Added::load(Gravity::new(g, mass.iter().copied(), start.clone()), Load::Gravity, factor));
     }
 
     pub(super) fn base(&mut self, fixed: &[[bool; 3]], mass: &[f64]) {
         let Some(table) = &self.spec.base_acceleration else { return };
         let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
         let acceleration = Arc::new(Table::new(table.clone()));
-        self.acting.tables.push(acceleration.clone());
-        self.acting.terms.push(Box::new(BaseAcceleration::new(acceleration, mass)));
+        self.acting.add(Added::term(BaseAcceleration::new(acceleration.clone(), mass)).by(acceleration));
     }
 
     fn air(&mut self) {
@@ -230,7 +230,7 @@ impl Builder<'_> {
         let Some(stream) = self.acting.stream.clone() else { return };
         let data = AirData { triangles, linear: air.linear, quadratic: air.quadratic, stream };
         self.show_pressure(AirLaw::Cloth(data.clone()));
-        self.acting.terms.push(Box::new(Air::new(data)));
+        self.acting.add(Added::term(Air::new(data)));
     }
 
     fn show_pressure(&mut self, law: AirLaw) {
@@ -276,49 +276,44 @@ impl Builder<'_> {
             let data = CanopyData { triangles, pressure_coefficient, axis, air };
             self.acting.canopies.push(CanopyShape::new(data.clone(), enclosure, canopy.nominal_area));
             self.show_pressure(AirLaw::Canopy(data.clone()));
-            self.acting.terms.push(Box::new(Canopy::new(data)));
+            let stages = canopy.air.stages().iter().map(|stage| [stage.start, stage.start + stage.duration]);
+            self.acting.add(Added { changes: stages.collect(), ..Added::term(Canopy::new(data)) });
         }
         Ok(())
     }
 
     fn drag(&mut self) {
-        let Some(stream) = &self.acting.stream else { return };
+        let Some(stream) = self.acting.stream.clone() else { return };
         for LineDragSpec { edges, diameter, coefficient } in &self.spec.line_drag {
             let ends = |edge: u32| self.spec.mesh.edges[edge as usize].map(|i| self.node(i));
             let mut segments: Vec<[u32; 2]> = edges.iter().map(|&edge| ends(edge)).collect();
             segments.sort_unstable_by_key(|[a, b]| (*a.min(b), *a.max(b)));
             let (segments, width, stream) = (segments.into(), diameter * coefficient, stream.clone());
-            self.acting.terms.push(Box::new(LineDrag::new(LineDragData { segments, width, stream })));
+            self.acting.add(Added::term(LineDrag::new(LineDragData { segments, width, stream })));
         }
         for NodeDragSpec { nodes, drag_area } in &self.spec.node_drag {
             let mut nodes: Vec<[u32; 1]> = nodes.iter().map(|&i| [self.node(i)]).collect();
             nodes.sort_unstable();
             let (nodes, drag_area, stream) = (nodes.into(), *drag_area, stream.clone());
-            self.acting.terms.push(Box::new(NodeDrag::new(NodeDragData { nodes, drag_area, stream })));
+            self.acting.add(Added::term(NodeDrag::new(NodeDragData { nodes, drag_area, stream })));
         }
     }
 
-    fn scale(&mut self, load: Load) -> Arc<Scale> {
-        let scale = Arc::new(Scale::default());
-        self.acting.loads.push((load, scale.clone()));
-        scale
-    }
-
-    fn factor(&mut self, load: Load, series: Option<&Series<f64>>) -> LoadFactor {
-        let table = series.map(scalar);
-        self.acting.tables.extend(table.iter().map(|table| table.clone() as Arc<dyn SampledTable>));
-        LoadFactor { table, scale: self.scale(load) }
-    }
-
     fn loads(&mut self, start: &[Vector3<f64>]) {
+        let factor_of =
+            |series: &Option<Series<f64>>| LoadFactor { table: series.as_ref().map(scalar), ..LoadFactor::default() };
         for (number, load) in self.spec.pressures.iter().enumerate() {
             let triangles = self.triangles(load.triangles.iter().copied());
-            let (pressure, factor) = (load.pressure, self.factor(Load::Pressure(number), load.factor.as_ref()));
-            self.acting.terms.push(match load.kind {
-                PressureKind::Follower => Box::new(FollowerPressure::new(FollowerData { triangles, pressure, factor })),
+            let (number, pressure, own) = (Load::Pressure(number), load.pressure, factor_of(&load.factor));
+            let factor = own.clone();
+            self.acting.add(match load.kind {
+                PressureKind::Follower => {
+                    Added::load(FollowerPressure::new(FollowerData { triangles, pressure, factor }), number, own)
+                }
                 PressureKind::Dead(direction) => {
                     let direction = direction.map(Vector3::from);
-                    Box::new(DeadPressure { triangles: &triangles, pressure, direction, factor }.lump(start))
+                    let dead = DeadPressure { triangles: &triangles, pressure, direction, factor };
+                    Added::load(dead.lump(start), number, own)
                 }
             });
         }
@@ -326,21 +321,22 @@ impl Builder<'_> {
             let mut nodes: Vec<u32> = load.nodes.iter().map(|&i| self.node(i)).collect();
             nodes.sort_unstable();
             let force = nodes.iter().map(|_| Vector3::from(load.force)).collect();
-            let factor = self.factor(Load::Forces(number), load.factor.as_ref());
-            self.acting.terms.push(Box::new(NodalForces { info: FORCES, nodes: nodes.into(), force, factor }));
+            let factor = factor_of(&load.factor);
+            let forces = NodalForces { info: FORCES, nodes: nodes.into(), force, factor: factor.clone() };
+            self.acting.add(Added::load(forces, Load::Forces(number), factor));
         }
     }
 
     fn rayleigh(&mut self, mass: &Arc<[f64]>, reference: &[Vector3<f64>]) {
         let Some(rayleigh) = self.spec.rayleigh else { return };
         if rayleigh.mass != 0.0 {
-            self.acting.terms.push(Box::new(RayleighMass { factor: rayleigh.mass, mass: mass.clone() }));
+            self.acting.add(Added::term(RayleighMass { factor: rayleigh.mass, mass: mass.clone() }));
         }
         if rayleigh.stiffness == 0.0 {
             return;
         }
         self.rayleigh_membranes(rayleigh.stiffness, reference);
-        for batch in &self.acting.springs {
+        for batch in self.acting.springs.clone() {
             let data = &batch.data;
             let coefficient: Vec<f64> =
                 (0..data.nodes.len()).map(|i| rayleigh.stiffness * data.stiffness.at(i)).collect();
@@ -348,7 +344,7 @@ impl Builder<'_> {
                 .nodes
                 .iter()
                 .map(|&[a, b]| unit_vector(reference[b as usize] - reference[a as usize]).unwrap_or_default());
-            self.acting.terms.push(Box::new(RayleighStiffness::new(RayleighData {
+            self.acting.add(Added::term(RayleighStiffness::new(RayleighData {
                 nodes: data.nodes.clone(),
                 coefficient: Coefficient::from_values(&coefficient),
                 direction: direction.collect(),

@@ -2,6 +2,7 @@
 
 use super::build::Builder;
 use super::check::BuildError;
+use super::network::Added;
 use crate::force::law::bending::{Bending, BendingData, BendingElement, Hinge};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -91,6 +92,6 @@ impl Builder<'_> {
         }
         list.sort_by_key(|(nodes, _)| (nodes.iter().copied().min(), *nodes));
         let (nodes, elements): (Vec<_>, Vec<_>) = list.into_iter().unzip();
-        self.acting.terms.push(Box::new(Bending::new(BendingData { nodes, elements })));
+        self.acting.add(Added::term(Bending::new(BendingData { nodes, elements })));
     }
 }

@@ -2,6 +2,7 @@
 
 use super::build::Builder;
 use super::check::BuildError;
+use super::network::Added;
 use crate::force::law::membrane::{Membrane, MembraneData, RestShape};
 use crate::force::law::rayleigh_membrane::{RayleighMembrane, RayleighMembraneData};
 use crate::force::law::tension_field::Sheet;
@@ -50,7 +51,7 @@ impl Builder<'_> {
         for spec in &self.spec.membranes {
             let corners = |t: u32| self.spec.mesh.triangles[t as usize].map(|i| self.node(i));
             let batch = MembraneBatch::new(spec, corners, rest)?;
-            self.acting.terms.push(Box::new(Membrane::new(batch.data.clone())));
+            self.acting.add(Added::term(Membrane::new(batch.data.clone())));
             self.membranes.push(batch);
         }
         Ok(())
@@ -60,7 +61,7 @@ impl Builder<'_> {
         for MembraneBatch { data, .. } in &self.membranes {
             let triangles = data.triangles.clone();
             let rest = (0..triangles.len()).map(|i| data.at_rest(i, rest, beta)).collect();
-            self.acting.terms.push(Box::new(RayleighMembrane::new(RayleighMembraneData { triangles, rest })));
+            self.acting.add(Added::term(RayleighMembrane::new(RayleighMembraneData { triangles, rest })));
         }
     }
 }

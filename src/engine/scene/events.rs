@@ -6,7 +6,7 @@ use super::motion::{Moved, Support};
 use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
 use crate::model::abilities::Events;
-use crate::model::spec::{NetworkSpec, SpringGroup};
+use crate::model::spec::{MotionSpec, NetworkSpec, SpringGroup};
 use crate::model::state::State;
 use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
@@ -95,6 +95,12 @@ impl Phases {
     pub(super) fn divisions(&self) -> impl Iterator<Item = f64> {
         let pairs = self.times.iter().zip(self.phase.windows(2));
         pairs.filter(|(_, phases)| phases[0] != phases[1]).map(|(t, _)| *t)
+    }
+
+    /// [s] Beginnings and ends of the changes of supports, and of springs that are cut.
+    pub(super) fn changing<'a>(&'a self, motions: &'a [MotionSpec]) -> impl Iterator<Item = [f64; 2]> + 'a {
+        let moved = motions.iter().flat_map(|motion| motion.displacement.changing());
+        moved.chain(self.divisions().map(|t| [t, t]))
     }
 
     /// Whether supports move at some time.

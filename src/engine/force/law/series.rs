@@ -59,8 +59,14 @@ impl<const N: usize> Table<N> {
     }
 }
 
-/// The preparation of a table for a run.
+/// Values over time, as a run sees them.
 pub trait SampledTable: Send + Sync {
+    /// [s] Times at which it has a corner or a jump.
+    fn corners(&self) -> Vec<f64>;
+
+    /// [s] Beginnings and ends of its changes.
+    fn changing(&self) -> Vec<[f64; 2]>;
+
     /// Makes the table ready for a run of fixed steps of `h` [s] from t = 0, or for any other run.
     fn sample(&self, h: Option<f64>);
 
@@ -69,6 +75,14 @@ pub trait SampledTable: Send + Sync {
 }
 
 impl<const N: usize> SampledTable for Table<N> {
+    fn corners(&self) -> Vec<f64> {
+        self.given.t.clone()
+    }
+
+    fn changing(&self) -> Vec<[f64; 2]> {
+        self.given.changing().collect()
+    }
+
     fn sample(&self, h: Option<f64>) {
         let made = h.and_then(|h| sampled_by_steps(&self.given, h));
         self.replaced.write().unwrap_or_else(PoisonError::into_inner).sampled = made;

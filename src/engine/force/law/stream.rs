@@ -140,6 +140,18 @@ impl Stream {
 }
 
 impl SampledTable for Stream {
+    /// Rows of the wind, and begin, peak and end of gusts. The peak is there for steps as long as a gust.
+    fn corners(&self) -> Vec<f64> {
+        let times = |gust: &GustSpec| [0.0, 0.5, 1.0].map(|share| gust.start + share * gust.duration);
+        let gusts = self.gusts.iter().flat_map(|gust| times(&gust.given));
+        self.table.corners().into_iter().chain(gusts).collect()
+    }
+
+    fn changing(&self) -> Vec<[f64; 2]> {
+        let gusts = self.gusts.iter().map(|Gust { given, .. }| [given.start, given.start + given.duration]);
+        self.table.changing().into_iter().chain(gusts).collect()
+    }
+
     fn sample(&self, h: Option<f64>) {
         self.table.sample(h);
         self.gusts.iter().for_each(|gust| gust.sample(h));
