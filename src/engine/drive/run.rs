@@ -22,7 +22,7 @@ use crate::integrate::stepper::Stepper;
 use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
 use crate::model::stop::Stop;
-use crate::scene::Scene;
+use crate::scene::{Scene, sample_tables};
 use crate::startup::{Phase, timed};
 pub use accept::StepEnd;
 pub use change::Changed;
@@ -251,7 +251,7 @@ impl RunState {
         if let Some(found) = [state.x.len(), state.v.len()].into_iter().find(|n| *n != needed) {
             return Err(RunError::OtherState { found, needed });
         }
-        scene.sample_tables(spec.steps_of_one_size());
+        sample_tables(scene, spec.steps_of_one_size());
         let (policy, passed) = StepPolicy::at(scene, stepper, spec, (None, state.t));
         let mut from = Point { state, forces: scene.new_forces() };
         let mut counters = Counters::default();
@@ -271,7 +271,7 @@ impl RunState {
     ) -> Result<Self, RunError> {
         spec.check()?;
         spec.passes(scene, &snapshot)?;
-        scene.sample_tables(spec.steps_of_one_size());
+        sample_tables(scene, spec.steps_of_one_size());
         let Snapshot { step: steps, t, x, v, forces, carried, counters, ledger, row, .. } = snapshot;
         let Snapshot { before_change, watch, failure, doubt, adaptive, .. } = snapshot;
         let (policy, passed) = StepPolicy::at(scene, stepper, spec, (adaptive, t));

@@ -157,6 +157,14 @@ impl Events for Network {
         self.built.phases.times()
     }
 
+    fn corners(&self) -> Vec<f64> {
+        self.built.corners.clone()
+    }
+
+    fn sample_tables(&self, h: Option<f64>) {
+        self.acting.tables.iter().for_each(|table| table.sample(h));
+    }
+
     fn pass_events(&self, passed: usize) -> bool {
         self.begin_phase(passed)
     }

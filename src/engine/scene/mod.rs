@@ -70,17 +70,6 @@ pub enum Load {
     Forces(usize),
 }
 
-/// Forces beside stiff springs, by bounds on their elements.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BesideStiff {
-    /// [1/s^2] largest eigenvalue of M^-1 K, and the degree of freedom where it is reached
-    pub stiffness: (f64, usize),
-    /// [1/s] largest eigenvalue of M^-1 C, likewise
-    pub damping: (f64, usize),
-    /// whether elastic forces that are no springs act on the nodes that limit explicit steps most
-    pub on_short_nodes: bool,
-}
-
 /// What a run needs of a scene besides forces, tangents and output.
 pub trait Scene: TangentSystem + Observables {
     /// The interfaces that schemes use.
@@ -152,13 +141,6 @@ pub trait Scene: TangentSystem + Observables {
     fn sharper_rate_bound(&self, at: StateRef<'_>, w: crate::model::system::Weights) -> (f64, usize) {
         self.rate_bound(at, w, &mut BoundBuffer::default())
     }
-
-    /// Bounds on all forces but those of the [stiff springs](crate::model::system::System::stiff_part) at a state;
-    /// `None` where no spring is stiff.
-    fn beside_stiff(&self, ratio: f64, at: StateRef<'_>) -> Option<BesideStiff> {
-        let _ = (ratio, at);
-        None
-    }
 }
 
 /// What a program sets while a simulation runs.
@@ -189,6 +171,11 @@ pub fn event_times(scene: &dyn Scene) -> &[f64] {
 /// [Passes events](Events::pass_events) of a scene, if it can have any.
 pub fn pass_events(scene: &dyn Scene, passed: usize) -> bool {
     scene.events().is_some_and(|events| events.pass_events(passed))
+}
+
+/// [Samples the tables](Events::sample_tables) of a scene, if it can have any.
+pub fn sample_tables(scene: &dyn Scene, h: Option<f64>) {
+    scene.events().into_iter().for_each(|events| events.sample_tables(h));
 }
 
 /// The [loads](Controls::loads) of a scene.

@@ -20,12 +20,13 @@ use crate::force::schedule::sweep::{PartTarget, Sweep, Term, Terms};
 use crate::force::schedule::threads::{SUMS, Threads};
 use crate::force::{Copies, ForceTerm, MeanStep, NodeState};
 use crate::mesh::Mesh;
+use crate::model::abilities::{StepBlocks, StiffSprings};
 use crate::model::added_mass::AddedMass;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::motion::motion;
 use crate::model::state::{State, StateRef};
 use crate::model::step_block::{self, StepSummary};
-use crate::model::system::{KickDriftBlock, StepMean, StiffPart, System, TermInfo, single_step};
+use crate::model::system::{KickDriftBlock, StepMean, System, TermInfo};
 use crate::model::workers::Workers;
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -454,24 +455,6 @@ impl System for Network {
         self.evaluate_with(None, at, out);
     }
 
-    fn longest_block(&self) -> usize {
-        if self.law_info().is_some() || self.arrangement.couples_blocks {
-            return 0;
-        }
-        self.sweep.longest_block(if self.velocity_dependent() { 2 } else { 1 })
-    }
-
-    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, summaries: &mut [StepSummary]) {
-        if self.law_info().is_some() || self.arrangement.couples_blocks {
-            return single_step(self, at, out, block);
-        }
-        let moving = NodeStateMut { t: at.t, first: 0, x: &mut at.x, v: &mut at.v };
-        let boundary = StepBoundary { block, mass: &self.built.mass, inverse_mass: &self.phase().inverse_mass };
-        self.pass_into(out, |sums, tallies| {
-            self.sweep.advance((self, moving), boundary, &self.threads, sums, (tallies, summaries));
-        });
-    }
-
     fn inverse_mass(&self) -> &[f64] {
         &self.phase().inverse_mass
     }
@@ -520,19 +503,30 @@ impl System for Network {
         self.threads.workers()
     }
 
-    fn sample_tables(&self, h: Option<f64>) {
-        self.acting.tables.iter().for_each(|table| table.sample(h));
+    fn blocks(&self) -> Option<&dyn StepBlocks> {
+        let single = self.law_info().is_some() || self.arrangement.couples_blocks;
+        (!single).then_some(self)
     }
 
-    fn corners(&self) -> Vec<f64> {
-        self.built.corners.clone()
-    }
-
-    fn stiff_part(&self, ratio: f64) -> Option<StiffPart> {
-        self.stiff_springs(ratio)
+    fn stiff(&self) -> Option<&dyn StiffSprings> {
+        (!self.acting.springs.is_empty()).then_some(self)
     }
 
     fn velocity_dependent(&self) -> bool {
         self.arrangement.infos.iter().any(|i| i.velocity_dependent)
+    }
+}
+
+impl StepBlocks for Network {
+    fn longest_block(&self) -> usize {
+        self.sweep.longest_block(if self.velocity_dependent() { 2 } else { 1 })
+    }
+
+    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, summaries: &mut [StepSummary]) {
+        let moving = NodeStateMut { t: at.t, first: 0, x: &mut at.x, v: &mut at.v };
+        let boundary = StepBoundary { block, mass: &self.built.mass, inverse_mass: &self.phase().inverse_mass };
+        self.pass_into(out, |sums, tallies| {
+            self.sweep.advance((self, moving), boundary, &self.threads, sums, (tallies, summaries));
+        });
     }
 }

@@ -5,7 +5,6 @@
 //! Springs count as taut, in the directions that they have at t = 0. A spring is stiff if a node at one of its ends
 //! allows less than some number of times the shortest of these steps.
 
-use super::BesideStiff;
 use super::bound::{FORM, largest_by_node};
 use super::events::Phases;
 use super::network::{Acting, Built, Network, SpringBatch, node_state};
@@ -16,6 +15,7 @@ use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::{TangentSink, outer};
 use crate::format_number::counted;
 use crate::mesh::Mesh;
+use crate::model::abilities::{BesideStiff, StiffSprings};
 use crate::model::forces::Role;
 use crate::model::spec::DashpotKind;
 use crate::model::state::StateRef;
@@ -24,9 +24,8 @@ use nalgebra::Matrix3;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-impl Network {
-    /// See [`System::stiff_part`].
-    pub(super) fn stiff_springs(&self, ratio: f64) -> Option<StiffPart> {
+impl StiffSprings for Network {
+    fn stiff_part(&self, ratio: f64) -> Option<StiffPart> {
         let is_short = self.short_nodes(ratio);
         let is_stiff = |nodes: &[u32; 2]| nodes.iter().any(|&node| is_short(node));
         let all = self.carrying().flat_map(|batch| batch.data.nodes.iter());
@@ -50,28 +49,7 @@ impl Network {
         Some(StiffPart { dofs, share, system: Box::new(self.of_springs(springs, &nodes)) })
     }
 
-    /// These springs alone, of which node `i` is `nodes[i]` here.
-    fn of_springs(&self, springs: Vec<SpringBatch>, nodes: &[u32]) -> Network {
-        let of = |node: &u32| *node as usize;
-        let mass: Arc<[f64]> = nodes.iter().map(|node| self.built.mass[of(node)]).collect();
-        let fixed: Vec<[bool; 3]> = nodes.iter().map(|node| self.phase().fixed[of(node)]).collect();
-        let all_moved: BTreeSet<u32> = self.phase().moved.dofs.iter().copied().collect();
-        let dofs = (0..).zip(nodes.iter().flat_map(|node| 3 * node..3 * node + 3));
-        let moved = dofs.filter(|(_, dof)| all_moved.contains(dof)).map(|(own, _)| own).collect();
-        let built = Built {
-            numbering: Numbering { user: nodes.to_vec(), internal: Vec::new() },
-            phases: Phases::lasting(fixed, &mass, moved),
-            weighed: mass.clone(),
-            mass,
-            start: nodes.iter().map(|node| self.built.start[of(node)]).collect(),
-            ..Built::default()
-        };
-        let terms = springs.iter().map(|batch| Box::new(springs_of(batch)) as Box<dyn ForceTerm>).collect();
-        Network::new(built, Acting { terms, springs, ..Acting::default() }, Mesh::default(), self.threads.again())
-    }
-
-    /// See [`super::Scene::beside_stiff`].
-    pub(super) fn forces_beside_stiff(&self, ratio: f64, at: StateRef<'_>) -> Option<BesideStiff> {
+    fn beside_stiff(&self, ratio: f64, at: StateRef<'_>) -> Option<BesideStiff> {
         let is_short = self.short_nodes(ratio);
         let is_stiff = |nodes: &[u32; 2]| nodes.iter().any(|&node| is_short(node));
         if !self.carrying().any(|batch| batch.data.nodes.iter().any(is_stiff)) {
@@ -97,6 +75,28 @@ impl Network {
             },
             on_short_nodes: elements.any(|nodes| nodes.iter().any(|&node| is_short(node))),
         })
+    }
+}
+
+impl Network {
+    /// These springs alone, of which node `i` is `nodes[i]` here.
+    fn of_springs(&self, springs: Vec<SpringBatch>, nodes: &[u32]) -> Network {
+        let of = |node: &u32| *node as usize;
+        let mass: Arc<[f64]> = nodes.iter().map(|node| self.built.mass[of(node)]).collect();
+        let fixed: Vec<[bool; 3]> = nodes.iter().map(|node| self.phase().fixed[of(node)]).collect();
+        let all_moved: BTreeSet<u32> = self.phase().moved.dofs.iter().copied().collect();
+        let dofs = (0..).zip(nodes.iter().flat_map(|node| 3 * node..3 * node + 3));
+        let moved = dofs.filter(|(_, dof)| all_moved.contains(dof)).map(|(own, _)| own).collect();
+        let built = Built {
+            numbering: Numbering { user: nodes.to_vec(), internal: Vec::new() },
+            phases: Phases::lasting(fixed, &mass, moved),
+            weighed: mass.clone(),
+            mass,
+            start: nodes.iter().map(|node| self.built.start[of(node)]).collect(),
+            ..Built::default()
+        };
+        let terms = springs.iter().map(|batch| Box::new(springs_of(batch)) as Box<dyn ForceTerm>).collect();
+        Network::new(built, Acting { terms, springs, ..Acting::default() }, Mesh::default(), self.threads.again())
     }
 
     /// Which nodes allow less than `ratio` times the shortest step.

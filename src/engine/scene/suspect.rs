@@ -1,7 +1,7 @@
 //! What a failure report says about a node of a network, and the size of a network.
 
 use super::network::{Network, by_node, node_state};
-use super::{BesideStiff, BoundBuffer, Controls, Scene, Suspect};
+use super::{BoundBuffer, Controls, Scene, Suspect};
 use crate::assembly::{SceneInterfaces, TangentSystem};
 use crate::force::{ForceTerm, TangentForm, TangentSink};
 use crate::model::abilities::Events;
@@ -101,10 +101,6 @@ impl Scene for Network {
 
     fn sharper_rate_bound(&self, at: StateRef<'_>, w: Weights) -> (f64, usize) {
         self.sharper_node_bound(at, w)
-    }
-
-    fn beside_stiff(&self, ratio: f64, at: StateRef<'_>) -> Option<BesideStiff> {
-        self.forces_beside_stiff(ratio, at)
     }
 
     fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {

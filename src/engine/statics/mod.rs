@@ -27,7 +27,7 @@ use crate::integrate::Counters;
 use crate::integrate::tangents::Tangents;
 use crate::model::point::Point;
 use crate::model::stop::Stop;
-use crate::scene::{Scene, event_times, pass_events};
+use crate::scene::{Scene, event_times, pass_events, sample_tables};
 use crate::solve::newton::Strategy;
 use crate::solve::{LinearChoice, LinearStats};
 use continuation::Continuation;
@@ -105,7 +105,7 @@ pub fn find(scene: &dyn Scene, spec: StaticSpec, stop: Stop<'_>) -> Equilibrium 
 
 /// The same, and tells how far it has come.
 pub fn find_watched(scene: &dyn Scene, spec: StaticSpec, stop: Stop<'_>, watcher: Watcher<'_>) -> Equilibrium {
-    scene.sample_tables(None);
+    sample_tables(scene, None);
     let events = event_times(scene);
     pass_events(scene, events.partition_point(|event| *event <= spec.at));
     let mut state = scene.initial_state();

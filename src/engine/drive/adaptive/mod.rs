@@ -163,7 +163,7 @@ impl Adaptive {
 
     /// A run that continues from a saved state.
     pub fn restore(scene: &dyn Scene, spec: AdaptiveSpec, state: AdaptiveState) -> Self {
-        let mut corners = scene.corners();
+        let mut corners = scene.events().map_or_else(Vec::new, |events| events.corners());
         corners.retain(|t| *t > 0.0 && *t < spec.end);
         corners.push(spec.end);
         let start = scene.initial_state().x;
