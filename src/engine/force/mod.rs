@@ -38,8 +38,9 @@
 //!    also adds its stiffness at rest in [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a convex
 //!    [`TangentForm`].
 //! 3. Add it to [`crate::model::spec`], refuse invalid values (`scene/check.rs`), and construct it where the scene is
-//!    built, with elements in ascending order of their smallest node in the scene's numbering (`scene/build.rs`, which
-//!    also collects the times at which a table has a corner, and gives a load the factor that a program can set).
+//!    built, with elements in ascending order of their smallest node in the scene's numbering (`scene/build.rs`).
+//!    What it brings is one value (`scene/acting.rs`, `Added`): the term, its tables over time, whose corners steps end
+//!    at, and the load that a program can scale.
 //! 4. If it is new to the case file, its section goes to `case/schema`, `case/lower` and `case/fingerprint`. The last
 //!    says what must be equal for a run to be resumed; the compiler requires it. `case/schema/loads.rs` and
 //!    `case/lower/loads.rs` are a short model: selections, ranges, and faults with their place.

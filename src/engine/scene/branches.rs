@@ -5,7 +5,8 @@
 //! The others' tension is k max(g, 0): k times the area above zero is the impulse added by a spring that is slack at
 //! the start, and k times the area below zero is the impulse missing from a taut one.
 
-use super::network::{Network, SpringBatch, node_state};
+use super::acting::SpringBatch;
+use super::network::{Network, node_state};
 use crate::force::NodeState;
 use crate::force::law::slack::Clamp;
 use crate::mesh::unit_vector::unit_vector;

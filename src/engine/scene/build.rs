@@ -1,6 +1,7 @@
 //! From a plain specification to force terms in internal numbering.
 
 use super::Load;
+use super::acting::{Acting, Added, SpringBatch};
 use super::air_pressure::{AirLaw, AirPressure};
 use super::apparent::ApparentMass;
 use super::build_bending::AtRest;
@@ -8,7 +9,7 @@ use super::build_surface::MembraneBatch;
 use super::canopy_shape::CanopyShape;
 use super::check::{BuildError, check, check_bars};
 use super::events::Phases;
-use super::network::{Acting, Added, Built, Network, SpringBatch};
+use super::network::{Built, Network};
 use super::numbering::Numbering;
 use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::air::{Air, AirData};

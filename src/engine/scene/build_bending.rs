@@ -1,8 +1,8 @@
 //! From hinges and chains of a specification to the force terms of bending, in internal numbering.
 
+use super::acting::Added;
 use super::build::Builder;
 use super::check::BuildError;
-use super::network::Added;
 use crate::force::law::bending::{Bending, BendingData, BendingElement, Hinge};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;

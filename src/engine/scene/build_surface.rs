@@ -1,8 +1,8 @@
 //! From a plain specification to the force terms of membranes, in internal numbering.
 
+use super::acting::Added;
 use super::build::Builder;
 use super::check::BuildError;
-use super::network::Added;
 use crate::force::law::membrane::{Membrane, MembraneData, RestShape};
 use crate::force::law::rayleigh_membrane::{RayleighMembrane, RayleighMembraneData};
 use crate::force::law::tension_field::Sheet;

@@ -1,9 +1,10 @@
 //! Events: supports that are released, supports whose velocity changes ([`super::motion`]), and springs that are cut.
 //! Supports and springs stay what they are through a phase, which may hold several changes of velocity.
 
+use super::acting::SpringBatch;
 use super::graph::Graph;
 use super::motion::{Moved, Support};
-use super::network::{Network, SpringBatch};
+use super::network::Network;
 use super::numbering::Numbering;
 use crate::model::abilities::Events;
 use crate::model::spec::{MotionSpec, NetworkSpec, SpringGroup};

@@ -1,6 +1,7 @@
 //! A network's springs as a graph, for schemes that filter along it.
 
-use super::network::{Network, SpringBatch, node_state};
+use super::acting::SpringBatch;
+use super::network::{Network, node_state};
 use crate::force::kernel::coefficient::Coefficient;
 use crate::force::kernel::neighbours::Neighbours;
 use crate::force::law::one_sided::OneSided;

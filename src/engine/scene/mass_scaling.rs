@@ -6,10 +6,10 @@
 //! they are on the mesh as given. Springs count as taut: a slack one has the tangent with which it becomes taut in its
 //! direction, its whole stiffness along it and no tension.
 
+use super::acting::SpringBatch;
 use super::bound::{FORM, largest_by_node};
 use super::build::Builder;
 use super::check::BuildError;
-use super::network::SpringBatch;
 use super::numbering::Numbering;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
 use crate::force::law::slack::Clamp;

@@ -3,6 +3,7 @@
 //! Inside a network nodes are renumbered for locality ([`numbering`]); everything a person sees goes through
 //! [`crate::model::observables::Observables`] and is in the user's numbering again.
 
+mod acting;
 mod air_pressure;
 mod apparent;
 mod bound;

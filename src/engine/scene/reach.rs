@@ -1,6 +1,6 @@
 //! How far a scene may reach: along paths of its springs and sheets at their rest lengths, however it is packed.
 
-use super::network::SpringBatch;
+use super::acting::SpringBatch;
 use crate::mesh::Mesh;
 use crate::mesh::adjacency::Adjacency;
 

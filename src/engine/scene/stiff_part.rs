@@ -5,9 +5,10 @@
 //! Springs count as taut, in the directions that they have at t = 0. A spring is stiff if a node at one of its ends
 //! allows less than some number of times the shortest of these steps.
 
+use super::acting::{Acting, SpringBatch};
 use super::bound::{FORM, largest_by_node};
 use super::events::Phases;
-use super::network::{Acting, Built, Network, SpringBatch, node_state};
+use super::network::{Built, Network, node_state};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
