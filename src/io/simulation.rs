@@ -27,6 +27,7 @@
 //! | write the files of `canopy-fem solve` | [`record`] |
 //! | find an equilibrium, as `canopy-fem static` | [`record_static`], [`crate::statics`] |
 //! | only its scene, another method | [`build_scene`], [`Problem::run_spec`], [`Simulation::from_scene`] |
+//! | make several runs of one scene, also at the same time | [`Simulation::from_scene`] for each |
 //! | choose method, steps, threads | [`RunSpec::fixed`], [`RunSpec::adaptive`], [`RunSpec::of`] |
 //! | make steps | [`Simulation::step`], [`Simulation::steps`], [`Simulation::run_until`] |
 //! | stop on the way | [`Simulation::run_until_or`] |

@@ -150,8 +150,8 @@ pub fn longest_block<S: System + ?Sized>(system: &S) -> usize {
     system.blocks().map_or(0, |blocks| blocks.longest_block())
 }
 
-/// Makes a block of steps as [`StepBlocks::advance`], or a single step with complete force passes where the system makes
-/// steps one by one; `summaries` is then empty.
+/// Makes a block of steps as [`StepBlocks::advance`], or a single step with complete force passes where the system
+/// makes steps one by one; `summaries` is then empty.
 pub fn advance<S: System + ?Sized>(
     system: &S,
     (at, out): (&mut State, &mut Forces),

@@ -50,13 +50,12 @@ impl Added {
 
     /// A load that depends on time by a factor, which a program can scale.
     pub(super) fn load(term: impl ForceTerm + 'static, load: Load, LoadFactor { table, scale }: LoadFactor) -> Self {
-        let tables = table.into_iter().map(|table| table as Arc<dyn SampledTable>).collect();
-        Added { load: Some((load, scale)), tables, ..Added::term(term) }
+        Added { load: Some((load, scale)), ..Added::term(term).by(table) }
     }
 
-    /// The same force, which depends on a table.
-    pub(super) fn by(mut self, table: Arc<dyn SampledTable>) -> Self {
-        self.tables.push(table);
+    /// The same force, which depends on tables.
+    pub(super) fn by<T: SampledTable + 'static>(mut self, tables: impl IntoIterator<Item = Arc<T>>) -> Self {
+        self.tables.extend(tables.into_iter().map(|table| table as Arc<dyn SampledTable>));
         self
     }
 }

@@ -164,11 +164,7 @@ impl Builder<'_> {
             let coefficient = batch.dashpot.clone();
             let dashpots = group.dashpot.as_ref().map(|dashpot| Dashpots { kind: dashpot.kind, coefficient });
             let springs = DampedSprings::new(batch.data.clone(), dashpots).cut_with(batch.cut.clone());
-            let added = Added::term(springs);
-            self.acting.add(match batch.data.rest_scale.clone() {
-                Some(table) => added.by(table),
-                None => added,
-            });
+            self.acting.add(Added::term(springs).by(batch.data.rest_scale.clone()));
             self.acting.springs.push(batch);
         }
     }
@@ -222,7 +218,7 @@ impl Builder<'_> {
         let Some(table) = &self.spec.base_acceleration else { return };
         let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
         let acceleration = Arc::new(Table::new(table.clone()));
-        self.acting.add(Added::term(BaseAcceleration::new(acceleration.clone(), mass)).by(acceleration));
+        self.acting.add(Added::term(BaseAcceleration::new(acceleration.clone(), mass)).by([acceleration]));
     }
 
     fn air(&mut self) {
