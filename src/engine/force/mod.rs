@@ -30,6 +30,7 @@
 //!    * any other element: a [`kernel::batch::Kernel`], element by element, as the stiffness part of
 //!      [`law::rayleigh`];
 //!    * nodes: a `NodeLaw`, as [`law::nodal`].
+//!
 //!    Values that change in a run, such as a table over time or a factor that a program sets, are behind an `Arc`;
 //!    [`ForceTerm::for_run`] replaces them by those of another run ([`Copies`]), and shares all else.
 //! 2. Describe it in the [`TermInfo`] of its [parts](ForceTerm::parts): schemes, the ledger and diagnoses use that, and
