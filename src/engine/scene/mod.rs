@@ -6,6 +6,7 @@
 mod acting;
 mod air_pressure;
 mod apparent;
+mod arrangement;
 mod bound;
 mod bound_by_triangles;
 mod branches;
