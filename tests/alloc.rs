@@ -16,7 +16,7 @@ use canopy_fem::integrate::stepper::{Attempt, Stepper};
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::step_block::StepSummary;
-use canopy_fem::model::system::System;
+use canopy_fem::model::system::{System, longest_block};
 use canopy_fem::scene::{Network, Scene, build_network};
 use canopy_fem::simulation::{NodalForce, RunSpec, Simulation};
 use canopy_fem::solve::LinearChoice;
@@ -128,7 +128,7 @@ fn heap_blocks(scene: &Network, method: &str) -> u64 {
     let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
     scene.evaluate(from.state.as_ref(), &mut from.forces);
     let (mut to, mut counters, h) = (from.clone(), Counters::default(), 1e-3);
-    let mut summaries = vec![StepSummary::default(); scene.longest_block()];
+    let mut summaries = vec![StepSummary::default(); longest_block(scene)];
     let mut advance = |n: u32| {
         for _ in 0..n {
             let t = from.state.t;

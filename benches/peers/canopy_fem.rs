@@ -119,7 +119,7 @@ fn pressures(net: &NetworkSpec, text: &mut String) -> Result<(), Any> {
         let (direction, factor) = (direction.map(Vector3::from), LoadFactor::default());
         let lumped = DeadPressure { triangles: &triangles, pressure: load.pressure, direction, factor }.lump(&x);
         writeln!(text, "forces {}", lumped.nodes.len())?;
-        for (node, f) in lumped.nodes.iter().zip(&lumped.force) {
+        for (node, f) in lumped.nodes.iter().zip(lumped.force.iter()) {
             writeln!(text, "{node} {:?} {:?} {:?}", f.x, f.y, f.z)?;
         }
     }

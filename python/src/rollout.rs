@@ -197,7 +197,8 @@ fn run(case: &EngineCase, kept: Kept<'_>, stop: &AtomicBool) -> Result<Rollout, 
     if let Some((place, &node)) = kept.nodes.iter().enumerate().find(|(_, node)| **node as usize >= n) {
         return Err(SimulationError::NoNode { what: "nodes: place", place, node, nodes: n }.into());
     }
-    let mut simulation = Simulation::from_scene(scene.clone(), problem.run_spec())?;
+    let mut simulation = Simulation::from_scene(&*scene, problem.run_spec())?;
+    let scene = simulation.scene();
     let Kept { nodes, every } = kept;
     let seen = Seen { nodes: if nodes.is_empty() { n } else { nodes.len() }, ..Seen::default() };
     let (positions, velocities) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);

@@ -85,7 +85,7 @@ impl Simulation {
                 let case = case.get().case.clone();
                 engine(py, move || {
                     let settings = RunSpec { threads, keep_going, free_steps, ..case.problem().run_spec() };
-                    Ok::<_, RecordError>(door::Simulation::from_scene(scene_of(&case, threads)?, settings)?)
+                    Ok::<_, RecordError>(door::Simulation::from_scene(&*scene_of(&case, threads)?, settings)?)
                 })?
             }
             (_, Ok(network), Some(settings)) => {

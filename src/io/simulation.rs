@@ -27,6 +27,7 @@
 //! | write the files of `canopy-fem solve` | [`record`] |
 //! | find an equilibrium, as `canopy-fem static` | [`record_static`], [`crate::statics`] |
 //! | only its scene, another method | [`build_scene`], [`Problem::run_spec`], [`Simulation::from_scene`] |
+//! | make several runs of one scene, also at the same time | [`Simulation::from_scene`] for each |
 //! | choose method, steps, threads | [`RunSpec::fixed`], [`RunSpec::adaptive`], [`RunSpec::of`] |
 //! | make steps | [`Simulation::step`], [`Simulation::steps`], [`Simulation::run_until`] |
 //! | stop on the way | [`Simulation::run_until_or`] |
@@ -175,7 +176,7 @@ impl Simulation {
     pub fn with_bars(network: NetworkSpec, bars: &[Bars], spec: RunSpec) -> Result<Self, SimulationError> {
         let threads = Threads::new(spec.threads).map_err(SetupError::from)?;
         let scene = build_network_with(network, bars, threads).map_err(SetupError::from)?;
-        Self::from_scene(Arc::new(scene), spec)
+        Self::of_own(Arc::new(scene), spec)
     }
 
     /// A case, ready at t = 0, on `threads` threads; results do not depend on their number.
@@ -196,15 +197,22 @@ impl Simulation {
         let spec = RunSpec { threads, ..problem.run_spec() };
         match &problem.system {
             SystemSpec::Network(network) => Self::new((**network).clone(), spec),
-            SystemSpec::Pendulum(pendulum) => Self::from_scene(Arc::new(Pendulum::new(*pendulum)), spec),
+            SystemSpec::Pendulum(pendulum) => Self::of_own(Arc::new(Pendulum::new(*pendulum)), spec),
         }
     }
 
-    /// A scene, ready at t = 0. Two simulations with load tables must not share one: the tables are sampled by steps.
+    /// A scene, ready at t = 0. The simulation works on a copy that shares what does not change
+    /// ([`Scene::for_run`]), so that any number of simulations may begin from one scene, also on other threads.
+    /// Observers that ask a scene about its states need that of [`Simulation::scene`].
     ///
     /// # Errors
     /// As [`Simulation::new`].
-    pub fn from_scene(scene: Arc<dyn Scene>, spec: RunSpec) -> Result<Self, SimulationError> {
+    pub fn from_scene(scene: &dyn Scene, spec: RunSpec) -> Result<Self, SimulationError> {
+        Self::of_own(scene.for_run().into(), spec)
+    }
+
+    /// A scene that no other run has.
+    fn of_own(scene: Arc<dyn Scene>, spec: RunSpec) -> Result<Self, SimulationError> {
         let mut stepper = bind_spec(&spec, &*scene)?;
         let state = RunState::start(&*scene, &mut stepper, &spec, scene.initial_state())?;
         let scheme = stepper.unbind();
@@ -216,7 +224,12 @@ impl Simulation {
     ///
     /// # Errors
     /// As [`Simulation::new`], and when the snapshot does not fit.
-    pub fn resume(scene: Arc<dyn Scene>, spec: RunSpec, snapshot: Snapshot) -> Result<Self, SimulationError> {
+    pub fn resume(scene: &dyn Scene, spec: RunSpec, snapshot: Snapshot) -> Result<Self, SimulationError> {
+        Self::resume_own(scene.for_run().into(), spec, snapshot)
+    }
+
+    /// A scene that no other run has.
+    fn resume_own(scene: Arc<dyn Scene>, spec: RunSpec, snapshot: Snapshot) -> Result<Self, SimulationError> {
         let mut stepper = bind_spec(&spec, &*scene)?;
         let state = RunState::restore(&*scene, &mut stepper, &spec, snapshot)?;
         let scheme = stepper.unbind();

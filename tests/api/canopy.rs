@@ -92,7 +92,7 @@ fn a_reefed_canopy_fills_in_stages() {
         build_network(network(&case_of(&SMALL.case(1.7, 4.0, 6.0), &sets)).clone(), Threads::one()).expect("it builds");
     let start = scene.initial_state();
     for t in [0.0, 0.05, 0.07, 0.3, 0.45, 9.0] {
-        let values = scene.canopy_values(0, StateRef { t, ..start.as_ref() });
+        let values = scene.air().expect("air").canopy_values(0, StateRef { t, ..start.as_ref() });
         let found = CANOPY_QUANTITIES.iter().position(|quantity| *quantity == DRAG_AREA).map(|i| values[i]);
         assert_eq!(found, Some(area(t)), "at {t} s");
     }

@@ -211,7 +211,7 @@ fn canopies_of_a_cluster_have_cavities_of_their_own() {
 fn gauges_show_the_pressure_in_a_cavity() {
     let spec = network(&case_of(&filling(&SMALL), &[(&format!("{CANOPY}.cavity.law"), "null")]));
     let scene = build_network(spec, Threads::one()).expect("a sound scene");
-    let values = scene.canopy_values(0, scene.initial_state().as_ref());
+    let values = scene.air().expect("air").canopy_values(0, scene.initial_state().as_ref());
     let of = |name: &str| {
         let place = CANOPY_QUANTITIES.iter().position(|quantity| quantity.name == name).expect("a quantity");
         values[place]

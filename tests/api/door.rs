@@ -445,8 +445,8 @@ fn two_simulations_at_once_are_those_one_after_the_other() {
             return fixed(cloth(40), method, 2e-4, 1.0, 2);
         }
         let network = SystemSpec::Network(Box::new(cloth(40).build().expect("a mesh")));
-        let scene = build_scene(network, 2).expect("a scene").into();
-        Simulation::from_scene(scene, RunSpec::fixed(method, 2e-4, 1.0).expect("registered")).expect("it starts")
+        let scene = build_scene(network, 2).expect("a scene");
+        Simulation::from_scene(&*scene, RunSpec::fixed(method, 2e-4, 1.0).expect("registered")).expect("it starts")
     }
     fn run(mut sim: Simulation) -> Vec<u8> {
         sim.steps(40).expect("it goes on");

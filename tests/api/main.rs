@@ -25,6 +25,7 @@ mod modes;
 mod multirate;
 mod newton;
 mod output;
+mod overlap;
 mod parachute;
 mod readme;
 mod simulation;

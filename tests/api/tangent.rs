@@ -9,6 +9,7 @@ mod tiles;
 use crate::common::Random;
 use canopy_fem::assembly::{Assembler, TangentSystem};
 use canopy_fem::force::schedule::threads::Threads;
+use canopy_fem::model::abilities::Events;
 use canopy_fem::model::forces::Role;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;

@@ -8,11 +8,12 @@ use super::rates::Rates;
 use crate::format_number::{figures, two_digits};
 use crate::integrate::linear_step::Pencil;
 use crate::integrate::registry::{Family, MethodChoice};
+use crate::model::abilities::BesideStiff;
 use crate::model::forces::Role;
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
 use crate::model::system::TermInfo;
-use crate::scene::{BesideStiff, BoundBuffer, Scene};
+use crate::scene::{BoundBuffer, Scene};
 
 /// [-] Share of a critical step that is advised. Scenes stiffen, and close to its limit a scheme is stable but
 /// inaccurate: velocity Verlet inflates the energy of the fastest oscillation by 1/(1 - (wh/2)^2), fivefold at 0.9, by
@@ -223,7 +224,8 @@ impl CriticalStep {
             return self;
         }
         let of_short_step = self.step / substeps;
-        let Some(BesideStiff { stiffness, damping, on_short_nodes }) = scene.beside_stiff(substeps, at) else {
+        let beside = scene.stiff().and_then(|stiff| stiff.beside_stiff(substeps, at));
+        let Some(BesideStiff { stiffness, damping, on_short_nodes }) = beside else {
             return CriticalStep { step: of_short_step, confidence: Confidence::Estimate, ..self };
         };
         let most = if on_short_nodes { self.step.min(BEFORE_RESONANCE * of_short_step) } else { self.step };
@@ -257,7 +259,7 @@ pub(crate) fn measure_of_limit(
     buffer: &mut BoundBuffer,
 ) -> f64 {
     let (all, substeps) = (step_by_bounds(scene, at, buffer), method.substeps());
-    let rest = if substeps > 1.0 { scene.beside_stiff(substeps, at) } else { None };
+    let rest = scene.stiff().filter(|_| substeps > 1.0).and_then(|stiff| stiff.beside_stiff(substeps, at));
     rest.map_or(all, |rest| (substeps * all).min(rest_step([rest.stiffness.0, rest.damping.0])))
 }
 

@@ -23,7 +23,7 @@ pub struct LaterLimit {
 
 /// The smallest critical step after a change of the scene, with the nodes where they are at t = 0; `None` if it is not
 /// below that at the start. Limits are searched as long as `search`, if given, allows another one; without it they are
-/// bounds from the elements, as `at_start` then is. The scene is at its start again after it.
+/// bounds from the elements, as `at_start` then is.
 pub fn least_later(
     planned: Planned<'_>,
     at_start: CriticalStep,
@@ -33,11 +33,13 @@ pub fn least_later(
     if !has_limit(method) {
         return None;
     }
+    let scene = &*scene.for_run();
     let mut state = scene.initial_state();
     let mut least: Option<LaterLimit> = None;
-    for t in scene.changes().into_iter().filter(|t| *t < end).take(MOST) {
+    let events = scene.events()?;
+    for t in events.changes().into_iter().filter(|t| *t < end).take(MOST) {
         state.t = t;
-        scene.pass_events(scene.events().partition_point(|event| *event <= t));
+        events.pass_events(events.event_times().partition_point(|event| *event <= t));
         let limit = match search {
             Some(allowed) if !allowed() => break,
             Some(_) => Spectrum::of(scene, state.as_ref()).critical_step(method),
@@ -48,7 +50,6 @@ pub fn least_later(
             least = Some(LaterLimit { t, limit });
         }
     }
-    scene.pass_events(0);
     least
 }
 

@@ -2,6 +2,7 @@
 
 use crate::assembly::{Assembler, PatternError, TangentSystem};
 use crate::force::TangentForm;
+use crate::model::abilities::{BesideStiff, StiffSprings};
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::state::{State, StateRef};
 use crate::model::system::{StepMean, StiffPart, System, TermInfo, Weights};
@@ -57,13 +58,23 @@ impl System for Oscillator {
         0.5 * v[0] * v[0]
     }
 
-    /// The only spring is the stiffest.
-    fn stiff_part(&self, _ratio: f64) -> Option<StiffPart> {
-        Some(StiffPart { dofs: vec![0], system: Box::new(*self), share: 1.0 })
+    fn stiff(&self) -> Option<&dyn StiffSprings> {
+        Some(self)
     }
 
     fn velocity_dependent(&self) -> bool {
         self.c != 0.0
+    }
+}
+
+/// The only spring is the stiffest.
+impl StiffSprings for Oscillator {
+    fn stiff_part(&self, _ratio: f64) -> Option<StiffPart> {
+        Some(StiffPart { dofs: vec![0], system: Box::new(*self), share: 1.0 })
+    }
+
+    fn beside_stiff(&self, _ratio: f64, _at: StateRef<'_>) -> Option<BesideStiff> {
+        None
     }
 }
 

@@ -17,14 +17,19 @@ pub struct AllTaut<'a>(&'a dyn Scene);
 impl<'a> AllTaut<'a> {
     /// Begins.
     pub fn of(scene: &'a dyn Scene) -> Self {
-        scene.take_slack_as_taut(true);
-        AllTaut(scene)
+        let all_taut = AllTaut(scene);
+        all_taut.set(true);
+        all_taut
+    }
+
+    fn set(&self, taut: bool) {
+        self.0.springs().into_iter().for_each(|springs| springs.take_slack_as_taut(taut));
     }
 }
 
 impl Drop for AllTaut<'_> {
     fn drop(&mut self) {
-        self.0.take_slack_as_taut(false);
+        self.set(false);
     }
 }
 

@@ -30,7 +30,7 @@ pub struct AtRest<'a> {
 impl<'a> AtRest<'a> {
     /// Of this scene in a run to `end` [s].
     pub fn new(scene: &'a dyn Scene, spec: RestSpec, end: f64) -> Self {
-        AtRest { scene, spec, settled: scene.settled_after(end), reached: false }
+        AtRest { scene, spec, settled: scene.events().map_or(0.0, |events| events.settled_after(end)), reached: false }
     }
 
     /// Whether a multiple of the interval lies in a step that ends after all changes: at its end an event is still to

@@ -12,7 +12,7 @@ use crate::model::forces::Role;
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::model::system::TermInfo;
-use crate::scene::Scene;
+use crate::scene::{Scene, fastest_spring};
 
 mod held;
 mod units;
@@ -309,7 +309,7 @@ impl DiagnosisInput<'_> {
 
     fn place(&self, dof: usize) -> String {
         let node = self.scene.name_of(dof).0;
-        match self.scene.fastest_spring(dof) {
+        match fastest_spring(self.scene, dof) {
             Some(spring) => format!("around node {node} (spring {spring})"),
             None => format!("around node {node}"),
         }

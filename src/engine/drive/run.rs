@@ -22,7 +22,7 @@ use crate::integrate::stepper::Stepper;
 use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
 use crate::model::stop::Stop;
-use crate::scene::Scene;
+use crate::scene::{Scene, sample_tables};
 use crate::startup::{Phase, timed};
 pub use accept::StepEnd;
 pub use change::Changed;
@@ -165,17 +165,17 @@ impl Run<'_> {
     /// Passes the events that the accepted state has reached. A snapshot is always of the state after them.
     fn pass_events(&mut self, stepper: &mut Stepper<'_>) -> Result<(), RunError> {
         let (scene, state) = (self.scene, &mut *self.state);
-        if state.passed == scene.events().len() {
+        let Some(events) = scene.events().filter(|events| events.event_times().len() > state.passed) else {
             return Ok(());
-        }
+        };
         let passed = state.policy.passed(scene, state.from.state.t);
         if passed == state.passed {
             return Ok(());
         }
-        log::info!("t = {:.6e} s: event {passed} of {} passed", state.from.state.t, scene.events().len());
+        log::info!("t = {:.6e} s: event {passed} of {} passed", state.from.state.t, events.event_times().len());
         state.passed = passed;
-        let changed = if scene.pass_events(passed) { Changed::Phase } else { Changed::Motion };
-        scene.put_supports(&mut state.from.state);
+        let changed = if events.pass_events(passed) { Changed::Phase } else { Changed::Motion };
+        events.put_supports(&mut state.from.state);
         state.refresh(scene, stepper, changed)?;
         // What a program changes next is no part of the event.
         state.before_change = None;
@@ -251,7 +251,7 @@ impl RunState {
         if let Some(found) = [state.x.len(), state.v.len()].into_iter().find(|n| *n != needed) {
             return Err(RunError::OtherState { found, needed });
         }
-        scene.sample_tables(spec.steps_of_one_size());
+        sample_tables(scene, spec.steps_of_one_size());
         let (policy, passed) = StepPolicy::at(scene, stepper, spec, (None, state.t));
         let mut from = Point { state, forces: scene.new_forces() };
         let mut counters = Counters::default();
@@ -271,7 +271,7 @@ impl RunState {
     ) -> Result<Self, RunError> {
         spec.check()?;
         spec.passes(scene, &snapshot)?;
-        scene.sample_tables(spec.steps_of_one_size());
+        sample_tables(scene, spec.steps_of_one_size());
         let Snapshot { step: steps, t, x, v, forces, carried, counters, ledger, row, .. } = snapshot;
         let Snapshot { before_change, watch, failure, doubt, adaptive, .. } = snapshot;
         let (policy, passed) = StepPolicy::at(scene, stepper, spec, (adaptive, t));
@@ -330,11 +330,6 @@ impl RunState {
             doubt: None,
             blocks: step_block::StepBlocks::default(),
         }
-    }
-
-    /// [-] Events of the scene that are passed.
-    pub fn events_passed(&self) -> usize {
-        self.passed
     }
 
     /// What a snapshot is made of.

@@ -12,7 +12,7 @@ use crate::integrate::stepper::Stepper;
 use crate::integrate::{CarriedState, Counters};
 use crate::model::forces::Forces;
 use crate::model::point::Point;
-use crate::scene::Scene;
+use crate::scene::{Scene, event_times};
 use serde::{Deserialize, Serialize};
 
 /// A run between two steps. Forces are in it only where a scheme evaluates them at other velocities than the state's:
@@ -74,7 +74,7 @@ impl RunSpec {
             }
             return Ok(());
         };
-        let clock = EventSteps::new(FixedSteps::new(step_size, self.end), scene.events());
+        let clock = EventSteps::new(FixedSteps::new(step_size, self.end), event_times(scene));
         // A program may have put the run between two ends of steps.
         let (last, there) = clock.join(t);
         if step != last || there.to_bits() != t.to_bits() || t > self.end {
@@ -95,7 +95,7 @@ impl RunSpec {
         }
         Ok(match self.step {
             Step::Fixed(step) if !self.free_steps => {
-                EventSteps::new(FixedSteps::new(step, self.end), scene.events()).join(t)
+                EventSteps::new(FixedSteps::new(step, self.end), event_times(scene)).join(t)
             }
             _ => (steps, t),
         })

@@ -5,7 +5,7 @@ use super::clock::{EventSteps, FixedSteps, FreeSteps, Step, Tick};
 use super::run_spec::RunSpec;
 use crate::integrate::registry::Family;
 use crate::integrate::stepper::Stepper;
-use crate::scene::Scene;
+use crate::scene::{Scene, event_times, pass_events};
 
 /// Steps of one size, of the size a tolerance allows, or of the sizes a program gives.
 pub(super) enum StepPolicy {
@@ -22,10 +22,10 @@ impl StepPolicy {
         spec: &RunSpec,
         (state, t): (Option<AdaptiveState>, f64),
     ) -> (Self, usize) {
-        scene.pass_events(0);
+        pass_events(scene, 0);
         let mut policy = Self::of(scene, stepper, spec, state);
         let passed = policy.passed(scene, t);
-        scene.pass_events(passed);
+        pass_events(scene, passed);
         if let StepPolicy::Adaptive(adaptive) = &mut policy {
             adaptive.recount(scene);
         }
@@ -38,9 +38,11 @@ impl StepPolicy {
             step if spec.free_steps => StepPolicy::Free(FreeSteps {
                 step: step.fixed().unwrap_or(spec.end),
                 end: spec.end,
-                events: scene.events().to_vec(),
+                events: event_times(scene).to_vec(),
             }),
-            Step::Fixed(step) => StepPolicy::Fixed(EventSteps::new(FixedSteps::new(step, spec.end), scene.events())),
+            Step::Fixed(step) => {
+                StepPolicy::Fixed(EventSteps::new(FixedSteps::new(step, spec.end), event_times(scene)))
+            }
             Step::Adaptive(tolerance) => {
                 // Kang's filter also damps slow motion.
                 let coherent = spec.method.info.family == Family::MatrixFree;
@@ -68,7 +70,7 @@ impl StepPolicy {
     pub(super) fn passed(&self, scene: &dyn Scene, t: f64) -> usize {
         let events = match self {
             StepPolicy::Fixed(clock) => clock.events(),
-            StepPolicy::Adaptive(_) | StepPolicy::Free(_) => scene.events(),
+            StepPolicy::Adaptive(_) | StepPolicy::Free(_) => event_times(scene),
         };
         events.partition_point(|event| event - t <= 4.0 * f64::EPSILON * event)
     }

@@ -30,14 +30,18 @@
 //!    * any other element: a [`kernel::batch::Kernel`], element by element, as the stiffness part of
 //!      [`law::rayleigh`];
 //!    * nodes: a `NodeLaw`, as [`law::nodal`].
+//!
+//!    Values that change in a run, such as a table over time or a factor that a program sets, are behind an `Arc`;
+//!    [`ForceTerm::for_run`] replaces them by those of another run ([`Copies`]), and shares all else.
 //! 2. Describe it in the [`TermInfo`] of its [parts](ForceTerm::parts): schemes, the ledger and diagnoses use that, and
 //!    no names. A new law of springs needs none of its own. A step may be too long for forces with `velocity_dependent`
 //!    or `follower` (`drive/cause`); with `on_triangles` a failure report names a triangle. A term with elastic energy
 //!    also adds its stiffness at rest in [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a convex
 //!    [`TangentForm`].
 //! 3. Add it to [`crate::model::spec`], refuse invalid values (`scene/check.rs`), and construct it where the scene is
-//!    built, with elements in ascending order of their smallest node in the scene's numbering (`scene/build.rs`, which
-//!    also collects the times at which a table has a corner, and gives a load the factor that a program can set).
+//!    built, with elements in ascending order of their smallest node in the scene's numbering (`scene/build.rs`).
+//!    What it brings is one value (`scene/acting.rs`, `Added`): the term, its tables over time, whose corners steps end
+//!    at, and the load that a program can scale.
 //! 4. If it is new to the case file, its section goes to `case/schema`, `case/lower` and `case/fingerprint`. The last
 //!    says what must be equal for a run to be resumed; the compiler requires it. `case/schema/loads.rs` and
 //!    `case/lower/loads.rs` are a short model: selections, ranges, and faults with their place.
@@ -52,11 +56,13 @@
 //! A term must emit the same elements in the same order at every state (a slack spring emits a zero block). The
 //! assembler needs this to know the slot of every block in advance.
 
+mod copies;
 pub mod kernel;
 pub mod law;
 mod mean;
 pub mod schedule;
 
+pub use copies::Copies;
 pub use mean::{MeanForce, MeanStep};
 
 use crate::model::spring_state::{SpringState, SpringTangent};
@@ -146,6 +152,10 @@ pub trait ForceTerm: kernel::batch::BlockForces {
     fn springs(&self) -> Option<&dyn SpringTerm> {
         None
     }
+
+    /// The same elements for another run, with the values that change in a run from `copies`. All other arrays are
+    /// shared.
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm>;
 
     /// Replaces the rest lengths [m] of its springs, `[n_springs]` in their order. Terms without springs do nothing.
     fn set_rest_lengths(&mut self, rest_length: &Arc<[f64]>) {

@@ -4,7 +4,7 @@ use super::updates::{Product, add_product};
 use super::{CarriedState, Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::step_block::{KickDriftScheme, StepSummary};
-use crate::model::system::{KickDriftBlock, System};
+use crate::model::system::{KickDriftBlock, System, longest_block};
 
 /// Such a scheme.
 #[derive(Clone, Copy, Debug)]
@@ -61,7 +61,7 @@ impl Integrator<dyn System> for KickDriftSteps {
         counters: &mut Counters,
     ) -> bool {
         debug_assert!(summaries.last().is_none_or(|last| last.t == step.t_next));
-        let makes_blocks = step.system.longest_block() >= 2 && !summaries.is_empty();
+        let makes_blocks = longest_block(step.system) >= 2 && !summaries.is_empty();
         if makes_blocks {
             self.advance(step, to, summaries, counters);
         }

@@ -27,7 +27,7 @@ use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::state::State;
 use crate::model::step_block::{StepStart, StepSummary};
-use crate::model::system::{KickDriftBlock, StiffPart, System};
+use crate::model::system::{KickDriftBlock, StiffPart, System, advance, longest_block};
 
 /// The scheme; carries the forces of the stiff springs.
 #[derive(Debug)]
@@ -83,7 +83,8 @@ impl Multirate {
 
 impl Integrator<dyn System> for Multirate {
     fn start(&mut self, system: &dyn System, at: &Point) -> Result<(), StepError> {
-        let part = if self.substeps > 1 { system.stiff_part(f64::from(self.substeps)) } else { None };
+        let part = if self.substeps > 1 { system.stiff() } else { None };
+        let part = part.and_then(|stiff| stiff.stiff_part(f64::from(self.substeps)));
         self.stiff = part.map(StiffSprings::of);
         self.stiff.iter_mut().for_each(|stiff| stiff.evaluate_at(&at.state));
         (self.last, self.size) = (0.0, at.state.v.len());
@@ -159,7 +160,8 @@ impl Integrator<dyn System> for Multirate {
     fn laws_changed(&mut self, system: &dyn System, at: &Point, change: LawChange) -> Result<(), StepError> {
         if change != LawChange::Loads && self.stiff.is_some() {
             let [of_g, of_s] = &self.velocities;
-            self.stiff = system.stiff_part(f64::from(self.substeps)).map(StiffSprings::of);
+            let part = system.stiff().and_then(|stiff| stiff.stiff_part(f64::from(self.substeps)));
+            self.stiff = part.map(StiffSprings::of);
             self.stiff.iter_mut().for_each(|stiff| stiff.evaluate_with(&at.state, of_g, of_s));
         }
         Ok(())
@@ -254,7 +256,7 @@ impl StiffSprings {
     /// Makes the short steps, in blocks as long as possible, and finds s at their end for g. Returns their works.
     fn advance(&mut self, substeps: u32, t_next: f64, counters: &mut Counters) -> StageWork {
         let StiffSprings { part: StiffPart { system, share, .. }, at, next, next_beside, summaries, .. } = self;
-        let (begun, longest) = (at.state.t, system.longest_block() as u32);
+        let (begun, longest) = (at.state.t, longest_block(&**system) as u32);
         let time = |step: u32| begun + (t_next - begun) * (f64::from(step) / f64::from(substeps));
         let scheme = (CENTRAL_DIFFERENCE.step)((t_next - begun) / f64::from(substeps), true);
         let (mut made, mut work) = (0, StageWork::default());
@@ -267,7 +269,7 @@ impl StiffSprings {
             made += steps;
             next.state.t = time(made);
             let block = KickDriftBlock { scheme, from: at };
-            system.advance(&mut next.state, &mut next.forces, block, summaries);
+            advance(&**system, (&mut next.state, &mut next.forces), block, summaries);
             if summaries.is_empty() {
                 let (forces, way) = ([&at.forces, &next.forces], [&at.state.x[..], &next.state.x]);
                 work.add(1.0, StageWork::by_ends(&**system, forces, way, [at.state.t, next.state.t]));

@@ -260,7 +260,7 @@ pub const PROJECTED_RATIO: Quantity =
 pub const ANGLE_OF_ATTACK: Quantity = Quantity::of("angle_of_attack", "deg");
 
 /// What a canopy shows of itself, in the order of
-/// [`canopy_values`](super::observables::Observables::canopy_values).
+/// [`canopy_values`](super::abilities::Air::canopy_values).
 pub const CANOPY_QUANTITIES: [Quantity; 11] = [
     PROJECTED_DIAMETER,
     Quantity::of("skirt_diameter", "m"),

@@ -1,6 +1,7 @@
 //! The mechanical model: plain specifications, state, the forces of one pass, and the traits every scheme
 //! and every output is written against.
 
+pub mod abilities;
 pub mod added_mass;
 pub mod bounds;
 pub mod forces;

@@ -1,6 +1,6 @@
 //! The observable quantities of a system: nodes in space, in the user's numbering. Output uses this interface.
 
-use super::gauge::CANOPY_QUANTITIES;
+use super::abilities::{Air, Springs};
 use super::state::StateRef;
 use super::system::System;
 use crate::mesh::Groups;
@@ -70,16 +70,14 @@ pub trait Observables: System {
         &NONE
     }
 
-    /// Whether air puts pressures on triangles.
-    fn has_air_pressure(&self) -> bool {
-        false
+    /// Its springs; `None` if it has none.
+    fn springs(&self) -> Option<&dyn Springs> {
+        None
     }
 
-    /// Pressure difference [Pa] that the air puts on every triangle `[n_triangles]`, positive along its right-hand
-    /// normal; 0 on a triangle without air.
-    fn triangle_pressure(&self, at: StateRef<'_>, out: &mut [f64]) {
-        let _ = at;
-        out.fill(0.0);
+    /// The air around it; `None` if there is none.
+    fn air(&self) -> Option<&dyn Air> {
+        None
     }
 
     /// What the membranes show on every triangle `[n_triangles]`.
@@ -111,12 +109,6 @@ pub trait Observables: System {
         sums
     }
 
-    /// Adds to the elastic tension [N] of every edge `[n_edges]` the force of the dashpot along it, if it has one.
-    /// Forces between its ends that also have other directions are not included.
-    fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]) {
-        let _ = (at, tension);
-    }
-
     /// [-] largest strain (l - l0)/l0 over all springs, 0 without springs; what `history.csv` shows.
     fn max_strain(&self, at: StateRef<'_>) -> f64;
 
@@ -140,34 +132,5 @@ pub trait Observables: System {
             NodeQuantity::Displacement => std::array::from_fn(|i| a[node][i] - self.reference()[node][i]),
             _ => a[node],
         }
-    }
-
-    /// The springs on some edges (user's numbers, ascending), of one rule or of all.
-    fn springs_on(&self, edges: &[u32], rule: Option<usize>) -> Vec<SpringPlace> {
-        let _ = (edges, rule);
-        Vec::new()
-    }
-
-    /// [N] Tension of a spring with its axial dashpot.
-    fn spring_tension(&self, at: StateRef<'_>, spring: SpringPlace) -> f64 {
-        let _ = (at, spring);
-        f64::NAN
-    }
-
-    /// Number of canopies that the air fills.
-    fn canopies(&self) -> usize {
-        0
-    }
-
-    /// [`CANOPY_QUANTITIES`] of a canopy: the diameter of a circle with the area that the canopy and its openings show
-    /// along the axis; twice the mean distance of the skirt's nodes from the axis; the volume between the cloth and
-    /// flat covers of its openings; speed against the air along the axis; rho V |V|/2; drag over that; force of the air
-    /// against the motion along the axis; mean over the cloth of the pressure difference from inside to outside; the
-    /// projected diameter over D0; drag over rho V |V|/2 and S0; angle between the axis and the motion of the skirt
-    /// through the air. The drag area leaves the breathing out but for a cavity, and has no value there without speed.
-    /// The last two have no value without speed, nor while a stage has less than half of its drag area.
-    fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
-        let _ = (canopy, at);
-        [f64::NAN; CANOPY_QUANTITIES.len()]
     }
 }

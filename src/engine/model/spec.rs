@@ -7,7 +7,6 @@ use crate::mesh::Mesh;
 use std::f64::consts::TAU;
 
 mod canopy;
-mod changes;
 mod over_time;
 mod surface;
 pub use canopy::{CanopyAir, CanopySpec, CavitySpec, ClothSpec, FillingSpec};
@@ -391,7 +390,8 @@ impl NetworkSpec {
     }
 }
 
-fn ascending(mut times: Vec<f64>) -> Vec<f64> {
+/// [s] The times in order, each once.
+pub(crate) fn ascending(mut times: Vec<f64>) -> Vec<f64> {
     times.sort_by(f64::total_cmp);
     times.dedup();
     times

@@ -4,6 +4,7 @@
 //! M a = f(t, x, v)        K = -df/dx        C = -df/dv        W = cm M + cc C + ck K
 //! ```
 
+use super::abilities::{StepBlocks, StiffSprings};
 use super::forces::{Forces, Role, Tally};
 use super::point::Point;
 use super::state::{State, StateRef};
@@ -73,21 +74,6 @@ pub trait System: Send + Sync {
     /// One force pass: overwrites `out` with f(t, x, v), its parts by role, and every term's energy or power.
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces);
 
-    /// Largest number of steps in a block; below two if steps are made one by one.
-    fn longest_block(&self) -> usize {
-        0
-    }
-
-    /// Makes a block of steps: moves `at` to the end of the last step and overwrites `out` with the forces there.
-    /// `summaries` has one entry per step, with its time on entry, and its summary on return. It is empty for a single
-    /// step without a summary. On entry `at` has the time at the end. The bits are those of steps made one by one.
-    ///
-    /// Systems whose [`System::longest_block`] is below two make single steps only.
-    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, summaries: &mut [StepSummary]) {
-        debug_assert!(summaries.is_empty(), "this system makes steps one by one");
-        single_step(self, at, out, block);
-    }
-
     /// [1/kg] diagonal of M^-1 for every degree of freedom, 0 where it is fixed.
     fn inverse_mass(&self) -> &[f64];
 
@@ -101,18 +87,6 @@ pub trait System: Send + Sync {
 
     /// [J] kinetic energy of the velocities `v`.
     fn kinetic_energy(&self, v: &[f64]) -> f64;
-
-    /// [s] Times at which a force has a corner or a jump in time, ascending: rows of load and wind tables.
-    fn corners(&self) -> Vec<f64> {
-        Vec::new()
-    }
-
-    /// Makes load and wind tables ready for a run in fixed steps of `h` [s] from t = 0, whose samples would miss
-    /// changes between them, or for any other run. All later evaluations belong to that run, so two runs of one scene
-    /// cannot overlap.
-    fn sample_tables(&self, h: Option<f64>) {
-        let _ = h;
-    }
 
     /// [J] Work of forces [N] that change from `f_n` to `f_n1` while nodes move from `x_n` to `x_n1` [m]: 1/2 (f_n +
     /// f_n1) . (x_n1 - x_n); 0 for empty slices.
@@ -133,10 +107,13 @@ pub trait System: Send + Sync {
         &ALONE
     }
 
-    /// The springs that limit explicit steps most: those at nodes whose springs allow steps of less than `ratio` times
-    /// the shortest that any node allows. `None` if there are none.
-    fn stiff_part(&self, ratio: f64) -> Option<StiffPart> {
-        let _ = ratio;
+    /// Blocks of steps; `None` if steps are made one by one.
+    fn blocks(&self) -> Option<&dyn StepBlocks> {
+        None
+    }
+
+    /// Springs that limit explicit steps, for schemes that make short steps of these; `None` if it has no springs.
+    fn stiff(&self) -> Option<&dyn StiffSprings> {
         None
     }
 
@@ -168,13 +145,24 @@ impl StiffPart {
     }
 }
 
-/// Makes the single step of [`System::advance`] with complete force passes.
-pub(crate) fn single_step<S: System + ?Sized>(
+/// The largest number of steps that a system makes in a block; 0 if it makes them one by one.
+pub fn longest_block<S: System + ?Sized>(system: &S) -> usize {
+    system.blocks().map_or(0, |blocks| blocks.longest_block())
+}
+
+/// Makes a block of steps as [`StepBlocks::advance`], or a single step with complete force passes where the system
+/// makes steps one by one; `summaries` is then empty.
+pub fn advance<S: System + ?Sized>(
     system: &S,
-    at: &mut State,
-    out: &mut Forces,
-    KickDriftBlock { scheme, from }: KickDriftBlock<'_>,
+    (at, out): (&mut State, &mut Forces),
+    block: KickDriftBlock<'_>,
+    summaries: &mut [StepSummary],
 ) {
+    if let Some(blocks) = system.blocks() {
+        return blocks.advance(at, out, block, summaries);
+    }
+    debug_assert!(summaries.is_empty(), "this system makes steps one by one");
+    let KickDriftBlock { scheme, from } = block;
     let start = StepStart::of(from, system.inverse_mass(), 0..at.x.len());
     scheme.begin(start, &mut at.x, &mut at.v);
     system.evaluate(at.as_ref(), out);

@@ -1,17 +1,19 @@
 //! The pressure of the air on each of the user's triangles, for frames.
 
-use crate::force::NodeState;
+use crate::force::kernel::faces::FaceKernel;
 use crate::force::law::air::AirData;
 use crate::force::law::canopy::CanopyData;
+use crate::force::{Copies, NodeState};
 use crate::mesh::Mesh;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// A law of the air with its way back to the user's triangles.
 #[derive(Debug)]
 pub(super) struct AirPressure {
     law: AirLaw,
     /// user's triangle of each triangle of the law, and 1, or -1 where the law has turned it
-    places: Vec<(u32, f64)>,
+    places: Arc<[(u32, f64)]>,
 }
 
 /// The laws that put pressures on triangles.
@@ -45,6 +47,15 @@ impl AirPressure {
         Self { law, places }
     }
 
+    /// That of another run.
+    pub(super) fn for_run(&self, copies: &mut Copies) -> Self {
+        let law = match &self.law {
+            AirLaw::Cloth(data) => AirLaw::Cloth(data.for_run(copies)),
+            AirLaw::Canopy(data) => AirLaw::Canopy(data.for_run(copies)),
+        };
+        AirPressure { law, places: self.places.clone() }
+    }
+
     /// Writes the pressures [Pa] of its triangles, `[n_triangles]`, user's numbers.
     pub(super) fn write(&self, at: NodeState<'_>, out: &mut [f64]) {
         let mut set = |(triangle, turn): (u32, f64), pressure: f64| {
@@ -53,8 +64,8 @@ impl AirPressure {
             }
         };
         match &self.law {
-            AirLaw::Cloth(data) => data.pressures(at).zip(&self.places).for_each(|(p, place)| set(*place, p)),
-            AirLaw::Canopy(data) => data.pressures(at).zip(&self.places).for_each(|(p, place)| set(*place, p)),
+            AirLaw::Cloth(data) => data.pressures(at).zip(self.places.iter()).for_each(|(p, place)| set(*place, p)),
+            AirLaw::Canopy(data) => data.pressures(at).zip(self.places.iter()).for_each(|(p, place)| set(*place, p)),
         }
     }
 }

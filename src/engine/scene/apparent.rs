@@ -14,18 +14,19 @@
 //! (M + m b b^T) a = f - b m' V instead, with the same solution.
 
 use super::network::{Network, by_node};
-use crate::force::NodeState;
 use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::enclosure::Enclosure;
 use crate::force::law::stream::Stream;
+use crate::force::{Copies, NodeState};
 use crate::model::forces::Tally;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// The air that a canopy takes along.
+#[derive(Clone)]
 pub(super) struct ApparentMass {
     /// [-] nodes of the canopy, and the share of each in its motion; they sum to 1
-    pub nodes: Vec<(u32, f64)>,
+    pub nodes: Arc<[(u32, f64)]>,
     /// its cloth and rims
     pub enclosure: Arc<Enclosure>,
     /// [-] k
@@ -49,6 +50,11 @@ struct Entrained {
 }
 
 impl ApparentMass {
+    /// That of another run.
+    pub(super) fn for_run(&self, copies: &mut Copies) -> Self {
+        ApparentMass { stream: copies.of(&self.stream), ..self.clone() }
+    }
+
     fn mean(&self, of: &[Vector3<f64>]) -> Vector3<f64> {
         self.nodes.iter().map(|&(node, share)| share * of[node as usize]).sum()
     }
@@ -86,13 +92,13 @@ impl Network {
     pub(super) fn add_apparent(&self, at: NodeState<'_>, sums: [&mut [Vector3<f64>]; 2], tallies: &mut [Tally]) {
         let [total, external] = sums;
         let inverse_mass = by_node(&self.phase().inverse_mass);
-        for canopy in &self.apparent {
+        for canopy in &self.acting.apparent {
             let Entrained { mass, growth, velocity, absolute } = canopy.entrained(at);
             let (a, s) = (canopy.acceleration(total, inverse_mass), canopy.mobility(inverse_mass));
             let lost = growth * velocity;
             let accelerated = (a - lost.component_mul(&s)).component_div(&(mass * s).add_scalar(1.0));
             let force = -(mass * accelerated + lost);
-            for &(node, share) in &canopy.nodes {
+            for &(node, share) in canopy.nodes.iter() {
                 total[node as usize] += share * force;
                 external[node as usize] += share * force;
             }
@@ -106,7 +112,7 @@ impl Network {
     /// forces of everything else and b m' V.
     pub(super) fn with_apparent(&self, at: NodeState<'_>, residual: &mut [Vector3<f64>]) {
         let inverse_mass = by_node(&self.phase().inverse_mass);
-        for canopy in &self.apparent {
+        for canopy in &self.acting.apparent {
             let added = canopy.entrained(at).mass * canopy.acceleration(residual, inverse_mass);
             canopy.nodes.iter().for_each(|&(node, share)| residual[node as usize] += share * added);
         }
@@ -116,9 +122,9 @@ impl Network {
     pub(super) fn apparent_part(&self, which: usize, at: NodeState<'_>, [u, g]: [&mut [f64]; 2]) {
         u.fill(0.0);
         g.fill(0.0);
-        let Some(canopy) = self.apparent.get(which / 3) else { return };
+        let Some(canopy) = self.acting.apparent.get(which / 3) else { return };
         let mass = canopy.entrained(at).mass;
-        for &(node, share) in &canopy.nodes {
+        for &(node, share) in canopy.nodes.iter() {
             let dof = 3 * node as usize + which % 3;
             (u[dof], g[dof]) = (mass * share, share);
         }

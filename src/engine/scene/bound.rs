@@ -49,10 +49,10 @@ impl Network {
         let BoundBuffer { blocks, damping } = buffer;
         let emit = |sink: &mut dyn TangentSink| self.emit_tangents(at, w, FORM, sink);
         let constant = |info: &TermInfo| info.constant_damping || !info.velocity_dependent;
-        if w.k != 0.0 || !self.infos.iter().all(constant) {
+        if w.k != 0.0 || !self.arrangement.infos.iter().all(constant) {
             return self.bound_in_pass(emit, blocks, None);
         }
-        let (passed, c) = (self.phases.passed(), w.c);
+        let (passed, c) = (self.passed(), w.c);
         let known = damping.filter(|known| known.passed == passed && known.c == c);
         let found = known.map_or_else(|| self.bound_in_pass(emit, blocks, None), |known| known.found);
         *damping = Some(DampingBound { passed, c, found });

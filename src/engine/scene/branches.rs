@@ -5,7 +5,8 @@
 //! The others' tension is k max(g, 0): k times the area above zero is the impulse added by a spring that is slack at
 //! the start, and k times the area below zero is the impulse missing from a taut one.
 
-use super::network::{Network, SpringBatch, node_state};
+use super::acting::SpringBatch;
+use super::network::{Network, node_state};
 use crate::force::NodeState;
 use crate::force::law::slack::Clamp;
 use crate::mesh::unit_vector::unit_vector;
@@ -132,7 +133,7 @@ fn lines(batch: &SpringBatch, times: [f64; 2]) -> impl Iterator<Item = (OneSided
 impl Network {
     /// Whether springs can go slack.
     pub(super) fn goes_slack(&self) -> bool {
-        self.springs.iter().any(|batch| Clamp::of(batch.data.slack).is_some())
+        self.acting.springs.iter().any(|batch| Clamp::of(batch.data.slack).is_some())
     }
 
     /// See [`super::Scene::branch_changes`].

@@ -1,6 +1,7 @@
 //! From a plain specification to force terms in internal numbering.
 
 use super::Load;
+use super::acting::{Acting, Added, SpringBatch};
 use super::air_pressure::{AirLaw, AirPressure};
 use super::apparent::ApparentMass;
 use super::build_bending::AtRest;
@@ -8,9 +9,8 @@ use super::build_surface::MembraneBatch;
 use super::canopy_shape::CanopyShape;
 use super::check::{BuildError, check, check_bars};
 use super::events::Phases;
-use super::network::{Network, SpringBatch};
+use super::network::{Built, Network};
 use super::numbering::Numbering;
-use crate::force::ForceTerm;
 use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::air::{Air, AirData};
 use crate::force::law::axial_flow::CanopyAxis;
@@ -25,7 +25,7 @@ use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::law::gravity::Gravity;
 use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
 use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
-use crate::force::law::series::{LoadFactor, SampledTable, Scale, Table, scalar};
+use crate::force::law::series::{LoadFactor, Table, scalar};
 use crate::force::law::spring::{Coefficient, Cut, SpringData};
 use crate::force::law::stream::Stream;
 use crate::force::law::triangle::AreaVector;
@@ -33,7 +33,7 @@ use crate::force::schedule::threads::Threads;
 use crate::mesh::unit_vector::unit_vector;
 use crate::model::spec::{
     CanopyAir, CavitySpec, DashpotKind, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, Series, SpringGroup,
-    StreamSpec, support_velocity,
+    StreamSpec, ascending, support_velocity,
 };
 use crate::startup::{Phase, timed};
 use nalgebra::Vector3;
@@ -67,23 +67,10 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let always = spec.always_fixed();
     let fixed: Vec<[bool; 3]> = (0..n).map(|i| always[at(i)]).collect();
     let mass: Arc<[f64]> = (0..n).map(|i| spec.mass[at(i)]).collect();
-    let mut builder = Builder {
-        spec: &spec,
-        numbering: &numbering,
-        terms: Vec::new(),
-        springs: Vec::new(),
-        membranes: Vec::new(),
-        loads: Vec::new(),
-        tables: Vec::new(),
-        shapes: Vec::new(),
-        pressures: Vec::new(),
-        apparent: Vec::new(),
-        stream: spec
-            .stream
-            .clone()
-            .or_else(|| Some(StreamSpec::of_wind(spec.air.as_ref()?.wind.clone())))
-            .map(Stream::new),
-    };
+    let of_wind = || Some(StreamSpec::of_wind(spec.air.as_ref()?.wind.clone()));
+    let stream = spec.stream.clone().or_else(of_wind).map(|stream| Arc::new(Stream::new(stream)));
+    let acting = Acting::around(stream);
+    let mut builder = Builder { spec: &spec, numbering: &numbering, acting, membranes: Vec::new() };
     builder.springs_and_dashpots();
     bars.iter().for_each(|bars| builder.bars(bars));
     builder.membranes(&reference)?;
@@ -99,35 +86,23 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let velocity = if velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity[at(i)]).collect() };
     let scaled = builder.scale_masses([&reference, &start], &velocity, (&fixed, &mass))?;
     let (inertia, added_mass) = scaled.map_or((mass.clone(), None), |(inertia, added)| (inertia.into(), Some(added)));
-    let Builder { terms, springs, membranes, loads, mut tables, stream, shapes: canopies, pressures, apparent, .. } =
-        builder;
-    tables.extend(stream.clone().map(|stream| stream as Arc<dyn SampledTable>));
-    let gravity = spec.gravity.map_or(Vector3::zeros(), Vector3::from);
-    let (corners, changing) = (spec.corners(), spec.changing());
+    let Builder { acting, membranes, .. } = builder;
     let phases = Phases::new(&spec, &inertia, &numbering);
-    Ok(Network::assemble_parts(super::network::Parts {
-        numbering,
+    let built = Built {
+        corners: ascending(acting.corners().chain(phases.times().iter().copied()).collect()),
+        changing: acting.changing().chain(phases.changing(&spec.motions)).collect(),
         phases,
+        numbering,
         weighed: mass,
         mass: inertia,
         added_mass,
         start,
         velocity,
-        gravity,
-        loads,
-        corners,
-        changing,
-        tables,
-        stream,
-        canopies,
-        pressures,
-        apparent,
-        terms,
-        springs,
+        gravity: spec.gravity.map_or(Vector3::zeros(), Vector3::from),
         membranes,
-        threads,
-        mesh: spec.mesh,
-    }))
+        ..Built::default()
+    };
+    Ok(Network::new(built, acting, spec.mesh, threads))
 }
 
 /// The cavity of a canopy, whose mouth must be open at the start.
@@ -167,15 +142,8 @@ fn initial_velocity(spec: &NetworkSpec) -> Vec<[f64; 3]> {
 pub(super) struct Builder<'a> {
     pub(super) spec: &'a NetworkSpec,
     pub(super) numbering: &'a Numbering,
-    pub(super) terms: Vec<Box<dyn ForceTerm>>,
-    pub(super) springs: Vec<SpringBatch>,
+    pub(super) acting: Acting,
     pub(super) membranes: Vec<MembraneBatch>,
-    loads: Vec<(Load, Arc<Scale>)>,
-    tables: Vec<Arc<dyn SampledTable>>,
-    shapes: Vec<CanopyShape>,
-    pressures: Vec<AirPressure>,
-    stream: Option<Arc<Stream>>,
-    apparent: Vec<ApparentMass>,
 }
 
 impl Builder<'_> {
@@ -192,16 +160,12 @@ impl Builder<'_> {
     fn springs_and_dashpots(&mut self) {
         for group in self.spec.springs.iter().filter(|group| !group.edges.is_empty()) {
             let mut batch = self.spring_batch(group);
-            if let Some(factor) = &group.rest_scale {
-                let table = scalar(factor);
-                self.tables.push(table.clone());
-                batch.data.rest_scale = Some(table);
-            }
+            batch.data.rest_scale = group.rest_scale.as_ref().map(scalar);
             let coefficient = batch.dashpot.clone();
             let dashpots = group.dashpot.as_ref().map(|dashpot| Dashpots { kind: dashpot.kind, coefficient });
             let springs = DampedSprings::new(batch.data.clone(), dashpots).cut_with(batch.cut.clone());
-            self.terms.push(Box::new(springs));
-            self.springs.push(batch);
+            self.acting.add(Added::term(springs).by(batch.data.rest_scale.clone()));
+            self.acting.springs.push(batch);
         }
     }
 
@@ -211,7 +175,7 @@ impl Builder<'_> {
             bars.pairs.iter().map(ends).zip(bars.rest_length.iter().copied()).collect();
         order.sort_by_key(|([a, b], _)| (*a.min(b), *a.max(b)));
         let (nodes, rest_length) = order.into_iter().unzip();
-        self.terms.push(Box::new(LawBars::new(BarData { nodes, rest_length, law: bars.law.clone() })));
+        self.acting.add(Added::term(LawBars::new(BarData { nodes, rest_length, law: bars.law.clone() })));
     }
 
     fn spring_batch(&self, group: &SpringGroup) -> SpringBatch {
@@ -245,33 +209,33 @@ impl Builder<'_> {
 
     fn gravity(&mut self, mass: &[f64], start: &Arc<[Vector3<f64>]>) {
         let Some(g) = self.spec.gravity else { return };
-        let scale = self.scale(Load::Gravity);
-        self.terms.push(Box::new(Gravity::new((Vector3::from(g), scale), mass.iter().copied(), start.clone())));
+        let factor = LoadFactor::default();
+        let g = (Vector3::from(g), factor.scale.clone());
+        self.acting.add(Added::load(Gravity::new(g, mass.iter().copied(), start.clone()), Load::Gravity, factor));
     }
 
     pub(super) fn base(&mut self, fixed: &[[bool; 3]], mass: &[f64]) {
         let Some(table) = &self.spec.base_acceleration else { return };
         let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
-        let acceleration = Table::new(table.clone());
-        self.tables.push(acceleration.clone());
-        self.terms.push(Box::new(BaseAcceleration::new(acceleration, mass)));
+        let acceleration = Arc::new(Table::new(table.clone()));
+        self.acting.add(Added::term(BaseAcceleration::new(acceleration.clone(), mass)).by([acceleration]));
     }
 
     fn air(&mut self) {
         let Some(air) = &self.spec.air else { return };
         let triangles = self.triangles(0..self.spec.mesh.triangles.len() as u32);
-        let Some(stream) = self.stream.clone() else { return };
+        let Some(stream) = self.acting.stream.clone() else { return };
         let data = AirData { triangles, linear: air.linear, quadratic: air.quadratic, stream };
         self.show_pressure(AirLaw::Cloth(data.clone()));
-        self.terms.push(Box::new(Air::new(data)));
+        self.acting.add(Added::term(Air::new(data)));
     }
 
     fn show_pressure(&mut self, law: AirLaw) {
-        self.pressures.push(AirPressure::new(law, &self.spec.mesh, &self.numbering.internal));
+        self.acting.pressures.push(AirPressure::new(law, &self.spec.mesh, &self.numbering.internal));
     }
 
     fn canopies(&mut self, start: &[Vector3<f64>], reference: &[Vector3<f64>]) -> Result<(), BuildError> {
-        let Some(stream) = self.stream.clone() else { return Ok(()) };
+        let Some(stream) = self.acting.stream.clone() else { return Ok(()) };
         for canopy in &self.spec.canopies {
             let nodes = |list: &[u32]| list.iter().map(|&i| self.node(i)).collect::<Vec<u32>>();
             let (skirt, apex, confluence) = (nodes(&canopy.skirt), nodes(&canopy.apex), nodes(&canopy.confluence));
@@ -297,8 +261,8 @@ impl Builder<'_> {
                 }
                 let area: f64 = nodes.values().sum();
                 let nodes = nodes.into_iter().map(|(node, share)| (node, share / area)).collect();
-                let (enclosure, stream, term) = (enclosure.clone(), stream.clone(), self.terms.len());
-                self.apparent.push(ApparentMass { nodes, enclosure, factor, stream, term });
+                let (enclosure, stream, term) = (enclosure.clone(), stream.clone(), self.acting.terms.len());
+                self.acting.apparent.push(ApparentMass { nodes, enclosure, factor, stream, term });
             }
             let air = match &canopy.air {
                 CanopyAir::Coefficient => AirModel::Coefficient,
@@ -307,73 +271,69 @@ impl Builder<'_> {
             };
             let axis = CanopyAxis { skirt, apex, confluence, stream: stream.clone() };
             let data = CanopyData { triangles, pressure_coefficient, axis, air };
-            self.shapes.push(CanopyShape::new(data.clone(), enclosure, canopy.nominal_area));
+            self.acting.canopies.push(CanopyShape::new(data.clone(), enclosure, canopy.nominal_area));
             self.show_pressure(AirLaw::Canopy(data.clone()));
-            self.terms.push(Box::new(Canopy::new(data)));
+            let stages = canopy.air.stages().iter().map(|stage| [stage.start, stage.start + stage.duration]);
+            self.acting.add(Added { changes: stages.collect(), ..Added::term(Canopy::new(data)) });
         }
         Ok(())
     }
 
     fn drag(&mut self) {
-        let Some(stream) = &self.stream else { return };
+        let Some(stream) = self.acting.stream.clone() else { return };
         for LineDragSpec { edges, diameter, coefficient } in &self.spec.line_drag {
             let ends = |edge: u32| self.spec.mesh.edges[edge as usize].map(|i| self.node(i));
             let mut segments: Vec<[u32; 2]> = edges.iter().map(|&edge| ends(edge)).collect();
             segments.sort_unstable_by_key(|[a, b]| (*a.min(b), *a.max(b)));
             let (segments, width, stream) = (segments.into(), diameter * coefficient, stream.clone());
-            self.terms.push(Box::new(LineDrag::new(LineDragData { segments, width, stream })));
+            self.acting.add(Added::term(LineDrag::new(LineDragData { segments, width, stream })));
         }
         for NodeDragSpec { nodes, drag_area } in &self.spec.node_drag {
             let mut nodes: Vec<[u32; 1]> = nodes.iter().map(|&i| [self.node(i)]).collect();
             nodes.sort_unstable();
             let (nodes, drag_area, stream) = (nodes.into(), *drag_area, stream.clone());
-            self.terms.push(Box::new(NodeDrag::new(NodeDragData { nodes, drag_area, stream })));
+            self.acting.add(Added::term(NodeDrag::new(NodeDragData { nodes, drag_area, stream })));
         }
     }
 
-    fn scale(&mut self, load: Load) -> Arc<Scale> {
-        let scale = Arc::new(Scale::default());
-        self.loads.push((load, scale.clone()));
-        scale
-    }
-
-    fn factor(&mut self, load: Load, series: Option<&Series<f64>>) -> LoadFactor {
-        let table = series.map(scalar);
-        self.tables.extend(table.iter().map(|table| table.clone() as Arc<dyn SampledTable>));
-        LoadFactor { table, scale: self.scale(load) }
-    }
-
     fn loads(&mut self, start: &[Vector3<f64>]) {
+        let factor_of =
+            |series: &Option<Series<f64>>| LoadFactor { table: series.as_ref().map(scalar), ..LoadFactor::default() };
         for (number, load) in self.spec.pressures.iter().enumerate() {
             let triangles = self.triangles(load.triangles.iter().copied());
-            let (pressure, factor) = (load.pressure, self.factor(Load::Pressure(number), load.factor.as_ref()));
-            self.terms.push(match load.kind {
-                PressureKind::Follower => Box::new(FollowerPressure::new(FollowerData { triangles, pressure, factor })),
+            let (number, pressure, own) = (Load::Pressure(number), load.pressure, factor_of(&load.factor));
+            let factor = own.clone();
+            self.acting.add(match load.kind {
+                PressureKind::Follower => {
+                    Added::load(FollowerPressure::new(FollowerData { triangles, pressure, factor }), number, own)
+                }
                 PressureKind::Dead(direction) => {
                     let direction = direction.map(Vector3::from);
-                    Box::new(DeadPressure { triangles: &triangles, pressure, direction, factor }.lump(start))
+                    let dead = DeadPressure { triangles: &triangles, pressure, direction, factor };
+                    Added::load(dead.lump(start), number, own)
                 }
             });
         }
         for (number, load) in self.spec.forces.iter().enumerate() {
             let mut nodes: Vec<u32> = load.nodes.iter().map(|&i| self.node(i)).collect();
             nodes.sort_unstable();
-            let force = vec![Vector3::from(load.force); nodes.len()];
-            let factor = self.factor(Load::Forces(number), load.factor.as_ref());
-            self.terms.push(Box::new(NodalForces { info: FORCES, nodes, force, factor }));
+            let force = nodes.iter().map(|_| Vector3::from(load.force)).collect();
+            let factor = factor_of(&load.factor);
+            let forces = NodalForces { info: FORCES, nodes: nodes.into(), force, factor: factor.clone() };
+            self.acting.add(Added::load(forces, Load::Forces(number), factor));
         }
     }
 
     fn rayleigh(&mut self, mass: &Arc<[f64]>, reference: &[Vector3<f64>]) {
         let Some(rayleigh) = self.spec.rayleigh else { return };
         if rayleigh.mass != 0.0 {
-            self.terms.push(Box::new(RayleighMass { factor: rayleigh.mass, mass: mass.clone() }));
+            self.acting.add(Added::term(RayleighMass { factor: rayleigh.mass, mass: mass.clone() }));
         }
         if rayleigh.stiffness == 0.0 {
             return;
         }
         self.rayleigh_membranes(rayleigh.stiffness, reference);
-        for batch in &self.springs {
+        for batch in self.acting.springs.clone() {
             let data = &batch.data;
             let coefficient: Vec<f64> =
                 (0..data.nodes.len()).map(|i| rayleigh.stiffness * data.stiffness.at(i)).collect();
@@ -381,7 +341,7 @@ impl Builder<'_> {
                 .nodes
                 .iter()
                 .map(|&[a, b]| unit_vector(reference[b as usize] - reference[a as usize]).unwrap_or_default());
-            self.terms.push(Box::new(RayleighStiffness::new(RayleighData {
+            self.acting.add(Added::term(RayleighStiffness::new(RayleighData {
                 nodes: data.nodes.clone(),
                 coefficient: Coefficient::from_values(&coefficient),
                 direction: direction.collect(),

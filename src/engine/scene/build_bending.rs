@@ -1,5 +1,6 @@
 //! From hinges and chains of a specification to the force terms of bending, in internal numbering.
 
+use super::acting::Added;
 use super::build::Builder;
 use super::check::BuildError;
 use crate::force::law::bending::{Bending, BendingData, BendingElement, Hinge};
@@ -90,7 +91,7 @@ impl Builder<'_> {
             return;
         }
         list.sort_by_key(|(nodes, _)| (nodes.iter().copied().min(), *nodes));
-        let (nodes, elements) = list.into_iter().unzip();
-        self.terms.push(Box::new(Bending::new(BendingData { nodes, elements })));
+        let (nodes, elements): (Vec<_>, Vec<_>) = list.into_iter().unzip();
+        self.acting.add(Added::term(Bending::new(BendingData { nodes, elements })));
     }
 }

@@ -1,5 +1,6 @@
 //! From a plain specification to the force terms of membranes, in internal numbering.
 
+use super::acting::Added;
 use super::build::Builder;
 use super::check::BuildError;
 use crate::force::law::membrane::{Membrane, MembraneData, RestShape};
@@ -50,7 +51,7 @@ impl Builder<'_> {
         for spec in &self.spec.membranes {
             let corners = |t: u32| self.spec.mesh.triangles[t as usize].map(|i| self.node(i));
             let batch = MembraneBatch::new(spec, corners, rest)?;
-            self.terms.push(Box::new(Membrane::new(batch.data.clone())));
+            self.acting.add(Added::term(Membrane::new(batch.data.clone())));
             self.membranes.push(batch);
         }
         Ok(())
@@ -60,7 +61,7 @@ impl Builder<'_> {
         for MembraneBatch { data, .. } in &self.membranes {
             let triangles = data.triangles.clone();
             let rest = (0..triangles.len()).map(|i| data.at_rest(i, rest, beta)).collect();
-            self.terms.push(Box::new(RayleighMembrane::new(RayleighMembraneData { triangles, rest })));
+            self.acting.add(Added::term(RayleighMembrane::new(RayleighMembraneData { triangles, rest })));
         }
     }
 }

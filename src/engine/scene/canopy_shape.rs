@@ -1,7 +1,9 @@
 //! Shape and air of a canopy for gauges.
 
 use super::network::{Network, by_node, node_state};
+use crate::force::Copies;
 use crate::force::kernel::element_block::NodeVectors;
+use crate::force::kernel::faces::FaceKernel;
 use crate::force::law::canopy::{AirModel, CanopyData};
 use crate::force::law::enclosure::Enclosure;
 use crate::model::gauge::CANOPY_QUANTITIES;
@@ -11,7 +13,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// A canopy with the loops around its openings, in internal numbers.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct CanopyShape {
     data: CanopyData,
     enclosure: Arc<Enclosure>,
@@ -26,6 +28,11 @@ impl CanopyShape {
         let of_skirt = |rim: &[u32]| rim.iter().any(|node| data.axis.skirt.contains(node));
         let vents = (0..enclosure.rims().len()).filter(|&i| !of_skirt(&enclosure.rims()[i])).collect();
         CanopyShape { data, enclosure, vents, nominal_area }
+    }
+
+    /// That of another run.
+    pub(super) fn for_run(&self, copies: &mut Copies) -> Self {
+        CanopyShape { data: self.data.for_run(copies), ..self.clone() }
     }
 
     fn values(&self, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
@@ -71,6 +78,6 @@ impl CanopyShape {
 
 impl Network {
     pub(super) fn shape_of_canopy(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
-        self.canopies.get(canopy).map_or([f64::NAN; CANOPY_QUANTITIES.len()], |canopy| canopy.values(at))
+        self.acting.canopies.get(canopy).map_or([f64::NAN; CANOPY_QUANTITIES.len()], |canopy| canopy.values(at))
     }
 }

@@ -1,13 +1,16 @@
 //! Events: supports that are released, supports whose velocity changes ([`super::motion`]), and springs that are cut.
 //! Supports and springs stay what they are through a phase, which may hold several changes of velocity.
 
+use super::acting::SpringBatch;
 use super::graph::Graph;
 use super::motion::{Moved, Support};
-use super::network::{Network, SpringBatch};
+use super::network::Network;
 use super::numbering::Numbering;
-use crate::model::spec::{NetworkSpec, SpringGroup};
+use crate::model::abilities::Events;
+use crate::model::spec::{MotionSpec, NetworkSpec, SpringGroup};
+use crate::model::state::State;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::Ordering;
 
 /// The phases of a scene, in order; the first begins at t = 0.
 #[derive(Debug)]
@@ -17,8 +20,6 @@ pub(super) struct Phases {
     /// number of the phase after each number of events
     phase: Vec<usize>,
     all: Vec<Phase>,
-    /// events that are passed
-    passed: AtomicUsize,
 }
 
 /// What holds between two events.
@@ -36,6 +37,13 @@ pub(super) struct Phase {
     pub moved: Moved,
     /// made when a scheme first asks for it
     pub graph: OnceLock<Graph>,
+}
+
+impl Default for Phases {
+    /// A single phase of no nodes.
+    fn default() -> Self {
+        Phases::lasting(Vec::new(), &[], Vec::new())
+    }
 }
 
 impl Phases {
@@ -63,7 +71,7 @@ impl Phases {
         }
         let begun = |t: &f64| divisions.partition_point(|division| division <= t);
         let phase = std::iter::once(0).chain(times.iter().map(begun)).collect();
-        Phases { times, phase, all, passed: AtomicUsize::new(0) }
+        Phases { times, phase, all }
     }
 
     /// A single phase without events, of nodes of these masses [kg]; supports that are moved from outside hold `moved`.
@@ -76,7 +84,7 @@ impl Phases {
             cut: Vec::new(),
             graph: OnceLock::new(),
         };
-        Phases { times: Vec::new(), phase: vec![0], all: vec![phase], passed: AtomicUsize::new(0) }
+        Phases { times: Vec::new(), phase: vec![0], all: vec![phase] }
     }
 
     /// [s] The events.
@@ -90,26 +98,26 @@ impl Phases {
         pairs.filter(|(_, phases)| phases[0] != phases[1]).map(|(t, _)| *t)
     }
 
+    /// [s] Beginnings and ends of the changes of supports, and of springs that are cut.
+    pub(super) fn changing<'a>(&'a self, motions: &'a [MotionSpec]) -> impl Iterator<Item = [f64; 2]> + 'a {
+        let moved = motions.iter().flat_map(|motion| motion.displacement.changing());
+        moved.chain(self.divisions().map(|t| [t, t]))
+    }
+
     /// Whether supports move at some time.
     pub(super) fn move_supports(&self) -> bool {
         self.all.iter().any(|phase| !phase.moved.dofs.is_empty())
     }
 
-    /// Number of events that are passed, at most all.
-    pub(super) fn passed(&self) -> usize {
-        self.passed.load(Ordering::Relaxed).min(self.times.len())
-    }
-
-    /// [s] The last event that is passed, and the next; infinite where there is none.
-    pub(super) fn around(&self) -> [f64; 2] {
-        let passed = self.passed();
+    /// [s] The last of so many events that are passed, and the next; infinite where there is none.
+    pub(super) fn around(&self, passed: usize) -> [f64; 2] {
         let before = passed.checked_sub(1).and_then(|last| self.times.get(last));
         [before.map_or(f64::NEG_INFINITY, |t| *t), self.times.get(passed).map_or(f64::INFINITY, |t| *t)]
     }
 
-    /// The present one.
-    pub(super) fn current(&self) -> &Phase {
-        &self.all[self.phase[self.passed()]]
+    /// That after so many events, at most all.
+    pub(super) fn after(&self, passed: usize) -> &Phase {
+        &self.all[self.phase[passed]]
     }
 }
 
@@ -120,22 +128,62 @@ fn inverse_mass(fixed: &[[bool; 3]], mass: &[f64]) -> Vec<f64> {
 
 impl Network {
     pub(super) fn phase(&self) -> &Phase {
-        self.phases.current()
+        self.built.phases.after(self.passed())
+    }
+
+    /// Number of events that this run has passed, at most all.
+    pub(super) fn passed(&self) -> usize {
+        self.passed.load(Ordering::Relaxed).min(self.built.phases.times.len())
     }
 
     /// Springs that carry force now.
     pub(super) fn carrying(&self) -> impl Iterator<Item = &SpringBatch> + Clone {
-        self.springs.iter().filter(|batch| !batch.cut.get())
+        self.acting.springs.iter().filter(|batch| !batch.cut.get())
     }
 
     /// Begins the phase after `passed` events. Returns whether it is another than before.
     pub(super) fn begin_phase(&self, passed: usize) -> bool {
-        let before = self.phases.phase[self.phases.passed()];
-        self.phases.passed.store(passed, Ordering::Relaxed);
+        let phase_before = self.built.phases.phase[self.passed()];
+        self.passed.store(passed, Ordering::Relaxed);
         let cut = &self.phase().cut;
-        for (i, batch) in self.springs.iter().enumerate() {
+        for (i, batch) in self.acting.springs.iter().enumerate() {
             batch.cut.set(cut.get(i).copied().unwrap_or(false));
         }
-        before != self.phases.phase[self.phases.passed()]
+        phase_before != self.built.phases.phase[self.passed()]
+    }
+}
+
+impl Events for Network {
+    fn event_times(&self) -> &[f64] {
+        self.built.phases.times()
+    }
+
+    fn corners(&self) -> Vec<f64> {
+        self.built.corners.clone()
+    }
+
+    fn sample_tables(&self, h: Option<f64>) {
+        self.acting.tables.iter().for_each(|table| table.sample(h));
+    }
+
+    fn pass_events(&self, passed: usize) -> bool {
+        self.begin_phase(passed)
+    }
+
+    fn changes(&self) -> Vec<f64> {
+        let shortest = self.acting.springs.iter().filter_map(|batch| batch.data.rest_scale.as_ref()?.lowest_at());
+        let mut times: Vec<f64> = self.built.phases.divisions().chain(shortest.filter(|t| *t > 0.0)).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+
+    fn settled_after(&self, end: f64) -> f64 {
+        let begun = self.built.changing.iter().filter(|[from, _]| *from < end);
+        begun.fold(0.0, |last: f64, [_, until]| last.max(until.min(end)))
+    }
+
+    fn put_supports(&self, state: &mut State) -> bool {
+        self.put_moved(state)
     }
 }

@@ -19,7 +19,7 @@
 
 use super::network::{Network, by_node};
 use crate::force::law::nodal::SetForces;
-use crate::force::{TangentForm, TangentSink};
+use crate::force::{Copies, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::state::StateRef;
 use crate::model::system::{TermInfo, Weights};
@@ -67,6 +67,7 @@ pub struct ForceDerivative {
 }
 
 /// A force that the program computes.
+#[derive(Clone)]
 struct Law {
     name: String,
     force: Arc<dyn NodalForce>,
@@ -125,6 +126,18 @@ struct Buffers {
 }
 
 impl ExternalForces {
+    /// Those of another run, at first the same.
+    pub(super) fn for_run(&self, copies: &mut Copies) -> Self {
+        ExternalForces {
+            values: RwLock::new(self.values.read().unwrap_or_else(PoisonError::into_inner).clone()),
+            sum: self.sum.as_ref().map(|sum| sum.for_run(copies)),
+            laws: RwLock::new(self.laws.read().unwrap_or_else(PoisonError::into_inner).clone()),
+            velocity_dependent: self.velocity_dependent,
+            user: self.user.clone(),
+            buffers: Mutex::default(),
+        }
+    }
+
     /// Whether forces of this kind have their place.
     pub fn takes(&self, kind: ExternalKind) -> bool {
         match kind {
@@ -230,7 +243,7 @@ impl ExternalForces {
         let Buffers { x, v, .. } = &mut *buffers;
         for (nodes, dofs) in [(x, at.x), (v, at.v)] {
             nodes.resize(self.user.len(), [0.0; 3]);
-            network.numbering.to_user(by_node(dofs), nodes);
+            network.built.numbering.to_user(by_node(dofs), nodes);
         }
         buffers
     }
@@ -239,13 +252,13 @@ impl ExternalForces {
 impl Network {
     /// Makes a place for forces from outside of a kind.
     pub(super) fn enable(&mut self, kind: ExternalKind) {
-        let user = self.numbering.user.clone();
+        let user = self.built.numbering.user.clone();
         let external = self.external.get_or_insert_with(|| ExternalForces { user, ..ExternalForces::default() });
         match kind {
             ExternalKind::Values if external.sum.is_none() => {
-                let forces = SetForces::zero(self.mass.len());
+                let forces = SetForces::zero(self.built.mass.len());
                 external.sum = Some(forces.clone());
-                self.terms.push(Box::new(forces));
+                self.acting.terms.push(Box::new(forces));
             }
             ExternalKind::Values => {}
             ExternalKind::Law { velocity_dependent } => {
@@ -306,7 +319,7 @@ impl Network {
                     [i, j] if i == j => positive_part(&exact),
                     _ => Matrix3::zeros(),
                 };
-                sink.pair(pair.map(|node| self.numbering.internal[node as usize]), block);
+                sink.pair(pair.map(|node| self.built.numbering.internal[node as usize]), block);
             }
         }
     }

@@ -1,6 +1,7 @@
 //! A network's springs as a graph, for schemes that filter along it.
 
-use super::network::{Network, SpringBatch, node_state};
+use super::acting::SpringBatch;
+use super::network::{Network, node_state};
 use crate::force::kernel::coefficient::Coefficient;
 use crate::force::kernel::neighbours::Neighbours;
 use crate::force::law::one_sided::OneSided;
@@ -41,26 +42,26 @@ fn seconds(springs: &[SpringBatch]) -> Option<f64> {
 
 impl Network {
     fn graph(&self) -> &Graph {
-        self.phase().graph.get_or_init(|| Graph::new(self.mass.len(), self.carrying(), self.viscosity()))
+        self.phase().graph.get_or_init(|| Graph::new(self.built.mass.len(), self.carrying(), self.viscosity()))
     }
 }
 
 impl SpringGraph for Network {
     fn stiffness_sums(&self) -> Vec<f64> {
-        self.graph().springs.weights().take(self.mass.len()).collect()
+        self.graph().springs.weights().take(self.built.mass.len()).collect()
     }
 
     fn weight(&self) -> Vec<f64> {
         let g = self.gravity();
-        self.weighed.iter().flat_map(|&m| <[f64; 3]>::from(m * g)).collect()
+        self.built.weighed.iter().flat_map(|&m| <[f64; 3]>::from(m * g)).collect()
     }
 
     fn viscosity(&self) -> Viscosity {
-        let dissipative = self.infos.iter().filter(|i| i.role == Role::Dissipative).count();
-        let inside = self.springs.iter().filter(|b| b.in_filter).count();
-        match (inside, seconds(&self.springs)) {
+        let dissipative = self.arrangement.infos.iter().filter(|i| i.role == Role::Dissipative).count();
+        let inside = self.acting.springs.iter().filter(|b| b.in_filter).count();
+        match (inside, seconds(&self.acting.springs)) {
             (0, _) => Viscosity::None,
-            (n, Some(seconds)) if n == dissipative && n == self.springs.len() => Viscosity::All { seconds },
+            (n, Some(seconds)) if n == dissipative && n == self.acting.springs.len() => Viscosity::All { seconds },
             _ => Viscosity::Some,
         }
     }
@@ -80,7 +81,7 @@ impl SpringGraph for Network {
     fn step_filter(&self) -> Option<Box<dyn StepFilter>> {
         // A dashpot that was asked for acts along its spring, slack or not.
         let members = self.carrying().map(|batch| (&batch.data, !batch.in_filter));
-        OneSided::new(self.mass.len(), members).map(|filter| Box::new(filter) as Box<dyn StepFilter>)
+        OneSided::new(self.built.mass.len(), members).map(|filter| Box::new(filter) as Box<dyn StepFilter>)
     }
 }
 

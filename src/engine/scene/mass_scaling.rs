@@ -6,10 +6,10 @@
 //! they are on the mesh as given. Springs count as taut: a slack one has the tangent with which it becomes taut in its
 //! direction, its whole stiffness along it and no tension.
 
+use super::acting::SpringBatch;
 use super::bound::{FORM, largest_by_node};
 use super::build::Builder;
 use super::check::BuildError;
-use super::network::SpringBatch;
 use super::numbering::Numbering;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
 use crate::force::law::slack::Clamp;
@@ -37,7 +37,7 @@ impl Builder<'_> {
         let Some(step) = self.spec.mass_scaling else { return Ok(None) };
         let mut moving: Vec<Vector3<f64>> = velocity.iter().copied().map(Vector3::from).collect();
         moving.resize(mass.len(), Vector3::zeros());
-        let (terms, springs, numbering) = (&self.terms, &self.springs, self.numbering);
+        let (terms, springs, numbering) = (&self.acting.terms, &self.acting.springs, self.numbering);
         let unscaled = Unscaled { terms, springs, reference, start, velocity: &moving, fixed, mass, numbering };
         let (inertia, added) = unscaled.scale(step)?;
         // Inertia in an accelerated frame is a force on all of it.

@@ -14,7 +14,7 @@ impl Network {
         let [total, external, dissipative] = sums;
         let others = [&mut *total, external, dissipative];
         self.sweep.pass((&WithoutMeans(self), step.at), &self.threads, others, tallies);
-        for (term, parts) in self.terms.iter().zip(&self.parts) {
+        for (term, parts) in self.acting.terms.iter().zip(&self.arrangement.parts) {
             if let (Some(mean), Some(part)) = (term.mean(), parts[0]) {
                 tallies[part.tally] = mean.add_mean(step, total);
             }
@@ -29,7 +29,7 @@ impl Network {
         form: TangentForm,
         sink: &mut dyn TangentSink,
     ) {
-        for term in &self.terms {
+        for term in &self.acting.terms {
             match term.mean() {
                 Some(mean) => mean.mean_tangent(step, w, form, sink),
                 None => term.tangent(step.at, w, form, sink),
@@ -52,7 +52,7 @@ impl Terms for WithoutMeans<'_> {
 
     fn term(&self, i: usize) -> Term<'_> {
         let Term { forces, mut parts } = self.0.term(i);
-        if self.0.terms[i].mean().is_some() {
+        if self.0.acting.terms[i].mean().is_some() {
             parts[0] = None;
         }
         Term { forces, parts }

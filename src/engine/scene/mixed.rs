@@ -30,7 +30,7 @@ impl MixedSystem for Network {
     fn assemble_mixed(&self, at: StateRef<'_>, w: Weights, form: MixedForm<'_>, assembler: &mut Assembler) {
         let MixedForm { springs, convex, symmetric } = form;
         let form = TangentForm { convex, symmetric };
-        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
+        let mut sink = assembler.sink(|dof| w.m * self.built.mass[dof / 3]);
         let mut rest = springs;
         for term in self.force_terms() {
             match term.springs().and_then(|springs| Some((springs, rest.split_at_checked(springs.count())?))) {

@@ -3,8 +3,10 @@
 //! Inside a network nodes are renumbered for locality ([`numbering`]); everything a person sees goes through
 //! [`crate::model::observables::Observables`] and is in the user's numbering again.
 
+mod acting;
 mod air_pressure;
 mod apparent;
+mod arrangement;
 mod bound;
 mod bound_by_triangles;
 mod branches;
@@ -15,6 +17,7 @@ mod canopy_shape;
 mod check;
 mod check_elements;
 mod check_loads;
+mod controls;
 mod events;
 mod external;
 mod graph;
@@ -40,6 +43,7 @@ pub use pendulum::Pendulum;
 
 use crate::assembly::{SceneInterfaces, TangentSystem};
 use crate::force::law::series::Scale;
+use crate::model::abilities::Events;
 use crate::model::added_mass::AddedMass;
 use crate::model::observables::Observables;
 use crate::model::state::{State, StateRef};
@@ -69,111 +73,35 @@ pub enum Load {
     Forces(usize),
 }
 
-/// Forces beside stiff springs, by bounds on their elements.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BesideStiff {
-    /// [1/s^2] largest eigenvalue of M^-1 K, and the degree of freedom where it is reached
-    pub stiffness: (f64, usize),
-    /// [1/s] largest eigenvalue of M^-1 C, likewise
-    pub damping: (f64, usize),
-    /// whether elastic forces that are no springs act on the nodes that limit explicit steps most
-    pub on_short_nodes: bool,
-}
-
 /// What a run needs of a scene besides forces, tangents and output.
 pub trait Scene: TangentSystem + Observables {
     /// The interfaces that schemes use.
     fn interfaces(&self) -> SceneInterfaces<'_>;
 
-    /// Gives the scene a place for forces from outside. Forces that were sized before do not fit it any more. `false`
-    /// if the scene cannot have any.
-    fn enable_external(&mut self, kind: ExternalKind) -> bool {
-        let _ = kind;
-        false
-    }
+    /// The same scene for another run, with its own values of all that changes in a run: events that are passed, tables
+    /// as steps sample them, the wind, loads and forces that a program sets. At first they are those of this scene. All
+    /// else is shared, so that a copy is cheap. Each of two runs that overlap, on one thread or on several, needs its
+    /// own, and observers and schemes that of their run.
+    fn for_run(&self) -> Box<dyn Scene>;
 
-    /// The loads that a program can scale, with their factors.
-    fn loads(&self) -> &[(Load, Arc<Scale>)] {
-        &[]
-    }
-
-    /// The edges (user's numbers) that have a spring, ascending.
-    fn spring_edges(&self) -> Vec<u32> {
-        Vec::new()
-    }
-
-    /// Multiplies the rest lengths of springs as given by factors, `[n_edges]` in the user's numbering.
-    fn set_rest_length_factors(&mut self, factors: &[f64]) {
-        let _ = factors;
-    }
-
-    /// [s] Times at which supports are released or change their velocity, or springs are cut, ascending. A run ends a
-    /// step there.
-    fn events(&self) -> &[f64] {
-        &[]
-    }
-
-    /// Changes to the state of affairs after this many events. Returns whether forces, masses and tangents found
-    /// before do not fit any more. Two runs of one scene cannot overlap.
-    fn pass_events(&self, passed: usize) -> bool {
-        let _ = passed;
-        false
-    }
-
-    /// While `taut`, tangents and bounds take every spring that is slack as just taut.
-    fn take_slack_as_taut(&self, taut: bool) {
-        let _ = taut;
-    }
-
-    /// [s] Times after 0 from which the tangent is another at the same positions, ascending: of releases, of cuts, and
-    /// where rest lengths that change are shortest.
-    fn changes(&self) -> Vec<f64> {
-        Vec::new()
-    }
-
-    /// [s] When the last change is over that takes place before `end` [s], 0 without any: of loads, wind, base and rest
-    /// lengths by their tables, of canopies by their stages, and events. A change that goes on at `end` lasts until
-    /// then.
-    fn settled_after(&self, end: f64) -> f64 {
-        let _ = end;
-        0.0
-    }
-
-    /// Puts what supports move where it is at the time of a state, with the velocity that it then has. Returns whether
-    /// they move anything.
-    fn put_supports(&self, state: &mut State) -> bool {
-        let _ = state;
-        false
-    }
-
-    /// The forces from outside, once they are enabled.
-    fn external(&self) -> Option<&ExternalForces> {
+    /// What happens to it at given times; `None` if nothing can.
+    fn events(&self) -> Option<&dyn Events> {
         None
     }
 
-    /// Holds the wind at a velocity [m/s], or goes back to its table. `false` if the scene has no air.
-    fn hold_wind(&self, wind: Option<[f64; 3]>) -> bool {
-        let _ = wind;
-        false
+    /// What a program can set, and read of it; `None` if there is nothing.
+    fn controls(&self) -> Option<&dyn Controls> {
+        None
     }
 
-    /// The state at time `t` [s] with these positions [m] and velocities [m/s], each `[n_nodes][3]` in the user's
-    /// numbering; held directions have the velocity of their support, and what a support moves is where it moves it.
-    /// `None` if the scene has no such state.
-    fn state_of(&self, t: f64, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Option<State> {
-        let _ = (t, positions, velocities);
+    /// The same, also what is set for the whole scene at once.
+    fn controls_mut(&mut self) -> Option<&mut dyn Controls> {
         None
     }
 
     /// What mass scaling has added; `None` where masses are not scaled.
     fn added_mass(&self) -> Option<AddedMass> {
         None
-    }
-
-    /// [m/s] Winds at time `t` [s], between which that at any height is; none without air.
-    fn winds(&self, t: f64) -> Vec<[f64; 3]> {
-        let _ = t;
-        Vec::new()
     }
 
     /// [m] the scene's size: half the largest extent of its nodes at t = 0, or what its rest lengths allow if it is
@@ -183,32 +111,11 @@ pub trait Scene: TangentSystem + Observables {
     /// [m] half the largest extent of the nodes in a state.
     fn extent(&self, at: StateRef<'_>) -> f64;
 
-    /// Whether some force changes its law with the state: springs that can go slack.
-    fn has_branches(&self) -> bool {
-        false
-    }
-
-    /// Writes into `impulse` [N s] `[n_dof]` the impulse that depends on changes of force laws within a step. For each
-    /// force it is the smaller of two: what the force would have added with the law at the start, or with the other law
-    /// from the start. Returns where the force with the largest impulse changes first, as a share of the step. `None`
-    /// if none changes; `impulse` is then unspecified.
-    fn branch_changes(&self, step: [StateRef<'_>; 2], impulse: &mut [f64]) -> Option<f64> {
-        let _ = (step, impulse);
-        None
-    }
-
     /// The likely cause of a failure at a degree of freedom of a state.
     fn suspect(&self, at: StateRef<'_>, dof: usize) -> Suspect;
 
     /// Node (user's number) and axis of a degree of freedom.
     fn name_of(&self, dof: usize) -> (u32, &'static str);
-
-    /// The spring (user's number) with the largest stiffness over the masses at its ends, at the node of a degree of
-    /// freedom.
-    fn fastest_spring(&self, dof: usize) -> Option<u32> {
-        let _ = dof;
-        None
-    }
 
     /// Writes into `f` [N] `[n_dof]` the loads in a state: gravity, pressure and air, without springs and dampers.
     /// Allocates.
@@ -237,17 +144,56 @@ pub trait Scene: TangentSystem + Observables {
     fn sharper_rate_bound(&self, at: StateRef<'_>, w: crate::model::system::Weights) -> (f64, usize) {
         self.rate_bound(at, w, &mut BoundBuffer::default())
     }
+}
 
-    /// Bounds on all forces but those of the [stiff springs](crate::model::system::System::stiff_part) at a state;
-    /// `None` where no spring is stiff.
-    fn beside_stiff(&self, ratio: f64, at: StateRef<'_>) -> Option<BesideStiff> {
-        let _ = (ratio, at);
-        None
-    }
+/// What a program sets while a simulation runs.
+pub trait Controls {
+    /// The loads that a program can scale, with their factors.
+    fn loads(&self) -> &[(Load, Arc<Scale>)];
+
+    /// The forces from outside, once they are enabled.
+    fn external(&self) -> Option<&ExternalForces>;
+
+    /// Gives the scene a place for forces from outside. Forces that were sized before do not fit it any more.
+    fn enable_external(&mut self, kind: ExternalKind);
+
+    /// Multiplies the rest lengths of springs as given by factors, `[n_edges]` in the user's numbering.
+    fn set_rest_length_factors(&mut self, factors: &[f64]);
+
+    /// The state at time `t` [s] with these positions [m] and velocities [m/s], each `[n_nodes][3]` in the user's
+    /// numbering; held directions have the velocity of their support, and what a support moves is where it moves it.
+    /// `None` if slices have another length.
+    fn state_of(&self, t: f64, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Option<State>;
+}
+
+/// [s] The [events](Events::event_times) of a scene.
+pub fn event_times(scene: &dyn Scene) -> &[f64] {
+    scene.events().map_or(&[], |events| events.event_times())
+}
+
+/// [Passes events](Events::pass_events) of a scene, if it can have any.
+pub fn pass_events(scene: &dyn Scene, passed: usize) -> bool {
+    scene.events().is_some_and(|events| events.pass_events(passed))
+}
+
+/// [Samples the tables](Events::sample_tables) of a scene, if it can have any.
+pub fn sample_tables(scene: &dyn Scene, h: Option<f64>) {
+    scene.events().into_iter().for_each(|events| events.sample_tables(h));
+}
+
+/// The [loads](Controls::loads) of a scene.
+pub fn loads(scene: &dyn Scene) -> &[(Load, Arc<Scale>)] {
+    scene.controls().map_or(&[], |controls| controls.loads())
 }
 
 /// The node of a degree of freedom, and the fastest spring at it, in words.
 pub fn place_of(scene: &dyn Scene, dof: usize) -> String {
     let node = scene.name_of(dof).0;
-    scene.fastest_spring(dof).map_or_else(|| format!("node {node}"), |spring| format!("node {node}, spring {spring}"))
+    fastest_spring(scene, dof).map_or_else(|| format!("node {node}"), |spring| format!("node {node}, spring {spring}"))
+}
+
+/// The spring (user's number) with the largest stiffness over the masses at its ends, at the node of a degree of
+/// freedom.
+pub fn fastest_spring(scene: &dyn Scene, dof: usize) -> Option<u32> {
+    scene.springs()?.fastest_spring(dof)
 }

@@ -86,14 +86,14 @@ impl Network {
     /// anything.
     pub(super) fn put_moved(&self, state: &mut State) -> bool {
         // The clock of a run may pass an event a rounding error early or late.
-        let [begun, next] = self.phases.around();
+        let [begun, next] = self.built.phases.around(self.passed());
         let t = state.t.max(begun);
         let before_next = f64::min(t, next.next_down());
         for Support { dofs, displacement } in &self.phase().moved.supports {
             let (moved, velocity) = (displacement.at(t), displacement.slope_after(before_next));
             for &dof in dofs {
                 let (dof, axis) = (dof as usize, dof as usize % 3);
-                state.x[dof] = self.start.as_ref()[dof / 3][axis] + moved[axis];
+                state.x[dof] = self.built.start.as_ref()[dof / 3][axis] + moved[axis];
                 state.v[dof] = velocity[axis];
             }
         }
@@ -109,7 +109,7 @@ impl Network {
             out.external[dof as usize] += reaction;
             power += reaction * at.v[dof as usize];
         }
-        if self.infos.last() == Some(&SUPPORTS)
+        if self.arrangement.infos.last() == Some(&SUPPORTS)
             && let Some(tally) = out.tallies.last_mut()
         {
             tally.power = power;

@@ -1,132 +1,72 @@
 //! A spring network: mass, force terms and fixed degrees of freedom.
 
 use super::Load;
-use super::air_pressure::AirPressure;
-use super::apparent::ApparentMass;
+use super::acting::{Acting, SpringBatch};
+use super::arrangement::Arrangement;
 use super::build_surface::MembraneBatch;
-use super::canopy_shape::CanopyShape;
 use super::events::Phases;
 use super::external::ExternalForces;
-use super::motion::SUPPORTS;
 use super::numbering::Numbering;
 use super::reach::reach;
-use crate::force::kernel::batch::{BlockForces, PARTS};
-use crate::force::law::series::{SampledTable, Scale};
-use crate::force::law::spring::{Coefficient, Cut, SpringData};
-use crate::force::law::stream::Stream;
 use crate::force::schedule::step_block::NodeStateMut;
 use crate::force::schedule::step_boundary::StepBoundary;
-use crate::force::schedule::sweep::{PartTarget, Sweep, Term, Terms};
+use crate::force::schedule::sweep::{Sweep, Terms};
 use crate::force::schedule::threads::{SUMS, Threads};
-use crate::force::{ForceTerm, MeanStep, NodeState};
+use crate::force::{Copies, ForceTerm, MeanStep, NodeState};
 use crate::mesh::Mesh;
+use crate::model::abilities::{StepBlocks, StiffSprings};
 use crate::model::added_mass::AddedMass;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::motion::motion;
 use crate::model::state::{State, StateRef};
 use crate::model::step_block::{self, StepSummary};
-use crate::model::system::{KickDriftBlock, StepMean, StiffPart, System, TermInfo, single_step};
+use crate::model::system::{KickDriftBlock, StepMean, System, TermInfo};
 use crate::model::workers::Workers;
 use nalgebra::Vector3;
 use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
 
-/// A scene of springs, masses and what acts on them.
+/// A scene of springs, masses and what acts on them, in a run. Another run has a copy of its own, by
+/// [`Scene::for_run`](super::Scene::for_run).
 pub struct Network {
-    pub(super) numbering: Numbering,
-    pub(super) phases: Phases,
-    /// fixed at t = 0
-    pub(super) fixed_dofs: Vec<u32>,
-    /// [kg] inertia of every node
-    pub(super) mass: Arc<[f64]>,
-    /// [kg] mass of every node that has weight: the same but for masses that are scaled
-    pub(super) weighed: Arc<[f64]>,
-    pub(super) added_mass: Option<AddedMass>,
-    pub(super) start: Arc<[Vector3<f64>]>,
-    /// [m] half of what rest lengths let it extend to
-    pub(super) reach: f64,
-    velocity: Vec<[f64; 3]>,
-    gravity: Vector3<f64>,
-    /// what a program can scale
-    pub(super) loads: Vec<(Load, Arc<Scale>)>,
-    corners: Vec<f64>,
-    /// [s] beginnings and ends of all changes over time
-    pub(super) changing: Vec<[f64; 2]>,
-    tables: Vec<Arc<dyn SampledTable>>,
-    pub(super) terms: Vec<Box<dyn ForceTerm>>,
-    /// of every part of every term
-    pub(super) infos: Vec<TermInfo>,
-    /// sum of every part of every term, and its place among these
-    pub(super) parts: Vec<[Option<PartTarget>; PARTS]>,
-    pub(super) springs: Vec<SpringBatch>,
-    pub(super) membranes: Vec<MembraneBatch>,
-    /// whether some edge has several springs
-    pub(super) shared_edges: bool,
+    pub(super) built: Arc<Built>,
+    pub(super) acting: Acting,
     /// set once a program adds forces from outside
     pub(super) external: Option<ExternalForces>,
-    /// the air around it, shared with the terms
-    pub(super) stream: Option<Arc<Stream>>,
-    pub(super) canopies: Vec<CanopyShape>,
-    /// pressures of the air, for pictures
-    pub(super) pressures: Vec<AirPressure>,
-    /// whether steps are made one by one: supports move, a force depends on all others, or in a scene of several
-    /// blocks on nodes of the whole scene
-    couples_blocks: bool,
-    /// air that canopies take along
-    pub(super) apparent: Vec<ApparentMass>,
+    pub(super) arrangement: Arrangement,
+    /// events that are passed
+    pub(super) passed: AtomicUsize,
     pub(super) sweep: Sweep,
     pub(super) threads: Threads,
     /// the user's mesh, for pictures
-    pub(super) mesh: Mesh,
+    pub(super) mesh: Arc<Mesh>,
 }
 
-/// Springs of one rule, as the terms hold them, with their way back to the user's edges.
-#[derive(Clone, Debug)]
-pub struct SpringBatch {
-    /// arrays shared with the terms
-    pub data: SpringData,
-    /// [m] rest lengths as given; those in `data` are a program's factors times these
-    pub given: Arc<[f64]>,
-    /// user's edge of every spring
-    pub edges: Vec<u32>,
-    /// [N s/m] dashpot coefficients, 0 without
-    pub dashpot: Coefficient,
-    /// whether the dashpots act along the springs
-    pub axial: bool,
-    /// whether the dashpots are relative with c = k h, which Kang's filter contains
-    pub in_filter: bool,
-    /// whether they are cut, shared with the terms
-    pub cut: Cut,
-}
-
-/// What `build` hands over; all arrays in internal numbering but the mesh.
-pub(super) struct Parts {
+/// What is the same in all runs of a scene; all arrays in internal numbering.
+#[derive(Default)]
+pub(super) struct Built {
     pub numbering: Numbering,
     pub phases: Phases,
-    /// [kg] inertia
+    /// [kg] inertia of every node
     pub mass: Arc<[f64]>,
-    /// [kg] what has weight
+    /// [kg] mass of every node that has weight: the same but for masses that are scaled
     pub weighed: Arc<[f64]>,
     pub added_mass: Option<AddedMass>,
     pub start: Arc<[Vector3<f64>]>,
     pub velocity: Vec<[f64; 3]>,
     /// [m/s^2]
     pub gravity: Vector3<f64>,
-    pub loads: Vec<(Load, Arc<Scale>)>,
     /// [s] rows of load and wind tables
     pub corners: Vec<f64>,
     /// [s] beginnings and ends of all changes over time
     pub changing: Vec<[f64; 2]>,
-    /// load and wind tables, shared with the terms
-    pub tables: Vec<Arc<dyn SampledTable>>,
-    pub stream: Option<Arc<Stream>>,
-    pub canopies: Vec<CanopyShape>,
-    pub pressures: Vec<AirPressure>,
-    pub apparent: Vec<ApparentMass>,
-    pub terms: Vec<Box<dyn ForceTerm>>,
-    pub springs: Vec<SpringBatch>,
     pub membranes: Vec<MembraneBatch>,
-    pub threads: Threads,
-    pub mesh: Mesh,
+    /// fixed at t = 0
+    pub fixed_dofs: Vec<u32>,
+    /// [m] half of what rest lengths let it extend to
+    pub reach: f64,
+    /// whether some edge has several springs
+    pub shared_edges: bool,
 }
 
 pub(super) fn by_node(dofs: &[f64]) -> &[Vector3<f64>] {
@@ -138,75 +78,51 @@ pub(super) fn node_state(at: StateRef<'_>) -> NodeState<'_> {
 }
 
 impl Network {
-    pub(super) fn assemble_parts(p: Parts) -> Self {
-        let fixed = p.phases.current().fixed.as_flattened();
+    /// A network at t = 0. What follows from its parts need not be given.
+    pub(super) fn new(built: Built, acting: Acting, mesh: Mesh, threads: Threads) -> Self {
+        let fixed = built.phases.after(0).fixed.as_flattened();
         let fixed_dofs: Vec<u32> = (0..).zip(fixed).filter(|&(_, &f)| f).map(|(i, _)| i).collect();
+        let (reach, shared_edges) = (reach(&mesh, &acting.springs), shares_edges(&acting.springs));
         let mut network = Network {
-            fixed_dofs,
-            infos: Vec::new(),
-            parts: Vec::new(),
-            numbering: p.numbering,
-            phases: p.phases,
-            mass: p.mass,
-            weighed: p.weighed,
-            added_mass: p.added_mass,
-            start: p.start,
-            reach: reach(&p.mesh, &p.springs),
-            velocity: p.velocity,
-            gravity: p.gravity,
-            loads: p.loads,
-            corners: p.corners,
-            changing: p.changing,
-            tables: p.tables,
-            terms: p.terms,
-            shared_edges: shares_edges(&p.springs),
-            springs: p.springs,
-            membranes: p.membranes,
+            built: Arc::new(Built { fixed_dofs, reach, shared_edges, ..built }),
+            acting,
             external: None,
-            stream: p.stream,
-            canopies: p.canopies,
-            pressures: p.pressures,
-            couples_blocks: false,
+            arrangement: Arrangement::default(),
+            passed: AtomicUsize::new(0),
             sweep: Sweep::new(0, &mut []),
-            apparent: p.apparent,
-            threads: p.threads,
-            mesh: p.mesh,
+            threads,
+            mesh: Arc::new(mesh),
         };
         network.arrange();
         network
     }
 
-    /// Cuts the scene into blocks and gives every part of every term its sum and its place in the account.
-    pub(super) fn arrange(&mut self) {
-        let mut forces: Vec<&mut dyn BlockForces> =
-            self.terms.iter_mut().map(|t| &mut **t as &mut dyn BlockForces).collect();
-        self.sweep = Sweep::new(self.mass.len(), &mut forces);
-        let couples = self.terms.iter().any(|term| term.scene_numbers().is_some());
-        let moves = self.phases.move_supports();
-        self.couples_blocks = moves || !self.apparent.is_empty() || couples && !self.sweep.is_single_block();
-        let own = self.terms.iter().flat_map(|term| term.parts()).copied();
-        self.infos = own.chain(self.law_info()).chain(moves.then_some(SUPPORTS)).collect();
-        let mut tallies = 0..;
-        let mut part = |info: &TermInfo| Some(PartTarget { sum: sum_of_role(info.role), tally: tallies.next()? });
-        let parts = self.terms.iter().map(|term| {
-            let mut parts = [None; PARTS];
-            parts.iter_mut().zip(term.parts()).for_each(|(to, info)| *to = part(info));
-            parts
-        });
-        self.parts = parts.collect();
+    /// See [`super::Scene::for_run`].
+    pub(super) fn copy(&self) -> Self {
+        let copies = &mut Copies::default();
+        Network {
+            built: self.built.clone(),
+            acting: self.acting.for_run(copies),
+            external: self.external.as_ref().map(|external| external.for_run(copies)),
+            arrangement: self.arrangement.clone(),
+            passed: AtomicUsize::new(self.passed()),
+            sweep: self.sweep.again(),
+            threads: self.threads.again(),
+            mesh: self.mesh.clone(),
+        }
     }
 
     /// [m/s^2] Acceleration of free fall, with the program's factor; 0 without gravity.
     pub(super) fn gravity(&self) -> Vector3<f64> {
-        let scale = self.loads.iter().find(|(load, _)| *load == Load::Gravity);
-        self.gravity * scale.map_or(1.0, |(_, scale)| scale.get())
+        let scale = self.acting.loads.iter().find(|(load, _)| *load == Load::Gravity);
+        self.built.gravity * scale.map_or(1.0, |(_, scale)| scale.get())
     }
 
     /// Multiplies rest lengths by factors, `[n_edges]`. What was made from them before does not fit any more.
     pub(super) fn scale_rest_lengths(&mut self, factors: &[f64]) {
         // Springs are the first terms, one a batch.
-        for (batch, term) in self.springs.iter_mut().zip(&mut self.terms) {
-            let scaled = batch.given.iter().zip(&batch.edges).map(|(l0, &edge)| l0 * factors[edge as usize]);
+        for (batch, term) in self.acting.springs.iter_mut().zip(&mut self.acting.terms) {
+            let scaled = batch.given.iter().zip(batch.edges.iter()).map(|(l0, &edge)| l0 * factors[edge as usize]);
             batch.data.rest_length = scaled.collect();
             term.set_rest_lengths(&batch.data.rest_length);
         }
@@ -214,44 +130,13 @@ impl Network {
 
     /// Gives the memory of the picture back; frames can then not be drawn any more.
     pub fn forget_picture(&mut self) {
-        self.mesh = Mesh::default();
-        self.pressures = Vec::new();
+        self.mesh = Arc::default();
+        self.acting.pressures = Vec::new();
     }
 
     /// The terms.
     pub fn force_terms(&self) -> impl Iterator<Item = &dyn ForceTerm> {
-        self.terms.iter().map(|t| &**t)
-    }
-
-    /// `f =` the forces [N] of one of [`System::terms`] alone; returns its energy [J] or power [W]. 0 beyond the last.
-    pub fn pass_of(&self, part: usize, at: NodeState<'_>, f: &mut [Vector3<f64>]) -> Tally {
-        let mut tally = [Tally::default()];
-        self.sum_of(self.term_of(part).as_slice(), at, f, &mut tally);
-        tally[0]
-    }
-
-    /// `f =` the forces [N] of some terms, of one of the parts of each.
-    pub(super) fn sum_of(
-        &self,
-        parts: &[(&dyn ForceTerm, usize)],
-        at: NodeState<'_>,
-        f: &mut [Vector3<f64>],
-        tallies: &mut [Tally],
-    ) {
-        self.sweep.pass((&SelectedTerms(parts), at), &self.threads, [f, &mut [], &mut []], tallies);
-    }
-
-    /// The force term that one of [`System::terms`] is a part of, and which part it is.
-    pub fn term_of(&self, part: usize) -> Option<(&dyn ForceTerm, usize)> {
-        let places =
-            |parts: &[Option<PartTarget>; PARTS]| parts.iter().position(|p| p.is_some_and(|p| p.tally == part));
-        let mut terms = self.terms.iter().zip(&self.parts);
-        terms.find_map(|(term, parts)| Some((&**term, places(parts)?)))
-    }
-
-    /// Which energy and power is that of the first part of a term.
-    pub(super) fn tally_of(&self, term: usize) -> Option<usize> {
-        Some(self.parts.get(term)?[0]?.tally)
+        self.acting.terms.iter().map(|t| &**t)
     }
 
     /// A pass over all terms at a state; elastic forces are means over the step around it, if one is given.
@@ -275,10 +160,10 @@ impl Network {
     fn pass_into(&self, out: &mut Forces, pass: impl FnOnce([&mut [Vector3<f64>]; SUMS], &mut [Tally])) {
         let Forces { total, external, dissipative, reactions, tallies } = out;
         pass([&mut *total, external, dissipative].map(|sum| bytemuck::cast_slice_mut(sum)), tallies);
-        for (reaction, &dof) in reactions.iter_mut().zip(&self.fixed_dofs) {
+        for (reaction, &dof) in reactions.iter_mut().zip(&self.built.fixed_dofs) {
             *reaction = -std::mem::take(&mut total[dof as usize]);
         }
-        let released = self.phase().released.iter().zip(reactions).zip(&self.fixed_dofs);
+        let released = self.phase().released.iter().zip(reactions).zip(&self.built.fixed_dofs);
         for ((_, reaction), &dof) in released.filter(|((released, _), _)| **released) {
             // Minus twice keeps every bit.
             total[dof as usize] = -std::mem::take(reaction);
@@ -287,77 +172,29 @@ impl Network {
 
     /// [N] Reaction at a degree of freedom; 0 where it is free.
     pub(super) fn reaction(&self, forces: &Forces, dof: u32) -> f64 {
-        self.fixed_dofs.binary_search(&dof).map_or(0.0, |place| forces.reactions[place])
+        self.built.fixed_dofs.binary_search(&dof).map_or(0.0, |place| forces.reactions[place])
     }
 
     fn has_role(&self, role: Role) -> bool {
-        self.infos.iter().any(|i| i.role == role)
+        self.arrangement.infos.iter().any(|i| i.role == role)
     }
 }
 
 /// Whether two springs are on one edge.
 fn shares_edges(springs: &[SpringBatch]) -> bool {
-    let edges = || springs.iter().flat_map(|batch| &batch.edges);
+    let edges = || springs.iter().flat_map(|batch| batch.edges.iter());
     let mut taken = vec![false; edges().max().map_or(0, |&last| last as usize + 1)];
     edges().any(|&edge| std::mem::replace(&mut taken[edge as usize], true))
 }
 
-/// The sum of a pass that terms of a role add to.
-fn sum_of_role(role: Role) -> usize {
-    match role {
-        Role::Elastic | Role::Gravity => 0,
-        Role::External => 1,
-        Role::Dissipative => 2,
-    }
-}
-
-/// The terms, each part with the sum of its role.
-impl Terms for Network {
-    fn count(&self) -> usize {
-        self.terms.len()
-    }
-
-    fn tallies(&self) -> usize {
-        self.parts.iter().flatten().flatten().count()
-    }
-
-    fn term(&self, i: usize) -> Term<'_> {
-        Term { forces: &*self.terms[i], parts: self.parts[i] }
-    }
-
-    fn is_position_only(&self) -> bool {
-        self.infos.iter().all(|info| sum_of_role(info.role) > 0 || !info.velocity_dependent)
-    }
-}
-
-/// Some of the parts of terms, in one sum.
-struct SelectedTerms<'a>(&'a [(&'a dyn ForceTerm, usize)]);
-
-impl Terms for SelectedTerms<'_> {
-    fn count(&self) -> usize {
-        self.0.len()
-    }
-
-    fn tallies(&self) -> usize {
-        self.0.len()
-    }
-
-    fn term(&self, i: usize) -> Term<'_> {
-        let (term, part) = self.0[i];
-        let mut parts = [None; PARTS];
-        parts[part] = Some(PartTarget { sum: 0, tally: i });
-        Term { forces: term, parts }
-    }
-}
-
 impl System for Network {
     fn n_dof(&self) -> usize {
-        3 * self.mass.len()
+        3 * self.built.mass.len()
     }
 
     fn initial_state(&self) -> State {
-        let x = self.start.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
-        let v = match self.velocity.as_slice() {
+        let x = self.built.start.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+        let v = match self.built.velocity.as_slice() {
             [] => vec![0.0; self.n_dof()],
             v => v.as_flattened().to_vec(),
         };
@@ -365,7 +202,7 @@ impl System for Network {
     }
 
     fn terms(&self) -> &[TermInfo] {
-        &self.infos
+        &self.arrangement.infos
     }
 
     fn new_forces(&self) -> Forces {
@@ -375,31 +212,13 @@ impl System for Network {
             external: sized(Role::External),
             dissipative: sized(Role::Dissipative),
             // As many in every phase.
-            reactions: vec![0.0; self.fixed_dofs.len()],
-            tallies: vec![Tally::default(); self.infos.len()],
+            reactions: vec![0.0; self.built.fixed_dofs.len()],
+            tallies: vec![Tally::default(); self.arrangement.infos.len()],
         }
     }
 
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces) {
         self.evaluate_with(None, at, out);
-    }
-
-    fn longest_block(&self) -> usize {
-        if self.law_info().is_some() || self.couples_blocks {
-            return 0;
-        }
-        self.sweep.longest_block(if self.velocity_dependent() { 2 } else { 1 })
-    }
-
-    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, summaries: &mut [StepSummary]) {
-        if self.law_info().is_some() || self.couples_blocks {
-            return single_step(self, at, out, block);
-        }
-        let moving = NodeStateMut { t: at.t, first: 0, x: &mut at.x, v: &mut at.v };
-        let boundary = StepBoundary { block, mass: &self.mass, inverse_mass: &self.phase().inverse_mass };
-        self.pass_into(out, |sums, tallies| {
-            self.sweep.advance((self, moving), boundary, &self.threads, sums, (tallies, summaries));
-        });
     }
 
     fn inverse_mass(&self) -> &[f64] {
@@ -411,7 +230,7 @@ impl System for Network {
     }
 
     fn mass_times(&self, a: &[f64], out: &mut [f64]) {
-        for ((out, a), m) in out.chunks_exact_mut(3).zip(a.chunks_exact(3)).zip(self.mass.iter()) {
+        for ((out, a), m) in out.chunks_exact_mut(3).zip(a.chunks_exact(3)).zip(self.built.mass.iter()) {
             for (out, a) in out.iter_mut().zip(a) {
                 *out = m * a;
             }
@@ -420,7 +239,7 @@ impl System for Network {
 
     fn kinetic_energy(&self, v: &[f64]) -> f64 {
         self.sweep.by_node_blocks(&self.threads, |nodes| {
-            motion(&v[3 * nodes.start..3 * nodes.end], &self.mass[nodes]).kinetic
+            motion(&v[3 * nodes.start..3 * nodes.end], &self.built.mass[nodes]).kinetic
         })
     }
 
@@ -438,7 +257,7 @@ impl System for Network {
 
     fn reeling_power(&self, [t0, t1]: [f64; 2], tallies: &[Tally]) -> f64 {
         // Springs are the first terms, one a batch.
-        let changes = self.springs.iter().zip(&self.parts).filter_map(|(batch, [part, _])| {
+        let changes = self.acting.springs.iter().zip(&self.arrangement.parts).filter_map(|(batch, [part, _])| {
             let table = batch.data.rest_scale.as_ref()?;
             let rate = (table.at(t1)[0] - table.at(t0)[0]) / (t1 - t0);
             Some(-rate * tallies.get((*part)?.tally)?.power)
@@ -450,19 +269,30 @@ impl System for Network {
         self.threads.workers()
     }
 
-    fn sample_tables(&self, h: Option<f64>) {
-        self.tables.iter().for_each(|table| table.sample(h));
+    fn blocks(&self) -> Option<&dyn StepBlocks> {
+        let single = self.law_info().is_some() || self.arrangement.couples_blocks;
+        (!single).then_some(self)
     }
 
-    fn corners(&self) -> Vec<f64> {
-        self.corners.clone()
-    }
-
-    fn stiff_part(&self, ratio: f64) -> Option<StiffPart> {
-        self.stiff_springs(ratio)
+    fn stiff(&self) -> Option<&dyn StiffSprings> {
+        (!self.acting.springs.is_empty()).then_some(self)
     }
 
     fn velocity_dependent(&self) -> bool {
-        self.infos.iter().any(|i| i.velocity_dependent)
+        self.arrangement.infos.iter().any(|i| i.velocity_dependent)
+    }
+}
+
+impl StepBlocks for Network {
+    fn longest_block(&self) -> usize {
+        self.sweep.longest_block(if self.velocity_dependent() { 2 } else { 1 })
+    }
+
+    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, summaries: &mut [StepSummary]) {
+        let moving = NodeStateMut { t: at.t, first: 0, x: &mut at.x, v: &mut at.v };
+        let boundary = StepBoundary { block, mass: &self.built.mass, inverse_mass: &self.phase().inverse_mass };
+        self.pass_into(out, |sums, tallies| {
+            self.sweep.advance((self, moving), boundary, &self.threads, sums, (tallies, summaries));
+        });
     }
 }

@@ -5,7 +5,7 @@ use crate::mesh::adjacency::Adjacency;
 use nalgebra::Vector3;
 
 /// A renumbering and its inverse.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Numbering {
     /// user's number of every internal node
     pub user: Vec<u32>,

@@ -193,6 +193,10 @@ impl Observables for Pendulum {
 }
 
 impl Scene for Pendulum {
+    fn for_run(&self) -> Box<dyn Scene> {
+        Box::new(self.clone())
+    }
+
     fn interfaces(&self) -> SceneInterfaces<'_> {
         SceneInterfaces { system: self, tangent: self, graph: None }
     }

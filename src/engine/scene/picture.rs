@@ -6,6 +6,7 @@ use crate::force::law::damped_springs::axial_force;
 use crate::force::law::membrane::MembraneState;
 use crate::force::law::spring::SpringOutput;
 use crate::mesh::Groups;
+use crate::model::abilities::{Air, Springs};
 use crate::model::forces::Forces;
 use crate::model::gauge::CANOPY_QUANTITIES;
 use crate::model::motion::motion;
@@ -31,18 +32,17 @@ impl Observables for Network {
         &self.mesh.groups
     }
 
-    fn has_air_pressure(&self) -> bool {
-        !self.pressures.is_empty()
+    fn springs(&self) -> Option<&dyn Springs> {
+        (!self.acting.springs.is_empty()).then_some(self)
     }
 
-    fn triangle_pressure(&self, at: StateRef<'_>, out: &mut [f64]) {
-        out.fill(0.0);
-        self.pressures.iter().for_each(|pressure| pressure.write(node_state(at), out));
+    fn air(&self) -> Option<&dyn Air> {
+        self.acting.stream.is_some().then_some(self)
     }
 
     fn triangle_membranes(&self, at: StateRef<'_>, out: &mut [MembranePicture]) {
         out.fill(MembranePicture::default());
-        for MembraneBatch { data, triangles, thickness } in &self.membranes {
+        for MembraneBatch { data, triangles, thickness } in &self.built.membranes {
             for (i, &triangle) in triangles.iter().enumerate() {
                 let MembraneState { tension, strain, wrinkling, warp } = data.state(i, by_node(at.x));
                 let (stress, wrinkling) = (tension.map(|t| t / thickness), f64::from(wrinkling as u8));
@@ -52,29 +52,29 @@ impl Observables for Network {
     }
 
     fn trace(&self, at: StateRef<'_>, positions: &mut [[f64; 3]], velocities: &mut [[f64; 3]]) {
-        self.numbering.to_user(by_node(at.x), positions);
-        self.numbering.to_user(by_node(at.v), velocities);
+        self.built.numbering.to_user(by_node(at.x), positions);
+        self.built.numbering.to_user(by_node(at.v), velocities);
     }
 
     fn node_forces(&self, _at: StateRef<'_>, forces: &Forces, out: &mut [[f64; 3]]) {
-        self.numbering.to_user(by_node(&forces.total), out);
+        self.built.numbering.to_user(by_node(&forces.total), out);
     }
 
     fn node_reactions(&self, forces: &Forces, out: &mut [[f64; 3]]) {
         out.fill([0.0; 3]);
-        for (&dof, &reaction) in self.fixed_dofs.iter().zip(&forces.reactions) {
+        for (&dof, &reaction) in self.built.fixed_dofs.iter().zip(&forces.reactions) {
             let dof = dof as usize;
-            out[self.numbering.user[dof / 3] as usize][dof % 3] = reaction;
+            out[self.built.numbering.user[dof / 3] as usize][dof % 3] = reaction;
         }
     }
 
     fn edge_tension(&self, at: StateRef<'_>, tension: &mut [f64], strain: &mut [f64]) {
         tension.fill(f64::NAN);
         strain.fill(f64::NAN);
-        for &edge in self.springs.iter().filter(|batch| batch.cut.get()).flat_map(|batch| &batch.edges) {
+        for &edge in self.acting.springs.iter().filter(|batch| batch.cut.get()).flat_map(|batch| batch.edges.iter()) {
             tension[edge as usize] = 0.0;
         }
-        if self.shared_edges {
+        if self.built.shared_edges {
             return self.edge_sums(at, tension, strain);
         }
         for batch in self.carrying() {
@@ -83,27 +83,19 @@ impl Observables for Network {
         }
     }
 
-    fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]) {
-        for batch in self.carrying().filter(|batch| batch.axial) {
-            for (i, &edge) in batch.edges.iter().enumerate() {
-                tension[edge as usize] += axial_force(&batch.data, node_state(at), i, batch.dashpot.at(i));
-            }
-        }
-    }
-
     fn max_strain(&self, at: StateRef<'_>) -> f64 {
         let x = by_node(at.x);
         let springs = self.carrying().map(|b| b.data.largest_stretch(b.data.at(at.t, x)));
-        let membranes = self.membranes.iter().map(|batch| batch.data.largest_stretch_of_all(x));
+        let membranes = self.built.membranes.iter().map(|batch| batch.data.largest_stretch_of_all(x));
         strain_of(springs.chain(membranes).fold(f64::NEG_INFINITY, f64::max))
     }
 
     fn max_speed(&self, at: StateRef<'_>) -> f64 {
-        motion(at.v, &self.mass).largest_square.sqrt()
+        motion(at.v, &self.built.mass).largest_square.sqrt()
     }
 
     fn node_value(&self, quantity: NodeQuantity, at: &Point, node: u32) -> [f64; 3] {
-        let internal = self.numbering.internal[node as usize] as usize;
+        let internal = self.built.numbering.internal[node as usize] as usize;
         let of = |dofs: &[f64]| by_node(dofs)[internal];
         match quantity {
             NodeQuantity::Position => of(&at.state.x).into(),
@@ -118,9 +110,19 @@ impl Observables for Network {
             NodeQuantity::Reaction => std::array::from_fn(|i| self.reaction(&at.forces, (3 * internal + i) as u32)),
         }
     }
+}
+
+impl Springs for Network {
+    fn spring_edges(&self) -> Vec<u32> {
+        let mut edges: Vec<u32> = self.acting.springs.iter().flat_map(|batch| batch.edges.iter().copied()).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+    }
 
     fn springs_on(&self, edges: &[u32], rule: Option<usize>) -> Vec<SpringPlace> {
-        let batches = self.springs.iter().zip(0_u32..).filter(|(_, number)| rule.is_none_or(|r| r == *number as usize));
+        let batches =
+            self.acting.springs.iter().zip(0_u32..).filter(|(_, number)| rule.is_none_or(|r| r == *number as usize));
         let places = batches.flat_map(|(batch, rule)| {
             let chosen = batch.edges.iter().zip(0_u32..).filter(|(edge, _)| edges.binary_search(edge).is_ok());
             chosen.map(move |(_, number)| SpringPlace { rule, number })
@@ -129,7 +131,7 @@ impl Observables for Network {
     }
 
     fn spring_tension(&self, at: StateRef<'_>, SpringPlace { rule, number }: SpringPlace) -> f64 {
-        let Some(batch) = self.springs.get(rule as usize) else { return f64::NAN };
+        let Some(batch) = self.acting.springs.get(rule as usize) else { return f64::NAN };
         if batch.cut.get() {
             return 0.0;
         }
@@ -138,8 +140,64 @@ impl Observables for Network {
         if batch.axial { elastic + axial_force(data, node_state(at), i, batch.dashpot.at(i)) } else { elastic }
     }
 
+    fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]) {
+        for batch in self.carrying().filter(|batch| batch.axial) {
+            for (i, &edge) in batch.edges.iter().enumerate() {
+                tension[edge as usize] += axial_force(&batch.data, node_state(at), i, batch.dashpot.at(i));
+            }
+        }
+    }
+
+    fn fastest_spring(&self, dof: usize) -> Option<u32> {
+        let node = (dof / 3) as u32;
+        let mut fastest: Option<(f64, u32)> = None;
+        for batch in self.carrying() {
+            let here =
+                batch.data.nodes.iter().zip(batch.edges.iter()).enumerate().filter(|(_, (n, _))| n.contains(&node));
+            for (i, (nodes, edge)) in here {
+                let inverse = |node: u32| by_node(&self.phase().inverse_mass)[node as usize].max();
+                let square = batch.data.stiffness.at(i) * nodes.map(inverse).iter().sum::<f64>();
+                if fastest.is_none_or(|(most, _)| square > most) {
+                    fastest = Some((square, *edge));
+                }
+            }
+        }
+        fastest.map(|(_, edge)| edge)
+    }
+
+    fn take_slack_as_taut(&self, taut: bool) {
+        self.acting.springs.iter().for_each(|batch| batch.cut.set_slack_is_taut(taut));
+    }
+
+    fn has_branches(&self) -> bool {
+        self.goes_slack()
+    }
+
+    fn branch_changes(&self, step: [StateRef<'_>; 2], impulse: &mut [f64]) -> Option<f64> {
+        self.branch_changes_of(step, impulse)
+    }
+}
+
+impl Air for Network {
+    fn hold_wind(&self, wind: Option<[f64; 3]>) {
+        self.acting.stream.iter().for_each(|stream| stream.hold(wind));
+    }
+
+    fn winds(&self, t: f64) -> Vec<[f64; 3]> {
+        self.acting.stream.iter().flat_map(|stream| stream.winds(t)).map(Into::into).collect()
+    }
+
+    fn presses(&self) -> bool {
+        !self.acting.pressures.is_empty()
+    }
+
+    fn triangle_pressure(&self, at: StateRef<'_>, out: &mut [f64]) {
+        out.fill(0.0);
+        self.acting.pressures.iter().for_each(|pressure| pressure.write(node_state(at), out));
+    }
+
     fn canopies(&self) -> usize {
-        self.canopies.len()
+        self.acting.canopies.len()
     }
 
     fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {

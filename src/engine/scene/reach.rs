@@ -1,6 +1,6 @@
 //! How far a scene may reach: along paths of its springs and sheets at their rest lengths, however it is packed.
 
-use super::network::SpringBatch;
+use super::acting::SpringBatch;
 use crate::mesh::Mesh;
 use crate::mesh::adjacency::Adjacency;
 
@@ -20,7 +20,7 @@ pub(super) fn reach(mesh: &Mesh, springs: &[SpringBatch]) -> f64 {
     let mut lengths: Vec<f64> = edges.iter().map(|&edge| length(edge)).collect();
     for batch in springs {
         let most = batch.data.rest_scale.as_ref().map_or(1.0, |table| table.largest());
-        for (rest, &edge) in batch.given.iter().zip(&batch.edges) {
+        for (rest, &edge) in batch.given.iter().zip(batch.edges.iter()) {
             lengths.get_mut(edge as usize).into_iter().for_each(|length| *length = most * rest);
         }
     }

@@ -5,10 +5,10 @@
 //! Springs count as taut, in the directions that they have at t = 0. A spring is stiff if a node at one of its ends
 //! allows less than some number of times the shortest of these steps.
 
-use super::BesideStiff;
+use super::acting::{Acting, SpringBatch};
 use super::bound::{FORM, largest_by_node};
 use super::events::Phases;
-use super::network::{Network, Parts, SpringBatch, node_state};
+use super::network::{Built, Network, node_state};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
@@ -16,17 +16,17 @@ use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::{TangentSink, outer};
 use crate::format_number::counted;
 use crate::mesh::Mesh;
+use crate::model::abilities::{BesideStiff, StiffSprings};
 use crate::model::forces::Role;
 use crate::model::spec::DashpotKind;
 use crate::model::state::StateRef;
 use crate::model::system::{StiffPart, System, Weights};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-impl Network {
-    /// See [`System::stiff_part`].
-    pub(super) fn stiff_springs(&self, ratio: f64) -> Option<StiffPart> {
+impl StiffSprings for Network {
+    fn stiff_part(&self, ratio: f64) -> Option<StiffPart> {
         let is_short = self.short_nodes(ratio);
         let is_stiff = |nodes: &[u32; 2]| nodes.iter().any(|&node| is_short(node));
         let all = self.carrying().flat_map(|batch| batch.data.nodes.iter());
@@ -39,7 +39,7 @@ impl Network {
         let place = |node: u32| nodes.partition_point(|&before| before < node) as u32;
         let springs: Vec<SpringBatch> = self.carrying().filter_map(|batch| part_of(batch, is_stiff, place)).collect();
         let count: usize = springs.iter().map(|batch| batch.data.nodes.len()).sum();
-        let share = count as f64 / self.terms.iter().map(|term| term.elements()).sum::<usize>() as f64;
+        let share = count as f64 / self.acting.terms.iter().map(|term| term.elements()).sum::<usize>() as f64;
         let dofs = nodes.iter().flat_map(|&node| 3 * node..3 * node + 3).collect();
         log::info!(
             "stiff springs: {} at {}, {:.0} % of all elements",
@@ -50,48 +50,14 @@ impl Network {
         Some(StiffPart { dofs, share, system: Box::new(self.of_springs(springs, &nodes)) })
     }
 
-    /// These springs alone, of which node `i` is `nodes[i]` here.
-    fn of_springs(&self, springs: Vec<SpringBatch>, nodes: &[u32]) -> Network {
-        let of = |node: &u32| *node as usize;
-        let mass: Arc<[f64]> = nodes.iter().map(|node| self.mass[of(node)]).collect();
-        let fixed: Vec<[bool; 3]> = nodes.iter().map(|node| self.phase().fixed[of(node)]).collect();
-        let all_moved: BTreeSet<u32> = self.phase().moved.dofs.iter().copied().collect();
-        let dofs = (0..).zip(nodes.iter().flat_map(|node| 3 * node..3 * node + 3));
-        let moved = dofs.filter(|(_, dof)| all_moved.contains(dof)).map(|(own, _)| own).collect();
-        Network::assemble_parts(Parts {
-            numbering: Numbering { user: nodes.to_vec(), internal: Vec::new() },
-            phases: Phases::lasting(fixed, &mass, moved),
-            weighed: mass.clone(),
-            mass,
-            added_mass: None,
-            start: nodes.iter().map(|node| self.start[of(node)]).collect(),
-            velocity: Vec::new(),
-            gravity: Vector3::zeros(),
-            loads: Vec::new(),
-            corners: Vec::new(),
-            changing: Vec::new(),
-            tables: Vec::new(),
-            stream: None,
-            canopies: Vec::new(),
-            pressures: Vec::new(),
-            apparent: Vec::new(),
-            terms: springs.iter().map(|batch| Box::new(springs_of(batch)) as Box<dyn ForceTerm>).collect(),
-            springs,
-            membranes: Vec::new(),
-            threads: self.threads.again(),
-            mesh: Mesh::default(),
-        })
-    }
-
-    /// See [`super::Scene::beside_stiff`].
-    pub(super) fn forces_beside_stiff(&self, ratio: f64, at: StateRef<'_>) -> Option<BesideStiff> {
+    fn beside_stiff(&self, ratio: f64, at: StateRef<'_>) -> Option<BesideStiff> {
         let is_short = self.short_nodes(ratio);
         let is_stiff = |nodes: &[u32; 2]| nodes.iter().any(|&node| is_short(node));
         if !self.carrying().any(|batch| batch.data.nodes.iter().any(is_stiff)) {
             return None;
         }
         // Springs are the first terms, one a batch.
-        let (springs, others) = self.terms.split_at(self.springs.len());
+        let (springs, others) = self.acting.terms.split_at(self.acting.springs.len());
         let bound = |w: Weights| {
             self.bound_in_rounds(|sink| {
                 let mut rest = Rest { is_stiff: &is_stiff, sink };
@@ -111,6 +77,28 @@ impl Network {
             on_short_nodes: elements.any(|nodes| nodes.iter().any(|&node| is_short(node))),
         })
     }
+}
+
+impl Network {
+    /// These springs alone, of which node `i` is `nodes[i]` here.
+    fn of_springs(&self, springs: Vec<SpringBatch>, nodes: &[u32]) -> Network {
+        let of = |node: &u32| *node as usize;
+        let mass: Arc<[f64]> = nodes.iter().map(|node| self.built.mass[of(node)]).collect();
+        let fixed: Vec<[bool; 3]> = nodes.iter().map(|node| self.phase().fixed[of(node)]).collect();
+        let all_moved: BTreeSet<u32> = self.phase().moved.dofs.iter().copied().collect();
+        let dofs = (0..).zip(nodes.iter().flat_map(|node| 3 * node..3 * node + 3));
+        let moved = dofs.filter(|(_, dof)| all_moved.contains(dof)).map(|(own, _)| own).collect();
+        let built = Built {
+            numbering: Numbering { user: nodes.to_vec(), internal: Vec::new() },
+            phases: Phases::lasting(fixed, &mass, moved),
+            weighed: mass.clone(),
+            mass,
+            start: nodes.iter().map(|node| self.built.start[of(node)]).collect(),
+            ..Built::default()
+        };
+        let terms = springs.iter().map(|batch| Box::new(springs_of(batch)) as Box<dyn ForceTerm>).collect();
+        Network::new(built, Acting { terms, springs, ..Acting::default() }, Mesh::default(), self.threads.again())
+    }
 
     /// Which nodes allow less than `ratio` times the shortest step.
     fn short_nodes(&self, ratio: f64) -> impl Fn(u32) -> bool + use<> {
@@ -124,7 +112,7 @@ impl Network {
         let fixed = &self.phase().fixed;
         // All directions for a spring without one.
         let along = |[a, b]: [u32; 2]| {
-            let n = (self.start[b as usize] - self.start[a as usize]).try_normalize(0.0);
+            let n = (self.built.start[b as usize] - self.built.start[a as usize]).try_normalize(0.0);
             n.map_or(Matrix3::identity(), |n| outer(n, n))
         };
         let by_node = |block: &dyn Fn(&SpringBatch, usize) -> Matrix3<f64>| {
@@ -139,7 +127,7 @@ impl Network {
             true => along(batch.data.nodes[i]) * batch.dashpot.at(i),
             false => Matrix3::from_diagonal_element(batch.dashpot.at(i)),
         });
-        let rates = stiffness.iter().zip(&damping).zip(self.mass.iter()).zip(fixed);
+        let rates = stiffness.iter().zip(&damping).zip(self.built.mass.iter()).zip(fixed);
         let step = |(((k, c), m), fixed): (((&f64, &f64), &f64), &[bool; 3])| {
             let held = *fixed == [true; 3];
             if held { f64::INFINITY } else { 4.0 / (c / m + ((c / m).powi(2) + 4.0 * k / m).sqrt()) }

@@ -1,18 +1,16 @@
 //! What a failure report says about a node of a network, and the size of a network.
 
-use super::external::{ExternalForces, ExternalKind};
 use super::network::{Network, by_node, node_state};
-use super::{BesideStiff, BoundBuffer, Load, Scene, Suspect};
+use super::{BoundBuffer, Controls, Scene, Suspect};
 use crate::assembly::{SceneInterfaces, TangentSystem};
-use crate::force::law::series::Scale;
 use crate::force::{ForceTerm, TangentForm, TangentSink};
+use crate::model::abilities::Events;
 use crate::model::added_mass::AddedMass;
 use crate::model::bounds::extent;
 use crate::model::forces::Role;
-use crate::model::state::{State, StateRef};
+use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use nalgebra::{Matrix3, Vector3};
-use std::sync::Arc;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -21,97 +19,28 @@ impl Scene for Network {
         SceneInterfaces { system: self, tangent: self, graph: Some(self) }
     }
 
-    fn enable_external(&mut self, kind: ExternalKind) -> bool {
-        self.enable(kind);
-        true
+    fn for_run(&self) -> Box<dyn Scene> {
+        Box::new(self.copy())
+    }
+
+    fn events(&self) -> Option<&dyn Events> {
+        Some(self)
+    }
+
+    fn controls(&self) -> Option<&dyn Controls> {
+        Some(self)
+    }
+
+    fn controls_mut(&mut self) -> Option<&mut dyn Controls> {
+        Some(self)
     }
 
     fn added_mass(&self) -> Option<AddedMass> {
-        self.added_mass
-    }
-
-    fn loads(&self) -> &[(Load, Arc<Scale>)] {
-        &self.loads
-    }
-
-    fn spring_edges(&self) -> Vec<u32> {
-        let mut edges: Vec<u32> = self.springs.iter().flat_map(|batch| batch.edges.iter().copied()).collect();
-        edges.sort_unstable();
-        edges.dedup();
-        edges
-    }
-
-    fn set_rest_length_factors(&mut self, factors: &[f64]) {
-        self.scale_rest_lengths(factors);
-    }
-
-    fn events(&self) -> &[f64] {
-        self.phases.times()
-    }
-
-    fn pass_events(&self, passed: usize) -> bool {
-        self.begin_phase(passed)
-    }
-
-    fn take_slack_as_taut(&self, taut: bool) {
-        self.springs.iter().for_each(|batch| batch.cut.set_slack_is_taut(taut));
-    }
-
-    fn changes(&self) -> Vec<f64> {
-        let shortest = self.springs.iter().filter_map(|batch| batch.data.rest_scale.as_ref()?.lowest_at());
-        let mut times: Vec<f64> = self.phases.divisions().chain(shortest.filter(|t| *t > 0.0)).collect();
-        times.sort_by(f64::total_cmp);
-        times.dedup();
-        times
-    }
-
-    fn settled_after(&self, end: f64) -> f64 {
-        let begun = self.changing.iter().filter(|[from, _]| *from < end);
-        begun.fold(0.0, |last: f64, [_, until]| last.max(until.min(end)))
-    }
-
-    fn put_supports(&self, state: &mut State) -> bool {
-        self.put_moved(state)
-    }
-
-    fn external(&self) -> Option<&ExternalForces> {
-        self.external.as_ref()
-    }
-
-    fn hold_wind(&self, wind: Option<[f64; 3]>) -> bool {
-        self.stream.as_ref().map(|stream| stream.hold(wind)).is_some()
-    }
-
-    fn state_of(&self, t: f64, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Option<State> {
-        let n = self.numbering.user.len();
-        if [positions.len(), velocities.len()] != [n; 2] {
-            return None;
-        }
-        let own = |values: &[[f64; 3]]| -> Vec<f64> {
-            self.numbering.user.iter().flat_map(|&user| values[user as usize]).collect()
-        };
-        let (x, mut v) = (own(positions), own(velocities));
-        let held = v.iter_mut().zip(self.phase().fixed.as_flattened()).filter(|(_, held)| **held);
-        held.for_each(|(v, _)| *v = 0.0);
-        let mut state = State { t, x, v };
-        self.put_moved(&mut state);
-        Some(state)
-    }
-
-    fn has_branches(&self) -> bool {
-        self.goes_slack()
-    }
-
-    fn branch_changes(&self, step: [StateRef<'_>; 2], impulse: &mut [f64]) -> Option<f64> {
-        self.branch_changes_of(step, impulse)
-    }
-
-    fn winds(&self, t: f64) -> Vec<[f64; 3]> {
-        self.stream.iter().flat_map(|stream| stream.winds(t)).map(Into::into).collect()
+        self.built.added_mass
     }
 
     fn size(&self) -> f64 {
-        extent(bytemuck::cast_slice(&self.start), self.threads.workers()).max(self.reach)
+        extent(bytemuck::cast_slice(&self.built.start), self.threads.workers()).max(self.built.reach)
     }
 
     fn extent(&self, at: StateRef<'_>) -> f64 {
@@ -122,7 +51,8 @@ impl Scene for Network {
         let node = dof / 3;
         let mut strongest = (0.0, None);
         let mut f = vec![Vector3::zeros(); self.phase().fixed.len()];
-        for (part, info) in self.infos.iter().enumerate().filter(|(part, _)| self.term_of(*part).is_some()) {
+        for (part, info) in self.arrangement.infos.iter().enumerate().filter(|(part, _)| self.term_of(*part).is_some())
+        {
             self.pass_of(part, node_state(at), &mut f);
             let size = f[node].norm();
             // A force that is not finite counts as the strongest.
@@ -132,7 +62,7 @@ impl Scene for Network {
             }
         }
         Suspect {
-            node: Some(self.numbering.user[node]),
+            node: Some(self.built.numbering.user[node]),
             spring: self.most_strained_at(node as u32, at),
             term: strongest.1,
         }
@@ -145,28 +75,16 @@ impl Scene for Network {
     }
 
     fn name_of(&self, dof: usize) -> (u32, &'static str) {
-        (self.numbering.user[dof / 3], AXES[dof % 3])
-    }
-
-    fn fastest_spring(&self, dof: usize) -> Option<u32> {
-        let node = (dof / 3) as u32;
-        let mut fastest: Option<(f64, u32)> = None;
-        for batch in self.carrying() {
-            let here = batch.data.nodes.iter().zip(&batch.edges).enumerate().filter(|(_, (n, _))| n.contains(&node));
-            for (i, (nodes, edge)) in here {
-                let inverse = |node: u32| by_node(&self.phase().inverse_mass)[node as usize].max();
-                let square = batch.data.stiffness.at(i) * nodes.map(inverse).iter().sum::<f64>();
-                if fastest.is_none_or(|(most, _)| square > most) {
-                    fastest = Some((square, *edge));
-                }
-            }
-        }
-        fastest.map(|(_, edge)| edge)
+        (self.built.numbering.user[dof / 3], AXES[dof % 3])
     }
 
     fn load(&self, at: StateRef<'_>, f: &mut [f64]) {
-        let loads =
-            self.infos.iter().enumerate().filter(|(_, info)| matches!(info.role, Role::Gravity | Role::External));
+        let loads = self
+            .arrangement
+            .infos
+            .iter()
+            .enumerate()
+            .filter(|(_, info)| matches!(info.role, Role::Gravity | Role::External));
         let parts: Vec<(&dyn ForceTerm, usize)> = loads.filter_map(|(part, _)| self.term_of(part)).collect();
         self.sum_of(&parts, node_state(at), bytemuck::cast_slice_mut(f), &mut []);
         self.add_laws(at, [bytemuck::cast_slice_mut(f), &mut []]);
@@ -183,10 +101,6 @@ impl Scene for Network {
 
     fn sharper_rate_bound(&self, at: StateRef<'_>, w: Weights) -> (f64, usize) {
         self.sharper_node_bound(at, w)
-    }
-
-    fn beside_stiff(&self, ratio: f64, at: StateRef<'_>) -> Option<BesideStiff> {
-        self.forces_beside_stiff(ratio, at)
     }
 
     fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {

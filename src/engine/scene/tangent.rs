@@ -18,7 +18,7 @@ impl Network {
         let mut recorder = Recorder::default();
         let nothing = Weights { m: 0.0, c: 0.0, k: 0.0 };
         self.emit_tangents(state.as_ref(), nothing, TangentForm::EXACT, &mut recorder);
-        let nodes = Nodes { position: bytemuck::cast_slice(&self.start), fixed: &self.phase().fixed };
+        let nodes = Nodes { position: bytemuck::cast_slice(&self.built.start), fixed: &self.phase().fixed };
         Assembler::new(nodes, &recorder, symmetric)
     }
 
@@ -29,20 +29,20 @@ impl Network {
     }
 
     fn assemble_form(&self, at: StateRef<'_>, w: Weights, form: TangentForm, assembler: &mut Assembler) {
-        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
+        let mut sink = assembler.sink(|dof| w.m * self.built.mass[dof / 3]);
         self.emit_tangents(at, w, form, &mut sink);
     }
 
     /// Those of all terms and of the program's laws, element by element, always in the same order.
     pub(super) fn emit_tangents(&self, at: StateRef<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
-        self.terms.iter().for_each(|term| term.tangent(node_state(at), w, form, sink));
+        self.acting.terms.iter().for_each(|term| term.tangent(node_state(at), w, form, sink));
         self.emit_law_tangents(at, w, form, sink);
     }
 }
 
 impl TangentSystem for Network {
     fn symmetric(&self) -> bool {
-        self.terms.iter().all(|t| t.symmetric())
+        self.acting.terms.iter().all(|t| t.symmetric())
             && !self.external.as_ref().is_some_and(|external| external.has_derivatives(None))
     }
 
@@ -67,7 +67,7 @@ impl TangentSystem for Network {
     }
 
     fn mass_parts(&self) -> usize {
-        3 * self.apparent.len()
+        3 * self.acting.apparent.len()
     }
 
     fn with_apparent_mass(&self, at: StateRef<'_>, residual: &mut [f64]) {
@@ -104,13 +104,13 @@ impl TangentSystem for Network {
         form: TangentForm,
         assembler: &mut Assembler,
     ) {
-        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
+        let mut sink = assembler.sink(|dof| w.m * self.built.mass[dof / 3]);
         self.emit_mean_tangents(MeanStep { at: node_state(middle), mean }, w, form, &mut sink);
         self.emit_law_tangents(middle, w, form, &mut sink);
     }
 
     fn mixed(&self) -> Option<&dyn MixedSystem> {
-        (!self.springs.is_empty()).then_some(self)
+        (!self.acting.springs.is_empty()).then_some(self)
     }
 
     fn turns_over(&self, from: &[f64], to: &[f64]) -> bool {
@@ -118,8 +118,8 @@ impl TangentSystem for Network {
     }
 
     fn nodal_stiffness(&self) -> Vec<f64> {
-        let mut nodes = vec![0.0; self.mass.len()];
-        self.terms.iter().for_each(|t| t.add_stiffness(&mut nodes));
+        let mut nodes = vec![0.0; self.built.mass.len()];
+        self.acting.terms.iter().for_each(|t| t.add_stiffness(&mut nodes));
         nodes.into_iter().flat_map(|k| [k; 3]).collect()
     }
 
@@ -128,7 +128,7 @@ impl TangentSystem for Network {
         for (i, (total, inverse)) in by_node(&forces.total).iter().zip(by_node(&self.phase().inverse_mass)).enumerate()
         {
             let free = inverse.map(|inverse| f64::from(inverse > 0.0));
-            let weight = self.weighed[i] * gravity;
+            let weight = self.built.weighed[i] * gravity;
             let load = by_node(&forces.external).get(i).map_or(weight, |e| *e + weight).component_mul(&free);
             external += load.norm_squared();
             internal += (*total - load).norm_squared();

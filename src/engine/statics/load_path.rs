@@ -3,7 +3,7 @@
 
 use super::continuation::Continuation;
 use super::failure::StaticFailure;
-use crate::scene::Scene;
+use crate::scene::{Scene, loads};
 
 /// [-] Forces left at a level of the loads that is not the last, as a share of all.
 const ON_THE_WAY: f64 = 1e-3;
@@ -25,7 +25,7 @@ pub(super) fn follow(search: &mut Continuation<'_>) -> Result<(), StaticFailure>
         Err(failure @ (StaticFailure::NotConverged { .. } | StaticFailure::Left { .. })) => failure,
         done => return done,
     };
-    if search.scene.loads().is_empty() {
+    if loads(search.scene).is_empty() {
         return Err(failure);
     }
     log::info!("not in equilibrium with the full loads at once; they are applied in steps");
@@ -45,7 +45,7 @@ pub(super) fn follow(search: &mut Continuation<'_>) -> Result<(), StaticFailure>
 
 /// The loads in steps, at first of equal size.
 fn in_steps(search: &mut Continuation<'_>, steps: u32) -> Result<(), StaticFailure> {
-    let given: Vec<f64> = search.scene.loads().iter().map(|(_, scale)| scale.get()).collect();
+    let given: Vec<f64> = loads(search.scene).iter().map(|(_, scale)| scale.get()).collect();
     let followed = levels(search, steps, &given);
     apply(search.scene, &given, 1.0);
     search.refresh();
@@ -84,5 +84,5 @@ fn levels(search: &mut Continuation<'_>, steps: u32, given: &[f64]) -> Result<()
 }
 
 fn apply(scene: &dyn Scene, given: &[f64], level: f64) {
-    scene.loads().iter().zip(given).for_each(|((_, scale), given)| scale.set(level * given));
+    loads(scene).iter().zip(given).for_each(|((_, scale), given)| scale.set(level * given));
 }

@@ -27,7 +27,7 @@ use crate::integrate::Counters;
 use crate::integrate::tangents::Tangents;
 use crate::model::point::Point;
 use crate::model::stop::Stop;
-use crate::scene::Scene;
+use crate::scene::{Scene, event_times, pass_events, sample_tables};
 use crate::solve::newton::Strategy;
 use crate::solve::{LinearChoice, LinearStats};
 use continuation::Continuation;
@@ -105,17 +105,18 @@ pub fn find(scene: &dyn Scene, spec: StaticSpec, stop: Stop<'_>) -> Equilibrium 
 
 /// The same, and tells how far it has come.
 pub fn find_watched(scene: &dyn Scene, spec: StaticSpec, stop: Stop<'_>, watcher: Watcher<'_>) -> Equilibrium {
-    scene.sample_tables(None);
-    scene.pass_events(scene.events().partition_point(|event| *event <= spec.at));
+    sample_tables(scene, None);
+    let events = event_times(scene);
+    pass_events(scene, events.partition_point(|event| *event <= spec.at));
     let mut state = scene.initial_state();
     state.t = spec.at;
-    scene.put_supports(&mut state);
+    scene.events().into_iter().for_each(|events| _ = events.put_supports(&mut state));
     state.v.fill(0.0);
     let mut point = Point { state, forces: scene.new_forces() };
     let mut counters = Counters::default();
     counters.evaluate(scene, point.state.as_ref(), &mut point.forces);
     if scene.inverse_mass().iter().all(|inverse| *inverse == 0.0) {
-        let next = scene.events().iter().copied().find(|event| *event > spec.at);
+        let next = events.iter().copied().find(|event| *event > spec.at);
         return Equilibrium::without(point, counters, StaticFailure::AllHeld { at: spec.at, next });
     }
     // A matrix that is made anew in every iteration is factorised.

@@ -83,7 +83,7 @@ impl Parts {
         if scene.n_dof() != 3 * n {
             return None;
         }
-        let springs = scene.spring_edges();
+        let springs = scene.springs().map_or_else(Vec::new, |springs| springs.spring_edges());
         let edges = springs.iter().filter_map(|&edge| scene.edges().get(edge as usize).copied());
         let sides = scene.triangles().iter().flat_map(|&[a, b, c]| [[a, b], [b, c]]);
         let part = components(n, edges.chain(sides));
@@ -127,7 +127,9 @@ const MOVED: f64 = 0.1;
 
 /// The failure of a scene with loads that nothing holds: no support, no pressure, no wind.
 pub(super) fn unsupported(scene: &dyn Scene, at: &Point, size: f64) -> Option<StaticFailure> {
-    if scene.external().is_some() || scene.n_dof() != 3 * scene.reference().len() {
+    if scene.controls().is_some_and(|controls| controls.external().is_some())
+        || scene.n_dof() != 3 * scene.reference().len()
+    {
         return None;
     }
     let mut moved = at.state.clone();
@@ -152,7 +154,7 @@ pub(super) fn unsupported(scene: &dyn Scene, at: &Point, size: f64) -> Option<St
         let free = scene.inverse_mass().iter().map(|inverse| *inverse > 0.0);
         loads.iter_mut().zip(&force).zip(free).filter(|(_, free)| *free).for_each(|((load, f), _)| *load -= f);
     }
-    let winds = if blows { scene.winds(at.state.t) } else { Vec::new() };
+    let winds = scene.air().filter(|_| blows).map_or_else(Vec::new, |air| air.winds(at.state.t));
     if blows && !along_one_line(&winds) {
         return None;
     }

@@ -27,7 +27,7 @@ impl Fields {
     /// The fields in frames of a scene: with groups and air, the pressure as well; crossings only where cloth can meet.
     #[must_use]
     pub fn of_scene(self, picture: &dyn Observables) -> Self {
-        let pressure = self.pressure || picture.has_air_pressure() && !picture.groups().is_empty();
+        let pressure = self.pressure || picture.air().is_some_and(|air| air.presses()) && !picture.groups().is_empty();
         Fields { pressure, crossing: self.crossing && can_meet(picture.triangles()), ..self }
     }
 }

@@ -155,13 +155,14 @@ impl Gauges {
     /// The gauges of a request. Canopies are measured too: at every step if there are other gauges, else only at the
     /// rows of the history, because the steps between can then be made in blocks.
     pub(super) fn new(picture: &dyn Observables, specs: &[GaugeSpec], history: RowEvery, end: f64) -> Self {
+        let canopies = picture.air().map_or(0, |air| air.canopies());
         let mut made = Gauges {
             gauges: Vec::new(),
             channels: Vec::new(),
             peaks: Vec::new(),
             values: Vec::new(),
             every_step: !specs.is_empty(),
-            sampled: (specs.is_empty() && picture.canopies() > 0).then(|| RowSchedule::of(history)),
+            sampled: (specs.is_empty() && canopies > 0).then(|| RowSchedule::of(history)),
             end,
         };
         for GaugeSpec { name, of, every } in specs {
@@ -169,13 +170,14 @@ impl Gauges {
                 GaugeOf::Nodes { of, nodes } => (of.columns.all(), Places::Nodes(*of, nodes.clone()), None),
                 GaugeOf::Cloth { nodes } => (&[CROSSINGS], Places::Cloth(Box::new(Cloth::new(picture, nodes))), None),
                 GaugeOf::Springs { of, edges, rule, strength } => {
-                    (of.columns(), Places::Springs(*of, picture.springs_on(edges, *rule)), *strength)
+                    let springs = picture.springs().map_or_else(Vec::new, |springs| springs.springs_on(edges, *rule));
+                    (of.columns(), Places::Springs(*of, springs), *strength)
                 }
             };
             made.add((name, strength), columns, places, RowSchedule::Steps((*every).max(1)));
         }
-        for canopy in 0..picture.canopies() {
-            let name = if picture.canopies() == 1 { "canopy".to_owned() } else { format!("canopy {canopy}") };
+        for canopy in 0..canopies {
+            let name = if canopies == 1 { "canopy".to_owned() } else { format!("canopy {canopy}") };
             made.add((&name, None), &CANOPY_QUANTITIES, Places::Canopy(canopy), RowSchedule::of(history));
         }
         made
@@ -278,10 +280,16 @@ impl Gauges {
         for gauge in &mut self.gauges {
             let to = &mut self.values[gauge.channels.clone()];
             match &mut gauge.places {
-                Places::Canopy(canopy) => to.copy_from_slice(&picture.canopy_values(*canopy, at.state.as_ref())),
+                Places::Canopy(canopy) => {
+                    let air = picture.air().into_iter();
+                    air.for_each(|air| to.copy_from_slice(&air.canopy_values(*canopy, at.state.as_ref())));
+                }
                 Places::Springs(of, springs) => {
+                    let all = picture.springs();
                     let value = |&spring: &SpringPlace| match of {
-                        SpringGauge::Tension => picture.spring_tension(at.state.as_ref(), spring),
+                        SpringGauge::Tension => {
+                            all.map_or(f64::NAN, |all| all.spring_tension(at.state.as_ref(), spring))
+                        }
                     };
                     let values = springs.iter().map(value);
                     let (sum, most) = values.fold((0.0, f64::NEG_INFINITY), |(sum, most), t| (sum + t, t.max(most)));

@@ -191,10 +191,10 @@ impl<'a> Recorder<'a> {
             picture.edge_tension(at, &mut frame.tension, &mut frame.strain);
         }
         if self.fields.tension {
-            picture.add_axial_damping(at, &mut frame.tension);
+            picture.springs().into_iter().for_each(|springs| springs.add_axial_damping(at, &mut frame.tension));
         }
         if self.fields.pressure {
-            picture.triangle_pressure(at, &mut frame.pressure);
+            picture.air().into_iter().for_each(|air| air.triangle_pressure(at, &mut frame.pressure));
         }
         if self.fields.membrane {
             picture.triangle_membranes(at, &mut frame.membrane);

@@ -60,7 +60,7 @@ pub fn follow(
 ) -> Result<Outcome, SimulationError> {
     let FollowSpec { threads, keep_going } = how;
     let spec = RunSpec { keep_going, threads, ..problem.run_spec() };
-    let mut simulation = Simulation::from_scene(build_scene(problem.system.clone(), threads)?.into(), spec)?;
+    let mut simulation = Simulation::of_own(build_scene(problem.system.clone(), threads)?.into(), spec)?;
     let scene = simulation.scene();
     let n = scene.reference().len();
     let mut follower = Follower { scene: &*scene, positions: vec![[0.0; 3]; n], velocities: vec![[0.0; 3]; n], watch };

@@ -254,8 +254,8 @@ impl Prepared<'_> {
         all.extend(monitor.as_mut().map(|monitor| monitor as &mut dyn Observer));
         all.extend(observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer));
         let mut simulation = match checkpoint {
-            Some(Checkpoint { snapshot, .. }) => Simulation::resume(scene.clone(), spec.clone(), snapshot)?,
-            None => Simulation::from_scene(scene.clone(), spec.clone())?,
+            Some(Checkpoint { snapshot, .. }) => Simulation::resume_own(scene.clone(), spec.clone(), snapshot)?,
+            None => Simulation::of_own(scene.clone(), spec.clone())?,
         };
         startup::ready();
         let outcome = simulation.run(&mut all, stop)?;

@@ -6,7 +6,7 @@ use crate::drive::Snapshot;
 use crate::drive::clock::{Step, Tolerance};
 use crate::model::state::State;
 use crate::model::stop::Stop;
-use crate::scene::{ExternalForces, ExternalKind, Load};
+use crate::scene::{ExternalForces, ExternalKind, Load, pass_events};
 use serde::{Deserialize, Serialize};
 
 /// What [`Simulation::snapshot`] writes.
@@ -90,7 +90,7 @@ impl Simulation {
             stepper.drop_unsaved();
             Ok(run.state.snapshot(stepper))
         })?;
-        let forces = self.scene.external().map(ExternalForces::values).unwrap_or_default();
+        let forces = self.outside().map(ExternalForces::values).unwrap_or_default();
         let (loads, rest_scales) = (self.load_factors(), self.rest_scales());
         let made_by = self.origin();
         let saved = Saved { made_by, snapshot, forces, wind: self.wind, loads, rest_scales };
@@ -101,17 +101,16 @@ impl Simulation {
     }
 
     fn origin(&self) -> Origin {
-        let (method, scene) = (&self.spec.method, &*self.scene);
+        // The scene as it is before its events: a snapshot may be of another time than the present one.
+        let (method, scene) = (&self.spec.method, self.scene.for_run());
+        pass_events(&*scene, 0);
         let sum = |numbers: &[f64]| {
             let mut checksum = RunningChecksum::default();
             checksum.add(bytemuck::cast_slice(numbers));
             checksum.mark().crc
         };
-        // The scene as it is before its events: a snapshot may be of another time than the present one.
-        scene.pass_events(0);
         let (masses, stiffness) = (sum(scene.inverse_mass()), scene.nodal_stiffness());
         let State { t, x, v } = scene.initial_state();
-        scene.pass_events(self.state.events_passed());
         // Numbers in the engine's order, brought into the user's.
         let counted = State { t, x: (0..x.len()).map(|dof| dof as f64).collect(), v };
         let mut order = vec![[0.0; 3]; self.node_count()];
@@ -182,20 +181,22 @@ impl Simulation {
         if !forces.is_empty() {
             self.external(ExternalKind::Values)?;
         }
-        if let Some(external) = self.scene.external() {
+        if let Some(external) = self.outside() {
             external.replace_values(forces);
         }
         for (load, factor) in loads {
             self.scale_of(load, factor)?.set(factor);
         }
-        self.scene.hold_wind(wind);
+        self.scene.air().into_iter().for_each(|air| air.hold_wind(wind));
         self.wind = wind;
         match anew {
             None => self.take_up(snapshot)?,
             Some((steps, state)) => {
                 // Supports may differ.
                 let NodeMotion { positions, velocities } = self.nodes_of(state.as_ref());
-                self.begin(steps, self.scene.state_of(state.t, &positions, &velocities).unwrap_or(state))?;
+                let controls = self.scene.controls();
+                let held = controls.and_then(|controls| controls.state_of(state.t, &positions, &velocities));
+                self.begin(steps, held.unwrap_or(state))?;
             }
         }
         Ok(differences)

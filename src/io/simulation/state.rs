@@ -8,7 +8,7 @@ use crate::force::law::series::Scale;
 use crate::integrate::Counters;
 use crate::model::state::{State, StateRef};
 use crate::model::stop::Stop;
-use crate::scene::{ExternalForces, ExternalKind, Load, PairsChange, Scene};
+use crate::scene::{ExternalForces, ExternalKind, Load, PairsChange, Scene, loads};
 use std::sync::atomic::AtomicBool;
 
 /// Where nodes are and how they move, in the numbering of the mesh.
@@ -107,7 +107,7 @@ impl Simulation {
         let (mut tension, mut strain) = (vec![0.0; n], vec![0.0; n]);
         let at = self.state.from.state.as_ref();
         self.scene.edge_tension(at, &mut tension, &mut strain);
-        self.scene.add_axial_damping(at, &mut tension);
+        self.scene.springs().into_iter().for_each(|springs| springs.add_axial_damping(at, &mut tension));
         tension
     }
 
@@ -179,7 +179,8 @@ impl Simulation {
         self.check("positions", positions)?;
         self.check("velocities", velocities)?;
         let joined = self.spec.join(&*self.scene, (self.state.steps, t))?;
-        let state = self.scene.state_of(joined.1, positions, velocities);
+        let controls = self.scene.controls();
+        let state = controls.and_then(|controls| controls.state_of(joined.1, positions, velocities));
         let state = state.ok_or(SimulationError::Unsupported("positions that can be set"))?;
         self.begin(joined.0, state)
     }
@@ -244,7 +245,7 @@ impl Simulation {
     pub fn remove_force(&mut self, name: &str) -> Result<bool, SimulationError> {
         self.idle()?;
         let other_pattern = self.has_derivatives(name);
-        let removed = self.scene.external().is_some_and(|external| external.remove(name));
+        let removed = self.outside().is_some_and(|external| external.remove(name));
         if removed {
             self.note(if other_pattern { Changed::Pattern } else { Changed::Values });
         }
@@ -253,11 +254,11 @@ impl Simulation {
 
     /// Names and values [N] `[n_nodes][3]` of the external forces that are values, in the order in which they came.
     pub fn acting_forces(&self) -> Vec<(String, Vec<[f64; 3]>)> {
-        self.scene.external().map(ExternalForces::values).unwrap_or_default()
+        self.outside().map(ExternalForces::values).unwrap_or_default()
     }
 
     fn has_derivatives(&self, name: &str) -> bool {
-        self.scene.external().is_some_and(|external| external.has_derivatives(Some(name)))
+        self.outside().is_some_and(|external| external.has_derivatives(Some(name)))
     }
 
     /// From now on, no cause is sought for a step that fails while `flag` is set, which can take longer than many
@@ -278,9 +279,8 @@ impl Simulation {
         if wind.is_some_and(|wind| wind.iter().any(|value| !value.is_finite())) {
             return Err(SimulationError::NotFinite { what: "wind", row: 0 });
         }
-        if !self.scene.hold_wind(wind) && wind.is_some() {
-            return Err(SimulationError::Unsupported("air, and so no wind"));
-        }
+        let air = self.scene.air().ok_or(SimulationError::Unsupported("air, and so no wind"))?;
+        air.hold_wind(wind);
         self.wind = wind;
         self.note(Changed::Loads);
         Ok(())
@@ -288,7 +288,7 @@ impl Simulation {
 
     /// The loads that can be scaled, with their factors [-].
     pub fn load_factors(&self) -> Vec<(Load, f64)> {
-        self.scene.loads().iter().map(|(load, scale)| (*load, scale.get())).collect()
+        loads(&*self.scene).iter().map(|(load, scale)| (*load, scale.get())).collect()
     }
 
     /// Multiplies a load by `factor` [-] from the present state on, besides its own factor over time: 1 as given, 0 to
@@ -311,13 +311,13 @@ impl Simulation {
         if !factor.is_finite() {
             return Err(SimulationError::NotFinite { what: "load factor", row: 0 });
         }
-        let found = self.scene.loads().iter().find(|(other, _)| *other == load);
+        let found = loads(&*self.scene).iter().find(|(other, _)| *other == load);
         found.map(|(_, scale)| &**scale).ok_or(SimulationError::NoLoad(load))
     }
 
     /// The edges that have a spring, ascending.
     pub fn spring_edges(&self) -> Vec<u32> {
-        self.scene.spring_edges()
+        self.scene.springs().map_or_else(Vec::new, |springs| springs.spring_edges())
     }
 
     /// [-] Factors of the rest lengths as given, `[n_edges]`; 1 where none was set.
@@ -337,7 +337,7 @@ impl Simulation {
     /// also a scene that is in use elsewhere. Nothing is changed then.
     pub fn set_rest_scale(&mut self, edges: &[u32], factor: f64) -> Result<(), SimulationError> {
         self.idle()?;
-        let springs = self.spring_edges.get_or_init(|| self.scene.spring_edges());
+        let springs = self.spring_edges.get_or_init(|| self.spring_edges());
         for &edge in edges {
             springs.binary_search(&edge).map_err(|_| SimulationError::NoSpring { edge })?;
         }
@@ -354,7 +354,7 @@ impl Simulation {
         if factors != self.rest_scales() {
             check_factors(&factors)?;
             let scene = Arc::get_mut(&mut self.scene).ok_or(SimulationError::SceneInUse)?;
-            scene.set_rest_length_factors(&factors);
+            scene.controls_mut().into_iter().for_each(|controls| controls.set_rest_length_factors(&factors));
             self.rest_scales = factors;
             self.note(Changed::RestLengths);
         }
@@ -366,9 +366,14 @@ impl Simulation {
         self.changed = self.changed.max(changed);
     }
 
+    /// The forces from outside, once they have a place.
+    pub(super) fn outside(&self) -> Option<&ExternalForces> {
+        self.scene.controls()?.external()
+    }
+
     /// The place of external forces of a kind, which is made when first needed.
     pub(super) fn external(&mut self, kind: ExternalKind) -> Result<&ExternalForces, SimulationError> {
-        if !self.scene.external().is_some_and(|external| external.takes(kind)) {
+        if !self.outside().is_some_and(|external| external.takes(kind)) {
             Arc::get_mut(&mut self.scene).ok_or(SimulationError::SceneInUse)?;
             let snapshot = self.at_work(Stop::NEVER, |run, stepper| {
                 // Forces of the last step do not fit the scene any more, and are found again at their velocities.
@@ -376,12 +381,10 @@ impl Simulation {
                 Ok(Snapshot { forces: None, ..run.state.snapshot(stepper) })
             })?;
             let scene = Arc::get_mut(&mut self.scene).ok_or(SimulationError::SceneInUse)?;
-            if !scene.enable_external(kind) {
-                return Err(SimulationError::Unsupported("forces from outside"));
-            }
+            scene.controls_mut().ok_or(SimulationError::Unsupported("forces from outside"))?.enable_external(kind);
             self.take_up(snapshot).inspect_err(|_| self.scheme = None)?;
         }
-        self.scene.external().ok_or(SimulationError::Unsupported("forces from outside"))
+        self.outside().ok_or(SimulationError::Unsupported("forces from outside"))
     }
 }
 

@@ -19,7 +19,7 @@ use crate::mesh::canopy::Canopy;
 use crate::mesh::parachute::ParachuteParameters;
 use crate::model::state::State;
 use crate::model::stop::Stop;
-use crate::scene::{Scene, place_of};
+use crate::scene::{Scene, pass_events, place_of};
 use crate::simulation::{build_scene, check_solver, doubts_at_start};
 use crate::study::forecast::memory::Baseline;
 use crate::study::forecast::nominal::Budget;
@@ -71,7 +71,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let spec = ForecastSpec { scene, problem: &problem, fields, candidates: &candidates, accuracy, baseline, budget };
     let forecast = forecast(&spec);
     // Trial runs have passed events.
-    scene.pass_events(0);
+    pass_events(scene, 0);
     let mut found = doubts_at_start(plan, &problem, limit, &models.folder);
     found.extend(later_warning(plan, limit, later));
     let (acknowledged, warnings) = problem.sort_out(found);

@@ -51,7 +51,7 @@ pub(super) fn describe_canopies(scene: &dyn Scene, filled: &[(Option<f64>, f64)]
     let place = CANOPY_QUANTITIES.iter().position(|quantity| *quantity == PROJECTED_RATIO);
     let mut text = String::new();
     for (i, (drag_area, nominal_area)) in filled.iter().enumerate() {
-        let values = scene.canopy_values(i, start.as_ref());
+        let Some(values) = scene.air().map(|air| air.canopy_values(i, start.as_ref())) else { continue };
         let ratio = place.map_or(f64::NAN, |at| values[at]);
         let name = if filled.len() == 1 { "canopy".to_owned() } else { format!("canopy {i}") };
         let nominal = figures(*nominal_area, 4);

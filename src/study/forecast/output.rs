@@ -65,10 +65,10 @@ impl OutputCost {
                     scene.edge_tension(at, &mut frame.tension, &mut frame.strain);
                 }
                 if fields.tension {
-                    scene.add_axial_damping(at, &mut frame.tension);
+                    scene.springs().into_iter().for_each(|springs| springs.add_axial_damping(at, &mut frame.tension));
                 }
                 if fields.pressure {
-                    scene.triangle_pressure(at, &mut frame.pressure);
+                    scene.air().into_iter().for_each(|air| air.triangle_pressure(at, &mut frame.pressure));
                 }
                 if fields.membrane {
                     scene.triangle_membranes(at, &mut frame.membrane);

@@ -131,7 +131,9 @@ impl<'a> EnergyClassifier<'a> {
             late: [0; 2],
             motion: 0.0,
             secant: vec![0.0; scene.n_dof()],
-            sinks: runs.from.start == Start::SmallMotion && runs.stays == STAYS[0] && scene.corners().is_empty(),
+            sinks: runs.from.start == Start::SmallMotion
+                && runs.stays == STAYS[0]
+                && scene.events().is_none_or(|events| events.corners().is_empty()),
             eighths: [(0.0, 0.0, 0); 4],
             made: [(0.0, 0); 2],
         }

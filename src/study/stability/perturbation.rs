@@ -85,7 +85,9 @@ pub(super) fn at_rest(scene: &dyn Scene, state: &State) -> bool {
     let mut forces = scene.new_forces();
     scene.evaluate(state.as_ref(), &mut forces);
     let allowed = ROUNDING * acting(scene, state, &forces);
-    state.v.iter().all(|v| *v == 0.0) && forces.total.iter().all(|f| f.abs() <= allowed) && scene.corners().is_empty()
+    state.v.iter().all(|v| *v == 0.0)
+        && forces.total.iter().all(|f| f.abs() <= allowed)
+        && scene.events().is_none_or(|events| events.corners().is_empty())
 }
 
 /// The start of small motion about the equilibrium, for a scene whose own motion is linear and that has an equilibrium.

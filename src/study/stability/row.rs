@@ -9,7 +9,7 @@ use crate::case::schema::Method;
 use crate::drive::Failure;
 use crate::integrate::registry::MethodChoice;
 use crate::row::label;
-use crate::scene::Scene;
+use crate::scene::{Scene, fastest_spring};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -67,7 +67,7 @@ impl Prediction {
             known_by,
             at_most,
             node: Some(scene.name_of(critical.dof).0),
-            spring: scene.fastest_spring(critical.dof),
+            spring: fastest_spring(scene, critical.dof),
             frequency: Some(critical.rates.frequency),
             damping: Some(critical.rates.damping),
         }

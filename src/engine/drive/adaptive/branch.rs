@@ -36,7 +36,8 @@ impl Adaptive {
             return Ok(());
         }
         let states = [from.state.as_ref(), to.state.as_ref()];
-        let Some(fraction) = context.scene.branch_changes(states, &mut self.kick) else { return Ok(()) };
+        let changes = context.scene.springs().and_then(|springs| springs.branch_changes(states, &mut self.kick));
+        let Some(fraction) = changes else { return Ok(()) };
         for (kick, m) in self.kick.iter_mut().zip(context.scene.inverse_mass()) {
             *kick *= m;
         }

@@ -163,14 +163,15 @@ impl Adaptive {
 
     /// A run that continues from a saved state.
     pub fn restore(scene: &dyn Scene, spec: AdaptiveSpec, state: AdaptiveState) -> Self {
-        let mut corners = scene.corners();
+        let mut corners = scene.events().map_or_else(Vec::new, |events| events.corners());
         corners.retain(|t| *t > 0.0 && *t < spec.end);
         corners.push(spec.end);
         let start = scene.initial_state().x;
         let error = LocalError::new(start.len());
         let free = free_count(scene);
         let product = vec![0.0; if scene.velocity_dependent() { start.len() } else { 0 }];
-        let kick = vec![0.0; if scene.has_branches() { start.len() } else { 0 }];
+        let kick =
+            vec![0.0; if scene.springs().is_some_and(|springs| springs.has_branches()) { start.len() } else { 0 }];
         let (motion_before, carried) = (state.motion, CarriedState::default());
         Adaptive { spec, corners, start, free, error, product, kick, motion_before, carried, pair: None, state }
     }

@@ -11,6 +11,7 @@ use super::super::watch::{WatchedStep, power_of};
 use super::{Run, RunError, StepPolicy};
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::model::step_block::{LONGEST, StepSummary};
+use crate::model::system::longest_block;
 
 /// Buffers and state of the blocks of a run.
 #[derive(Default)]
@@ -39,7 +40,7 @@ impl Run<'_> {
             return Ok(false);
         }
         let h = match &self.state.policy {
-            StepPolicy::Fixed(clock) if self.scene.longest_block() > 1 => {
+            StepPolicy::Fixed(clock) if longest_block(self.scene) > 1 => {
                 clock.tick_from(self.state.steps + 1, self.state.from.state.t).h
             }
             _ => {
@@ -88,7 +89,7 @@ impl Run<'_> {
     ) -> ([UpcomingStep; LONGEST], usize) {
         let mut coming = [UpcomingStep::default(); LONGEST];
         let StepPolicy::Fixed(clock) = &self.state.policy else { return (coming, 0) };
-        let longest = self.scene.longest_block().min(LONGEST);
+        let longest = longest_block(self.scene).min(LONGEST);
         let left = clock.count().saturating_sub(self.state.steps + 1).min(longest as u64) as usize;
         let mut from = self.state.from.state.t;
         for (made, (next, summary)) in coming[..left].iter_mut().zip(summaries).enumerate() {

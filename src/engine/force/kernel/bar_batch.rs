@@ -8,7 +8,7 @@ use crate::model::quad;
 use std::ops::Range;
 
 /// The elements of all blocks, with three numbers each.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(in crate::force) struct BarBatch {
     /// ends by where their records begin, block after block: groups of stars of three, then groups of stars of one,
     /// the last of them filled up with elements between a node and itself

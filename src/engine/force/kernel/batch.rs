@@ -2,11 +2,13 @@
 //! elements of one kind, one after the other ([`Batch`]). Springs and dashpots have `bar_batch`, triangles that are
 //! pushed along their normal `faces`, forces on nodes `nodes`.
 
+use crate::force::Copies;
 use crate::force::kernel::element_block::ElementBlock;
 pub use crate::force::kernel::element_block::{Elements, SceneNumbers};
 pub use crate::force::kernel::local_buffer::Records;
 use crate::model::forces::Tally;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The local buffers of a block that are read.
 #[derive(Clone, Copy, Debug, Default)]
@@ -77,12 +79,27 @@ pub trait Kernel<const N: usize>: Send + Sync {
     /// Adds the forces [N] of a block's elements, or whatever it sums, to its local buffer; returns their energy [J] or
     /// power [W].
     fn add(&self, block: Elements<'_, N>, f: &mut Records) -> Tally;
+
+    /// The same with the values that change in a run from `copies`; `None` if it has none, and is shared by all runs.
+    fn for_run(&self, copies: &mut Copies) -> Option<Self>
+    where
+        Self: Sized,
+    {
+        let _ = copies;
+        None
+    }
 }
 
 /// A kernel, and its elements by blocks.
 #[derive(Debug)]
 pub struct Batch<K, const N: usize> {
-    kernel: K,
+    kernel: Arc<K>,
+    placed: Arc<Placed<N>>,
+}
+
+/// The elements of all blocks.
+#[derive(Clone, Debug, Default)]
+struct Placed<const N: usize> {
     /// every element's nodes by where their records begin in the block's local buffers
     local: Vec<[u16; N]>,
     /// elements of every block
@@ -93,7 +110,7 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
     /// Wraps a kernel; node numbers must be below the number of nodes it will be used with, and elements in ascending
     /// order of their smallest node.
     pub fn new(kernel: K) -> Self {
-        Batch { kernel, local: Vec::new(), blocks: Vec::new() }
+        Batch { kernel: Arc::new(kernel), placed: Arc::default() }
     }
 
     /// The kernel.
@@ -101,10 +118,16 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
         &self.kernel
     }
 
+    /// The same elements for another run.
+    pub(in crate::force) fn for_run(&self, copies: &mut Copies) -> Self {
+        let kernel = self.kernel.for_run(copies).map_or_else(|| self.kernel.clone(), Arc::new);
+        Batch { kernel, placed: self.placed.clone() }
+    }
+
     /// A block's elements, if it has any.
     fn elements_of<'a>(&'a self, block: &'a ElementBlock<'_>) -> Option<Elements<'a, N>> {
-        let elements = self.blocks.get(block.number).filter(|elements| !elements.is_empty())?;
-        let nodes = &self.local[elements.clone()];
+        let elements = self.placed.blocks.get(block.number).filter(|elements| !elements.is_empty())?;
+        let nodes = &self.placed.local[elements.clone()];
         Some(Elements { t: block.t, x: block.x, v: block.v, nodes, first: elements.start })
     }
 }
@@ -123,13 +146,14 @@ impl<K: Kernel<N>, const N: usize> BlockForces for Batch<K, N> {
     }
 
     fn assign_block(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        let Placed { local, blocks } = Arc::make_mut(&mut self.placed);
         if block == 0 {
-            self.blocks.clear();
-            self.local.clear();
-            self.local.reserve_exact(self.kernel.elements().len());
+            blocks.clear();
+            local.clear();
+            local.reserve_exact(self.kernel.elements().len());
         }
-        self.local.extend(self.kernel.elements()[elements.clone()].iter().map(|nodes| nodes.map(place)));
-        self.blocks.push(elements);
+        local.extend(self.kernel.elements()[elements.clone()].iter().map(|nodes| nodes.map(place)));
+        blocks.push(elements);
     }
 
     fn add(&self, block: &ElementBlock<'_>, [sum, _]: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {

@@ -14,7 +14,7 @@ use crate::model::quad::{self, Pass, Quad, VectorUnit};
 use std::ops::Range;
 
 /// The elements of all blocks, by their ends.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(in crate::force) struct Differences {
     /// nodes that have elements, by where their records begin; block after block
     nodes: Vec<u16>,

@@ -17,7 +17,7 @@ use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
 use crate::force::kernel::triangle_pairs::{PressureForce, PressureLaw};
 use crate::force::law::stream::Stream;
 use crate::force::law::triangle::{AreaVector, THIRD, mean};
-use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
+use crate::force::{Copies, ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::Real;
 use crate::model::system::{TermInfo, Weights};
@@ -84,6 +84,10 @@ impl FaceKernel for AirData {
         let wind = self.stream.uniform_wind(block.t);
         Tally { energy: 0.0, power: block.add_pressure(&AirLaw { data: self, wind }, f) }
     }
+
+    fn for_run(&self, copies: &mut Copies) -> Self {
+        AirData { stream: copies.of(&self.stream), ..self.clone() }
+    }
 }
 
 struct AirLaw<'a> {
@@ -143,5 +147,9 @@ impl ForceTerm for Air {
             let row = [0, 1, 2].map(|j| ds * flow.area.derivative(j) * (-w.k / 3.0) + dv);
             sink.triangle(nodes, &[row; 3]);
         }
+    }
+
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm> {
+        Box::new(FaceBatch::for_run(self, copies))
     }
 }

@@ -9,7 +9,7 @@ use crate::force::kernel::batch::{Batch, BufferReads, Elements, Kernel, Records}
 use crate::force::kernel::element_block::vector;
 use crate::force::law::curve::{MeanTension, Tension};
 use crate::force::law::mean_bar::MeanBar;
-use crate::force::{ForceTerm, MeanForce, MeanStep, NodeState, TangentForm, TangentSink, outer};
+use crate::force::{Copies, ForceTerm, MeanForce, MeanStep, NodeState, TangentForm, TangentSink, outer};
 use crate::mesh::unit_vector::unit_vector;
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
@@ -145,6 +145,10 @@ impl ForceTerm for LawBars {
             let k = data.law.at(rest, rest).stiffness.abs();
             ends.iter().for_each(|&node| nodes[node as usize] += k);
         }
+    }
+
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm> {
+        Box::new(Batch::for_run(self, copies))
     }
 }
 

@@ -9,19 +9,19 @@ use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, Records};
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::nodes::{self, NodeLaw};
 use crate::force::law::series::Table;
-use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
+use crate::force::{Copies, ForceTerm, NodeState, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::VectorUnit;
 use crate::model::system::{TermInfo, Weights};
 use std::sync::Arc;
 
 /// Inertia in the frame of an accelerated base.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct BaseAcceleration {
     /// [m/s^2] acceleration of the base over time
     acceleration: Arc<Table<3>>,
     /// [kg] mass of every node, 0 where it is held in all directions
-    mass: Vec<f64>,
+    mass: Arc<[f64]>,
 }
 
 impl BaseAcceleration {
@@ -74,4 +74,8 @@ impl ForceTerm for BaseAcceleration {
     }
 
     fn tangent(&self, _at: NodeState<'_>, _w: Weights, _: TangentForm, _sink: &mut dyn TangentSink) {}
+
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm> {
+        Box::new(BaseAcceleration { acceleration: copies.of(&self.acceleration), mass: self.mass.clone() })
+    }
 }

@@ -36,7 +36,7 @@
 
 use crate::force::kernel::batch::{Batch, BufferReads, Elements, Kernel, Records};
 use crate::force::kernel::element_block::{add, vector};
-use crate::force::{ForceTerm, MeanForce, MeanStep, NodeState, TangentForm, TangentSink, outer};
+use crate::force::{Copies, ForceTerm, MeanForce, MeanStep, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
@@ -201,6 +201,10 @@ impl<const N: usize, const R: usize> ForceTerm for Bending<N, R> {
                 nodes[node as usize] += weights.iter().map(|w| w[k] * w[k]).sum::<f64>();
             }
         }
+    }
+
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm> {
+        Box::new(Batch::for_run(self, copies))
     }
 }
 

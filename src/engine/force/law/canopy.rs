@@ -29,7 +29,7 @@ use crate::force::kernel::triangle_pairs::{PressureForce, PressureLaw};
 use crate::force::law::axial_flow::{AxialFlow, CanopyAxis};
 use crate::force::law::cavity::Cavity;
 use crate::force::law::triangle::{AreaVector, THIRD, mean};
-use crate::force::{ForceTerm, NodeState, RankOne, TangentForm, TangentSink, outer};
+use crate::force::{Copies, ForceTerm, NodeState, RankOne, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::Real;
 use crate::model::spec::FillingSpec;
@@ -187,6 +187,11 @@ impl FaceKernel for CanopyData {
         let law = CanopyLaw(Breathing::new(block.scene_numbers));
         Tally { energy: 0.0, power: block.add_pressure(&law, f) }
     }
+
+    fn for_run(&self, copies: &mut Copies) -> Self {
+        let axis = CanopyAxis { stream: copies.of(&self.axis.stream), ..self.axis.clone() };
+        CanopyData { axis, ..self.clone() }
+    }
 }
 
 struct CanopyLaw(Breathing);
@@ -266,6 +271,10 @@ impl ForceTerm for Canopy {
             (_, AirModel::Cavity(cavity)) => cavity.add_excess_gradient((&data.triangles, &data.axis), at, w, g),
             (_, AirModel::Coefficient | AirModel::Filling(_)) => {}
         }
+    }
+
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm> {
+        Box::new(FaceBatch::for_run(self, copies))
     }
 }
 

@@ -19,7 +19,7 @@ use crate::force::law::mean_bar::MeanBar;
 use crate::force::law::slack::{Clamp, TensionLaw, tension, with_law};
 use crate::force::law::spring::{Coefficient, Cut, SpringData, SpringsAt, Stretch};
 use crate::force::law::stretch::{InLocalBuffer, SpringLengths, largest};
-use crate::force::{ForceTerm, MeanForce, MeanStep, NodeState, SpringTerm, TangentForm, TangentSink, outer};
+use crate::force::{Copies, ForceTerm, MeanForce, MeanStep, NodeState, SpringTerm, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::Real;
 use crate::model::spec::DashpotKind;
@@ -47,27 +47,21 @@ pub struct Dashpots {
 }
 
 /// Springs with their dashpots as a force term of one or two parts: elastic, and damping.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct DampedSprings {
     springs: SpringData,
     dashpots: Option<Dashpots>,
     cut: Cut,
-    batch: BarBatch,
+    batch: Arc<BarBatch>,
     /// of relative dashpots
-    differences: Differences,
+    differences: Arc<Differences>,
 }
 
 impl DampedSprings {
     /// Node numbers must be below the number of nodes that the term will be used with, and springs in ascending order
     /// of their smaller node.
     pub fn new(springs: SpringData, dashpots: Option<Dashpots>) -> Self {
-        DampedSprings {
-            springs,
-            dashpots,
-            cut: Cut::default(),
-            batch: BarBatch::default(),
-            differences: Differences::default(),
-        }
+        DampedSprings { springs, dashpots, cut: Cut::default(), batch: Arc::default(), differences: Arc::default() }
     }
 
     /// The same springs, which carry nothing while they are cut.
@@ -234,9 +228,9 @@ impl BlockForces for DampedSprings {
         let numbers = [stiffness.clone(), Coefficient::Each(rest_length.clone()), c];
         let ends: Vec<[u16; 2]> = nodes[elements.clone()].iter().map(|nodes| nodes.map(place)).collect();
         if self.kind() == Some(DashpotKind::Relative) {
-            self.differences.assign_block(block, &ends, (elements.start, &numbers[2]));
+            Arc::make_mut(&mut self.differences).assign_block(block, &ends, (elements.start, &numbers[2]));
         }
-        self.batch.assign_block(block, ends, (elements.start, &numbers));
+        Arc::make_mut(&mut self.batch).assign_block(block, ends, (elements.start, &numbers));
     }
 
     fn add(&self, block: &ElementBlock<'_>, sums: [Option<&mut Records>; 2]) -> [Tally; 2] {
@@ -348,9 +342,14 @@ impl ForceTerm for DampedSprings {
         Some(self)
     }
 
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm> {
+        let (springs, cut) = (self.springs.for_run(copies), self.cut.for_run(copies));
+        Box::new(DampedSprings { springs, cut, ..self.clone() })
+    }
+
     fn set_rest_lengths(&mut self, rest_length: &Arc<[f64]>) {
         self.springs.rest_length = rest_length.clone();
-        self.batch.set_number(1, rest_length);
+        Arc::make_mut(&mut self.batch).set_number(1, rest_length);
     }
 
     fn add_stiffness(&self, nodes: &mut [f64]) {

@@ -14,7 +14,7 @@
 use crate::force::kernel::batch::{Batch, BufferReads, Elements, Kernel, Records};
 use crate::force::kernel::element_block::vector;
 use crate::force::law::stream::{AirState, Stream};
-use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
+use crate::force::{Copies, ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
@@ -119,6 +119,10 @@ impl Kernel<2> for LineDragData {
         });
         Tally { energy: 0.0, power }
     }
+
+    fn for_run(&self, copies: &mut Copies) -> Option<Self> {
+        Some(LineDragData { stream: copies.of(&self.stream), ..self.clone() })
+    }
 }
 
 impl ForceTerm for LineDrag {
@@ -146,6 +150,10 @@ impl ForceTerm for LineDrag {
             };
             sink.segment(nodes, &[row; 2]);
         }
+    }
+
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm> {
+        Box::new(Batch::for_run(self, copies))
     }
 }
 
@@ -175,6 +183,10 @@ impl Kernel<1> for NodeDragData {
         });
         Tally { energy: 0.0, power }
     }
+
+    fn for_run(&self, copies: &mut Copies) -> Option<Self> {
+        Some(NodeDragData { stream: copies.of(&self.stream), ..self.clone() })
+    }
 }
 
 impl ForceTerm for NodeDrag {
@@ -195,5 +207,9 @@ impl ForceTerm for NodeDrag {
             let k = if form.symmetric { 0.0 } else { w.k };
             sink.node(node, by_wind * w.c - outer(by_height, Vector3::z()) * k);
         }
+    }
+
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm> {
+        Box::new(Batch::for_run(self, copies))
     }
 }

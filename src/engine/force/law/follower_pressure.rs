@@ -9,7 +9,7 @@ use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
 use crate::force::kernel::triangle_pairs::{PressureForce, PressureLaw};
 use crate::force::law::series::LoadFactor;
 use crate::force::law::triangle::{AreaVector, THIRD};
-use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
+use crate::force::{Copies, ForceTerm, NodeState, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::Real;
 use crate::model::system::{TermInfo, Weights};
@@ -39,6 +39,10 @@ impl FaceKernel for FollowerData {
     fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally {
         let pressure = self.pressure * self.factor.at(block.t);
         Tally { energy: 0.0, power: block.add_pressure(&FollowerLaw { pressure }, f) }
+    }
+
+    fn for_run(&self, copies: &mut Copies) -> Self {
+        FollowerData { factor: self.factor.for_run(copies), ..self.clone() }
     }
 }
 
@@ -76,5 +80,9 @@ impl ForceTerm for FollowerPressure {
             let row = [0, 1, 2].map(|j| area.derivative(j) * (-k * p / 3.0));
             sink.triangle(nodes, &[row; 3]);
         }
+    }
+
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm> {
+        Box::new(FaceBatch::for_run(self, copies))
     }
 }

@@ -7,7 +7,7 @@ use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, Records};
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::nodes::{self, NodeLaw, padded};
 use crate::force::law::series::Scale;
-use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
+use crate::force::{Copies, ForceTerm, NodeState, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::VectorUnit;
 use crate::model::system::{TermInfo, Weights};
@@ -20,7 +20,7 @@ pub struct Gravity {
     /// [m/s^2] acceleration of free fall
     g: Vector3<f64>,
     /// [kg] mass of every node; the weight of what is held is a part of the reaction
-    mass: Vec<f64>,
+    mass: Arc<[f64]>,
     /// [m] node positions of zero energy
     origin: Arc<[Vector3<f64>]>,
     scale: Arc<Scale>,
@@ -80,4 +80,8 @@ impl ForceTerm for Gravity {
     }
 
     fn tangent(&self, _at: NodeState<'_>, _w: Weights, _: TangentForm, _sink: &mut dyn TangentSink) {}
+
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm> {
+        Box::new(Gravity { scale: copies.of(&self.scale), ..self.clone() })
+    }
 }

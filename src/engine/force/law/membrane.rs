@@ -20,7 +20,7 @@ use crate::force::kernel::element_block::{ElementBlock, vector};
 use crate::force::kernel::sheet_batches::{Group, GroupShapes, SIDE_BY_SIDE, SheetLaw, SheetPass, SheetStress};
 use crate::force::law::rayleigh_membrane::RestTriangle;
 use crate::force::law::tension_field::{Sheet, Voigt, Wrinkling};
-use crate::force::{ForceTerm, MeanForce, NodeState, TangentForm, TangentSink};
+use crate::force::{Copies, ForceTerm, MeanForce, NodeState, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::{self, Real};
 use crate::model::system::{StepMean, TermInfo, Weights};
@@ -259,9 +259,15 @@ fn strain_by_node(f: &Matrix3x2<f64>, g: &Vector2<f64>) -> Matrix3<f64> {
 }
 
 /// Membrane triangles as a force term of one or two parts: elastic, and damping.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Membrane {
     data: MembraneData,
+    placed: Arc<Placed>,
+}
+
+/// The triangles of all blocks.
+#[derive(Clone, Debug, Default)]
+struct Placed {
     groups: Vec<Group>,
     shapes: Vec<GroupShapes>,
     /// triangles of every block, and their groups
@@ -273,12 +279,12 @@ impl Membrane {
     /// Node numbers must be below the number of nodes that the term will be used with, and triangles in ascending order
     /// of their smallest node.
     pub fn new(data: MembraneData) -> Self {
-        Membrane { data, groups: Vec::new(), shapes: Vec::new(), blocks: Vec::new(), local: Vec::new() }
+        Membrane { data, placed: Arc::default() }
     }
 
     fn pass<L: SheetLaw>(&self, law: &L, block: &ElementBlock<'_>, sums: [Option<&mut Records>; PARTS]) -> [f64; 2] {
-        let Some((_, groups)) = self.blocks.get(block.number) else { return [0.0; 2] };
-        let (groups, shapes) = (&self.groups[groups.clone()], &self.shapes[groups.clone()]);
+        let Some((_, groups)) = self.placed.blocks.get(block.number) else { return [0.0; 2] };
+        let (groups, shapes) = (&self.placed.groups[groups.clone()], &self.placed.shapes[groups.clone()]);
         quad::run(SheetPass { law, scale: self.data.squares(), groups, shapes, x: block.x, v: block.v, sums })
     }
 }
@@ -318,15 +324,13 @@ impl BlockForces for Membrane {
     }
 
     fn assign_block(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        let placed = Arc::make_mut(&mut self.placed);
         if block == 0 {
-            self.groups.clear();
-            self.shapes.clear();
-            self.blocks.clear();
-            self.local.clear();
+            *placed = Placed::default();
         }
-        let first = self.groups.len();
-        self.local.extend(self.data.triangles[elements.clone()].iter().map(|nodes| nodes.map(place)));
-        for (nodes, shapes) in self.local[elements.clone()]
+        let first = placed.groups.len();
+        placed.local.extend(self.data.triangles[elements.clone()].iter().map(|nodes| nodes.map(place)));
+        for (nodes, shapes) in placed.local[elements.clone()]
             .chunks(SIDE_BY_SIDE)
             .zip(self.data.shapes[elements.clone()].chunks(SIDE_BY_SIDE))
         {
@@ -339,10 +343,10 @@ impl BlockForces for Membrane {
                 let numbers = [r[(0, 0)], r[(0, 1)], r[(1, 0)], r[(1, 1)], shape.area];
                 of_group.iter_mut().zip(numbers).for_each(|(to, number)| to[i] = number);
             }
-            self.groups.push(group);
-            self.shapes.push(of_group);
+            placed.groups.push(group);
+            placed.shapes.push(of_group);
         }
-        self.blocks.push((elements, first..self.groups.len()));
+        placed.blocks.push((elements, first..placed.groups.len()));
     }
 
     fn add(&self, block: &ElementBlock<'_>, sums: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {
@@ -357,9 +361,9 @@ impl BlockForces for Membrane {
     }
 
     fn largest_stretch(&self, block: &ElementBlock<'_>) -> f64 {
-        let elements = self.blocks.get(block.number).map_or(0..0, |(elements, _)| elements.clone());
+        let elements = self.placed.blocks.get(block.number).map_or(0..0, |(elements, _)| elements.clone());
         let stretch = |i: usize| {
-            let [a, b, c] = self.local[i].map(|place| vector(block.x, place));
+            let [a, b, c] = self.placed.local[i].map(|place| vector(block.x, place));
             self.data.largest_stretch(&(Matrix3x2::from_columns(&[b - a, c - a]) * self.data.shapes[i].r))
         };
         elements.map(stretch).fold(f64::NEG_INFINITY, f64::max)
@@ -395,5 +399,9 @@ impl ForceTerm for Membrane {
                 nodes[node as usize] += shape.area * g.norm_squared() * largest;
             }
         }
+    }
+
+    fn for_run(&self, _: &mut Copies) -> Box<dyn ForceTerm> {
+        Box::new(self.clone())
     }
 }

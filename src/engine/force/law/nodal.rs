@@ -7,7 +7,7 @@ use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::nodes::{self, NodeLaw, padded};
 use crate::force::law::series::LoadFactor;
 use crate::force::law::triangle::AreaVector;
-use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
+use crate::force::{Copies, ForceTerm, NodeState, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::VectorUnit;
 use crate::model::system::{TermInfo, Weights};
@@ -26,9 +26,9 @@ pub struct NodalForces {
     /// [`FORCES`], or those of a dead pressure
     pub info: TermInfo,
     /// the nodes, ascending
-    pub nodes: Vec<u32>,
+    pub nodes: Arc<[u32]>,
     /// [N] force on each of them at factor 1
-    pub force: Vec<Vector3<f64>>,
+    pub force: Arc<[Vector3<f64>]>,
     /// factor over time
     pub factor: LoadFactor,
 }
@@ -57,7 +57,7 @@ impl DeadPressure<'_> {
                 sum[i as usize] += force;
             }
         }
-        let nodes: Vec<u32> = (0..x.len() as u32).filter(|&i| sum[i as usize] != Vector3::zeros()).collect();
+        let nodes: Arc<[u32]> = (0..x.len() as u32).filter(|&i| sum[i as usize] != Vector3::zeros()).collect();
         let force = nodes.iter().map(|&i| sum[i as usize]).collect();
         NodalForces { info: DEAD_PRESSURE, nodes, force, factor: self.factor }
     }
@@ -103,26 +103,46 @@ impl ForceTerm for NodalForces {
     }
 
     fn tangent(&self, _at: NodeState<'_>, _w: Weights, _: TangentForm, _sink: &mut dyn TangentSink) {}
+
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm> {
+        Box::new(NodalForces { factor: self.factor.for_run(copies), ..self.clone() })
+    }
 }
 
 /// Forces on all nodes that a program sets while a simulation runs; the program's copy shares them with the term.
 #[derive(Clone, Debug)]
-pub struct SetForces(Arc<RwLock<Vec<Vector3<f64>>>>);
+pub struct SetForces(Arc<Values>);
+
+/// [N] `[n_nodes]`
+#[derive(Debug)]
+struct Values(RwLock<Vec<Vector3<f64>>>);
+
+impl Clone for Values {
+    fn clone(&self) -> Self {
+        Values(RwLock::new(self.0.read().unwrap_or_else(PoisonError::into_inner).clone()))
+    }
+}
 
 impl SetForces {
     /// No force on any of so many nodes.
     pub fn zero(nodes: usize) -> Self {
-        SetForces(Arc::new(RwLock::new(vec![Vector3::zeros(); nodes])))
+        SetForces(Arc::new(Values(RwLock::new(vec![Vector3::zeros(); nodes]))))
     }
 
     /// Sets the force [N] on every node, between two steps.
     pub fn set(&self, forces: impl Iterator<Item = Vector3<f64>>) {
-        let mut to = self.0.write().unwrap_or_else(PoisonError::into_inner);
+        let mut to = self.0.0.write().unwrap_or_else(PoisonError::into_inner);
         to.iter_mut().zip(forces).for_each(|(to, force)| *to = force);
     }
 
     fn forces(&self) -> RwLockReadGuard<'_, Vec<Vector3<f64>>> {
-        self.0.read().unwrap_or_else(PoisonError::into_inner)
+        self.0.0.read().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Those of another run, at first the same.
+    #[must_use]
+    pub(crate) fn for_run(&self, copies: &mut Copies) -> Self {
+        SetForces(copies.of(&self.0))
     }
 }
 
@@ -153,4 +173,8 @@ impl ForceTerm for SetForces {
     }
 
     fn tangent(&self, _at: NodeState<'_>, _w: Weights, _: TangentForm, _sink: &mut dyn TangentSink) {}
+
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm> {
+        Box::new(SetForces::for_run(self, copies))
+    }
 }

@@ -7,7 +7,7 @@ use crate::force::kernel::batch::{Batch, BlockForces, BufferReads, Elements, Ker
 use crate::force::kernel::element_block::{ElementBlock, vector};
 use crate::force::kernel::nodes::{self, NodeLaw};
 use crate::force::law::spring::{Coefficient, Cut};
-use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
+use crate::force::{Copies, ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::VectorUnit;
 use crate::model::system::{TermInfo, Weights};
@@ -65,6 +65,10 @@ impl ForceTerm for RayleighMass {
             sink.node(i as u32, Matrix3::from_diagonal_element(w.c * self.factor * m));
         }
     }
+
+    fn for_run(&self, _: &mut Copies) -> Box<dyn ForceTerm> {
+        Box::new(self.clone())
+    }
 }
 
 /// The stiffness-proportional part.
@@ -102,6 +106,10 @@ impl Kernel<2> for RayleighData {
         });
         Tally { energy: 0.0, power }
     }
+
+    fn for_run(&self, copies: &mut Copies) -> Option<Self> {
+        Some(RayleighData { cut: self.cut.for_run(copies), ..self.clone() })
+    }
 }
 
 impl ForceTerm for RayleighStiffness {
@@ -120,5 +128,9 @@ impl ForceTerm for RayleighStiffness {
             let c = if data.cut.get() { 0.0 } else { w.c * data.coefficient.at(i) };
             sink.edge(nodes, outer(n, n) * c);
         }
+    }
+
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm> {
+        Box::new(Batch::for_run(self, copies))
     }
 }

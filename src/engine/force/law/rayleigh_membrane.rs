@@ -6,7 +6,7 @@
 
 use crate::force::kernel::batch::{Batch, BufferReads, Elements, Kernel, Records};
 use crate::force::kernel::element_block::{add, vector};
-use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
+use crate::force::{Copies, ForceTerm, NodeState, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
@@ -78,5 +78,9 @@ impl ForceTerm for RayleighMembrane {
             let block = |p: usize, q: usize| by_node[p].transpose() * matrix * by_node[q] * w.c;
             sink.triangle(nodes, &[0, 1, 2].map(|p| [0, 1, 2].map(|q| block(p, q))));
         }
+    }
+
+    fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm> {
+        Box::new(Batch::for_run(self, copies))
     }
 }

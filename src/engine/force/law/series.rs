@@ -1,5 +1,6 @@
 //! Values over time: linear between the rows of a table, constant outside it.
 
+use crate::force::Copies;
 use crate::force::law::step_samples::sampled_by_steps;
 use crate::model::spec::Series;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -8,12 +9,12 @@ use std::sync::{Arc, PoisonError, RwLock};
 /// A table, and its replacement in a run of fixed steps: see `step_samples`.
 #[derive(Debug)]
 pub struct Table<const N: usize> {
-    given: Series<[f64; N]>,
+    given: Arc<Series<[f64; N]>>,
     replaced: RwLock<Replaced<N>>,
 }
 
 /// What stands in for a table.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Replaced<const N: usize> {
     /// the table as a run of fixed steps samples it
     sampled: Option<Series<[f64; N]>>,
@@ -21,10 +22,18 @@ struct Replaced<const N: usize> {
     held: Option<[f64; N]>,
 }
 
+impl<const N: usize> Clone for Table<N> {
+    /// Another table of the same rows; what stands in for one of them does not stand in for the other.
+    fn clone(&self) -> Self {
+        let replaced = self.replaced.read().unwrap_or_else(PoisonError::into_inner).clone();
+        Table { given: self.given.clone(), replaced: RwLock::new(replaced) }
+    }
+}
+
 impl<const N: usize> Table<N> {
     /// A table with at least one row and increasing times.
-    pub fn new(given: Series<[f64; N]>) -> Arc<Self> {
-        Arc::new(Table { given, replaced: RwLock::new(Replaced { sampled: None, held: None }) })
+    pub fn new(given: Series<[f64; N]>) -> Self {
+        Table { given: Arc::new(given), replaced: RwLock::new(Replaced { sampled: None, held: None }) }
     }
 
     /// Replaces the table by a constant, or goes back to it.
@@ -46,20 +55,42 @@ impl<const N: usize> Table<N> {
     /// The value at time `t` [s].
     pub fn at(&self, t: f64) -> [f64; N] {
         let replaced = self.replaced.read().unwrap_or_else(PoisonError::into_inner);
-        replaced.held.unwrap_or_else(|| replaced.sampled.as_ref().unwrap_or(&self.given).at(t))
+        replaced.held.unwrap_or_else(|| replaced.sampled.as_ref().unwrap_or(&*self.given).at(t))
     }
 }
 
-/// The preparation of a table for a run.
+/// Values over time, as a run sees them.
 pub trait SampledTable: Send + Sync {
+    /// [s] Times at which it has a corner or a jump.
+    fn corners(&self) -> Vec<f64>;
+
+    /// [s] Beginnings and ends of its changes.
+    fn changing(&self) -> Vec<[f64; 2]>;
+
     /// Makes the table ready for a run of fixed steps of `h` [s] from t = 0, or for any other run.
     fn sample(&self, h: Option<f64>);
+
+    /// That of another run.
+    fn for_run(self: Arc<Self>, copies: &mut Copies) -> Arc<dyn SampledTable>;
 }
 
 impl<const N: usize> SampledTable for Table<N> {
+    fn corners(&self) -> Vec<f64> {
+        self.given.t.clone()
+    }
+
+    fn changing(&self) -> Vec<[f64; 2]> {
+        self.given.changing().collect()
+    }
+
     fn sample(&self, h: Option<f64>) {
         let made = h.and_then(|h| sampled_by_steps(&self.given, h));
         self.replaced.write().unwrap_or_else(PoisonError::into_inner).sampled = made;
+    }
+
+    fn for_run(self: Arc<Self>, copies: &mut Copies) -> Arc<dyn SampledTable> {
+        let copy: Arc<Self> = copies.of(&self);
+        copy
     }
 }
 
@@ -70,6 +101,13 @@ pub struct Scale(AtomicU64);
 impl Default for Scale {
     fn default() -> Self {
         Scale(AtomicU64::new(1.0_f64.to_bits()))
+    }
+}
+
+impl Clone for Scale {
+    /// Another factor of the same value.
+    fn clone(&self) -> Self {
+        Scale(AtomicU64::new(self.0.load(Ordering::Relaxed)))
     }
 }
 
@@ -95,6 +133,12 @@ pub struct LoadFactor {
 }
 
 impl LoadFactor {
+    /// That of another run.
+    #[must_use]
+    pub(crate) fn for_run(&self, copies: &mut Copies) -> Self {
+        LoadFactor { table: self.table.as_ref().map(|table| copies.of(table)), scale: copies.of(&self.scale) }
+    }
+
     /// [-] The factor at time `t` [s].
     pub fn at(&self, t: f64) -> f64 {
         self.table.as_ref().map_or(1.0, |table| table.at(t)[0]) * self.scale.get()
@@ -103,7 +147,7 @@ impl LoadFactor {
 
 /// A table with one number per row.
 pub fn scalar(series: &Series<f64>) -> Arc<Table<1>> {
-    Table::new(series.rows())
+    Arc::new(Table::new(series.rows()))
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ use crate::force::law::slack::{tension, with_law};
 use crate::force::law::stretch::{SpringLengths, WholeScene, largest, strain_base};
 pub use crate::force::law::tension::SpringOutput;
 use crate::force::law::tension::TensionPass;
-use crate::force::outer;
+use crate::force::{Copies, outer};
 use crate::model::quad;
 use crate::model::spec::Slack;
 use multiversion::multiversion;
@@ -29,27 +29,46 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Whether springs are cut: they then carry no force, and neither do their dashpots; and whether tangents take those
 /// that are slack as just taut. Shared by all that acts along them.
 #[derive(Clone, Debug, Default)]
-pub struct Cut(Arc<[AtomicBool; 2]>);
+pub struct Cut(Arc<Flags>);
+
+#[derive(Debug, Default)]
+struct Flags {
+    cut: AtomicBool,
+    slack_is_taut: AtomicBool,
+}
+
+impl Clone for Flags {
+    fn clone(&self) -> Self {
+        let copy = |flag: &AtomicBool| AtomicBool::new(flag.load(Ordering::Relaxed));
+        Flags { cut: copy(&self.cut), slack_is_taut: copy(&self.slack_is_taut) }
+    }
+}
 
 impl Cut {
     /// Whether they are cut.
     pub fn get(&self) -> bool {
-        self.0[0].load(Ordering::Relaxed)
+        self.0.cut.load(Ordering::Relaxed)
     }
 
-    /// Cuts them, or makes them whole again for another run.
+    /// Cuts them, or makes them whole again.
     pub fn set(&self, cut: bool) {
-        self.0[0].store(cut, Ordering::Relaxed);
+        self.0.cut.store(cut, Ordering::Relaxed);
     }
 
     /// Whether tangents are those with slack springs at the elongation at which they go taut, with their dashpots.
     pub fn slack_is_taut(&self) -> bool {
-        self.0[1].load(Ordering::Relaxed)
+        self.0.slack_is_taut.load(Ordering::Relaxed)
     }
 
     /// Makes tangents those with all springs taut, or those at the state again.
     pub fn set_slack_is_taut(&self, taut: bool) {
-        self.0[1].store(taut, Ordering::Relaxed);
+        self.0.slack_is_taut.store(taut, Ordering::Relaxed);
+    }
+
+    /// That of another run, at first the same.
+    #[must_use]
+    pub(crate) fn for_run(&self, copies: &mut Copies) -> Self {
+        Cut(copies.of(&self.0))
     }
 }
 
@@ -80,6 +99,12 @@ pub struct SpringsAt<'a> {
 }
 
 impl SpringData {
+    /// The same springs for another run.
+    #[must_use]
+    pub(crate) fn for_run(&self, copies: &mut Copies) -> Self {
+        SpringData { rest_scale: self.rest_scale.as_ref().map(|table| copies.of(table)), ..self.clone() }
+    }
+
     /// [-] The factor s of the rest lengths at time `t` [s].
     pub fn rest_scale_at(&self, t: f64) -> f64 {
         self.rest_scale.as_ref().map_or(1.0, |table| table.at(t)[0])

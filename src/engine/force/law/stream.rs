@@ -6,6 +6,7 @@
 //! Profile and atmosphere are functions of the height above sea level. Fixed steps would miss a short gust, or take it
 //! for a longer one, so it is then a table that is treated as any other (`step_samples`).
 
+use crate::force::Copies;
 use crate::force::law::atmosphere::density;
 use crate::force::law::series::{SampledTable, Table};
 use crate::force::law::step_samples::sampled_by_steps;
@@ -18,12 +19,12 @@ use std::sync::{Arc, PoisonError, RwLock};
 #[derive(Debug)]
 pub struct Stream {
     /// [m/s] wind over time
-    table: Arc<Table<3>>,
+    table: Table<3>,
     /// whether the wind is held at a velocity, which stands in the table
     held: AtomicBool,
     gusts: Vec<Gust>,
     /// [m, m/s] over the height above sea level
-    profile: Option<Series<[f64; 3]>>,
+    profile: Option<Arc<Series<[f64; 3]>>>,
     atmosphere: AtmosphereSpec,
     /// [m] height of z = 0 above sea level
     altitude: f64,
@@ -41,6 +42,13 @@ struct Gust {
     sampled: RwLock<Option<Series<[f64; 1]>>>,
 }
 
+impl Clone for Gust {
+    fn clone(&self) -> Self {
+        let sampled = self.sampled.read().unwrap_or_else(PoisonError::into_inner).clone();
+        Gust { given: self.given, sampled: RwLock::new(sampled) }
+    }
+}
+
 impl Gust {
     fn new(given: GustSpec) -> Self {
         Gust { given, sampled: RwLock::new(None) }
@@ -54,7 +62,7 @@ impl Gust {
     }
 }
 
-impl SampledTable for Gust {
+impl Gust {
     fn sample(&self, h: Option<f64>) {
         let short = h.filter(|h| self.given.duration < SHORT * h);
         let made = short.and_then(|h| sampled_by_steps(&self.given.rows(), h));
@@ -71,13 +79,22 @@ pub struct AirState {
     pub density: [f64; 2],
 }
 
+impl Clone for Stream {
+    /// Another stream like it; what a run replaces in one of them it does not replace in the other.
+    fn clone(&self) -> Self {
+        let Stream { table, gusts, profile, atmosphere, altitude, .. } = self;
+        let (atmosphere, altitude, held) = (*atmosphere, *altitude, AtomicBool::new(self.is_held()));
+        Stream { table: table.clone(), held, gusts: gusts.clone(), profile: profile.clone(), atmosphere, altitude }
+    }
+}
+
 impl Stream {
     /// A stream whose wind has at least one row and increasing times.
-    pub fn new(spec: StreamSpec) -> Arc<Self> {
+    pub fn new(spec: StreamSpec) -> Self {
         let StreamSpec { wind, gusts, profile, atmosphere, altitude } = spec;
         let (table, held) = (Table::new(wind), AtomicBool::new(false));
-        let gusts = gusts.into_iter().map(Gust::new).collect();
-        Arc::new(Stream { table, held, gusts, profile, atmosphere, altitude })
+        let (gusts, profile) = (gusts.into_iter().map(Gust::new).collect(), profile.map(Arc::new));
+        Stream { table, held, gusts, profile, atmosphere, altitude }
     }
 
     /// Replaces the wind by a constant velocity [m/s] at all heights, or goes back to it.
@@ -123,9 +140,26 @@ impl Stream {
 }
 
 impl SampledTable for Stream {
+    /// Rows of the wind, and begin, peak and end of gusts. The peak is there for steps as long as a gust.
+    fn corners(&self) -> Vec<f64> {
+        let times = |gust: &GustSpec| [0.0, 0.5, 1.0].map(|share| gust.start + share * gust.duration);
+        let gusts = self.gusts.iter().flat_map(|gust| times(&gust.given));
+        self.table.corners().into_iter().chain(gusts).collect()
+    }
+
+    fn changing(&self) -> Vec<[f64; 2]> {
+        let gusts = self.gusts.iter().map(|Gust { given, .. }| [given.start, given.start + given.duration]);
+        self.table.changing().into_iter().chain(gusts).collect()
+    }
+
     fn sample(&self, h: Option<f64>) {
         self.table.sample(h);
         self.gusts.iter().for_each(|gust| gust.sample(h));
+    }
+
+    fn for_run(self: Arc<Self>, copies: &mut Copies) -> Arc<dyn SampledTable> {
+        let copy: Arc<Self> = copies.of(&self);
+        copy
     }
 }
 

@@ -19,6 +19,7 @@ use crate::model::workers::Workers;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A force term in a pass.
 #[derive(Clone, Copy)]
@@ -64,7 +65,7 @@ pub(crate) trait Terms: Sync {
 /// The blocks of a scene and the buffers of a pass.
 #[derive(Debug)]
 pub(crate) struct Sweep {
-    pub(in crate::force) partition: Partition,
+    pub(in crate::force) partition: Arc<Partition>,
     workspace: BufferPool<Workspace>,
     /// buffers of a sum over node blocks
     parts: BufferPool<Vec<f64>>,
@@ -97,7 +98,16 @@ impl Sweep {
     }
 
     pub(in crate::force) fn of(partition: Partition) -> Self {
+        Sweep::over(Arc::new(partition))
+    }
+
+    fn over(partition: Arc<Partition>) -> Self {
         Sweep { partition, workspace: BufferPool::default(), parts: BufferPool::default() }
+    }
+
+    /// The same blocks for another run, which has its own buffers.
+    pub(crate) fn again(&self) -> Self {
+        Sweep::over(self.partition.clone())
     }
 
     /// Overwrites every sum [N] with the forces of its terms; the first also gets those of the others. A sum may be

@@ -1,0 +1,131 @@
+//! What only some systems have. A system returns such an ability as a value, `None` if it has none.
+
+use super::forces::Forces;
+use super::gauge::CANOPY_QUANTITIES;
+use super::observables::SpringPlace;
+use super::state::{State, StateRef};
+use super::step_block::StepSummary;
+use super::system::{KickDriftBlock, StiffPart};
+
+/// Springs on edges, in the user's numbering.
+pub trait Springs {
+    /// The edges that have a spring, ascending.
+    fn spring_edges(&self) -> Vec<u32>;
+
+    /// The springs on some edges (ascending), of one rule or of all.
+    fn springs_on(&self, edges: &[u32], rule: Option<usize>) -> Vec<SpringPlace>;
+
+    /// [N] Tension of a spring with its axial dashpot.
+    fn spring_tension(&self, at: StateRef<'_>, spring: SpringPlace) -> f64;
+
+    /// Adds to the elastic tension [N] of every edge `[n_edges]` the force of the dashpot along it, if it has one.
+    /// Forces between its ends that also have other directions are not included.
+    fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]);
+
+    /// The spring with the largest stiffness over the masses at its ends, at the node of a degree of freedom.
+    fn fastest_spring(&self, dof: usize) -> Option<u32>;
+
+    /// While `taut`, tangents and bounds take every spring that is slack as just taut.
+    fn take_slack_as_taut(&self, taut: bool);
+
+    /// Whether some spring changes its law with the state: it can go slack.
+    fn has_branches(&self) -> bool;
+
+    /// Writes into `impulse` [N s] `[n_dof]` the impulse that depends on changes of force laws within a step. For each
+    /// force it is the smaller of two: what the force would have added with the law at the start, or with the other law
+    /// from the start. Returns where the force with the largest impulse changes first, as a share of the step. `None`
+    /// if none changes; `impulse` is then unspecified.
+    fn branch_changes(&self, step: [StateRef<'_>; 2], impulse: &mut [f64]) -> Option<f64>;
+}
+
+/// Air around a system.
+pub trait Air {
+    /// Holds the wind at a velocity [m/s], or goes back to its table.
+    fn hold_wind(&self, wind: Option<[f64; 3]>);
+
+    /// [m/s] Winds at time `t` [s], between which that at any height is.
+    fn winds(&self, t: f64) -> Vec<[f64; 3]>;
+
+    /// Whether it puts pressures on triangles.
+    fn presses(&self) -> bool;
+
+    /// Pressure difference [Pa] that the air puts on every triangle `[n_triangles]`, positive along its right-hand
+    /// normal; 0 on a triangle without air.
+    fn triangle_pressure(&self, at: StateRef<'_>, out: &mut [f64]);
+
+    /// Number of canopies that it fills.
+    fn canopies(&self) -> usize;
+
+    /// [`CANOPY_QUANTITIES`] of a canopy: the diameter of a circle with the area that the canopy and its openings show
+    /// along the axis; twice the mean distance of the skirt's nodes from the axis; the volume between the cloth and
+    /// flat covers of its openings; speed against the air along the axis; rho V |V|/2; drag over that; force of the air
+    /// against the motion along the axis; mean over the cloth of the pressure difference from inside to outside; the
+    /// projected diameter over D0; drag over rho V |V|/2 and S0; angle between the axis and the motion of the skirt
+    /// through the air. The drag area leaves the breathing out but for a cavity, and has no value there without speed.
+    /// The last two have no value without speed, nor while a stage has less than half of its drag area.
+    fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()];
+}
+
+/// What happens at given times: supports are released or change their velocity, springs are cut, loads and rest lengths
+/// change.
+pub trait Events {
+    /// [s] Times at which supports are released or change their velocity, or springs are cut, ascending. A run ends a
+    /// step there.
+    fn event_times(&self) -> &[f64];
+
+    /// [s] Times at which a force has a corner or a jump in time, ascending: rows of load and wind tables, and events.
+    fn corners(&self) -> Vec<f64>;
+
+    /// Makes load and wind tables ready for a run in fixed steps of `h` [s] from t = 0, whose samples would miss
+    /// changes between them, or for any other run. All later evaluations belong to that run.
+    fn sample_tables(&self, h: Option<f64>);
+
+    /// Changes to the state of affairs after this many events. Returns whether forces, masses and tangents found
+    /// before do not fit any more.
+    fn pass_events(&self, passed: usize) -> bool;
+
+    /// [s] Times after 0 from which the tangent is another at the same positions, ascending: of releases, of cuts, and
+    /// where rest lengths that change are shortest.
+    fn changes(&self) -> Vec<f64>;
+
+    /// [s] When the last change is over that takes place before `end` [s], 0 without any: of loads, wind, base and rest
+    /// lengths by their tables, of canopies by their stages, and events. A change that goes on at `end` lasts until
+    /// then.
+    fn settled_after(&self, end: f64) -> f64;
+
+    /// Puts what supports move where it is at the time of a state, with the velocity that it then has. Returns whether
+    /// they move anything.
+    fn put_supports(&self, state: &mut State) -> bool;
+}
+
+/// Several kick-drift steps in one sweep through the nodes.
+pub trait StepBlocks {
+    /// Largest number of steps in a block; below two if steps are made one by one.
+    fn longest_block(&self) -> usize;
+
+    /// Makes a block of steps: moves `at` to the end of the last step and overwrites `out` with the forces there.
+    /// `summaries` has one entry per step, with its time on entry, and its summary on return. It is empty for a single
+    /// step without a summary. On entry `at` has the time at the end. The bits are those of steps made one by one.
+    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, summaries: &mut [StepSummary]);
+}
+
+/// The springs that limit explicit steps most: those at nodes whose springs allow steps of less than a ratio times the
+/// shortest that any node allows.
+pub trait StiffSprings {
+    /// These springs as a system of their own; `None` if there are none.
+    fn stiff_part(&self, ratio: f64) -> Option<StiffPart>;
+
+    /// Bounds on all other forces at a state; `None` where no spring is stiff.
+    fn beside_stiff(&self, ratio: f64, at: StateRef<'_>) -> Option<BesideStiff>;
+}
+
+/// Forces beside stiff springs, by bounds on their elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BesideStiff {
+    /// [1/s^2] largest eigenvalue of M^-1 K, and the degree of freedom where it is reached
+    pub stiffness: (f64, usize),
+    /// [1/s] largest eigenvalue of M^-1 C, likewise
+    pub damping: (f64, usize),
+    /// whether elastic forces that are no springs act on the nodes that limit explicit steps most
+    pub on_short_nodes: bool,
+}

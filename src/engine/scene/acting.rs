@@ -1,0 +1,127 @@
+//! What acts on the nodes of a network: forces, with what they share with the scene, and springs with their way back to
+//! the user's edges.
+
+use super::Load;
+use super::air_pressure::AirPressure;
+use super::apparent::ApparentMass;
+use super::canopy_shape::CanopyShape;
+use crate::force::law::series::{LoadFactor, SampledTable, Scale};
+use crate::force::law::spring::{Coefficient, Cut, SpringData};
+use crate::force::law::stream::Stream;
+use crate::force::{Copies, ForceTerm};
+use std::sync::Arc;
+
+/// What acts on the nodes, with values that change in a run.
+#[derive(Default)]
+pub(super) struct Acting {
+    pub terms: Vec<Box<dyn ForceTerm>>,
+    /// what a program can scale
+    pub loads: Vec<(Load, Arc<Scale>)>,
+    /// load and wind tables, shared with the terms
+    pub tables: Vec<Arc<dyn SampledTable>>,
+    /// [s] beginnings and ends of changes of forces that are in no table
+    pub changes: Vec<[f64; 2]>,
+    pub springs: Vec<SpringBatch>,
+    /// the air around it, shared with the terms
+    pub stream: Option<Arc<Stream>>,
+    pub canopies: Vec<CanopyShape>,
+    /// pressures of the air, for pictures
+    pub pressures: Vec<AirPressure>,
+    /// air that canopies take along
+    pub apparent: Vec<ApparentMass>,
+}
+
+/// What a force brings to a scene.
+pub(super) struct Added {
+    pub term: Box<dyn ForceTerm>,
+    /// what it depends on over time
+    pub tables: Vec<Arc<dyn SampledTable>>,
+    /// what a program can scale of it
+    pub load: Option<(Load, Arc<Scale>)>,
+    /// [s] beginnings and ends of its changes that are in no table
+    pub changes: Vec<[f64; 2]>,
+}
+
+impl Added {
+    /// A force that depends on nothing over time.
+    pub(super) fn term(term: impl ForceTerm + 'static) -> Self {
+        Added { term: Box::new(term), tables: Vec::new(), load: None, changes: Vec::new() }
+    }
+
+    /// A load that depends on time by a factor, which a program can scale.
+    pub(super) fn load(term: impl ForceTerm + 'static, load: Load, LoadFactor { table, scale }: LoadFactor) -> Self {
+        Added { load: Some((load, scale)), ..Added::term(term).by(table) }
+    }
+
+    /// The same force, which depends on tables.
+    pub(super) fn by<T: SampledTable + 'static>(mut self, tables: impl IntoIterator<Item = Arc<T>>) -> Self {
+        self.tables.extend(tables.into_iter().map(|table| table as Arc<dyn SampledTable>));
+        self
+    }
+}
+
+impl Acting {
+    /// What acts by the air around the nodes, before there is a force.
+    pub(super) fn around(stream: Option<Arc<Stream>>) -> Self {
+        let tables = stream.iter().map(|stream| stream.clone() as Arc<dyn SampledTable>).collect();
+        Acting { stream, tables, ..Acting::default() }
+    }
+
+    pub(super) fn add(&mut self, Added { term, tables, load, changes }: Added) {
+        self.terms.push(term);
+        self.tables.extend(tables);
+        self.loads.extend(load);
+        self.changes.extend(changes);
+    }
+
+    /// [s] Times at which a force has a corner or a jump.
+    pub(super) fn corners(&self) -> impl Iterator<Item = f64> {
+        self.tables.iter().flat_map(|table| table.corners()).chain(self.changes.iter().flatten().copied())
+    }
+
+    /// [s] Beginnings and ends of all changes of forces.
+    pub(super) fn changing(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.tables.iter().flat_map(|table| table.changing()).chain(self.changes.iter().copied())
+    }
+
+    /// The same for another run.
+    pub(super) fn for_run(&self, copies: &mut Copies) -> Self {
+        Acting {
+            terms: self.terms.iter().map(|term| term.for_run(copies)).collect(),
+            loads: self.loads.iter().map(|(load, scale)| (*load, copies.of(scale))).collect(),
+            tables: self.tables.iter().map(|table| table.clone().for_run(copies)).collect(),
+            changes: self.changes.clone(),
+            springs: self.springs.iter().map(|batch| batch.for_run(copies)).collect(),
+            stream: self.stream.as_ref().map(|stream| copies.of(stream)),
+            canopies: self.canopies.iter().map(|canopy| canopy.for_run(copies)).collect(),
+            pressures: self.pressures.iter().map(|pressure| pressure.for_run(copies)).collect(),
+            apparent: self.apparent.iter().map(|canopy| canopy.for_run(copies)).collect(),
+        }
+    }
+}
+
+/// Springs of one rule, as the terms hold them, with their way back to the user's edges.
+#[derive(Clone, Debug)]
+pub(super) struct SpringBatch {
+    /// arrays shared with the terms
+    pub data: SpringData,
+    /// [m] rest lengths as given; those in `data` are a program's factors times these
+    pub given: Arc<[f64]>,
+    /// user's edge of every spring
+    pub edges: Arc<[u32]>,
+    /// [N s/m] dashpot coefficients, 0 without
+    pub dashpot: Coefficient,
+    /// whether the dashpots act along the springs
+    pub axial: bool,
+    /// whether the dashpots are relative with c = k h, which Kang's filter contains
+    pub in_filter: bool,
+    /// whether they are cut, shared with the terms
+    pub cut: Cut,
+}
+
+impl SpringBatch {
+    /// The same springs in another run.
+    fn for_run(&self, copies: &mut Copies) -> Self {
+        SpringBatch { data: self.data.for_run(copies), cut: self.cut.for_run(copies), ..self.clone() }
+    }
+}

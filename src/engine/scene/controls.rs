@@ -1,0 +1,41 @@
+//! What a program sets in a network.
+
+use super::network::Network;
+use super::{Controls, ExternalForces, ExternalKind, Load};
+use crate::force::law::series::Scale;
+use crate::model::state::State;
+use std::sync::Arc;
+
+impl Controls for Network {
+    fn loads(&self) -> &[(Load, Arc<Scale>)] {
+        &self.acting.loads
+    }
+
+    fn external(&self) -> Option<&ExternalForces> {
+        self.external.as_ref()
+    }
+
+    fn enable_external(&mut self, kind: ExternalKind) {
+        self.enable(kind);
+    }
+
+    fn set_rest_length_factors(&mut self, factors: &[f64]) {
+        self.scale_rest_lengths(factors);
+    }
+
+    fn state_of(&self, t: f64, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Option<State> {
+        let n = self.built.numbering.user.len();
+        if [positions.len(), velocities.len()] != [n; 2] {
+            return None;
+        }
+        let own = |values: &[[f64; 3]]| -> Vec<f64> {
+            self.built.numbering.user.iter().flat_map(|&user| values[user as usize]).collect()
+        };
+        let (x, mut v) = (own(positions), own(velocities));
+        let held = v.iter_mut().zip(self.phase().fixed.as_flattened()).filter(|(_, held)| **held);
+        held.for_each(|(v, _)| *v = 0.0);
+        let mut state = State { t, x, v };
+        self.put_moved(&mut state);
+        Some(state)
+    }
+}
