@@ -1,19 +1,21 @@
-//! The second pass over a case that serde refused: it compares the case with the JSON Schema and finds every wrong type
-//! and key, while serde stops at the first.
+//! Compares a case with the JSON Schema. Of a case that serde has read, it checks the ranges. Of one that serde has
+//! refused or whose ranges are wrong, it finds every wrong type, key and range, while serde stops at the first.
 //!
-//! A wrong value is replaced by a stand-in, so that the rest can be read and its ranges checked as well. Ranges are not
-//! checked here. Faults that follow from a stand-in are not the user's: a case is read with two kinds of stand-ins, and
-//! only the faults of both readings count. The check supports the part of JSON Schema that schemars uses for this case:
-//! `$ref`, `oneOf` of words, of objects with one key and of different types, objects that refuse other keys, maps with
-//! values of one kind, arrays, and nullable types.
+//! A wrong value is replaced by a stand-in, so that the rest can be read and its meaning checked as well. Faults that
+//! follow from a stand-in are not the user's: a case is read with two kinds of stand-ins, and only the faults of both
+//! readings count. The check supports the part of JSON Schema that schemars uses for this case: `$ref`, `oneOf` of
+//! words, of objects with one key and of different types, objects that refuse other keys, maps with values of one kind,
+//! arrays, bounds of numbers and of the lengths of lists, and nullable types.
+
+use std::sync::LazyLock;
 
 use serde_json::{Map, Value, json};
 
-use super::diagnostics::FaultList;
-use super::diagnostics::{Fault, FaultTarget, did_you_mean, excerpt, nearest, one_of, shorten};
+use super::diagnostics::{Fault, FaultList, FaultTarget, did_you_mean, excerpt, nearest, one_of, shorten};
 use super::hints;
 use super::pointer::Pointer;
 use super::schema::json_schema;
+use crate::format_number::{counted, figures};
 
 /// Which values stand for those that cannot be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,46 +27,74 @@ pub(crate) enum StandIns {
 }
 
 impl StandIns {
-    /// [-] Stand-in for a number. It is large, so that no other number seems too large beside it.
-    fn number(self) -> u32 {
-        match self {
-            StandIns::First => 1_000_000_000,
-            StandIns::Second => 3_000_000_000,
-        }
+    /// [-] Stand-in for a number: within its range, else large, so that no other number seems too large beside it.
+    fn number(self, schema: &Value) -> Value {
+        let (part, large) = match self {
+            StandIns::First => (2_u32, 1_000_000_000_u32),
+            StandIns::Second => (3, 3_000_000_000),
+        };
+        let most = schema.get("maximum").or(schema.get("exclusiveMaximum"));
+        let whole = most.filter(|_| kind(schema) == "integer").and_then(Value::as_u64);
+        let share = most.and_then(Value::as_f64).map(|most| json!(most / f64::from(part)));
+        whole.map(|most| json!(most / u64::from(part))).or(share).unwrap_or(json!(large))
     }
 }
 
-/// Finds every wrong type and key of a case and replaces them by stand-ins.
+static SCHEMA: LazyLock<Value> = LazyLock::new(json_schema);
+
+/// Finds every wrong type, key and range of a case and replaces the values by stand-ins.
 pub(crate) fn walk(json: &mut Value, findings: &mut FaultList, stand_ins: StandIns) {
-    let root = json_schema();
-    SchemaCheck { root: &root, findings, stand_ins }.visit(&root, json, &Pointer::root());
+    SchemaCheck { root: &SCHEMA, findings, stand_ins: Some(stand_ins) }.visit(&SCHEMA, json, &Pointer::root());
+}
+
+/// Whether the ranges of a case that serde has read are right. The case stays as it is.
+pub(crate) fn ranges_hold(json: &mut Value) -> bool {
+    let mut findings = FaultList::default();
+    SchemaCheck { root: &SCHEMA, findings: &mut findings, stand_ins: None }.visit(&SCHEMA, json, &Pointer::root());
+    findings.count() == 0
+}
+
+/// Whether the ranges at `at` are checked elsewhere: a mesh and a method check their own, without a case too.
+fn checked_elsewhere(at: &Pointer) -> bool {
+    let places = ["/system/network/mesh", "/time/method", "/study/methods/"];
+    places.iter().any(|place| at.as_str().starts_with(place))
 }
 
 struct SchemaCheck<'a> {
     root: &'a Value,
     findings: &'a mut FaultList,
-    stand_ins: StandIns,
+    /// `None`: serde has read the case, and values stay
+    stand_ins: Option<StandIns>,
 }
 
 impl<'a> SchemaCheck<'a> {
     fn visit(&mut self, schema: &'a Value, value: &mut Value, at: &Pointer) {
-        if value.is_null() && nullable(schema) {
+        if value.is_null() && nullable(schema) || self.stand_ins.is_none() && checked_elsewhere(at) {
             return;
         }
+        let outer = schema;
         let schema = meant(self.root, schema);
         if let Some(choice) = OneOf::new(self.root, schema) {
-            return self.choose(&choice, schema, value, at);
+            self.choose(&choice, schema, value, at);
+            return self.range(outer, value, at);
         }
         match (kind(schema), &mut *value) {
             ("object", Value::Object(map)) => self.object(schema, map, at),
             ("array", Value::Array(list)) if length(schema).is_none_or(|n| list.len() == n) => {
                 let Some(items) = schema.get("items") else { return };
-                list.iter_mut().enumerate().for_each(|(i, item)| self.visit(items, item, &at.index(i)));
+                // Serde has read them, and there may be millions.
+                if self.stand_ins.is_some() || !plain_numbers(items) {
+                    list.iter_mut().enumerate().for_each(|(i, item)| self.visit(items, item, &at.index(i)));
+                }
+                self.range(schema, value, at);
             }
             // The reader of the text has put any number where it could not read one.
-            ("number", Value::Number(_)) if self.findings.unread(at) => *value = json!(self.stand_ins.number()),
-            ("number", Value::Number(_)) | ("string", Value::String(_)) | ("boolean", Value::Bool(_)) => {}
-            ("integer", Value::Number(n)) if n.as_u64().is_some_and(|n| n <= largest(schema)) => {}
+            ("number", Value::Number(_)) if self.findings.unread(at) => self.replace(schema, value, at),
+            ("string", Value::String(_)) | ("boolean", Value::Bool(_)) => {}
+            ("number", Value::Number(_)) => self.range(schema, value, at),
+            ("integer", Value::Number(n)) if n.as_u64().is_some_and(|n| n <= largest(schema)) => {
+                self.range(schema, value, at);
+            }
             _ => self.refuse(schema, value, at, describe(self.root, schema)),
         }
     }
@@ -93,8 +123,28 @@ impl<'a> SchemaCheck<'a> {
     }
 
     fn replace(&mut self, schema: &Value, value: &mut Value, at: &Pointer) {
-        *value = stand_in(self.root, schema, self.stand_ins);
+        let Some(stand_ins) = self.stand_ins else { return };
+        *value = stand_in(self.root, schema, stand_ins);
         self.findings.leave_unread(at);
+    }
+
+    /// Adds a fault for a number or a list out of the range of its schema, and replaces it by a stand-in.
+    fn range(&mut self, schema: &Value, value: &mut Value, at: &Pointer) {
+        // A stand-in for a list is empty.
+        if checked_elsewhere(at) || self.findings.unread(at) {
+            return;
+        }
+        let Some(allowed) = out_of_range(schema, value) else { return };
+        let pointer = at.as_str().to_owned();
+        let (shown, hint) = (counted_entries(schema, value), hints::of_range(at.as_str()));
+        self.findings.note(|| Fault { pointer, value: shown, allowed, hint, ..Fault::default() });
+        match self.stand_ins.filter(|_| value.is_number()) {
+            Some(stand_ins) => {
+                *value = stand_ins.number(schema);
+                self.findings.leave_outside(at);
+            }
+            None => self.replace(schema, value, at),
+        }
     }
 
     fn note(&mut self, at: &Pointer, part: FaultTarget, value: &Value, allowed: String, hint: Option<String>) {
@@ -103,13 +153,25 @@ impl<'a> SchemaCheck<'a> {
     }
 
     fn object(&mut self, schema: &'a Value, map: &mut Map<String, Value>, at: &Pointer) {
-        let empty = Map::new();
         let known = schema.get("properties").and_then(Value::as_object);
-        let names: Vec<&str> = known.unwrap_or(&empty).keys().map(String::as_str).collect();
         // A map from any name to values of one kind.
         if let Some(values) = schema.get("additionalProperties").filter(|values| values.is_object()) {
             return map.iter_mut().for_each(|(key, value)| self.visit(values, value, &at.key(key)));
         }
+        if let Some(stand_ins) = self.stand_ins {
+            self.keys(schema, map, at, stand_ins);
+        }
+        for (key, value) in map {
+            if let Some(schema) = known.and_then(|known| known.get(key)) {
+                self.visit(schema, value, &at.key(key));
+            }
+        }
+    }
+
+    /// Adds the faults of unknown and missing keys; the known keys that they stand for get the values, or stand-ins.
+    fn keys(&mut self, schema: &'a Value, map: &mut Map<String, Value>, at: &Pointer, stand_ins: StandIns) {
+        let known = schema.get("properties").and_then(Value::as_object);
+        let names: Vec<&str> = known.into_iter().flat_map(Map::keys).map(String::as_str).collect();
         let required = || {
             let list = schema.get("required").and_then(Value::as_array).into_iter().flatten();
             list.filter_map(Value::as_str)
@@ -135,13 +197,8 @@ impl<'a> SchemaCheck<'a> {
             self.findings.leave_unread(&below);
             map.insert(
                 key.to_owned(),
-                known.and_then(|k| k.get(key)).map_or(Value::Null, |s| stand_in(self.root, s, self.stand_ins)),
+                known.and_then(|k| k.get(key)).map_or(Value::Null, |s| stand_in(self.root, s, stand_ins)),
             );
-        }
-        for (key, value) in map {
-            if let Some(schema) = known.and_then(|known| known.get(key)) {
-                self.visit(schema, value, &at.key(key));
-            }
         }
     }
 
@@ -233,7 +290,7 @@ struct OneOf<'a> {
     tags: Vec<(&'a str, &'a Value)>,
     /// objects with several keys, by the first that they need: `{"file": ..., "scale": ...}`
     records: Vec<(&'a str, &'a Value)>,
-    /// numbers, objects with several keys, and lists
+    /// numbers, texts, objects with several keys, and lists
     others: Vec<&'a Value>,
 }
 
@@ -283,12 +340,13 @@ impl<'a> OneOf<'a> {
         self.words.iter().copied().chain(tags).collect()
     }
 
-    /// The branch for a number, an object with several keys, or a list. Between two kinds of list, the majority of the
+    /// The branch for a number, a text, an object with several keys, or a list. Between two kinds of list, the majority of the
     /// entries decides.
     fn of_type(&self, value: &Value) -> Option<&'a Value> {
         let Value::Array(list) = value else {
             let fits = |branch: &&Value| match kind(branch) {
                 "number" => value.is_number(),
+                "string" => value.is_string(),
                 "object" => value.is_object(),
                 _ => false,
             };
@@ -415,7 +473,62 @@ fn wrong_type(expected: &str, value: &Value) -> Option<String> {
     Some(format!("expected {wanted}, found {found}"))
 }
 
-/// A value of the right type, so that the rest of the case can be read; its range need not be right.
+/// What is allowed, if a number or a list is out of the range of its schema.
+fn out_of_range(schema: &Value, value: &Value) -> Option<String> {
+    let bound = |key| schema.get(key).and_then(Value::as_f64);
+    if let Value::Array(list) = value {
+        let (least, most) = (bound("minItems")?, bound("maxItems"));
+        let length = list.len() as f64;
+        let [one, several] = entry_names(schema);
+        let allowed = || most.map_or(format!("at least one {one}"), |most| format!("{least} to {most} {several}"));
+        return (length < least || most.is_some_and(|most| length > most)).then(allowed);
+    }
+    let x = value.as_f64()?;
+    let (above, least, below, most) =
+        (bound("exclusiveMinimum"), bound("minimum"), bound("exclusiveMaximum"), bound("maximum"));
+    let high = above.is_none_or(|above| x > above) && least.is_none_or(|least| x >= least);
+    let low = below.is_none_or(|below| x < below) && most.is_none_or(|most| x <= most);
+    if high && low {
+        return None;
+    }
+    let upper = below.map(|x| ("below", x)).or(most.map(|x| ("", x)));
+    let words = match (above, least, upper.map(|(word, x)| format!("{word} {}", figures(x, 6)))) {
+        (Some(x), _, None) => format!("above {}", figures(x, 6)),
+        (Some(x), _, Some(upper)) => format!("above {} and {}", figures(x, 6), upper.trim_start()),
+        (None, Some(x), None) => format!("of {} or more", figures(x, 6)),
+        (None, Some(x), Some(upper)) => format!("from {} to {}", figures(x, 6), upper.trim_start()),
+        (None, None, upper) => upper.unwrap_or_default(),
+    };
+    let what = if kind(schema) == "integer" { "a whole number" } else { "a number" };
+    Some(format!("{what} {words}"))
+}
+
+/// What the entries of a list are called: one, and several.
+fn entry_names(schema: &Value) -> [&'static str; 2] {
+    let rows = schema.pointer("/items/type").is_some_and(|t| t == "array");
+    if rows { ["row", "rows"] } else { ["entry", "entries"] }
+}
+
+/// A value in a message: of a list with entries, their number.
+fn counted_entries(schema: &Value, value: &Value) -> String {
+    let [one, several] = entry_names(schema);
+    match value.as_array().map(Vec::len) {
+        None | Some(0) => excerpt(value),
+        Some(length) => counted(length as u64, one, several),
+    }
+}
+
+/// Whether a schema is that of numbers of any size, or of lists of such.
+fn plain_numbers(schema: &Value) -> bool {
+    let bounded = ["minimum", "exclusiveMinimum", "maximum", "exclusiveMaximum"];
+    match kind(schema) {
+        "number" | "integer" => bounded.iter().all(|key| schema.get(key).is_none()),
+        "array" => schema.get("items").is_some_and(plain_numbers),
+        _ => false,
+    }
+}
+
+/// A value of the right type, so that the rest of the case can be read; the length of a list need not be right.
 fn stand_in(root: &Value, schema: &Value, kind_of: StandIns) -> Value {
     let schema = meant(root, schema);
     let branches = schema.get("oneOf").and_then(Value::as_array);
@@ -437,7 +550,7 @@ fn stand_in(root: &Value, schema: &Value, kind_of: StandIns) -> Value {
             let item = schema.get("items").map_or(Value::Null, |items| stand_in(root, items, kind_of));
             Value::Array(vec![item; length(schema).unwrap_or(0)])
         }
-        "number" | "integer" => json!(kind_of.number()),
+        "number" | "integer" => kind_of.number(schema),
         "string" => json!("x"),
         "boolean" => json!(kind_of == StandIns::Second),
         _ => Value::Null,

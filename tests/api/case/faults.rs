@@ -237,7 +237,15 @@ fn places_of_what_is_not_in_the_text() {
     let case = case.with(&sets(&[("time.end", "3")])).expect("good");
     let later = faults(case.with(&sets(&[("study.repeat", "0"), ("time.step", "-1")])));
     let places: Vec<String> = later.iter().filter_map(|f| Some(f.place.as_ref()?.to_string())).collect();
-    assert_eq!(places, ["--set time.step=-1", "--set study.repeat=0"]);
+    assert_eq!(places, ["--set study.repeat=0", "--set time.step=-1"], "in the order of the command line");
+}
+
+/// A text where a text or an object may stand is right, whatever is wrong elsewhere.
+#[test]
+fn a_text_beside_objects_is_no_fault() {
+    let wrong = faults(base_with(&[("system.network.initial.from", "nowhere"), ("time.end", "-1")]));
+    let told: Vec<&str> = wrong.iter().map(|f| f.allowed.as_str()).collect();
+    assert_eq!(told, ["a number above 0"], "{wrong:#?}");
 }
 
 /// Syntax that can be read over hides nothing behind it; syntax that cannot is told with the first slip before it.

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use super::numbers::positive;
 use super::select::{self, NodeSet};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
@@ -29,13 +28,7 @@ pub(super) fn output(
     let at = Pointer::root().key("output");
     let section = output.cloned().unwrap_or_default();
     frames(&at.key("frames").key("every"), section.frames, time, faults);
-    if let Some(checkpoint) = section.checkpoint {
-        positive(&at.key("checkpoint").key("every"), checkpoint.every, faults);
-    }
     let history = section.history.map(|h| h.every);
-    if history == Some(0) {
-        faults.add(&at.key("history").key("every"), "a whole number of 1 or more");
-    }
     let probes = probes(&at.key("probes"), &section.probes, nodes, faults);
     let gauges = gauges(&at.key("gauges"), &section.gauges, (nodes, springs), faults);
     let rows = HISTORY_ROWS - 2;
@@ -50,7 +43,7 @@ pub(super) fn output(
         format: VtuFormat { compression: section.compression, precision: section.precision, ..VtuFormat::default() },
         history_derived: history.is_none(),
         history_every: match (history, time?.steps()) {
-            (Some(every), _) => RowEvery::Steps(every.max(1)),
+            (Some(every), _) => RowEvery::Steps(every),
             (None, Some(steps)) => RowEvery::Steps(steps.div_ceil(rows).max(1)),
             (None, None) => RowEvery::Time(time?.end / rows as f64),
         },
@@ -59,9 +52,6 @@ pub(super) fn output(
 
 fn frames(at: &Pointer, frames: Option<Every>, time: Option<TimeSpec>, faults: &mut Faults<'_>) {
     let Some(frames) = frames else { return };
-    if !positive(at, frames.every, faults) {
-        return;
-    }
     if let Some(time) = time
         && time.end / frames.every > MOST_FRAMES
     {
@@ -111,11 +101,8 @@ fn gauges(
         if faults.readable(&at.key("name")) && !names.insert(gauge.name.as_str()) {
             faults.add(&at.key("name"), "a name that no other gauge has");
         }
-        if gauge.every == Some(0) {
-            faults.add(&at.key("every"), "a whole number of 1 or more");
-        }
         if let Some(of) = gauge_of(&at, gauge, (nodes, springs), faults) {
-            gauges.push(GaugeSpec { name: gauge.name.clone(), of, every: gauge.every.unwrap_or(1).max(1) });
+            gauges.push(GaugeSpec { name: gauge.name.clone(), of, every: gauge.every.unwrap_or(1) });
         }
     }
     gauges

@@ -2,7 +2,6 @@
 
 use super::elastic_law::steepest;
 use super::geometry::{Geometry, TriangleUse, triangles};
-use super::numbers::{not_negative, positive};
 use super::plausible;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
@@ -36,19 +35,16 @@ pub(super) fn stiffness(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>
             faults.add_value(at, "a spring rule with a stiffness and a table", "one of the two", hint);
             None
         }
-        (Some(k), None, None) => positive(&at.key("stiffness"), k, faults).then_some(Stiffness::Uniform(k)),
+        (Some(k), None, None) => Some(Stiffness::Uniform(k)),
         (None, Some(ea), None) => {
-            let at = at.key("axial_rigidity");
-            plausible::material(&at, "axial_rigidity", ea, faults);
-            positive(&at, ea, faults).then_some(Stiffness::Axial(ea))
+            plausible::material(&at.key("axial_rigidity"), "axial_rigidity", ea, faults);
+            Some(Stiffness::Axial(ea))
         }
         (None, None, Some(m)) => {
             let at = at.key("membrane");
             plausible::material(&at.key("modulus"), "modulus", m.modulus, faults);
             plausible::material(&at.key("thickness"), "thickness", m.thickness, faults);
-            let modulus = positive(&at.key("modulus"), m.modulus, faults);
-            let thickness = positive(&at.key("thickness"), m.thickness, faults);
-            (modulus && thickness).then_some(Stiffness::Membrane(m.modulus * m.thickness))
+            Some(Stiffness::Membrane(m.modulus * m.thickness))
         }
         (None, None, None) => {
             faults.add_value(
@@ -96,11 +92,9 @@ pub(super) fn rest_lengths(
                 faults.add_hint(&at, "a number above 0", hint);
                 return None;
             }
-            not_negative(&at, length, faults).then(|| vec![length; edges.len()])
+            Some(vec![length; edges.len()])
         }
-        (None, Some(Factor::Constant(scale))) => {
-            positive(&at.key("rest_scale"), *scale, faults).then(|| initial.map(|l| scale * l).collect())
-        }
+        (None, Some(Factor::Constant(scale))) => Some(initial.map(|l| scale * l).collect()),
         (None, None | Some(Factor::Table(_))) => {
             let of_reefing = geometry.reefing_length().filter(|_| is_reefing(&rule.on));
             Some(of_reefing.map_or_else(|| initial.collect(), |length| vec![length; edges.len()]))
@@ -171,22 +165,7 @@ impl Stiffness {
     }
 }
 
-/// Checks the number of a dashpot rule, which needs no edge.
-pub(super) fn dashpot_number(at: &Pointer, dashpot: Dashpot, faults: &mut Faults<'_>) -> bool {
-    let (kind, rule) = match dashpot {
-        Dashpot::Axial(rule) => ("axial", rule),
-        Dashpot::Relative(rule) => ("relative", rule),
-    };
-    let (key, value) = match rule {
-        DashpotRule::Coefficient(c) => ("coefficient", c),
-        DashpotRule::Time(tau) => ("time", tau),
-        DashpotRule::PerStrain(c) => ("per_strain", c),
-        DashpotRule::Step => return true,
-    };
-    not_negative(&at.key(kind).key(key), value, faults)
-}
-
-/// Dashpots of a rule whose number is valid, with a coefficient for every edge.
+/// Dashpots of a rule, with a coefficient for every edge.
 pub(super) fn dashpot(
     at: &Pointer,
     dashpot: Dashpot,

@@ -1,7 +1,7 @@
 //! Supports: what they hold, until when, and how they move it.
 
 use super::geometry::Geometry;
-use super::numbers::{positive, series};
+use super::numbers::series;
 use super::select;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
@@ -44,7 +44,6 @@ pub(super) fn supports(
         if directions.is_none() {
             faults.add(&at.key("fix"), "one or more of the letters x, y and z, each once, such as \"xyz\" or \"z\"");
         }
-        let end = support.until.map_or(Some(f64::INFINITY), |t| positive(&at.key("until"), t, faults).then_some(t));
         let displacement =
             support.motion.as_ref().and_then(|table| motion(&at.key("motion"), table, directions, faults));
         let nodes = geometry.and_then(|g| select::nodes(&at.key("on"), &support.on, g, faults));
@@ -52,7 +51,7 @@ pub(super) fn supports(
             let moves = support.motion.is_some();
             // A stand-in may be for any nodes and directions.
             let known = faults.readable(&at.key("on")) && faults.readable(&at.key("fix"));
-            let this = Hold { until: end.unwrap_or(f64::INFINITY), first: known.then_some((i, moves)) };
+            let this = Hold { until: support.until.unwrap_or(f64::INFINITY), first: known.then_some((i, moves)) };
             hold(&at, &mut holds, (&nodes, directions), this, faults);
             motions.extend(displacement.map(|displacement| {
                 let nodes = nodes.into_iter().map(|node| (node, directions)).collect();
