@@ -8,7 +8,7 @@ use crate::case::pointer::Pointer;
 use crate::case::schema::{Dashpot, DashpotRule, EdgeSelection, ElasticLawRule, Factor, SpringRule};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
-use crate::model::spec::{DashpotKind, DashpotSpec};
+use crate::model::spec::{DashpotKind, DashpotSpec, SpringValues};
 use crate::warning::WarningCode;
 
 /// Checked values of a rule, resolved for its edges one by one.
@@ -120,7 +120,7 @@ fn needs_rest_length(rule: &SpringRule) -> Option<&'static str> {
 }
 
 impl Stiffness {
-    /// [N/m] Stiffness of every edge, from rest lengths [m] `[n_edges]`; a value that is not usable is a fault that
+    /// [N/m] Stiffness of the edges, from rest lengths [m] `[n_edges]`; a value that is not usable is a fault that
     /// names the edges.
     pub(super) fn of_edges(
         self,
@@ -129,7 +129,7 @@ impl Stiffness {
         rest: &[f64],
         geometry: &Geometry,
         faults: &mut Faults<'_>,
-    ) -> Option<Vec<f64>> {
+    ) -> Option<SpringValues> {
         if let Self::Membrane(_) = self {
             let at = at.key("membrane");
             let bare: Vec<u32> =
@@ -144,10 +144,14 @@ impl Stiffness {
                 return None;
             }
         }
-        let k: Vec<f64> = edges.iter().zip(rest).map(|(&edge, &rest)| self.of(edge as usize, rest, geometry)).collect();
-        let usable = |(k, rest): (&f64, &f64)| k.is_normal() && (rest.is_normal() || *rest == 0.0);
-        let numbered = edges.iter().zip(k.iter().zip(rest));
-        let bad: Vec<u32> = numbered.filter(|(_, pair)| !usable(*pair)).map(|(e, _)| *e).collect();
+        let k = match self {
+            Self::Uniform(k) => SpringValues::Uniform(k),
+            Self::Axial(ea) => rest.iter().map(|rest| ea / rest).collect(),
+            Self::Membrane(et) => edges.iter().map(|&e| geometry.net_stiffness(et, e as usize, |_| true)).collect(),
+        };
+        let usable = |k: f64, rest: f64| k.is_normal() && (rest.is_normal() || rest == 0.0);
+        let numbered = edges.iter().zip(k.of(edges.len()).zip(rest));
+        let bad: Vec<u32> = numbered.filter(|(_, (k, rest))| !usable(*k, **rest)).map(|(e, _)| *e).collect();
         if !bad.is_empty() {
             let value = format!("no usable stiffness or rest length on edges {}", first_few(&bad));
             faults.add_value(at, value, "lengths and stiffnesses within the range of a double", None);
@@ -155,17 +159,9 @@ impl Stiffness {
         }
         Some(k)
     }
-
-    fn of(self, edge: usize, rest: f64, geometry: &Geometry) -> f64 {
-        match self {
-            Self::Uniform(k) => k,
-            Self::Axial(ea) => ea / rest,
-            Self::Membrane(et) => geometry.net_stiffness(et, edge, |_| true),
-        }
-    }
 }
 
-/// Dashpots of a rule, with a coefficient for every edge.
+/// Dashpots of a rule, with the coefficients of its edges.
 pub(super) fn dashpot(
     at: &Pointer,
     dashpot: Dashpot,
@@ -178,9 +174,9 @@ pub(super) fn dashpot(
     };
     let at = at.key(key);
     let Springs { stiffness, rest, step } = springs;
-    let coefficient: Vec<f64> = match rule {
-        DashpotRule::Coefficient(c) => vec![c; stiffness.len()],
-        DashpotRule::Time(tau) => stiffness.iter().map(|k| k * tau).collect(),
+    let coefficient = match rule {
+        DashpotRule::Coefficient(c) => SpringValues::Uniform(c),
+        DashpotRule::Time(tau) => stiffness.map(|k| k * tau),
         DashpotRule::PerStrain(c) => rest.iter().map(|l0| c / l0).collect(),
         DashpotRule::Step => {
             // If the times are missing, there is a fault at /time already.
@@ -193,10 +189,10 @@ pub(super) fn dashpot(
                 "{at}: a \"step\" dashpot has c = k h, so the physics changes with the step; use it only to reproduce the thesis. Instead, {{\"time\": {h:e}}} gives the same coefficient at this step and at all others"
             );
             faults.warn(WarningCode::StepDashpot, text);
-            stiffness.iter().map(|k| k * h).collect()
+            stiffness.map(|k| k * h)
         }
     };
-    if coefficient.iter().any(|c| !c.is_finite()) {
+    if coefficient.given().iter().any(|c| !c.is_finite()) {
         faults.add(&at, "a coefficient that stays a finite number on every edge");
         return None;
     }
@@ -206,8 +202,8 @@ pub(super) fn dashpot(
 /// The data for the coefficients of dashpots.
 #[derive(Debug)]
 pub(super) struct Springs<'a> {
-    /// [N/m] one per edge
-    pub stiffness: &'a [f64],
+    /// [N/m] of the edges
+    pub stiffness: &'a SpringValues,
     /// [m] one per edge
     pub rest: &'a [f64],
     /// the steps of the run, if known and valid
