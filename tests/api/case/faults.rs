@@ -240,12 +240,12 @@ fn places_of_what_is_not_in_the_text() {
     assert_eq!(places, ["--set study.repeat=0", "--set time.step=-1"], "in the order of the command line");
 }
 
-/// A text where a text or an object may stand is right, whatever is wrong elsewhere.
+/// A text where a text or an object may stand has the right type, whatever is wrong elsewhere.
 #[test]
 fn a_text_beside_objects_is_no_fault() {
     let wrong = faults(base_with(&[("system.network.initial.from", "nowhere"), ("time.end", "-1")]));
     let told: Vec<&str> = wrong.iter().map(|f| f.allowed.as_str()).collect();
-    assert_eq!(told, ["a number above 0"], "{wrong:#?}");
+    assert_eq!(told, ["a folder with the results of a run, its frames among them", "a number above 0"], "{wrong:#?}");
 }
 
 /// Syntax that can be read over hides nothing behind it; syntax that cannot is told with the first slip before it.
