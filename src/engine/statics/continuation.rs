@@ -43,6 +43,15 @@ const HEAVIEST: f64 = 1e12;
 /// [-] A node that is farther from its start than this many sizes of the scene has left it.
 const LEFT: f64 = 1e3;
 
+/// What a search works with, and where it begins.
+pub(super) struct SearchStart<'a> {
+    pub stop: Stop<'a>,
+    pub watcher: Watcher<'a>,
+    pub tangents: Tangents,
+    pub at: Point,
+    pub counters: Counters,
+}
+
 /// A search in progress.
 pub(super) struct Continuation<'a> {
     pub scene: &'a dyn Scene,
@@ -68,12 +77,8 @@ pub(super) struct Continuation<'a> {
 }
 
 impl<'a> Continuation<'a> {
-    pub(super) fn new(
-        scene: &'a dyn Scene,
-        spec: StaticSpec,
-        (stop, watcher): (Stop<'a>, Watcher<'a>),
-        (tangents, at, counters): (Tangents, Point, Counters),
-    ) -> Self {
+    pub(super) fn new(scene: &'a dyn Scene, spec: StaticSpec, start: SearchStart<'a>) -> Self {
+        let SearchStart { stop, watcher, tangents, at, counters } = start;
         let unknowns = tangents.dof.len();
         let newton = NewtonSpec { relative: INNER, max_iterations: INNER_ITERATIONS, strategy: Strategy::Full };
         Continuation {
@@ -138,7 +143,7 @@ impl<'a> Continuation<'a> {
                 return Err(self.not_converged(now));
             }
             let before = now;
-            let solved = self.solve(mu, (now, relative));
+            let solved = self.solve(mu, now, relative);
             // A solve that was not finished has gone downhill, or nearer to its solution, so its progress is kept.
             let unfinished = match &solved {
                 Err(NewtonFailure::MaxIterations { residual, .. }) => {
@@ -204,7 +209,7 @@ impl<'a> Continuation<'a> {
     }
 
     /// One solve into `trial` and `z`.
-    fn solve(&mut self, mu: f64, (now, relative): (Residual, f64)) -> Result<NewtonReport, NewtonFailure> {
+    fn solve(&mut self, mu: f64, now: Residual, relative: f64) -> Result<NewtonReport, NewtonFailure> {
         let wanted = (0.5 * relative * now.scale).max(f64::MIN_POSITIVE);
         let scales = Scales {
             residual: now.force.max(wanted / INNER),

@@ -9,36 +9,20 @@
 
 use std::sync::LazyLock;
 
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 use super::diagnostics::{Fault, FaultList, FaultTarget, did_you_mean, excerpt, nearest, one_of, shorten};
 use super::hints;
 use super::pointer::Pointer;
 use super::schema::json_schema;
-use crate::format_number::{counted, figures};
 
-/// Which values stand for those that cannot be read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum StandIns {
-    /// large numbers, the first of several names
-    First,
-    /// larger numbers, the last of several names
-    Second,
-}
-
-impl StandIns {
-    /// [-] Stand-in for a number: within its range, else large, so that no other number seems too large beside it.
-    fn number(self, schema: &Value) -> Value {
-        let (part, large) = match self {
-            StandIns::First => (2_u32, 1_000_000_000_u32),
-            StandIns::Second => (3, 3_000_000_000),
-        };
-        let most = schema.get("maximum").or(schema.get("exclusiveMaximum"));
-        let whole = most.filter(|_| kind(schema) == "integer").and_then(Value::as_u64);
-        let share = most.and_then(Value::as_f64).map(|most| json!(most / f64::from(part)));
-        whole.map(|most| json!(most / u64::from(part))).or(share).unwrap_or(json!(large))
-    }
-}
+mod one_of;
+mod range;
+mod stand_in;
+use one_of::OneOf;
+use range::{counted_entries, out_of_range, plain_numbers};
+pub(crate) use stand_in::StandIns;
+use stand_in::stand_in;
 
 static SCHEMA: LazyLock<Value> = LazyLock::new(json_schema);
 
@@ -181,7 +165,7 @@ impl<'a> SchemaCheck<'a> {
             let Some(value) = map.remove(&key) else { continue };
             let missing = |name: &str| required().any(|key| key == name) && !map.contains_key(name);
             let meant = hints::keys_like(&key, &names, missing);
-            self.unknown_key(&key, (&value, &names, &meant), at);
+            self.unknown_key(&key, &value, &names, &meant, at);
             match meant[..] {
                 [near] if !map.contains_key(near) => {
                     self.findings.rename(&at.key(near), &at.key(&key));
@@ -203,7 +187,7 @@ impl<'a> SchemaCheck<'a> {
     }
 
     /// Adds the fault of a key that is not known here, with those that it may stand for.
-    fn unknown_key(&mut self, key: &str, (value, names, meant): (&Value, &[&str], &[&str]), at: &Pointer) {
+    fn unknown_key(&mut self, key: &str, value: &Value, names: &[&str], meant: &[&str], at: &Pointer) {
         let elsewhere = || {
             let places = hints::places_of(self.root, key);
             (!places.is_empty()).then(|| hints::listed("this key is known elsewhere", &places))
@@ -279,97 +263,6 @@ impl<'a> SchemaCheck<'a> {
         map.insert(near.to_owned(), value);
         self.object(branch, map, at);
         true
-    }
-}
-
-/// A `oneOf` sorted by how its branches differ.
-struct OneOf<'a> {
-    /// plain words: `"all"`
-    words: Vec<&'a str>,
-    /// objects with one key: `{"ids": [...]}`
-    tags: Vec<(&'a str, &'a Value)>,
-    /// objects with several keys, by the first that they need: `{"file": ..., "scale": ...}`
-    records: Vec<(&'a str, &'a Value)>,
-    /// numbers, texts, objects with several keys, and lists
-    others: Vec<&'a Value>,
-}
-
-impl<'a> OneOf<'a> {
-    /// The `oneOf` of a schema, if it has one.
-    fn new(root: &'a Value, schema: &'a Value) -> Option<Self> {
-        let mut choice = Self { words: Vec::new(), tags: Vec::new(), records: Vec::new(), others: Vec::new() };
-        for branch in schema.get("oneOf")?.as_array()? {
-            let branch = meant(root, branch);
-            let key = branch.get("required").and_then(Value::as_array).and_then(|keys| keys.first()?.as_str());
-            // An object with several keys is known by its type.
-            let several = branch.get("properties").and_then(Value::as_object).is_some_and(|keys| keys.len() > 1);
-            match (branch.get("const").and_then(Value::as_str), key) {
-                (Some(word), _) => choice.words.push(word),
-                (None, Some(key)) if !several => choice.tags.push((key, branch)),
-                (None, key) => {
-                    choice.others.push(branch);
-                    choice.records.extend(key.map(|key| (key, branch)));
-                }
-            }
-        }
-        // Without objects of one key beside them they are known by their type.
-        if choice.tags.is_empty() {
-            choice.records.clear();
-        }
-        Some(choice)
-    }
-
-    /// The branch of an object with this key.
-    fn tag(&self, key: &str) -> Option<&'a Value> {
-        self.tags.iter().chain(&self.records).find(|(tag, _)| *tag == key).map(|(_, branch)| *branch)
-    }
-
-    /// The branch of an object with several keys that has the one it needs.
-    fn record(&self, map: &Map<String, Value>) -> Option<&'a Value> {
-        self.records.iter().find(|(key, _)| map.contains_key(*key)).map(|(_, branch)| *branch)
-    }
-
-    /// The keys of the objects.
-    fn tag_names(&self) -> Vec<&'a str> {
-        self.tags.iter().chain(&self.records).map(|(tag, _)| *tag).collect()
-    }
-
-    /// All names, of words and of objects, each once.
-    fn names(&self) -> Vec<&'a str> {
-        let tags = self.tag_names().into_iter().filter(|tag| !self.words.contains(tag));
-        self.words.iter().copied().chain(tags).collect()
-    }
-
-    /// The branch for a number, a text, an object with several keys, or a list. Between two kinds of list, the majority of the
-    /// entries decides.
-    fn of_type(&self, value: &Value) -> Option<&'a Value> {
-        let Value::Array(list) = value else {
-            let fits = |branch: &&Value| match kind(branch) {
-                "number" => value.is_number(),
-                "string" => value.is_string(),
-                "object" => value.is_object(),
-                _ => false,
-            };
-            return self.others.iter().copied().find(fits);
-        };
-        let nested = 2 * list.iter().filter(|entry| entry.is_array()).count() >= list.len();
-        let lists = || self.others.iter().copied().filter(|branch| kind(branch) == "array");
-        let fits = |branch: &&Value| branch.pointer("/items/type").is_some_and(|t| t == "array") == nested;
-        lists().find(|branch| fits(branch)).or_else(|| lists().next())
-    }
-
-    /// What is allowed, in the words of a case file.
-    fn describe(&self, root: &Value) -> String {
-        let mut parts: Vec<String> = self.others.iter().map(|branch| describe(root, branch)).collect();
-        match (self.words.is_empty(), self.tags.is_empty()) {
-            (true, true) => {}
-            (true, false) => parts.push("an object {...} with one key".to_owned()),
-            (false, true) => parts.push("a word in double quotes".to_owned()),
-            (false, false) => parts.push("a word in double quotes or an object {...} with one key".to_owned()),
-        }
-        let names = self.names();
-        let known = if names.is_empty() { String::new() } else { format!("; {}", one_of("known names here", &names)) };
-        format!("{}{known}", parts.join(" or "))
     }
 }
 
@@ -471,88 +364,4 @@ fn wrong_type(expected: &str, value: &Value) -> Option<String> {
         Value::Object(_) => "an object",
     };
     Some(format!("expected {wanted}, found {found}"))
-}
-
-/// What is allowed, if a number or a list is out of the range of its schema.
-fn out_of_range(schema: &Value, value: &Value) -> Option<String> {
-    let bound = |key| schema.get(key).and_then(Value::as_f64);
-    if let Value::Array(list) = value {
-        let (least, most) = (bound("minItems")?, bound("maxItems"));
-        let length = list.len() as f64;
-        let [one, several] = entry_names(schema);
-        let allowed = || most.map_or(format!("at least one {one}"), |most| format!("{least} to {most} {several}"));
-        return (length < least || most.is_some_and(|most| length > most)).then(allowed);
-    }
-    let x = value.as_f64()?;
-    let (above, least, below, most) =
-        (bound("exclusiveMinimum"), bound("minimum"), bound("exclusiveMaximum"), bound("maximum"));
-    let high = above.is_none_or(|above| x > above) && least.is_none_or(|least| x >= least);
-    let low = below.is_none_or(|below| x < below) && most.is_none_or(|most| x <= most);
-    if high && low {
-        return None;
-    }
-    let upper = below.map(|x| ("below", x)).or(most.map(|x| ("", x)));
-    let words = match (above, least, upper.map(|(word, x)| format!("{word} {}", figures(x, 6)))) {
-        (Some(x), _, None) => format!("above {}", figures(x, 6)),
-        (Some(x), _, Some(upper)) => format!("above {} and {}", figures(x, 6), upper.trim_start()),
-        (None, Some(x), None) => format!("of {} or more", figures(x, 6)),
-        (None, Some(x), Some(upper)) => format!("from {} to {}", figures(x, 6), upper.trim_start()),
-        (None, None, upper) => upper.unwrap_or_default(),
-    };
-    let what = if kind(schema) == "integer" { "a whole number" } else { "a number" };
-    Some(format!("{what} {words}"))
-}
-
-/// What the entries of a list are called: one, and several.
-fn entry_names(schema: &Value) -> [&'static str; 2] {
-    let rows = schema.pointer("/items/type").is_some_and(|t| t == "array");
-    if rows { ["row", "rows"] } else { ["entry", "entries"] }
-}
-
-/// A value in a message: of a list with entries, their number.
-fn counted_entries(schema: &Value, value: &Value) -> String {
-    let [one, several] = entry_names(schema);
-    match value.as_array().map(Vec::len) {
-        None | Some(0) => excerpt(value),
-        Some(length) => counted(length as u64, one, several),
-    }
-}
-
-/// Whether a schema is that of numbers of any size, or of lists of such.
-fn plain_numbers(schema: &Value) -> bool {
-    let bounded = ["minimum", "exclusiveMinimum", "maximum", "exclusiveMaximum"];
-    match kind(schema) {
-        "number" | "integer" => bounded.iter().all(|key| schema.get(key).is_none()),
-        "array" => schema.get("items").is_some_and(plain_numbers),
-        _ => false,
-    }
-}
-
-/// A value of the right type, so that the rest of the case can be read; the length of a list need not be right.
-fn stand_in(root: &Value, schema: &Value, kind_of: StandIns) -> Value {
-    let schema = meant(root, schema);
-    let branches = schema.get("oneOf").and_then(Value::as_array);
-    let chosen = branches.and_then(|list| match kind_of {
-        StandIns::First => list.first(),
-        StandIns::Second => list.last(),
-    });
-    if let Some(branch) = chosen {
-        return branch.get("const").cloned().unwrap_or_else(|| stand_in(root, branch, kind_of));
-    }
-    match kind(schema) {
-        "object" => {
-            let required = schema.get("required").and_then(Value::as_array).into_iter().flatten();
-            let member =
-                |key: &str| Some((key.to_owned(), stand_in(root, schema.get("properties")?.get(key)?, kind_of)));
-            Value::Object(required.filter_map(Value::as_str).filter_map(member).collect::<Map<_, _>>())
-        }
-        "array" => {
-            let item = schema.get("items").map_or(Value::Null, |items| stand_in(root, items, kind_of));
-            Value::Array(vec![item; length(schema).unwrap_or(0)])
-        }
-        "number" | "integer" => kind_of.number(schema),
-        "string" => json!("x"),
-        "boolean" => json!(kind_of == StandIns::Second),
-        _ => Value::Null,
-    }
 }

@@ -66,7 +66,7 @@ impl Source {
             }
             Err(first) => Some(first),
         };
-        let faults = self.all_faults(&json, (FaultList::default(), first), known);
+        let faults = self.all_faults(&json, FaultList::default(), first, known);
         Err(self.refused(faults))
     }
 
@@ -98,7 +98,7 @@ impl Source {
             Ok(json) => json,
             Err(error) => return error,
         };
-        let faults = self.all_faults(&json, (found, None), None);
+        let faults = self.all_faults(&json, found, None, None);
         self.refused(faults)
     }
 
@@ -107,7 +107,8 @@ impl Source {
     fn all_faults(
         &self,
         json: &Value,
-        (before, first): (FaultList, Option<Box<Fault>>),
+        before: FaultList,
+        first: Option<Box<Fault>>,
         known: Option<Arc<Geometry>>,
     ) -> FaultReport {
         let [found, other] = [StandIns::First, StandIns::Second].map(|stand_ins| {

@@ -100,7 +100,7 @@ fn parts_of(
     let confluence = confluence(at, canopy, geometry, faults)?;
     let of_group = SkirtGroup::of(mesh, mesh.groups.get("skirt"), triangles);
     let chosen = match &canopy.skirt {
-        Some(selection) => Some(skirt(&at.key("skirt"), selection, (geometry, triangles), faults)?),
+        Some(selection) => Some(skirt(&at.key("skirt"), selection, geometry, triangles, faults)?),
         None => None,
     };
     let skirt = match &chosen {
@@ -147,7 +147,8 @@ fn coefficient_rows(at: &Pointer, rows: &[[f64; 2]], faults: &mut Faults<'_>) ->
 fn skirt(
     at: &Pointer,
     selection: &NodeSelection,
-    (geometry, triangles): (&Geometry, &[u32]),
+    geometry: &Geometry,
+    triangles: &[u32],
     faults: &mut Faults<'_>,
 ) -> Option<Vec<u32>> {
     let nodes = select::nodes(at, selection, geometry, faults)?;

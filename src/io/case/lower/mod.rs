@@ -68,11 +68,11 @@ pub(crate) fn build(
             if let Some(timing) = &timing {
                 network::warn_of_events(&at, network, timing.spec.end, faults);
             }
-            let spec = network::network(&at, network, (base, geometry.as_deref()), step, faults);
+            let spec = network::network(network, base, geometry.as_deref(), step, faults);
             let fixed =
                 timing.as_ref().and_then(|t| Some(tables::StepTimes { h: t.spec.step.fixed()?, end: t.spec.end }));
             if let (Some(spec), Some(times)) = (&spec, fixed) {
-                tables::warn_of_short_pulses(&at, (network, spec), times, faults);
+                tables::warn_of_short_pulses(&at, network, spec, times, faults);
             }
             if let (Some(spec), Some(timing)) = (&spec, &timing) {
                 let long = preflight::canopies::filling(spec, timing.spec.end);
@@ -90,8 +90,8 @@ pub(crate) fn build(
         Some(SystemSpec::Network(spec)) => (Some(&spec.springs[..]), strengths(spec)),
         _ => (None, Vec::new()),
     };
-    let places = (nodes, groups);
-    let output = output::output(file.output.as_ref(), places, timing.as_ref().map(|t| t.spec), faults);
+    let scene = output::Measurable { nodes, springs: groups };
+    let output = output::output(file.output.as_ref(), scene, timing.as_ref().map(|t| t.spec), faults);
     let output = output.map(|mut output| {
         output.gauges.extend(strengths);
         output

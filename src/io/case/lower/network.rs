@@ -4,6 +4,7 @@ use super::air::{self, Flow};
 use super::geometry::Geometry;
 use super::initial::{self, initial};
 use super::numbers::series;
+use super::springs::SpringSources;
 use super::supports::{Supports, supports};
 use super::{canopy, digits, energy, loads, mass, plausible, springs, surface};
 use crate::case::diagnostics::Faults;
@@ -19,20 +20,21 @@ use std::path::Path;
 /// Checks and builds a network; files are found from the folder `base`. Without a mesh the checks that need none still
 /// run.
 pub(super) fn network(
-    at: &Pointer,
     network: &Network,
-    (base, geometry): (&Path, Option<&Geometry>),
+    base: &Path,
+    geometry: Option<&Geometry>,
     step: Option<Step>,
     faults: &mut Faults<'_>,
 ) -> Option<NetworkSpec> {
+    let at = &Pointer::root().key("system").key("network");
     let before = faults.count();
     let mut masses =
         geometry.map(|g| mass::mass(&at.key("mass"), network.mass.as_ref(), g, faults)).unwrap_or_default();
     let Supports { fixed, releases, motions } = supports(&at.key("supports"), &network.supports, geometry, faults);
     let membranes = surface::membranes(&at.key("membranes"), &network.membranes, geometry, faults);
     let bending = surface::bending(&at.key("bending"), &network.bending, geometry, faults);
-    let groups =
-        springs::springs(&at.key("springs"), (&network.springs, &membranes), geometry, step, &mut masses, faults);
+    let sources = SpringSources { rules: &network.springs, membranes: &membranes, step };
+    let groups = springs::springs(&at.key("springs"), sources, geometry, &mut masses, faults);
     let readable = |keys: &[&str], faults: &Faults<'_>| keys.iter().all(|key| faults.readable(&at.key(key)));
     let masses_known = faults.count() == before && readable(&["mass", "supports", "springs", "membranes"], faults);
     let rayleigh = rayleigh(network.damping.as_ref());

@@ -14,12 +14,21 @@ use crate::format_number::first_few;
 use crate::model::spec::{ElasticLaw, MembraneSpec, Series, SheetSpec, Slack, SpringGroup, StrengthSpec};
 use crate::warning::WarningCode;
 
+/// What springs are made from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SpringSources<'a> {
+    pub rules: &'a [SpringRule],
+    /// they carry their edges too
+    pub membranes: &'a [MembraneSpec],
+    /// the steps of the run, if known
+    pub step: Option<Step>,
+}
+
 /// Groups of springs in the order of the rules; adds the springs' own mass to `mass` `[n_nodes]`.
 pub(super) fn springs(
     at: &Pointer,
-    (rules, membranes): (&[SpringRule], &[MembraneSpec]),
+    SpringSources { rules, membranes, step }: SpringSources<'_>,
     geometry: Option<&Geometry>,
-    step: Option<Step>,
     mass: &mut [f64],
     faults: &mut Faults<'_>,
 ) -> Vec<SpringGroup> {

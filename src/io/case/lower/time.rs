@@ -46,7 +46,7 @@ pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Opt
         adaptive @ Step::Adaptive(_) => adaptive,
     };
     let until_rest = time.until_rest.map(|rest| until_rest(rest, end));
-    let mass_scaling = time.mass_scaling.and_then(|given| mass_scaling(&at, given, (method.as_ref(), system), faults));
+    let mass_scaling = time.mass_scaling.and_then(|given| mass_scaling(&at, given, method.as_ref(), system, faults));
     Some(Timing { mass_scaling, method: method?, spec: TimeSpec { end: end?, step, until_rest: until_rest.flatten() } })
 }
 
@@ -54,7 +54,8 @@ pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Opt
 fn mass_scaling(
     at: &Pointer,
     given: MassScaling,
-    (method, system): (Option<&MethodChoice>, &System),
+    method: Option<&MethodChoice>,
+    system: &System,
     faults: &mut Faults<'_>,
 ) -> Option<f64> {
     let at = at.key("mass_scaling");
