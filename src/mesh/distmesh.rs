@@ -202,8 +202,8 @@ impl Bars {
     /// One step of gradient descent with momentum; returns the largest step without the momentum, over the wanted edge
     /// length.
     ///
-    /// Each node's step is its force over its number of bars: then no pattern of forces can overshoot, for any number of
-    /// bars at a node.
+    /// Each node's step is its force over its number of bars: then no pattern of forces can overshoot, for any number
+    /// of bars at a node.
     fn step(
         &self,
         plan: &MeshPlan,

@@ -26,7 +26,7 @@ fn sheet() -> NetworkSpec {
     let cut = |g: &mut SpringGroup, range: std::ops::Range<usize>| {
         g.edges = g.edges[range.clone()].to_vec();
         g.stiffness = range.clone().filter_map(|i| g.stiffness.get(i)).collect();
-        g.rest_length = g.rest_length[range.clone()].to_vec();
+        g.rest_length = g.rest_length[range].to_vec();
     };
     cut(&mut group, 0..split);
     cut(&mut relative, split..count);

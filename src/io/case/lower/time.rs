@@ -164,7 +164,6 @@ pub(super) fn solver(solver: Option<&Solver>) -> SolverSpec {
         relative: given.relative.unwrap_or(default.relative),
         max_iterations: given.max_iterations.unwrap_or(default.max_iterations),
         strategy: given.strategy,
-        ..default
     };
     SolverSpec { newton, linear: section.linear }
 }

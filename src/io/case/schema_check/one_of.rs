@@ -63,8 +63,8 @@ impl<'a> OneOf<'a> {
         self.words.iter().copied().chain(tags).collect()
     }
 
-    /// The branch for a number, a text, an object with several keys, or a list. Between two kinds of list, the majority of the
-    /// entries decides.
+    /// The branch for a number, a text, an object with several keys, or a list. Between two kinds of list, the majority
+    /// of the entries decides.
     pub(super) fn of_type(&self, value: &Value) -> Option<&'a Value> {
         let Value::Array(list) = value else {
             let fits = |branch: &&Value| match kind(branch) {
