@@ -4,10 +4,10 @@
 //! file --jsonc--> value --set--> value --serde--> CaseFile --schema_check--> ranges are right --lower--> Problem
 //! ```
 //!
-//! The fast path stops at the first fault of JSON, of a type or of a range. Then a second pass finds all faults at once.
-//! It reads the text tolerantly (`jsonc`), compares types, keys and ranges with the schema (`schema_check`), replaces
-//! wrong values by stand-ins, and checks the meaning of the rest. [`diagnostics`] describes a fault, and [`span`] has
-//! its location in the text.
+//! The fast path stops at the first fault of JSON, of a type or of a range. Then a second pass finds all faults at
+//! once. It reads the text tolerantly (`jsonc`), compares types, keys and ranges with the schema (`schema_check`),
+//! replaces wrong values by stand-ins, and checks the meaning of the rest. [`diagnostics`] describes a fault, and
+//! [`span`] has its location in the text.
 
 mod cloth_model;
 pub mod diagnostics;
