@@ -21,8 +21,7 @@ const SIDE: u32 = 316;
 fn damped(air: bool) -> NetworkSpec {
     let mut spec = sheet(SIDE, 1e-4);
     for group in &mut spec.springs {
-        let coefficient = vec![0.5; group.edges.len()];
-        group.dashpot = Some(DashpotSpec { kind: DashpotKind::Relative, coefficient, from_step: false });
+        group.dashpot = Some(DashpotSpec { kind: DashpotKind::Relative, coefficient: 0.5.into(), from_step: false });
     }
     let wind = Series { t: vec![0.0], value: vec![[0.0, 0.0, 5.0]] };
     let air = air.then_some(AirSpec { linear: 0.0, quadratic: 0.08, wind });

@@ -69,8 +69,7 @@ fn heavy_canopy() -> Network {
 }
 
 fn with_dashpots(mut group: SpringGroup) -> SpringGroup {
-    let coefficient = vec![0.5; group.edges.len()];
-    group.dashpot = Some(DashpotSpec { kind: DashpotKind::Relative, coefficient, from_step: false });
+    group.dashpot = Some(DashpotSpec { kind: DashpotKind::Relative, coefficient: 0.5.into(), from_step: false });
     group
 }
 

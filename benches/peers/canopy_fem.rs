@@ -81,9 +81,10 @@ fn springs(net: &NetworkSpec, text: &mut String) -> Result<(), Any> {
         let damping = match &group.dashpot {
             Some(dashpot) if dashpot.kind == DashpotKind::Axial => return Err("axial dashpots".into()),
             Some(dashpot) => dashpot.coefficient.clone(),
-            None => vec![0.0; group.edges.len()],
+            None => 0.0.into(),
         };
-        for (((&e, k), l), c) in group.edges.iter().zip(&group.stiffness).zip(&group.rest_length).zip(&damping) {
+        let values = group.stiffness.of(group.edges.len()).zip(damping.of(group.edges.len()));
+        for ((&e, l), (k, c)) in group.edges.iter().zip(&group.rest_length).zip(values) {
             let [a, b] = net.mesh.edges[e as usize];
             writeln!(text, "{a} {b} {k:?} {l:?} {c:?}")?;
         }

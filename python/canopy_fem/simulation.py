@@ -36,7 +36,7 @@ class Motion(NamedTuple):
 
 
 class Network(_core.Network):
-    """Masses and springs from arrays, without JSON.
+    """Masses and springs from arrays, without JSON. Every method returns the network itself, for the next one.
 
     Args:
         mesh: a `canopy_fem.mesh.Mesh`, or positions [m] of nodes, (n, 3).
@@ -49,9 +49,7 @@ class Network(_core.Network):
 
     A mass of 2 kg on a spring of 8 N/m, pulled 0.5 m:
 
-    >>> net = Network([[0, 0, 0], [1.5, 0, 0]], mass=2)
-    >>> net.springs([[0, 1]], stiffness=8, rest_length=1)
-    >>> net.hold([0])
+    >>> net = Network([[0, 0, 0], [1.5, 0, 0]], mass=2).springs([[0, 1]], stiffness=8, rest_length=1).hold([0])
     >>> sim = Simulation(net, method="rk4", step=1e-3, end=10)
     >>> _ = sim.run_until(1.0)
     >>> round(float(sim.positions[1, 0]), 6)
@@ -81,7 +79,7 @@ class Network(_core.Network):
         slack: Slack = "none",
         dashpot: npt.ArrayLike | None = None,
         dashpot_kind: DashpotKind = "axial",
-    ) -> None:
+    ) -> Self:
         """Adds springs.
 
         Args:
@@ -99,36 +97,37 @@ class Network(_core.Network):
         """
         more = {"stiffness": stiffness, "rest_length": rest_length, "law": law, "slack": slack}
         more |= {"dashpot": dashpot, "dashpot_kind": dashpot_kind}
-        self._add("springs", (pairs,), more)
+        return self._add("springs", (pairs,), more)
 
-    def hold(self, nodes: npt.ArrayLike, directions: str = "xyz") -> None:
+    def hold(self, nodes: npt.ArrayLike, directions: str = "xyz") -> Self:
         """Holds nodes, (k,), in x, y and z, or in those directions that are named.
 
         Raises:
             ValueError, TypeError: nodes that do not exist, other directions.
         """
-        self._add("hold", (nodes, directions), {})
+        return self._add("hold", (nodes, directions), {})
 
-    def force(self, nodes: npt.ArrayLike, force: npt.ArrayLike) -> None:
+    def force(self, nodes: npt.ArrayLike, force: npt.ArrayLike) -> Self:
         """Adds a constant force [N], (3,), on each of these nodes, (k,).
 
         Raises:
             ValueError, TypeError: nodes that do not exist, another shape or type.
         """
-        self._add("force", (nodes, force), {})
+        return self._add("force", (nodes, force), {})
 
-    def initial(self, *, displacement: npt.ArrayLike | None = None, velocity: npt.ArrayLike | None = None) -> None:
+    def initial(self, *, displacement: npt.ArrayLike | None = None, velocity: npt.ArrayLike | None = None) -> Self:
         """Starts displaced [m] and moving [m/s]: each (n, 3) or left out.
 
         Raises:
             ValueError, TypeError: another shape or type.
         """
-        self._add("initial", (), {"displacement": displacement, "velocity": velocity})
+        return self._add("initial", (), {"displacement": displacement, "velocity": velocity})
 
-    def _add(self, name: str, arguments: tuple[Any, ...], more: dict[str, Any]) -> None:
+    def _add(self, name: str, arguments: tuple[Any, ...], more: dict[str, Any]) -> Self:
         getattr(super(), name)(*arguments, **more)
         kept = {key: _kept(value) for key, value in more.items()}
         self._parts.append((name, tuple(map(_kept, arguments)), kept))
+        return self
 
     def _recipe(self) -> tuple[Any, Any]:
         return self._made, list(self._parts)

@@ -1,6 +1,7 @@
 //! Arrays in and out. What comes in may be anything that numpy makes an array of; what goes out is a copy that cannot
 //! be written to, since a change of it would not reach the engine.
 
+use canopy_fem::model::spec::SpringValues;
 use numpy::{Element, PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArray};
 use numpy::{PyUntypedArrayMethods, ndarray::Dimension};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -89,11 +90,19 @@ pub(crate) fn rows(value: &Bound<'_, PyAny>, what: &str, needed: Option<usize>) 
     Ok(numbers.as_chunks::<3>().0.to_vec())
 }
 
-/// Numbers, one or `needed` of them.
+/// `needed` numbers, given as one or as all of them.
 ///
 /// # Errors
 /// As [`rows`].
 pub(crate) fn numbers(value: &Bound<'_, PyAny>, what: &str, needed: usize) -> PyResult<Vec<f64>> {
+    Ok(spring_values(value, what, needed)?.of(needed).collect())
+}
+
+/// Numbers of `needed` springs, one for all or one each.
+///
+/// # Errors
+/// As [`rows`].
+pub(crate) fn spring_values(value: &Bound<'_, PyAny>, what: &str, needed: usize) -> PyResult<SpringValues> {
     let right = |shape: &[usize]| match shape {
         [] => Ok(()),
         &[n] if n == needed => Ok(()),
@@ -101,7 +110,7 @@ pub(crate) fn numbers(value: &Bound<'_, PyAny>, what: &str, needed: usize) -> Py
     };
     let array = array(value, what, "biuf", right)?;
     let list: Vec<f64> = contiguous(&array, "float64")?.call_method0("ravel")?.call_method0("tolist")?.extract()?;
-    Ok(if array.ndim() == 0 { vec![list[0]; needed] } else { list })
+    Ok(if array.ndim() == 0 { list[0].into() } else { list.into() })
 }
 
 /// Three finite or other numbers.

@@ -1,6 +1,6 @@
 //! Networks from arrays, without JSON.
 
-use crate::arrays::{index_rows, indices, numbers, rows, vector};
+use crate::arrays::{index_rows, indices, numbers, rows, spring_values, vector};
 use crate::errors::{CaseError, of_mesh};
 use crate::mesh::Mesh;
 use canopy_fem::mesh;
@@ -66,7 +66,7 @@ impl Network {
             None => ((0..mesh.edges.len() as u32).collect(), mesh.edges.clone(), Vec::new()),
         };
         let n = edges.len();
-        let stiffness = numbers(stiffness, "stiffness", n)?;
+        let stiffness = spring_values(stiffness, "stiffness", n)?;
         let rest_length = match rest_length {
             Some(given) => numbers(given, "rest_length", n)?,
             None => lengths(mesh, &pairs)?,
@@ -93,7 +93,7 @@ impl Network {
                 return Err(PyValueError::new_err(text));
             }
         };
-        let coefficient = dashpot.map(|given| numbers(given, "dashpot", n)).transpose()?;
+        let coefficient = dashpot.map(|given| spring_values(given, "dashpot", n)).transpose()?;
         let dashpot = coefficient.map(|coefficient| DashpotSpec { kind, coefficient, from_step: false });
         builder.spec.mesh.edges.extend_from_slice(&added);
         let group = SpringGroup { edges, stiffness, rest_length, law, slack, dashpot, ..SpringGroup::default() };

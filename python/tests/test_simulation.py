@@ -41,6 +41,21 @@ def test_motion_obeys_its_law():
     assert sim.tension[0] == pytest.approx(8 * 0.5 * np.cos(2.0), abs=1e-8)
 
 
+def test_methods_of_a_network_are_chained():
+    """They return the network itself, and one chain makes what single calls make."""
+    net = cf.Network([[0, 0, 0], [1.5, 0, 0]], mass=2.0)
+    chained = net.springs([[0, 1]], stiffness=8.0, rest_length=1.0).hold([0]).force([1], [0, 0, 1])
+    assert chained.initial(velocity=[[0, 0, 0], [0, 1, 0]]) is net
+    single = cf.Network([[0, 0, 0], [1.5, 0, 0]], mass=2.0)
+    single.springs([[0, 1]], stiffness=[8.0], rest_length=[1.0])
+    single.hold([0])
+    single.force([1], [0, 0, 1])
+    single.initial(velocity=[[0, 0, 0], [0, 1, 0]])
+    runs = [cf.Simulation(each, method="rk4", step=1e-3, end=1.0) for each in (net, single)]
+    assert runs[0].run().energies.kinetic > 0.5 and runs[1].run() is not None
+    assert runs[0].positions.tobytes() == runs[1].positions.tobytes()
+
+
 def test_bars_of_finite_strain():
     """A green bar at twice its length pulls with EA lambda (lambda^2 - 1)/2 = 3 EA; another name is refused."""
     net = cf.Network([[0, 0, 0], [1, 0, 0]], mass=2)

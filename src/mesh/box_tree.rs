@@ -55,6 +55,11 @@ impl Bounds {
         !self.overlaps(self)
     }
 
+    /// [m] Length of its longest side; 0 around nothing.
+    pub fn extent(&self) -> f64 {
+        self.low.iter().zip(&self.high).fold(0.0, |most: f64, (low, high)| most.max(high - low))
+    }
+
     /// Twice the centre.
     fn middle(&self, axis: usize) -> f64 {
         self.low[axis] + self.high[axis]

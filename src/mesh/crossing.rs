@@ -70,7 +70,7 @@ impl CrossingFinder {
 
     /// The same, which does not search cloth that has grown a thousand times beyond these positions [m].
     pub fn with_start(mut self, positions: &[[f64; 3]]) -> Self {
-        self.size = extent(&Bounds::of(self.triangles.as_flattened().iter().map(|n| &positions[*n as usize])));
+        self.size = Bounds::of(self.triangles.as_flattened().iter().map(|n| &positions[*n as usize])).extent();
         self
     }
 
@@ -95,7 +95,7 @@ impl CrossingFinder {
                 none.insert(BoxTree::new(&boxes))
             }
         };
-        if extent(&tree.bounds()) > BLOWN_UP * self.size {
+        if tree.bounds().extent() > BLOWN_UP * self.size {
             self.complete = false;
             return &self.found;
         }
@@ -136,11 +136,6 @@ impl CrossingFinder {
             at_edge.iter().chain([&crossing.triangle]).for_each(|triangle| mark(*triangle));
         }
     }
-}
-
-/// [m]
-fn extent(Bounds { low, high }: &Bounds) -> f64 {
-    low.iter().zip(high).fold(0.0, |most: f64, (low, high)| most.max(high - low))
 }
 
 fn most_looks(triangles: usize) -> u64 {

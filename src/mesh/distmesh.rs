@@ -133,7 +133,7 @@ fn relax(plan: &MeshPlan, start: &mut Layout) -> Result<Flips, MeshError> {
             last.copy_from_slice(&start.points);
         }
         bars.forces(&size, &start.points, &mut forces);
-        movement = step(plan, start, (&bars, &size), &forces, &mut momentum);
+        movement = bars.step(plan, start, &size, &forces, &mut momentum);
         if movement < REST || plan.is_large() && iteration >= LARGE_ITERATIONS {
             return Ok(flips);
         }
@@ -196,7 +196,48 @@ impl Bars {
     /// the actual ones. `size` has the wanted lengths at the nodes.
     fn forces(&mut self, size: &[f64], points: &[Vector2<f64>], forces: &mut [Vector2<f64>]) {
         forces.fill(Vector2::zeros());
-        add_forces(&self.ends, &mut self.measured, (size, points), forces);
+        add_forces(&self.ends, &mut self.measured, size, points, forces);
+    }
+
+    /// One step of gradient descent with momentum; returns the largest step without the momentum, over the wanted edge
+    /// length.
+    ///
+    /// Each node's step is its force over its number of bars: then no pattern of forces can overshoot, for any number
+    /// of bars at a node.
+    fn step(
+        &self,
+        plan: &MeshPlan,
+        start: &mut Layout,
+        size: &[f64],
+        forces: &[Vector2<f64>],
+        momentum: &mut [Vector2<f64>],
+    ) -> f64 {
+        let uphill: f64 = forces.iter().zip(momentum.iter()).map(|(f, m)| f.dot(m)).sum();
+        let memory = if uphill < 0.0 { 0.0 } else { MOMENTUM };
+        let mut largest: f64 = 0.0;
+        for node in 0..start.points.len() {
+            let (point, freedom) = (start.points[node], start.freedom[node]);
+            let h = size[node];
+            let mut push = STEP / f64::from(self.degree[node].max(1)) * forces[node];
+            match freedom {
+                Freedom::Fixed => continue,
+                Freedom::Free => {}
+                Freedom::Ray(direction) => push = push.dot(&direction) * direction,
+            }
+            let target = |to: Vector2<f64>| {
+                // Mostly the node stays clear of everything.
+                let clear = freedom == Freedom::Free
+                    && plan.seams == 0
+                    && plan.hub == 0.0
+                    && plan.size.ring.signed_distance(to) <= -CLEARANCE * h;
+                if clear { to } else { kept_clear(plan, freedom, to, CLEARANCE * h) }
+            };
+            largest = largest.max((target(point + push) - point).norm() / h);
+            let moved = target(point + (push + memory * momentum[node]));
+            momentum[node] = moved - point;
+            start.points[node] = moved;
+        }
+        largest
     }
 }
 
@@ -205,7 +246,8 @@ impl Bars {
 fn add_forces(
     ends: &[[u32; 2]],
     measured: &mut [MeasuredBar],
-    (size, points): (&[f64], &[Vector2<f64>]),
+    size: &[f64],
+    points: &[Vector2<f64>],
     forces: &mut [Vector2<f64>],
 ) {
     let (mut sum_actual, mut sum_wanted) = (0.0, 0.0);
@@ -227,46 +269,6 @@ fn add_forces(
         forces[a as usize] -= *force;
         forces[b as usize] += *force;
     }
-}
-
-/// One step of gradient descent with momentum; returns the largest step without the momentum, over the wanted edge
-/// length.
-///
-/// Each node's step is its force over its number of bars: then no pattern of forces can overshoot, for any number of
-/// bars at a node.
-fn step(
-    plan: &MeshPlan,
-    start: &mut Layout,
-    (bars, size): (&Bars, &[f64]),
-    forces: &[Vector2<f64>],
-    momentum: &mut [Vector2<f64>],
-) -> f64 {
-    let uphill: f64 = forces.iter().zip(momentum.iter()).map(|(f, m)| f.dot(m)).sum();
-    let memory = if uphill < 0.0 { 0.0 } else { MOMENTUM };
-    let mut largest: f64 = 0.0;
-    for node in 0..start.points.len() {
-        let (point, freedom) = (start.points[node], start.freedom[node]);
-        let h = size[node];
-        let mut push = STEP / f64::from(bars.degree[node].max(1)) * forces[node];
-        match freedom {
-            Freedom::Fixed => continue,
-            Freedom::Free => {}
-            Freedom::Ray(direction) => push = push.dot(&direction) * direction,
-        }
-        let target = |to: Vector2<f64>| {
-            // Mostly the node stays clear of everything.
-            let clear = freedom == Freedom::Free
-                && plan.seams == 0
-                && plan.hub == 0.0
-                && plan.size.ring.signed_distance(to) <= -CLEARANCE * h;
-            if clear { to } else { kept_clear(plan, freedom, to, CLEARANCE * h) }
-        };
-        largest = largest.max((target(point + push) - point).norm() / h);
-        let moved = target(point + (push + memory * momentum[node]));
-        momentum[node] = moved - point;
-        start.points[node] = moved;
-    }
-    largest
 }
 
 /// The place nearest to `to`, on its ray if it has one, at least `depth` [m] from boundary, hub and seams.

@@ -113,7 +113,7 @@ impl<'a> Sampler<'a> {
 
     /// Compares the frames of a run with those of the reference, which are `every` [s] apart. A run that is taken up at
     /// `from` [s] brings the distance it had come to.
-    pub fn comparing(scene: &'a dyn Scene, every: f64, reference: &'a Frames, (from, so_far): (f64, Distance)) -> Self {
+    pub fn comparing(scene: &'a dyn Scene, every: f64, reference: &'a Frames, from: f64, so_far: Distance) -> Self {
         let mut sampler = Self::of(scene, Schedule::new(Some(every), from), Purpose::Compare(reference, so_far));
         sampler.last = from;
         sampler

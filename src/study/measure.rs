@@ -51,7 +51,7 @@ impl Runner<'_> {
         let so_far = earlier.as_ref().map(|e| e.measured).unwrap_or_default();
         let before = Cost { cpu: (spent > 0.0).then_some(spent), wall: Duration::from_secs_f64(spent) };
         let watch = Stopwatch::start(before);
-        let mut sampler = Sampler::comparing(&*case.scene, case.every, &reference.frames, (from, so_far));
+        let mut sampler = Sampler::comparing(&*case.scene, case.every, &reference.frames, from, so_far);
         let start = earlier.map_or(Start::Initial, |earlier| Start::Snapshot(Box::new(earlier.snapshot)));
         let mut keeper = Keeper::new(case.scene.n_dof(), self.interrupt, *deadline);
         let interrupt = Stop::on(self.interrupt);

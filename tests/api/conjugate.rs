@@ -201,8 +201,7 @@ fn at_rest(side: u32, m: f64, springs: (usize, f64)) -> (Arc<Pattern>, Vec<f64>)
 /// W of springs at rest, each of 1 N/m, every `nth` of them `stiffer` times as stiff.
 fn of_unit_springs(mut spec: NetworkSpec, (nth, stiffer): (usize, f64)) -> (Arc<Pattern>, Vec<f64>) {
     let mut springs = spring_group(&spec, Slack::None);
-    springs.stiffness.fill(1.0);
-    springs.stiffness.iter_mut().step_by(nth).for_each(|k| *k = stiffer);
+    springs.stiffness = (0..springs.edges.len()).map(|i| if i % nth == 0 { stiffer } else { 1.0 }).collect();
     spec.springs = vec![springs];
     let scene = build_network(spec, Threads::one()).expect("the fixture is sound");
     let (mut assembler, state) = (scene.assembler().expect("small"), scene.initial_state());
@@ -396,9 +395,8 @@ fn hemmed(side: u32, stiffer: f64) -> (Arc<Pattern>, Vec<f64>) {
         let [a, b] = [nodes[a as usize], nodes[b as usize]];
         (0..2).any(|axis| a[axis] == b[axis] && ends[axis].contains(&a[axis]))
     };
-    for (k, &edge) in springs.stiffness.iter_mut().zip(&springs.edges) {
-        *k = if on_hem(&spec.mesh.edges[edge as usize]) { stiffer } else { 1.0 };
-    }
+    let k = |&edge: &u32| if on_hem(&spec.mesh.edges[edge as usize]) { stiffer } else { 1.0 };
+    springs.stiffness = springs.edges.iter().map(k).collect();
     spec.springs = vec![springs];
     let scene = build_network(spec, Threads::one()).expect("the fixture is sound");
     let (mut assembler, state) = (scene.assembler().expect("small"), scene.initial_state());

@@ -87,12 +87,12 @@ fn tangents_before_and_after_events() {
     let all = spec.springs[0].clone();
     let some = |group: &SpringGroup, first: bool| {
         let keep: Vec<usize> = (0..group.edges.len()).filter(|i| (i % 3 == 0) == first).collect();
-        let pick = |values: &[f64]| keep.iter().map(|&i| values[i]).collect::<Vec<f64>>();
+        let pick = |values: &SpringValues| keep.iter().filter_map(|&i| values.get(i)).collect();
         let dashpot = group.dashpot.as_ref().map(|d| DashpotSpec { coefficient: pick(&d.coefficient), ..d.clone() });
         SpringGroup {
             edges: keep.iter().map(|&i| group.edges[i]).collect(),
             stiffness: pick(&group.stiffness),
-            rest_length: pick(&group.rest_length),
+            rest_length: keep.iter().map(|&i| group.rest_length[i]).collect(),
             dashpot,
             ..group.clone()
         }

@@ -21,13 +21,12 @@ fn sheet() -> NetworkSpec {
     let mut relative = group.clone();
     let split = count / 2;
     for g in [&mut group, &mut relative] {
-        g.dashpot = Some(DashpotSpec { kind: DashpotKind::Axial, coefficient: vec![1e-3; count], from_step: false });
+        g.dashpot = Some(DashpotSpec { kind: DashpotKind::Axial, coefficient: 1e-3.into(), from_step: false });
     }
     let cut = |g: &mut SpringGroup, range: std::ops::Range<usize>| {
         g.edges = g.edges[range.clone()].to_vec();
-        g.stiffness = g.stiffness[range.clone()].to_vec();
-        g.rest_length = g.rest_length[range.clone()].to_vec();
-        g.dashpot.iter_mut().for_each(|d| d.coefficient = d.coefficient[range.clone()].to_vec());
+        g.stiffness = range.clone().filter_map(|i| g.stiffness.get(i)).collect();
+        g.rest_length = g.rest_length[range].to_vec();
     };
     cut(&mut group, 0..split);
     cut(&mut relative, split..count);

@@ -226,7 +226,7 @@ const STAIR: f64 = 0.1;
 fn at_end(method: &MethodChoice, kind: Option<Kind>, h: f64, every: f64) -> [f64; 4] {
     let mut network = line(0.05, true);
     // Slow enough for explicit methods in the steps of this measurement.
-    network.spec.springs[0].stiffness = vec![150.0];
+    network.spec.springs[0].stiffness = 150.0.into();
     let mut sim = simulation(network, method, h, 10.0);
     let (steps, each) = ((0.4 / h).round() as u32, (every / h).round() as u32);
     for i in 0..steps {

@@ -112,7 +112,7 @@ pub fn oscillator(o: OscillatorSpec) -> NetworkSpec {
         fixed: vec![[true; 3], [false; 3]],
         springs: vec![SpringGroup {
             edges: vec![0],
-            stiffness: vec![o.stiffness],
+            stiffness: o.stiffness.into(),
             rest_length: vec![5.0],
             ..SpringGroup::default()
         }],

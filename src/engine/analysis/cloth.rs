@@ -1,6 +1,7 @@
 //! Cloth that is strained more than cloth bears.
 
 use crate::format_number::figures;
+use crate::mesh::box_tree::Bounds;
 use crate::model::forces::Role;
 use crate::model::observables::MembranePicture;
 use crate::model::state::StateRef;
@@ -99,11 +100,8 @@ fn strain_by_pressure(scene: &dyn Scene, at: StateRef<'_>) -> Option<f64> {
     let reference = scene.reference();
     let mut cloth = vec![false; reference.len()];
     scene.triangles().iter().flatten().for_each(|&node| cloth[node as usize] = true);
-    let [mut low, mut high] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-    for x in reference.iter().zip(&cloth).filter(|(_, cloth)| **cloth).map(|(x, _)| x) {
-        (0..3).for_each(|i| (low[i], high[i]) = (low[i].min(x[i]), high[i].max(x[i])));
-    }
-    let radius = (0..3).map(|i| 0.5 * (high[i] - low[i])).fold(0.0, f64::max);
+    let corners = reference.iter().zip(&cloth).filter(|(_, cloth)| **cloth).map(|(x, _)| x);
+    let radius = 0.5 * Bounds::of(corners).extent();
     let square =
         |a: u32, b: u32| (0..3).map(|i| (reference[a as usize][i] - reference[b as usize][i]).powi(2)).sum::<f64>();
     let sides = || scene.triangles().iter().flat_map(|&[a, b, c]| [square(a, b), square(b, c), square(c, a)]);

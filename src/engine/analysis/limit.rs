@@ -202,7 +202,7 @@ mod tests {
     }
 
     /// States (x, v) of steps of `h` [s] from x = 1, the start among them.
-    fn states(method: &MethodChoice, (oscillator, v): (Oscillator, f64), h: f64, steps: u32) -> Vec<[f64; 2]> {
+    fn states(method: &MethodChoice, oscillator: Oscillator, v: f64, h: f64, steps: u32) -> Vec<[f64; 2]> {
         let system = &oscillator;
         let interfaces = SceneInterfaces { system, tangent: system, graph: None };
         let mut from = Point { state: system.initial_state(), forces: system.new_forces() };
@@ -229,7 +229,7 @@ mod tests {
     fn a_step_is_a_function_of_h_l_unless_the_method_is_partitioned() {
         for method in steppable() {
             let with = |fast: f64| Oscillator { k: -0.9 * fast, c: 0.9 - fast };
-            let [one, other] = [-1.6, -2.3].map(|fast| states(&method, (with(fast), -0.9), 0.4, 5));
+            let [one, other] = [-1.6, -2.3].map(|fast| states(&method, with(fast), -0.9, 0.4, 5));
             let apart = |[x, v]: [f64; 2], [y, _]: [f64; 2]| (x - y).abs().max((v + 0.9 * x).abs());
             let most = one.iter().zip(&other).map(|(a, b)| apart(*a, *b)).fold(0.0, f64::max);
             let name = (method.info.name, method.parameters().collect::<Vec<_>>());
@@ -246,7 +246,7 @@ mod tests {
         for info in methods().iter().filter(|info| info.family != Family::MatrixFree) {
             let method = MethodChoice::with_defaults(info.name).unwrap();
             let falls = |wh: f64| {
-                let energies = states(&method, (oscillator, 0.0), wh, SWING).into_iter().map(|[x, v]| x * x + v * v);
+                let energies = states(&method, oscillator, 0.0, wh, SWING).into_iter().map(|[x, v]| x * x + v * v);
                 energies.is_sorted_by(|before, after| after < before)
             };
             let always = [0.3, 0.6, 1.0, 1.5, 2.0].into_iter().all(falls);

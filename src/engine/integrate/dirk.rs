@@ -11,6 +11,7 @@
 //! whose slope is known.
 
 use super::backward_euler::BackwardEuler;
+use super::forward::left_to_engine;
 use super::implicit::{Implicit, StageAttempt};
 use super::runge_kutta::{Slope, Stage, advance, weighted};
 use super::updates::{acceleration, power};
@@ -105,17 +106,7 @@ impl Integrator<dyn TangentSystem> for Dirk {
         Ok(StepReport { work: Some(work), ..report })
     }
 
-    fn accept(&mut self) {
-        self.engine.accept();
-    }
-
-    fn restart(&mut self, system: &(dyn TangentSystem + 'static), at: &Point) {
-        self.engine.restart(system, at);
-    }
-
-    fn keep_over_change(&mut self, system: &(dyn TangentSystem + 'static), at: &Point) -> bool {
-        self.engine.keep_over_change(system, at)
-    }
+    left_to_engine!();
 
     fn laws_changed(
         &mut self,
@@ -126,27 +117,6 @@ impl Integrator<dyn TangentSystem> for Dirk {
         self.engine.laws_changed(system, at, change)
     }
 
-    fn drop_unsaved(&mut self) {
-        self.engine.drop_unsaved();
-    }
-
-    fn save(&self) -> CarriedState {
-        self.engine.save()
-    }
-
-    fn restore(&mut self, carried: &CarriedState) -> Result<(), StepError> {
-        self.engine.restore(carried)
-    }
-
-    fn filter_error(
-        &mut self,
-        e: &mut [f64],
-        system: &(dyn TangentSystem + 'static),
-        counters: &mut Counters,
-    ) -> Result<(), StepError> {
-        self.engine.filter_error(e, system, counters)
-    }
-
     fn pair(&self) -> Option<PairInfo> {
         Some(self.tableau.info)
     }
@@ -155,14 +125,6 @@ impl Integrator<dyn TangentSystem> for Dirk {
         let (e, slopes) = (self.tableau.estimate, &self.slopes);
         weighted(out.x, step.h, e, slopes, |k| &k.x);
         weighted(out.v, step.h, e, slopes, |k| &k.v);
-    }
-
-    fn dof_of_unknown(&self, unknown: usize) -> usize {
-        self.engine.dof_of_unknown(unknown)
-    }
-
-    fn linear_stats(&self) -> Option<LinearStats> {
-        self.engine.linear_stats()
     }
 }
 

@@ -24,6 +24,7 @@
 //! rigid motion is damped.
 
 use super::backward_euler::BackwardEuler;
+use super::forward::left_to_engine;
 use super::implicit::{Implicit, SolverSpec};
 use super::updates::{Product, add_product, power};
 use super::{CarriedState, Counters, Integrator, LawChange, StageWork, StepError, StepInput, StepReport};
@@ -83,17 +84,7 @@ impl Integrator<dyn TangentSystem> for EnergyMomentum {
         Ok(StepReport { work: Some(work), forces_at_end: false, ..report })
     }
 
-    fn accept(&mut self) {
-        self.engine.accept();
-    }
-
-    fn restart(&mut self, system: &(dyn TangentSystem + 'static), at: &Point) {
-        self.engine.restart(system, at);
-    }
-
-    fn keep_over_change(&mut self, system: &(dyn TangentSystem + 'static), at: &Point) -> bool {
-        self.engine.keep_over_change(system, at)
-    }
+    left_to_engine!();
 
     fn laws_changed(
         &mut self,
@@ -105,34 +96,5 @@ impl Integrator<dyn TangentSystem> for EnergyMomentum {
             return self.start(system, at);
         }
         self.engine.laws_changed(system, at, change)
-    }
-
-    fn drop_unsaved(&mut self) {
-        self.engine.drop_unsaved();
-    }
-
-    fn save(&self) -> CarriedState {
-        self.engine.save()
-    }
-
-    fn restore(&mut self, carried: &CarriedState) -> Result<(), StepError> {
-        self.engine.restore(carried)
-    }
-
-    fn filter_error(
-        &mut self,
-        e: &mut [f64],
-        system: &(dyn TangentSystem + 'static),
-        counters: &mut Counters,
-    ) -> Result<(), StepError> {
-        self.engine.filter_error(e, system, counters)
-    }
-
-    fn dof_of_unknown(&self, unknown: usize) -> usize {
-        self.engine.dof_of_unknown(unknown)
-    }
-
-    fn linear_stats(&self) -> Option<LinearStats> {
-        self.engine.linear_stats()
     }
 }

@@ -65,6 +65,7 @@ pub mod euler_cromer;
 pub mod euler_richardson;
 pub mod explicit_euler;
 mod factor_cache;
+mod forward;
 pub mod generalized_alpha;
 pub mod hht;
 pub mod implicit;

@@ -8,9 +8,11 @@ use std::f64::consts::TAU;
 
 mod canopy;
 mod over_time;
+mod spring_values;
 mod surface;
 pub use canopy::{CanopyAir, CanopySpec, CavitySpec, ClothSpec, FillingSpec};
 pub use over_time::{MotionSpec, Series, support_velocity};
+pub use spring_values::SpringValues;
 pub use surface::{BendingSpec, MembraneSpec};
 
 /// How the tension of a spring grows with its strain r = e/l0, before any slack.
@@ -62,8 +64,8 @@ pub enum DashpotKind {
 pub struct DashpotSpec {
     /// axial or relative
     pub kind: DashpotKind,
-    /// [N s/m] coefficient of every spring of the group, already resolved from its rule
-    pub coefficient: Vec<f64>,
+    /// [N s/m] coefficient of the springs, already resolved from its rule
+    pub coefficient: SpringValues,
     /// whether the rule was `"step"` (c = k dt), which Kang's filter contains already
     pub from_step: bool,
 }
@@ -73,8 +75,8 @@ pub struct DashpotSpec {
 pub struct SpringGroup {
     /// edges of the mesh, ascending
     pub edges: Vec<u32>,
-    /// [N/m] stiffness of every spring
-    pub stiffness: Vec<f64>,
+    /// [N/m] stiffness of the springs
+    pub stiffness: SpringValues,
     /// [m] rest length of every spring
     pub rest_length: Vec<f64>,
     /// tension over strain

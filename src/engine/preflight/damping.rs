@@ -40,7 +40,7 @@ pub fn braked(spec: &NetworkSpec, parts: &Parts) -> Option<DampedRotation> {
         let relative = group.dashpot.as_ref().filter(|dashpot| dashpot.kind == DashpotKind::Relative);
         for (i, edge) in group.edges.iter().enumerate() {
             let Some(ends) = spec.mesh.edges.get(*edge as usize).filter(|[a, _]| parts.is_free(*a)) else { continue };
-            let dashpot = relative.and_then(|dashpot| dashpot.coefficient.get(i)).is_some_and(|c| *c > 0.0);
+            let dashpot = relative.and_then(|dashpot| dashpot.coefficient.get(i)).is_some_and(|c| c > 0.0);
             brakes.relative |= dashpot;
             brakes.rayleigh_stiffness |= rayleigh.stiffness > 0.0;
             brakes.rayleigh_mass |= rayleigh.mass > 0.0;

@@ -185,11 +185,10 @@ impl Builder<'_> {
             let [a, b] = nodes(i);
             (a.min(b), a.max(b), i)
         });
-        let pick = |values: &[f64]| -> Vec<f64> { order.iter().map(|&i| values[i]).collect() };
         let data = SpringData {
             nodes: order.iter().map(|&i| nodes(i)).collect(),
-            rest_length: pick(&group.rest_length).into(),
-            stiffness: Coefficient::from_values(&pick(&group.stiffness)),
+            rest_length: order.iter().map(|&i| group.rest_length[i]).collect(),
+            stiffness: Coefficient::of_springs(&group.stiffness, &order),
             curve: (&group.law).into(),
             slack: group.slack,
             rest_scale: None,
@@ -198,7 +197,7 @@ impl Builder<'_> {
             None => (Coefficient::Uniform(0.0), false),
             Some(d) => {
                 let in_filter = d.from_step && d.kind == DashpotKind::Relative;
-                (Coefficient::from_values(&pick(&d.coefficient)), in_filter)
+                (Coefficient::of_springs(&d.coefficient, &order), in_filter)
             }
         };
         let axial = group.dashpot.as_ref().is_some_and(|d| d.kind == DashpotKind::Axial);

@@ -299,10 +299,14 @@ mod tests {
             fixed: vec![[true; 3], [false; 3], [false; 3]],
             springs: vec![SpringGroup {
                 edges: vec![0, 1, 2],
-                stiffness: vec![1.0; 3],
+                stiffness: vec![1.0; 3].into(),
                 rest_length: vec![1.0; 3],
                 slack: Slack::DeadZone { eps: 0.1 },
-                dashpot: Some(DashpotSpec { kind: DashpotKind::Axial, coefficient: vec![1.0; 3], from_step: false }),
+                dashpot: Some(DashpotSpec {
+                    kind: DashpotKind::Axial,
+                    coefficient: vec![1.0; 3].into(),
+                    from_step: false,
+                }),
                 ..SpringGroup::default()
             }],
             air: Some(AirSpec { linear: 1.0, quadratic: 1.0, wind: constant([0.0; 3]) }),
@@ -323,7 +327,7 @@ mod tests {
     fn what_a_library_user_can_get_wrong_is_refused() {
         type Spoil = fn(&mut NetworkSpec);
         let spoilt: [(Spoil, &str); 12] = [
-            (|s| s.springs[0].stiffness[1] = f64::NAN, "stiffness 1 is not a finite number"),
+            (|s| s.springs[0].stiffness = vec![1.0, f64::NAN, 1.0].into(), "stiffness 1 is not a finite number"),
             (|s| s.springs[0].rest_length[2] = f64::INFINITY, "rest_length 2 is not"),
             (|s| s.springs[0].slack = Slack::CompressionLimit { eps: f64::NAN }, "slack eps"),
             (|s| s.mesh.nodes[2][1] = f64::NAN, "position of node 2"),

@@ -1,18 +1,21 @@
 //! Checks of the elastic elements of a specification.
 
 use super::check::{BuildError, below, finite, length};
-use crate::model::spec::{BendingSpec, ElasticLaw, MembraneSpec, NetworkSpec, Slack, SpringGroup};
+use crate::model::spec::{BendingSpec, ElasticLaw, MembraneSpec, NetworkSpec, Slack, SpringGroup, SpringValues};
 
 /// Springs of a mesh with so many edges.
 pub(super) fn springs(group: &SpringGroup, edges: usize) -> Result<(), BuildError> {
     let m = group.edges.len();
     below("edge", &group.edges, edges)?;
     let dashpot = group.dashpot.as_ref().map(|d| ("dashpot coefficient", &d.coefficient));
-    let lists = [("stiffness", &group.stiffness), ("rest_length", &group.rest_length)];
-    for (what, list) in lists.into_iter().chain(dashpot) {
-        length(what, list.len(), m)?;
-        finite(what, list)?;
+    for (what, values) in [("stiffness", &group.stiffness)].into_iter().chain(dashpot) {
+        if let SpringValues::PerEdge(list) = values {
+            length(what, list.len(), m)?;
+        }
+        finite(what, values.given())?;
     }
+    length("rest_length", group.rest_length.len(), m)?;
+    finite("rest_length", &group.rest_length)?;
     if let Slack::DeadZone { eps } | Slack::CompressionLimit { eps } = group.slack {
         finite("slack eps", &[eps])?;
     }

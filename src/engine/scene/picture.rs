@@ -234,10 +234,10 @@ mod tests {
     /// moves at (ldot, 5, 0).
     fn tension(slack: Slack, kind: Option<DashpotKind>, [l, ldot]: [f64; 2]) -> f64 {
         let mesh = Mesh { nodes: vec![[0.0; 3], [l, 0.0, 0.0]], edges: vec![[0, 1]], ..Mesh::default() };
-        let dashpot = kind.map(|kind| DashpotSpec { kind, coefficient: vec![4.0], from_step: false });
+        let dashpot = kind.map(|kind| DashpotSpec { kind, coefficient: 4.0.into(), from_step: false });
         let line = SpringGroup {
             edges: vec![0],
-            stiffness: vec![100.0],
+            stiffness: 100.0.into(),
             rest_length: vec![1.0],
             slack,
             dashpot,

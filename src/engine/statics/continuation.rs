@@ -45,6 +45,15 @@ const LIGHTEST: f64 = 1e-8;
 /// [-] A node that is farther from its start than this many sizes of the scene has left it.
 const LEFT: f64 = 1e3;
 
+/// What a search works with, and where it begins.
+pub(super) struct SearchStart<'a> {
+    pub stop: Stop<'a>,
+    pub watcher: Watcher<'a>,
+    pub tangents: Tangents,
+    pub at: Point,
+    pub counters: Counters,
+}
+
 /// A search in progress.
 pub(super) struct Continuation<'a> {
     pub scene: &'a dyn Scene,
@@ -70,12 +79,8 @@ pub(super) struct Continuation<'a> {
 }
 
 impl<'a> Continuation<'a> {
-    pub(super) fn new(
-        scene: &'a dyn Scene,
-        spec: StaticSpec,
-        (stop, watcher): (Stop<'a>, Watcher<'a>),
-        (tangents, at, counters): (Tangents, Point, Counters),
-    ) -> Self {
+    pub(super) fn new(scene: &'a dyn Scene, spec: StaticSpec, start: SearchStart<'a>) -> Self {
+        let SearchStart { stop, watcher, tangents, at, counters } = start;
         let unknowns = tangents.dof.len();
         let newton = NewtonSpec { relative: INNER, max_iterations: INNER_ITERATIONS, strategy: Strategy::Full };
         Continuation {
@@ -132,6 +137,9 @@ impl<'a> Continuation<'a> {
         let mut mu = cautious;
         if self.load(LIGHTEST * cautious, (now, relative)) {
             now = self.residual();
+            if now.is_small(relative) {
+                return Ok(());
+            }
             mu *= LIGHTEST;
         }
         // The lightest weight that rounding leaves visible.
@@ -145,7 +153,7 @@ impl<'a> Continuation<'a> {
                 return Err(self.not_converged(now));
             }
             let before = now;
-            let solved = self.solve(mu, (now, relative));
+            let solved = self.solve(mu, now, relative);
             // A solve that was not finished has gone downhill, or nearer to its solution, so its progress is kept.
             let unfinished = match &solved {
                 Err(NewtonFailure::MaxIterations { residual, .. }) => {
@@ -247,7 +255,7 @@ impl<'a> Continuation<'a> {
     }
 
     /// One solve into `trial` and `z`.
-    fn solve(&mut self, mu: f64, (now, relative): (Residual, f64)) -> Result<NewtonReport, NewtonFailure> {
+    fn solve(&mut self, mu: f64, now: Residual, relative: f64) -> Result<NewtonReport, NewtonFailure> {
         let wanted = (0.5 * relative * now.scale).max(f64::MIN_POSITIVE);
         let scales = self.scales(now.force.max(wanted / INNER));
         self.z.fill(0.0);

@@ -30,7 +30,7 @@ use crate::model::stop::Stop;
 use crate::scene::{Scene, event_times, pass_events, sample_tables};
 use crate::solve::newton::Strategy;
 use crate::solve::{LinearChoice, LinearStats};
-use continuation::Continuation;
+use continuation::{Continuation, SearchStart};
 
 /// What to find.
 #[derive(Clone, Copy, Debug)]
@@ -125,7 +125,7 @@ pub fn find_watched(scene: &dyn Scene, spec: StaticSpec, stop: Stop<'_>, watcher
         Ok(tangents) => tangents,
         Err(error) => return Equilibrium::without(point, counters, StaticFailure::Solver { error: error.to_string() }),
     };
-    let mut search = Continuation::new(scene, spec, (stop, watcher), (tangents, point, counters));
+    let mut search = Continuation::new(scene, spec, SearchStart { stop, watcher, tangents, at: point, counters });
     let unsupported = resultants::unsupported(scene, &search.at, search.dofs.size);
     let failure = match unsupported {
         Some(failure) => Some(failure),

@@ -56,8 +56,8 @@ pub(super) fn loose(scene: &dyn Scene, at: &Point) -> Option<Loose> {
     let mut loads = vec![0.0; scene.n_dof()];
     scene.load(at.state.as_ref(), &mut loads);
     let parts = Parts::of(scene, at, &loads)?;
-    let found = parts.moves().max_by(|a, b| a.1.load.abs().total_cmp(&b.1.load.abs()))?;
-    Some(parts.loose(scene, found))
+    let (&(part, axis), sum) = parts.moves().max_by(|a, b| a.1.load.abs().total_cmp(&b.1.load.abs()))?;
+    Some(parts.loose(scene, part, axis, sum))
 }
 
 /// Sums of loads by part of a scene and axis.
@@ -115,7 +115,7 @@ impl Parts {
         })
     }
 
-    fn loose(&self, scene: &dyn Scene, (&(of, axis), sum): (&(u32, &'static str), &Sum)) -> Loose {
+    fn loose(&self, scene: &dyn Scene, of: u32, axis: &'static str, sum: &Sum) -> Loose {
         let nodes: Vec<u32> = (0..).zip(&self.part).filter(|(_, part)| **part == of).map(|(node, _)| node).collect();
         let groups = groups_of(scene, &nodes);
         Loose { axis, whole: nodes.len() == self.part.len(), groups, nodes, resultant: sum.load }
@@ -160,8 +160,8 @@ pub(super) fn unsupported(scene: &dyn Scene, at: &Point, size: f64) -> Option<St
     }
     let parts = Parts::of(scene, at, &loads)?;
     let largest = |a: &(_, &Sum), b: &(_, &Sum)| a.1.load.abs().total_cmp(&b.1.load.abs());
-    let found = if blows { parts.falls(&winds).max_by(largest) } else { parts.moves().max_by(largest) }?;
-    Some(StaticFailure::NoSupport { loose: parts.loose(scene, found) })
+    let (&(part, axis), sum) = if blows { parts.falls(&winds).max_by(largest) } else { parts.moves().max_by(largest) }?;
+    Some(StaticFailure::NoSupport { loose: parts.loose(scene, part, axis, sum) })
 }
 
 /// Whether there are winds, all of one direction. Where they differ, a body could lean on one against another.

@@ -123,11 +123,12 @@ fn as_net(spec: &mut NetworkSpec, geometry: &Geometry) -> Result<(), ClothModelE
             sheet: Some(SheetSpec { modulus: along, thickness: sheet.thickness }),
             ..SpringGroup::default()
         };
+        let mut stiffness = Vec::new();
         for (edge, &length) in geometry.length.iter().enumerate() {
             let k = geometry.net_stiffness(along * sheet.thickness, edge, |t| sides[t as usize].is_some());
             if k > 0.0 {
                 group.edges.push(edge as u32);
-                group.stiffness.push(k);
+                stiffness.push(k);
                 group.rest_length.push(length);
                 let triangles = geometry.topology.edge_triangles(edge);
                 triangles.iter().for_each(|&t| sides[t as usize] = sides[t as usize].map(|sides| sides + 1));
@@ -137,9 +138,10 @@ fn as_net(spec: &mut NetworkSpec, geometry: &Geometry) -> Result<(), ClothModelE
         if !few.is_empty() {
             return Err(ClothModelError::Sides(few));
         }
+        group.stiffness = stiffness.into();
         group.dashpot = (sheet.damping_time > 0.0).then(|| DashpotSpec {
             kind: DashpotKind::Axial,
-            coefficient: group.stiffness.iter().map(|k| k * sheet.damping_time).collect(),
+            coefficient: group.stiffness.map(|k| k * sheet.damping_time),
             from_step: false,
         });
         spec.springs.push(group);
@@ -223,8 +225,8 @@ fn of_group(group: &SpringGroup, of: SheetSpec, geometry: &Geometry) -> Result<S
     let damping_time = match &group.dashpot {
         None => 0.0,
         Some(DashpotSpec { kind: DashpotKind::Axial, coefficient, from_step: false }) => {
-            let time = |(c, k): (&f64, &f64)| c / k;
-            let times = || coefficient.iter().zip(&group.stiffness).map(time);
+            let springs = group.edges.len();
+            let times = || coefficient.of(springs).zip(group.stiffness.of(springs)).map(|(c, k)| c / k);
             match times().next() {
                 Some(first) if times().all(|time| same(first, time)) => first,
                 _ => return only("dashpots of different times", "give them as \"axial\": {\"time\": ...}"),

@@ -214,6 +214,8 @@ pub(crate) struct FaultList {
     dropped: usize,
     /// entries with a stand-in, and removed keys
     unread: BTreeSet<String>,
+    /// numbers out of range, each with a stand-in of the right range
+    outside: BTreeSet<String>,
     /// misspelt keys: the pointer with the known key, and the key as written
     renamed: BTreeMap<String, String>,
 }
@@ -251,6 +253,11 @@ impl FaultList {
         self.unread.insert(at.as_str().to_owned());
     }
 
+    /// Marks a number that is out of range. What stands above it can be read.
+    pub(crate) fn leave_outside(&mut self, at: &Pointer) {
+        self.outside.insert(at.as_str().to_owned());
+    }
+
     /// Marks an entry whose misspelt key is read as a similar known key.
     pub(crate) fn rename(&mut self, known: &Pointer, written: &Pointer) {
         // Entries below it that the JSON reader left unread still have the written key.
@@ -266,13 +273,15 @@ impl FaultList {
     /// Whether `at` or something above it was left unread.
     pub(crate) fn unread(&self, at: &Pointer) -> bool {
         let path = at.as_str();
-        path.match_indices('/').filter_map(|(i, _)| path.get(..i)).chain([path]).any(|p| self.unread.contains(p))
+        let unread = |p: &str| self.unread.contains(p);
+        path.match_indices('/').filter_map(|(i, _)| path.get(..i)).chain([path]).any(unread)
+            || self.outside.contains(path)
     }
 
     /// Whether nothing at `at`, above it or below it was left unread.
     pub(crate) fn readable(&self, at: &Pointer) -> bool {
         // Quick answer for a case without faults, because this is called for every number.
-        if self.unread.is_empty() {
+        if self.unread.is_empty() && self.outside.is_empty() {
             return true;
         }
         let below = format!("{}/", at.as_str());

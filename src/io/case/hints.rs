@@ -120,6 +120,24 @@ pub(crate) fn unit(schema: &Value) -> Option<&str> {
     text.strip_prefix('[')?.split_once(']').map(|(unit, _)| unit)
 }
 
+/// Advice for a value out of its range, by the end of its pointer.
+const OF_RANGES: &[(&str, &str)] = &[
+    ("/outer_pressure_coefficient", "it is that behind a full canopy, below the pressure inside: about -0.6"),
+    ("/law/table", "a measured curve needs few rows: they are joined by straight lines"),
+    ("/poisson", "with one modulus it is below 1 too, with two moduli poisson^2 E2 is below E1"),
+    ("/study/methods", CHOICE),
+    ("/study/steps", CHOICE),
+    ("/study/tolerances", CHOICE),
+    ("/study/models", CHOICE),
+];
+
+const CHOICE: &str = "leave the key out to let the study choose";
+
+/// Advice for the value at this pointer, if it is out of its range.
+pub(crate) fn of_range(pointer: &str) -> Option<String> {
+    OF_RANGES.iter().find(|(end, _)| pointer.ends_with(end)).map(|(_, advice)| (*advice).to_owned())
+}
+
 /// Levels of objects in an example.
 const DEEP: usize = 4;
 

@@ -1,12 +1,13 @@
 //! The case file: reads and checks it, and makes the data of a run.
 //!
 //! ```text
-//! file --jsonc--> value --set--> value --serde--> CaseFile --lower--> Problem
+//! file --jsonc--> value --set--> value --serde--> CaseFile --schema_check--> ranges are right --lower--> Problem
 //! ```
 //!
-//! The fast path stops at the first fault of JSON or of a type. Then a second pass finds all faults at once. It reads
-//! the text tolerantly (`jsonc`), compares it with the schema (`schema_check`), replaces wrong values by stand-ins, and
-//! checks ranges and meaning of the rest. [`diagnostics`] describes a fault, and [`span`] has its location in the text.
+//! The fast path stops at the first fault of JSON, of a type or of a range. Then a second pass finds all faults at
+//! once. It reads the text tolerantly (`jsonc`), compares types, keys and ranges with the schema (`schema_check`),
+//! replaces wrong values by stand-ins, and checks the meaning of the rest. [`diagnostics`] describes a fault, and
+//! [`span`] has its location in the text.
 
 mod cloth_model;
 pub mod diagnostics;

@@ -1,70 +1,84 @@
-//! The second pass over a case that serde refused: it compares the case with the JSON Schema and finds every wrong type
-//! and key, while serde stops at the first.
+//! Compares a case with the JSON Schema. Of a case that serde has read, it checks the ranges. Of one that serde has
+//! refused or whose ranges are wrong, it finds every wrong type, key and range, while serde stops at the first.
 //!
-//! A wrong value is replaced by a stand-in, so that the rest can be read and its ranges checked as well. Ranges are not
-//! checked here. Faults that follow from a stand-in are not the user's: a case is read with two kinds of stand-ins, and
-//! only the faults of both readings count. The check supports the part of JSON Schema that schemars uses for this case:
-//! `$ref`, `oneOf` of words, of objects with one key and of different types, objects that refuse other keys, maps with
-//! values of one kind, arrays, and nullable types.
+//! A wrong value is replaced by a stand-in, so that the rest can be read and its meaning checked as well. Faults that
+//! follow from a stand-in are not the user's: a case is read with two kinds of stand-ins, and only the faults of both
+//! readings count. The check supports the part of JSON Schema that schemars uses for this case: `$ref`, `oneOf` of
+//! words, of objects with one key and of different types, objects that refuse other keys, maps with values of one kind,
+//! arrays, bounds of numbers and of the lengths of lists, and nullable types.
 
-use serde_json::{Map, Value, json};
+use std::sync::LazyLock;
 
-use super::diagnostics::FaultList;
-use super::diagnostics::{Fault, FaultTarget, did_you_mean, excerpt, nearest, one_of, shorten};
+use serde_json::{Map, Value};
+
+use super::diagnostics::{Fault, FaultList, FaultTarget, did_you_mean, excerpt, nearest, one_of, shorten};
 use super::hints;
 use super::pointer::Pointer;
 use super::schema::json_schema;
 
-/// Which values stand for those that cannot be read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum StandIns {
-    /// large numbers, the first of several names
-    First,
-    /// larger numbers, the last of several names
-    Second,
-}
+mod one_of;
+mod range;
+mod stand_in;
+use one_of::OneOf;
+use range::{counted_entries, out_of_range, plain_numbers};
+pub(crate) use stand_in::StandIns;
+use stand_in::stand_in;
 
-impl StandIns {
-    /// [-] Stand-in for a number. It is large, so that no other number seems too large beside it.
-    fn number(self) -> u32 {
-        match self {
-            StandIns::First => 1_000_000_000,
-            StandIns::Second => 3_000_000_000,
-        }
-    }
-}
+static SCHEMA: LazyLock<Value> = LazyLock::new(json_schema);
 
-/// Finds every wrong type and key of a case and replaces them by stand-ins.
+/// Finds every wrong type, key and range of a case and replaces the values by stand-ins.
 pub(crate) fn walk(json: &mut Value, findings: &mut FaultList, stand_ins: StandIns) {
-    let root = json_schema();
-    SchemaCheck { root: &root, findings, stand_ins }.visit(&root, json, &Pointer::root());
+    SchemaCheck { root: &SCHEMA, findings, stand_ins: Some(stand_ins) }.visit(&SCHEMA, json, &Pointer::root());
+}
+
+/// Whether the ranges of a case that serde has read are right. The case stays as it is.
+pub(crate) fn ranges_hold(json: &mut Value) -> bool {
+    let mut findings = FaultList::default();
+    SchemaCheck { root: &SCHEMA, findings: &mut findings, stand_ins: None }.visit(&SCHEMA, json, &Pointer::root());
+    findings.count() == 0
+}
+
+/// Whether the ranges at `at` are checked elsewhere: a mesh and a method check their own, without a case too.
+fn checked_elsewhere(at: &Pointer) -> bool {
+    let places = ["/system/network/mesh", "/time/method", "/study/methods/"];
+    places.iter().any(|place| at.as_str().starts_with(place))
 }
 
 struct SchemaCheck<'a> {
     root: &'a Value,
     findings: &'a mut FaultList,
-    stand_ins: StandIns,
+    /// `None`: serde has read the case, and values stay
+    stand_ins: Option<StandIns>,
 }
 
 impl<'a> SchemaCheck<'a> {
     fn visit(&mut self, schema: &'a Value, value: &mut Value, at: &Pointer) {
-        if value.is_null() && nullable(schema) {
+        if value.is_null() && nullable(schema) || self.stand_ins.is_none() && checked_elsewhere(at) {
             return;
         }
+        let outer = schema;
         let schema = meant(self.root, schema);
         if let Some(choice) = OneOf::new(self.root, schema) {
-            return self.choose(&choice, schema, value, at);
+            self.choose(&choice, schema, value, at);
+            return self.range(outer, value, at);
         }
         match (kind(schema), &mut *value) {
             ("object", Value::Object(map)) => self.object(schema, map, at),
             ("array", Value::Array(list)) if length(schema).is_none_or(|n| list.len() == n) => {
                 let Some(items) = schema.get("items") else { return };
-                list.iter_mut().enumerate().for_each(|(i, item)| self.visit(items, item, &at.index(i)));
+                // Serde has read them, and there may be millions.
+                if self.stand_ins.is_some() || !plain_numbers(items) {
+                    list.iter_mut().enumerate().for_each(|(i, item)| self.visit(items, item, &at.index(i)));
+                }
+                self.range(schema, value, at);
             }
             // The reader of the text has put any number where it could not read one.
-            ("number", Value::Number(_)) if self.findings.unread(at) => *value = json!(self.stand_ins.number()),
-            ("number", Value::Number(_)) | ("string", Value::String(_)) | ("boolean", Value::Bool(_)) => {}
-            ("integer", Value::Number(n)) if n.as_u64().is_some_and(|n| n <= largest(schema)) => {}
+            ("number", Value::Number(_)) if self.findings.unread(at) => self.replace(schema, value, at),
+            ("string", Value::String(_)) | ("boolean", Value::Bool(_)) => {}
+            ("number", Value::Number(_)) => self.range(schema, value, at),
+            ("integer", Value::Number(n)) if n.as_u64().is_some_and(|n| n <= largest(schema)) => {
+                self.range(schema, value, at);
+            }
             _ => self.refuse(schema, value, at, describe(self.root, schema)),
         }
     }
@@ -93,8 +107,28 @@ impl<'a> SchemaCheck<'a> {
     }
 
     fn replace(&mut self, schema: &Value, value: &mut Value, at: &Pointer) {
-        *value = stand_in(self.root, schema, self.stand_ins);
+        let Some(stand_ins) = self.stand_ins else { return };
+        *value = stand_in(self.root, schema, stand_ins);
         self.findings.leave_unread(at);
+    }
+
+    /// Adds a fault for a number or a list out of the range of its schema, and replaces it by a stand-in.
+    fn range(&mut self, schema: &Value, value: &mut Value, at: &Pointer) {
+        // A stand-in for a list is empty.
+        if checked_elsewhere(at) || self.findings.unread(at) {
+            return;
+        }
+        let Some(allowed) = out_of_range(schema, value) else { return };
+        let pointer = at.as_str().to_owned();
+        let (shown, hint) = (counted_entries(schema, value), hints::of_range(at.as_str()));
+        self.findings.note(|| Fault { pointer, value: shown, allowed, hint, ..Fault::default() });
+        match self.stand_ins.filter(|_| value.is_number()) {
+            Some(stand_ins) => {
+                *value = stand_ins.number(schema);
+                self.findings.leave_outside(at);
+            }
+            None => self.replace(schema, value, at),
+        }
     }
 
     fn note(&mut self, at: &Pointer, part: FaultTarget, value: &Value, allowed: String, hint: Option<String>) {
@@ -103,13 +137,25 @@ impl<'a> SchemaCheck<'a> {
     }
 
     fn object(&mut self, schema: &'a Value, map: &mut Map<String, Value>, at: &Pointer) {
-        let empty = Map::new();
         let known = schema.get("properties").and_then(Value::as_object);
-        let names: Vec<&str> = known.unwrap_or(&empty).keys().map(String::as_str).collect();
         // A map from any name to values of one kind.
         if let Some(values) = schema.get("additionalProperties").filter(|values| values.is_object()) {
             return map.iter_mut().for_each(|(key, value)| self.visit(values, value, &at.key(key)));
         }
+        if let Some(stand_ins) = self.stand_ins {
+            self.keys(schema, map, at, stand_ins);
+        }
+        for (key, value) in map {
+            if let Some(schema) = known.and_then(|known| known.get(key)) {
+                self.visit(schema, value, &at.key(key));
+            }
+        }
+    }
+
+    /// Adds the faults of unknown and missing keys; the known keys that they stand for get the values, or stand-ins.
+    fn keys(&mut self, schema: &'a Value, map: &mut Map<String, Value>, at: &Pointer, stand_ins: StandIns) {
+        let known = schema.get("properties").and_then(Value::as_object);
+        let names: Vec<&str> = known.into_iter().flat_map(Map::keys).map(String::as_str).collect();
         let required = || {
             let list = schema.get("required").and_then(Value::as_array).into_iter().flatten();
             list.filter_map(Value::as_str)
@@ -119,7 +165,7 @@ impl<'a> SchemaCheck<'a> {
             let Some(value) = map.remove(&key) else { continue };
             let missing = |name: &str| required().any(|key| key == name) && !map.contains_key(name);
             let meant = hints::keys_like(&key, &names, missing);
-            self.unknown_key(&key, (&value, &names, &meant), at);
+            self.unknown_key(&key, &value, &names, &meant, at);
             match meant[..] {
                 [near] if !map.contains_key(near) => {
                     self.findings.rename(&at.key(near), &at.key(&key));
@@ -135,18 +181,13 @@ impl<'a> SchemaCheck<'a> {
             self.findings.leave_unread(&below);
             map.insert(
                 key.to_owned(),
-                known.and_then(|k| k.get(key)).map_or(Value::Null, |s| stand_in(self.root, s, self.stand_ins)),
+                known.and_then(|k| k.get(key)).map_or(Value::Null, |s| stand_in(self.root, s, stand_ins)),
             );
-        }
-        for (key, value) in map {
-            if let Some(schema) = known.and_then(|known| known.get(key)) {
-                self.visit(schema, value, &at.key(key));
-            }
         }
     }
 
     /// Adds the fault of a key that is not known here, with those that it may stand for.
-    fn unknown_key(&mut self, key: &str, (value, names, meant): (&Value, &[&str], &[&str]), at: &Pointer) {
+    fn unknown_key(&mut self, key: &str, value: &Value, names: &[&str], meant: &[&str], at: &Pointer) {
         let elsewhere = || {
             let places = hints::places_of(self.root, key);
             (!places.is_empty()).then(|| hints::listed("this key is known elsewhere", &places))
@@ -222,96 +263,6 @@ impl<'a> SchemaCheck<'a> {
         map.insert(near.to_owned(), value);
         self.object(branch, map, at);
         true
-    }
-}
-
-/// A `oneOf` sorted by how its branches differ.
-struct OneOf<'a> {
-    /// plain words: `"all"`
-    words: Vec<&'a str>,
-    /// objects with one key: `{"ids": [...]}`
-    tags: Vec<(&'a str, &'a Value)>,
-    /// objects with several keys, by the first that they need: `{"file": ..., "scale": ...}`
-    records: Vec<(&'a str, &'a Value)>,
-    /// numbers, objects with several keys, and lists
-    others: Vec<&'a Value>,
-}
-
-impl<'a> OneOf<'a> {
-    /// The `oneOf` of a schema, if it has one.
-    fn new(root: &'a Value, schema: &'a Value) -> Option<Self> {
-        let mut choice = Self { words: Vec::new(), tags: Vec::new(), records: Vec::new(), others: Vec::new() };
-        for branch in schema.get("oneOf")?.as_array()? {
-            let branch = meant(root, branch);
-            let key = branch.get("required").and_then(Value::as_array).and_then(|keys| keys.first()?.as_str());
-            // An object with several keys is known by its type.
-            let several = branch.get("properties").and_then(Value::as_object).is_some_and(|keys| keys.len() > 1);
-            match (branch.get("const").and_then(Value::as_str), key) {
-                (Some(word), _) => choice.words.push(word),
-                (None, Some(key)) if !several => choice.tags.push((key, branch)),
-                (None, key) => {
-                    choice.others.push(branch);
-                    choice.records.extend(key.map(|key| (key, branch)));
-                }
-            }
-        }
-        // Without objects of one key beside them they are known by their type.
-        if choice.tags.is_empty() {
-            choice.records.clear();
-        }
-        Some(choice)
-    }
-
-    /// The branch of an object with this key.
-    fn tag(&self, key: &str) -> Option<&'a Value> {
-        self.tags.iter().chain(&self.records).find(|(tag, _)| *tag == key).map(|(_, branch)| *branch)
-    }
-
-    /// The branch of an object with several keys that has the one it needs.
-    fn record(&self, map: &Map<String, Value>) -> Option<&'a Value> {
-        self.records.iter().find(|(key, _)| map.contains_key(*key)).map(|(_, branch)| *branch)
-    }
-
-    /// The keys of the objects.
-    fn tag_names(&self) -> Vec<&'a str> {
-        self.tags.iter().chain(&self.records).map(|(tag, _)| *tag).collect()
-    }
-
-    /// All names, of words and of objects, each once.
-    fn names(&self) -> Vec<&'a str> {
-        let tags = self.tag_names().into_iter().filter(|tag| !self.words.contains(tag));
-        self.words.iter().copied().chain(tags).collect()
-    }
-
-    /// The branch for a number, an object with several keys, or a list. Between two kinds of list, the majority of the
-    /// entries decides.
-    fn of_type(&self, value: &Value) -> Option<&'a Value> {
-        let Value::Array(list) = value else {
-            let fits = |branch: &&Value| match kind(branch) {
-                "number" => value.is_number(),
-                "object" => value.is_object(),
-                _ => false,
-            };
-            return self.others.iter().copied().find(fits);
-        };
-        let nested = 2 * list.iter().filter(|entry| entry.is_array()).count() >= list.len();
-        let lists = || self.others.iter().copied().filter(|branch| kind(branch) == "array");
-        let fits = |branch: &&Value| branch.pointer("/items/type").is_some_and(|t| t == "array") == nested;
-        lists().find(|branch| fits(branch)).or_else(|| lists().next())
-    }
-
-    /// What is allowed, in the words of a case file.
-    fn describe(&self, root: &Value) -> String {
-        let mut parts: Vec<String> = self.others.iter().map(|branch| describe(root, branch)).collect();
-        match (self.words.is_empty(), self.tags.is_empty()) {
-            (true, true) => {}
-            (true, false) => parts.push("an object {...} with one key".to_owned()),
-            (false, true) => parts.push("a word in double quotes".to_owned()),
-            (false, false) => parts.push("a word in double quotes or an object {...} with one key".to_owned()),
-        }
-        let names = self.names();
-        let known = if names.is_empty() { String::new() } else { format!("; {}", one_of("known names here", &names)) };
-        format!("{}{known}", parts.join(" or "))
     }
 }
 
@@ -413,33 +364,4 @@ fn wrong_type(expected: &str, value: &Value) -> Option<String> {
         Value::Object(_) => "an object",
     };
     Some(format!("expected {wanted}, found {found}"))
-}
-
-/// A value of the right type, so that the rest of the case can be read; its range need not be right.
-fn stand_in(root: &Value, schema: &Value, kind_of: StandIns) -> Value {
-    let schema = meant(root, schema);
-    let branches = schema.get("oneOf").and_then(Value::as_array);
-    let chosen = branches.and_then(|list| match kind_of {
-        StandIns::First => list.first(),
-        StandIns::Second => list.last(),
-    });
-    if let Some(branch) = chosen {
-        return branch.get("const").cloned().unwrap_or_else(|| stand_in(root, branch, kind_of));
-    }
-    match kind(schema) {
-        "object" => {
-            let required = schema.get("required").and_then(Value::as_array).into_iter().flatten();
-            let member =
-                |key: &str| Some((key.to_owned(), stand_in(root, schema.get("properties")?.get(key)?, kind_of)));
-            Value::Object(required.filter_map(Value::as_str).filter_map(member).collect::<Map<_, _>>())
-        }
-        "array" => {
-            let item = schema.get("items").map_or(Value::Null, |items| stand_in(root, items, kind_of));
-            Value::Array(vec![item; length(schema).unwrap_or(0)])
-        }
-        "number" | "integer" => json!(kind_of.number()),
-        "string" => json!("x"),
-        "boolean" => json!(kind_of == StandIns::Second),
-        _ => Value::Null,
-    }
 }

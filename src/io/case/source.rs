@@ -12,7 +12,7 @@ use super::lower::geometry::Geometry;
 use super::lower::{LoweredCase, build};
 use super::pointer::Pointer;
 use super::schema::CaseFile;
-use super::schema_check::{StandIns, walk};
+use super::schema_check::{StandIns, ranges_hold, walk};
 use super::span::{CaseText, Location};
 use super::{Case, CaseError, overrides};
 
@@ -52,8 +52,9 @@ impl Source {
     }
 
     /// Checks and builds a case; `known` is a geometry that may be the same.
-    pub(crate) fn resolve(self, json: Value, known: Option<Arc<Geometry>>) -> Result<Case, CaseError> {
+    pub(crate) fn resolve(self, mut json: Value, known: Option<Arc<Geometry>>) -> Result<Case, CaseError> {
         let first = match typed(&json) {
+            Ok(_) if !ranges_hold(&mut json) => None,
             Ok(file) => {
                 return match self.build(&json, &file, FaultList::default(), known) {
                     Ok((mut problem, geometry)) => {
@@ -63,9 +64,9 @@ impl Source {
                     Err(faults) => Err(self.refused(faults)),
                 };
             }
-            Err(first) => first,
+            Err(first) => Some(first),
         };
-        let faults = self.all_faults(&json, (FaultList::default(), Some(first)), known);
+        let faults = self.all_faults(&json, FaultList::default(), first, known);
         Err(self.refused(faults))
     }
 
@@ -97,7 +98,7 @@ impl Source {
             Ok(json) => json,
             Err(error) => return error,
         };
-        let faults = self.all_faults(&json, (found, None), None);
+        let faults = self.all_faults(&json, found, None, None);
         self.refused(faults)
     }
 
@@ -106,7 +107,8 @@ impl Source {
     fn all_faults(
         &self,
         json: &Value,
-        (before, first): (FaultList, Option<Box<Fault>>),
+        before: FaultList,
+        first: Option<Box<Fault>>,
         known: Option<Arc<Geometry>>,
     ) -> FaultReport {
         let [found, other] = [StandIns::First, StandIns::Second].map(|stand_ins| {

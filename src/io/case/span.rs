@@ -70,14 +70,17 @@ pub(crate) struct CaseText<'a> {
 }
 
 impl CaseText<'_> {
-    /// Gives every fault its location and sorts them in the order of the text; assignments come last.
+    /// Gives every fault its location and sorts them: those of the text in its order, then those of the assignments in
+    /// the order of the command line.
     pub(crate) fn locate(&self, faults: &mut [Fault]) {
         for fault in faults.iter_mut().filter(|fault| fault.place.is_none() && fault.part != FaultTarget::Text) {
             fault.place = self.place(fault);
         }
         faults.sort_by_key(|fault| match &fault.place {
             Some(Location::Text { range, .. }) => (0, range.start),
-            Some(Location::Assignment { .. }) => (1, 0),
+            Some(Location::Assignment { key, .. }) => {
+                (1, self.overrides.iter().rposition(|(k, _)| k == key).unwrap_or(0))
+            }
             None => (2, 0),
         });
     }

@@ -174,16 +174,16 @@ impl Gauges {
                     (of.columns(), Places::Springs(*of, springs), *strength)
                 }
             };
-            made.add((name, strength), columns, places, RowSchedule::Steps((*every).max(1)));
+            made.add(name, strength, columns, places, RowSchedule::Steps((*every).max(1)));
         }
         for canopy in 0..canopies {
             let name = if canopies == 1 { "canopy".to_owned() } else { format!("canopy {canopy}") };
-            made.add((&name, None), &CANOPY_QUANTITIES, Places::Canopy(canopy), RowSchedule::of(history));
+            made.add(&name, None, &CANOPY_QUANTITIES, Places::Canopy(canopy), RowSchedule::of(history));
         }
         made
     }
 
-    fn add(&mut self, (name, strength): (&str, Option<f64>), columns: &[Quantity], places: Places, rows: RowSchedule) {
+    fn add(&mut self, name: &str, strength: Option<f64>, columns: &[Quantity], places: Places, rows: RowSchedule) {
         let first = self.channels.len();
         for &quantity in columns {
             let strength = strength.filter(|_| quantity == TENSION_MAX);
@@ -235,7 +235,9 @@ impl Gauges {
     pub(super) fn step<E>(
         &mut self,
         picture: &dyn Observables,
-        (step, at, credible): (u64, &Point, bool),
+        step: u64,
+        at: &Point,
+        credible: bool,
         mut write: impl FnMut(GaugeRow) -> Result<(), E>,
     ) -> Result<(), E> {
         let t = at.state.t;
@@ -261,7 +263,8 @@ impl Gauges {
     pub(super) fn last<E>(
         &mut self,
         picture: &dyn Observables,
-        (at, credible): (&Point, bool),
+        at: &Point,
+        credible: bool,
         mut write: impl FnMut(GaugeRow) -> Result<(), E>,
     ) -> Result<(), E> {
         let t = at.state.t;
@@ -296,7 +299,7 @@ impl Gauges {
                     to.copy_from_slice(&[sum, most]);
                 }
                 Places::Cloth(cloth) => to[0] = cloth.crossings(picture, at),
-                Places::Nodes(of, nodes) => nodal(picture, (*of, nodes), at, to),
+                Places::Nodes(of, nodes) => nodal(picture, *of, nodes, at, to),
             }
         }
     }
@@ -341,7 +344,7 @@ impl Gauges {
 }
 
 /// The values of a gauge on nodes.
-fn nodal(picture: &dyn Observables, (of, nodes): (NodeGauge, &[u32]), at: &Point, to: &mut [f64]) {
+fn nodal(picture: &dyn Observables, of: NodeGauge, nodes: &[u32], at: &Point, to: &mut [f64]) {
     let (mut sum, mut norms, mut most) = ([0.0; 3], 0.0, 0.0_f64);
     for &node in nodes {
         let value = picture.node_value(of.vector, at, node);

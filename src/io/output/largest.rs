@@ -64,7 +64,7 @@ impl Observer for LargestValues<'_> {
         let state = at.state.as_ref();
         self.note(self.picture.max_speed(state), self.picture.max_strain(state));
         self.gauges.skip(state.t);
-        self.gauges.step(self.picture, (0, at, true), |_| Ok(()))
+        self.gauges.step(self.picture, 0, at, true, |_| Ok(()))
     }
 
     fn resumed(&mut self, at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
@@ -85,7 +85,7 @@ impl Observer for LargestValues<'_> {
             self.note(step.max_speed(self.picture), step.max_strain(self.picture));
         }
         match step.end.filter(|_| !self.gauges.is_empty()) {
-            Some(end) => self.gauges.step(self.picture, (step.step, end, step.credible), |_| Ok(())),
+            Some(end) => self.gauges.step(self.picture, step.step, end, step.credible, |_| Ok(())),
             None => Ok(()),
         }
     }
@@ -99,6 +99,6 @@ impl Observer for LargestValues<'_> {
         if self.gauges.is_empty() {
             return Ok(());
         }
-        self.gauges.last(self.picture, (last, !self.failed), |_| Ok(()))
+        self.gauges.last(self.picture, last, !self.failed, |_| Ok(()))
     }
 }

@@ -39,7 +39,8 @@ const DRAWN: f64 = 0.2;
 pub fn write_modes(
     scene: &dyn Scene,
     spec: &RecorderSpec,
-    (at, modes): (&Point, &[LowMode]),
+    at: &Point,
+    modes: &[LowMode],
     replaces: bool,
 ) -> Result<(), ModesWriteError> {
     let dir = spec.out_dir.join(MODES_FOLDER);

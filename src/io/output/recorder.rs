@@ -85,7 +85,7 @@ impl<'a> Recorder<'a> {
         let gauges = Gauges::new(picture, &spec.gauges, spec.history_every, spec.end);
         let writer = ResultWriter::start(&files_spec(picture, spec, &gauges))?;
         let mark = RecorderState { history_every: spec.history_every, ..RecorderState::default() };
-        Ok(Self::around((picture, gauges), spec, writer, mark))
+        Ok(Self::around(picture, gauges, spec, writer, mark))
     }
 
     /// Reopens the files of an earlier run and cuts them off at its checkpoint.
@@ -102,11 +102,12 @@ impl<'a> Recorder<'a> {
         let mut gauges = Gauges::new(picture, &spec.gauges, *history_every, spec.end);
         gauges.take_up(peaks);
         let writer = ResultWriter::resume(&files_spec(picture, spec, &gauges), &checkpoint.files)?;
-        Ok(Self::around((picture, gauges), spec, writer, checkpoint.recorder.clone()))
+        Ok(Self::around(picture, gauges, spec, writer, checkpoint.recorder.clone()))
     }
 
     fn around(
-        (picture, gauges): (&'a dyn Observables, Gauges),
+        picture: &'a dyn Observables,
+        gauges: Gauges,
         spec: &RecorderSpec,
         writer: ResultWriter,
         mark: RecorderState,
@@ -154,7 +155,7 @@ impl<'a> Recorder<'a> {
     /// Measures gauges at the end of a step, and writes the rows that are due.
     fn measure(&mut self, step: u64, at: &Point, credible: bool) -> Result<(), ObserveError> {
         let Self { gauges, writer, picture, .. } = self;
-        gauges.step(*picture, (step, at, credible), |row| writer.send(Message::Gauge(row)))
+        gauges.step(*picture, step, at, credible, |row| writer.send(Message::Gauge(row)))
     }
 
     /// Makes the recorder also write `checkpoint.bin`.
@@ -332,7 +333,7 @@ impl Observer for Recorder<'_> {
         }
         if !self.gauges.is_empty() {
             let Self { gauges, writer, picture, failed, .. } = self;
-            gauges.last(*picture, (last, !*failed), |row| writer.send(Message::Gauge(row)))?;
+            gauges.last(*picture, last, !*failed, |row| writer.send(Message::Gauge(row)))?;
         }
         let good = self.last_good.take().filter(|_| self.failed);
         if let Some(LastGood { point, shown }) = &good {

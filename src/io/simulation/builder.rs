@@ -73,9 +73,9 @@ impl NetworkBuilder {
             (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>().sqrt()
         };
         let rest_length = edges.iter().map(|edge| law.rest_length.unwrap_or_else(|| distance(edge))).collect();
-        let (stiffness, n) = (vec![law.stiffness; edges.len()], edges.len());
-        let dashpot = law.dashpot.map(|(kind, c)| DashpotSpec { kind, coefficient: vec![c; n], from_step: false });
-        let SpringLaw { law, slack, .. } = law;
+        let dashpot = law.dashpot.map(|(kind, c)| DashpotSpec { kind, coefficient: c.into(), from_step: false });
+        let SpringLaw { stiffness, law, slack, .. } = law;
+        let stiffness = stiffness.into();
         let group = SpringGroup { edges, stiffness, rest_length, law, slack, dashpot, ..SpringGroup::default() };
         self.spec.springs.push(group);
         self

@@ -124,7 +124,7 @@ pub fn record_static_watched(
         Ok(modes) => (modes, None),
         Err(error) => (LowModes::default(), Some(error)),
     };
-    write_modes(&*scene, &spec, (&equilibrium.point, &modes.modes), replace)?;
+    write_modes(&*scene, &spec, &equilibrium.point, &modes.modes, replace)?;
     let interrupted = without_modes == Some(ModesError::Stopped);
     let outcome = Outcome { status: if interrupted { Status::Interrupted } else { outcome.status }, ..outcome };
     let summary = Summary {
@@ -134,7 +134,7 @@ pub fn record_static_watched(
         crossings: recorder.crossings().cloned(),
         groups: problem.group_totals(),
         at_rest: None,
-        equilibrium: Some(report(&*scene, &equilibrium, (&outcome, &modes))),
+        equilibrium: Some(report(&*scene, &equilibrium, &outcome, &modes)),
         case_digest,
         ..Summary::new(problem, &*scene, &outcome, f64::INFINITY, stopwatch.read())
     };
@@ -182,7 +182,7 @@ fn outcome(scene: &dyn Scene, found: &Equilibrium) -> Outcome {
     }
 }
 
-fn report(scene: &dyn Scene, found: &Equilibrium, (outcome, modes): (&Outcome, &LowModes)) -> EquilibriumReport {
+fn report(scene: &dyn Scene, found: &Equilibrium, outcome: &Outcome, modes: &LowModes) -> EquilibriumReport {
     let conservative = scene.symmetric() && scene.terms().iter().all(|term| term.role != Role::External);
     EquilibriumReport {
         residual: found.residual.force,

@@ -20,7 +20,7 @@ pub(super) fn field_data(arrays: &str) -> String {
 }
 
 /// The tag of an appended array.
-pub(super) fn tag(name: &str, (kind, components): (&str, usize), offset: usize) -> String {
+pub(super) fn tag(name: &str, kind: &str, components: usize, offset: usize) -> String {
     format!(
         "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" \
          offset=\"{offset}\"/>\n"

@@ -190,20 +190,20 @@ impl VtuWriter {
         let (points, cells) = (self.points, self.cells);
         if let Some((name, vectors)) = arrays.point_vectors {
             right(name, vectors.len(), points)?;
-            self.fixed.points = self.fixed_array(name, ("Float64", 3), &little_endian(vectors.as_flattened()))?;
+            self.fixed.points = self.fixed_array(name, "Float64", 3, &little_endian(vectors.as_flattened()))?;
         }
         if let Some((name, numbers)) = arrays.point_numbers {
             right(name, numbers.len(), points)?;
-            let tag = self.fixed_array(name, ("Int32", 1), &bytes(numbers))?;
+            let tag = self.fixed_array(name, "Int32", 1, &bytes(numbers))?;
             self.fixed.points += &tag;
         }
         if let Some((name, numbers)) = arrays.cell_numbers {
             right(name, numbers.len(), cells)?;
-            self.fixed.cells = self.fixed_array(name, ("Int32", 1), &bytes(numbers))?;
+            self.fixed.cells = self.fixed_array(name, "Int32", 1, &bytes(numbers))?;
         }
         for (name, flags) in arrays.cell_flags {
             right(name, flags.len(), cells)?;
-            let tag = self.fixed_array(name, ("UInt8", 1), flags)?;
+            let tag = self.fixed_array(name, "UInt8", 1, flags)?;
             self.fixed.cells += &tag;
         }
         self.fixed.field = field_arrays(arrays.field);
@@ -212,10 +212,10 @@ impl VtuWriter {
     }
 
     /// Appends an array; returns its tag.
-    fn fixed_array(&mut self, name: &str, (kind, components): (&str, usize), data: &[u8]) -> Result<String, VtuError> {
+    fn fixed_array(&mut self, name: &str, kind: &str, components: usize, data: &[u8]) -> Result<String, VtuError> {
         let (offset, name) = (self.body.len(), xml_attribute(name));
         self.appender.append(data, &mut self.body)?;
-        Ok(tag(&name, (kind, components), offset))
+        Ok(tag(&name, kind, components, offset))
     }
 
     /// Number of cells, which is the length of every cell array.
@@ -307,7 +307,7 @@ impl VtuWriter {
         };
         to.push(Segment::Body(begin..self.body.len()));
         as_they_are.into_iter().for_each(|bytes| to.push(Segment::Numbers(bytes)));
-        self.head.push_str(&tag(&xml_attribute(array.name), (kind, components), offset));
+        self.head.push_str(&tag(&xml_attribute(array.name), kind, components, offset));
         Ok(())
     }
 
@@ -316,7 +316,7 @@ impl VtuWriter {
         let (offset, begin) = (to.len(), self.body.len());
         self.appender.append(flags, &mut self.body)?;
         to.push(Segment::Body(begin..self.body.len()));
-        self.head.push_str(&tag(&xml_attribute(name), ("UInt8", 1), offset));
+        self.head.push_str(&tag(&xml_attribute(name), "UInt8", 1, offset));
         Ok(())
     }
 

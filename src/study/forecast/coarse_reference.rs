@@ -110,7 +110,7 @@ impl<'a> CoarseReference<'a> {
 
     fn made_by(self, method: &MethodChoice, step: Step, most: RunBudget) -> Option<(Self, MeasuredRun, Status)> {
         let mut sampler = Sampler::keeping(self.spec.scene, self.every);
-        let (outcome, made, _) = self.run(method, step, &mut sampler, (most, u64::MAX))?;
+        let (outcome, made, _) = self.run(method, step, &mut sampler, most, u64::MAX)?;
         // The last state is a frame, wherever the run was stopped.
         Some((CoarseReference { span: outcome.t_end, frames: sampler.into_frames(), ..self }, made, outcome.status))
     }
@@ -132,10 +132,9 @@ impl<'a> CoarseReference<'a> {
 
     /// Makes a run and compares it with the reference; `None` if it fails or exceeds its limits.
     pub fn measure(&self, method: &MethodChoice, step: Step, most: RunBudget) -> Option<MeasuredRun> {
-        let start = (0.0, Distance::default());
-        let mut sampler = Sampler::comparing(self.spec.scene, self.every, &self.frames, start);
+        let mut sampler = Sampler::comparing(self.spec.scene, self.every, &self.frames, 0.0, Distance::default());
         let half = self.frames.motion.frames / 2;
-        let (outcome, made, halfway) = self.run(method, step, &mut sampler, (most, half))?;
+        let (outcome, made, halfway) = self.run(method, step, &mut sampler, most, half)?;
         let [error, _] = sampler.distance().over(self.frames.motion)?;
         let error = error * self.growth(error, halfway);
         (outcome.status == Status::Completed).then_some(MeasuredRun { error, ..made })
@@ -147,7 +146,8 @@ impl<'a> CoarseReference<'a> {
         method: &MethodChoice,
         step: Step,
         sampler: &mut Sampler<'_>,
-        (most, half): (RunBudget, u64),
+        most: RunBudget,
+        half: u64,
     ) -> Option<(Outcome, MeasuredRun, Distance)> {
         let ForecastSpec { scene, problem, .. } = self.spec;
         let frames_every = Some(self.every);

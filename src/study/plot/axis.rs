@@ -51,7 +51,7 @@ fn length(scale: Scale, value: f64) -> Option<f64> {
 
 impl AxisScale {
     /// An axis between two numbers; `None` if they are not a range.
-    pub(super) fn between(scale: Scale, (low, high): (f64, f64)) -> Option<Self> {
+    pub(super) fn between(scale: Scale, low: f64, high: f64) -> Option<Self> {
         let (low, high) = (length(scale, low)?, length(scale, high)?);
         (high - low > ROUNDING * low.abs().max(high.abs())).then_some(Self { scale, low, high })
     }
@@ -199,8 +199,8 @@ mod tests {
     /// axes.
     #[test]
     fn numbers_on_axes() {
-        let linear = |low, high| AxisScale::between(Scale::Linear, (low, high)).expect("a range");
-        let log = |low, high| AxisScale::between(Scale::Log, (low, high)).expect("a range");
+        let linear = |low, high| AxisScale::between(Scale::Linear, low, high).expect("a range");
+        let log = |low, high| AxisScale::between(Scale::Log, low, high).expect("a range");
         assert_eq!(labels(linear(-2.1, 2.1), 5), ["-2", "-1", "0", "1", "2"]);
         assert_eq!(labels(linear(0.0, 0.31), 4), ["0.0", "0.1", "0.2", "0.3"]);
         assert_eq!(labels(linear(0.0, 3.5e-11), 4), ["0", "1·10⁻¹¹", "2·10⁻¹¹", "3·10⁻¹¹"]);
@@ -218,10 +218,10 @@ mod tests {
     /// Numbers that cannot be shown on an axis, and invalid ranges, give `None`.
     #[test]
     fn places_and_ranges() {
-        let log = AxisScale::between(Scale::Log, (1.0, 100.0)).expect("a range");
+        let log = AxisScale::between(Scale::Log, 1.0, 100.0).expect("a range");
         assert_eq!([log.place(10.0), log.place(0.0), log.place(f64::NAN)], [Some(0.5), None, None]);
-        assert_eq!(AxisScale::between(Scale::Log, (0.0, 1.0)), None);
-        assert_eq!(AxisScale::between(Scale::Linear, (1.0, 1.0)), None);
+        assert_eq!(AxisScale::between(Scale::Log, 0.0, 1.0), None);
+        assert_eq!(AxisScale::between(Scale::Linear, 1.0, 1.0), None);
         assert_eq!(AxisScale::around(Scale::Linear, [f64::INFINITY, f64::NAN].into_iter()), None);
         let flat = AxisScale::around(Scale::Linear, [3.0, 3.0].into_iter()).expect("a value");
         assert!((flat.place(3.0).expect("a place") - 0.5).abs() < 1e-12);

@@ -170,7 +170,7 @@ fn scales(chart: &Chart, field: Field) -> Result<AxisScales, PlotError> {
     // A point that cannot be shown on one axis does not count for the range of the other.
     let drawable = || points().filter(|p| placed(chart.x.scale, p.0) && placed(chart.y.scale, p.1));
     let scale = |axis: &Axis, values: &mut dyn Iterator<Item = f64>| match axis.range {
-        Some((low, high)) => AxisScale::between(axis.scale, (low, high)).ok_or_else(|| PlotError::BadRange {
+        Some((low, high)) => AxisScale::between(axis.scale, low, high).ok_or_else(|| PlotError::BadRange {
             title: chart.title.clone(),
             axis: axis.label.clone(),
             low,

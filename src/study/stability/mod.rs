@@ -115,7 +115,7 @@ pub fn study(
             begins(RunStart { index, method: &name, run, step, steps });
             Ok(())
         };
-        common.measure(&mut row, (method, critical), &mut before)?;
+        common.measure(&mut row, method, critical, &mut before)?;
         rows.push(row);
     }
     Ok(rows)
@@ -144,12 +144,13 @@ impl Common<'_> {
     fn measure(
         &self,
         row: &mut Row,
-        of: (&MethodChoice, CriticalStep),
+        method: &MethodChoice,
+        critical: CriticalStep,
         before: &mut Before<'_>,
     ) -> Result<(), StudyError> {
         row.start = if self.at_rest { Start::SmallMotion } else { Start::AsGiven };
         let given = From { start: row.start, state: &self.given };
-        let Some(mut runs) = self.search(row, of, given, before) else { return Ok(()) };
+        let Some(mut runs) = self.search(row, method, critical, given, before) else { return Ok(()) };
         if row.differs && !self.at_rest && row.prediction.step != Some(0.0) {
             let small = self.small.get_or_init(|| perturbation::small_motion(self.spec, self.reference, self.stop));
             if self.stop.load(Ordering::Relaxed) {
@@ -159,7 +160,7 @@ impl Common<'_> {
             if let Some(state) = small {
                 row.set_aside();
                 let small = From { start: Start::SmallMotion, state };
-                let Some(found) = self.search(row, of, small, before) else { return Ok(()) };
+                let Some(found) = self.search(row, method, critical, small, before) else { return Ok(()) };
                 runs = found;
             }
         }
@@ -169,7 +170,8 @@ impl Common<'_> {
     fn search<'b>(
         &'b self,
         row: &mut Row,
-        (method, critical): (&'b MethodChoice, CriticalStep),
+        method: &'b MethodChoice,
+        critical: CriticalStep,
         from: From<'b>,
         before: &mut Before<'_>,
     ) -> Option<MethodRuns<'b>> {

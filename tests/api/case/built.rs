@@ -2,7 +2,7 @@
 
 use canopy_fem::case::Case;
 use canopy_fem::case::spec::{Problem, RowEvery, SystemSpec};
-use canopy_fem::model::spec::{DashpotKind, NetworkSpec, PressureKind, Slack};
+use canopy_fem::model::spec::{DashpotKind, NetworkSpec, PressureKind, Slack, SpringValues};
 
 use super::common::{assets, base_with};
 
@@ -62,7 +62,7 @@ fn cloth_is_the_thesis_canopy() {
     assert!((mass - expected).abs() < 1e-9 * expected, "{mass} kg instead of {expected} kg");
     let dashpot = spec.springs[0].dashpot.as_ref().expect("dashpot");
     assert_eq!((dashpot.kind, dashpot.from_step), (DashpotKind::Relative, false));
-    assert!(dashpot.coefficient.iter().all(|c| (*c - 0.5).abs() < 1e-12), "c = k tau = 1000 * 5e-4");
+    assert!(dashpot.coefficient.given().iter().all(|c| (*c - 0.5).abs() < 1e-12), "c = k tau = 1000 * 5e-4");
     assert!(spec.fixed.iter().filter(|f| **f == [true; 3]).count() > 60, "the outer edge is held");
     assert_eq!(problem.output.frames_every, Some(0.02));
     assert_eq!(problem.method.info.name, "velocity-verlet");
@@ -97,15 +97,17 @@ fn spring_rules() {
     let case = base_with(&[("system.network.springs", rules)]).expect("good");
     let groups = &network(case.problem()).springs;
     assert_eq!(groups.iter().map(|g| g.edges.clone()).collect::<Vec<_>>(), [vec![5], vec![2], vec![0, 1, 3, 4]]);
-    close(groups[0].stiffness[0], 50.0 / 0.5);
-    close(groups[0].dashpot.as_ref().expect("dashpot").coefficient[0], 3.0 / 0.5);
+    close(groups[0].stiffness.given()[0], 50.0 / 0.5);
+    close(groups[0].dashpot.as_ref().expect("dashpot").coefficient.given()[0], 3.0 / 0.5);
     // E t (sum of areas)/l^2 = 100 * 1 m^2 / 2 m^2
-    close(groups[1].stiffness[0], 50.0);
+    close(groups[1].stiffness.given()[0], 50.0);
     close(groups[1].rest_length[0], 2.0_f64.sqrt());
     close(groups[2].rest_length[3], 0.9);
     let step = groups[2].dashpot.as_ref().expect("dashpot");
     assert!(step.from_step);
-    close(step.coefficient[0], 10.0 * 0.01);
+    // What is one number in the case stays one.
+    assert_eq!(groups[2].stiffness, SpringValues::Uniform(10.0));
+    assert_eq!(step.coefficient, SpringValues::Uniform(10.0 * 0.01));
     assert_eq!(
         groups.iter().map(|g| g.slack).collect::<Vec<_>>(),
         [Slack::TensionOnly, Slack::DeadZone { eps: 0.01 }, Slack::CompressionLimit { eps: 0.02 }]

@@ -157,6 +157,24 @@ fn every_missing_key_is_told() {
     assert!(missed > 20, "only {missed} keys are required");
 }
 
+/// Every number made negative: at most one fault comes of it, mostly at the number.
+#[test]
+fn a_number_out_of_range_is_told_once() {
+    let good: Value = serde_json::from_str(ALL).expect("JSON");
+    let mut all = Vec::new();
+    pointers(&good, "", &mut all);
+    let mut there = 0;
+    // A support that jumps at its start has two faults.
+    for pointer in all.iter().filter(|p| good.pointer(p).is_some_and(Value::is_number) && !p.contains("/motion/")) {
+        let mut bad = good.clone();
+        *bad.pointer_mut(pointer).expect("there") = json!(-1);
+        let list = faults_of(&bad);
+        assert!(list.len() <= 1, "{pointer}: {list:#?}");
+        there += list.iter().filter(|fault| fault.pointer == *pointer).count();
+    }
+    assert!(there > 50, "only {there} are told at the number");
+}
+
 /// One unknown key and three bad numbers are four faults, in the order of the text, drawn at their places.
 #[test]
 fn a_message_shows_all_faults_at_their_places() {
@@ -237,7 +255,15 @@ fn places_of_what_is_not_in_the_text() {
     let case = case.with(&sets(&[("time.end", "3")])).expect("good");
     let later = faults(case.with(&sets(&[("study.repeat", "0"), ("time.step", "-1")])));
     let places: Vec<String> = later.iter().filter_map(|f| Some(f.place.as_ref()?.to_string())).collect();
-    assert_eq!(places, ["--set time.step=-1", "--set study.repeat=0"]);
+    assert_eq!(places, ["--set study.repeat=0", "--set time.step=-1"], "in the order of the command line");
+}
+
+/// A text where a text or an object may stand has the right type, whatever is wrong elsewhere.
+#[test]
+fn a_text_beside_objects_is_no_fault() {
+    let wrong = faults(base_with(&[("system.network.initial.from", "nowhere"), ("time.end", "-1")]));
+    let told: Vec<&str> = wrong.iter().map(|f| f.allowed.as_str()).collect();
+    assert_eq!(told, ["a folder with the results of a run, its frames among them", "a number above 0"], "{wrong:#?}");
 }
 
 /// Syntax that can be read over hides nothing behind it; syntax that cannot is told with the first slip before it.

@@ -171,7 +171,7 @@ proptest! {
             };
             prop_assert!(network.mass.iter().all(|m| m.is_finite()));
             for group in &network.springs {
-                prop_assert!(group.stiffness.iter().all(|k| k.is_normal() && *k > 0.0));
+                prop_assert!(group.stiffness.given().iter().all(|k| k.is_normal() && *k > 0.0));
                 prop_assert!(group.rest_length.iter().all(|l0| *l0 == 0.0 || (l0.is_normal() && *l0 > 0.0)));
             }
             prop_assert!(case.problem().output.history_every != RowEvery::Steps(0));

@@ -3,9 +3,9 @@
 use canopy_fem::case::json_schema;
 use canopy_fem::case::schema::CaseFile;
 use canopy_fem::integrate::registry::methods;
-use serde_json::Value;
+use serde_json::{Value, json};
 
-use super::common::{assets, base_with};
+use super::common::{assets, base_with, faults, text_with};
 
 /// Whether a schema allows a number (or a list of whole numbers, which are node, edge and triangle numbers).
 fn is_number(schema: &Value) -> bool {
@@ -102,6 +102,91 @@ fn ranges_agree_with_the_checks() {
         let sets: Vec<(&str, &str)> = sets.iter().map(|(k, v)| (*k, v.as_str())).collect();
         assert_eq!(base_with(&sets).is_ok(), allowed, "{key} = {bound}");
     }
+}
+
+/// What a schema stands for: the target of a reference, or what is not null.
+fn meant<'a>(root: &'a Value, schema: &'a Value) -> &'a Value {
+    if let Some(name) = schema["$ref"].as_str() {
+        return meant(root, root.pointer(&name[1..]).expect("a definition"));
+    }
+    let branches = schema["anyOf"].as_array();
+    branches.map_or(schema, |list| meant(root, list.iter().find(|b| b["type"] != "null").expect("a branch")))
+}
+
+/// A value of the right types with nothing that can be left out.
+fn sample(root: &Value, schema: &Value) -> Value {
+    let schema = meant(root, schema);
+    if let Some(branches) = schema["oneOf"].as_array() {
+        return sample(root, &branches[0]);
+    }
+    let required = || schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    match &schema["type"] {
+        _ if schema.get("const").is_some() => schema["const"].clone(),
+        _ if is_number(schema) => json!(1),
+        kind if kind == "object" => {
+            required().map(|key| (key.to_owned(), sample(root, &schema["properties"][key]))).collect()
+        }
+        Value::Array(_) | Value::String(_) if schema.get("items").is_some() => {
+            let least = schema["minItems"].as_u64().unwrap_or(1);
+            (0..least).map(|_| sample(root, &schema["items"])).collect()
+        }
+        kind if kind == "boolean" => json!(false),
+        _ => json!("x"),
+    }
+}
+
+/// Values of a schema with one number or one list out of its range each, and where this is.
+fn outside(root: &Value, schema: &Value) -> Vec<(String, Value)> {
+    let (outer, schema) = (schema, meant(root, schema));
+    let mut found = Vec::new();
+    for schema in if std::ptr::eq(outer, schema) { vec![schema] } else { vec![outer, schema] } {
+        let bounds = [("exclusiveMinimum", 0.0), ("minimum", -1.0), ("exclusiveMaximum", 0.0), ("maximum", 1.0)];
+        for (bound, step) in bounds.map(|(key, step)| (schema[key].as_f64(), step)) {
+            let Some(number) = bound.map(|bound| bound + step) else { continue };
+            let whole = schema["type"] == "integer" || schema["format"].as_str().is_some_and(|f| f.starts_with("uint"));
+            match whole {
+                // A type has no whole number there.
+                true if number < 0.0 => {}
+                true => found.push((String::new(), json!(number as u64))),
+                false => found.push((String::new(), json!(number))),
+            }
+        }
+    }
+    for branch in schema["oneOf"].as_array().into_iter().flatten() {
+        found.extend(outside(root, branch));
+    }
+    for (key, property) in schema["properties"].as_object().into_iter().flatten() {
+        for (at, value) in outside(root, property) {
+            let mut object = sample(root, schema);
+            object[key] = value;
+            found.push((format!("/{key}{at}"), object));
+        }
+    }
+    if let Some(items) = schema.get("items") {
+        if schema["minItems"].as_u64().is_some_and(|n| n > 0) && schema["minItems"] != schema["maxItems"] {
+            found.push((String::new(), json!([])));
+        }
+        for (at, value) in outside(root, items) {
+            let mut list = sample(root, schema);
+            list[0] = value;
+            found.push((format!("/0{at}"), list));
+        }
+    }
+    found
+}
+
+/// Whatever number or list the schema gives a range is refused at its place if it is outside, though serde reads it.
+#[test]
+fn every_range_of_the_schema_is_checked() {
+    let schema = json_schema();
+    let cases = outside(&schema, &schema);
+    for (pointer, case) in &cases {
+        let typed = serde_json::from_value::<CaseFile>(case.clone());
+        assert!(typed.is_ok(), "{pointer}: {} in {case}", typed.expect_err("no case"));
+        let told = faults(text_with(&case.to_string(), &[]));
+        assert!(told.iter().any(|fault| fault.pointer == *pointer), "{pointer} is not told: {told:#?}");
+    }
+    assert!(cases.len() > 130, "only {} ranges", cases.len());
 }
 
 /// The method names and parameters of the schema are those of the registry.

@@ -12,7 +12,7 @@ use canopy_fem::model::forces::{Forces, Tally};
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::{
     BendingSpec, CanopySpec, LineDragSpec, MembraneSpec, NetworkSpec, NodalLoad, NodeDragSpec, PressureLoad,
-    SpringGroup,
+    SpringGroup, SpringValues,
 };
 use canopy_fem::model::state::{State, StateRef};
 use canopy_fem::model::step_block::{StepSummary, Work};
@@ -41,11 +41,12 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
     let Mesh { nodes, edges, triangles, .. } = &spec.mesh;
     let mesh = Mesh { nodes: many(nodes), edges: between(edges), triangles: between(triangles), ..Mesh::default() };
     let springs = spec.springs.iter().map(|group| {
+        let values = |values: &SpringValues| many(&values.of(group.edges.len()).collect::<Vec<_>>()).into();
         let mut dashpot = group.dashpot.clone();
         if let Some(dashpot) = &mut dashpot {
-            dashpot.coefficient = many(&dashpot.coefficient);
+            dashpot.coefficient = values(&dashpot.coefficient);
         }
-        let (stiffness, rest_length) = (many(&group.stiffness), many(&group.rest_length));
+        let (stiffness, rest_length) = (values(&group.stiffness), many(&group.rest_length));
         SpringGroup { edges: renamed(&group.edges), stiffness, rest_length, dashpot, ..group.clone() }
     });
     let pressures = spec.pressures.iter().map(|p| PressureLoad { triangles: renamed(&p.triangles), ..p.clone() });

@@ -58,7 +58,7 @@ impl Oscillator {
         spec.mesh.nodes = vec![[-REST, 0.0, 0.0], [0.0; 3]];
         spec.fixed[1] = [false, true, true];
         spec.velocity = vec![[0.0; 3], [start[1], 0.0, 0.0]];
-        let coefficient = vec![MASS * self.d()];
+        let coefficient = (MASS * self.d()).into();
         let group = &mut spec.springs[0];
         group.rest_length = vec![REST];
         let dashpot = |kind, from_step| Some(DashpotSpec { kind, coefficient, from_step });

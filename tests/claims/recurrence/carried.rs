@@ -14,8 +14,7 @@ use crate::common::{patch, spring_group};
 fn sheet() -> Network {
     let mut spec = patch();
     let mut group = spring_group(&spec, Slack::TensionOnly);
-    let coefficient = vec![0.5; group.edges.len()];
-    group.dashpot = Some(DashpotSpec { kind: DashpotKind::Axial, coefficient, from_step: false });
+    group.dashpot = Some(DashpotSpec { kind: DashpotKind::Axial, coefficient: 0.5.into(), from_step: false });
     spec.springs = vec![group];
     spec.gravity = Some([0.0, 0.0, -9.81]);
     let wind = Series { t: vec![0.0, 1.0], value: vec![[0.0, 0.5, 5.0], [1.0, 0.0, 9.0]] };

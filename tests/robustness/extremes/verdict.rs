@@ -194,7 +194,8 @@ impl Ran {
         };
         let largest = self.positions.iter().chain(&self.reference).flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
         let off = 4.0 * f64::EPSILON * largest;
-        let springs = spec.springs.iter().flat_map(|g| &g.stiffness).map(|k| k * off * off).sum::<f64>();
+        let springs =
+            spec.springs.iter().flat_map(|g| g.stiffness.of(g.edges.len())).map(|k| k * off * off).sum::<f64>();
         springs * (1 + self.outcome.steps) as f64 + 1e-12 * self.outcome.ledger.kinetic
     }
 }

@@ -1,6 +1,7 @@
 //! Numbers that belong to elements: one for all, or one each.
 
 use crate::force::kernel::star_batches::{STAR, STARS};
+use crate::model::spec::SpringValues;
 use std::sync::Arc;
 
 /// One value for all elements, or one each; a uniform value is not read from memory again and again.
@@ -18,6 +19,14 @@ impl Coefficient {
         match values.first() {
             Some(&first) if values.iter().all(|&v| v == first) => Coefficient::Uniform(first),
             _ => Coefficient::Each(values.into()),
+        }
+    }
+
+    /// Those of springs in this order.
+    pub fn of_springs(values: &SpringValues, order: &[usize]) -> Self {
+        match values {
+            SpringValues::Uniform(value) => Coefficient::Uniform(*value),
+            SpringValues::PerEdge(values) => Self::from_values(&order.iter().map(|&i| values[i]).collect::<Vec<_>>()),
         }
     }
 

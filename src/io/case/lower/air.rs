@@ -2,7 +2,6 @@
 //! dp = linear v_n + quadratic v_n |v_n|.
 
 use super::geometry::{Geometry, TriangleUse, triangles};
-use super::numbers::{fraction, not_negative, positive};
 use super::wind::{self, Winds};
 use super::{canopy, select};
 use crate::case::diagnostics::Faults;
@@ -88,14 +87,8 @@ pub(super) fn flow(
 fn atmosphere(at: &Pointer, aero: &Aero, geometry: Option<&Geometry>, faults: &mut Faults<'_>) -> AtmosphereSpec {
     match aero.atmosphere {
         None => AtmosphereSpec::Constant { density: 1.225 },
-        Some(Atmosphere::Density(density)) => {
-            positive(&at.key("density"), density, faults);
-            AtmosphereSpec::Constant { density }
-        }
+        Some(Atmosphere::Density(density)) => AtmosphereSpec::Constant { density },
         Some(Atmosphere::Exponential(ExponentialAtmosphere { density, scale_height })) => {
-            let at = at.key("exponential");
-            positive(&at.key("density"), density, faults);
-            positive(&at.key("scale_height"), scale_height, faults);
             AtmosphereSpec::Exponential { density, scale_height }
         }
         Some(Atmosphere::Isa) => {
@@ -133,7 +126,11 @@ fn air(
 
 /// The coefficients of a law, if it is a sound one.
 pub(super) fn checked_coefficients(at: &Pointer, given: &PorousLaw, faults: &mut Faults<'_>) -> Option<Coefficients> {
-    if !law(at, given, faults) {
+    if let PorousLaw::Permeable(p) = given
+        && p.a == 0.0
+        && p.b == 0.0
+    {
+        faults.add(&at.key("permeable"), "a or b above 0; leave the section out for no air");
         return None;
     }
     let found = coefficients(given);
@@ -145,11 +142,6 @@ pub(super) fn checked_coefficients(at: &Pointer, given: &PorousLaw, faults: &mut
 }
 
 fn drag(at: &Pointer, drag: &Drag, geometry: Option<&Geometry>, flow: &mut Flow, faults: &mut Faults<'_>) {
-    let mut good = true;
-    for (key, value) in [("diameter", drag.diameter), ("coefficient", drag.coefficient), ("drag_area", drag.drag_area)]
-    {
-        good &= value.is_none_or(|value| positive(&at.key(key), value, faults));
-    }
     let selects = |what: &str| format!("a selection of {what}");
     match (drag.diameter, drag.coefficient, drag.drag_area) {
         (Some(diameter), Some(coefficient), None) => {
@@ -158,7 +150,7 @@ fn drag(at: &Pointer, drag: &Drag, geometry: Option<&Geometry>, flow: &mut Flow,
                 return faults.add_hint(&at.key("on"), selects("edges"), hint);
             };
             let flags = geometry.and_then(|geometry| select::edges(&at.key("on"), &on, geometry, faults));
-            let Some(flags) = flags.filter(|_| good) else { return };
+            let Some(flags) = flags else { return };
             let edges = (0_u32..).zip(flags).filter(|(_, selected)| *selected).map(|(edge, _)| edge).collect();
             flow.line_drag.push(LineDragSpec { edges, diameter, coefficient });
         }
@@ -168,7 +160,7 @@ fn drag(at: &Pointer, drag: &Drag, geometry: Option<&Geometry>, flow: &mut Flow,
                 return faults.add_hint(&at.key("on"), selects("nodes"), hint);
             };
             let nodes = geometry.and_then(|geometry| select::nodes(&at.key("on"), &on, geometry, faults));
-            let Some(nodes) = nodes.filter(|_| good) else { return };
+            let Some(nodes) = nodes else { return };
             let drag_area = area / nodes.len() as f64;
             flow.node_drag.push(NodeDragSpec { nodes, drag_area });
         }
@@ -177,35 +169,6 @@ fn drag(at: &Pointer, drag: &Drag, geometry: Option<&Geometry>, flow: &mut Flow,
             faults.add_value(at, value, "either diameter and coefficient, or drag_area", None);
         }
     }
-}
-
-fn law(at: &Pointer, law: &PorousLaw, faults: &mut Faults<'_>) -> bool {
-    let before = faults.count();
-    match law {
-        PorousLaw::Ergun(p) => {
-            let at = at.key("ergun");
-            fraction(&at.key("porosity"), p.porosity, faults);
-            positive(&at.key("pore_diameter"), p.pore_diameter, faults);
-            positive(&at.key("thickness"), p.thickness, faults);
-            positive(&at.key("air_density"), p.air_density, faults);
-            positive(&at.key("air_viscosity"), p.air_viscosity, faults);
-        }
-        PorousLaw::Permeable(p) => {
-            let at = at.key("permeable");
-            let a = not_negative(&at.key("a"), p.a, faults);
-            let b = not_negative(&at.key("b"), p.b, faults);
-            positive(&at.key("thickness"), p.thickness, faults);
-            if a && b && p.a == 0.0 && p.b == 0.0 {
-                faults.add(&at, "a or b above 0; leave the section out for no air");
-            }
-        }
-        PorousLaw::PressureCoefficient(p) => {
-            let at = at.key("pressure_coefficient");
-            positive(&at.key("cp"), p.cp, faults);
-            positive(&at.key("air_density"), p.air_density, faults);
-        }
-    }
-    faults.count() == before
 }
 
 /// Coefficients of dp = linear v_n + quadratic v_n |v_n|.

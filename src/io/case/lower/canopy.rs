@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use super::air::checked_coefficients;
 use super::filling::{self, SkirtMotion};
 use super::geometry::{Geometry, TriangleUse, triangles};
-use super::numbers::{not_negative, positive, rising};
+use super::numbers::rising;
 use super::select;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
@@ -27,9 +27,6 @@ pub(super) fn canopy(
     let before = faults.count();
     let rows = pressure_rows(at, canopy, faults);
     let cavity = canopy.cavity.map(|given| cavity(&at.key("cavity"), given, faults));
-    if let Some(factor) = canopy.apparent_mass {
-        not_negative(&at.key("apparent_mass"), factor, faults);
-    }
     let geometry = geometry?;
     if !triangles(at, "a canopy", geometry, TriangleUse::Areas, faults) {
         return None;
@@ -82,11 +79,6 @@ fn pressure_rows(at: &Pointer, canopy: &Canopy, faults: &mut Faults<'_>) -> Opti
 
 fn cavity(at: &Pointer, given: Cavity, faults: &mut Faults<'_>) -> Option<CavitySpec> {
     let Cavity { inflow, outer_pressure_coefficient, law } = given;
-    positive(&at.key("inflow"), inflow, faults);
-    if !(outer_pressure_coefficient.is_finite() && outer_pressure_coefficient < 1.0) {
-        let hint = "it is that behind a full canopy, below the pressure inside: about -0.6";
-        faults.add_hint(&at.key("outer_pressure_coefficient"), "a number below 1", hint);
-    }
     let cloth = law.map(|law| {
         let found = checked_coefficients(&at.key("law"), &law.into(), faults)?;
         Some(ClothSpec { linear: found.linear, quadratic: found.quadratic })
@@ -108,7 +100,7 @@ fn parts_of(
     let confluence = confluence(at, canopy, geometry, faults)?;
     let of_group = SkirtGroup::of(mesh, mesh.groups.get("skirt"), triangles);
     let chosen = match &canopy.skirt {
-        Some(selection) => Some(skirt(&at.key("skirt"), selection, (geometry, triangles), faults)?),
+        Some(selection) => Some(skirt(&at.key("skirt"), selection, geometry, triangles, faults)?),
         None => None,
     };
     let skirt = match &chosen {
@@ -155,7 +147,8 @@ fn coefficient_rows(at: &Pointer, rows: &[[f64; 2]], faults: &mut Faults<'_>) ->
 fn skirt(
     at: &Pointer,
     selection: &NodeSelection,
-    (geometry, triangles): (&Geometry, &[u32]),
+    geometry: &Geometry,
+    triangles: &[u32],
     faults: &mut Faults<'_>,
 ) -> Option<Vec<u32>> {
     let nodes = select::nodes(at, selection, geometry, faults)?;

@@ -4,11 +4,8 @@ use super::numbers::rising;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{ElasticLawRule, Factor, SlackRule, SpringRule};
-use crate::format_number::counted;
 use crate::model::spec::ElasticLaw;
 
-/// Most rows of a table: a force pass goes through all of them.
-const MOST_ROWS: usize = 100;
 /// [-] Of the largest force: what may be left at the strain 0.
 const ROUNDING: f64 = 1e-12;
 
@@ -35,11 +32,6 @@ pub(super) fn steepest(rows: &[[f64; 2]]) -> f64 {
 }
 
 fn table(at: &Pointer, rows: &[[f64; 2]], faults: &mut Faults<'_>) -> Option<ElasticLaw> {
-    if !(2..=MOST_ROWS).contains(&rows.len()) {
-        let hint = Some("a measured curve needs few rows: they are joined by straight lines".to_owned());
-        faults.add_value(at, counted(rows.len() as u64, "row", "rows"), format!("2 to {MOST_ROWS} rows"), hint);
-        return None;
-    }
     rising(at, "strain", rows.iter().map(|[strain, force]| (*strain, *force)), faults)?;
     let falls = rows.windows(2).position(|pair| pair[1][1] < pair[0][1]);
     if let Some(i) = falls {

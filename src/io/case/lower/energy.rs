@@ -22,8 +22,8 @@ pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, fau
     let length = |edge: u32| geometry.start_length(edge, &spec.displacement).unwrap_or_default();
     let springs = spec.springs.iter().flat_map(|g| {
         let scale = g.rest_scale_at_start();
-        let values = g.edges.iter().zip(g.stiffness.iter().zip(&g.rest_length));
-        values.map(move |(&edge, (&k, &rest))| (edge, k, scale * rest))
+        let values = g.edges.iter().zip(g.stiffness.of(g.edges.len()).zip(&g.rest_length));
+        values.map(move |(&edge, (k, &rest))| (edge, k, scale * rest))
     });
     let springs: Vec<_> = springs.collect();
     let elastic = springs.iter().map(|&(edge, k, rest)| 0.5 * k * (length(edge) - rest).powi(2));

@@ -1,6 +1,5 @@
 //! The stages in which a canopy fills.
 
-use super::numbers::positive;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{FillingSchedule, OneOrSeveral};
@@ -24,22 +23,7 @@ pub(super) fn check(at: &Pointer, stages: &Stages, faults: &mut Faults<'_>) {
     }
     for (i, stage) in stages.all().iter().enumerate() {
         let at = place(at, stages, i);
-        let FillingSchedule {
-            drag_area, drag_coefficient, filling_constant, filling_time, exponent, start, speed, ..
-        } = *stage;
-        let optional = [
-            ("drag_area", drag_area),
-            ("drag_coefficient", drag_coefficient),
-            ("exponent", Some(exponent)),
-            ("filling_constant", filling_constant),
-            ("filling_time", filling_time),
-            ("speed", speed),
-            ("nominal_diameter", stage.nominal_diameter),
-        ];
-        let given = optional.into_iter().filter_map(|(key, value)| Some((key, value?)));
-        for (key, value) in given {
-            positive(&at.key(key), value, faults);
-        }
+        let FillingSchedule { drag_area, drag_coefficient, filling_constant, filling_time, start, speed, .. } = *stage;
         let one_of = "exactly one of drag_area and drag_coefficient";
         match (drag_area, drag_coefficient) {
             (Some(_), Some(_)) => faults.add_value(&at, "a stage with drag_area and drag_coefficient", one_of, None),

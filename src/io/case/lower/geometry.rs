@@ -108,8 +108,8 @@ pub(super) fn geometry(
         Ok(geometry) => {
             tell_notes(at, &geometry, faults);
             // A reefing line that is too long does nothing, and makes no mesh large.
-            if let Some(long) = in_millimetres(source).filter(|(key, _)| *key == REEFING) {
-                faults.warn(WarningCode::LargeExtent, format!("{}: {}", at.key("parachute"), question(long)));
+            if let Some((key, length)) = in_millimetres(source).filter(|(key, _)| *key == REEFING) {
+                faults.warn(WarningCode::LargeExtent, format!("{}: {}", at.key("parachute"), question(key, length)));
             }
             Some(Arc::new(geometry))
         }
@@ -167,13 +167,13 @@ fn in_millimetres(source: &MeshSource) -> Option<(&'static str, f64)> {
 
 const REEFING: &str = "reefing.diameter";
 
-fn question((key, length): (&str, f64)) -> String {
+fn question(key: &str, length: f64) -> String {
     format!("is {key} in millimetres? {} mm are {} m", figures(length, 6), figures(length / 1e3, 6))
 }
 
 /// Advice about the mesh, or about the unit of a parachute's lengths where one is probably in millimetres.
 fn with_unit(source: &MeshSource, hint: String) -> String {
-    in_millimetres(source).map_or(hint, question)
+    in_millimetres(source).map_or(hint, |(key, length)| question(key, length))
 }
 
 /// The properties of triangles that a section needs.

@@ -14,8 +14,7 @@ pub(super) fn mass(at: &Pointer, section: Option<&Mass>, geometry: &Geometry, fa
     let Some(section) = section else { return mass };
     if let Some(density) = section.areal_density {
         let at = at.key("areal_density");
-        if not_negative(&at, density, faults) && triangles(&at, "a mass per area", geometry, TriangleUse::Areas, faults)
-        {
+        if triangles(&at, "a mass per area", geometry, TriangleUse::Areas, faults) {
             for (corners, area) in geometry.mesh.triangles.iter().zip(&geometry.area) {
                 for &node in corners {
                     add(&mut mass, node, density * area / 3.0);
@@ -37,18 +36,17 @@ pub(super) fn mass(at: &Pointer, section: Option<&Mass>, geometry: &Geometry, fa
 }
 
 fn add_points(at: &Pointer, point: &PointMass, geometry: &Geometry, mass: &mut [f64], faults: &mut Faults<'_>) {
-    let (key, value) = match (point.mass, point.total) {
-        (Some(mass), None) => ("mass", mass),
-        (None, Some(total)) => ("total", total),
+    let (shared, value) = match (point.mass, point.total) {
+        (Some(mass), None) => (false, mass),
+        (None, Some(total)) => (true, total),
         (given, _) => {
             let value = if given.is_some() { "a point mass with mass and total" } else { "a point mass without value" };
             let hint = "mass is that of each node, total is shared by all of them".to_owned();
             return faults.add_value(at, value, "exactly one of mass and total", Some(hint));
         }
     };
-    let usable = not_negative(&at.key(key), value, faults);
-    let Some(nodes) = select::nodes(&at.key("on"), &point.on, geometry, faults).filter(|_| usable) else { return };
-    let share = if key == "total" { value / nodes.len() as f64 } else { value };
+    let Some(nodes) = select::nodes(&at.key("on"), &point.on, geometry, faults) else { return };
+    let share = if shared { value / nodes.len() as f64 } else { value };
     nodes.into_iter().for_each(|node| add(mass, node, share));
 }
 

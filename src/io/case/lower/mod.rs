@@ -35,7 +35,6 @@ use crate::model::gauge::SpringGauge;
 use crate::model::spec::{NetworkSpec, PendulumSpec, SpringGroup, StrengthSpec};
 use crate::preflight;
 use geometry::Geometry;
-use numbers::{not_negative, positive};
 
 /// The data of a run, and the geometry for the next case of a study.
 pub(crate) type LoweredCase = (Problem, Option<Arc<Geometry>>);
@@ -50,7 +49,7 @@ pub(crate) fn build(
     let root = Pointer::root();
     name(&root.key("name"), &file.name, faults);
     let timing = time::time(&file.time, &file.system, faults);
-    let solver = time::solver(file.solver.as_ref(), faults);
+    let solver = time::solver(file.solver.as_ref());
     time::study(file.study.as_ref(), faults);
     let at = root.key("system");
     let (system, geometry) = match &file.system {
@@ -69,11 +68,11 @@ pub(crate) fn build(
             if let Some(timing) = &timing {
                 network::warn_of_events(&at, network, timing.spec.end, faults);
             }
-            let spec = network::network(&at, network, (base, geometry.as_deref()), step, faults);
+            let spec = network::network(network, base, geometry.as_deref(), step, faults);
             let fixed =
                 timing.as_ref().and_then(|t| Some(tables::StepTimes { h: t.spec.step.fixed()?, end: t.spec.end }));
             if let (Some(spec), Some(times)) = (&spec, fixed) {
-                tables::warn_of_short_pulses(&at, (network, spec), times, faults);
+                tables::warn_of_short_pulses(&at, network, spec, times, faults);
             }
             if let (Some(spec), Some(timing)) = (&spec, &timing) {
                 let long = preflight::canopies::filling(spec, timing.spec.end);
@@ -91,8 +90,8 @@ pub(crate) fn build(
         Some(SystemSpec::Network(spec)) => (Some(&spec.springs[..]), strengths(spec)),
         _ => (None, Vec::new()),
     };
-    let places = (nodes, groups);
-    let output = output::output(file.output.as_ref(), places, timing.as_ref().map(|t| t.spec), faults);
+    let scene = output::Measurable { nodes, springs: groups };
+    let output = output::output(file.output.as_ref(), scene, timing.as_ref().map(|t| t.spec), faults);
     let output = output.map(|mut output| {
         output.gauges.extend(strengths);
         output
@@ -134,16 +133,13 @@ fn name(at: &Pointer, name: &str, faults: &mut Faults<'_>) {
 
 /// Checks a pendulum.
 fn check_pendulum(at: &Pointer, pendulum: &PendulumSpec, faults: &mut Faults<'_>) {
-    let PendulumSpec { length, mass, damping, gravity, .. } = *pendulum;
-    let long = positive(&at.key("length"), length, faults);
-    let heavy = positive(&at.key("mass"), mass, faults);
-    not_negative(&at.key("damping"), damping, faults);
-    not_negative(&at.key("gravity"), gravity, faults);
+    let PendulumSpec { length, mass, .. } = *pendulum;
+    let known = !faults.unread(&at.key("length")) && !faults.unread(&at.key("mass"));
     let inertia = mass * length * length;
-    if long && heavy && !inertia.is_normal() {
+    if known && !inertia.is_normal() {
         faults.add_value(at, format!("m L^2 = {inertia:e}"), "m L^2 within the range of a double", None);
     }
-    if long && heavy {
+    if known {
         energy::pendulum(at, pendulum, faults);
     }
     plausible::pendulum(at, pendulum, faults);

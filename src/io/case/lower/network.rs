@@ -3,7 +3,8 @@
 use super::air::{self, Flow};
 use super::geometry::Geometry;
 use super::initial::{self, initial};
-use super::numbers::{not_negative, series};
+use super::numbers::series;
+use super::springs::SpringSources;
 use super::supports::{Supports, supports};
 use super::{canopy, digits, energy, loads, mass, plausible, springs, surface};
 use crate::case::diagnostics::Faults;
@@ -19,23 +20,24 @@ use std::path::Path;
 /// Checks and builds a network; files are found from the folder `base`. Without a mesh the checks that need none still
 /// run.
 pub(super) fn network(
-    at: &Pointer,
     network: &Network,
-    (base, geometry): (&Path, Option<&Geometry>),
+    base: &Path,
+    geometry: Option<&Geometry>,
     step: Option<Step>,
     faults: &mut Faults<'_>,
 ) -> Option<NetworkSpec> {
+    let at = &Pointer::root().key("system").key("network");
     let before = faults.count();
     let mut masses =
         geometry.map(|g| mass::mass(&at.key("mass"), network.mass.as_ref(), g, faults)).unwrap_or_default();
     let Supports { fixed, releases, motions } = supports(&at.key("supports"), &network.supports, geometry, faults);
     let membranes = surface::membranes(&at.key("membranes"), &network.membranes, geometry, faults);
     let bending = surface::bending(&at.key("bending"), &network.bending, geometry, faults);
-    let groups =
-        springs::springs(&at.key("springs"), (&network.springs, &membranes), geometry, step, &mut masses, faults);
+    let sources = SpringSources { rules: &network.springs, membranes: &membranes, step };
+    let groups = springs::springs(&at.key("springs"), sources, geometry, &mut masses, faults);
     let readable = |keys: &[&str], faults: &Faults<'_>| keys.iter().all(|key| faults.readable(&at.key(key)));
     let masses_known = faults.count() == before && readable(&["mass", "supports", "springs", "membranes"], faults);
-    let rayleigh = rayleigh(&at.key("damping"), network.damping.as_ref(), faults);
+    let rayleigh = rayleigh(network.damping.as_ref());
     let Flow { air, stream, canopies, line_drag, node_drag } =
         air::flow(&at.key("aero"), network.aero.as_ref(), base, geometry, faults);
     let base_acceleration = base_acceleration(at, network, faults);
@@ -130,13 +132,8 @@ pub(super) fn warn_of_events(at: &Pointer, network: &Network, end: f64, faults: 
     }
 }
 
-fn rayleigh(at: &Pointer, section: Option<&Damping>, faults: &mut Faults<'_>) -> Option<RayleighSpec> {
-    let rayleigh = section?.rayleigh;
-    let at = at.key("rayleigh");
-    let mass = not_negative(&at.key("mass"), rayleigh.mass, faults);
-    let stiffness = not_negative(&at.key("stiffness"), rayleigh.stiffness, faults);
-    let none = rayleigh.mass == 0.0 && rayleigh.stiffness == 0.0;
-    (mass && stiffness && !none).then_some(rayleigh)
+fn rayleigh(section: Option<&Damping>) -> Option<RayleighSpec> {
+    section.map(|section| section.rayleigh).filter(|rayleigh| rayleigh.mass != 0.0 || rayleigh.stiffness != 0.0)
 }
 
 /// Every node that can move needs a mass with a finite inverse.

@@ -1,4 +1,4 @@
-//! Range checks of single numbers and of tables over time.
+//! Range checks of the numbers of lists, which the schema does not tell, and of tables over time.
 
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
@@ -22,16 +22,7 @@ pub(super) fn not_negative(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> boo
     good && faults.readable(at)
 }
 
-/// Adds a fault unless 0 < x < 1.
-pub(super) fn fraction(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> bool {
-    let good = x > 0.0 && x < 1.0;
-    if !good {
-        faults.add(at, "a number above 0 and below 1");
-    }
-    good && faults.readable(at)
-}
-
-/// A table whose rows begin with the time; `None` if it is empty or its times do not increase.
+/// A table whose rows begin with the time; `None` if its times do not increase.
 pub(super) fn series<T>(
     at: &Pointer,
     rows: impl Iterator<Item = (f64, T)>,
@@ -48,10 +39,6 @@ pub(super) fn rising<T>(
     faults: &mut Faults<'_>,
 ) -> Option<Series<T>> {
     let (t, value): (Vec<f64>, Vec<T>) = rows.unzip();
-    if t.is_empty() {
-        faults.add(at, "at least one row");
-        return None;
-    }
     // A time that could not be read cannot be compared.
     if !faults.readable(at) {
         return None;

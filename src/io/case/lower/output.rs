@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use super::numbers::positive;
 use super::select::{self, NodeSet};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
@@ -19,25 +18,27 @@ const HISTORY_ROWS: u64 = 10_000;
 /// [-] Largest number of frames: their file names have six digits.
 const MOST_FRAMES: f64 = 999_999.0;
 
+/// Where a scene can be measured.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Measurable<'a> {
+    pub nodes: NodeSet<'a>,
+    /// `None` if they are not known
+    pub springs: Option<&'a [SpringGroup]>,
+}
+
 /// Checks the `output` section and fills in its defaults; `None` if the times are unknown.
 pub(super) fn output(
     output: Option<&Output>,
-    (nodes, springs): (NodeSet<'_>, Option<&[SpringGroup]>),
+    scene: Measurable<'_>,
     time: Option<TimeSpec>,
     faults: &mut Faults<'_>,
 ) -> Option<OutputSpec> {
     let at = Pointer::root().key("output");
     let section = output.cloned().unwrap_or_default();
     frames(&at.key("frames").key("every"), section.frames, time, faults);
-    if let Some(checkpoint) = section.checkpoint {
-        positive(&at.key("checkpoint").key("every"), checkpoint.every, faults);
-    }
     let history = section.history.map(|h| h.every);
-    if history == Some(0) {
-        faults.add(&at.key("history").key("every"), "a whole number of 1 or more");
-    }
-    let probes = probes(&at.key("probes"), &section.probes, nodes, faults);
-    let gauges = gauges(&at.key("gauges"), &section.gauges, (nodes, springs), faults);
+    let probes = probes(&at.key("probes"), &section.probes, scene.nodes, faults);
+    let gauges = gauges(&at.key("gauges"), &section.gauges, scene, faults);
     let rows = HISTORY_ROWS - 2;
     Some(OutputSpec {
         frames_every: section.frames.map(|f| f.every),
@@ -50,7 +51,7 @@ pub(super) fn output(
         format: VtuFormat { compression: section.compression, precision: section.precision, ..VtuFormat::default() },
         history_derived: history.is_none(),
         history_every: match (history, time?.steps()) {
-            (Some(every), _) => RowEvery::Steps(every.max(1)),
+            (Some(every), _) => RowEvery::Steps(every),
             (None, Some(steps)) => RowEvery::Steps(steps.div_ceil(rows).max(1)),
             (None, None) => RowEvery::Time(time?.end / rows as f64),
         },
@@ -59,9 +60,6 @@ pub(super) fn output(
 
 fn frames(at: &Pointer, frames: Option<Every>, time: Option<TimeSpec>, faults: &mut Faults<'_>) {
     let Some(frames) = frames else { return };
-    if !positive(at, frames.every, faults) {
-        return;
-    }
     if let Some(time) = time
         && time.end / frames.every > MOST_FRAMES
     {
@@ -96,13 +94,8 @@ fn probes(at: &Pointer, list: &[Probe], nodes: NodeSet<'_>, faults: &mut Faults<
     probes
 }
 
-/// Checks and resolves gauges; without `springs` they are not known.
-fn gauges(
-    at: &Pointer,
-    list: &[Gauge],
-    (nodes, springs): (NodeSet<'_>, Option<&[SpringGroup]>),
-    faults: &mut Faults<'_>,
-) -> Vec<GaugeSpec> {
+/// Checks and resolves gauges.
+fn gauges(at: &Pointer, list: &[Gauge], scene: Measurable<'_>, faults: &mut Faults<'_>) -> Vec<GaugeSpec> {
     let mut names = BTreeSet::new();
     let mut gauges = Vec::new();
     for (i, gauge) in list.iter().enumerate() {
@@ -111,24 +104,16 @@ fn gauges(
         if faults.readable(&at.key("name")) && !names.insert(gauge.name.as_str()) {
             faults.add(&at.key("name"), "a name that no other gauge has");
         }
-        if gauge.every == Some(0) {
-            faults.add(&at.key("every"), "a whole number of 1 or more");
-        }
-        if let Some(of) = gauge_of(&at, gauge, (nodes, springs), faults) {
-            gauges.push(GaugeSpec { name: gauge.name.clone(), of, every: gauge.every.unwrap_or(1).max(1) });
+        if let Some(of) = gauge_of(&at, gauge, scene, faults) {
+            gauges.push(GaugeSpec { name: gauge.name.clone(), of, every: gauge.every.unwrap_or(1) });
         }
     }
     gauges
 }
 
 /// What a gauge measures, and where.
-fn gauge_of(
-    at: &Pointer,
-    gauge: &Gauge,
-    (nodes, springs): (NodeSet<'_>, Option<&[SpringGroup]>),
-    faults: &mut Faults<'_>,
-) -> Option<GaugeOf> {
-    let kind = gauge.of.kind();
+fn gauge_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Faults<'_>) -> Option<GaugeOf> {
+    let (kind, nodes) = (gauge.of.kind(), scene.nodes);
     if matches!(nodes, NodeSet::Bob) && !has_bob(kind) {
         let known = "\"position\", \"displacement\", \"velocity\", \"speed\" or \"force\" for a pendulum";
         faults.add(&at.key("of"), known);
@@ -146,7 +131,7 @@ fn gauge_of(
         GaugeKind::Nodes(of) => GaugeOf::Nodes { of, nodes: nodes_of()? },
         GaugeKind::Cloth => GaugeOf::Cloth { nodes: nodes_of()? },
         GaugeKind::Springs(of) => {
-            let edges = springs_of(&on, gauge, (nodes, springs), faults)?;
+            let edges = springs_of(&on, gauge, scene, faults)?;
             GaugeOf::Springs { of, edges, rule: None, strength: None }
         }
     })
@@ -164,19 +149,14 @@ fn has_bob(kind: GaugeKind) -> bool {
 }
 
 /// The edges of a gauge of tension that have springs.
-fn springs_of(
-    at: &Pointer,
-    gauge: &Gauge,
-    (nodes, springs): (NodeSet<'_>, Option<&[SpringGroup]>),
-    faults: &mut Faults<'_>,
-) -> Option<Vec<u32>> {
+fn springs_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Faults<'_>) -> Option<Vec<u32>> {
     let Some(selection) = gauge.on.edges() else {
         faults.add(at, "a selection of edges: the tension is measured on springs");
         return None;
     };
-    let NodeSet::Mesh(geometry) = nodes else { return None };
+    let NodeSet::Mesh(geometry) = scene.nodes else { return None };
     let flags = select::edges(at, &selection, geometry, faults)?;
-    let springs = springs?;
+    let springs = scene.springs?;
     let mut has_spring = vec![false; flags.len()];
     for &edge in springs.iter().flat_map(|group| &group.edges) {
         has_spring[edge as usize] = true;

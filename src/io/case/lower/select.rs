@@ -3,7 +3,6 @@
 use nalgebra::Vector3;
 
 use super::geometry::Geometry;
-use super::numbers::positive;
 use crate::case::diagnostics::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
 use crate::case::schema::{EdgeSelection, NodeSelection};
@@ -72,7 +71,7 @@ pub(super) fn nodes(
             inside(&|p| low <= p && p <= high)
         }
         NodeSelection::Sphere(ball) => {
-            if !positive(&at.key("sphere").key("radius"), ball.radius, faults) {
+            if faults.unread(&at.key("sphere").key("radius")) {
                 return None;
             }
             let center = Vector3::from(ball.center);

@@ -3,9 +3,9 @@
 use super::elastic_law::elastic_law;
 use super::geometry::Geometry;
 use super::mass;
-use super::numbers::{not_negative, positive, series};
+use super::numbers::{positive, series};
 use super::select;
-use super::stiffness::{Springs, Stiffness, dashpot, dashpot_number, rest_lengths, stiffness};
+use super::stiffness::{Springs, Stiffness, dashpot, rest_lengths, stiffness};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{EdgeSelection, Factor, FactorTable, Membrane, SlackRule, SpringRule};
@@ -14,12 +14,21 @@ use crate::format_number::first_few;
 use crate::model::spec::{ElasticLaw, MembraneSpec, Series, SheetSpec, Slack, SpringGroup, StrengthSpec};
 use crate::warning::WarningCode;
 
+/// What springs are made from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SpringSources<'a> {
+    pub rules: &'a [SpringRule],
+    /// they carry their edges too
+    pub membranes: &'a [MembraneSpec],
+    /// the steps of the run, if known
+    pub step: Option<Step>,
+}
+
 /// Groups of springs in the order of the rules; adds the springs' own mass to `mass` `[n_nodes]`.
 pub(super) fn springs(
     at: &Pointer,
-    (rules, membranes): (&[SpringRule], &[MembraneSpec]),
+    SpringSources { rules, membranes, step }: SpringSources<'_>,
     geometry: Option<&Geometry>,
-    step: Option<Step>,
     mass: &mut [f64],
     faults: &mut Faults<'_>,
 ) -> Vec<SpringGroup> {
@@ -78,30 +87,15 @@ struct RuleValues {
 
 fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<RuleValues> {
     let stiffness = stiffness(at, rule, faults);
-    if let Some(density) = rule.linear_density {
-        not_negative(&at.key("linear_density"), density, faults);
-    }
-    if let Some(strength) = rule.strength {
-        positive(&at.key("strength"), strength, faults);
-    }
-    if let Some(cut) = rule.cut {
-        positive(&at.key("cut"), cut, faults);
-    }
-    let slack_at = at.key("slack");
     let slack = match rule.slack {
-        None => Some(Slack::None),
-        Some(SlackRule::TensionOnly) => Some(Slack::TensionOnly),
-        Some(SlackRule::CompressionOnly) => Some(Slack::CompressionOnly),
-        Some(SlackRule::DeadZone(eps)) => {
-            not_negative(&slack_at.key("dead_zone"), eps, faults).then_some(Slack::DeadZone { eps })
-        }
-        Some(SlackRule::CompressionLimit(eps)) => {
-            not_negative(&slack_at.key("compression_limit"), eps, faults).then_some(Slack::CompressionLimit { eps })
-        }
+        None => Slack::None,
+        Some(SlackRule::TensionOnly) => Slack::TensionOnly,
+        Some(SlackRule::CompressionOnly) => Slack::CompressionOnly,
+        Some(SlackRule::DeadZone(eps)) => Slack::DeadZone { eps },
+        Some(SlackRule::CompressionLimit(eps)) => Slack::CompressionLimit { eps },
     };
-    let dashpot = rule.dashpot.is_none_or(|d| dashpot_number(&at.key("dashpot"), d, faults));
     let law = elastic_law(at, rule, faults);
-    Some(RuleValues { stiffness: stiffness?, law: law?, slack: slack? }).filter(|_| dashpot)
+    Some(RuleValues { stiffness: stiffness?, law: law?, slack })
 }
 
 /// The factor of the rest lengths over time; `None` if it is constant, or faulty.

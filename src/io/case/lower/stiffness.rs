@@ -2,14 +2,13 @@
 
 use super::elastic_law::steepest;
 use super::geometry::{Geometry, TriangleUse, triangles};
-use super::numbers::{not_negative, positive};
 use super::plausible;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Dashpot, DashpotRule, EdgeSelection, ElasticLawRule, Factor, SpringRule};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
-use crate::model::spec::{DashpotKind, DashpotSpec};
+use crate::model::spec::{DashpotKind, DashpotSpec, SpringValues};
 use crate::warning::WarningCode;
 
 /// Checked values of a rule, resolved for its edges one by one.
@@ -36,19 +35,16 @@ pub(super) fn stiffness(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>
             faults.add_value(at, "a spring rule with a stiffness and a table", "one of the two", hint);
             None
         }
-        (Some(k), None, None) => positive(&at.key("stiffness"), k, faults).then_some(Stiffness::Uniform(k)),
+        (Some(k), None, None) => Some(Stiffness::Uniform(k)),
         (None, Some(ea), None) => {
-            let at = at.key("axial_rigidity");
-            plausible::material(&at, "axial_rigidity", ea, faults);
-            positive(&at, ea, faults).then_some(Stiffness::Axial(ea))
+            plausible::material(&at.key("axial_rigidity"), "axial_rigidity", ea, faults);
+            Some(Stiffness::Axial(ea))
         }
         (None, None, Some(m)) => {
             let at = at.key("membrane");
             plausible::material(&at.key("modulus"), "modulus", m.modulus, faults);
             plausible::material(&at.key("thickness"), "thickness", m.thickness, faults);
-            let modulus = positive(&at.key("modulus"), m.modulus, faults);
-            let thickness = positive(&at.key("thickness"), m.thickness, faults);
-            (modulus && thickness).then_some(Stiffness::Membrane(m.modulus * m.thickness))
+            Some(Stiffness::Membrane(m.modulus * m.thickness))
         }
         (None, None, None) => {
             faults.add_value(
@@ -96,11 +92,9 @@ pub(super) fn rest_lengths(
                 faults.add_hint(&at, "a number above 0", hint);
                 return None;
             }
-            not_negative(&at, length, faults).then(|| vec![length; edges.len()])
+            Some(vec![length; edges.len()])
         }
-        (None, Some(Factor::Constant(scale))) => {
-            positive(&at.key("rest_scale"), *scale, faults).then(|| initial.map(|l| scale * l).collect())
-        }
+        (None, Some(Factor::Constant(scale))) => Some(initial.map(|l| scale * l).collect()),
         (None, None | Some(Factor::Table(_))) => {
             let of_reefing = geometry.reefing_length().filter(|_| is_reefing(&rule.on));
             Some(of_reefing.map_or_else(|| initial.collect(), |length| vec![length; edges.len()]))
@@ -126,7 +120,7 @@ fn needs_rest_length(rule: &SpringRule) -> Option<&'static str> {
 }
 
 impl Stiffness {
-    /// [N/m] Stiffness of every edge, from rest lengths [m] `[n_edges]`; a value that is not usable is a fault that
+    /// [N/m] Stiffness of the edges, from rest lengths [m] `[n_edges]`; a value that is not usable is a fault that
     /// names the edges.
     pub(super) fn of_edges(
         self,
@@ -135,7 +129,7 @@ impl Stiffness {
         rest: &[f64],
         geometry: &Geometry,
         faults: &mut Faults<'_>,
-    ) -> Option<Vec<f64>> {
+    ) -> Option<SpringValues> {
         if let Self::Membrane(_) = self {
             let at = at.key("membrane");
             let bare: Vec<u32> =
@@ -150,10 +144,14 @@ impl Stiffness {
                 return None;
             }
         }
-        let k: Vec<f64> = edges.iter().zip(rest).map(|(&edge, &rest)| self.of(edge as usize, rest, geometry)).collect();
-        let usable = |(k, rest): (&f64, &f64)| k.is_normal() && (rest.is_normal() || *rest == 0.0);
-        let numbered = edges.iter().zip(k.iter().zip(rest));
-        let bad: Vec<u32> = numbered.filter(|(_, pair)| !usable(*pair)).map(|(e, _)| *e).collect();
+        let k = match self {
+            Self::Uniform(k) => SpringValues::Uniform(k),
+            Self::Axial(ea) => rest.iter().map(|rest| ea / rest).collect(),
+            Self::Membrane(et) => edges.iter().map(|&e| geometry.net_stiffness(et, e as usize, |_| true)).collect(),
+        };
+        let usable = |k: f64, rest: f64| k.is_normal() && (rest.is_normal() || rest == 0.0);
+        let numbered = edges.iter().zip(k.of(edges.len()).zip(rest));
+        let bad: Vec<u32> = numbered.filter(|(_, (k, rest))| !usable(*k, **rest)).map(|(e, _)| *e).collect();
         if !bad.is_empty() {
             let value = format!("no usable stiffness or rest length on edges {}", first_few(&bad));
             faults.add_value(at, value, "lengths and stiffnesses within the range of a double", None);
@@ -161,32 +159,9 @@ impl Stiffness {
         }
         Some(k)
     }
-
-    fn of(self, edge: usize, rest: f64, geometry: &Geometry) -> f64 {
-        match self {
-            Self::Uniform(k) => k,
-            Self::Axial(ea) => ea / rest,
-            Self::Membrane(et) => geometry.net_stiffness(et, edge, |_| true),
-        }
-    }
 }
 
-/// Checks the number of a dashpot rule, which needs no edge.
-pub(super) fn dashpot_number(at: &Pointer, dashpot: Dashpot, faults: &mut Faults<'_>) -> bool {
-    let (kind, rule) = match dashpot {
-        Dashpot::Axial(rule) => ("axial", rule),
-        Dashpot::Relative(rule) => ("relative", rule),
-    };
-    let (key, value) = match rule {
-        DashpotRule::Coefficient(c) => ("coefficient", c),
-        DashpotRule::Time(tau) => ("time", tau),
-        DashpotRule::PerStrain(c) => ("per_strain", c),
-        DashpotRule::Step => return true,
-    };
-    not_negative(&at.key(kind).key(key), value, faults)
-}
-
-/// Dashpots of a rule whose number is valid, with a coefficient for every edge.
+/// Dashpots of a rule, with the coefficients of its edges.
 pub(super) fn dashpot(
     at: &Pointer,
     dashpot: Dashpot,
@@ -199,9 +174,9 @@ pub(super) fn dashpot(
     };
     let at = at.key(key);
     let Springs { stiffness, rest, step } = springs;
-    let coefficient: Vec<f64> = match rule {
-        DashpotRule::Coefficient(c) => vec![c; stiffness.len()],
-        DashpotRule::Time(tau) => stiffness.iter().map(|k| k * tau).collect(),
+    let coefficient = match rule {
+        DashpotRule::Coefficient(c) => SpringValues::Uniform(c),
+        DashpotRule::Time(tau) => stiffness.map(|k| k * tau),
         DashpotRule::PerStrain(c) => rest.iter().map(|l0| c / l0).collect(),
         DashpotRule::Step => {
             // If the times are missing, there is a fault at /time already.
@@ -214,10 +189,10 @@ pub(super) fn dashpot(
                 "{at}: a \"step\" dashpot has c = k h, so the physics changes with the step; use it only to reproduce the thesis. Instead, {{\"time\": {h:e}}} gives the same coefficient at this step and at all others"
             );
             faults.warn(WarningCode::StepDashpot, text);
-            stiffness.iter().map(|k| k * h).collect()
+            stiffness.map(|k| k * h)
         }
     };
-    if coefficient.iter().any(|c| !c.is_finite()) {
+    if coefficient.given().iter().any(|c| !c.is_finite()) {
         faults.add(&at, "a coefficient that stays a finite number on every edge");
         return None;
     }
@@ -227,8 +202,8 @@ pub(super) fn dashpot(
 /// The data for the coefficients of dashpots.
 #[derive(Debug)]
 pub(super) struct Springs<'a> {
-    /// [N/m] one per edge
-    pub stiffness: &'a [f64],
+    /// [N/m] of the edges
+    pub stiffness: &'a SpringValues,
     /// [m] one per edge
     pub rest: &'a [f64],
     /// the steps of the run, if known and valid

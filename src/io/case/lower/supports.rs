@@ -1,7 +1,7 @@
 //! Supports: what they hold, until when, and how they move it.
 
 use super::geometry::Geometry;
-use super::numbers::{positive, series};
+use super::numbers::series;
 use super::select;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
@@ -20,7 +20,7 @@ pub(super) struct Supports {
 }
 
 /// What holds a direction of a node.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Hold {
     /// [s] until when; 0 where it is free
     until: f64,
@@ -44,7 +44,6 @@ pub(super) fn supports(
         if directions.is_none() {
             faults.add(&at.key("fix"), "one or more of the letters x, y and z, each once, such as \"xyz\" or \"z\"");
         }
-        let end = support.until.map_or(Some(f64::INFINITY), |t| positive(&at.key("until"), t, faults).then_some(t));
         let displacement =
             support.motion.as_ref().and_then(|table| motion(&at.key("motion"), table, directions, faults));
         let nodes = geometry.and_then(|g| select::nodes(&at.key("on"), &support.on, g, faults));
@@ -52,8 +51,8 @@ pub(super) fn supports(
             let moves = support.motion.is_some();
             // A stand-in may be for any nodes and directions.
             let known = faults.readable(&at.key("on")) && faults.readable(&at.key("fix"));
-            let this = Hold { until: end.unwrap_or(f64::INFINITY), first: known.then_some((i, moves)) };
-            hold(&at, &mut holds, (&nodes, directions), this, faults);
+            let by = Hold { until: support.until.unwrap_or(f64::INFINITY), first: known.then_some((i, moves)) };
+            hold(&at, &mut holds, Held { nodes: &nodes, directions, by }, faults);
             motions.extend(displacement.map(|displacement| {
                 let nodes = nodes.into_iter().map(|node| (node, directions)).collect();
                 MotionSpec { nodes, displacement }
@@ -64,26 +63,28 @@ pub(super) fn supports(
     Supports { fixed, releases: releases(&holds), motions }
 }
 
+/// What a support holds.
+#[derive(Clone, Copy, Debug)]
+struct Held<'a> {
+    nodes: &'a [u32],
+    directions: [bool; 3],
+    by: Hold,
+}
+
 /// Adds a support to what holds these nodes.
-fn hold(
-    at: &Pointer,
-    holds: &mut [[Hold; 3]],
-    (nodes, directions): (&[u32], [bool; 3]),
-    this: Hold,
-    faults: &mut Faults<'_>,
-) {
+fn hold(at: &Pointer, holds: &mut [[Hold; 3]], Held { nodes, directions, by }: Held<'_>, faults: &mut Faults<'_>) {
     let mut shared: Vec<u32> = Vec::new();
     let mut other = None;
     for &node in nodes {
         let held = holds.get_mut(node as usize).into_iter().flatten();
         for (held, _) in held.zip(directions).filter(|(_, more)| *more) {
-            if let (Some((number, moves)), Some((_, moves_now))) = (held.first, this.first)
+            if let (Some((number, moves)), Some((_, moves_now))) = (held.first, by.first)
                 && (moves || moves_now)
             {
                 shared.push(node);
                 other.get_or_insert(number);
             }
-            *held = Hold { until: held.until.max(this.until), first: held.first.or(this.first) };
+            *held = Hold { until: held.until.max(by.until), first: held.first.or(by.first) };
         }
     }
     shared.dedup();

@@ -1,7 +1,6 @@
 //! Membranes and bending: which triangle and which edge follows which rule.
 
 use super::geometry::{Geometry, TriangleUse, triangles};
-use super::numbers::{not_negative, positive};
 use super::plausible;
 use super::select;
 use crate::case::diagnostics::Faults;
@@ -53,32 +52,25 @@ pub(super) fn membranes(
 /// A rule's material, without its triangles.
 fn material(at: &Pointer, rule: &MembraneRule, faults: &mut Faults<'_>) -> Option<MembraneSpec> {
     let before = faults.count();
-    positive(&at.key("thickness"), rule.thickness, faults);
     plausible::material(&at.key("thickness"), "thickness", rule.thickness, faults);
     let at_modulus = at.key("modulus");
     let modulus = match rule.modulus {
         Modulus::Isotropic(modulus) => {
-            positive(&at_modulus, modulus, faults);
             plausible::material(&at_modulus, "modulus", modulus, faults);
             [modulus; 2]
         }
         Modulus::Orthotropic(two) => {
             two.iter().enumerate().for_each(|(i, modulus)| {
-                positive(&at_modulus.index(i), *modulus, faults);
                 plausible::material(&at_modulus.index(i), "modulus", *modulus, faults);
             });
             two
         }
     };
     let damping_time = rule.damping_time.unwrap_or(0.0);
-    not_negative(&at.key("damping_time"), damping_time, faults);
     let orthotropic = matches!(rule.modulus, Modulus::Orthotropic(_));
     let shear = match (orthotropic, rule.shear) {
         (false, None) => modulus[0] / (2.0 * (1.0 + rule.poisson)),
-        (true, Some(shear)) => {
-            positive(&at.key("shear"), shear, faults);
-            shear
-        }
+        (true, Some(shear)) => shear,
         (false, Some(shear)) => {
             let hint = "one modulus has G = E/(2 (1 + nu)); for another, give two moduli and a warp";
             faults.add_value(&at.key("shear"), shear.to_string(), "only with two moduli", Some(hint.to_owned()));
@@ -99,8 +91,8 @@ fn material(at: &Pointer, rule: &MembraneRule, faults: &mut Faults<'_>) -> Optio
         faults.add(&at.key("warp"), "a vector that is not zero; its length does not matter");
     }
     let poisson = rule.poisson;
-    let sound = modulus.iter().all(|modulus| *modulus > 0.0);
-    if sound && !(poisson > -1.0 && poisson * poisson * modulus[1] < modulus[0]) {
+    let known = faults.readable(&at_modulus) && !(0..2).any(|i| faults.unread(&at_modulus.index(i)));
+    if known && poisson * poisson * modulus[1] >= modulus[0] {
         let allowed = if orthotropic { "poisson^2 E2 below E1" } else { "above -1 and below 1" };
         faults.add_value(&at.key("poisson"), poisson.to_string(), allowed, None);
     }
@@ -146,8 +138,8 @@ pub(super) fn bending(
     for (i, rule) in rules.iter().enumerate() {
         let at = at.index(i);
         let value = match (rule.stiffness, rule.flexural_rigidity) {
-            (Some(b), None) => positive(&at.key("stiffness"), b, faults).then_some(Ok(b)),
-            (None, Some(ei)) => positive(&at.key("flexural_rigidity"), ei, faults).then_some(Err(ei)),
+            (Some(b), None) => Some(Ok(b)),
+            (None, Some(ei)) => Some(Err(ei)),
             (None, None) => {
                 faults.add_value(&at, "a bending rule without stiffness", EITHER, None);
                 None

@@ -28,7 +28,8 @@ pub(super) struct StepTimes {
 /// than two steps and does not begin and end with steps; and of every gust that is shorter.
 pub(super) fn warn_of_short_pulses(
     at: &Pointer,
-    (network, spec): (&Network, &NetworkSpec),
+    network: &Network,
+    spec: &NetworkSpec,
     steps: StepTimes,
     faults: &mut Faults<'_>,
 ) {

@@ -1,13 +1,12 @@
 //! The time, solver and study sections. The study section is checked with the rest, so that a study does not fail after
 //! its first hour.
 
-use super::numbers::{fraction, positive};
 use crate::case::diagnostics::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
 use crate::case::schema::{MassScaling, Method, Solver, Study, System, Time, UntilRest};
 use crate::case::spec::TimeSpec;
 use crate::drive::at_rest::RestSpec;
-use crate::drive::clock::{Step, Tolerance};
+use crate::drive::clock::Step;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice, MethodError, methods};
 use crate::solve::newton::NewtonSpec;
@@ -34,8 +33,7 @@ pub(super) struct Timing {
 /// Checks the `time` section.
 pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Option<Timing> {
     let at = Pointer::root().key("time");
-    let end = positive(&at.key("end"), time.end, faults) && in_range(&at.key("end"), time.end, faults);
-    let end = end.then_some(time.end);
+    let end = in_range(&at.key("end"), time.end, faults).then_some(time.end);
     let method = method(&at.key("method"), &time.method, faults);
     if let (Some(choice), System::Pendulum(_)) = (&method, system)
         && choice.info.family == Family::MatrixFree
@@ -47,8 +45,8 @@ pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Opt
         Step::Fixed(step) => fixed(&at.key("step"), step, end?, faults)?,
         adaptive @ Step::Adaptive(_) => adaptive,
     };
-    let until_rest = time.until_rest.map(|rest| until_rest(&at.key("until_rest"), rest, end, faults));
-    let mass_scaling = time.mass_scaling.and_then(|given| mass_scaling(&at, given, (method.as_ref(), system), faults));
+    let until_rest = time.until_rest.map(|rest| until_rest(rest, end));
+    let mass_scaling = time.mass_scaling.and_then(|given| mass_scaling(&at, given, method.as_ref(), system, faults));
     Some(Timing { mass_scaling, method: method?, spec: TimeSpec { end: end?, step, until_rest: until_rest.flatten() } })
 }
 
@@ -56,7 +54,8 @@ pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Opt
 fn mass_scaling(
     at: &Pointer,
     given: MassScaling,
-    (method, system): (Option<&MethodChoice>, &System),
+    method: Option<&MethodChoice>,
+    system: &System,
     faults: &mut Faults<'_>,
 ) -> Option<f64> {
     let at = at.key("mass_scaling");
@@ -70,16 +69,15 @@ fn mass_scaling(
         faults.add_value(&at, "mass scaling of a pendulum", "only with a network", None);
     }
     let step = at.key("step");
-    (positive(&step, given.step, faults) && in_range(&step, given.step, faults)).then_some(given.step)
+    in_range(&step, given.step, faults).then_some(given.step)
 }
 
 /// [-] Looks of a run at whether its scene is at rest, if the case does not say how often.
 const LOOKS: f64 = 100.0;
 
-fn until_rest(at: &Pointer, rest: UntilRest, end: Option<f64>, faults: &mut Faults<'_>) -> Option<RestSpec> {
-    let slow = positive(&at.key("speed"), rest.speed, faults);
+fn until_rest(rest: UntilRest, end: Option<f64>) -> Option<RestSpec> {
     let every = rest.every.or(end.map(|end| end / LOOKS))?;
-    (positive(&at.key("every"), every, faults) && slow).then_some(RestSpec { speed: rest.speed, every })
+    Some(RestSpec { speed: rest.speed, every })
 }
 
 /// A fixed step, checked with the end of the run.
@@ -103,7 +101,7 @@ fn fixed(at: &Pointer, step: f64, end: f64, faults: &mut Faults<'_>) -> Option<S
 /// Adds a fault unless `t` [s] is a time that schemes can compute with.
 fn in_range(at: &Pointer, t: f64, faults: &mut Faults<'_>) -> bool {
     let [least, most] = TIMES;
-    let good = (least..=most).contains(&t);
+    let good = (least..=most).contains(&t) && !faults.unread(at);
     if !good {
         faults.add(at, format!("{least:e} to {most:e} seconds, whose squares are within the range of a double"));
     }
@@ -112,12 +110,12 @@ fn in_range(at: &Pointer, t: f64, faults: &mut Faults<'_>) -> bool {
 
 fn step(at: &Pointer, time: &Time, faults: &mut Faults<'_>) -> Option<Step> {
     match (time.step, time.tolerance) {
-        (Some(step), None) => positive(&at.key("step"), step, faults).then_some(Step::Fixed(step)),
+        (Some(step), None) => (!faults.unread(&at.key("step"))).then_some(Step::Fixed(step)),
         (Some(_), Some(_)) => {
             faults.add_hint(&at.key("tolerance"), "not together with step", "remove time.step for adaptive steps");
             None
         }
-        (None, Some(given)) => tolerance(&at.key("tolerance"), given, faults),
+        (None, Some(given)) => Some(Step::Adaptive(given)),
         (None, None) => {
             let hint = "give the fixed step in seconds: \"step\": 1e-3, or adaptive steps: \"tolerance\": {\"relative\": 1e-4, \
                         \"absolute\": 1e-6}";
@@ -125,17 +123,6 @@ fn step(at: &Pointer, time: &Time, faults: &mut Faults<'_>) -> Option<Step> {
             None
         }
     }
-}
-
-/// [-] Finest relative tolerance: rounding of positions adds up to about this over some thousand steps.
-const FINEST: f64 = 1e-13;
-
-fn tolerance(at: &Pointer, given: Tolerance, faults: &mut Faults<'_>) -> Option<Step> {
-    let fine = (FINEST..1.0).contains(&given.relative);
-    if !fine {
-        faults.add(&at.key("relative"), format!("a number from {FINEST:e} to below 1"));
-    }
-    (positive(&at.key("absolute"), given.absolute, faults) && fine).then_some(Step::Adaptive(given))
 }
 
 /// Looks a method up and checks its parameters; the pointer leads to the name or the parameter at fault.
@@ -168,57 +155,23 @@ fn method(at: &Pointer, method: &Method, faults: &mut Faults<'_>) -> Option<Meth
     None
 }
 
-/// Checks the `solver` section and fills in its defaults.
-pub(super) fn solver(solver: Option<&Solver>, faults: &mut Faults<'_>) -> SolverSpec {
-    let at = Pointer::root().key("solver");
+/// Fills in the defaults of the `solver` section.
+pub(super) fn solver(solver: Option<&Solver>) -> SolverSpec {
     let section = solver.cloned().unwrap_or_default();
-    let at = at.key("newton");
     let given = section.newton.unwrap_or_default();
-    let mut newton = NewtonSpec::default();
-    if let Some(relative) = given.relative {
-        fraction(&at.key("relative"), relative, faults);
-        newton.relative = relative;
-    }
-    if let Some(most) = given.max_iterations {
-        if !(1..=1000).contains(&most) {
-            faults.add(&at.key("max_iterations"), "a whole number from 1 to 1000");
-        }
-        newton.max_iterations = most;
-    }
-    newton.strategy = given.strategy;
+    let default = NewtonSpec::default();
+    let newton = NewtonSpec {
+        relative: given.relative.unwrap_or(default.relative),
+        max_iterations: given.max_iterations.unwrap_or(default.max_iterations),
+        strategy: given.strategy,
+    };
     SolverSpec { newton, linear: section.linear }
 }
 
-/// Checks the `study` section.
+/// Checks the methods of the `study` section.
 pub(super) fn study(study: Option<&Study>, faults: &mut Faults<'_>) {
-    let Some(study) = study else { return };
-    let at = Pointer::root().key("study");
-    for (i, choice) in some(&at.key("methods"), study.methods.as_deref(), faults).iter().enumerate() {
-        method(&at.key("methods").index(i), choice, faults);
-    }
-    for (i, step) in some(&at.key("steps"), study.steps.as_deref(), faults).iter().enumerate() {
-        positive(&at.key("steps").index(i), *step, faults);
-    }
-    for (i, tolerance) in some(&at.key("tolerances"), study.tolerances.as_deref(), faults).iter().enumerate() {
-        fraction(&at.key("tolerances").index(i), *tolerance, faults);
-    }
-    some(&at.key("models"), study.models.as_deref(), faults);
-    if study.repeat.is_some_and(|n| !(1..=1000).contains(&n)) {
-        faults.add(&at.key("repeat"), "a whole number from 1 to 1000");
-    }
-    if let Some(budget) = study.budget_seconds {
-        positive(&at.key("budget_seconds"), budget, faults);
-    }
-}
-
-/// The entries of a list that, if given, must not be empty.
-fn some<'a, T>(at: &Pointer, list: Option<&'a [T]>, faults: &mut Faults<'_>) -> &'a [T] {
-    match list {
-        Some([]) => {
-            faults.add(at, "at least one entry; leave the key out to let the study choose");
-            &[]
-        }
-        Some(list) => list,
-        None => &[],
+    let at = Pointer::root().key("study").key("methods");
+    for (i, choice) in study.and_then(|study| study.methods.as_ref()).into_iter().flatten().enumerate() {
+        method(&at.index(i), choice, faults);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::numbers::{positive, rising, series};
+use super::numbers::{rising, series};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Wind, WindPart};
@@ -37,10 +37,6 @@ pub(super) fn parts<'a>(at: &Pointer, wind: &'a Wind) -> Vec<(Pointer, &'a WindP
 /// Checks a wind and sums its parts; files are found from the folder `base`.
 pub(super) fn wind(at: &Pointer, wind: &Wind, base: &Path, faults: &mut Faults<'_>) -> Option<Winds> {
     let parts = parts(at, wind);
-    if parts.is_empty() {
-        faults.add(&at.key("sum"), "at least one wind");
-        return None;
-    }
     let before = faults.count();
     let (mut tables, mut profiles, mut gusts) = (Vec::new(), Vec::new(), Vec::new());
     for (at, part) in parts {
@@ -52,7 +48,6 @@ pub(super) fn wind(at: &Pointer, wind: &Wind, base: &Path, faults: &mut Faults<'
                 profiles.extend(rising(&at.key("profile"), "height", profile.iter().map(split), faults));
             }
             WindPart::Gust { gust } => {
-                positive(&at.key("gust").key("duration"), gust.duration, faults);
                 gusts.push(GustSpec { velocity: gust.velocity, start: gust.start, duration: gust.duration });
             }
             WindPart::File { file } => match read(&base.join(file)) {

@@ -1,7 +1,7 @@
 //! The case file as serde reads it: one struct per section, with the keys of the file; only types and keys are checked.
 //!
-//! Ranges are given twice, here as attributes for the JSON Schema, and in the checks of [`crate::case`] for the
-//! messages; a test compares the two. Numbers are SI; the doc of a number begins with its unit.
+//! Ranges are attributes for the JSON Schema; the walk of the schema checks them and makes their messages. Numbers are
+//! SI; the doc of a number begins with its unit.
 
 pub mod aero;
 pub mod loads;
