@@ -174,7 +174,8 @@ fn unsolved_steps_shrink() {
         let found = run(&case);
         assert_eq!(found.outcome.status, Status::Completed, "{method}: {:?}", found.outcome.failure);
         assert!(found.outcome.rejected_steps > 0, "{method}: two iterations are too few for some step");
-        assert!(found.most_iterations <= 2);
+        // With the tensions as unknowns, and on the exact tangent.
+        assert!(found.most_iterations <= 4);
     }
 }
 

@@ -2,6 +2,7 @@
 //! of very different stiffness, scenes that start without any force.
 
 mod iteration;
+mod mixed;
 
 use crate::common::run::{case_of, run};
 use canopy_fem::drive::Status;

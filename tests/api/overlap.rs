@@ -5,7 +5,7 @@ use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::spec::{
     AtmosphereSpec, DashpotKind, DashpotSpec, GustSpec, LineDragSpec, MotionSpec, NetworkSpec, NodeDragSpec,
-    PressureKind, PressureLoad, RayleighSpec, ReleaseSpec, Series, Slack, SpringGroup, StreamSpec,
+    PressureKind, PressureLoad, RayleighSpec, ReleaseSpec, Series, Slack, SpringGroup, SpringValues, StreamSpec,
 };
 use canopy_fem::scene::Scene;
 use canopy_fem::simulation::{Load, NetworkBuilder, RunSpec, Simulation, SpringLaw, build_scene};
@@ -20,10 +20,11 @@ fn series<T>(rows: Vec<(f64, T)>) -> Series<T> {
 fn some(group: &SpringGroup, thirds: bool) -> SpringGroup {
     let keep: Vec<usize> = (0..group.edges.len()).filter(|i| (i % 3 == 0) == thirds).collect();
     let pick = |values: &[f64]| keep.iter().map(|&i| values[i]).collect::<Vec<f64>>();
-    let dashpot = group.dashpot.as_ref().map(|d| DashpotSpec { coefficient: pick(&d.coefficient), ..d.clone() });
+    let of_some = |values: &SpringValues| keep.iter().filter_map(|&i| values.get(i)).collect::<SpringValues>();
+    let dashpot = group.dashpot.as_ref().map(|d| DashpotSpec { coefficient: of_some(&d.coefficient), ..d.clone() });
     SpringGroup {
         edges: keep.iter().map(|&i| group.edges[i]).collect(),
-        stiffness: pick(&group.stiffness),
+        stiffness: of_some(&group.stiffness),
         rest_length: pick(&group.rest_length),
         dashpot,
         ..group.clone()

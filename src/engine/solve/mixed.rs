@@ -12,9 +12,10 @@
 //! one-sided    t >= 0, s >= 0, t s = 0, s = (t - y)/k:   primal-dual interior point with t s = mu -> 0
 //!              k' = k t/(t + k s),   dt = k' (n . dx + (y - t)/k + mu/t),   ds = (mu - t s - s dt)/t
 //! ```
-//! A spring that acts both ways has its own t in the matrix if that is positive definite, and else max(t, 0). The product
-//! mu falls by the predictor and corrector of Mehrotra (1992), two solves a factor. A step is cut only where it would
-//! make both the forces out of balance (with the tensions t) and the errors of the tensions larger.
+//! A spring that acts both ways has its own t in the matrix if that is positive definite, and else max(t, 0). The
+//! product mu falls by the predictor and corrector of Mehrotra (1992), two solves a factor. A step is cut only where it
+//! would make both the forces out of balance (with the tensions t) and the errors of the tensions larger. First tensions
+//! are those at the start of the step, or those of the guess if these leave smaller forces.
 
 use super::forcing::Forcing;
 use super::newton::{Convergence, ConvergenceCriteria, Newton, NewtonReport};
@@ -120,12 +121,17 @@ impl Tensions {
         self.tangents.resize(n, SpringTangent::default());
         springs.measure_start(&mut self.at);
         self.decide();
-        let length = self.at.iter().map(|spring| spring.length).sum::<f64>() / n as f64;
+        self.start(size);
+    }
+
+    /// Makes the measured springs the first tensions. `size` [N] is that of a nodal force, or of the loads.
+    fn start(&mut self, size: f64) {
+        let length = self.at.iter().map(|spring| spring.length).sum::<f64>() / self.at.len() as f64;
         let mu = FIRST_PRODUCT * size * length;
         for (spring, (t, s)) in self.at.iter().zip(self.t.iter_mut().zip(&mut self.s)) {
-            (*t, *s) = match sides {
+            (*t, *s) = match self.sides {
                 _ if !spring.is_one_sided() => (spring.tension, 0.0),
-                Sides::Loaded => (size, length),
+                Some(Sides::Loaded) => (size, length),
                 _ => central(spring, mu),
             };
         }
@@ -344,8 +350,9 @@ impl Iteration<'_> {
         let most = match sides {
             // Nothing would be another with interior points.
             Sides::Interior if !self.tensions.any_one_sided => return Ok(None),
-            Sides::AsTheyAre if self.tensions.any_one_sided => FEW,
-            _ => MOST,
+            Sides::Loaded => MOST,
+            Sides::AsTheyAre if self.tensions.any_one_sided => FEW.min(self.newton.most_iterations()),
+            _ => MOST.min(self.newton.most_iterations()),
         };
         for made in 1..=most {
             self.newton.spent = spent + made;
@@ -370,11 +377,15 @@ impl Iteration<'_> {
                 left = self.left();
                 continue;
             }
-            if self.newton.convergence(z, self.criteria, shares.x * residual / before) == Convergence::Converged {
-                let report = NewtonReport {
-                    iterations: self.newton.spent,
-                    residual: self.criteria.over_scale(residual),
-                };
+            let ended = match self.newton.convergence(z, self.criteria, shares.x * residual / before) {
+                Convergence::Converged => true,
+                // The tensions tell what lengths cannot.
+                Convergence::Rounding => left.forces <= self.criteria.tolerance,
+                Convergence::NotConverged => false,
+            };
+            if ended {
+                let report =
+                    NewtonReport { iterations: self.newton.spent, residual: self.criteria.over_scale(residual) };
                 return Ok(Some(report));
             }
         }

@@ -222,8 +222,8 @@ impl Newton {
         Err(NewtonFailure::Hidden { iterations, rounding, forces, worst: self.worst() })
     }
 
-    /// Iterates from `z` `[n]` to a residual below `tolerance` [N], from tensions of the size of the loads; `None` where
-    /// that fails or there are no springs. `z` is then worthless.
+    /// Iterates from `z` `[n]` to a residual below `tolerance` [N], from tensions of the size of the loads. `None` where
+    /// that fails or there are no springs; `z` is then worthless.
     ///
     /// # Errors
     /// A linear system that cannot be solved.
@@ -302,8 +302,8 @@ impl Newton {
         Err(NewtonFailure::MaxIterations { iterations, residual, tolerance, worst })
     }
 
-    /// The mixed iteration from the first guess, where springs have tensions: with the tangents of one-sided springs and,
-    /// if that fails, by interior points. `None` if both fail; `z` is then the first guess.
+    /// The mixed iteration from the first guess, if there are springs: with the tangents of one-sided springs and, if that
+    /// fails, by interior points. `None` if both fail; `z` is then the first guess.
     fn mixed(
         &mut self,
         problem: &mut dyn NonlinearProblem,

@@ -90,7 +90,13 @@ fn between((a, slope_a): (f64, f64), (b, slope_b): (f64, f64)) -> f64 {
 impl Newton {
     /// Evaluates the residual at z + lambda dz. Returns whether it is within the tolerance, which is accepted whatever
     /// the merit function says: rounding may not allow a decrease.
-    pub(super) fn evaluate_at(&mut self, problem: &mut dyn NonlinearProblem, z: &[f64], lambda: f64, tolerance: f64) -> bool {
+    pub(super) fn evaluate_at(
+        &mut self,
+        problem: &mut dyn NonlinearProblem,
+        z: &[f64],
+        lambda: f64,
+        tolerance: f64,
+    ) -> bool {
         for ((trial, z), dz) in self.trial.iter_mut().zip(z).zip(&self.dz) {
             *trial = z + lambda * dz;
         }

@@ -135,7 +135,7 @@ impl<'a> Continuation<'a> {
         let cautious = cautious_weight(self.scene, &self.at, FIRST_MOVE * self.dofs.size);
         let heaviest = HEAVIEST * cautious;
         let mut mu = cautious;
-        if self.load(LIGHTEST * cautious, (now, relative)) {
+        if self.load(LIGHTEST * cautious, now, relative) {
             now = self.residual();
             if now.is_small(relative) {
                 return Ok(());
@@ -220,9 +220,15 @@ impl<'a> Continuation<'a> {
 
     /// One solve from tensions of the size of the loads, with a weight that holds only what no spring does. Returns
     /// whether it has found a state nearer to equilibrium.
-    fn load(&mut self, mu: f64, (now, relative): (Residual, f64)) -> bool {
-        let tolerance = (0.5 * relative * now.scale).max(f64::MIN_POSITIVE);
-        let scales = Scales { residual: now.scale, ..self.scales(now.force) };
+    fn load(&mut self, mu: f64, now: Residual, relative: f64) -> bool {
+        // Not the scale of all forces: springs that push at the start may be far larger than the loads.
+        self.scene.load(self.at.state.as_ref(), &mut self.all);
+        let free = self.all.iter().zip(&self.dofs.mass).filter(|(_, mass)| **mass > 0.0);
+        let loads = free.map(|(f, _)| f * f).sum::<f64>().sqrt();
+        if loads == 0.0 {
+            return false;
+        }
+        let (tolerance, scales) = (0.5 * relative * loads, self.scales(loads));
         self.z.fill(0.0);
         let mut problem = Proximal {
             scene: self.scene,

@@ -95,4 +95,3 @@ impl SpringTerm for DampedSprings {
         }
     }
 }
-
