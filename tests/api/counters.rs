@@ -40,8 +40,8 @@ const FINE: [Work; 18] = [
 const COARSE: [Work; 6] = [
     ("newmark", 63, 42),
     ("hht", 63, 42),
-    ("backward-euler", 75, 54),
-    ("generalized-alpha", 64, 43),
+    ("backward-euler", 64, 43),
+    ("generalized-alpha", 63, 42),
     ("esdirk4", 301, 200),
     ("energy-momentum", 61, 40),
 ];

@@ -4,8 +4,8 @@
 //! A trial step that moves a node across a spring by d makes it longer by d^2/(2 l). Newton's iteration on positions
 //! takes this for a tension k d^2/(2 l), and its next tangent is far too stiff across the spring. The mixed iteration
 //! keeps the tension t that its last linear step expects, and eliminates it again spring by spring, so matrix, pattern
-//! and solution stay (mixed integration points: Magisano, Leonetti & Garcea 2017). With the taut tension T and its slope
-//! k at x, and y = T above its least value:
+//! and solution stay (mixed integration points: Magisano, Leonetti & Garcea 2017). With the taut tension T and its
+//! slope k at x, and y = T above its least value:
 //!
 //! ```text
 //! both ways    (W + sum k n n^T + t/l (I - n n^T)) dx = -r(x),                        t <- T + k n . dx
@@ -18,7 +18,7 @@
 //! are those at the start of the step, or those of the guess if these leave smaller forces.
 
 use super::forcing::Forcing;
-use super::newton::{Convergence, ConvergenceCriteria, Newton, NewtonReport};
+use super::newton::{Convergence, ConvergenceCriteria, HIDING, Newton, NewtonReport};
 use super::norms::{dot, norm};
 use super::problem::{MixedSprings, NonlinearProblem};
 use super::{Accuracy, Inertia, LinearError};
@@ -350,10 +350,11 @@ impl Iteration<'_> {
         let most = match sides {
             // Nothing would be another with interior points.
             Sides::Interior if !self.tensions.any_one_sided => return Ok(None),
-            Sides::Loaded => MOST,
             Sides::AsTheyAre if self.tensions.any_one_sided => FEW.min(self.newton.most_iterations()),
             _ => MOST.min(self.newton.most_iterations()),
         };
+        // In a motion, more than that would be lost of the forces that the next step takes over.
+        let hidden = if sides == Sides::Loaded { f64::INFINITY } else { HIDING * self.criteria.scales.residual };
         for made in 1..=most {
             self.newton.spent = spent + made;
             let before = norm(&self.newton.r);
@@ -380,7 +381,7 @@ impl Iteration<'_> {
             let ended = match self.newton.convergence(z, self.criteria, shares.x * residual / before) {
                 Convergence::Converged => true,
                 // The tensions tell what lengths cannot.
-                Convergence::Rounding => left.forces <= self.criteria.tolerance,
+                Convergence::Rounding => left.forces <= self.criteria.tolerance && residual <= hidden,
                 Convergence::NotConverged => false,
             };
             if ended {

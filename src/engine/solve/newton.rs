@@ -87,7 +87,7 @@ const FEW: usize = 1000;
 
 /// [-] Rounding of the residual over the step's forces from which on it may hide the motion if no iteration makes
 /// progress. Rounding acts along stiff springs, so iterations may resolve the motion across them far above this limit.
-const HIDING: f64 = 1e-3;
+pub(super) const HIDING: f64 = 1e-3;
 /// [-] Residual of pure rounding, over the step's forces and the residual of the first guess, from which on motion
 /// across stiff springs is lost too. On a chain the motion was right up to 1e3 and wrong from 6e6 on.
 const HIDDEN: f64 = 1e5;
@@ -156,6 +156,14 @@ impl Newton {
         Newton { spec, r, r_trial, floor, dz, trial, correction, pairs, tensions, guess, spent: 0 }
     }
 
+    /// Whether there is no linear step from `z` `[n]` to a balance of forces, or one that moves an unknown by more than
+    /// `far` [m].
+    pub(crate) fn leaps(&mut self, problem: &mut dyn NonlinearProblem, z: &[f64], far: f64) -> bool {
+        problem.residual(z, &mut self.r, &mut self.floor);
+        let straight = self.direction(problem, Curvature::Exact).is_ok_and(|downhill| downhill);
+        !straight || self.dz.iter().any(|dz| dz.abs() > far)
+    }
+
     /// Iterations of the last solve that were made before the exact tangent took over.
     pub(crate) fn iterations(&self) -> u32 {
         self.spent
@@ -222,23 +230,27 @@ impl Newton {
         Err(NewtonFailure::Hidden { iterations, rounding, forces, worst: self.worst() })
     }
 
-    /// Iterates from `z` `[n]` to a residual below `tolerance` [N], from tensions of the size of the loads. `None` where
-    /// that fails or there are no springs; `z` is then worthless.
+    /// Iterates from `z` `[n]`, whose residual was the last one that was evaluated, to one below `tolerance` [N], from
+    /// tensions of the size of the loads. `None` where that fails or there are no springs; `z` is then worthless.
     ///
     /// # Errors
     /// A linear system that cannot be solved.
-    pub fn load(
+    pub(crate) fn load(
         &mut self,
         problem: &mut dyn NonlinearProblem,
         z: &mut [f64],
         (tolerance, scales): (f64, Scales),
+        most: u32,
     ) -> Result<Option<NewtonReport>, LinearError> {
         self.spent = 0;
-        problem.residual(z, &mut self.r, &mut self.floor);
-        mixed::solve(self, problem, z, (ConvergenceCriteria { tolerance, scales }, Sides::Loaded))
+        let asked = std::mem::replace(&mut self.spec.max_iterations, most);
+        let found = mixed::solve(self, problem, z, (ConvergenceCriteria { tolerance, scales }, Sides::Loaded));
+        self.spec.max_iterations = asked;
+        found
     }
 
-    /// Iterates from `z` `[n]` on the frozen factor and, if that fails, from the same guess on the exact tangent.
+    /// Iterates from `z` `[n]` on the frozen factor. If that fails, from the same guess by the mixed iteration, then on
+    /// the exact tangent; without a frozen factor, on the exact tangent first.
     fn iterate(
         &mut self,
         problem: &mut dyn NonlinearProblem,
@@ -246,7 +258,16 @@ impl Newton {
         criteria: ConvergenceCriteria,
         frozen: &mut FactorHistory,
     ) -> Result<NewtonReport, NewtonFailure> {
-        if problem.reuses_factors() && !frozen.rest.takes_step() {
+        if !problem.reuses_factors() {
+            let failure = match self.exact(problem, z, criteria) {
+                Err(failure @ (NewtonFailure::MaxIterations { .. } | NewtonFailure::Stuck { .. })) => failure,
+                ended => return ended,
+            };
+            self.spent = failure.iterations();
+            self.return_to_guess(problem, z);
+            return self.mixed(problem, z, criteria, frozen)?.ok_or(failure);
+        }
+        if !frozen.rest.takes_step() {
             match quasi_newton::solve(self, problem, z, criteria, frozen) {
                 Ok(Some(report)) => return Ok(report),
                 // A failed solve with the frozen tangent says nothing about the exact one.
@@ -265,6 +286,16 @@ impl Newton {
         if let Some(report) = self.mixed(problem, z, criteria, frozen)? {
             return Ok(report);
         }
+        self.exact(problem, z, criteria)
+    }
+
+    /// Iterates from `z` `[n]` on the exact tangent.
+    fn exact(
+        &mut self,
+        problem: &mut dyn NonlinearProblem,
+        z: &mut [f64],
+        criteria: ConvergenceCriteria,
+    ) -> Result<NewtonReport, NewtonFailure> {
         let ConvergenceCriteria { tolerance, .. } = criteria;
         let (mut caution, mut forcing) = (ConvexPhase::default(), Forcing::default());
         let mut residual = norm(&self.r);
@@ -302,8 +333,8 @@ impl Newton {
         Err(NewtonFailure::MaxIterations { iterations, residual, tolerance, worst })
     }
 
-    /// The mixed iteration from the first guess, if there are springs: with the tangents of one-sided springs and, if that
-    /// fails, by interior points. `None` if both fail; `z` is then the first guess.
+    /// The mixed iteration from the first guess, if there are springs: with the tangents of one-sided springs and, if
+    /// that fails, by interior points. `None` if both fail; `z` is then the first guess.
     fn mixed(
         &mut self,
         problem: &mut dyn NonlinearProblem,

@@ -218,8 +218,8 @@ impl<'a> Continuation<'a> {
         }
     }
 
-    /// One solve from tensions of the size of the loads, with a weight that holds only what no spring does. Returns
-    /// whether it has found a state nearer to equilibrium.
+    /// One solve from tensions of the size of the loads, with a weight that holds only what no spring does, if the
+    /// equilibrium is far: one linear step would leave the scene. Returns whether it has found a state nearer to it.
     fn load(&mut self, mu: f64, now: Residual, relative: f64) -> bool {
         // Not the scale of all forces: springs that push at the start may be far larger than the loads.
         self.scene.load(self.at.state.as_ref(), &mut self.all);
@@ -228,7 +228,8 @@ impl<'a> Continuation<'a> {
         if loads == 0.0 {
             return false;
         }
-        let (tolerance, scales) = (0.5 * relative * loads, self.scales(loads));
+        let made = self.iterations();
+        let (tolerance, scales, far) = (0.5 * relative * loads, self.scales(loads), self.dofs.size);
         self.z.fill(0.0);
         let mut problem = Proximal {
             scene: self.scene,
@@ -241,7 +242,11 @@ impl<'a> Continuation<'a> {
             all: &mut self.all,
             stop: self.stop,
         };
-        let loaded = self.newton.load(&mut problem, &mut self.z, (tolerance, scales));
+        if self.scene.mixed().is_none() || !self.newton.leaps(&mut problem, &self.z, far) {
+            return false;
+        }
+        let most = self.spec.max_iterations.saturating_sub(u32::try_from(made).unwrap_or(u32::MAX));
+        let loaded = self.newton.load(&mut problem, &mut self.z, (tolerance, scales), most);
         self.counters.newton_iterations += u64::from(self.newton.iterations());
         let found = matches!(loaded, Ok(Some(_)));
         let nearer = found && self.dofs.residual(self.scene, &self.trial).force < now.force;
