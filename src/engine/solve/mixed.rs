@@ -13,9 +13,9 @@
 //!              k' = k t/(t + k s),   dt = k' (n . dx + (y - t)/k + mu/t),   ds = (mu - t s - s dt)/t
 //! ```
 //! A spring that acts both ways has its own t in the matrix if that is positive definite, and else max(t, 0). The
-//! product mu falls by the predictor and corrector of Mehrotra (1992), two solves a factor. A step is cut only where it
-//! would make both the forces out of balance (with the tensions t) and the errors of the tensions larger. First tensions
-//! are those at the start of the step, or those of the guess if these leave smaller forces.
+//! product mu falls by the predictor and corrector of Mehrotra (1992), two solves a factor. A step is cut only where
+//! it would make both the forces out of balance (with the tensions t) and the errors of the tensions larger. First
+//! tensions are those at the start of the step, or those of the guess if these leave smaller forces.
 
 use super::forcing::Forcing;
 use super::newton::{Convergence, ConvergenceCriteria, HIDING, Newton, NewtonReport};
