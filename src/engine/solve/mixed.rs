@@ -259,6 +259,13 @@ impl Tensions {
         }
     }
 
+    /// Whether displacements from the start `[n]` push a spring by more than its length.
+    pub(super) fn is_pushed_over(&mut self, springs: &mut dyn MixedSprings, dz: &[f64]) -> bool {
+        self.begin(springs, 0.0, Sides::Loaded);
+        self.stretch(springs, dz);
+        self.at.iter().zip(&self.dl).any(|(spring, dl)| -dl > spring.length)
+    }
+
     /// Whether springs that act both ways are taken as one-sided.
     fn pushes_later(&self) -> bool {
         self.sides == Some(Sides::Loaded) && self.both_ways.contains(&true)

@@ -156,12 +156,15 @@ impl Newton {
         Newton { spec, r, r_trial, floor, dz, trial, correction, pairs, tensions, guess, spent: 0 }
     }
 
-    /// Whether there is no linear step from `z` `[n]` to a balance of forces, or one that moves an unknown by more than
-    /// `far` [m].
+    /// Whether the balance of forces is far from the start `z` `[n]` across springs: there is no linear step to it, or
+    /// one that moves an unknown by more than `far` [m] and does not push a spring by more than its length.
     pub(crate) fn leaps(&mut self, problem: &mut dyn NonlinearProblem, z: &[f64], far: f64) -> bool {
         problem.residual(z, &mut self.r, &mut self.floor);
-        let straight = self.direction(problem, Curvature::Exact).is_ok_and(|downhill| downhill);
-        !straight || self.dz.iter().any(|dz| dz.abs() > far)
+        if !self.direction(problem, Curvature::Exact).is_ok_and(|downhill| downhill) {
+            return true;
+        }
+        let leaps = self.dz.iter().any(|dz| dz.abs() > far);
+        leaps && problem.mixed().is_some_and(|springs| !self.tensions.is_pushed_over(springs, &self.dz))
     }
 
     /// Iterations of the last solve that were made before the exact tangent took over.
