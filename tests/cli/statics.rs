@@ -124,10 +124,11 @@ fn a_body_that_is_blown_away_is_no_equilibrium() {
 fn too_few_iterations_are_a_failure() {
     let bench = Bench::new();
     let mut network = weight();
-    // A stiff line that is a quarter longer than its span, and level at the start.
-    network["mesh"] = json!({"chain": {"from": [0, 0, 0], "to": [8, 0, 0], "segments": 64}});
-    network["springs"] = json!([{"on": "all", "axial_rigidity": 1e8, "rest_scale": 1.25}]);
-    network["supports"] = json!([{"on": {"ids": [0, 64]}, "fix": "xyz"}]);
+    // A soft flat net that is held along one side: it hangs down and grows to twice its length.
+    network["mesh"] = json!({"rectangle": {"width": 1.0, "height": 1.0, "columns": 40, "rows": 40}});
+    network["mass"] = json!({"areal_density": 0.2});
+    network["springs"] = json!([{"on": "all", "stiffness": 10.0}]);
+    network["supports"] = json!([{"on": {"box": [[-1e-9, -1e-9, -1], [1e-9, 1.1, 1]]}, "fix": "xyz"}]);
     let few = ["--set", "solver.newton={\"max_iterations\": 1, \"relative\": 1e-14}"];
     let ended = rest(&bench, &case(network), &few);
     assert_eq!(ended.code, Some(3), "{}\n{}", ended.stdout, ended.stderr);
