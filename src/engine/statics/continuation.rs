@@ -241,6 +241,7 @@ impl<'a> Continuation<'a> {
             mu,
             all: &mut self.all,
             stop: self.stop,
+            mixed: true,
         };
         if self.scene.mixed().is_none() || !self.newton.leaps(&mut problem, &self.z, far) {
             return false;
@@ -280,6 +281,8 @@ impl<'a> Continuation<'a> {
             mu,
             all: &mut self.all,
             stop: self.stop,
+            // Loads that turn with a surface may have balances that no motion comes to.
+            mixed: false,
         };
         let solved = self.newton.solve(&mut problem, &mut self.z, scales, &mut FactorHistory::default());
         let made = match &solved {

@@ -26,6 +26,8 @@ pub(super) struct Proximal<'a> {
     /// [N] residuals of all degrees of freedom `[n_dof]`
     pub all: &'a mut [f64],
     pub stop: Stop<'a>,
+    /// whether the tensions of springs are unknowns
+    pub mixed: bool,
 }
 
 impl NonlinearProblem for Proximal<'_> {
@@ -68,7 +70,7 @@ impl NonlinearProblem for Proximal<'_> {
     }
 
     fn mixed(&mut self) -> Option<&mut dyn MixedSprings> {
-        if self.scene.mixed().is_some() { Some(self) } else { None }
+        if self.mixed && self.scene.mixed().is_some() { Some(self) } else { None }
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
