@@ -263,7 +263,12 @@ impl Newton {
     ) -> Result<NewtonReport, NewtonFailure> {
         if !problem.reuses_factors() {
             let failure = match self.exact(problem, z, criteria) {
-                Err(failure @ (NewtonFailure::MaxIterations { .. } | NewtonFailure::Stuck { .. })) => failure,
+                // Without springs the iterate stays where it is: it may be of use.
+                Err(failure @ (NewtonFailure::MaxIterations { .. } | NewtonFailure::Stuck { .. }))
+                    if problem.mixed().is_some() =>
+                {
+                    failure
+                }
                 ended => return ended,
             };
             self.spent = failure.iterations();

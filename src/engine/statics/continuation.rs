@@ -8,6 +8,7 @@ use super::{Equilibrium, Residual, SearchProgress, StaticSpec, Watcher, diagnosi
 use crate::integrate::Counters;
 use crate::integrate::tangents::Tangents;
 use crate::model::point::Point;
+use crate::model::spring_state::SpringState;
 use crate::model::stop::Stop;
 use crate::scene::Scene;
 use crate::solve::newton::{Newton, NewtonFailure, NewtonReport, NewtonSpec, NonlinearProblem, Scales, Strategy};
@@ -42,6 +43,8 @@ const CREEPS: u32 = 20;
 const HEAVIEST: f64 = 1e12;
 /// [-] Weight over the first with which a state is looked for from tensions of the size of the loads.
 const LIGHTEST: f64 = 1e-8;
+/// [-] Cosine of the largest angle by which a spring may turn there.
+const TURNED: f64 = -0.5;
 /// [-] A node that is farther from its start than this many sizes of the scene has left it.
 const LEFT: f64 = 1e3;
 
@@ -135,12 +138,8 @@ impl<'a> Continuation<'a> {
         let cautious = cautious_weight(self.scene, &self.at, FIRST_MOVE * self.dofs.size);
         let heaviest = HEAVIEST * cautious;
         let mut mu = cautious;
-        if self.load(LIGHTEST * cautious, now, relative) {
-            now = self.residual();
-            if now.is_small(relative) {
-                return Ok(());
-            }
-            mu *= LIGHTEST;
+        if self.load(LIGHTEST * cautious, relative) {
+            return Ok(());
         }
         // The lightest weight that rounding leaves visible.
         let (mut lightest, mut creeps, mut hard) = (0.0, 0, 0);
@@ -219,8 +218,8 @@ impl<'a> Continuation<'a> {
     }
 
     /// One solve from tensions of the size of the loads, with a weight that holds only what no spring does, if the
-    /// equilibrium is far: one linear step would leave the scene. Returns whether it has found a state nearer to it.
-    fn load(&mut self, mu: f64, now: Residual, relative: f64) -> bool {
+    /// equilibrium is far: one linear step would leave the scene. Returns whether it has found it.
+    fn load(&mut self, mu: f64, relative: f64) -> bool {
         // Not the scale of all forces: springs that push at the start may be far larger than the loads.
         self.scene.load(self.at.state.as_ref(), &mut self.all);
         let free = self.all.iter().zip(&self.dofs.mass).filter(|(_, mass)| **mass > 0.0);
@@ -249,13 +248,25 @@ impl<'a> Continuation<'a> {
         let most = self.spec.max_iterations.saturating_sub(u32::try_from(made).unwrap_or(u32::MAX));
         let loaded = self.newton.load(&mut problem, &mut self.z, (tolerance, scales), most);
         self.counters.newton_iterations += u64::from(self.newton.iterations());
-        let found = matches!(loaded, Ok(Some(_)));
-        let nearer = found && self.dofs.residual(self.scene, &self.trial).force < now.force;
-        if nearer {
+        let found = matches!(loaded, Ok(Some(_)))
+            && self.dofs.residual(self.scene, &self.trial).is_small(relative)
+            && !self.is_turned_over();
+        if found {
             self.pseudo_steps += 1;
             self.at.copy_from(&self.trial);
         }
-        nearer
+        found
+    }
+
+    /// Whether a spring of the trial has turned by more than 120 degrees: a bar that stood hangs.
+    fn is_turned_over(&self) -> bool {
+        let Some(mixed) = self.scene.mixed() else { return false };
+        let [from, to] = [&self.at, &self.trial].map(|point| {
+            let mut springs = vec![SpringState::idle([0; 2]); mixed.springs()];
+            mixed.measure(point.state.as_ref(), 0.0, &mut springs);
+            springs
+        });
+        from.iter().zip(&to).any(|(from, to)| from.n.dot(&to.n) < TURNED)
     }
 
     fn scales(&self, residual: f64) -> Scales {
