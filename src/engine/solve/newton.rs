@@ -364,11 +364,11 @@ impl Newton {
                     }
                     return Ok(Some(report));
                 }
-                Ok(None)
-                | Err(LinearError::Stalled { .. } | LinearError::Singular { .. } | LinearError::Indefinite { .. }) => {}
-                Err(error) => {
+                // What stops it says nothing about the exact tangent.
+                Err(error @ LinearError::Interrupted(_)) => {
                     return Err(NewtonFailure::Linear { iterations: self.spent, error, worst: self.worst() });
                 }
+                Ok(None) | Err(_) => {}
             }
             self.return_to_guess(problem, z);
         }
