@@ -14,8 +14,8 @@
 //! ```
 //! A spring that acts both ways has its own t in the matrix if that is positive definite, and else max(t, 0). The
 //! product mu falls by the predictor and corrector of Mehrotra (1992), two solves a factor. A step is cut only where
-//! it would make both the forces out of balance (with the tensions t) and the errors of the tensions larger. First
-//! tensions are those at the start of the step, or those of the guess if these leave smaller forces.
+//! it would make none of these smaller: the forces out of balance (with the tensions t), the errors of the tensions,
+//! and the products. First tensions are those at the start of the step.
 
 use super::forcing::Forcing;
 use super::newton::{Convergence, ConvergenceCriteria, HIDING, Newton, NewtonReport};
@@ -55,6 +55,7 @@ const HALVINGS: u32 = 4;
 /// The tensions, with their buffers; all `[n_springs]`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tensions {
+    /// how one-sided springs are solved now
     sides: Option<Sides>,
     /// whether there are one-sided springs
     any_one_sided: bool,
@@ -168,10 +169,21 @@ impl Tensions {
         (0..self.at.len()).filter(|&i| self.at[i].is_one_sided())
     }
 
+    /// Mean of a number of one-sided springs; `None` without any.
+    fn mean(&self, of: impl Fn(usize) -> f64) -> Option<f64> {
+        let (sum, count) = self.one_sided().fold((0.0, 0), |(sum, n), i| (sum + of(i), n + 1));
+        (count > 0).then(|| sum / f64::from(count))
+    }
+
     /// [N m] Mean product t s; `None` without one-sided springs.
     fn mean_product(&self) -> Option<f64> {
-        let (sum, count) = self.one_sided().fold((0.0, 0), |(sum, n), i| (sum + self.t[i] * self.s[i], n + 1));
-        (count > 0).then(|| sum / f64::from(count))
+        self.mean(|i| self.t[i] * self.s[i])
+    }
+
+    /// [N] Tension of spring i, with the least one of a one-sided spring.
+    fn tension(&self, i: usize) -> f64 {
+        let spring = &self.at[i];
+        self.t[i] + if spring.is_one_sided() { spring.least } else { 0.0 }
     }
 
     /// [m] Error of spring i: (t - y)/k - s.
@@ -214,9 +226,7 @@ impl Tensions {
     fn set_pull(&mut self) {
         // For springs both ways `tension` may be below the least one: it is what the residual has.
         for i in 0..self.at.len() {
-            let spring = &self.at[i];
-            let least = if spring.is_one_sided() { spring.least } else { 0.0 };
-            self.pull[i] = spring.tension - (self.t[i] + least + self.own_change(i));
+            self.pull[i] = self.at[i].tension - (self.tension(i) + self.own_change(i));
         }
     }
 
@@ -237,11 +247,8 @@ impl Tensions {
 
     /// Aims at the corrector's products, after a predictor with these shares.
     fn correct(&mut self, now: f64, shares: Shares) {
-        let after = {
-            let ends = |i: usize| (self.t[i] + shares.t * self.dt[i]) * (self.s[i] + shares.x * self.ds[i]);
-            let (sum, count) = self.one_sided().fold((0.0, 0), |(sum, n), i| (sum + ends(i), n + 1));
-            sum / f64::from(count)
-        };
+        let after = self.mean(|i| (self.t[i] + shares.t * self.dt[i]) * (self.s[i] + shares.x * self.ds[i]));
+        let after = after.unwrap_or(0.0);
         let centre = (after / now).powi(3).clamp(LEAST_CENTRE, 1.0);
         let both = shares.x.min(shares.t);
         for i in 0..self.at.len() {
@@ -473,9 +480,7 @@ impl Iteration<'_> {
         springs.measure(&mut self.tensions.at);
         self.tensions.decide();
         for i in 0..self.tensions.at.len() {
-            let spring = &self.tensions.at[i];
-            let least = if spring.is_one_sided() { spring.least } else { 0.0 };
-            self.tensions.pull[i] = spring.tension - (self.tensions.t[i] + least);
+            self.tensions.pull[i] = self.tensions.at[i].tension - self.tensions.tension(i);
         }
         let correction = &mut self.newton.correction;
         correction.copy_from_slice(&self.newton.r_trial);
