@@ -2,7 +2,7 @@
 //! and meshio's own readers for the others.
 
 use canopy_fem::mesh::file::{Axes, Diagonals};
-use canopy_fem::mesh::read::{Imported, file_from_bytes};
+use canopy_fem::mesh::read::{Imported, file_from_bytes, formats};
 use canopy_fem::mesh::write::write_mesh;
 use canopy_fem::mesh::{EdgeKind, MeshFile, Topology};
 use std::path::{Path, PathBuf};
@@ -61,6 +61,29 @@ fn parametric() -> Row {
     Row { nodes: 12, edges: 25, triangles: 14, ..square(&["cloth: 14 triangles", "hem: 2 edges"]) }
 }
 
+fn of_format(file: &str, endings: &[&str]) -> bool {
+    Path::new(file).extension().is_some_and(|ending| endings.iter().any(|known| ending == *known))
+}
+
+/// A format that is read has a row in the guide, and a file with which the fuzzer begins.
+#[test]
+fn every_format_is_in_the_guide_and_fuzzed() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = std::fs::read_to_string(root.join("docs/guide/src/mesh-files.md")).expect("the page");
+    let names = |folder: &str| -> Vec<String> {
+        let entries = std::fs::read_dir(root.join(folder)).expect("a folder");
+        entries.map(|entry| entry.expect("an entry").file_name().into_string().expect("a name")).collect()
+    };
+    let seeds = names("tests/fuzz/seeds/mesh");
+    for endings in formats() {
+        let rows = || page.lines().filter(|line| line.starts_with('|'));
+        let told = endings.iter().any(|ending| rows().any(|row| row.contains(&format!("`.{ending}`"))));
+        assert!(told, "docs/guide/src/mesh-files.md has no row of .{}", endings[0]);
+        let seeded = seeds.iter().any(|file| of_format(file, endings));
+        assert!(seeded, "tests/fuzz/seeds/mesh has no .{}", endings[0]);
+    }
+}
+
 /// Every file as it is.
 #[test]
 fn files_hold_what_their_programs_wrote() {
@@ -103,7 +126,13 @@ fn files_hold_what_their_programs_wrote() {
         ("vtk-field-before-points.vtk", square(&[])),
         ("pyvista-plane.vtp", panel(81, 208, 128, 1_000_000)),
         ("trimesh.glb", square(&["geometry_0: 8 triangles"])),
+        ("kratos.mdpa", hung(&["cloth: 8 triangles", "lines: 2 edges", "skirt: 3 nodes"])),
     ];
+    for endings in formats() {
+        let mut shown = table.iter().map(|(file, _)| *file).chain(["canopy-3dface.dxf"]);
+        let read = shown.any(|file| of_format(file, endings));
+        assert!(read, "no row here for a file of the format .{}", endings[0]);
+    }
     for (file, expected) in table {
         let mut found = row(&read(&MeshFile::plain(file)));
         // Some are written in single precision, with noise.

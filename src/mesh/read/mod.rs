@@ -174,9 +174,14 @@ const FORMATS: &[(&[&str], Reader)] = &[
 /// Most labels that ranges and sets of sets in a file may stand for.
 const MOST_LABELS: u64 = 50_000_000;
 
+/// The formats that are read, each by the endings of its names.
+pub fn formats() -> impl Iterator<Item = &'static [&'static str]> {
+    FORMATS.iter().map(|(endings, _)| *endings)
+}
+
 /// The endings of the formats that are read: ".vtu, .vtp, ...".
 pub fn endings() -> String {
-    FORMATS.iter().flat_map(|(endings, _)| *endings).map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(", ")
+    formats().flatten().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(", ")
 }
 
 /// The program that writes a file of this extension as one that is read, and its command.

@@ -8,7 +8,7 @@ use crate::mesh::chain::ChainParameters;
 use crate::mesh::file::{Axes, Diagonals, repairs};
 use crate::mesh::group::describe_groups;
 use crate::mesh::hanging;
-use crate::mesh::read::Imported;
+use crate::mesh::read::{Imported, endings};
 use crate::mesh::rectangle::{RectangleParameters, RectanglePattern};
 use crate::mesh::write::write_mesh;
 use crate::mesh::{EdgeKind, Mesh, MeshError, MeshFile, MeshSource, Quality, Topology};
@@ -38,8 +38,7 @@ pub enum MeshCommand {
     /// Make a rigged parachute: canopy, lines, riser and payload, as named groups
     Parachute(Box<ParachuteArgs>),
     /// Read a mesh file, repair it if asked, and write it as .vtu, .vtp, .msh, .obj, .ply or .stl
-    ///
-    /// Reads .vtu, .vtp, .vtk, .msh, .obj, .stl, .ply, .off, .inp, .k, .bdf, .mdpa, .dxf, .gltf and .glb.
+    #[command(after_long_help = format!("Read are {}.", endings()))]
     Convert(ConvertArgs),
     /// Print counts, boundary loops and quality of a mesh file
     Inspect(InspectArgs),

@@ -1,25 +1,9 @@
 //! What must hold of any bytes as a mesh file: refused with a sentence, or a mesh that can be used and written.
 
-use canopy_fem::mesh::read::{Imported, file_from_bytes, mesh_from_bytes};
+use canopy_fem::mesh::read::{Imported, file_from_bytes, formats, mesh_from_bytes};
 use canopy_fem::mesh::write::{obj_text, vtu_text};
 use canopy_fem::mesh::{EdgeKind, Mesh, MeshFile, Quality, Topology};
 use std::path::Path;
-
-/// One name for every reader.
-const NAMES: [&str; 12] = [
-    "fuzz.vtu",
-    "fuzz.msh",
-    "fuzz.obj",
-    "fuzz.stl",
-    "fuzz.ply",
-    "fuzz.off",
-    "fuzz.inp",
-    "fuzz.k",
-    "fuzz.bdf",
-    "fuzz.mdpa",
-    "fuzz.dxf",
-    "fuzz.glb",
-];
 
 /// Gives the bytes to every reader.
 ///
@@ -28,7 +12,8 @@ const NAMES: [&str; 12] = [
 pub fn judge(bytes: &[u8]) -> Result<(), String> {
     // Outlines of a drawing are filled.
     let wanted = MeshFile { edge: Some(0.3), ..MeshFile::plain("") };
-    for name in NAMES {
+    for ending in formats().filter_map(|endings| endings.first()) {
+        let name = &*format!("fuzz.{ending}");
         match file_from_bytes(&wanted, Path::new(name), bytes) {
             Ok(Imported { mesh, notes, .. }) => {
                 if notes.iter().any(|note| note.split_whitespace().count() < 3) {
