@@ -10,7 +10,7 @@ use super::numbers::rising;
 use super::select;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Aero, Canopy, Cavity, NodeSelection, OneOrSeveral, PressureCoefficient};
+use crate::case::schema::{Aero, Canopy, Cavity, FillingSchedule, NodeSelection, OneOrSeveral, PressureCoefficient};
 use crate::mesh::canopy::{self, CanopyError, CanopyPart, CanopyParts, SkirtGroup};
 use crate::model::spec::{CanopyAir, CanopySpec, CavitySpec, ClothSpec, NetworkSpec, Series};
 
@@ -25,24 +25,25 @@ pub(super) fn canopy(
     faults: &mut Faults<'_>,
 ) -> Option<CanopySpec> {
     let before = faults.count();
-    let rows = pressure_rows(at, canopy, faults);
-    let cavity = canopy.cavity.map(|given| cavity(&at.key("cavity"), given, faults));
+    let pressure = pressure(at, canopy, faults);
     let geometry = geometry?;
     if !triangles(at, "a canopy", geometry, TriangleUse::Areas, faults) {
         return None;
     }
     let triangles = select::triangles(&at.key("on"), &canopy.on, geometry, faults)?;
     let found = parts_of(at, canopy, geometry, &triangles, faults)?;
-    let rows = rows?;
-    let table = Series { t: rows.iter().map(|[s, _]| *s).collect(), value: rows.iter().map(|[_, c]| [*c]).collect() };
     let place =
         |t: u32| geometry.mesh.triangles[t as usize].iter().map(|&n| found.place[n as usize]).sum::<f64>() / 3.0;
-    let pressure_coefficient = triangles.iter().map(|&t| table.at(place(t))[0]).collect();
-    let diameter = || found.nominal_diameter();
-    let air = match (&canopy.schedule, cavity.flatten()) {
-        (Some(stages), _) => CanopyAir::Filling(filling::stages(stages, diameter)),
-        (None, Some(cavity)) => CanopyAir::Cavity(cavity),
-        (None, None) => CanopyAir::Coefficient,
+    let mut pressure_coefficient = vec![1.0; triangles.len()];
+    let air = match pressure? {
+        Pressure::Coefficient(rows) => {
+            let (t, value) = rows.iter().map(|[s, c]| (*s, [*c])).unzip();
+            let table = Series { t, value };
+            pressure_coefficient = triangles.iter().map(|&t| table.at(place(t))[0]).collect();
+            CanopyAir::Coefficient
+        }
+        Pressure::Filling(stages) => CanopyAir::Filling(filling::stages(stages, || found.nominal_diameter())),
+        Pressure::Cavity(spec) => CanopyAir::Cavity(spec),
     };
     (faults.count() == before).then_some(())?;
     let canopy::Canopy { skirt, apex, confluence, nominal_area, .. } = found;
@@ -50,34 +51,44 @@ pub(super) fn canopy(
     Some(CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, air, apparent_mass, nominal_area })
 }
 
-/// Rows of arc length and coefficient by the one way to give the pressure.
-fn pressure_rows(at: &Pointer, canopy: &Canopy, faults: &mut Faults<'_>) -> Option<Vec<[f64; 2]>> {
-    let given = [
-        canopy.table.is_some().then_some("table"),
-        canopy.schedule.is_some().then_some("schedule"),
-        canopy.cavity.is_some().then_some("cavity"),
+/// What sets the pressure in a canopy, as the case gives it.
+enum Pressure<'a> {
+    /// \[-\] rows of arc length and dCp
+    Coefficient(Vec<[f64; 2]>),
+    Filling(&'a OneOrSeveral<FillingSchedule>),
+    Cavity(CavitySpec),
+}
+
+/// The one way in which a canopy gives its pressure.
+fn pressure<'a>(at: &Pointer, canopy: &'a Canopy, faults: &mut Faults<'_>) -> Option<Pressure<'a>> {
+    // Without `..`, so that a new key is a way too or is named here as none.
+    let Canopy { table, schedule, cavity, on: _, apparent_mass: _, confluence: _, skirt: _ } = canopy;
+    let table = table.as_ref().map(|table| match &table.pressure_coefficient {
+        PressureCoefficient::Constant(c) => Some(vec![[0.0, *c]]),
+        PressureCoefficient::Rows(rows) => coefficient_rows(&at.key("table").key("pressure_coefficient"), rows, faults),
+    });
+    if let Some(schedule) = schedule {
+        filling::check(&at.key("schedule"), schedule, faults);
+    }
+    let cavity = cavity.map(|given| lower_cavity(&at.key("cavity"), given, faults));
+    let ways = [
+        ("table", table.map(|rows| rows.map(Pressure::Coefficient))),
+        ("schedule", schedule.as_ref().map(|stages| Some(Pressure::Filling(stages)))),
+        ("cavity", cavity.map(|spec| spec.map(Pressure::Cavity))),
     ];
-    let given: Vec<&str> = given.into_iter().flatten().collect();
+    let given: Vec<&str> = ways.iter().filter(|(_, way)| way.is_some()).map(|(key, _)| *key).collect();
     if given.len() != 1 {
         let value = match given.as_slice() {
             [] => "a canopy without pressure".to_owned(),
             several => format!("a canopy with {}", several.join(" and ")),
         };
-        faults.add_value(at, value, "exactly one of table, schedule and cavity", None);
+        let [others @ .., last] = ways.each_ref().map(|(key, _)| *key);
+        faults.add_value(at, value, format!("exactly one of {} and {last}", others.join(", ")), None);
     }
-    if let Some(schedule) = &canopy.schedule {
-        filling::check(&at.key("schedule"), schedule, faults);
-    }
-    match canopy.table.as_ref().map(|table| &table.pressure_coefficient) {
-        Some(PressureCoefficient::Constant(c)) => Some(vec![[0.0, *c]]),
-        Some(PressureCoefficient::Rows(rows)) => {
-            coefficient_rows(&at.key("table").key("pressure_coefficient"), rows, faults)
-        }
-        None => Some(vec![[0.0, 1.0]]),
-    }
+    ways.into_iter().find_map(|(_, way)| way).flatten()
 }
 
-fn cavity(at: &Pointer, given: Cavity, faults: &mut Faults<'_>) -> Option<CavitySpec> {
+fn lower_cavity(at: &Pointer, given: Cavity, faults: &mut Faults<'_>) -> Option<CavitySpec> {
     let Cavity { inflow, outer_pressure_coefficient, law } = given;
     let cloth = law.map(|law| {
         let found = checked_coefficients(&at.key("law"), &law.into(), faults)?;
