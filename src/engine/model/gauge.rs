@@ -69,11 +69,27 @@ pub enum SpringGauge {
 }
 
 impl SpringGauge {
-    /// Its sum and its largest value.
-    pub const fn columns(self) -> &'static [Quantity; 2] {
+    /// What is made of its values.
+    pub const fn columns(self) -> SpringColumns {
         const TENSION: [Quantity; 2] = [Quantity::of("tension_sum", "N"), TENSION_MAX];
         match self {
-            SpringGauge::Tension => &TENSION,
+            SpringGauge::Tension => SpringColumns::SumAndLargest(&TENSION),
+        }
+    }
+}
+
+/// What is made of the values of several springs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum SpringColumns {
+    /// the sum and the largest
+    SumAndLargest(&'static [Quantity; 2]),
+}
+
+impl SpringColumns {
+    /// The columns.
+    pub fn all(self) -> &'static [Quantity] {
+        match self {
+            SpringColumns::SumAndLargest(columns) => columns,
         }
     }
 }

@@ -4,7 +4,8 @@ use super::schedule::RowSchedule;
 use crate::case::spec::{GaugeOf, GaugeSpec, RowEvery};
 use crate::mesh::CrossingFinder;
 use crate::model::gauge::{
-    CANOPY_QUANTITIES, CROSSINGS, NodeColumns, NodeGauge, PeakRule, Quantity, ReportLine, SpringGauge, TENSION_MAX,
+    CANOPY_QUANTITIES, CROSSINGS, NodeColumns, NodeGauge, PeakRule, Quantity, ReportLine, SpringColumns, SpringGauge,
+    TENSION_MAX,
 };
 use crate::model::observables::{Observables, SpringPlace};
 use crate::model::point::Point;
@@ -171,7 +172,7 @@ impl Gauges {
                 GaugeOf::Cloth { nodes } => (&[CROSSINGS], Places::Cloth(Box::new(Cloth::new(picture, nodes))), None),
                 GaugeOf::Springs { of, edges, rule, strength } => {
                     let springs = picture.springs().map_or_else(Vec::new, |springs| springs.springs_on(edges, *rule));
-                    (of.columns(), Places::Springs(*of, springs), *strength)
+                    (of.columns().all(), Places::Springs(*of, springs), *strength)
                 }
             };
             made.add(name, strength, columns, places, RowSchedule::Steps((*every).max(1)));
@@ -296,7 +297,9 @@ impl Gauges {
                     };
                     let values = springs.iter().map(value);
                     let (sum, most) = values.fold((0.0, f64::NEG_INFINITY), |(sum, most), t| (sum + t, t.max(most)));
-                    to.copy_from_slice(&[sum, most]);
+                    match of.columns() {
+                        SpringColumns::SumAndLargest(_) => to.copy_from_slice(&[sum, most]),
+                    }
                 }
                 Places::Cloth(cloth) => to[0] = cloth.crossings(picture, at),
                 Places::Nodes(of, nodes) => nodal(picture, *of, nodes, at, to),

@@ -189,7 +189,7 @@ fn step_size(run: &Run) -> Series {
 fn gauges(run: &Run, view: &View, kind: Kind) -> Result<Vec<Series>, PlotError> {
     let (only, what, add): (Option<(&str, &[Quantity])>, _, _) = match kind {
         Kind::Tension => {
-            let only = ("tension", SpringGauge::Tension.columns().as_slice());
+            let only = ("tension", SpringGauge::Tension.columns().all());
             (Some(only), "no gauge and no frame has tensions", "a gauge or a field of tension")
         }
         Kind::Reaction => {

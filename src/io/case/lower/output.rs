@@ -123,7 +123,7 @@ fn gauge_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Fau
     let mut nodes_of = || match gauge.on.nodes() {
         Some(selection) => nodes.select(&on, &selection, faults),
         None => {
-            faults.add(&on, "a selection of nodes; only the tension is measured on edges");
+            faults.add(&on, "a selection of nodes; edges are for gauges of springs");
             None
         }
     };
