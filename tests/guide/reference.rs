@@ -2,10 +2,12 @@
 //! program accepts.
 
 use crate::cases::accepted;
-use crate::pages::folder;
+use crate::pages::{ROOT, folder};
+use canopy_fem::model::gauge::{CROSSINGS, GaugeKind, GaugeQuantity, Quantity};
 use serde_json::{Map, Value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
+use std::path::Path;
 
 /// Longest example in a table, in characters.
 const LONGEST: usize = 60;
@@ -340,17 +342,69 @@ fn reference() -> Reference {
 
 #[test]
 fn the_case_reference_is_that_of_the_schema() {
-    let made = reference().page();
-    let path = folder().join("case-reference.md");
+    is_kept(&folder().join("case-reference.md"), &reference().page());
+}
+
+/// The file is as it was made just now; `GUIDE_WRITE` makes it so.
+fn is_kept(path: &Path, made: &str) {
     if std::env::var_os("GUIDE_WRITE").is_some() {
-        std::fs::write(&path, &made).expect("the page is written");
+        std::fs::write(path, made).expect("the file is written");
     }
-    let kept = std::fs::read_to_string(&path).expect("case-reference.md");
+    let kept = std::fs::read_to_string(path).expect("the file");
     let differs = made.lines().zip(kept.lines()).find(|(made, kept)| made != kept);
+    let name = path.display();
     assert!(
         made == kept,
-        "the page is out of date, at {differs:?}: GUIDE_WRITE=1 cargo test --release --test guide writes it anew"
+        "{name} is out of date, at {differs:?}: GUIDE_WRITE=1 cargo test --release --test guide writes it anew"
     );
+}
+
+/// Adds the keys and the words that are values below a schema.
+fn words(node: &Value, found: &mut BTreeSet<String>) {
+    if let Value::Object(map) = node {
+        found.extend(properties(node).map(|(key, _)| key.clone()));
+        found.extend(list(node, "enum").iter().chain(map.get("const")).filter_map(Value::as_str).map(str::to_owned));
+        map.values().for_each(|inner| words(inner, found));
+    } else {
+        node.as_array().into_iter().flatten().for_each(|inner| words(inner, found));
+    }
+}
+
+/// The dictionary of the fuzzer has every key and word of the schema, beside numbers and the like.
+#[test]
+fn the_dictionary_of_the_fuzzer_is_that_of_the_schema() {
+    let path = Path::new(ROOT).join("tests/fuzz/dictionaries/case.dict");
+    let mut found = BTreeSet::new();
+    words(&canopy_fem::case::json_schema(), &mut found);
+    let kept = std::fs::read_to_string(&path).expect("the dictionary");
+    let mut made: BTreeSet<String> = found.iter().map(|word| format!("\"\\\"{word}\\\"\"")).collect();
+    made.extend(kept.lines().map(str::to_owned));
+    is_kept(&path, &made.iter().map(|line| format!("{line}\n")).collect::<String>());
+}
+
+/// The table of gauges has a row for each quantity, with all of its columns; `_y` stands for what ends so.
+#[test]
+fn results_say_what_gauges_measure() {
+    let page = std::fs::read_to_string(folder().join("results.md")).expect("results.md");
+    let schema = canopy_fem::case::json_schema();
+    let choices = list(&schema["$defs"]["GaugeQuantity"], "oneOf");
+    assert!(choices.len() > 5, "{choices:?}");
+    for choice in choices {
+        let of: GaugeQuantity = serde_json::from_value(choice["const"].clone()).expect("a quantity");
+        let start = format!("| `{}` |", choice["const"].as_str().expect("a word"));
+        let row = page.lines().skip_while(|line| *line != "## gauges.csv").find(|line| line.starts_with(&start));
+        let row = row.unwrap_or_else(|| panic!("results.md has no row \"{start}\""));
+        let columns = match of.kind() {
+            GaugeKind::Springs(of) => of.columns().all(),
+            GaugeKind::Nodes(of) => of.columns.all(),
+            GaugeKind::Cloth => &[CROSSINGS],
+        };
+        for Quantity { name, .. } in columns {
+            let short = name.rsplit_once('_').map_or(*name, |(_, end)| end);
+            let told = row.contains(&format!("`{name}`")) || row.contains(&format!("`_{short}`"));
+            assert!(told, "results.md does not name {name}: {row}");
+        }
+    }
 }
 
 #[test]
