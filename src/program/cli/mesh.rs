@@ -38,7 +38,7 @@ pub enum MeshCommand {
     /// Make a rigged parachute: canopy, lines, riser and payload, as named groups
     Parachute(Box<ParachuteArgs>),
     /// Read a mesh file, repair it if asked, and write it as .vtu, .vtp, .msh, .obj, .ply or .stl
-    #[command(after_long_help = format!("Read are {}.", endings()))]
+    #[command(after_long_help = format!("Reads {}.", endings()))]
     Convert(ConvertArgs),
     /// Print counts, boundary loops and quality of a mesh file
     Inspect(InspectArgs),
