@@ -10,7 +10,7 @@
 //! cargo bench -p canopy-fem-benches --bench newton -- sheets --limit 20
 //! ```
 //!
-//! A run is stopped after `--limit` seconds (60). Times are those of the thread that runs.
+//! A run is stopped after `--limit` seconds of processor time (60).
 
 #[path = "../fixture/mod.rs"]
 mod fixture;

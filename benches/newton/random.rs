@@ -4,9 +4,18 @@ use crate::row::{End, Row, row};
 use serde_json::{Value, json};
 
 const METHODS: [&str; 6] = ["newmark", "hht", "generalized-alpha", "backward-euler", "energy-momentum", "esdirk4"];
+const MAKES_NONE: [&str; 2] = ["backward-euler", "energy-momentum"];
 /// [-] energy made over all energy, and error of an equation over the largest force, that need words
 const SILENT: f64 = 0.1;
 const UNBALANCED: f64 = 1e-3;
+
+/// parts of messages, and how they are counted
+const NEWTON: [(&str, &str); 4] = [
+    ("is stuck", ": no smaller residual"),
+    ("did not converge", ": most iterations"),
+    ("rounding", ": rounding"),
+    ("iteration", ": matrix"),
+];
 
 /// SplitMix64 (Steele, Lea & Flood 2014).
 struct Dice(u64);
@@ -97,15 +106,19 @@ fn kind(seed: u64, row: &Row) -> String {
     match row.end {
         End::Completed if row.made.is_nan() || row.error.is_nan() => "SILENT: no number".to_owned(),
         End::Completed if row.made > SILENT && row.words.is_empty() => "SILENT: energy made".to_owned(),
+        End::Completed if row.made > SILENT && MAKES_NONE.contains(&method) => {
+            "energy made by a method that makes none, with a warning".to_owned()
+        }
         End::Completed if row.unbalanced > UNBALANCED => "SILENT: equation not met".to_owned(),
         End::Completed if row.made > SILENT => "completed, warns of energy made".to_owned(),
         End::Completed => "completed".to_owned(),
-        End::EnergyMade if ["backward-euler", "energy-momentum"].contains(&method) => {
+        End::EnergyMade | End::Diverged if MAKES_NONE.contains(&method) => {
             "energy made by a method that makes none".to_owned()
         }
         End::NotSolved if row.made > SILENT => "not solved, after energy made".to_owned(),
         End::NotSolved => {
-            format!("not solved: {}", row.words.chars().filter(|c| !c.is_ascii_digit()).take(60).collect::<String>())
+            let cause = NEWTON.iter().find(|(part, _)| row.words.contains(part));
+            format!("not solved{}", cause.map_or("", |(_, name)| name))
         }
         end => end.words().to_owned(),
     }
@@ -140,6 +153,7 @@ pub fn table(count: u64) {
     println!("\n{:.2} iterations a step; most: {}", iterations / steps as f64, worst.join(", "));
     let seconds = ended.iter().map(|(_, _, row)| row.seconds).sum::<f64>();
     println!("LU in {} of {count}; {seconds:.1} s in all", ended.iter().filter(|(_, _, row)| row.lu).count());
+    ended.sort_by(|a, b| (&a.0, a.1).cmp(&(&b.0, b.1)));
     for (kind, seed, row) in ended.iter().filter(|(kind, ..)| !kind.starts_with("completed")) {
         println!(
             "* {seed} {kind}: step {}, most {}, made {:.2e}, unbalanced {:.1e}: {}",

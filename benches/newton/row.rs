@@ -4,12 +4,13 @@ use crate::fixture::figure::after;
 use canopy_fem::case::Case;
 use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer, Wants};
 use canopy_fem::drive::{Outcome, Status};
-use canopy_fem::process::thread_seconds;
+use canopy_fem::process::cpu_seconds;
 use canopy_fem::simulation::Simulation;
 use serde_json::Value;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, mpsc};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
 /// The case of a table's row.
@@ -51,25 +52,33 @@ pub fn lu_was_made() -> bool {
     LU_SOLVERS.swap(0, Ordering::Relaxed) > 0
 }
 
-/// [s] of a run, after which it is stopped.
-fn limit() -> Duration {
-    Duration::from_secs(after("--limit").map_or(60, |word| word.parse().expect("--limit wants seconds")))
+/// [s] Processor time after which a run is stopped.
+fn limit() -> f64 {
+    after("--limit").map_or(60.0, |word| word.parse().expect("--limit wants seconds"))
 }
 
-/// What `work` gives, and its processor time [s]. It is told to stop at the limit; `None` if it has not by then.
+/// [s] processor time of this process
+fn cpu() -> f64 {
+    cpu_seconds().expect("a system that tells the processor time")
+}
+
+/// What `work` gives, and its processor time [s]. It is told to stop at the limit; `None` if it has not at twice that.
 pub fn within<T: Send + 'static>(work: impl FnOnce(&AtomicBool) -> T + Send + 'static) -> Option<(T, f64)> {
     let stop = Arc::new(AtomicBool::new(false));
     let (send, receive) = mpsc::channel();
-    let flag = stop.clone();
+    let (flag, limit, began) = (stop.clone(), limit(), cpu());
     std::thread::spawn(move || {
-        let made = work(&flag);
         // Nobody waits any longer for one that is late.
-        _ = send.send((made, thread_seconds().expect("a system that tells the processor time")));
+        _ = send.send(work(&flag));
     });
-    receive.recv_timeout(limit()).ok().or_else(|| {
-        stop.store(true, Ordering::Relaxed);
-        receive.recv_timeout(limit()).ok()
-    })
+    loop {
+        match receive.recv_timeout(Duration::from_millis(50)) {
+            Ok(made) => return Some((made, cpu() - began)),
+            Err(RecvTimeoutError::Disconnected) => return None,
+            Err(RecvTimeoutError::Timeout) if cpu() - began > 2.0 * limit => return None,
+            Err(RecvTimeoutError::Timeout) => stop.store(cpu() - began > limit, Ordering::Relaxed),
+        }
+    }
 }
 
 /// How a run has ended.
@@ -141,6 +150,8 @@ impl Row {
 #[derive(Default)]
 struct Watch {
     most: u32,
+    /// whether LU was set up: looking for the cause of a failure may do so too, later
+    lu: bool,
     /// of backward Euler: whether its equation is checked, 1/m of every degree of freedom, and its worst error
     inverse_mass: Option<Vec<f64>>,
     unbalanced: f64,
@@ -153,12 +164,15 @@ impl Observer for Watch {
 
     fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         self.most = self.most.max(step.newton_iterations);
+        self.lu |= lu_was_made();
         let (Some(inverse), Some([from, to])) = (&self.inverse_mass, step.ends()) else { return Ok(()) };
-        let (mut largest, mut error) = (1e-300_f64, 0.0_f64);
+        // What Newton's tolerance is a share of: dashpots may pull far more than is left of their forces.
+        let dashpots = [from, to].into_iter().flat_map(|point| &point.forces.dissipative);
+        let (mut largest, mut error) = (dashpots.fold(0.0, |most: f64, f| most.max(f.abs())), 0.0_f64);
         for (i, inverse) in inverse.iter().enumerate().filter(|(_, inverse)| **inverse > 0.0) {
             let inertia = (to.state.v[i] - from.state.v[i]) / (step.h() * inverse);
             let force = to.forces.total[i];
-            largest = largest.max(force.abs()).max(inertia.abs());
+            largest = largest.max(force.abs()).max(inertia.abs()).max(9.81 / inverse);
             error = error.max((inertia - force).abs());
         }
         self.unbalanced = self.unbalanced.max(error / largest);
@@ -197,7 +211,8 @@ pub fn row(json: &Value, check: bool) -> Row {
 }
 
 fn told(outcome: Outcome, watch: &Watch, seconds: f64) -> Row {
-    let words = outcome.failure.map(|failure| failure.cause).or(outcome.doubt).unwrap_or_default();
+    let warned = outcome.doubt.clone().or_else(|| outcome.energy_doubt());
+    let words = outcome.failure.map(|failure| failure.cause).or(warned).unwrap_or_default();
     let end = match outcome.status {
         Status::Completed => End::Completed,
         Status::Interrupted => End::TooLong,
@@ -213,7 +228,7 @@ fn told(outcome: Outcome, watch: &Watch, seconds: f64) -> Row {
         mean: outcome.counters.newton_iterations as f64 / outcome.steps.max(1) as f64,
         most: watch.most,
         factors: outcome.counters.factorizations,
-        lu: lu_was_made(),
+        lu: watch.lu,
         seconds,
         made: outcome.energy_made,
         error: outcome.energy_error,
