@@ -1,21 +1,15 @@
 //! One full Newton iteration (residual, assembly, factorisation, solve) of the 703-node cloth without air, beside the
 //! factorisation and solve alone; and whole implicit steps with and without the air.
-//!
-//! ```text
-//! cargo bench -p canopy-fem-benches --bench newton
-//! ```
 
-mod fixture;
-
+use crate::fixture::steps::Steps;
+use crate::fixture::{Contents, cloth};
 use canopy_fem::assembly::TangentSystem;
 use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::system::{System, Weights};
 use canopy_fem::model::workers::ALONE;
 use canopy_fem::scene::{Network, build_network};
 use canopy_fem::solve::{LinearChoice, solver_for};
-use criterion::{Criterion, criterion_group, criterion_main};
-use fixture::steps::Steps;
-use fixture::{Contents, cloth};
+use criterion::{Criterion, criterion_group};
 
 /// The weights of a Newmark step of 1 ms.
 const W: Weights = Weights { m: 4e6, c: 2e3, k: 1.0 };
@@ -66,4 +60,3 @@ fn steps(b: &mut criterion::Bencher<'_>, scene: &Network) {
 }
 
 criterion_group!(benches, iteration, implicit_steps);
-criterion_main!(benches);
