@@ -40,6 +40,8 @@ pub(super) enum Sides {
 const MOST: u32 = 80;
 /// The same if it need not be the last try: with one-sided springs as they are.
 const FEW: u32 = 10;
+/// The same for an equilibrium: a net that folds, without bending stiffness, has many that are almost one.
+const MANY: u32 = 400;
 /// [-] Share of the way to t = 0 or s = 0 that a step goes.
 const TO_BOUNDARY: f64 = 0.995;
 /// [-] Product t s of a slack or taut spring at the start, over the size of a nodal force times that of a spring.
@@ -59,6 +61,8 @@ pub(super) struct Tensions {
     sides: Option<Sides>,
     /// whether there are one-sided springs
     any_one_sided: bool,
+    /// [-] share of tensions below 0 that the matrix has, where that is positive definite
+    share: f64,
     /// which springs act both ways although they are taken as one-sided
     both_ways: Vec<bool>,
     at: Vec<SpringState>,
@@ -112,6 +116,7 @@ impl Tensions {
     fn begin(&mut self, springs: &mut dyn MixedSprings, size: f64, sides: Sides) {
         self.sides = Some(sides);
         self.any_one_sided = false;
+        self.share = 1.0;
         let n = springs.count();
         let idle = SpringState::idle([0; 2]);
         self.at.resize(n, idle);
@@ -198,8 +203,8 @@ impl Tensions {
         }
     }
 
-    /// What the matrix has of the springs; without tensions below 0 if `convex`.
-    fn set_tangents(&mut self, convex: bool) {
+    /// What the matrix has of the springs, with this share [-] of tensions below 0.
+    fn set_tangents(&mut self, share: f64) {
         for (i, tangent) in self.tangents.iter_mut().enumerate() {
             let (spring, t) = (&self.at[i], self.t[i]);
             let (tension, stiffness) = if spring.is_one_sided() {
@@ -207,7 +212,7 @@ impl Tensions {
             } else {
                 (t, spring.stiffness.max(0.0))
             };
-            *tangent = SpringTangent { tension: if convex { tension.max(0.0) } else { tension }, stiffness };
+            *tangent = SpringTangent { tension: if tension < 0.0 { share * tension } else { tension }, stiffness };
         }
     }
 
@@ -365,6 +370,7 @@ impl Iteration<'_> {
             // Nothing would be another with interior points.
             Sides::Interior if !self.tensions.any_one_sided => return Ok(None),
             Sides::AsTheyAre if self.tensions.any_one_sided => FEW.min(self.newton.most_iterations()),
+            Sides::Loaded => MANY.min(self.newton.most_iterations()),
             _ => MOST.min(self.newton.most_iterations()),
         };
         // In a motion, more than that would be lost of the forces that the next step takes over.
@@ -419,12 +425,16 @@ impl Iteration<'_> {
 
     /// Factorises the matrix at the last evaluated residual; `false` if it is not positive definite.
     fn linearise(&mut self) -> Result<bool, LinearError> {
-        for convex in [false, true] {
-            self.tensions.set_tangents(convex);
+        let most = self.tensions.share;
+        for share in [most, 0.5 * most, 0.0] {
+            self.tensions.set_tangents(share);
             let Some(springs) = self.problem.mixed() else { return Ok(false) };
-            match springs.linearise(&self.tensions.tangents, convex) {
+            match springs.linearise(&self.tensions.tangents, share < 1.0) {
                 Ok(Inertia::Indefinite) | Err(LinearError::Indefinite { .. }) => {}
-                made => return made.map(|_| true),
+                made => {
+                    self.tensions.share = if share == most { f64::min(1.0, 0.5 * (1.0 + share)) } else { share.max(0.5f64.powi(10)) };
+                    return made.map(|_| true);
+                }
             }
         }
         Ok(false)
