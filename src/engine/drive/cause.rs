@@ -298,13 +298,22 @@ impl DiagnosisInput<'_> {
             figures(found.frequency, 4),
             self.place(found.frequency_dof),
         );
-        let damping = match (self.method.info.family, self.method.info.linear.always_dissipates) {
-            (_, true) => "",
-            (Family::Explicit, _) => ", or --method rk4",
-            _ => ", or --method backward-euler",
+        let step = format!("a step of {} s or smaller", figures(RESOLVED / found.frequency, 2));
+        let advice = match (self.method.info.family, self.method.info.linear.always_dissipates) {
+            (Family::Explicit, _) => format!("take {step}, or --method rk4"),
+            (_, true) => format!("take {step}"),
+            _ => format!("take --method backward-euler, {}or {step}", self.dashpots()),
         };
-        let advice = format!("take a step of {} s or smaller{damping}", figures(RESOLVED / found.frequency, 2));
         Some(Diagnosis { why, advice, critical: None, dof: Some(found.frequency_dof) })
+    }
+
+    /// What to add where nothing damps the springs.
+    fn dashpots(&self) -> String {
+        let damps = |term: &TermInfo| term.role == Role::Dissipative && !term.on_triangles;
+        if self.scene.springs().is_none() || self.scene.terms().iter().any(damps) {
+            return String::new();
+        }
+        format!("\"dashpot\": {{\"axial\": {{\"time\": {}}}}} in the rules of springs, ", figures(self.h, 2))
     }
 
     fn place(&self, dof: usize) -> String {

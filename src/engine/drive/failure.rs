@@ -3,7 +3,7 @@
 use super::cause::{Diagnosis, DiagnosisInput};
 use super::observer::Energies;
 use super::run_spec::Explain;
-use super::watch::{DivergenceKind, EnergyGain};
+use super::watch::{DOUBTFUL, DivergenceKind, EnergyGain};
 use crate::format_number::figures;
 use crate::integrate::StepError;
 use crate::integrate::registry::MethodChoice;
@@ -56,6 +56,8 @@ pub(super) struct FailureContext<'a> {
     pub t: f64,
     /// [s] end of the run
     pub end: f64,
+    /// energy that the scheme has made until then
+    pub gain: EnergyGain,
     /// failures for which the cause is searched
     pub explain: Explain,
     /// whether the search is to end early
@@ -143,6 +145,9 @@ impl FailureContext<'_> {
                 "take \"linear\": \"cholesky\" where the tangent is symmetric, else \"auto\"; or a smaller step";
             return self.report(suspect, error.to_string(), advice.to_owned());
         }
+        if self.gain.made > DOUBTFUL * self.gain.supplied {
+            return self.not_converged_after_gain(error, suspect);
+        }
         let (why, step) = match self.explain {
             Explain::Nothing => (String::new(), 0.5 * self.h),
             Explain::Failures | Explain::All => self.question().unsolved(worst),
@@ -150,8 +155,26 @@ impl FailureContext<'_> {
         let cause = if why.is_empty() { error.to_string() } else { format!("{error}; {why}") };
         let advice = format!(
             "take a step of {} s or smaller, or more solver.newton.max_iterations; a net that buckles or goes slack in \
-             large steps may need some damping, or a method that dissipates (hht, backward-euler)",
-            figures(step, 2)
+             large steps may need some damping{}",
+            figures(step, 2),
+            if self.method.info.linear.always_dissipates { "" } else { ", or --method backward-euler" }
+        );
+        self.report(suspect, cause, advice)
+    }
+
+    /// A step that could not be solved because its start has more energy than any motion of the scene.
+    fn not_converged_after_gain(&self, error: &StepError, suspect: Suspect) -> Failure {
+        let Diagnosis { why, advice, .. } = match self.explain {
+            Explain::Nothing => Diagnosis::default(),
+            Explain::Failures | Explain::All => self.question().gain(),
+        };
+        let cause = format!(
+            "{} itself had made {} J of energy, but only {} J were present or supplied: no motion leads to the state that \
+             this step begins with{}{why}; {error}",
+            self.method.info.name,
+            figures(self.gain.made, 3),
+            figures(self.gain.supplied, 3),
+            if why.is_empty() { "" } else { "; " },
         );
         self.report(suspect, cause, advice)
     }

@@ -432,7 +432,8 @@ impl Iteration<'_> {
             match springs.linearise(&self.tensions.tangents, share < 1.0) {
                 Ok(Inertia::Indefinite) | Err(LinearError::Indefinite { .. }) => {}
                 made => {
-                    self.tensions.share = if share == most { f64::min(1.0, 0.5 * (1.0 + share)) } else { share.max(0.5f64.powi(10)) };
+                    self.tensions.share =
+                        if share == most { f64::min(1.0, 0.5 * (1.0 + share)) } else { share.max(0.5f64.powi(10)) };
                     return made.map(|_| true);
                 }
             }

@@ -26,6 +26,9 @@ impl DiagnosisInput<'_> {
             words.push(format!("{what}, at a rate of {} 1/s {}", figures(leaves.rate, 3), self.place(leaves.dof)));
             step = step.min(1.0 / leaves.rate);
         }
+        if !self.method.info.linear.always_dissipates && !self.stop.asked() {
+            words.extend(self.unresolved(&self.scene.initial_state()).map(|found| found.why));
+        }
         if self.stop.asked() {
             words.push("the search for the cause was cut short by a signal".to_owned());
         }

@@ -154,6 +154,7 @@ impl Run<'_> {
     pub(super) fn context(&self, Tick { h, t }: Tick) -> FailureContext<'_> {
         let &Run { scene, spec: &RunSpec { ref method, end, explain, .. }, stop, interrupt, .. } = self;
         let (from, step, stop) = (&self.state.from, self.state.steps + 1, stop.or(interrupt));
-        FailureContext { scene, method, from, step, h, t, end, explain, stop }
+        let gain = self.state.watch.gain();
+        FailureContext { scene, method, from, step, h, t, end, gain, explain, stop }
     }
 }
