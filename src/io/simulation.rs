@@ -130,7 +130,7 @@ pub struct StepInfo {
     /// accepted steps so far
     pub step: u64,
     /// [s] time at its end
-    pub t: f64,
+    pub time: f64,
     /// energy account at its end
     pub energies: Energies,
 }
@@ -357,7 +357,7 @@ impl Simulation {
     }
 
     fn info(&self) -> StepInfo {
-        StepInfo { step: self.state.steps, t: self.time(), energies: self.state.row }
+        StepInfo { step: self.state.steps, time: self.time(), energies: self.state.row }
     }
 
     fn failed(&self) -> SimulationError {

@@ -1,5 +1,6 @@
 //! What only some systems have. A system returns such an ability as a value, `None` if it has none.
 
+use super::at_dof::AtDof;
 use super::forces::Forces;
 use super::gauge::CANOPY_QUANTITIES;
 use super::observables::SpringPlace;
@@ -122,10 +123,10 @@ pub trait StiffSprings {
 /// Forces beside stiff springs, by bounds on their elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BesideStiff {
-    /// [1/s^2] largest eigenvalue of M^-1 K, and the degree of freedom where it is reached
-    pub stiffness: (f64, usize),
-    /// [1/s] largest eigenvalue of M^-1 C, likewise
-    pub damping: (f64, usize),
+    /// [1/s^2] largest eigenvalue of M^-1 K
+    pub stiffness: AtDof,
+    /// [1/s] largest eigenvalue of M^-1 C
+    pub damping: AtDof,
     /// whether elastic forces that are no springs act on the nodes that limit explicit steps most
     pub on_short_nodes: bool,
 }

@@ -9,7 +9,7 @@
 mod kick_drift;
 mod work;
 
-pub use kick_drift::{KickDriftScheme, Nodes, StepStart, Working};
+pub use kick_drift::{BoundarySums, KickDriftScheme, Nodes, StepStart, Working};
 pub use work::work;
 
 use super::bounds::Bounds;

@@ -154,7 +154,8 @@ pub fn longest_block<S: System + ?Sized>(system: &S) -> usize {
 /// makes steps one by one; `summaries` is then empty.
 pub fn advance<S: System + ?Sized>(
     system: &S,
-    (at, out): (&mut State, &mut Forces),
+    at: &mut State,
+    out: &mut Forces,
     block: KickDriftBlock<'_>,
     summaries: &mut [StepSummary],
 ) {

@@ -7,6 +7,7 @@ use crate::force::schedule::step_block::NodeStateMut;
 use crate::force::schedule::workspace::WorkspaceView;
 use crate::model::forces::Forces;
 use crate::model::point::Point;
+use crate::model::step_block::BoundarySums;
 use crate::model::step_block::{NodeSums, Nodes, StepStart, Work, Working};
 use crate::model::system::KickDriftBlock;
 use crate::model::workers::Workers;
@@ -29,7 +30,7 @@ impl StepBoundary<'_> {
     /// Moves nodes to the positions of the first force pass.
     pub(in crate::force) fn begin(&self, NodeStateMut { first, x, v, .. }: NodeStateMut<'_>, workers: &Workers) {
         let scheme = self.block.scheme;
-        workers.both((x, v), |r, x, v| scheme.begin(self.start(3 * first + r.start..3 * first + r.end), x, v));
+        workers.both(x, v, |r, x, v| scheme.begin(self.start(3 * first + r.start..3 * first + r.end), x, v));
     }
 
     /// The kick after the first force pass.
@@ -82,7 +83,7 @@ impl StepBoundary<'_> {
             f: cast_slice_mut(total),
             works: works.then(|| Working { forces, before: cast_slice_mut(before) }),
         };
-        let (ended, next) = scheme.end(nodes, another);
+        let BoundarySums { nodes: ended, next } = scheme.end(nodes, another);
         sums[level] = NodeSums { work: begun.and(ended.work).halved(), ..ended };
         if another {
             // Kept at the level of the next step's first pass, until that step ends.

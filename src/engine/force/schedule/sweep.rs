@@ -114,7 +114,8 @@ impl Sweep {
     /// empty only if no term adds to it. Writes the energy [J] or power [W] of every term to `tallies`.
     pub(crate) fn pass<T: Terms + ?Sized>(
         &self,
-        (terms, at): (&T, NodeState<'_>),
+        terms: &T,
+        at: NodeState<'_>,
         threads: &Threads,
         out: [&mut [Vector3<f64>]; SUMS],
         tallies: &mut [Tally],
@@ -236,7 +237,7 @@ impl<T: Terms + ?Sized> PassSpec<'_, T> {
             kept = others_kept;
             let level = i * levels + self.level;
             let tallies = &mut tallies[level * count..(level + 1) * count];
-            let stretch = self.block((number, own_kept), local_buffers, &out, tallies);
+            let stretch = self.block(number, own_kept, local_buffers, &out, tallies);
             // The stretch of springs whose forces were kept is already included.
             if self.kind != PassKind::ReusePosition {
                 stretches[level] = stretch;
@@ -261,7 +262,8 @@ impl<T: Terms + ?Sized> PassSpec<'_, T> {
     /// Returns its largest stretch, if wanted.
     fn block(
         &self,
-        (number, kept): (usize, &mut [PaddedVec3]),
+        number: usize,
+        kept: &mut [PaddedVec3],
         local_buffers: &mut LocalBuffers,
         out: &[&mut [Vector3<f64>]; SUMS],
         tallies: &mut [Tally],
