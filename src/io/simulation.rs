@@ -85,13 +85,13 @@ use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, UpcomingStep, Wants};
 use crate::drive::{Changed, Outcome, Run, RunError, RunState, Snapshot, StepEnd};
 use crate::force::schedule::threads::Threads;
+use crate::integrate::StepReport;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Scheme, Stepper};
 use crate::interrupt;
 use crate::model::spec::NetworkSpec;
 use crate::model::stop::Stop;
 use crate::scene::{Pendulum, Scene, build_network, build_network_with};
-use attempt::Pending;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
@@ -133,6 +133,14 @@ pub struct StepInfo {
     pub time: f64,
     /// energy account at its end
     pub energies: Energies,
+}
+
+/// A step that was attempted and waits.
+enum Pending {
+    /// of a fixed size, in the second point of the run
+    Fixed(StepReport),
+    /// of adaptive size, accepted already: where it began
+    Adaptive(Box<Snapshot>),
 }
 
 /// A scene in motion. It borrows nothing and may move between threads (`Send`).

@@ -8,11 +8,11 @@ use super::rates::Rates;
 use crate::format_number::{figures, two_digits};
 use crate::integrate::linear_step::Pencil;
 use crate::integrate::registry::{Family, MethodChoice};
-use crate::model::abilities::BesideStiff;
 use crate::model::at_dof::AtDof;
 use crate::model::forces::Role;
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
+use crate::model::system::BesideStiff;
 use crate::model::system::TermInfo;
 use crate::scene::{BoundBuffer, Scene};
 

@@ -6,6 +6,7 @@
 //! Wonnacott 2000; McCalpin & Wonnacott 1999). Every state within a block has a summary. Its bits are those of steps
 //! made one by one.
 
+mod groups;
 mod kick_drift;
 mod work;
 

@@ -3,7 +3,8 @@
 use super::motion::SUPPORTS;
 use super::network::Network;
 use crate::force::kernel::batch::{BlockForces, PARTS};
-use crate::force::schedule::sweep::{PartTarget, Sweep, Term, Terms};
+use crate::force::schedule::sweep::Sweep;
+use crate::force::schedule::terms::{PartTarget, Term, Terms};
 use crate::force::{ForceTerm, NodeState};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::TermInfo;
@@ -11,7 +12,7 @@ use nalgebra::Vector3;
 
 /// A part of a force term.
 #[derive(Clone, Copy)]
-pub(super) struct TermPart<'a> {
+pub struct TermPart<'a> {
     pub term: &'a dyn ForceTerm,
     /// which of its parts
     pub part: usize,
@@ -70,7 +71,7 @@ impl Network {
     }
 
     /// What one of [`System::terms`] is.
-    pub(super) fn term_of(&self, part: usize) -> Option<TermPart<'_>> {
+    pub fn term_of(&self, part: usize) -> Option<TermPart<'_>> {
         let places =
             |parts: &[Option<PartTarget>; PARTS]| parts.iter().position(|p| p.is_some_and(|p| p.tally == part));
         let mut terms = self.acting.terms.iter().zip(&self.arrangement.parts);

@@ -9,7 +9,7 @@
 use super::acting::SpringBatch;
 use super::bound::{FORM, largest_by_node};
 use super::build::Builder;
-use super::check::BuildError;
+use super::check_values::BuildError;
 use super::numbering::Numbering;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
 use crate::force::law::slack::Clamp;

@@ -1,7 +1,7 @@
 //! The forces of a step of an energy-momentum method: elastic ones as means over the step, all others in its middle.
 
 use super::network::Network;
-use crate::force::schedule::sweep::{Term, Terms};
+use crate::force::schedule::terms::{Term, Terms};
 use crate::force::schedule::threads::SUMS;
 use crate::force::{MeanStep, TangentForm, TangentSink};
 use crate::model::forces::Tally;

@@ -17,6 +17,7 @@ mod canopy_shape;
 mod check;
 mod check_elements;
 mod check_loads;
+mod check_values;
 mod controls;
 mod events;
 mod external;
@@ -36,7 +37,7 @@ mod tangent;
 
 pub use bound::BoundBuffer;
 pub use build::{build_network, build_network_with};
-pub use check::BuildError;
+pub use check_values::BuildError;
 pub use external::{ExternalForces, ExternalKind, ForceDerivative, NodalForce, PairsChange};
 pub use network::Network;
 pub use pendulum::Pendulum;

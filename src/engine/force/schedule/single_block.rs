@@ -4,9 +4,10 @@
 use crate::force::kernel::element_block::{ElementBlock, PassNumbers};
 use crate::force::kernel::local_buffer::{LocalBuffer, PaddedVec3, RECORD, Records, fill, rows, store_rows};
 use crate::force::schedule::pass_kind::{PassKind, Sums};
-use crate::force::schedule::step_block::NodeStateMut;
+use crate::force::schedule::step_boundary::NodeStateMut;
 use crate::force::schedule::step_boundary::StepBoundary;
-use crate::force::schedule::sweep::{Sweep, Terms};
+use crate::force::schedule::sweep::Sweep;
+use crate::force::schedule::terms::Terms;
 use crate::force::schedule::threads::{LocalBuffers, SUMS, SingleBlockBuffers, Threads};
 use crate::model::forces::Tally;
 use crate::model::step_block::BoundarySums;

@@ -14,8 +14,9 @@ use crate::force::NodeState;
 use crate::force::kernel::element_block::PassNumbers;
 use crate::force::schedule::partition::{Halo, Partition};
 use crate::force::schedule::pass_kind::PassKind;
-use crate::force::schedule::step_boundary::StepBoundary;
-use crate::force::schedule::sweep::{PassSpec, Sweep, Terms, reads};
+use crate::force::schedule::step_boundary::{NodeStateMut, StepBoundary};
+use crate::force::schedule::sweep::{PassSpec, Sweep, reads};
+use crate::force::schedule::terms::Terms;
 use crate::force::schedule::threads::{SUMS, Threads};
 use crate::force::schedule::tuning::{LEVELS, ROUND, SEAMS_SIDE_BY_SIDE};
 use crate::force::schedule::wavefront::Wavefront;
@@ -23,42 +24,8 @@ use crate::force::schedule::workspace::{Workspace, WorkspaceSize, WorkspaceView}
 use crate::model::forces::Tally;
 use crate::model::step_block::{LONGEST, StepSummary};
 use crate::model::workers::{ALONE, Workers};
-use bytemuck::cast_slice;
 use nalgebra::Vector3;
 use std::ops::Range;
-
-/// The state of a range of nodes, to be moved.
-pub(crate) struct NodeStateMut<'a> {
-    /// [s]
-    pub t: f64,
-    /// number of the first node
-    pub first: usize,
-    /// [m]
-    pub x: &'a mut [f64],
-    /// [m/s]
-    pub v: &'a mut [f64],
-}
-
-impl NodeStateMut<'_> {
-    /// The state, read-only.
-    fn state(&self) -> NodeState<'_> {
-        NodeState { t: self.t, x: cast_slice(self.x), v: cast_slice(self.v) }
-    }
-
-    /// Some of the nodes.
-    fn within(&mut self, nodes: Range<usize>) -> NodeStateMut<'_> {
-        let dofs = 3 * (nodes.start - self.first)..3 * (nodes.end - self.first);
-        let (x, v) = (&mut self.x[dofs.clone()], &mut self.v[dofs]);
-        NodeStateMut { t: self.t, first: nodes.start, x, v }
-    }
-
-    /// Splits the nodes at one of them.
-    fn split(self, at: usize) -> [Self; 2] {
-        let NodeStateMut { t, first, x, v } = self;
-        let ((x, x_after), (v, v_after)) = (x.split_at_mut(3 * (at - first)), v.split_at_mut(3 * (at - first)));
-        [NodeStateMut { t, first, x, v }, NodeStateMut { t, first: at, x: x_after, v: v_after }]
-    }
-}
 
 /// What a block of steps overwrites.
 pub(crate) struct StepBlockResults<'a> {

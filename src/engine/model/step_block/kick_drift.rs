@@ -12,6 +12,7 @@
 //! Nodes are updated four by four: as three quads if their vectors are packed, and as four if they are records (of four
 //! numbers, the last of them 0). Operations and their order are those of single steps, and so are the bits.
 
+use super::groups::{Group, begun, columns, filled, groups, groups_mut};
 use super::work::{Sums, along};
 use super::{NodeSums, Work};
 use crate::model::bounds::Bounds;
@@ -243,36 +244,6 @@ impl<const W: usize> Pass<'_, W> {
     }
 }
 
-/// Four nodes.
-type Group<const W: usize> = [[f64; 4]; W];
-
-pub(super) fn groups<const W: usize>(values: &[f64]) -> (&[Group<W>], &[f64]) {
-    let (whole, last) = values.split_at(values.len() / (4 * W) * (4 * W));
-    (whole.as_chunks().0.as_chunks().0, last)
-}
-
-fn groups_mut<const W: usize>(values: &mut [f64]) -> (&mut [Group<W>], &mut [f64]) {
-    let (whole, last) = values.split_at_mut(values.len() / (4 * W) * (4 * W));
-    (whole.as_chunks_mut().0.as_chunks_mut().0, last)
-}
-
-/// The nodes, with the first one repeated in the remaining places.
-pub(super) fn filled<const W: usize>(nodes: &[f64]) -> Group<W> {
-    let mut group = [[0.0; 4]; W];
-    for to in group.as_flattened_mut().chunks_mut(W) {
-        to.copy_from_slice(&nodes[..W]);
-    }
-    group.as_flattened_mut()[..nodes.len()].copy_from_slice(nodes);
-    group
-}
-
-/// The nodes, with zeros in the remaining places.
-pub(super) fn begun<const W: usize>(nodes: &[f64]) -> Group<W> {
-    let mut group = [[0.0; 4]; W];
-    group.as_flattened_mut()[..nodes.len()].copy_from_slice(nodes);
-    group
-}
-
 /// The update between two steps, with the sums over the nodes so far.
 struct Totals<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const PREDICTS: bool> {
     /// k, h and l
@@ -375,15 +346,6 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const 
         let (kinetic, largest_square) = (motion.kinetic, motion.largest_square);
         let nodes = NodeSums { kinetic, largest_square, bounds, finite, work: Work { external, dissipative } };
         BoundarySums { nodes, next: Work { external: next_external, dissipative: next_dissipative } }
-    }
-}
-
-/// The components of four nodes.
-#[inline(always)]
-pub(super) fn columns<Q: Quad, const W: usize>(nodes: [Q; W]) -> [Q; 3] {
-    match W {
-        3 => Q::unpack([nodes[0], nodes[1], nodes[2]]),
-        _ => Q::columns([nodes[0], nodes[1], nodes[2], nodes[3 % W]]),
     }
 }
 

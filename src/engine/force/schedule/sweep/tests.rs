@@ -1,11 +1,13 @@
 //! Passes over blocks, beside element after element.
 
 use super::*;
+use crate::force::kernel::batch::PARTS;
 use crate::force::kernel::fixtures::random;
 use crate::force::law::damped_springs::DampedSprings;
 use crate::force::law::gravity::Gravity;
 use crate::force::schedule::partition::Limits;
 use crate::force::schedule::step_block::tests::{Links, links, relative_dashpots};
+use crate::force::schedule::terms::PartTarget;
 use rayon::ThreadPoolBuildError;
 
 const NODES: usize = 200;
