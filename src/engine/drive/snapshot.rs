@@ -83,7 +83,8 @@ impl RunSpec {
         Ok(())
     }
 
-    /// Where a run of this scene stands that a program puts at time `t` [s], after `steps` of its own. Fixed steps count from t = 0, so their number follows from the time.
+    /// Where a run of this scene stands that a program puts at time `t` [s], after `steps` of its own. Fixed steps
+    /// count from t = 0, so their number follows from the time.
     ///
     /// # Errors
     /// [`RunError::OutOfRange`]: a time that is not finite, before 0, or beyond the end.
