@@ -94,12 +94,12 @@ fn passes(_: &mut Criterion) {
     let at = NodeState { t: 0.0, x: bytemuck::cast_slice(&state.x), v: bytemuck::cast_slice(&state.v) };
     let mut f = vec![Vector3::zeros(); 703];
     for (part, info) in scene.terms().iter().enumerate() {
-        let Some((term, _)) = scene.term_of(part) else { continue };
+        let Some(found) = scene.term_of(part) else { continue };
         let mut ns: Vec<f64> = (0..200)
             .map(|_| {
                 let start = Instant::now();
                 (0..20).for_each(|_| _ = black_box(scene.pass_of(part, black_box(at), &mut f)));
-                start.elapsed().as_secs_f64() * 1e9 / (20 * term.elements()) as f64
+                start.elapsed().as_secs_f64() * 1e9 / (20 * found.term.elements()) as f64
             })
             .collect();
         ns.sort_unstable_by(f64::total_cmp);

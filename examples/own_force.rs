@@ -44,7 +44,7 @@ pub fn tethered(method: &str) -> Result<f64, Box<dyn Error>> {
     sim.set_force_law("tether", Arc::new(Tether { stiffness: 8.0, nodes: 2 }))?;
     let mut worst = 0.0_f64;
     for _ in 0..3000 {
-        let t = sim.step()?.t;
+        let t = sim.step()?.time;
         worst = worst.max((sim.positions()[0][1] - (2.0 * t).cos()).abs());
     }
     Ok(worst)

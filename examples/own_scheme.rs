@@ -67,7 +67,7 @@ pub fn drift_kick() -> Result<f64, Box<dyn Error>> {
     let mut sim = Simulation::new(network.build()?, RunSpec::of(method, Step::Fixed(1e-4), 3.0))?;
     let mut worst = 0.0_f64;
     while sim.time() < 3.0 {
-        let t = sim.step()?.t;
+        let t = sim.step()?.time;
         worst = worst.max((sim.positions()[1][0] - (1.0 + 0.5 * (2.0 * t).cos())).abs());
     }
     Ok(worst)

@@ -1,7 +1,8 @@
 //! The index page: sections of text, tables and figures, in the frame of the pages of studies. Figures are in the page
 //! and SVG files beside it, tables are CSV files too.
 
-use canopy_fem::plot::chart::{Chart, Line, Sample, Size, Stroke, legend_samples, svg_grid};
+use canopy_fem::plot::chart::{Chart, Line, Size, Stroke};
+use canopy_fem::plot::layout::{Sample, legend_samples, svg_grid};
 use canopy_fem::study::report::method_color;
 use canopy_fem::study::template::{PageFigure, render};
 use serde::Serialize;

@@ -533,7 +533,7 @@ impl Simulation {
                 sim.run_until_or(step, t, || start.elapsed() > LOOK)
             })?;
             // As the engine says when a time is reached.
-            if done.step >= step || done.t >= t - 8.0 * f64::EPSILON * t.abs() {
+            if done.step >= step || done.time >= t - 8.0 * f64::EPSILON * t.abs() {
                 return Ok(done.into());
             }
             py.check_signals()?;

@@ -102,8 +102,8 @@ impl Step {
 }
 
 impl From<StepInfo> for Step {
-    fn from(StepInfo { step, t, energies }: StepInfo) -> Self {
-        Step { step, time: t, energies: energies.into() }
+    fn from(StepInfo { step, time, energies }: StepInfo) -> Self {
+        Step { step, time, energies: energies.into() }
     }
 }
 

@@ -85,13 +85,13 @@ use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, UpcomingStep, Wants};
 use crate::drive::{Changed, Outcome, Run, RunError, RunState, Snapshot, StepEnd};
 use crate::force::schedule::threads::Threads;
+use crate::integrate::StepReport;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Scheme, Stepper};
 use crate::interrupt;
 use crate::model::spec::NetworkSpec;
 use crate::model::stop::Stop;
 use crate::scene::{Pendulum, Scene, build_network, build_network_with};
-use attempt::Pending;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
@@ -130,9 +130,17 @@ pub struct StepInfo {
     /// accepted steps so far
     pub step: u64,
     /// [s] time at its end
-    pub t: f64,
+    pub time: f64,
     /// energy account at its end
     pub energies: Energies,
+}
+
+/// A step that was attempted and waits.
+enum Pending {
+    /// of a fixed size, in the second point of the run
+    Fixed(StepReport),
+    /// of adaptive size, accepted already: where it began
+    Adaptive(Box<Snapshot>),
 }
 
 /// A scene in motion. It borrows nothing and may move between threads (`Send`).
@@ -357,7 +365,7 @@ impl Simulation {
     }
 
     fn info(&self) -> StepInfo {
-        StepInfo { step: self.state.steps, t: self.time(), energies: self.state.row }
+        StepInfo { step: self.state.steps, time: self.time(), energies: self.state.row }
     }
 
     fn failed(&self) -> SimulationError {

@@ -7,7 +7,7 @@
 //! rounding of coordinates, as where the parts of a folded start lie on each other.
 
 use super::box_tree::{Bounds, BoxTree};
-use super::topology::Sides;
+use super::sides::Sides;
 use nalgebra::Vector3;
 use robust::{Coord3D, orient3d};
 

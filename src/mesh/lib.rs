@@ -40,6 +40,7 @@ pub mod random;
 pub mod read;
 pub mod rectangle;
 pub(crate) mod sdf;
+mod sides;
 pub mod source;
 pub mod startup;
 pub(crate) mod topology;

@@ -1,7 +1,7 @@
 //! Boundary loops, found by turning around each boundary node from one boundary edge to the next.
 
 use super::Mesh;
-use super::topology::Sides;
+use super::sides::Sides;
 use nalgebra::Vector3;
 
 /// A chain of boundary edges.

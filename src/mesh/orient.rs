@@ -1,7 +1,7 @@
 //! Turns triangles so that the normals of a sheet are all on one side.
 
 use super::Mesh;
-use super::topology::Sides;
+use super::sides::Sides;
 use crate::format_number::first_few;
 
 /// Turns triangles so that neighbours turn the same way, part by part. Of a part the larger number of triangles stay as

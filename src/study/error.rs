@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::models::Model;
-use super::reference::ReferenceFailure;
+use super::compared_model::Model;
 use crate::case::fingerprint::FingerprintError;
 use crate::case::{CaseError, ClothModelError};
 use crate::format_number::figures;
@@ -145,4 +144,26 @@ impl StudyError {
             _ => 2,
         }
     }
+}
+
+/// Why one way to a reference is no way.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReferenceFailure {
+    /// It would take too long.
+    #[error("it would take about {} s, {} s are allowed; raise --budget, or shorten the run with --end", figures(*seconds, 2), figures(*allowance, 2))]
+    TooLong {
+        /// [s] nominal cost
+        seconds: f64,
+        /// [s] what it may cost
+        allowance: f64,
+    },
+    /// A run failed.
+    #[error("{0}")]
+    Failed(String),
+    /// Two solutions do not agree.
+    #[error(
+        "two solutions differ by {0:.1e} of the motion: it multiplies errors, or is too fast for what is affordable; shorten the run with --end, or raise --budget"
+    )]
+    NotAgreed(f64),
 }

@@ -1,36 +1,20 @@
 //! One run of a study: made, compared with the reference, and saved whenever it is stopped.
 
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::error::StudyError;
 use super::experiment::{Event, Experiment, ExperimentError, Start};
 use super::frames::Sampler;
 use super::keeper::{Course, Keeper};
-use super::prepared_case::{PreparedCase, choice};
-use super::reference::Reference;
+use super::prepared_case::choice;
 use super::row::{Job, RowStatus, RunResult, StepSetting};
-use super::runner::Runner;
+use super::runner::{PreparedVariant, RunEnd, Runner};
 use super::store::Unfinished;
 use crate::drive::{Outcome, RunError, Status};
 use crate::format_number::figures;
 use crate::model::stop::Stop;
 use crate::process::{Cost, Stopwatch};
-
-/// A variant of the case, ready to run.
-pub(super) struct PreparedVariant {
-    pub case: PreparedCase,
-    pub reference: Reference,
-    /// when its share of the budget is spent
-    pub deadline: Option<Instant>,
-}
-
-/// How a run ended, if the user did not interrupt it.
-pub(super) enum RunEnd {
-    Done(RunResult),
-    /// the budget was spent at this time [s] of the run, where it is saved
-    OutOfTime(f64),
-}
 
 impl Runner<'_> {
     /// Makes a run, from where an earlier process left it, and compares it with the reference.

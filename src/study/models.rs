@@ -6,6 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
+pub use super::compared_model::Model;
 use super::error::StudyError;
 use super::frames::Distance;
 use super::prepared_case::PreparedCase;
@@ -13,49 +14,6 @@ use super::reference::{Reference, ReferenceReport};
 use crate::case::fingerprint::Fingerprint;
 use crate::case::schema::ClothModel;
 use crate::case::{Case, Problem};
-
-/// A model that a study compares with another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Model {
-    /// cloth as springs
-    Net,
-    /// cloth as membranes
-    Membrane,
-    /// the masses of the case
-    RealMass,
-    /// those with what mass scaling adds, for explicit methods
-    ScaledMass,
-}
-
-impl Model {
-    /// The model whose solution errors are measured against.
-    pub fn reference(self) -> Self {
-        match self {
-            Model::Net | Model::Membrane => Model::Membrane,
-            Model::RealMass | Model::ScaledMass => Model::RealMass,
-        }
-    }
-
-    /// The words in reports.
-    pub fn words(self) -> &'static str {
-        match self {
-            Model::Net => "net",
-            Model::Membrane => "membrane",
-            Model::RealMass => "real masses",
-            Model::ScaledMass => "scaled masses",
-        }
-    }
-}
-
-impl From<ClothModel> for Model {
-    fn from(cloth: ClothModel) -> Self {
-        match cloth {
-            ClothModel::Net => Model::Net,
-            ClothModel::Membrane => Model::Membrane,
-        }
-    }
-}
 
 /// The models that a study of a case compares, the one that errors are measured against first; none if it has one only.
 pub(super) fn compared(case: &Case, cloth: &[ClothModel]) -> Result<Vec<Model>, StudyError> {

@@ -15,6 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
+pub use super::error::ReferenceFailure;
 use super::error::StudyError;
 use super::experiment::{Event, Experiment, Start};
 use super::frames::{Distance, Frames, Motion, Sampler};
@@ -24,7 +25,6 @@ use crate::analysis::spectrum::Spectrum;
 use crate::analysis::taut::AllTaut;
 use crate::drive::clock::Step;
 use crate::drive::{Outcome, Status};
-use crate::format_number::figures;
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
 use crate::model::stop::Stop;
@@ -82,28 +82,6 @@ pub struct ReferenceReport {
     pub counters: Counters,
     /// [s] processor time of all its runs
     pub cpu_seconds: Option<f64>,
-}
-
-/// Why one way to a reference is no way.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ReferenceFailure {
-    /// It would take too long.
-    #[error("it would take about {} s, {} s are allowed; raise --budget, or shorten the run with --end", figures(*seconds, 2), figures(*allowance, 2))]
-    TooLong {
-        /// [s] nominal cost
-        seconds: f64,
-        /// [s] what it may cost
-        allowance: f64,
-    },
-    /// A run failed.
-    #[error("{0}")]
-    Failed(String),
-    /// Two solutions do not agree.
-    #[error(
-        "two solutions differ by {0:.1e} of the motion: it multiplies errors, or is too fast for what is affordable; shorten the run with --end, or raise --budget"
-    )]
-    NotAgreed(f64),
 }
 
 /// What a reference is made with.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::models::Model;
+use super::compared_model::Model;
 use crate::case::schema::Method;
 use crate::integrate::Counters;
 use crate::integrate::registry::Family;

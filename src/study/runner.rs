@@ -9,11 +9,11 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use super::error::StudyError;
-use super::measure::{PreparedVariant, RunEnd};
 use super::models::{Model, problem_of};
 use super::pareto::mark_front;
 use super::plan::{Plan, Variant};
 use super::prepared_case::{PreparedCase, choice};
+use super::reference::Reference;
 use super::row::{Job, Row, RowStatus, RunResult, StepSetting, median};
 use super::store::Store;
 use crate::case::Case;
@@ -55,6 +55,21 @@ pub struct Study {
     pub plan: Plan,
     /// all runs, in the plan's order
     pub rows: Vec<Row>,
+}
+
+/// A variant of the case, ready to run.
+pub(super) struct PreparedVariant {
+    pub case: PreparedCase,
+    pub reference: Reference,
+    /// when its share of the budget is spent
+    pub deadline: Option<Instant>,
+}
+
+/// How a run ended, if the user did not interrupt it.
+pub(super) enum RunEnd {
+    Done(RunResult),
+    /// the budget was spent at this time [s] of the run, where it is saved
+    OutOfTime(f64),
 }
 
 /// Makes runs.

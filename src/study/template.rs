@@ -9,7 +9,8 @@ use super::row::RowStatus;
 use crate::format_number::figures;
 use crate::output::sanitize::csv_field;
 use crate::plot::PlotError;
-use crate::plot::chart::{Chart, Size, svg_page};
+use crate::plot::chart::{Chart, Size};
+use crate::plot::layout::svg_page;
 
 /// Pages may extend `page.html` and import from `parts.html`.
 const SHARED: [(&str, &str); 2] =

@@ -132,7 +132,7 @@ fn a_snapshot_of_another_method_or_scene_is_a_start() {
         put.set_state_at(0.01, &sim.positions(), &sim.velocities()).expect("idle");
         let next = other.step().expect("it goes on");
         // The third step of 4 ms ends at 12 ms.
-        assert_eq!(next.t, if step == 4e-3 { 0.012 } else { 0.01 + step });
+        assert_eq!(next.time, if step == 4e-3 { 0.012 } else { 0.01 + step });
         put.step().expect("it goes on");
         assert_same(&other, &put);
         // Between two ends of steps, a snapshot is taken up as anywhere.
@@ -294,7 +294,7 @@ fn a_step_that_diverges_is_refused() {
 fn pauses_change_nothing() {
     for (mut paused, mut whole) in all().into_iter().zip(all()) {
         let mut pauses = 0;
-        while paused.run_until_or(u64::MAX, 0.3, || true).expect("it goes on").t < 0.3 - 1e-12 {
+        while paused.run_until_or(u64::MAX, 0.3, || true).expect("it goes on").time < 0.3 - 1e-12 {
             pauses += 1;
         }
         assert!(pauses > 2, "{pauses}");

@@ -8,10 +8,11 @@ use super::rates::Rates;
 use crate::format_number::{figures, two_digits};
 use crate::integrate::linear_step::Pencil;
 use crate::integrate::registry::{Family, MethodChoice};
-use crate::model::abilities::BesideStiff;
+use crate::model::at_dof::AtDof;
 use crate::model::forces::Role;
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
+use crate::model::system::BesideStiff;
 use crate::model::system::TermInfo;
 use crate::scene::{BoundBuffer, Scene};
 
@@ -172,11 +173,10 @@ pub struct ElementBounds<'a> {
 impl<'a> ElementBounds<'a> {
     /// Computes the bounds at a state.
     pub fn of(scene: &'a dyn Scene, at: StateRef<'a>) -> Self {
-        let (square, frequency_dof) = scene.sharper_rate_bound(at, STIFFNESS);
+        let stiffness = scene.sharper_rate_bound(at, STIFFNESS);
         let damped = scene.velocity_dependent();
-        let (damping, damping_dof) = if damped { scene.sharper_rate_bound(at, DAMPING) } else { (0.0, 0) };
-        let scaled_masses = scene.added_mass().is_some();
-        let rates = Rates { frequency: square.sqrt(), frequency_dof, damping, damping_dof, scaled_masses };
+        let damping = if damped { scene.sharper_rate_bound(at, DAMPING) } else { AtDof::default() };
+        let rates = Rates::of_bounds(stiffness, damping, scene.added_mass().is_some());
         ElementBounds { scene, at, rates, damped, symmetric: scene.symmetric() }
     }
 
@@ -230,16 +230,10 @@ impl CriticalStep {
         };
         let most = if on_short_nodes { self.step.min(BEFORE_RESONANCE * of_short_step) } else { self.step };
         let capped = CriticalStep { step: most, confidence: Confidence::Estimate, ..self };
-        let rates = Rates {
-            frequency: stiffness.0.sqrt(),
-            frequency_dof: stiffness.1,
-            damping: damping.0,
-            damping_dof: damping.1,
-            scaled_masses: self.rates.scaled_masses,
-        };
-        match rest_step([stiffness.0, damping.0]) {
+        let rates = Rates::of_bounds(stiffness, damping, self.rates.scaled_masses);
+        match rest_step([stiffness.value, damping.value]) {
             step if step > most => capped,
-            step if step > 0.0 => CriticalStep { step, dof: stiffness.1, rates, ..capped },
+            step if step > 0.0 => CriticalStep { step, dof: stiffness.dof, rates, ..capped },
             // Numbers overflow, or a bound is none.
             _ => CriticalStep { step: of_short_step, ..capped },
         }
@@ -260,15 +254,15 @@ pub(crate) fn measure_of_limit(
 ) -> f64 {
     let (all, substeps) = (step_by_bounds(scene, at, buffer), method.substeps());
     let rest = scene.stiff().filter(|_| substeps > 1.0).and_then(|stiff| stiff.beside_stiff(substeps, at));
-    rest.map_or(all, |rest| (substeps * all).min(rest_step([rest.stiffness.0, rest.damping.0])))
+    rest.map_or(all, |rest| (substeps * all).min(rest_step([rest.stiffness.value, rest.damping.value])))
 }
 
 /// [s] The limit of Euler-Cromer if the element bounds on the rates were reached. The limits of other methods scale
 /// with it.
 pub fn step_by_bounds(scene: &dyn Scene, at: StateRef<'_>, buffer: &mut BoundBuffer) -> f64 {
-    let (k, _) = scene.rate_bound(at, STIFFNESS, buffer);
+    let k = scene.rate_bound(at, STIFFNESS, buffer).value;
     let c = match scene.velocity_dependent() {
-        true => scene.rate_bound(at, DAMPING, buffer).0,
+        true => scene.rate_bound(at, DAMPING, buffer).value,
         false => 0.0,
     };
     Pencil::EULER_CROMER.singular_at(k, c)

@@ -3,7 +3,7 @@
 //! Where K is not symmetric, two modes can grow together although neither does alone. So K and C, both whole, are
 //! projected onto the modes, and the eigenvalues z of q'' + C q' + K q = 0 are found there (Ritz, Galerkin).
 
-use super::lowest::LowMode;
+use super::low_mode::LowMode;
 use super::operators::{DAMPING, STIFFNESS};
 use super::vectors::dot;
 use crate::model::state::StateRef;

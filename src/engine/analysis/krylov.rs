@@ -4,7 +4,7 @@
 //! A block finds at most as many vectors of one eigenvalue as it has itself, and it may find a whole invariant space
 //! that is not all. So new vectors join it until the operator says that no eigenvalue is missing.
 
-use super::lowest::ModesError;
+use super::low_mode::ModesError;
 use super::vectors::{add, dot, norm, orthogonalise};
 use crate::mesh::random::pseudo_random;
 use crate::model::stop::Stop;

@@ -11,6 +11,7 @@ mod krylov;
 mod lanczos;
 pub mod later;
 pub mod limit;
+mod low_mode;
 pub mod lowest;
 pub mod modes;
 mod operators;

@@ -53,6 +53,14 @@ pub(super) struct Modes {
     list: Vec<Mode>,
 }
 
+/// The limit that a mode sets to a method.
+#[derive(Clone, Copy)]
+pub(super) struct ModeLimit {
+    /// [s] the largest stable step
+    pub step: f64,
+    pub mode: Mode,
+}
+
 impl Modes {
     /// Finds outer modes: the stiffest and the most damped one from their Rayleigh quotients, others from eigenvalues
     /// of L. `unit` [1/s] is the scale of rates.
@@ -91,17 +99,17 @@ impl Modes {
         self.list.iter().filter(|mode| !mode.grows).map(Mode::rates).collect()
     }
 
-    /// The smallest limit of a method and the mode that sets it.
-    pub(super) fn limit(&self, method: &MethodChoice) -> Option<(f64, Mode)> {
-        let mut found: Option<(f64, Mode)> = None;
+    /// The smallest limit of a method.
+    pub(super) fn limit(&self, method: &MethodChoice) -> Option<ModeLimit> {
+        let mut found: Option<ModeLimit> = None;
         for mode in &self.list {
             // A mode that is stable at the smallest limit so far sets none. This check is forty times cheaper than
             // computing its limit.
-            let matters = |(least, _): (f64, Mode)| least > 0.0 && !stable(method, mode.rates(), least);
+            let matters = |least: ModeLimit| least.step > 0.0 && !stable(method, mode.rates(), least.step);
             if found.is_none_or(matters) {
                 let step = mode.limit(method);
-                if !(mode.grows && step == 0.0) && found.is_none_or(|(least, _)| step < least) {
-                    found = Some((step, *mode));
+                if !(mode.grows && step == 0.0) && found.is_none_or(|least| step < least.step) {
+                    found = Some(ModeLimit { step, mode: *mode });
                 }
             }
         }

@@ -2,10 +2,9 @@
 
 use crate::assembly::{Assembler, PatternError, TangentSystem};
 use crate::force::TangentForm;
-use crate::model::abilities::{BesideStiff, StiffSprings};
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::state::{State, StateRef};
-use crate::model::system::{StepMean, StiffPart, System, TermInfo, Weights};
+use crate::model::system::{BesideStiff, StepMean, StiffPart, StiffSprings, System, TermInfo, Weights};
 
 const SPRING: TermInfo = TermInfo::of("spring", Role::Elastic);
 const DAMPING: TermInfo = TermInfo { name: "damping", role: Role::Dissipative, velocity_dependent: true, ..SPRING };

@@ -9,7 +9,7 @@
 //! By Sylvester's law of inertia the number of eigenvalues of K phi = w^2 M phi below -s is that of the negative pivots
 //! of A, plus the positive eigenvalues of G, less one for every part (Haynsworth 1968).
 
-use super::lowest::ModesError;
+use super::low_mode::ModesError;
 use super::vectors::{add, dot, norm};
 use crate::assembly::{Assembler, Pattern};
 use crate::model::state::StateRef;

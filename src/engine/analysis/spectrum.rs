@@ -17,12 +17,13 @@
 use super::certificate::Certifier;
 use super::critical::{Confidence, CostLimits, CriticalStep, has_limit};
 use super::lanczos::{self, Ritz};
-use super::modes::{Mode, Modes};
+use super::modes::{Mode, ModeLimit, Modes};
 use super::operators::{DAMPING, Linearised, STIFFNESS};
 use super::rates::Rates;
 use super::step_map::{LinearScene, Search};
 use crate::integrate::linear_step::Pencil;
 use crate::integrate::registry::{Family, MethodChoice};
+use crate::model::at_dof::AtDof;
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use crate::scene::{BoundBuffer, Scene};
@@ -138,7 +139,7 @@ impl<'a> Spectrum<'a> {
         if quotient <= 0.0 {
             return None;
         }
-        let (bound, _) = self.linear.scene.rate_bound(self.linear.at, STIFFNESS, &mut self.buffer);
+        let bound = self.linear.scene.rate_bound(self.linear.at, STIFFNESS, &mut self.buffer).value;
         let bound = bound * (1.0 + ROUNDING);
         if bound <= CLOSE * quotient {
             return Some(bound);
@@ -166,7 +167,7 @@ impl<'a> Spectrum<'a> {
         let dof = self.linear.most_moving_dof(&shape);
         let rates = Rates { damping_dof: dof, frequency_dof: dof, ..self.linear.quotients(&shape)? };
         let step = MARGINS.iter().map(|margin| h * (1.0 - 0.5 * margin)).find(|&h| {
-            let (bound, _) = self.linear.scene.rate_bound(self.linear.at, taken(pencil, h), &mut self.buffer);
+            let bound = self.linear.scene.rate_bound(self.linear.at, taken(pencil, h), &mut self.buffer).value;
             bound * (1.0 + ROUNDING) < pencil.m || self.definite(pencil.at(h))
         })?;
         Some(CriticalStep { step, confidence: Confidence::Certified { at_most: h }, dof, rates })
@@ -216,8 +217,8 @@ impl<'a> Spectrum<'a> {
         let unit = self.unit();
         let shapes = [&self.stiffest, &self.most_damped];
         let modes = self.modes.get_or_insert_with(|| Modes::find(&self.linear, shapes, unit));
-        let (mut step, mode) = modes.limit(method)?;
-        let mut dof = mode.dof;
+        let ModeLimit { step, mode } = modes.limit(method)?;
+        let mut found = AtDof { value: step, dof: mode.dof };
         let steppable = self.damped && self.linear.scene.n_dof() <= self.effort.step;
         // An implicit scheme would need what it carries at every state.
         let explicit = method.info.family == Family::Explicit;
@@ -225,13 +226,14 @@ impl<'a> Spectrum<'a> {
         let stepped_alone = method.partitioned() && explicit && method.substeps() == 1.0;
         if stepped_alone && steppable && step < self.effort.sharpen_below && step > 0.0 {
             let most = self.fixed_velocity(method);
-            let search = Search { guess: step.min(most.0), unit, stop: self.effort.stop };
+            let search = Search { guess: step.min(most.value), unit, stop: self.effort.stop };
             let stepped = LinearScene::of(&self.linear).and_then(|linear| linear.limit(method, search));
-            (step, dof) = stepped.unwrap_or((step, dof));
-            if most.0 < step {
-                (step, dof) = most;
+            found = stepped.unwrap_or(found);
+            if most.value < found.value {
+                found = most;
             }
         }
+        let AtDof { value: step, dof } = found;
         Some(CriticalStep { step, confidence: Confidence::Estimate, dof, rates: mode.rates() })
     }
 
@@ -240,10 +242,11 @@ impl<'a> Spectrum<'a> {
     /// methods.
     ///
     /// [`LinearStep::fixed_velocity`]: crate::integrate::linear_step::LinearStep::fixed_velocity
-    fn fixed_velocity(&self, method: &MethodChoice) -> (f64, usize) {
+    fn fixed_velocity(&self, method: &MethodChoice) -> AtDof {
         let damping = self.most_damped.value;
         let fixed = method.info.linear.fixed_velocity.filter(|_| damping > 0.0);
-        (fixed.map_or(f64::INFINITY, |hc| hc / damping), self.linear.most_moving_dof(&self.most_damped.vector))
+        let step = fixed.map_or(f64::INFINITY, |hc| hc / damping);
+        AtDof { value: step, dof: self.linear.most_moving_dof(&self.most_damped.vector) }
     }
 
     /// [1/s] The scale of rates.

@@ -14,6 +14,7 @@ use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::mesh::random::pseudo_random;
+use crate::model::at_dof::AtDof;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
@@ -82,7 +83,7 @@ impl LinearScene {
 
     /// [s] The largest step whose map grows only in modes that grow in the scene, and the degree of freedom that moves
     /// most just beyond it.
-    pub(super) fn limit(&self, method: &MethodChoice, search: Search<'_>) -> Option<(f64, usize)> {
+    pub(super) fn limit(&self, method: &MethodChoice, search: Search<'_>) -> Option<AtDof> {
         let guess = search.guess;
         let grows = |h: f64| self.grows(method, h, search);
         let (mut stable, mut unstable) = (0.0, guess);
@@ -115,7 +116,7 @@ impl LinearScene {
                 None => stable = middle,
             }
         }
-        Some((stable, dof))
+        Some(AtDof { value: stable, dof })
     }
 
     /// The degree of freedom that moves most in a mode beyond the unit circle that does not grow in the scene;

@@ -104,6 +104,15 @@ pub struct EventSteps {
     events: Vec<f64>,
 }
 
+/// Where a run stands in its steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JoinedAt {
+    /// number of the last step that ends there or before
+    pub step: u64,
+    /// [s]
+    pub t: f64,
+}
+
 impl EventSteps {
     /// The steps of a run; `events` [s] ascend and lie after 0. An event that rounding parts from the end of a step is
     /// passed there.
@@ -149,8 +158,8 @@ impl EventSteps {
         if self.end_of(k - 1) == t { tick } else { Tick { h: tick.t - t, t: tick.t } }
     }
 
-    /// The number of the last step that ends at `t` [s] or before, and `t`, or that end where only rounding parts them.
-    pub fn join(&self, t: f64) -> (u64, f64) {
+    /// Where a run stands that is put at `t` [s]: the end of a step where only rounding parts them.
+    pub fn join(&self, t: f64) -> JoinedAt {
         let slack = SLACK * self.steps.step;
         let (mut low, mut high) = (0, self.count());
         // Bisection, since events divide some of the steps.
@@ -159,7 +168,7 @@ impl EventSteps {
             if self.end_of(middle) <= t + slack { low = middle } else { high = middle - 1 }
         }
         let end = self.end_of(low);
-        (low, if (end - t).abs() <= slack { end } else { t })
+        JoinedAt { step: low, t: if (end - t).abs() <= slack { end } else { t } }
     }
 
     /// Step number `k`, counted from 1.
@@ -238,10 +247,8 @@ mod tests {
     #[test]
     fn a_run_joins_its_steps() {
         let steps = EventSteps::new(FixedSteps::new(0.25, 1.0), &[0.625]);
-        for (t, found) in
-            [(0.0, (0, 0.0)), (0.3, (1, 0.3)), (0.5 - 1e-12, (2, 0.5)), (0.63, (3, 0.63)), (1.0, (5, 1.0))]
-        {
-            assert_eq!(steps.join(t), found, "{t}");
+        for (t, step, found) in [(0.0, 0, 0.0), (0.3, 1, 0.3), (0.5 - 1e-12, 2, 0.5), (0.63, 3, 0.63), (1.0, 5, 1.0)] {
+            assert_eq!(steps.join(t), JoinedAt { step, t: found }, "{t}");
         }
         assert_eq!(steps.tick_from(2, 0.3), Tick { h: 0.2, t: 0.5 });
         assert_eq!(steps.tick_from(2, 0.25), steps.tick(2));

@@ -44,17 +44,30 @@ pub struct Ledger {
     exchanged: f64,
 }
 
+/// An accepted step in the account.
+#[derive(Clone, Copy, Debug)]
+pub struct LedgerStep {
+    /// the account after it
+    pub row: Energies,
+    /// whether the works are those that the scheme integrated itself
+    pub by_stages: bool,
+}
+
 impl Ledger {
     /// Opens the account at the initial state.
-    pub fn open(system: &dyn System, at: &Point) -> (Self, Energies) {
+    pub fn open(system: &dyn System, at: &Point) -> Self {
         let mut ledger = Ledger::default();
         ledger.first = ledger.row(system, system.kinetic_energy(&at.state.v), &at.forces.tallies);
         ledger.first.numerical = 0.0;
-        (ledger, ledger.first)
+        ledger
     }
 
-    /// Adds an accepted step to the account `before`. Returns also whether the works are those that the scheme
-    /// integrated itself.
+    /// The account at the initial state.
+    pub fn first(&self) -> Energies {
+        self.first
+    }
+
+    /// Adds an accepted step to the account `before`.
     ///
     /// In a step above the limit of a stiff dashpot, the stages have velocities that no state has, and weights of
     /// either sign. Their sum may then be wrong by any factor, although the step is good. So the works by the ends of
@@ -63,10 +76,11 @@ impl Ledger {
     pub fn step(
         &mut self,
         system: &dyn System,
-        (from, to): (&Point, &Point),
+        from: &Point,
+        to: &Point,
         report: &StepReport,
         before: &Energies,
-    ) -> (Energies, bool) {
+    ) -> LedgerStep {
         let kinetic = system.kinetic_energy(&to.state.v);
         let way = [&from.state.x, &to.state.x].map(Vec::as_slice);
         let ends = || StageWork::by_ends(system, [&from.forces, &to.forces], way, [from.state.t, to.state.t]);
@@ -87,12 +101,12 @@ impl Ledger {
         };
         self.work.external += work.external;
         self.work.dissipated += work.dissipated;
-        (self.close(system, kinetic, &to.forces.tallies), by_stages)
+        LedgerStep { row: self.close(system, kinetic, &to.forces.tallies), by_stages }
     }
 
-    /// The same for the summary of a step in a block, which began at a time [s] with these tallies.
-    pub fn close_with(&mut self, system: &dyn System, start: (f64, &[Tally]), end: &StepSummary) -> Energies {
-        let reeled = reeling_work(system, [start.0, end.t], [start.1, &end.tallies]);
+    /// The same for the summary of a step in a block, which began at time `t` [s] with these `tallies`.
+    pub fn close_with(&mut self, system: &dyn System, t: f64, tallies: &[Tally], end: &StepSummary) -> Energies {
+        let reeled = reeling_work(system, [t, end.t], [tallies, &end.tallies]);
         self.work.external += end.nodes.work.external + reeled;
         self.work.dissipated -= end.nodes.work.dissipative;
         self.close(system, end.nodes.kinetic, &end.tallies)

@@ -252,12 +252,13 @@ impl RunState {
             return Err(RunError::OtherState { found, needed });
         }
         sample_tables(scene, spec.steps_of_one_size());
-        let (policy, passed) = StepPolicy::at(scene, stepper, spec, (None, state.t));
+        let (policy, passed) = StepPolicy::at(scene, stepper, spec, None, state.t);
         let mut from = Point { state, forces: scene.new_forces() };
         let mut counters = Counters::default();
         timed(Phase::Forces, || counters.evaluate(scene, from.state.as_ref(), &mut from.forces));
         stepper.start(&from)?;
-        let (ledger, row) = Ledger::open(scene, &from);
+        let ledger = Ledger::open(scene, &from);
+        let row = ledger.first();
         let watch = Watch::open(scene, spec.method.info, &row);
         Ok(RunState { counters, passed, ..RunState::new_at(scene, RunStart { from, policy, ledger, watch, row }) })
     }
@@ -274,7 +275,7 @@ impl RunState {
         sample_tables(scene, spec.steps_of_one_size());
         let Snapshot { step: steps, t, x, v, forces, carried, counters, ledger, row, .. } = snapshot;
         let Snapshot { before_change, watch, failure, doubt, adaptive, .. } = snapshot;
-        let (policy, passed) = StepPolicy::at(scene, stepper, spec, (adaptive, t));
+        let (policy, passed) = StepPolicy::at(scene, stepper, spec, adaptive, t);
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
         // Already counted in the step that led to this state.
         timed(Phase::Forces, || scene.evaluate(from.state.as_ref(), &mut from.forces));

@@ -1,7 +1,7 @@
 //! All that a run needs to continue from a step as if it had never stopped.
 
 use super::adaptive::AdaptiveState;
-use super::clock::{EventSteps, FixedSteps, Step};
+use super::clock::{EventSteps, FixedSteps, JoinedAt, Step};
 use super::error::RunError;
 use super::failure::Failure;
 use super::ledger::Ledger;
@@ -76,19 +76,19 @@ impl RunSpec {
         };
         let clock = EventSteps::new(FixedSteps::new(step_size, self.end), event_times(scene));
         // A program may have put the run between two ends of steps.
-        let (last, there) = clock.join(t);
+        let JoinedAt { step: last, t: there } = clock.join(t);
         if step != last || there.to_bits() != t.to_bits() || t > self.end {
             return Err(RunError::NotOnTheWay { t, step, steps: clock.count(), end: self.end });
         }
         Ok(())
     }
 
-    /// The number of steps and the time [s] at which a run of this scene stands that a program puts at time `t` [s],
-    /// after `steps` of its own. Fixed steps count from t = 0, so their number follows from the time.
+    /// Where a run of this scene stands that a program puts at time `t` [s], after `steps` of its own. Fixed steps
+    /// count from t = 0, so their number follows from the time.
     ///
     /// # Errors
     /// [`RunError::OutOfRange`]: a time that is not finite, before 0, or beyond the end.
-    pub fn join(&self, scene: &dyn Scene, (steps, t): (u64, f64)) -> Result<(u64, f64), RunError> {
+    pub fn join(&self, scene: &dyn Scene, steps: u64, t: f64) -> Result<JoinedAt, RunError> {
         let end = if self.free_steps { f64::INFINITY } else { self.end };
         if !(t.is_finite() && t >= 0.0 && t <= end) {
             return Err(RunError::OutOfRange { what: "time [s]", value: t, needed: "a time between 0 and the end" });
@@ -97,7 +97,7 @@ impl RunSpec {
             Step::Fixed(step) if !self.free_steps => {
                 EventSteps::new(FixedSteps::new(step, self.end), event_times(scene)).join(t)
             }
-            _ => (steps, t),
+            _ => JoinedAt { step: steps, t },
         })
     }
 }

@@ -20,7 +20,8 @@ impl StepPolicy {
         scene: &dyn Scene,
         stepper: &Stepper<'_>,
         spec: &RunSpec,
-        (state, t): (Option<AdaptiveState>, f64),
+        state: Option<AdaptiveState>,
+        t: f64,
     ) -> (Self, usize) {
         pass_events(scene, 0);
         let mut policy = Self::of(scene, stepper, spec, state);

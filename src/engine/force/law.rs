@@ -27,6 +27,6 @@ pub mod spring;
 pub(in crate::force) mod step_samples;
 pub mod stream;
 pub(in crate::force) mod stretch;
-pub(in crate::force) mod tension;
+pub(crate) mod tension;
 pub mod tension_field;
 pub mod triangle;

@@ -7,6 +7,7 @@ pub(in crate::force) mod single_block;
 pub(crate) mod step_block;
 pub(crate) mod step_boundary;
 pub(crate) mod sweep;
+pub(crate) mod terms;
 pub mod threads;
 mod tuning;
 pub(in crate::force) mod wavefront;

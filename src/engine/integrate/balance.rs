@@ -25,12 +25,12 @@ impl<'a> Start<'a> {
 }
 
 /// x = x_n + z,   v = cv z + vv v_n + va a_n
-pub(super) fn displace(workers: &Workers, map: StageMap, z: &[f64], n: Start<'_>, to: (&mut [f64], &mut [f64])) {
-    workers.both(to, |r, x, v| displace_some(map, &z[r.clone()], n.of(r), (x, v)));
+pub(super) fn displace(workers: &Workers, map: StageMap, z: &[f64], n: Start<'_>, x: &mut [f64], v: &mut [f64]) {
+    workers.both(x, v, |r, x, v| displace_some(map, &z[r.clone()], n.of(r), x, v));
 }
 
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn displace_some(map: StageMap, z: &[f64], n: Start<'_>, (x, v): (&mut [f64], &mut [f64])) {
+fn displace_some(map: StageMap, z: &[f64], n: Start<'_>, x: &mut [f64], v: &mut [f64]) {
     let start = z.iter().zip(n.x).zip(n.v).zip(n.a);
     for ((((z, x_n), v_n), a_n), (x, v)) in start.zip(x.iter_mut().zip(v)) {
         *x = x_n + z;
@@ -59,13 +59,14 @@ pub(super) fn unbalanced(
     map: StageMap,
     n: Start<'_>,
     forces: Forces<'_>,
-    (a, z_to_r): (&mut [f64], &mut [f64]),
+    a: &mut [f64],
+    z_to_r: &mut [f64],
 ) {
-    workers.both((a, z_to_r), |r, a, z_to_r| unbalanced_some(map, n.of(r.clone()), forces.of(r), (a, z_to_r)));
+    workers.both(a, z_to_r, |r, a, z_to_r| unbalanced_some(map, n.of(r.clone()), forces.of(r), a, z_to_r));
 }
 
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn unbalanced_some(map: StageMap, n: Start<'_>, forces: Forces<'_>, (a, z_to_r): (&mut [f64], &mut [f64])) {
+fn unbalanced_some(map: StageMap, n: Start<'_>, forces: Forces<'_>, a: &mut [f64], z_to_r: &mut [f64]) {
     let forces = forces.mass.iter().zip(forces.f_n).zip(forces.f);
     for ((((mass, f_n), f), (v_n, a_n)), (a, r)) in forces.zip(n.v.iter().zip(n.a)).zip(a.iter_mut().zip(z_to_r)) {
         *a = map.ca * *r + map.av * v_n + map.aa * a_n;

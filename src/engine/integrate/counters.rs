@@ -53,6 +53,6 @@ impl Counters {
         summaries: &mut [StepSummary],
     ) {
         self.force_evaluations += (block.scheme.passes() * summaries.len().max(1)) as u64;
-        advance(system, (&mut to.state, &mut to.forces), block, summaries);
+        advance(system, &mut to.state, &mut to.forces, block, summaries);
     }
 }

@@ -7,6 +7,7 @@
 
 use super::Counters;
 use super::balance::{Forces, Sizes, Start, displace, rounding, unbalanced};
+use super::factor_cache::Refactor;
 use super::factor_cache::{FactorCache, FactorRequest};
 use super::stage::StageMap;
 use super::tangents::{TangentKind, Tangents};
@@ -150,9 +151,9 @@ impl Equations<'_> {
 
     /// Rebuilds the reused factor if an attempt since the last accepted step has overwritten it.
     pub(super) fn rebuild_factor(&mut self) -> Result<(), LinearError> {
-        let Some((at, w, make)) = self.linear.cache.outdated() else { return Ok(()) };
+        let Some(Refactor { at, w, request }) = self.linear.cache.outdated() else { return Ok(()) };
         let mut spent = Counters::default();
-        self.linear.tangents.freeze(self.system, at, w, make, &mut spent)?;
+        self.linear.tangents.freeze(self.system, at, w, request, &mut spent)?;
         if self.linear.cache.rebuilt() {
             *self.counters = self.counters.plus(spent);
         }
@@ -161,8 +162,8 @@ impl Equations<'_> {
 
     /// Rebuilds the reused matrix from the convex tangent at the same state; `false` if it was convex already.
     fn make_convex(&mut self) -> Result<bool, LinearError> {
-        let Some((at, w, make)) = self.linear.cache.turn_convex() else { return Ok(false) };
-        Ok(self.linear.tangents.freeze(self.system, at, w, make, self.counters)?.is_some())
+        let Some(Refactor { at, w, request }) = self.linear.cache.turn_convex() else { return Ok(false) };
+        Ok(self.linear.tangents.freeze(self.system, at, w, request, self.counters)?.is_some())
     }
 
     fn evaluate_halfway(&mut self) {
@@ -190,18 +191,18 @@ impl NonlinearProblem for Equations<'_> {
             residual[dof as usize] = self.start.h * from.state.v[dof as usize];
         }
         let (workers, start) = (self.system.workers(), Start { x: &from.state.x, v: &from.state.v, a: self.start.a });
-        displace(workers, map, residual, start, (&mut self.to.state.x, &mut self.to.state.v));
+        displace(workers, map, residual, start, &mut self.to.state.x, &mut self.to.state.v);
         for &dof in self.system.moved() {
             self.to.state.v[dof as usize] = from.state.v[dof as usize];
         }
         self.counters.evaluate(self.system, self.to.state.as_ref(), &mut self.to.forces);
         let forces = Forces { f_n: &from.forces.total, f: &self.to.forces.total, mass: &dofs.mass };
-        unbalanced(workers, map, start, forces, (a_next, residual));
+        unbalanced(workers, map, start, forces, a_next, residual);
         self.system.with_apparent_mass(self.to.state.as_ref(), residual);
         let sizes = Sizes { stiffness: &dofs.stiffness, largest: self.start.largest, a: a_next };
         rounding(workers, map, start, forces, sizes, floors);
         let (residual, floors) = (&**residual, &**floors);
-        workers.both((r, floor), |range, r, floor| {
+        workers.both(r, floor, |range, r, floor| {
             for ((&dof, r), floor) in dof[range].iter().zip(r).zip(floor) {
                 (*r, *floor) = (residual[dof as usize], floors[dof as usize]);
             }

@@ -59,14 +59,21 @@ pub(super) struct FactorCache {
     outlived: bool,
 }
 
+/// A factor to be made again.
+pub(super) struct Refactor<'a> {
+    pub at: StateRef<'a>,
+    pub w: Weights,
+    pub request: FactorRequest,
+}
+
 impl FactorCache {
     pub(super) fn new(n_dof: usize) -> Self {
         let state = || State { t: 0.0, x: vec![0.0; n_dof], v: vec![0.0; n_dof] };
         FactorCache { accepted_at: state(), attempted_at: state(), ..FactorCache::default() }
     }
 
-    /// State, weights and request of the factor that must be rebuilt before an attempt, if any.
-    pub(super) fn outdated(&mut self) -> Option<(StateRef<'_>, Weights, FactorRequest)> {
+    /// The factor that must be rebuilt before an attempt, if any.
+    pub(super) fn outdated(&mut self) -> Option<Refactor<'_>> {
         if self.state != CacheState::Valid {
             self.drop_unsaved();
         }
@@ -78,8 +85,8 @@ impl FactorCache {
             self.state = CacheState::Valid;
             return None;
         }
-        let make = FactorRequest { convex: self.accepted.convex, expected: self.accepted.made_for };
-        Some((self.accepted_at.as_ref(), weights(self.accepted), make))
+        let request = FactorRequest { convex: self.accepted.convex, expected: self.accepted.made_for };
+        Some(Refactor { at: self.accepted_at.as_ref(), w: weights(self.accepted), request })
     }
 
     /// Marks the factor as rebuilt. Returns whether this work counts: a run without dropped attempts would not have had
@@ -113,8 +120,8 @@ impl FactorCache {
         };
     }
 
-    /// State, weights and request to rebuild the factor from the convex tangent; `None` if it is convex already.
-    pub(super) fn turn_convex(&mut self) -> Option<(StateRef<'_>, Weights, FactorRequest)> {
+    /// The factor from the convex tangent, to be rebuilt; `None` if it is convex already.
+    pub(super) fn turn_convex(&mut self) -> Option<Refactor<'_>> {
         if self.attempted.convex {
             return None;
         }
@@ -123,8 +130,8 @@ impl FactorCache {
             self.state = CacheState::Replaced;
         }
         self.attempted.convex = true;
-        let make = FactorRequest { convex: true, expected: self.attempted.made_for };
-        Some((self.attempted_at.as_ref(), weights(self.attempted), make))
+        let request = FactorRequest { convex: true, expected: self.attempted.made_for };
+        Some(Refactor { at: self.attempted_at.as_ref(), w: weights(self.attempted), request })
     }
 
     /// Records that another matrix was factorised; if in the same memory, the reused factor is gone.

@@ -87,9 +87,9 @@ impl Integrator<dyn SpringGraph> for Kang {
         let Kang { filtered, sweep, inverse_d, weight, outer_dissipative: outer, viscosity, step_filter, .. } = self;
         let step_filter = step_filter.as_deref();
         let step = Step { system, from, h, inverse_d, viscosity: *viscosity, step_filter };
-        let sweeps = (filtered.as_mut_slice(), sweep.as_mut_slice());
+        let sweeps = [filtered.as_mut_slice(), sweep.as_mut_slice()];
         to.state.t = t_next;
-        let state = (to.state.x.as_mut_slice(), to.state.v.as_mut_slice());
+        let state = [to.state.x.as_mut_slice(), to.state.v.as_mut_slice()];
         let Forces { external, dissipative, .. } = &from.forces;
         // Most scenes have only their weight outside the filter; the cases avoid passes over absent forces.
         match (*viscosity, external.as_slice(), dissipative.as_slice()) {
@@ -149,19 +149,19 @@ impl Step<'_> {
     /// Makes both sweeps; the second moves the nodes.
     fn make<const N: usize>(
         &self,
-        (f, sweep): (&mut [f64], &mut [f64]),
-        state: (&mut [f64], &mut [f64]),
+        [f, sweep]: [&mut [f64]; 2],
+        [x, v]: [&mut [f64]; 2],
         [in_total, beside]: OuterForces<'_, N>,
     ) {
         let Step { system, from, h, inverse_d, .. } = *self;
         let workers = system.workers();
-        workers.both((f, sweep), |r, f, sweep| {
+        workers.both(f, sweep, |r, f, sweep| {
             let share = self.viscous(r.clone(), f);
             let with = Filter { total: &from.forces.total[r.clone()], share, h, inverse_d: &inverse_d[r.clone()] };
-            filter((f, sweep), with, in_total.map(|part| &part[r.clone()]));
+            filter([f, sweep], with, in_total.map(|part| &part[r.clone()]));
         });
         let (f, sweep) = (&*f, &*sweep);
-        workers.both(state, |r, x, v| {
+        workers.both(x, v, |r, x, v| {
             match self.step_filter {
                 Some(filter) => filter.neighbour_sums(sweep, r.clone(), v),
                 None => system.neighbour_sums(sweep, r.clone(), v),
@@ -169,7 +169,7 @@ impl Step<'_> {
             let (f, inverse_d) = (&f[r.clone()], &inverse_d[r.clone()]);
             let with = SecondSweep { f, inverse_d, inverse_mass: &system.inverse_mass()[r.clone()], h };
             let outside = beside.map(|part| &part[r.clone()]);
-            advance((x, v), (&from.state.x[r.clone()], &from.state.v[r]), with, outside);
+            advance([x, v], [&from.state.x[r.clone()], &from.state.v[r]], with, outside);
         });
     }
 
@@ -211,7 +211,7 @@ struct Filter<'a> {
 
 /// F = total - g + share * viscous, where f is the viscous part on entry, and h F / D
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn filter<const N: usize>((f, sweep): (&mut [f64], &mut [f64]), with: Filter<'_>, outside: [&[f64]; N]) {
+fn filter<const N: usize>([f, sweep]: [&mut [f64]; 2], with: Filter<'_>, outside: [&[f64]; N]) {
     let (Filter { total, share, h, inverse_d }, n) = (with, f.len());
     let (sweep, total, inverse_d) = (&mut sweep[..n], &total[..n], &inverse_d[..n]);
     let outside = outside.map(|part| &part[..n]);
@@ -233,8 +233,8 @@ struct SecondSweep<'a> {
 /// v = v_n + (h F + h^2 sum) / D + h M^-1 g, where v is the sum; then x = x_n + h v
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn advance<const N: usize>(
-    (x, v): (&mut [f64], &mut [f64]),
-    (x_n, v_n): (&[f64], &[f64]),
+    [x, v]: [&mut [f64]; 2],
+    [x_n, v_n]: [&[f64]; 2],
     with: SecondSweep<'_>,
     outside: [&[f64]; N],
 ) {

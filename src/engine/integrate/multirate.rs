@@ -103,10 +103,10 @@ impl Integrator<dyn System> for Multirate {
         let long = (CENTRAL_DIFFERENCE.step)(h, true);
         let start = |dofs| StepStart::of(from, inverse_mass, dofs);
         to.state.t = t_next;
-        system.workers().both((&mut to.state.x, &mut to.state.v), |dofs, x, v| long.begin(start(dofs), x, v));
+        system.workers().both(&mut to.state.x, &mut to.state.v, |dofs, x, v| long.begin(start(dofs), x, v));
         let mut made = StageWork::default();
         if let Some(stiff) = &mut self.stiff {
-            stiff.begin((from, &to.state), half, inverse_mass);
+            stiff.begin(from, &to.state, half, inverse_mass);
             made = stiff.advance(self.substeps, t_next, counters);
             stiff.end(&mut to.state);
         }
@@ -242,7 +242,7 @@ impl StiffSprings {
     }
 
     /// The start of the short steps: x_n, and the velocities of all nodes after the long kick without that of s.
-    fn begin(&mut self, (from, to): (&Point, &State), half: f64, inverse_mass: &[f64]) {
+    fn begin(&mut self, from: &Point, to: &State, half: f64, inverse_mass: &[f64]) {
         let StiffSprings { part, lagging, beside, at: Point { state: State { t, x, v }, forces }, .. } = self;
         *t = from.state.t;
         forces.copy_from(lagging);
@@ -269,7 +269,7 @@ impl StiffSprings {
             made += steps;
             next.state.t = time(made);
             let block = KickDriftBlock { scheme, from: at };
-            advance(&**system, (&mut next.state, &mut next.forces), block, summaries);
+            advance(&**system, &mut next.state, &mut next.forces, block, summaries);
             if summaries.is_empty() {
                 let (forces, way) = ([&at.forces, &next.forces], [&at.state.x[..], &next.state.x]);
                 work.add(1.0, StageWork::by_ends(&**system, forces, way, [at.state.t, next.state.t]));

@@ -111,12 +111,12 @@ impl RungeKutta {
         counters: &mut Counters,
     ) -> StageWork {
         let (n, Tableau { stages, b, .. }) = (&from.state, self.tableau);
-        let (y_n, times) = ((n.x.as_slice(), n.v.as_slice()), [n.t, t_next]);
+        let (y_n, times) = ([n.x.as_slice(), n.v.as_slice()], [n.t, t_next]);
         let (mut work, mut begun) = (StageWork::default(), false);
         let mut add = |i: usize, u: &[f64], forces: &Forces| {
             let weight = h * b.get(i).copied().unwrap_or(0.0);
             if weight != 0.0 {
-                let (y, slopes) = ((&mut to.state.x[..], &mut to.state.v[..]), Slopes { u, f: &forces.total });
+                let (y, slopes) = ([&mut to.state.x[..], &mut to.state.v[..]], Slopes { u, f: &forces.total });
                 match std::mem::replace(&mut begun, true) {
                     false => follow(system, y, y_n, weight, slopes),
                     true => accumulate_slopes(system, y, weight, slopes),
@@ -126,7 +126,7 @@ impl RungeKutta {
         };
         add(0, &n.v, &from.forces);
         for (i, Stage { c, a }) in (1..).zip(*stages) {
-            let (y, h_a) = ((&mut self.x[..], &mut self.v[..]), h * a.last().copied().unwrap_or(0.0));
+            let (y, h_a) = ([&mut self.x[..], &mut self.v[..]], h * a.last().copied().unwrap_or(0.0));
             match i {
                 1 => follow(system, y, y_n, h_a, Slopes { u: &n.v, f: &from.forces.total }),
                 _ => follow_on(system, y, y_n, h_a, &self.forces.total),

@@ -32,13 +32,13 @@ pub(super) struct Slopes<'a> {
 /// x = x_n + h u, v = v_n + h M^-1 f
 pub(super) fn follow<S: System + ?Sized>(
     system: &S,
-    to: (&mut [f64], &mut [f64]),
-    (x_n, v_n): (&[f64], &[f64]),
+    [x, v]: [&mut [f64]; 2],
+    [x_n, v_n]: [&[f64]; 2],
     h: f64,
     Slopes { u, f }: Slopes<'_>,
 ) {
     let product = Product { inverse_mass: system.inverse_mass(), f };
-    system.workers().both(to, |r, x, v| {
+    system.workers().both(x, v, |r, x, v| {
         add_scaled(x, &x_n[r.clone()], h, &u[r.clone()]);
         add_product(v, &v_n[r.clone()], h, product.of(r));
     });
@@ -47,17 +47,17 @@ pub(super) fn follow<S: System + ?Sized>(
 /// The same with u = v before the update.
 pub(super) fn follow_on<S: System + ?Sized>(
     system: &S,
-    to: (&mut [f64], &mut [f64]),
-    (x_n, v_n): (&[f64], &[f64]),
+    [x, v]: [&mut [f64]; 2],
+    [x_n, v_n]: [&[f64]; 2],
     h: f64,
     f: &[f64],
 ) {
     let product = Product { inverse_mass: system.inverse_mass(), f };
-    system.workers().both(to, |r, x, v| next_stage((x, v), (&x_n[r.clone()], &v_n[r.clone()]), h, product.of(r)));
+    system.workers().both(x, v, |r, x, v| next_stage([x, v], [&x_n[r.clone()], &v_n[r.clone()]], h, product.of(r)));
 }
 
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn next_stage((x, v): (&mut [f64], &mut [f64]), (x_n, v_n): (&[f64], &[f64]), h: f64, p: Product<'_>) {
+fn next_stage([x, v]: [&mut [f64]; 2], [x_n, v_n]: [&[f64]; 2], h: f64, p: Product<'_>) {
     let from = x_n.iter().zip(v_n).zip(p.f.iter().zip(p.inverse_mass));
     for ((x, v), ((x_n, v_n), (f, inverse_mass))) in x.iter_mut().zip(v.iter_mut()).zip(from) {
         *x = x_n + h * *v;
@@ -68,12 +68,12 @@ fn next_stage((x, v): (&mut [f64], &mut [f64]), (x_n, v_n): (&[f64], &[f64]), h:
 /// x += h u, v += h M^-1 f
 pub(super) fn accumulate_slopes<S: System + ?Sized>(
     system: &S,
-    to: (&mut [f64], &mut [f64]),
+    [x, v]: [&mut [f64]; 2],
     h: f64,
     Slopes { u, f }: Slopes<'_>,
 ) {
     let product = Product { inverse_mass: system.inverse_mass(), f };
-    system.workers().both(to, |r, x, v| {
+    system.workers().both(x, v, |r, x, v| {
         accumulate(x, h, &u[r.clone()]);
         accumulate_product(v, h, product.of(r));
     });

@@ -1,11 +1,16 @@
 //! What only some systems have. A system returns such an ability as a value, `None` if it has none.
 
-use super::forces::Forces;
 use super::gauge::CANOPY_QUANTITIES;
-use super::observables::SpringPlace;
 use super::state::{State, StateRef};
-use super::step_block::StepSummary;
-use super::system::{KickDriftBlock, StiffPart};
+
+/// One of the springs of a scene: its rule and its number within the rule, in the scene's order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SpringPlace {
+    /// rule of the case that has springs, counted from 0
+    pub rule: u32,
+    /// number within the rule
+    pub number: u32,
+}
 
 /// Springs on edges, in the user's numbering.
 pub trait Springs {
@@ -96,36 +101,4 @@ pub trait Events {
     /// Puts what supports move where it is at the time of a state, with the velocity that it then has. Returns whether
     /// they move anything.
     fn put_supports(&self, state: &mut State) -> bool;
-}
-
-/// Several kick-drift steps in one sweep through the nodes.
-pub trait StepBlocks {
-    /// Largest number of steps in a block; below two if steps are made one by one.
-    fn longest_block(&self) -> usize;
-
-    /// Makes a block of steps: moves `at` to the end of the last step and overwrites `out` with the forces there.
-    /// `summaries` has one entry per step, with its time on entry, and its summary on return. It is empty for a single
-    /// step without a summary. On entry `at` has the time at the end. The bits are those of steps made one by one.
-    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, summaries: &mut [StepSummary]);
-}
-
-/// The springs that limit explicit steps most: those at nodes whose springs allow steps of less than a ratio times the
-/// shortest that any node allows.
-pub trait StiffSprings {
-    /// These springs as a system of their own; `None` if there are none.
-    fn stiff_part(&self, ratio: f64) -> Option<StiffPart>;
-
-    /// Bounds on all other forces at a state; `None` where no spring is stiff.
-    fn beside_stiff(&self, ratio: f64, at: StateRef<'_>) -> Option<BesideStiff>;
-}
-
-/// Forces beside stiff springs, by bounds on their elements.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BesideStiff {
-    /// [1/s^2] largest eigenvalue of M^-1 K, and the degree of freedom where it is reached
-    pub stiffness: (f64, usize),
-    /// [1/s] largest eigenvalue of M^-1 C, likewise
-    pub damping: (f64, usize),
-    /// whether elastic forces that are no springs act on the nodes that limit explicit steps most
-    pub on_short_nodes: bool,
 }

@@ -1,7 +1,23 @@
 //! What gauges measure, where, and in which columns: names, units, peaks and lines of reports stand here once.
 
-use super::observables::NodeQuantity;
 use serde::{Deserialize, Serialize};
+
+/// A vector quantity of a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum NodeQuantity {
+    /// [m] position
+    Position,
+    /// [m] displacement from the mesh as given
+    Displacement,
+    /// [m/s] velocity
+    Velocity,
+    /// [m/s^2] acceleration, 0 in held directions
+    Acceleration,
+    /// [N] net force, 0 in held directions
+    Force,
+    /// [N] reaction of the support, 0 in free directions
+    Reaction,
+}
 
 /// What a gauge measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -3,6 +3,7 @@
 
 pub mod abilities;
 pub mod added_mass;
+pub mod at_dof;
 pub mod bounds;
 pub mod forces;
 pub mod gauge;

@@ -1,38 +1,12 @@
 //! The observable quantities of a system: nodes in space, in the user's numbering. Output uses this interface.
 
 use super::abilities::{Air, Springs};
+use super::gauge::NodeQuantity;
 use super::state::StateRef;
 use super::system::System;
 use crate::mesh::Groups;
 use crate::model::forces::Forces;
 use crate::model::point::Point;
-use serde::Serialize;
-
-/// A vector quantity of a node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub enum NodeQuantity {
-    /// [m] position
-    Position,
-    /// [m] displacement from the mesh as given
-    Displacement,
-    /// [m/s] velocity
-    Velocity,
-    /// [m/s^2] acceleration, 0 in held directions
-    Acceleration,
-    /// [N] net force, 0 in held directions
-    Force,
-    /// [N] reaction of the support, 0 in free directions
-    Reaction,
-}
-
-/// One of the springs of a scene: its rule and its number within the rule, in the scene's order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SpringPlace {
-    /// rule of the case that has springs, counted from 0
-    pub rule: u32,
-    /// number within the rule
-    pub number: u32,
-}
 
 /// What a membrane triangle shows of itself.
 #[derive(Clone, Copy, Debug, PartialEq)]

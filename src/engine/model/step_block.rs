@@ -6,10 +6,11 @@
 //! Wonnacott 2000; McCalpin & Wonnacott 1999). Every state within a block has a summary. Its bits are those of steps
 //! made one by one.
 
+mod groups;
 mod kick_drift;
 mod work;
 
-pub use kick_drift::{KickDriftScheme, Nodes, StepStart, Working};
+pub use kick_drift::{BoundarySums, KickDriftScheme, Nodes, StepStart, Working};
 pub use work::work;
 
 use super::bounds::Bounds;

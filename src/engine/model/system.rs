@@ -4,7 +4,7 @@
 //! M a = f(t, x, v)        K = -df/dx        C = -df/dv        W = cm M + cc C + ck K
 //! ```
 
-use super::abilities::{StepBlocks, StiffSprings};
+use super::at_dof::AtDof;
 use super::forces::{Forces, Role, Tally};
 use super::point::Point;
 use super::state::{State, StateRef};
@@ -121,6 +121,38 @@ pub trait System: Send + Sync {
     fn velocity_dependent(&self) -> bool;
 }
 
+/// Several kick-drift steps in one sweep through the nodes.
+pub trait StepBlocks {
+    /// Largest number of steps in a block; below two if steps are made one by one.
+    fn longest_block(&self) -> usize;
+
+    /// Makes a block of steps: moves `at` to the end of the last step and overwrites `out` with the forces there.
+    /// `summaries` has one entry per step, with its time on entry, and its summary on return. It is empty for a single
+    /// step without a summary. On entry `at` has the time at the end. The bits are those of steps made one by one.
+    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, summaries: &mut [StepSummary]);
+}
+
+/// The springs that limit explicit steps most: those at nodes whose springs allow steps of less than a ratio times the
+/// shortest that any node allows.
+pub trait StiffSprings {
+    /// These springs as a system of their own; `None` if there are none.
+    fn stiff_part(&self, ratio: f64) -> Option<StiffPart>;
+
+    /// Bounds on all other forces at a state; `None` where no spring is stiff.
+    fn beside_stiff(&self, ratio: f64, at: StateRef<'_>) -> Option<BesideStiff>;
+}
+
+/// Forces beside stiff springs, by bounds on their elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BesideStiff {
+    /// [1/s^2] largest eigenvalue of M^-1 K
+    pub stiffness: AtDof,
+    /// [1/s] largest eigenvalue of M^-1 C
+    pub damping: AtDof,
+    /// whether elastic forces that are no springs act on the nodes that limit explicit steps most
+    pub on_short_nodes: bool,
+}
+
 /// The stiff springs of a system, with their nodes, as a system of their own.
 pub struct StiffPart {
     /// what its degrees of freedom are in the whole system
@@ -154,7 +186,8 @@ pub fn longest_block<S: System + ?Sized>(system: &S) -> usize {
 /// makes steps one by one; `summaries` is then empty.
 pub fn advance<S: System + ?Sized>(
     system: &S,
-    (at, out): (&mut State, &mut Forces),
+    at: &mut State,
+    out: &mut Forces,
     block: KickDriftBlock<'_>,
     summaries: &mut [StepSummary],
 ) {

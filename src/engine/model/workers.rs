@@ -85,7 +85,7 @@ impl Workers {
     }
 
     /// The same for pieces of two vectors of one length.
-    pub fn both(&self, (a, b): (&mut [f64], &mut [f64]), work: impl Fn(Range<usize>, &mut [f64], &mut [f64]) + Sync) {
+    pub fn both(&self, a: &mut [f64], b: &mut [f64], work: impl Fn(Range<usize>, &mut [f64], &mut [f64]) + Sync) {
         let size = piece(a.len());
         let run = |(i, (a, b)): (usize, (&mut [f64], &mut [f64]))| work(i * size..i * size + a.len(), a, b);
         match self.pool().filter(|_| a.len() > size) {
@@ -189,7 +189,7 @@ mod tests {
                 assert_eq!(out, values);
                 assert_eq!(sum.to_bits(), workers.sum(n, |range| values[range].iter().sum()).to_bits());
                 let (mut a, mut b) = (out.clone(), out);
-                workers.both((&mut a, &mut b), |range, a, b| {
+                workers.both(&mut a, &mut b, |range, a, b| {
                     for ((a, b), v) in a.iter_mut().zip(b).zip(&values[range]) {
                         (*a, *b) = (*a - v, *b + v);
                     }

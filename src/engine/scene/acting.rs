@@ -1,11 +1,11 @@
 //! What acts on the nodes of a network: forces, with what they share with the scene, and springs with their way back to
 //! the user's edges.
 
-use super::Load;
 use super::air_pressure::AirPressure;
 use super::apparent::ApparentMass;
 use super::canopy_shape::CanopyShape;
-use crate::force::law::series::{LoadFactor, SampledTable, Scale};
+use super::{Load, ScaledLoad};
+use crate::force::law::series::{LoadFactor, SampledTable};
 use crate::force::law::spring::{Coefficient, Cut, SpringData};
 use crate::force::law::stream::Stream;
 use crate::force::{Copies, ForceTerm};
@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub(super) struct Acting {
     pub terms: Vec<Box<dyn ForceTerm>>,
     /// what a program can scale
-    pub loads: Vec<(Load, Arc<Scale>)>,
+    pub loads: Vec<ScaledLoad>,
     /// load and wind tables, shared with the terms
     pub tables: Vec<Arc<dyn SampledTable>>,
     /// [s] beginnings and ends of changes of forces that are in no table
@@ -37,7 +37,7 @@ pub(super) struct Added {
     /// what it depends on over time
     pub tables: Vec<Arc<dyn SampledTable>>,
     /// what a program can scale of it
-    pub load: Option<(Load, Arc<Scale>)>,
+    pub load: Option<ScaledLoad>,
     /// [s] beginnings and ends of its changes that are in no table
     pub changes: Vec<[f64; 2]>,
 }
@@ -50,7 +50,7 @@ impl Added {
 
     /// A load that depends on time by a factor, which a program can scale.
     pub(super) fn load(term: impl ForceTerm + 'static, load: Load, LoadFactor { table, scale }: LoadFactor) -> Self {
-        Added { load: Some((load, scale)), ..Added::term(term).by(table) }
+        Added { load: Some(ScaledLoad { load, scale }), ..Added::term(term).by(table) }
     }
 
     /// The same force, which depends on tables.
@@ -88,7 +88,7 @@ impl Acting {
     pub(super) fn for_run(&self, copies: &mut Copies) -> Self {
         Acting {
             terms: self.terms.iter().map(|term| term.for_run(copies)).collect(),
-            loads: self.loads.iter().map(|(load, scale)| (*load, copies.of(scale))).collect(),
+            loads: self.loads.iter().map(|found| ScaledLoad { scale: copies.of(&found.scale), ..*found }).collect(),
             tables: self.tables.iter().map(|table| table.clone().for_run(copies)).collect(),
             changes: self.changes.clone(),
             springs: self.springs.iter().map(|batch| batch.for_run(copies)).collect(),

@@ -3,11 +3,20 @@
 use super::motion::SUPPORTS;
 use super::network::Network;
 use crate::force::kernel::batch::{BlockForces, PARTS};
-use crate::force::schedule::sweep::{PartTarget, Sweep, Term, Terms};
+use crate::force::schedule::sweep::Sweep;
+use crate::force::schedule::terms::{PartTarget, Term, Terms};
 use crate::force::{ForceTerm, NodeState};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::TermInfo;
 use nalgebra::Vector3;
+
+/// A part of a force term.
+#[derive(Clone, Copy)]
+pub struct TermPart<'a> {
+    pub term: &'a dyn ForceTerm,
+    /// which of its parts
+    pub part: usize,
+}
 
 /// Where the terms of a pass add to.
 #[derive(Clone, Default)]
@@ -53,20 +62,20 @@ impl Network {
     /// `f =` the forces [N] of some terms, of one of the parts of each.
     pub(super) fn sum_of(
         &self,
-        parts: &[(&dyn ForceTerm, usize)],
+        parts: &[TermPart<'_>],
         at: NodeState<'_>,
         f: &mut [Vector3<f64>],
         tallies: &mut [Tally],
     ) {
-        self.sweep.pass((&SelectedTerms(parts), at), &self.threads, [f, &mut [], &mut []], tallies);
+        self.sweep.pass(&SelectedTerms(parts), at, &self.threads, [f, &mut [], &mut []], tallies);
     }
 
-    /// The force term that one of [`System::terms`] is a part of, and which part it is.
-    pub fn term_of(&self, part: usize) -> Option<(&dyn ForceTerm, usize)> {
+    /// What one of [`System::terms`] is.
+    pub fn term_of(&self, part: usize) -> Option<TermPart<'_>> {
         let places =
             |parts: &[Option<PartTarget>; PARTS]| parts.iter().position(|p| p.is_some_and(|p| p.tally == part));
         let mut terms = self.acting.terms.iter().zip(&self.arrangement.parts);
-        terms.find_map(|(term, parts)| Some((&**term, places(parts)?)))
+        terms.find_map(|(term, parts)| Some(TermPart { term: &**term, part: places(parts)? }))
     }
 
     /// Which energy and power is that of the first part of a term.
@@ -104,7 +113,7 @@ impl Terms for Network {
 }
 
 /// Some of the parts of terms, in one sum.
-struct SelectedTerms<'a>(&'a [(&'a dyn ForceTerm, usize)]);
+struct SelectedTerms<'a>(&'a [TermPart<'a>]);
 
 impl Terms for SelectedTerms<'_> {
     fn count(&self) -> usize {
@@ -116,7 +125,7 @@ impl Terms for SelectedTerms<'_> {
     }
 
     fn term(&self, i: usize) -> Term<'_> {
-        let (term, part) = self.0[i];
+        let TermPart { term, part } = self.0[i];
         let mut parts = [None; PARTS];
         parts[part] = Some(PartTarget { sum: 0, tally: i });
         Term { forces: term, parts }

@@ -12,6 +12,7 @@
 use super::bound_by_triangles::AlikeEdges;
 use super::network::{Network, by_node};
 use crate::force::{TangentForm, TangentSink};
+use crate::model::at_dof::AtDof;
 use crate::model::state::StateRef;
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
@@ -32,7 +33,7 @@ struct DampingBound {
     passed: usize,
     /// weight of C
     c: f64,
-    found: (f64, usize),
+    found: AtDof,
 }
 
 /// [-] Relative error of the largest eigenvalue where eigenvalues of a block nearly coincide, as in an isotropic net:
@@ -45,7 +46,7 @@ type Block = [f64; 6];
 impl Network {
     /// The bound [1/s^2 or 1/s, by the weights] and the degree of freedom where it is reached. Proved if K and C are
     /// symmetric (compressive geometric stiffness is dropped); else a measure that grows with the eigenvalue.
-    pub(super) fn node_bound(&self, at: StateRef<'_>, w: Weights, buffer: &mut BoundBuffer) -> (f64, usize) {
+    pub(super) fn node_bound(&self, at: StateRef<'_>, w: Weights, buffer: &mut BoundBuffer) -> AtDof {
         let BoundBuffer { blocks, damping } = buffer;
         let emit = |sink: &mut dyn TangentSink| self.emit_tangents(at, w, FORM, sink);
         let constant = |info: &TermInfo| info.constant_damping || !info.velocity_dependent;
@@ -60,18 +61,18 @@ impl Network {
     }
 
     /// The same from up to [`ROUNDS`] passes, with edges divided unequally.
-    pub(super) fn sharper_node_bound(&self, at: StateRef<'_>, w: Weights) -> (f64, usize) {
+    pub(super) fn sharper_node_bound(&self, at: StateRef<'_>, w: Weights) -> AtDof {
         self.bound_in_rounds(|sink| self.emit_tangents(at, w, FORM, sink))
     }
 
     /// The same of what `emit` gives.
-    pub(super) fn bound_in_rounds(&self, emit: impl Fn(&mut dyn TangentSink)) -> (f64, usize) {
-        let (mut blocks, mut best) = (Vec::new(), (f64::INFINITY, 0));
+    pub(super) fn bound_in_rounds(&self, emit: impl Fn(&mut dyn TangentSink)) -> AtDof {
+        let (mut blocks, mut best) = (Vec::new(), AtDof { value: f64::INFINITY, dof: 0 });
         let mut unequal = Unequal { share: vec![1.0; self.phase().fixed.len()], alike: AlikeEdges::default() };
         for _ in 0..ROUNDS {
             let found = self.bound_in_pass(&emit, &mut blocks, Some(&mut unequal));
-            let settled = found.0.is_nan() || found.0 >= SETTLED * best.0;
-            if found.0.is_nan() || found.0 < best.0 {
+            let settled = found.value.is_nan() || found.value >= SETTLED * best.value;
+            if found.value.is_nan() || found.value < best.value {
                 best = found;
             }
             if settled {
@@ -79,7 +80,7 @@ impl Network {
             }
             let shares = unequal.share.iter_mut().zip(&blocks);
             for ((share, block), inverse) in shares.zip(by_node(&self.phase().inverse_mass)) {
-                let size = (size(&scaled(block, *inverse)) / found.0).max(LEAST);
+                let size = (size(&scaled(block, *inverse)) / found.value).max(LEAST);
                 // The power 3/2 of it; shares swing from 2 on.
                 *share /= size * size.sqrt();
             }
@@ -92,7 +93,7 @@ impl Network {
         emit: impl FnOnce(&mut dyn TangentSink),
         blocks: &mut Vec<Block>,
         mut unequal: Option<&mut Unequal>,
-    ) -> (f64, usize) {
+    ) -> AtDof {
         sum_blocks(blocks, &self.phase().fixed, unequal.as_deref_mut(), emit);
         if let Some(Unequal { share, alike }) = unequal {
             alike.bound(share, |node, value| {
@@ -110,7 +111,7 @@ impl Network {
                 }
             }
         }
-        ((1.0 + MARGIN) * most, dof)
+        AtDof { value: (1.0 + MARGIN) * most, dof }
     }
 }
 

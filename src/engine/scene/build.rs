@@ -7,7 +7,8 @@ use super::apparent::ApparentMass;
 use super::build_bending::AtRest;
 use super::build_surface::MembraneBatch;
 use super::canopy_shape::CanopyShape;
-use super::check::{BuildError, check, check_bars};
+use super::check::{check, check_bars};
+use super::check_values::BuildError;
 use super::events::Phases;
 use super::network::{Built, Network};
 use super::numbering::Numbering;
@@ -84,8 +85,9 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     builder.rayleigh(&mass, &reference);
     let velocity = initial_velocity(&spec);
     let velocity = if velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity[at(i)]).collect() };
-    let scaled = builder.scale_masses([&reference, &start], &velocity, (&fixed, &mass))?;
-    let (inertia, added_mass) = scaled.map_or((mass.clone(), None), |(inertia, added)| (inertia.into(), Some(added)));
+    let scaled = builder.scale_masses([&reference, &start], &velocity, &fixed, &mass)?;
+    let added_mass = scaled.as_ref().map(|scaled| scaled.added);
+    let inertia = scaled.map_or_else(|| mass.clone(), |scaled| scaled.inertia.into());
     let Builder { acting, membranes, .. } = builder;
     let phases = Phases::new(&spec, &inertia, &numbering);
     let built = Built {
@@ -209,8 +211,8 @@ impl Builder<'_> {
     fn gravity(&mut self, mass: &[f64], start: &Arc<[Vector3<f64>]>) {
         let Some(g) = self.spec.gravity else { return };
         let factor = LoadFactor::default();
-        let g = (Vector3::from(g), factor.scale.clone());
-        self.acting.add(Added::load(Gravity::new(g, mass.iter().copied(), start.clone()), Load::Gravity, factor));
+        let gravity = Gravity::new(Vector3::from(g), factor.scale.clone(), mass.iter().copied(), start.clone());
+        self.acting.add(Added::load(gravity, Load::Gravity, factor));
     }
 
     pub(super) fn base(&mut self, fixed: &[[bool; 3]], mass: &[f64]) {

@@ -2,7 +2,7 @@
 
 use super::acting::Added;
 use super::build::Builder;
-use super::check::BuildError;
+use super::check_values::BuildError;
 use crate::force::law::bending::{Bending, BendingData, BendingElement, Hinge};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;

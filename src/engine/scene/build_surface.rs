@@ -2,7 +2,7 @@
 
 use super::acting::Added;
 use super::build::Builder;
-use super::check::BuildError;
+use super::check_values::BuildError;
 use crate::force::law::membrane::{Membrane, MembraneData, RestShape};
 use crate::force::law::rayleigh_membrane::{RayleighMembrane, RayleighMembraneData};
 use crate::force::law::tension_field::Sheet;

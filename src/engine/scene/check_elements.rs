@@ -1,6 +1,6 @@
 //! Checks of the elastic elements of a specification.
 
-use super::check::{BuildError, below, finite, length};
+use super::check_values::{BuildError, below, finite, length};
 use crate::model::spec::{BendingSpec, ElasticLaw, MembraneSpec, NetworkSpec, Slack, SpringGroup, SpringValues};
 
 /// Springs of a mesh with so many edges.

@@ -1,6 +1,6 @@
 //! Checks of loads, air and what it acts on.
 
-use super::check::{BuildError, below, finite, length, times, vectors};
+use super::check_values::{BuildError, below, finite, length, times, vectors};
 use crate::mesh::Mesh;
 use crate::model::spec::{
     AtmosphereSpec, CanopyAir, CavitySpec, ClothSpec, FillingSpec, GustSpec, NetworkSpec, PressureKind, StreamSpec,

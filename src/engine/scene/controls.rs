@@ -1,13 +1,11 @@
 //! What a program sets in a network.
 
 use super::network::Network;
-use super::{Controls, ExternalForces, ExternalKind, Load};
-use crate::force::law::series::Scale;
+use super::{Controls, ExternalForces, ExternalKind, ScaledLoad};
 use crate::model::state::State;
-use std::sync::Arc;
 
 impl Controls for Network {
-    fn loads(&self) -> &[(Load, Arc<Scale>)] {
+    fn loads(&self) -> &[ScaledLoad] {
         &self.acting.loads
     }
 

@@ -3,6 +3,7 @@
 use super::acting::SpringBatch;
 use super::network::{Network, node_state};
 use crate::force::kernel::coefficient::Coefficient;
+use crate::force::kernel::neighbours::Links;
 use crate::force::kernel::neighbours::Neighbours;
 use crate::force::law::one_sided::OneSided;
 use crate::model::forces::Role;
@@ -22,8 +23,8 @@ pub(super) struct Graph {
 
 impl Graph {
     fn new<'a>(nodes: usize, springs: impl Iterator<Item = &'a SpringBatch> + Clone, viscosity: Viscosity) -> Self {
-        fn links<'a>(b: &'a SpringBatch, weights: &'a Coefficient) -> (&'a [[u32; 2]], &'a Coefficient) {
-            (&b.data.nodes, weights)
+        fn links<'a>(b: &'a SpringBatch, weights: &'a Coefficient) -> Links<'a> {
+            Links { nodes: &b.data.nodes, weights }
         }
         let some = springs.clone().filter(|b| b.in_filter && viscosity == Viscosity::Some);
         Graph {

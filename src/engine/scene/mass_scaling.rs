@@ -9,7 +9,7 @@
 use super::acting::SpringBatch;
 use super::bound::{FORM, largest_by_node};
 use super::build::Builder;
-use super::check::BuildError;
+use super::check_values::BuildError;
 use super::numbering::Numbering;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
 use crate::force::law::slack::Clamp;
@@ -20,11 +20,18 @@ use crate::model::spec::DashpotKind;
 use crate::model::system::Weights;
 use nalgebra::Vector3;
 
+/// Masses with what scaling has added.
+pub(super) struct ScaledMasses {
+    /// [kg] inertia of every node
+    pub inertia: Vec<f64>,
+    pub added: AddedMass,
+}
+
 /// [-] Stretch of the mesh as given that makes sheets and bars taut which are at rest in it.
 const TAUT: f64 = 1.0 + 1e-9;
 
 impl Builder<'_> {
-    /// [kg] The inertia of every node, if masses are scaled, and what that adds.
+    /// The masses that are scaled; `None` if none are to be.
     ///
     /// # Errors
     /// When every node has the mass that it needs.
@@ -32,18 +39,19 @@ impl Builder<'_> {
         &mut self,
         [reference, start]: [&[Vector3<f64>]; 2],
         velocity: &[[f64; 3]],
-        (fixed, mass): (&[[bool; 3]], &[f64]),
-    ) -> Result<Option<(Vec<f64>, AddedMass)>, BuildError> {
+        fixed: &[[bool; 3]],
+        mass: &[f64],
+    ) -> Result<Option<ScaledMasses>, BuildError> {
         let Some(step) = self.spec.mass_scaling else { return Ok(None) };
         let mut moving: Vec<Vector3<f64>> = velocity.iter().copied().map(Vector3::from).collect();
         moving.resize(mass.len(), Vector3::zeros());
         let (terms, springs, numbering) = (&self.acting.terms, &self.acting.springs, self.numbering);
         let unscaled = Unscaled { terms, springs, reference, start, velocity: &moving, fixed, mass, numbering };
-        let (inertia, added) = unscaled.scale(step)?;
+        let scaled = unscaled.scale(step)?;
         // Inertia in an accelerated frame is a force on all of it.
-        let more: Vec<f64> = inertia.iter().zip(mass).map(|(inertia, mass)| inertia - mass).collect();
+        let more: Vec<f64> = scaled.inertia.iter().zip(mass).map(|(inertia, mass)| inertia - mass).collect();
         self.base(fixed, &more);
-        Ok(Some((inertia, added)))
+        Ok(Some(scaled))
     }
 }
 
@@ -65,12 +73,11 @@ struct Unscaled<'a> {
 }
 
 impl Unscaled<'_> {
-    /// [kg] The inertia of every node with which central differences are stable in steps of `step` [s], and what that
-    /// adds.
+    /// The masses with which central differences are stable in steps of `step` [s].
     ///
     /// # Errors
     /// When every node has as much.
-    fn scale(&self, step: f64) -> Result<(Vec<f64>, AddedMass), BuildError> {
+    fn scale(&self, step: f64) -> Result<ScaledMasses, BuildError> {
         let given: Vec<Vector3<f64>> = self.reference.iter().map(|x| TAUT * x).collect();
         let looks =
             [(self.start, false), (self.start, true), (&given, true)].map(|(x, taut)| self.needed(x, taut, step));
@@ -94,7 +101,7 @@ impl Unscaled<'_> {
             return Err(BuildError::NothingToScale { step, needed: found.largest_factor });
         }
         (found.share, found.share_of_nodes) = (found.added / moving, found.added / own);
-        Ok((inertia, found))
+        Ok(ScaledMasses { inertia, added: found })
     }
 
     /// [kg] What each node needs with the nodes at `x`, where springs are as they are or all `taut`.

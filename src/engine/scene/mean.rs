@@ -1,7 +1,7 @@
 //! The forces of a step of an energy-momentum method: elastic ones as means over the step, all others in its middle.
 
 use super::network::Network;
-use crate::force::schedule::sweep::{Term, Terms};
+use crate::force::schedule::terms::{Term, Terms};
 use crate::force::schedule::threads::SUMS;
 use crate::force::{MeanStep, TangentForm, TangentSink};
 use crate::model::forces::Tally;
@@ -13,7 +13,7 @@ impl Network {
     pub(super) fn mean_pass(&self, step: MeanStep<'_>, sums: [&mut [Vector3<f64>]; SUMS], tallies: &mut [Tally]) {
         let [total, external, dissipative] = sums;
         let others = [&mut *total, external, dissipative];
-        self.sweep.pass((&WithoutMeans(self), step.at), &self.threads, others, tallies);
+        self.sweep.pass(&WithoutMeans(self), step.at, &self.threads, others, tallies);
         for (term, parts) in self.acting.terms.iter().zip(&self.arrangement.parts) {
             if let (Some(mean), Some(part)) = (term.mean(), parts[0]) {
                 tallies[part.tally] = mean.add_mean(step, total);

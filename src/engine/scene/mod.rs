@@ -17,6 +17,7 @@ mod canopy_shape;
 mod check;
 mod check_elements;
 mod check_loads;
+mod check_values;
 mod controls;
 mod events;
 mod external;
@@ -36,7 +37,7 @@ mod tangent;
 
 pub use bound::BoundBuffer;
 pub use build::{build_network, build_network_with};
-pub use check::BuildError;
+pub use check_values::BuildError;
 pub use external::{ExternalForces, ExternalKind, ForceDerivative, NodalForce, PairsChange};
 pub use network::Network;
 pub use pendulum::Pendulum;
@@ -45,6 +46,7 @@ use crate::assembly::{SceneInterfaces, TangentSystem};
 use crate::force::law::series::Scale;
 use crate::model::abilities::Events;
 use crate::model::added_mass::AddedMass;
+use crate::model::at_dof::AtDof;
 use crate::model::observables::Observables;
 use crate::model::state::{State, StateRef};
 use crate::model::system::TermInfo;
@@ -71,6 +73,15 @@ pub enum Load {
     Pressure(usize),
     /// forces on nodes, by their place in [`NetworkSpec::forces`](crate::model::spec::NetworkSpec::forces)
     Forces(usize),
+}
+
+/// A load with the factor that a program sets.
+#[derive(Clone, Debug)]
+pub struct ScaledLoad {
+    /// which load
+    pub load: Load,
+    /// [-] its factor
+    pub scale: Arc<Scale>,
 }
 
 /// What a run needs of a scene besides forces, tangents and output.
@@ -138,10 +149,10 @@ pub trait Scene: TangentSystem + Observables {
     /// Upper bound on the largest eigenvalue of M^-1 (c C + k K) at a state, from one pass over the elements, and the
     /// degree of freedom where it is reached. Proved for symmetric scenes and weights of at least 0; else a measure
     /// that grows with the eigenvalue.
-    fn rate_bound(&self, at: StateRef<'_>, w: crate::model::system::Weights, buffer: &mut BoundBuffer) -> (f64, usize);
+    fn rate_bound(&self, at: StateRef<'_>, w: crate::model::system::Weights, buffer: &mut BoundBuffer) -> AtDof;
 
     /// The same bound from several passes, mostly sharper.
-    fn sharper_rate_bound(&self, at: StateRef<'_>, w: crate::model::system::Weights) -> (f64, usize) {
+    fn sharper_rate_bound(&self, at: StateRef<'_>, w: crate::model::system::Weights) -> AtDof {
         self.rate_bound(at, w, &mut BoundBuffer::default())
     }
 }
@@ -149,7 +160,7 @@ pub trait Scene: TangentSystem + Observables {
 /// What a program sets while a simulation runs.
 pub trait Controls {
     /// The loads that a program can scale, with their factors.
-    fn loads(&self) -> &[(Load, Arc<Scale>)];
+    fn loads(&self) -> &[ScaledLoad];
 
     /// The forces from outside, once they are enabled.
     fn external(&self) -> Option<&ExternalForces>;
@@ -182,7 +193,7 @@ pub fn sample_tables(scene: &dyn Scene, h: Option<f64>) {
 }
 
 /// The [loads](Controls::loads) of a scene.
-pub fn loads(scene: &dyn Scene) -> &[(Load, Arc<Scale>)] {
+pub fn loads(scene: &dyn Scene) -> &[ScaledLoad] {
     scene.controls().map_or(&[], |controls| controls.loads())
 }
 

@@ -8,19 +8,20 @@ use super::events::Phases;
 use super::external::ExternalForces;
 use super::numbering::Numbering;
 use super::reach::reach;
-use crate::force::schedule::step_block::NodeStateMut;
+use crate::force::schedule::step_block::StepBlockResults;
+use crate::force::schedule::step_boundary::NodeStateMut;
 use crate::force::schedule::step_boundary::StepBoundary;
-use crate::force::schedule::sweep::{Sweep, Terms};
+use crate::force::schedule::sweep::Sweep;
+use crate::force::schedule::terms::Terms;
 use crate::force::schedule::threads::{SUMS, Threads};
 use crate::force::{Copies, ForceTerm, MeanStep, NodeState};
 use crate::mesh::Mesh;
-use crate::model::abilities::{StepBlocks, StiffSprings};
 use crate::model::added_mass::AddedMass;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::motion::motion;
 use crate::model::state::{State, StateRef};
 use crate::model::step_block::{self, StepSummary};
-use crate::model::system::{KickDriftBlock, StepMean, System, TermInfo};
+use crate::model::system::{KickDriftBlock, StepBlocks, StepMean, StiffSprings, System, TermInfo};
 use crate::model::workers::Workers;
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -114,8 +115,8 @@ impl Network {
 
     /// [m/s^2] Acceleration of free fall, with the program's factor; 0 without gravity.
     pub(super) fn gravity(&self) -> Vector3<f64> {
-        let scale = self.acting.loads.iter().find(|(load, _)| *load == Load::Gravity);
-        self.built.gravity * scale.map_or(1.0, |(_, scale)| scale.get())
+        let scale = self.acting.loads.iter().find(|found| found.load == Load::Gravity);
+        self.built.gravity * scale.map_or(1.0, |found| found.scale.get())
     }
 
     /// Multiplies rest lengths by factors, `[n_edges]`. What was made from them before does not fit any more.
@@ -145,7 +146,7 @@ impl Network {
             let (own, outside) = tallies.split_at_mut(self.tallies());
             let sums = [&mut *total, &mut *external, dissipative];
             match mean {
-                None => self.sweep.pass((self, node_state(at)), &self.threads, sums, own),
+                None => self.sweep.pass(self, node_state(at), &self.threads, sums, own),
                 Some(mean) => self.mean_pass(MeanStep { at: node_state(at), mean }, sums, own),
             }
             if let Some(tally) = outside.first_mut() {
@@ -292,7 +293,8 @@ impl StepBlocks for Network {
         let moving = NodeStateMut { t: at.t, first: 0, x: &mut at.x, v: &mut at.v };
         let boundary = StepBoundary { block, mass: &self.built.mass, inverse_mass: &self.phase().inverse_mass };
         self.pass_into(out, |sums, tallies| {
-            self.sweep.advance((self, moving), boundary, &self.threads, sums, (tallies, summaries));
+            let results = StepBlockResults { sums, tallies, summaries };
+            self.sweep.advance(self, moving, boundary, &self.threads, results);
         });
     }
 }

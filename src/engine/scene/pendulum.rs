@@ -7,6 +7,7 @@
 use super::{BoundBuffer, Scene, Suspect};
 use crate::assembly::{Assembler, PatternError, SceneInterfaces, TangentSystem};
 use crate::force::TangentForm;
+use crate::model::at_dof::AtDof;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::observables::Observables;
 use crate::model::spec::PendulumSpec;
@@ -217,9 +218,9 @@ impl Scene for Pendulum {
         (0, "angle")
     }
 
-    fn rate_bound(&self, at: StateRef<'_>, w: Weights, _buffer: &mut BoundBuffer) -> (f64, usize) {
+    fn rate_bound(&self, at: StateRef<'_>, w: Weights, _buffer: &mut BoundBuffer) -> AtDof {
         let stiffness = w.k * self.weight_moment() * at.x[0].cos();
-        ((w.c * self.spec.damping + stiffness.max(0.0)) * self.inverse_inertia[0], 0)
+        AtDof { value: (w.c * self.spec.damping + stiffness.max(0.0)) * self.inverse_inertia[0], dof: 0 }
     }
 
     fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {

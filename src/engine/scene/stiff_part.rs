@@ -16,11 +16,11 @@ use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::{TangentSink, outer};
 use crate::format_number::counted;
 use crate::mesh::Mesh;
-use crate::model::abilities::{BesideStiff, StiffSprings};
+use crate::model::at_dof::AtDof;
 use crate::model::forces::Role;
 use crate::model::spec::DashpotKind;
 use crate::model::state::StateRef;
-use crate::model::system::{StiffPart, System, Weights};
+use crate::model::system::{BesideStiff, StiffPart, StiffSprings, System, Weights};
 use nalgebra::Matrix3;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -72,7 +72,7 @@ impl StiffSprings for Network {
             stiffness: bound(Weights { m: 0.0, c: 0.0, k: 1.0 }),
             damping: match self.velocity_dependent() {
                 true => bound(Weights { m: 0.0, c: 1.0, k: 0.0 }),
-                false => (0.0, 0),
+                false => AtDof::default(),
             },
             on_short_nodes: elements.any(|nodes| nodes.iter().any(|&node| is_short(node))),
         })

@@ -1,11 +1,13 @@
 //! What a failure report says about a node of a network, and the size of a network.
 
+use super::arrangement::TermPart;
 use super::network::{Network, by_node, node_state};
 use super::{BoundBuffer, Controls, Scene, Suspect};
 use crate::assembly::{SceneInterfaces, TangentSystem};
-use crate::force::{ForceTerm, TangentForm, TangentSink};
+use crate::force::{TangentForm, TangentSink};
 use crate::model::abilities::Events;
 use crate::model::added_mass::AddedMass;
+use crate::model::at_dof::AtDof;
 use crate::model::bounds::extent;
 use crate::model::forces::Role;
 use crate::model::state::StateRef;
@@ -69,7 +71,7 @@ impl Scene for Network {
     }
 
     fn term_alone(&self, term: usize, at: StateRef<'_>, f: &mut [f64]) -> Option<usize> {
-        let (forces, _) = self.term_of(term)?;
+        let forces = self.term_of(term)?.term;
         self.pass_of(term, node_state(at), bytemuck::cast_slice_mut(f));
         Some(forces.elements())
     }
@@ -85,7 +87,7 @@ impl Scene for Network {
             .iter()
             .enumerate()
             .filter(|(_, info)| matches!(info.role, Role::Gravity | Role::External));
-        let parts: Vec<(&dyn ForceTerm, usize)> = loads.filter_map(|(part, _)| self.term_of(part)).collect();
+        let parts: Vec<TermPart<'_>> = loads.filter_map(|(part, _)| self.term_of(part)).collect();
         self.sum_of(&parts, node_state(at), bytemuck::cast_slice_mut(f), &mut []);
         self.add_laws(at, [bytemuck::cast_slice_mut(f), &mut []]);
         for (f, &fixed) in f.iter_mut().zip(self.phase().fixed.as_flattened()) {
@@ -95,11 +97,11 @@ impl Scene for Network {
         }
     }
 
-    fn rate_bound(&self, at: StateRef<'_>, w: Weights, buffer: &mut BoundBuffer) -> (f64, usize) {
+    fn rate_bound(&self, at: StateRef<'_>, w: Weights, buffer: &mut BoundBuffer) -> AtDof {
         self.node_bound(at, w, buffer)
     }
 
-    fn sharper_rate_bound(&self, at: StateRef<'_>, w: Weights) -> (f64, usize) {
+    fn sharper_rate_bound(&self, at: StateRef<'_>, w: Weights) -> AtDof {
         self.sharper_node_bound(at, w)
     }
 

@@ -169,7 +169,8 @@ fn aggregates(position: &[[f64; 3]], largest: usize) -> (Vec<u32>, usize) {
             count += 1;
             continue;
         }
-        let middle = range.start + halve(part, position).0.len();
+        let [first, _] = halve(part, position);
+        let middle = range.start + first.len();
         open.extend([range.start..middle, middle..range.end]);
     }
     (aggregate, count as usize)

@@ -136,7 +136,7 @@ impl CoarseRows {
     }
 
     /// t <- u + beta t - Z translation
-    pub(super) fn combine(&self, translation: &[f32x4], (u, beta): (&[f32x4], f32), t: &mut [f32x4]) {
+    pub(super) fn combine(&self, translation: &[f32x4], u: &[f32x4], beta: f32, t: &mut [f32x4]) {
         let bases = self.basis.windows(BLOCK as usize + 1).step_by(BLOCK as usize);
         for (((t, u), &a), basis) in t.iter_mut().zip(u).zip(&self.aggregate).zip(bases) {
             *t = *u + *t * beta - times(columns(basis), translation[a as usize]);
@@ -153,7 +153,7 @@ impl SubdomainSystem {
 
     /// t <- u + beta t - Z translation, q <- (I + L)^-1 A t
     fn deflated_product(&mut self, translation: &[f32x4], beta: f32, halves: Option<&[SubdomainSystem; 2]>) {
-        self.coarse.combine(translation, (&self.u, beta), &mut self.t);
+        self.coarse.combine(translation, &self.u, beta, &mut self.t);
         self.q.fill(f32x4::ZERO);
         halves.into_iter().for_each(|halves| self.add_halves(halves));
         self.reductions.curvature = self.blocks.product(&self.t, &mut self.q);

@@ -20,7 +20,7 @@ impl NodeBlocks {
     }
 
     /// b = s Y^-1 E^-T v. `scale` is Y^-1 of every unknown `[n]`, `b` has the unknowns of the subdomain.
-    pub(super) fn scatter(&self, v: &[f32x4], (s, scale): (f64, &[f64]), b: &mut [f64]) {
+    pub(super) fn scatter(&self, v: &[f32x4], s: f64, scale: &[f64], b: &mut [f64]) {
         let first = self.unknowns()[0].start;
         for (g, (v, inverse_root)) in v.iter().zip(&self.inverse_root).take(self.nodes()).enumerate() {
             let own = inverse_root.tr_mul(&unpacked(*v));

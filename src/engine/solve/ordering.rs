@@ -125,7 +125,7 @@ impl Graph {
 
     /// Two halves and their separator: the nodes of the first part that touch the second, or the other way round if
     /// those are far fewer.
-    fn cut(&self, (first, second): (&[u32], &[u32]), marks: &mut Marks) -> [Vec<u32>; 3] {
+    fn cut(&self, [first, second]: [&[u32]; 2], marks: &mut Marks) -> [Vec<u32>; 3] {
         let (left, separator) = self.apart(first, second, marks);
         // No separator can be smaller by that factor.
         if separator.len() <= MUCH_SMALLER {
@@ -216,14 +216,15 @@ struct Marks {
 }
 
 /// Divides nodes into two halves across their longest extent; on a tie the lower numbers come first.
-pub(super) fn halve<'a>(part: &'a mut [u32], position: &[[f64; 3]]) -> (&'a [u32], &'a [u32]) {
+pub(super) fn halve<'a>(part: &'a mut [u32], position: &[[f64; 3]]) -> [&'a [u32]; 2] {
     let axis = longest_axis(part, position);
     let middle = part.len() / 2;
     part.select_nth_unstable_by(middle, |&a, &b| {
         let coordinate = |g: u32| position[g as usize][axis];
         coordinate(a).total_cmp(&coordinate(b)).then(a.cmp(&b))
     });
-    part.split_at(middle)
+    let (first, second) = part.split_at(middle);
+    [first, second]
 }
 
 fn longest_axis(part: &[u32], position: &[[f64; 3]]) -> usize {

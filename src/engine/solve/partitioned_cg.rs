@@ -273,14 +273,13 @@ impl PartitionedSystem {
     /// b <- s Y^-1 E^-T (I + L^T)^-1 x^
     pub(super) fn finish(&mut self, s: f64, b: &mut [f64]) {
         let PartitionedSystem { halves, separator, scale, workers, deflated, .. } = self;
-        let factors = (s, &**scale);
         let (first, rest) = b.split_at_mut(separator.blocks.unknowns()[0].start);
         let (middle, second) = rest.split_at_mut(separator.blocks.unknowns()[0].len());
         if !*deflated {
             separator.backward();
         }
         let scatter = |part: &SubdomainSystem, b: &mut [f64]| {
-            part.blocks.scatter(if *deflated { &part.x } else { &part.t }, factors, b);
+            part.blocks.scatter(if *deflated { &part.x } else { &part.t }, s, scale, b);
         };
         scatter(separator, middle);
         let [one, other] = halves;

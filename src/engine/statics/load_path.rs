@@ -45,7 +45,7 @@ pub(super) fn follow(search: &mut Continuation<'_>) -> Result<(), StaticFailure>
 
 /// The loads in steps, at first of equal size.
 fn in_steps(search: &mut Continuation<'_>, steps: u32) -> Result<(), StaticFailure> {
-    let given: Vec<f64> = loads(search.scene).iter().map(|(_, scale)| scale.get()).collect();
+    let given: Vec<f64> = loads(search.scene).iter().map(|load| load.scale.get()).collect();
     let followed = levels(search, steps, &given);
     apply(search.scene, &given, 1.0);
     search.refresh();
@@ -84,5 +84,5 @@ fn levels(search: &mut Continuation<'_>, steps: u32, given: &[f64]) -> Result<()
 }
 
 fn apply(scene: &dyn Scene, given: &[f64], level: f64) {
-    loads(scene).iter().zip(given).for_each(|((_, scale), given)| scale.set(level * given));
+    loads(scene).iter().zip(given).for_each(|(load, given)| load.scale.set(level * given));
 }

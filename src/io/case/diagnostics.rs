@@ -7,8 +7,8 @@ use std::fmt;
 
 use serde_json::Value;
 
+use super::location::Location;
 use super::pointer::Pointer;
-use super::span::Location;
 use crate::integrate::registry::other_name;
 use crate::warning::{Warning, WarningCode};
 

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::diagnostics::{nearest, one_of};
-use super::schema_check::{kind, meant};
+use super::schema_parts::{kind, meant};
 use crate::format_number::figures;
 
 /// Names of other programs and textbooks, in small letters, and the keys of a case that mean the same.

@@ -18,8 +18,8 @@ use serde_json::{Map, Number, Value};
 use super::diagnostics::{Fault, FaultList, FaultTarget, excerpt};
 use super::error::CaseError;
 use super::hints::of_broken;
+use super::location::Location;
 use super::pointer::Pointer;
-use super::span::Location;
 use crate::input_file::open_stream;
 
 /// [byte] Largest case file: one that is larger is a mistake (or `/dev/zero`).

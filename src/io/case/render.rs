@@ -5,7 +5,7 @@ use std::ops::Range;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
 use super::diagnostics::Fault;
-use super::span::Location;
+use super::location::Location;
 
 /// [characters] Largest width of a quoted line.
 const WIDTH: usize = 100;

@@ -15,11 +15,12 @@ use super::diagnostics::{Fault, FaultList, FaultTarget, did_you_mean, excerpt, n
 use super::hints;
 use super::pointer::Pointer;
 use super::schema::json_schema;
+use super::schema_parts::{kind, largest, length, meant, nullable};
 
 mod one_of;
 mod range;
 mod stand_in;
-use one_of::OneOf;
+use one_of::{OneOf, describe};
 use range::{counted_entries, out_of_range, plain_numbers};
 pub(crate) use stand_in::StandIns;
 use stand_in::stand_in;
@@ -263,75 +264,6 @@ impl<'a> SchemaCheck<'a> {
         map.insert(near.to_owned(), value);
         self.object(branch, map, at);
         true
-    }
-}
-
-/// The schema itself, with references and the choice between a value and null resolved.
-pub(super) fn meant<'a>(root: &'a Value, schema: &'a Value) -> &'a Value {
-    let referred = schema.get("$ref").and_then(Value::as_str).and_then(|name| name.strip_prefix('#'));
-    if let Some(target) = referred.and_then(|pointer| root.pointer(pointer)) {
-        return meant(root, target);
-    }
-    let branches = schema.get("anyOf").and_then(Value::as_array);
-    let branch = branches.and_then(|list| list.iter().find(|branch| kind(branch) != "null"));
-    branch.map_or(schema, |branch| meant(root, branch))
-}
-
-/// The type of a value, except null; empty if the schema names none.
-pub(super) fn kind(schema: &Value) -> &str {
-    match schema.get("type") {
-        Some(Value::String(name)) => name,
-        Some(Value::Array(names)) => names.iter().filter_map(Value::as_str).find(|n| *n != "null").unwrap_or("null"),
-        _ => "",
-    }
-}
-
-/// Whether null may stand for an absent value.
-fn nullable(schema: &Value) -> bool {
-    let null = |v: &Value| v == "null";
-    let named = schema.get("type").and_then(Value::as_array).is_some_and(|names| names.iter().any(null));
-    let branches = schema.get("anyOf").and_then(Value::as_array);
-    named || branches.is_some_and(|list| list.iter().any(|branch| kind(branch) == "null"))
-}
-
-/// The length of a list that has exactly one.
-fn length(schema: &Value) -> Option<usize> {
-    let bound = |key| schema.get(key).and_then(Value::as_u64).and_then(|n| usize::try_from(n).ok());
-    bound("maxItems").filter(|n| bound("minItems") == Some(*n))
-}
-
-/// The largest whole number that its Rust type holds.
-fn largest(schema: &Value) -> u64 {
-    if schema.get("format").is_some_and(|format| format == "uint32") { u64::from(u32::MAX) } else { u64::MAX }
-}
-
-/// Keys of an object that are named where something else stands in its place.
-const FEW: usize = 8;
-
-/// What is allowed, in the words of a case file.
-fn describe(root: &Value, schema: &Value) -> String {
-    let schema = meant(root, schema);
-    if let Some(choice) = OneOf::new(root, schema) {
-        return choice.describe(root);
-    }
-    match (kind(schema), length(schema)) {
-        ("object", _) => match schema.get("properties").and_then(Value::as_object) {
-            Some(keys) if keys.len() <= FEW => {
-                format!("an object {{...}}; {}", one_of("known keys", &keys.keys().collect::<Vec<_>>()))
-            }
-            _ => "an object {...}".to_owned(),
-        },
-        ("array", Some(3)) if schema.pointer("/items/type").is_some_and(|t| t == "number") => {
-            "a vector [x, y, z] of exactly 3 numbers".to_owned()
-        }
-        ("array", Some(n)) => format!("a list of exactly {n} entries"),
-        ("array", None) => "a list [...]".to_owned(),
-        ("number", _) => "a number".to_owned(),
-        ("integer", _) if largest(schema) < u64::MAX => format!("a whole number, 0 to {}", largest(schema)),
-        ("integer", _) => "a whole number, 0 or more".to_owned(),
-        ("string", _) => "a text in double quotes".to_owned(),
-        ("boolean", _) => "true or false".to_owned(),
-        (other, _) => other.to_owned(),
     }
 }
 

@@ -8,12 +8,13 @@ use serde_path_to_error::{Path, Segment};
 
 use super::diagnostics::{Fault, FaultList, FaultReport, Faults, excerpt};
 use super::jsonc::{ParseFailure, Tree, blank, no_json, parse};
+use super::location::Location;
 use super::lower::geometry::Geometry;
 use super::lower::{LoweredCase, build};
 use super::pointer::Pointer;
 use super::schema::CaseFile;
 use super::schema_check::{StandIns, ranges_hold, walk};
-use super::span::{CaseText, Location};
+use super::span::CaseText;
 use super::{Case, CaseError, overrides};
 
 /// The source of a case.

@@ -197,7 +197,7 @@ pub enum GaugeOf {
         of: SpringGauge,
         /// edges that carry them, ascending
         edges: Vec<u32>,
-        /// only the springs of this [rule](crate::model::observables::SpringPlace::rule)
+        /// only the springs of this [rule](crate::model::abilities::SpringPlace::rule)
         rule: Option<usize>,
         /// [N] their strength, if it is known
         strength: Option<f64>,

@@ -3,11 +3,12 @@
 use super::schedule::RowSchedule;
 use crate::case::spec::{GaugeOf, GaugeSpec, RowEvery};
 use crate::mesh::CrossingFinder;
+use crate::model::abilities::SpringPlace;
 use crate::model::gauge::{
     CANOPY_QUANTITIES, CROSSINGS, NodeColumns, NodeGauge, PeakRule, Quantity, ReportLine, SpringColumns, SpringGauge,
     TENSION_MAX,
 };
-use crate::model::observables::{Observables, SpringPlace};
+use crate::model::observables::Observables;
 use crate::model::point::Point;
 use serde::{Deserialize, Serialize};
 

@@ -1,17 +1,8 @@
 //! Steps that are attempted first, and then accepted or dropped: for implicit coupling.
 
-use super::{Simulation, SimulationError, StepInfo};
-use crate::drive::{RunError, Snapshot, StepEnd};
-use crate::integrate::StepReport;
+use super::{Pending, Simulation, SimulationError, StepInfo};
+use crate::drive::{RunError, StepEnd};
 use crate::model::stop::Stop;
-
-/// A step that was attempted and waits.
-pub(super) enum Pending {
-    /// of a fixed size, in the second point of the run
-    Fixed(StepReport),
-    /// of adaptive size, accepted already: where it began
-    Adaptive(Box<Snapshot>),
-}
 
 impl Simulation {
     /// Computes the next step without accepting it: [`Simulation::attempted`] shows its end. For implicit coupling,

@@ -146,7 +146,7 @@ pub fn record_static_watched(
 }
 
 fn outcome(scene: &dyn Scene, found: &Equilibrium) -> Outcome {
-    let (_, ledger) = Ledger::open(scene, &found.point);
+    let ledger = Ledger::open(scene, &found.point).first();
     Outcome {
         status: match &found.failure {
             None => Status::Completed,

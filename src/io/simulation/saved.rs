@@ -3,7 +3,7 @@
 use super::{Changed, NodeMotion, RunState, Simulation, SimulationError, bind_spec};
 use crate::checksum::{self, ChecksumError, RunningChecksum};
 use crate::drive::Snapshot;
-use crate::drive::clock::{Step, Tolerance};
+use crate::drive::clock::{JoinedAt, Step, Tolerance};
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::{ExternalForces, ExternalKind, Load, pass_events};
@@ -165,7 +165,7 @@ impl Simulation {
         let anew = match differences.as_slice() {
             [] => spec.passes(&*self.scene, &snapshot).map(|()| None)?,
             _ => {
-                let (steps, t) = spec.join(&*self.scene, (snapshot.step, *t))?;
+                let JoinedAt { step: steps, t } = spec.join(&*self.scene, snapshot.step, *t)?;
                 Some((steps, State { t, x: x.clone(), v: v.clone() }))
             }
         };

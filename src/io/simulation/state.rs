@@ -8,7 +8,7 @@ use crate::force::law::series::Scale;
 use crate::integrate::Counters;
 use crate::model::state::{State, StateRef};
 use crate::model::stop::Stop;
-use crate::scene::{ExternalForces, ExternalKind, Load, PairsChange, Scene, loads};
+use crate::scene::{ExternalForces, ExternalKind, Load, PairsChange, ScaledLoad, Scene, loads};
 use std::sync::atomic::AtomicBool;
 
 /// Where nodes are and how they move, in the numbering of the mesh.
@@ -178,11 +178,11 @@ impl Simulation {
         self.idle()?;
         self.check("positions", positions)?;
         self.check("velocities", velocities)?;
-        let joined = self.spec.join(&*self.scene, (self.state.steps, t))?;
+        let joined = self.spec.join(&*self.scene, self.state.steps, t)?;
         let controls = self.scene.controls();
-        let state = controls.and_then(|controls| controls.state_of(joined.1, positions, velocities));
+        let state = controls.and_then(|controls| controls.state_of(joined.t, positions, velocities));
         let state = state.ok_or(SimulationError::Unsupported("positions that can be set"))?;
-        self.begin(joined.0, state)
+        self.begin(joined.step, state)
     }
 
     /// Begins anew from a state after `steps` steps; counted work stays.
@@ -288,7 +288,7 @@ impl Simulation {
 
     /// The loads that can be scaled, with their factors [-].
     pub fn load_factors(&self) -> Vec<(Load, f64)> {
-        loads(&*self.scene).iter().map(|(load, scale)| (*load, scale.get())).collect()
+        loads(&*self.scene).iter().map(|ScaledLoad { load, scale }| (*load, scale.get())).collect()
     }
 
     /// Multiplies a load by `factor` [-] from the present state on, besides its own factor over time: 1 as given, 0 to
@@ -311,8 +311,8 @@ impl Simulation {
         if !factor.is_finite() {
             return Err(SimulationError::NotFinite { what: "load factor", row: 0 });
         }
-        let found = loads(&*self.scene).iter().find(|(other, _)| *other == load);
-        found.map(|(_, scale)| &**scale).ok_or(SimulationError::NoLoad(load))
+        let found = loads(&*self.scene).iter().find(|other| other.load == load);
+        found.map(|found| &*found.scale).ok_or(SimulationError::NoLoad(load))
     }
 
     /// The edges that have a spring, ascending.

@@ -1,7 +1,14 @@
 //! Points, lines and faces, which all formats have. `assemble` makes the mesh of them.
 
-use super::fill::Outline;
 use std::collections::{BTreeMap, HashMap};
+
+/// A closed outline of a drawing.
+#[derive(Clone, Debug)]
+pub(super) struct Outline {
+    pub points: Vec<u64>,
+    /// number of its groups
+    pub number: i64,
+}
 
 /// Points and cells of a file.
 #[derive(Clone, Debug, Default)]

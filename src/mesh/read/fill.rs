@@ -1,17 +1,9 @@
 //! Fills closed outlines with triangles. An outline inside another is a hole in it, and one inside a hole is filled
 //! again.
 
-use super::cells::Cells;
+use super::cells::{Cells, Outline};
 use crate::delaunay::{Unfilled, fill};
 use nalgebra::{Vector2, Vector3};
-
-/// A closed outline of a drawing.
-#[derive(Clone, Debug)]
-pub(super) struct Outline {
-    pub points: Vec<u64>,
-    /// number of its groups
-    pub number: i64,
-}
 
 /// [-] Most nodes that an edge length may ask for.
 const MOST_NODES: f64 = 2e6;

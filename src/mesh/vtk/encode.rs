@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use base64::write::EncoderWriter;
 use flate2::write::ZlibEncoder;
 
-use super::write::{Cells, VtuError};
+use super::cells::{Cells, VtuError};
 use super::{Compression, Encoding, VtuFormat};
 
 /// [byte] uncompressed size of a zlib block

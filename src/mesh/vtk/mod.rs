@@ -2,6 +2,7 @@
 //!
 //! Source: "VTK XML file formats", <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
+mod cells;
 mod encode;
 mod inline_arrays;
 pub mod read;

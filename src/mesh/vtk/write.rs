@@ -7,28 +7,11 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::Write;
 
+pub use super::cells::{Cells, VtuError};
 use super::encode::{Appender, CellTable, Width, little_endian, little_endian_f32};
 use super::tags::{field_arrays, field_data, tag};
 use super::vectored_write::{Appended, Segment};
 use super::{Compression, Encoding, Precision, VtuFormat, xml_attribute};
-
-/// The constant part: the number of points and the cells.
-#[derive(Clone, Copy, Debug)]
-pub struct Cells<'a> {
-    /// number of points
-    pub points: usize,
-    /// triangles, which come first
-    pub triangles: &'a [[u32; 3]],
-    /// edges, which come after the triangles
-    pub edges: &'a [[u32; 2]],
-}
-
-impl Cells<'_> {
-    /// Number of corners of all cells.
-    fn corners(&self) -> usize {
-        3 * self.triangles.len() + 2 * self.edges.len()
-    }
-}
 
 /// Values of an array, one per point or per cell.
 #[derive(Clone, Copy, Debug)]
@@ -61,35 +44,6 @@ pub struct Snapshot<'a> {
     pub point_data: &'a [Array<'a>],
     /// arrays on the cells, triangles before edges
     pub cell_data: &'a [Array<'a>],
-}
-
-/// Why a frame cannot be written.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum VtuError {
-    /// A cell names a point that does not exist.
-    #[error("cell {cell} uses point {point}, but there are {points} points, counted from 0")]
-    PointOutOfRange {
-        /// the cell, triangles counted before edges
-        cell: usize,
-        /// the point it names
-        point: u32,
-        /// number of points
-        points: usize,
-    },
-    /// An array has the wrong length.
-    #[error("array \"{name}\" holds {found} values where {expected} are needed")]
-    WrongLength {
-        /// the array
-        name: String,
-        /// its length
-        found: usize,
-        /// the number of points or cells
-        expected: usize,
-    },
-    /// The system's error.
-    #[error(transparent)]
-    Write(#[from] std::io::Error),
 }
 
 /// Arrays that do not change, each with its name.

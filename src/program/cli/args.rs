@@ -1,16 +1,17 @@
 //! The arguments of the command line.
 
+use super::case_args::{CheckArgs, SolveArgs};
 use super::init::InitArgs;
 use super::mesh::{MeshArgs, MeshCommand};
 use super::methods::MethodsArgs;
 use super::plot::PlotArgs;
-use super::shell::{CompletionsArgs, ManArgs};
 use super::stability::StabilityArgs;
 use super::static_::StaticArgs;
 use super::sweep::SweepArgs;
 use super::tradeoff::TradeoffArgs;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Parser, Subcommand};
+use clap_complete::Shell;
 use std::path::PathBuf;
 
 /// Printed below the help of commands that can fail in more than one way.
@@ -201,175 +202,17 @@ pub(super) fn with_advice(mut error: clap::Error) -> clap::Error {
     error
 }
 
-/// Changes of a case, for every command that reads one.
+/// `completions`.
 #[derive(Clone, Debug, clap::Args)]
-pub struct Changes {
-    /// Replace any value of the case, e.g. time.step=1e-3 or system.network.springs.0.stiffness=500
-    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
-    pub set: Vec<(String, String)>,
+pub struct CompletionsArgs {
+    /// Shell to complete commands for
+    #[arg(value_enum)]
+    pub shell: Shell,
 }
 
-/// Threads, for every command that evaluates forces.
-#[derive(Clone, Copy, Debug, clap::Args)]
-pub struct Threads {
-    /// Threads for the force passes of scenes above 2,000 nodes; results are the same for every number
-    #[arg(long = "threads", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub number: u16,
-}
-
-/// What a command prints.
-#[derive(Clone, Copy, Debug, clap::Args)]
-pub struct Print {
-    /// No progress, no warnings, no report
-    #[arg(long, short)]
-    pub quiet: bool,
-    /// Print the results as JSON in place of the report
-    #[arg(long)]
-    pub json: bool,
-}
-
-impl Threads {
-    /// Their number.
-    pub(super) fn get(self) -> usize {
-        usize::from(self.number)
-    }
-}
-
-/// A case with changes to it.
+/// `man`.
 #[derive(Clone, Debug, clap::Args)]
-pub struct CaseArgs {
-    /// Case file (JSON; // comments and trailing commas are allowed)
-    pub case: PathBuf,
-    /// Method, with its default parameters, or as in the case file: '{"hht": {"alpha": -0.2}}'
-    #[arg(long)]
-    pub method: Option<String>,
-    /// Fixed step [s]; replaces time.tolerance
-    #[arg(long, allow_negative_numbers = true)]
-    pub step: Option<String>,
-    /// Relative tolerance of adaptive steps, with a hundredth of it [m] as the absolute one; replaces time.step
-    #[arg(long, allow_negative_numbers = true, conflicts_with = "step")]
-    pub tolerance: Option<String>,
-    /// End of the simulated time [s]
-    #[arg(long, allow_negative_numbers = true)]
-    pub end: Option<String>,
-    /// changes
-    #[command(flatten)]
-    pub changes: Changes,
-}
-
-/// `check`.
-#[derive(Clone, Debug, clap::Args)]
-pub struct CheckArgs {
-    /// the case
-    #[command(flatten)]
-    pub case: CaseArgs,
-    /// Recommend a method and a step for this accuracy, relative to the motion, in (0, 1) [default: the case's relative
-    /// tolerance, else 1e-3]
-    #[arg(long, value_name = "A", value_parser = accuracy, allow_hyphen_values = true)]
-    pub accuracy: Option<f64>,
-    /// Print the model, its cost, and what is predicted of every method, too
-    #[arg(long, short, conflicts_with = "json")]
-    pub all: bool,
-    /// threads
-    #[command(flatten)]
-    pub threads: Threads,
-    /// what is printed
-    #[command(flatten)]
-    pub print: Print,
-}
-
-/// `solve`.
-#[derive(Clone, Debug, clap::Args)]
-pub struct SolveArgs {
-    /// the case
-    #[command(flatten)]
-    pub case: CaseArgs,
-    /// Folder for the results [default: out/NAME]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// threads
-    #[command(flatten)]
-    pub threads: Threads,
-    /// Replace earlier results in the folder
-    #[arg(long)]
-    pub force: bool,
-    /// Continue from the checkpoint in the folder. A run writes one when it is interrupted, and as often as
-    /// output.checkpoint of the case says. With fixed steps, --end may be later than before
-    #[arg(long, conflicts_with = "force")]
-    pub resume: bool,
-    /// Continue after a divergence until a value is not finite
-    #[arg(long)]
-    pub keep_going: bool,
-    /// Write M, C and K at t = 0 as MatrixMarket files into DIR before solving
-    #[arg(long, value_name = "DIR")]
-    pub dump_matrices: Option<PathBuf>,
-    /// what is printed
-    #[command(flatten)]
-    pub print: Print,
-}
-
-impl CaseArgs {
-    /// All replacements in the order they apply: `--set` first, then the flags with a name of their own.
-    pub fn overrides(&self) -> Vec<(String, String)> {
-        let steps = [
-            self.step.clone().map(|step| [("time.tolerance", "null".to_owned()), ("time.step", step)]),
-            self.tolerance.as_deref().map(|t| [("time.step", "null".to_owned()), ("time.tolerance", both(t))]),
-        ];
-        let flags = [("time.method", &self.method), ("time.end", &self.end)];
-        let flags = flags.into_iter().filter_map(|(key, value)| Some((key, value.clone()?)));
-        let named = flags.chain(steps.into_iter().flatten().flatten()).map(|(key, value)| (key.to_owned(), value));
-        self.changes.set.iter().cloned().chain(named).collect()
-    }
-}
-
-/// Both tolerances from the relative one; a value that is not a number is left to the check of the case.
-fn both(relative: &str) -> String {
-    match relative.trim().parse::<f64>() {
-        // A number such as `.001` is no JSON.
-        Ok(number) if number.is_finite() => {
-            format!("{{\"relative\": {number:e}, \"absolute\": {:e}}}", number / 100.0)
-        }
-        _ => format!("{{\"relative\": {}}}", serde_json::Value::String(relative.to_owned())),
-    }
-}
-
-fn accuracy(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(number) if number > 0.0 && number < 1.0 => Ok(number),
-        Ok(number) => Err(format!("{number} is not above 0 and below 1")),
-        Err(_) => Err("expected a number above 0 and below 1, e.g. 1e-3".to_owned()),
-    }
-}
-
-pub(super) fn key_value(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((key, value)) if !key.is_empty() => Ok((key.to_owned(), value.to_owned())),
-        _ => Err("expected KEY=VALUE, e.g. time.step=1e-3".to_owned()),
-    }
-}
-
-/// [s] A time with its unit; without one, seconds.
-pub(super) fn duration(text: &str) -> Result<f64, String> {
-    let text = text.trim();
-    let units = [("min", 60.0), ("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
-    let (number, unit) =
-        units.iter().find_map(|(unit, size)| Some((text.strip_suffix(unit)?, *size))).unwrap_or((text, 1.0));
-    let seconds = number.trim().parse().ok().map(|number: f64| number * unit).filter(|s| *s > 0.0 && s.is_finite());
-    seconds.ok_or_else(|| "expected a time above 0 such as 60s, 5min or 2h".to_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn times_as_typed() {
-        let times = [("60s", 60.0), ("1.5", 1.5), ("5min", 300.0), ("5m", 300.0), ("2 h", 7200.0), ("100ms", 0.1)];
-        for (text, seconds) in times {
-            assert_eq!(duration(text), Ok(seconds), "{text}");
-        }
-        for text in ["", "0s", "-1s", "soon", "inf", "nan", "1day", "none"] {
-            assert!(duration(text).is_err(), "{text}");
-        }
-    }
+pub struct ManArgs {
+    /// Folder for the pages, made if it does not exist; pages of the same name are replaced
+    pub dir: PathBuf,
 }

@@ -1,17 +1,18 @@
 //! `canopy-fem mesh`: makes, converts and inspects meshes.
 
 use super::mesh_json::to_json;
+use super::mesh_output::doubts;
+pub use super::mesh_output::{MeshCliError, OutputArgs};
 use super::parachute::ParachuteArgs;
 use crate::mesh::annulus::{AnnulusParameters, DiscParameters};
 use crate::mesh::canopy::Canopy;
 use crate::mesh::chain::ChainParameters;
-use crate::mesh::file::{Axes, Diagonals, repairs};
+use crate::mesh::file::{Axes, Diagonals};
 use crate::mesh::group::describe_groups;
-use crate::mesh::hanging;
 use crate::mesh::read::{Imported, endings};
 use crate::mesh::rectangle::{RectangleParameters, RectanglePattern};
 use crate::mesh::write::write_mesh;
-use crate::mesh::{EdgeKind, Mesh, MeshError, MeshFile, MeshSource, Quality, Topology};
+use crate::mesh::{EdgeKind, Mesh, MeshFile, MeshSource, Quality, Topology};
 use clap::{Args, Subcommand, ValueEnum};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -42,17 +43,6 @@ pub enum MeshCommand {
     Convert(ConvertArgs),
     /// Print counts, boundary loops and quality of a mesh file
     Inspect(InspectArgs),
-}
-
-/// The output of a generated mesh.
-#[derive(Clone, Debug, Args)]
-pub struct OutputArgs {
-    /// File to write, .vtu, .vtp, .msh, .obj, .ply or .stl; without it, the command only describes the mesh
-    #[arg(short, long)]
-    pub output: Option<PathBuf>,
-    /// Replace the file if it exists
-    #[arg(long)]
-    pub force: bool,
 }
 
 /// Counts and grading of a graded mesh.
@@ -230,31 +220,6 @@ pub struct InspectArgs {
     pub json: bool,
 }
 
-/// Why `canopy-fem mesh` failed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum MeshCliError {
-    /// The mesh cannot be made or read.
-    #[error(transparent)]
-    Input(MeshError),
-    /// The mesh cannot be written.
-    #[error(transparent)]
-    Output(MeshError),
-    /// An end of a chain is missing.
-    #[error("a chain needs both --from X Y Z and --to X Y Z")]
-    ChainEnds,
-}
-
-impl MeshCliError {
-    /// Exit status of the program: 2 for bad input or a bad name for the output, 1 if writing failed.
-    pub fn exit_status(&self) -> u8 {
-        match self {
-            Self::Input(_) | Self::ChainEnds | Self::Output(MeshError::Target { .. }) => 2,
-            Self::Output(_) => 1,
-        }
-    }
-}
-
 /// Runs `canopy-fem mesh`; returns what goes to standard output.
 ///
 /// # Errors
@@ -377,16 +342,4 @@ fn describe(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliError> {
         let _ = writeln!(text, "note: {note}");
     }
     Ok(text)
-}
-
-/// What the reader changed, and what is wrong with the mesh for a simulation.
-pub(super) fn doubts(mesh: &Mesh, topology: &Topology, notes: &[String]) -> Vec<String> {
-    let sheet = topology.check_manifold().err();
-    let canopies = Canopy::of_groups(mesh);
-    let mut canopy: Vec<String> =
-        canopies.values().filter_map(|found| Some(found.as_ref().err()?.to_string())).collect();
-    canopy.dedup();
-    let sheet = sheet.into_iter().map(|error| error.to_string());
-    let hanging = hanging::describe(&hanging::hanging_nodes(mesh, topology));
-    notes.iter().cloned().chain(sheet).chain(canopy).chain(repairs(mesh, topology)).chain(hanging).collect()
 }

@@ -1,6 +1,6 @@
 //! What `mesh inspect --json` prints: the same as the text, for programs.
 
-use super::mesh::{MeshCliError, doubts};
+use super::mesh_output::{MeshCliError, doubts};
 use crate::mesh::canopy::Canopy;
 use crate::mesh::{EdgeKind, Mesh, Quality, Topology};
 use serde_json::{Value, json};

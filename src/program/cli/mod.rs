@@ -1,6 +1,7 @@
 //! The command line: its arguments, and one file per command.
 
 mod args;
+mod case_args;
 mod check;
 mod check_json;
 mod check_system;
@@ -10,6 +11,7 @@ mod interrupt;
 mod known_models;
 pub mod mesh;
 mod mesh_json;
+mod mesh_output;
 mod methods;
 mod parachute;
 pub mod plot;
@@ -27,7 +29,8 @@ mod terminal;
 pub mod tradeoff;
 mod verbose;
 
-pub use args::{Args, CaseArgs, CheckArgs, Command, SolveArgs};
+pub use args::{Args, Command};
+pub use case_args::{CaseArgs, CheckArgs, SolveArgs};
 pub use error::CliError;
 
 use clap::Parser;

@@ -1,6 +1,6 @@
 //! The options of `canopy-fem mesh parachute`: the parameters of `mesh.parachute`.
 
-use super::mesh::OutputArgs;
+use super::mesh_output::OutputArgs;
 use crate::mesh::parachute::{
     CanopyType, ClusterParameters, InnerLineParameters, LineParameters, ParachuteParameters, PayloadParameters,
     ReefingParameters, StartShape,

@@ -6,8 +6,9 @@ use crate::output::atomic::{Durability, replace};
 use crate::plot::PlotError;
 use crate::plot::chart::Scale;
 use crate::plot::convert::{Format, convert};
+use crate::plot::picture::{Picture, picture};
 use crate::plot::results::Run;
-use crate::plot::view::{Direction, Kind, Picture, Results, View, picture};
+use crate::plot::view::{Direction, Kind, Results, View};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

@@ -1,25 +1,10 @@
 //! `canopy-fem completions SHELL` and `canopy-fem man DIR`: what a shell and `man` want to know of the command line.
 
+use super::args::{CompletionsArgs, ManArgs};
 use super::{Args, CliError};
 use crate::output::folder::FolderError;
 use clap::CommandFactory;
-use clap_complete::Shell;
-use std::path::{Path, PathBuf};
-
-/// `completions`.
-#[derive(Clone, Debug, clap::Args)]
-pub struct CompletionsArgs {
-    /// Shell to complete commands for
-    #[arg(value_enum)]
-    pub shell: Shell,
-}
-
-/// `man`.
-#[derive(Clone, Debug, clap::Args)]
-pub struct ManArgs {
-    /// Folder for the pages, made if it does not exist; pages of the same name are replaced
-    pub dir: PathBuf,
-}
+use std::path::Path;
 
 /// The script that a shell sources.
 pub(super) fn completions(args: &CompletionsArgs) -> String {

@@ -1,6 +1,6 @@
 //! `canopy-fem stability CASE`: predicted and measured largest stable step of every method.
 
-use super::args::{Print, Threads, duration};
+use super::case_args::{Print, Threads, duration};
 use super::study::printed;
 use super::{CaseArgs, CliError, CommandOutput, complain};
 use crate::case::Case;

@@ -1,6 +1,6 @@
 //! `canopy-fem static`: finds the equilibrium of a case and writes it.
 
-use super::args::{Changes, Print, Threads};
+use super::case_args::{Changes, Print, Threads};
 use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, SearchLine};
 use super::{CliError, CommandOutput, complain};

@@ -1,6 +1,6 @@
 //! What the studies that can be divided among machines, `tradeoff` and `sweep`, have in common on the command line.
 
-use super::args::{Changes, Print, duration};
+use super::case_args::{Changes, Print, duration};
 use super::{CliError, complain};
 use crate::case::Case;
 use crate::output::sanitize::file_stem;

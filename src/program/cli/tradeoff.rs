@@ -1,6 +1,6 @@
 //! `canopy-fem tradeoff`: what accuracy costs, on the user's own scene.
 
-use super::args::Threads;
+use super::case_args::Threads;
 use super::interrupt::stop_on_interrupt;
 use super::study::{Budget, CaseFile, ProgressLine, StudyArgs, nothing_lost, typed};
 use super::{CliError, CommandOutput};

@@ -186,7 +186,8 @@ fn begin(run: &Experiment<'_>, stepper: &mut Stepper<'_>, from: &Snapshot) -> Re
     let mut at = Point { state: State { t, x: from.x.clone(), v: from.v.clone() }, forces: scene.new_forces() };
     scene.evaluate(at.state.as_ref(), &mut at.forces);
     stepper.start(&at).map_err(RunError::from)?;
-    let (ledger, row) = Ledger::open(scene, &at);
+    let ledger = Ledger::open(scene, &at);
+    let row = ledger.first();
     let watch = Watch::open(scene, run.method.info, &row).account().without_warning();
     let State { x, v, .. } = at.state;
     let adaptive = from.adaptive.clone().filter(|_| run.step.fixed().is_none());

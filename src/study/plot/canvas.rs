@@ -99,6 +99,15 @@ pub(super) struct PixelPoint {
     pub y: f64,
 }
 
+/// A rectangle of the picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Field {
+    /// upper left corner
+    pub(super) from: PixelPoint,
+    /// lower right corner
+    pub(super) to: PixelPoint,
+}
+
 /// Position of a text relative to its point.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Anchor {

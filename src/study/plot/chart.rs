@@ -1,7 +1,8 @@
 //! One chart as plain data, and its picture as SVG text.
 //!
 //! ```
-//! use canopy_fem_study::plot::chart::{Axis, Chart, Line, Scale, svg};
+//! use canopy_fem_study::plot::chart::{Axis, Chart, Line, Scale};
+//! use canopy_fem_study::plot::layout::svg;
 //! let chart = Chart {
 //!     title: "order of the schemes".into(),
 //!     x: Axis { label: "step [s]".into(), scale: Scale::Log, ..Axis::default() },
@@ -12,9 +13,6 @@
 //! assert!(svg(&chart)?.starts_with("<svg"));
 //! # Ok::<(), canopy_fem_study::plot::PlotError>(())
 //! ```
-
-use super::PlotError;
-pub use super::layout::{Sample, legend_samples, svg_grid, svg_page};
 
 /// A chart: two axes and lines on them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -234,12 +232,4 @@ impl Line {
     pub fn new(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         Line { label: label.into(), points, ..Line::default() }
     }
-}
-
-/// The chart as an SVG picture. Lines with many points are decimated; all extremes are kept.
-///
-/// # Errors
-/// Nothing to draw, or an invalid range.
-pub fn svg(chart: &Chart) -> Result<String, PlotError> {
-    svg_grid(std::slice::from_ref(chart), 1)
 }

@@ -2,7 +2,7 @@
 
 use super::PlotError;
 use super::axis::AxisScale;
-use super::canvas::{Anchor, Canvas, FINE_GRID, GRID, LETTERS, LineStyle, PixelPoint, fitting};
+use super::canvas::{Anchor, Canvas, FINE_GRID, Field, GRID, LETTERS, LineStyle, PixelPoint, fitting};
 use super::chart::{Align, Axis, Chart, Line, Marker, Note, Scale, Size, Stroke};
 use super::decimate::{UnitPoint, inside, thin};
 use super::legend::{Entry, Legend};
@@ -20,13 +20,12 @@ const WIDTHS: [f64; 2] = [2.8, 1.4];
 /// Largest picture [px].
 const LARGEST: u32 = 20_000;
 
-/// A rectangle of the picture.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Field {
-    /// upper left corner
-    pub(super) from: PixelPoint,
-    /// lower right corner
-    pub(super) to: PixelPoint,
+/// The chart as an SVG picture. Lines with many points are decimated; all extremes are kept.
+///
+/// # Errors
+/// Nothing to draw, or an invalid range.
+pub fn svg(chart: &Chart) -> Result<String, PlotError> {
+    svg_grid(std::slice::from_ref(chart), 1)
 }
 
 /// Several charts in one picture, filled row by row; the legend, to their right, has every label of them once.

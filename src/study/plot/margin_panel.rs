@@ -1,9 +1,8 @@
 //! The margin panel of a chart: marks along one axis that have no value on the other, such as runs without an error.
 
 use super::axis::AxisScale;
-use super::canvas::{Anchor, Canvas, GRID, LETTERS, LineStyle, PixelPoint};
+use super::canvas::{Anchor, Canvas, Field, GRID, LETTERS, LineStyle, PixelPoint};
 use super::chart::{MarginPanel, PanelSide, Stroke};
-use super::layout::Field;
 
 /// [px] least distance of two marks, so that they do not touch
 const PITCH: f64 = 12.0;

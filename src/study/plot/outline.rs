@@ -1,10 +1,9 @@
 //! Lines on the axes of a chart: their pieces inside the frame, and which lines cover others.
 
 use super::axis::AxisScale;
-use super::canvas::PixelPoint;
+use super::canvas::{Field, PixelPoint};
 use super::chart::{Chart, Line, Marker, Scale, Stroke};
 use super::decimate::{Node, UnitPoint, cut, thin};
-use super::layout::Field;
 use crate::model::state::State;
 use crate::output::hermite::interpolate;
 use std::collections::BTreeMap;

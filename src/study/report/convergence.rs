@@ -1,6 +1,6 @@
 //! Error against step: which order a method shows, and where it stops being stable.
 
-use super::figure::{Span, margin_panel, model_errors, nothing, rows, title};
+use super::parts::{Span, margin_panel, model_errors, nothing, rows, title};
 use super::style::{BLACK, Style, entry};
 use crate::format_number::figures;
 use crate::plan::Variant;

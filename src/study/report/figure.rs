@@ -1,14 +1,12 @@
 //! Work-precision diagrams: what an error costs, one line a method.
 
-use super::style::{BLACK, Style, entry, failure, legend, styles};
+use super::parts::{Span, margin_panel, model_errors, nothing, rows, title};
+use super::style::{Style, entry, legend, styles};
 use super::{convergence, stiffness};
 use crate::error::StudyError;
 use crate::format_number::figures;
-use crate::plan::Variant;
-use crate::plot::chart::{
-    Align, Axis, Chart, Line, MarginPanel, Marker, Note, PanelMark, PanelSide, Sample, Scale, Size, Stroke,
-    legend_samples, svg_grid, svg_page,
-};
+use crate::plot::chart::{Align, Axis, Chart, Line, Marker, Note, PanelSide, Scale, Size, Stroke};
+use crate::plot::layout::{Sample, legend_samples, svg_grid, svg_page};
 use crate::recommendations::Recommendations;
 use crate::row::{Row, StepSetting};
 use crate::runner::Study;
@@ -31,14 +29,10 @@ pub(super) struct Figure {
 const PAGE: [Size; 3] =
     [Size { width: 1000, height: 600 }, Size { width: 560, height: 460 }, Size { width: 460, height: 440 }];
 
-/// What a range of an axis leaves free at either end, in decades, at least.
-const MARGIN: f64 = 0.15;
 /// The reference's error is part of the picture if it is at most so many decades off.
 const FAR: f64 = 2.0;
 /// Runs without a result whose cost is more than so many decades off that of all others stand at the end of the axis.
 const CHEAP: f64 = 1.0;
-/// Longest title.
-const LONGEST: usize = 60;
 /// [px] Height an entry of the legend needs, and what is around the legend.
 const LEGEND: [u32; 2] = [22, 64];
 
@@ -113,11 +107,6 @@ struct Cost {
     /// whether the Pareto front is that of this cost
     ranked: bool,
     of: fn(&Row) -> Option<f64>,
-}
-
-/// Rows of a variant.
-pub(super) fn rows(study: &Study, variant: usize) -> impl Iterator<Item = &Row> {
-    study.rows.iter().filter(move |row| row.job.variant == variant)
 }
 
 /// Error against cost.
@@ -198,12 +187,6 @@ fn front(study: &Study, number: usize, [x, y]: [Span; 2], at: impl Fn(&Row) -> O
     Some(Line { points, ..entry("Pareto front", Stroke::Fine, Marker::None) })
 }
 
-/// Name and error of every model whose solution differs from the reference.
-pub(super) fn model_errors(variant: Option<&Variant>) -> impl Iterator<Item = (String, f64)> + '_ {
-    let models = variant.into_iter().flat_map(|variant| &variant.models);
-    models.filter_map(|report| Some((format!("error of the {}", report.model.words()), report.error.as_ref()?.error)))
-}
-
 /// A line at an error, such as the bound below which nothing is ranked, and its name.
 fn upright(name: &str, error: f64, [x, y]: [Span; 2], notes: &mut Vec<Note>) -> Option<Line> {
     if error <= 0.0 {
@@ -219,97 +202,4 @@ fn upright(name: &str, error: f64, [x, y]: [Span; 2], notes: &mut Vec<Note>) -> 
     let align = if error > x.middle() { Align::Left } else { Align::Right };
     notes.push(Note { at: (error, low), text, align });
     Some(Line { points: vec![(error, low), (error, high)], ..entry(name, Stroke::Dashed, Marker::None) })
-}
-
-/// All runs of a variant that have no place in its chart; `at` says so, and which place they have along the strip.
-pub(super) fn margin_panel(
-    study: &Study,
-    styles: &[Style],
-    number: usize,
-    side: PanelSide,
-    at: impl Fn(&Row) -> Option<Option<f64>>,
-) -> Option<MarginPanel> {
-    let mark = |row: &Row| {
-        let color = styles.iter().find(|s| s.is_of(row)).map_or(BLACK, |s| s.color);
-        let marker = failure(row.measured.status).unwrap_or(Marker::Cross);
-        let (series, run) = (row.label(), row.job.id.clone());
-        Some(PanelMark { at: at(row)?.filter(|at| *at > 0.0), marker, color, series, run })
-    };
-    let marks: Vec<PanelMark> = rows(study, number).filter_map(mark).collect();
-    (!marks.is_empty()).then(|| MarginPanel { side, label: "no result".to_owned(), marks })
-}
-
-/// The case's name, the variant's factor, and what is shown.
-pub(super) fn title(study: &Study, variant: Option<&Variant>, what: &str) -> String {
-    // XML has no place for these.
-    let plain = |c: char| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { ' ' } else { c };
-    let mut name: String = study.plan.name.chars().map(plain).take(LONGEST).collect();
-    if study.plan.name.chars().count() > LONGEST {
-        name.push('…');
-    }
-    match variant.map(|v| v.stiffness_factor).filter(|_| study.plan.variants.len() > 1) {
-        Some(factor) => format!("{name}, {} × the stiffness", figures(factor, 4)),
-        None => format!("{name}: {what}"),
-    }
-}
-
-/// What a chart without points says.
-pub(super) fn nothing(study: &Study) -> String {
-    if study.rows.is_empty() { "no runs".to_owned() } else { "no run reached its end".to_owned() }
-}
-
-/// A range of a logarithmic axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Span {
-    /// logarithm of the lower end
-    low: f64,
-    /// logarithm of the upper end
-    high: f64,
-}
-
-impl Span {
-    /// For axes without a number.
-    pub(super) const EMPTY: Span = Span { low: -6.0, high: 0.0 };
-
-    /// Around numbers above 0; nothing for none.
-    pub(super) fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
-        let logs = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10);
-        logs.fold(None, |span, v| match span {
-            None => Some(Span { low: v, high: v }),
-            Some(Span { low, high }) => Some(Span { low: low.min(v), high: high.max(v) }),
-        })
-    }
-
-    /// Wide enough for another number, unless that is more than `far` decades off.
-    pub(super) fn reaching(self, value: f64, far: f64) -> Self {
-        let v = value.log10();
-        if !v.is_finite() || v < self.low - far || v > self.high + far {
-            return self;
-        }
-        Span { low: self.low.min(v), high: self.high.max(v) }
-    }
-
-    pub(super) fn with_margin(self) -> Self {
-        let margin = (0.04 * (self.high - self.low)).max(MARGIN);
-        Span { low: self.low - margin, high: self.high + margin }
-    }
-
-    /// A number, or the nearest end for one that is off the axis.
-    pub(super) fn held(self, value: f64) -> f64 {
-        // A hair inside, where rounding does not lose it.
-        let hair = 1e-9 * (self.high - self.low);
-        10f64.powf(value.log10().max(self.low + hair).min(self.high - hair))
-    }
-
-    pub(super) fn has(self, value: f64) -> bool {
-        (self.low..=self.high).contains(&value.log10())
-    }
-
-    pub(super) fn ends(self) -> (f64, f64) {
-        (10f64.powf(self.low), 10f64.powf(self.high))
-    }
-
-    pub(super) fn middle(self) -> f64 {
-        10f64.powf(f64::midpoint(self.low, self.high))
-    }
 }

@@ -6,6 +6,7 @@
 mod convergence;
 mod figure;
 mod machine;
+mod parts;
 mod stiffness;
 pub(super) mod style;
 

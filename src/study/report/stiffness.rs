@@ -1,9 +1,10 @@
 //! What stiffness costs: the best explicit and the best implicit run for an accuracy, from soft to stiff.
 
-use super::figure::{Span, title};
+use super::parts::{Span, title};
 use super::style::entry;
 use crate::error::StudyError;
-use crate::plot::chart::{Align, Axis, Chart, Line, Marker, Note, Scale, Size, Stroke, svg};
+use crate::plot::chart::{Align, Axis, Chart, Line, Marker, Note, Scale, Size, Stroke};
+use crate::plot::layout::svg;
 use crate::recommendations::{Pick, Recommendations, StiffnessPoint};
 use crate::runner::Study;
 

@@ -9,11 +9,13 @@
 mod figure;
 mod plan;
 mod report;
+mod result;
 mod run;
 mod table;
 mod vary;
 
 pub use plan::{SweepJob, SweepPlan, SweepPlanner};
 pub use report::{FILES, SweepReport, clear, planned};
-pub use run::{SweepResult, SweepRow, SweepRunner, rows_of};
+pub use result::SweepResult;
+pub use run::{SweepRow, SweepRunner, rows_of};
 pub use vary::Vary;

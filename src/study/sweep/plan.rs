@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::run::SweepResult;
+use super::result::SweepResult;
 use super::vary::Vary;
 use crate::case::Case;
 use crate::difference::differences;

@@ -9,18 +9,16 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::plan::{SweepJob, SweepPlan};
+use super::result::SweepResult;
 use crate::case::Case;
 use crate::drive::max_displacement::MaxDisplacement;
 use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, Resumable, UpcomingStep, Wants};
 use crate::drive::{Explain, RunError, Status};
 use crate::error::StudyError;
 use crate::experiment::{Experiment, Start};
-use crate::integrate::Counters;
 use crate::keeper::{Course, Keeper};
 use crate::measure::measured;
-use crate::model::added_mass::AddedMass;
 use crate::model::stop::Stop;
-use crate::output::gauges::Peak;
 use crate::output::largest::{LargestSoFar, LargestValues};
 use crate::prepared_case::fingerprint_of;
 use crate::process::{Cost, Stopwatch};
@@ -28,39 +26,6 @@ use crate::row::{RowStatus, RunResult};
 use crate::runner::Shard;
 use crate::simulation::{SetupError, build_scene};
 use crate::store::{Store, Unfinished};
-
-/// What came of a run.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct SweepResult {
-    /// how it ended
-    pub status: RowStatus,
-    /// why, and what to do, if not well
-    pub note: String,
-    /// [m] largest displacement of a node at the end
-    pub displacement_end: Option<f64>,
-    /// [m/s] largest speed of a node
-    pub max_speed: Option<f64>,
-    /// [-] largest strain of a spring
-    pub max_strain: Option<f64>,
-    /// [-] largest numerical energy over the largest energy exchanged
-    pub energy_error: Option<f64>,
-    /// [s] processor time
-    pub cpu_seconds: Option<f64>,
-    /// accepted steps
-    pub steps: u64,
-    /// attempts of adaptive steps that were dropped
-    pub rejected_steps: u64,
-    /// [s] time it came to
-    pub t_end: f64,
-    /// counted work
-    #[serde(flatten)]
-    pub counters: Counters,
-    /// largest values of the gauges
-    pub peaks: Vec<Peak>,
-    /// what mass scaling has added
-    #[serde(default)]
-    pub mass_scaling: Option<AddedMass>,
-}
 
 /// A run and what came of it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

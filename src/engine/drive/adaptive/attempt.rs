@@ -55,7 +55,8 @@ impl AttemptContext<'_, '_> {
         &mut self,
         carried: &mut CarriedState,
         middle: &Point,
-        (t_next, end): (f64, &mut Point),
+        t_next: f64,
+        end: &mut Point,
         judge: impl FnOnce(&Point, &Point) -> Result<(), DropReason>,
     ) -> Result<StepReport, DropReason> {
         self.stepper.save_into(carried);
@@ -132,7 +133,7 @@ impl Adaptive {
                 let derivatives = doubled(self.spec.order, &pair, inverse_mass, &mut self.error);
                 self.judge(planned, EstimateInfo { derivatives, most_growth: GROWTH[1], pair: None }, end)
             };
-            let last = context.second_half(&mut carried, to, (planned.t, second), judge)?;
+            let last = context.second_half(&mut carried, to, planned.t, second, judge)?;
             self.state.memory.refresh(context.scene, second.state.as_ref(), &self.error.v, &mut self.product);
             Ok(AdaptiveStep::Halves([first, last]))
         });

@@ -2,6 +2,7 @@
 
 use super::super::clock::Tick;
 use super::super::failure::{DivergedState, FailureContext};
+use super::super::ledger::LedgerStep;
 use super::super::observer::{AcceptedStep, Energies, Observer};
 use super::super::outcome::Status;
 use super::super::run_spec::RunSpec;
@@ -44,11 +45,11 @@ impl Run<'_> {
     ) -> Result<StepEnd, RunError> {
         let tick = Tick { h: self.state.to.state.t - self.state.from.state.t, t: self.state.to.state.t };
         let before = (self.state.ledger, self.state.watch);
-        let (row, by_stages) =
-            self.state.ledger.step(self.scene, (&self.state.from, &self.state.to), report, &self.state.row);
+        let entered = self.state.ledger.step(self.scene, &self.state.from, &self.state.to, report, &self.state.row);
+        let row = entered.row;
         let finite = row.is_finite() && self.scene.workers().all_finite(&self.state.to.forces.total);
         let left = !finite || self.has_left(self.scene.extent(self.state.to.state.as_ref()));
-        match self.examine(tick, (&row, by_stages), if left { Some(finite) } else { None }) {
+        match self.examine(tick, &entered, if left { Some(finite) } else { None }) {
             WatchReport::Calm => {}
             WatchReport::Doubt(gain) => {
                 self.state.new_doubt = Some(self.context(tick).doubt(gain));
@@ -113,7 +114,8 @@ impl Run<'_> {
     }
 
     /// The watch's report on a step; for a state that has left the scene, `left` says whether it is finite.
-    fn examine(&mut self, tick: Tick, (after, by_stages): (&Energies, bool), left: Option<bool>) -> WatchReport {
+    fn examine(&mut self, tick: Tick, entered: &LedgerStep, left: Option<bool>) -> WatchReport {
+        let &LedgerStep { row: ref after, by_stages } = entered;
         if left == Some(false) {
             return WatchReport::Diverged(DivergenceKind::NotFinite);
         }

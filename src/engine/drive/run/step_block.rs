@@ -122,7 +122,7 @@ impl Run<'_> {
         let (mut before, mut way) = (self.state.row, 0.0);
         let mut tallies_before = self.state.from.forces.tallies.as_slice();
         for ((step, summary), row) in coming.iter().zip(&blocks.summaries).zip(&mut blocks.rows) {
-            let after = self.state.ledger.close_with(self.scene, (step.from, tallies_before), summary);
+            let after = self.state.ledger.close_with(self.scene, step.from, tallies_before, summary);
             // Bounds the extent of the states before the last by the way that nodes can have moved; doubled, because
             // speeds within a step may exceed those at its ends.
             way += 2.0 * step.h() * summary.max_speed();

@@ -1,9 +1,9 @@
 //! Two-node elements by blocks, in the order in which they are quickest ([`crate::force::kernel::star_batches`]).
 
-use crate::force::kernel::coefficient::{Coefficient, Column};
+use crate::force::kernel::coefficient::{Coefficient, Column, STAR, STARS};
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::Records;
-use crate::force::kernel::star_batches::{AxialLaw, Group, STAR, STARS, Stars, arrange};
+use crate::force::kernel::star_batches::{AxialLaw, Group, Stars, arrange};
 use crate::model::quad;
 use std::ops::Range;
 

@@ -1,8 +1,11 @@
 //! Numbers that belong to elements: one for all, or one each.
 
-use crate::force::kernel::star_batches::{STAR, STARS};
 use crate::model::spec::SpringValues;
 use std::sync::Arc;
+
+/// Elements of a full star, and stars side by side ([`crate::force::kernel::star_batches`]).
+pub(in crate::force) const STAR: usize = 3;
+pub(in crate::force) const STARS: usize = 4;
 
 /// One value for all elements, or one each; a uniform value is not read from memory again and again.
 #[derive(Clone, Debug, PartialEq)]

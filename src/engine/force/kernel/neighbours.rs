@@ -38,13 +38,21 @@ const SIDE_BY_SIDE: usize = 4;
 /// Degrees of freedom of four nodes: ranges of sums begin at multiples of it.
 const GROUP: usize = 3 * SIDE_BY_SIDE;
 
+/// Pairs of nodes, and a weight for each, such as a stiffness [N/m].
+#[derive(Clone, Copy, Debug)]
+pub struct Links<'a> {
+    /// the two nodes of every link
+    pub nodes: &'a [[u32; 2]],
+    /// the weight of every link
+    pub weights: &'a Coefficient,
+}
+
 impl Neighbours {
-    /// Of `n` nodes with `links`: pairs of nodes, and a weight for each, such as a stiffness [N/m]. Nodes may be linked
-    /// more than once.
+    /// Of `n` nodes with `links`. Nodes may be linked more than once.
     ///
     /// # Panics
     /// When a node is not below `n`, or a weight is missing.
-    pub fn new<'a>(n: usize, links: impl Iterator<Item = (&'a [[u32; 2]], &'a Coefficient)> + Clone) -> Self {
+    pub fn new<'a>(n: usize, links: impl Iterator<Item = Links<'a>> + Clone) -> Self {
         Self::with_slots(n, links).0
     }
 
@@ -52,12 +60,9 @@ impl Neighbours {
     ///
     /// # Panics
     /// As [`Neighbours::new`].
-    pub fn with_slots<'a>(
-        n: usize,
-        links: impl Iterator<Item = (&'a [[u32; 2]], &'a Coefficient)> + Clone,
-    ) -> (Self, Vec<[WeightSlot; 2]>) {
+    pub fn with_slots<'a>(n: usize, links: impl Iterator<Item = Links<'a>> + Clone) -> (Self, Vec<[WeightSlot; 2]>) {
         let mut degrees = vec![0; n];
-        for &node in links.clone().flat_map(|(nodes, _)| nodes.as_flattened()) {
+        for &node in links.clone().flat_map(|links| links.nodes.as_flattened()) {
             degrees[node as usize] += 1;
         }
         let mut neighbours = Neighbours { first: vec![0], rounds: Vec::new() };
@@ -70,7 +75,7 @@ impl Neighbours {
         }
         degrees.fill(0);
         let mut slots = Vec::new();
-        for (nodes, weights) in links {
+        for Links { nodes, weights } in links {
             for (i, &[a, b]) in nodes.iter().enumerate() {
                 slots.push([[a, b], [b, a]].map(|ends| neighbours.push(&mut degrees, ends, weights.at(i))));
             }
@@ -220,7 +225,8 @@ mod tests {
     #[test]
     fn other_nodes_do_not_notice_what_is_not_finite() {
         let chain: Vec<[u32; 2]> = (0..9).map(|i| [i, i + 1]).collect();
-        let neighbours = Neighbours::new(10, [(&chain[..], &Coefficient::Uniform(2.0))].into_iter());
+        let neighbours =
+            Neighbours::new(10, [Links { nodes: &chain, weights: &Coefficient::Uniform(2.0) }].into_iter());
         for (wrong, value) in (0..10).flat_map(|node| [f64::NAN, f64::INFINITY].map(|value| (node, value))) {
             let mut u = vec![1.0; 30];
             u[3 * wrong] = value;
@@ -246,7 +252,11 @@ mod tests {
             let u: Vec<f64> = (0..3 * n).map(|_| random()).collect();
             let k: Vec<f64> = (0..2 * n).map(|_| random()).collect();
             let weights = [Coefficient::Each(k.clone().into()), Coefficient::Uniform(0.3)];
-            let neighbours = Neighbours::new(n, [(&first[..], &weights[0]), (&second[..], &weights[1])].into_iter());
+            let neighbours = Neighbours::new(
+                n,
+                [Links { nodes: &first, weights: &weights[0] }, Links { nodes: &second, weights: &weights[1] }]
+                    .into_iter(),
+            );
             let all = [&first[..], &second].concat();
             let of_all = Coefficient::Each([k, vec![0.3; n]].concat().into());
             let sums = plain(false, &all, &of_all, &vec![1.0; 3 * n]);

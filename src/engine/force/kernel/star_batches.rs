@@ -11,14 +11,10 @@
 //! Measuring, the law, and adding follow each other one group apart, so that none of them waits for another's roots or
 //! stores.
 
-use crate::force::kernel::coefficient::Column;
+use crate::force::kernel::coefficient::{Column, STAR, STARS};
 use crate::force::kernel::incidence::Incidence;
 use crate::force::kernel::local_buffer::{PaddedVec3, Records, record, set_record};
 use crate::model::quad::{Pass, Quad, Real, VectorUnit};
-
-/// Elements of a full star, and stars side by side.
-pub(in crate::force) const STAR: usize = 3;
-pub(in crate::force) const STARS: usize = 4;
 
 /// `N` elements of each of four stars, with the star's node first: element `j` of star `q` at `[j][q]`.
 pub(in crate::force) type Group<const N: usize> = [[[u16; 2]; STARS]; N];

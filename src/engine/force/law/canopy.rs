@@ -162,7 +162,7 @@ impl SceneNumbers for CanopyData {
         let (share, excess) = match &self.air {
             AirModel::Coefficient => (1.0, 0.0),
             AirModel::Filling(stages) => (FillingSpec::area_at(stages, t) / -self.opening(x).dot(&axis), 0.0),
-            AirModel::Cavity(cavity) => (1.0, cavity.excess((&self.triangles, flow), x, v)),
+            AirModel::Cavity(cavity) => (1.0, cavity.excess(&self.triangles, flow, x, v)),
         };
         [0.5 * air.density[0] * share, speed, along.x, along.y, along.z, excess]
     }
@@ -263,12 +263,12 @@ impl ForceTerm for Canopy {
         let flow = data.axis.flow(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
         match (which, &data.air) {
             (0, AirModel::Filling(stages)) => {
-                data.add_kappa_gradient(at, (flow, FillingSpec::area_at(stages, at.t)), w.k, g);
+                data.add_kappa_gradient(at, flow, FillingSpec::area_at(stages, at.t), w.k, g);
             }
             (0, AirModel::Coefficient | AirModel::Cavity(_)) => data.axis.add_density_gradient(flow, 0.5 * w.k, g),
             (1, _) => data.axis.add_speed_gradient(flow, w, g),
             (2..5, _) => data.axis.add_along_gradient(which - 2, flow, w, g),
-            (_, AirModel::Cavity(cavity)) => cavity.add_excess_gradient((&data.triangles, &data.axis), at, w, g),
+            (_, AirModel::Cavity(cavity)) => cavity.add_excess_gradient(&data.triangles, &data.axis, at, w, g),
             (_, AirModel::Coefficient | AirModel::Filling(_)) => {}
         }
     }
@@ -280,7 +280,7 @@ impl ForceTerm for Canopy {
 
 impl CanopyData {
     /// Adds k dkappa/dx while a canopy fills, with its drag area [m^2].
-    fn add_kappa_gradient(&self, at: NodeState<'_>, (flow, area): (AxialFlow, f64), k: f64, g: &mut [Vector3<f64>]) {
+    fn add_kappa_gradient(&self, at: NodeState<'_>, flow: AxialFlow, area: f64, k: f64, g: &mut [Vector3<f64>]) {
         let AxialFlow { axis, air, .. } = flow;
         let opening = self.opening(NodeVectors::Nodes(at.x));
         let size = -opening.dot(&axis);

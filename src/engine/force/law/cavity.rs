@@ -119,7 +119,8 @@ impl Cavity {
 
     fn mouth(
         &self,
-        (triangles, flow): (&[[u32; 3]], AxialFlow),
+        triangles: &[[u32; 3]],
+        flow: AxialFlow,
         x: NodeVectors<'_>,
         v: NodeVectors<'_>,
     ) -> (Mouth, Vector3<f64>) {
@@ -132,21 +133,28 @@ impl Cavity {
     }
 
     /// [Pa] dp - q, what the pressure has beyond that of the stream on a wall.
-    pub(super) fn excess(&self, canopy: (&[[u32; 3]], AxialFlow), x: NodeVectors<'_>, v: NodeVectors<'_>) -> f64 {
-        self.mouth(canopy, x, v).0.balance(self.cloth()).pressure - canopy.1.dynamic_pressure
+    pub(super) fn excess(
+        &self,
+        triangles: &[[u32; 3]],
+        flow: AxialFlow,
+        x: NodeVectors<'_>,
+        v: NodeVectors<'_>,
+    ) -> f64 {
+        self.mouth(triangles, flow, x, v).0.balance(self.cloth()).pressure - flow.dynamic_pressure
     }
 
     /// Adds c d(dp - q)/dv + k d(dp - q)/dx.
     pub(super) fn add_excess_gradient(
         &self,
-        (triangles, axis): (&[[u32; 3]], &CanopyAxis),
+        triangles: &[[u32; 3]],
+        axis: &CanopyAxis,
         at: NodeState<'_>,
         w: Weights,
         g: &mut [Vector3<f64>],
     ) {
         let (x, v) = (NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
         let flow = axis.flow(at.t, x, v);
-        let (mouth, opening) = self.mouth((triangles, flow), x, v);
+        let (mouth, opening) = self.mouth(triangles, flow, x, v);
         let Balance { through, inflow, share, .. } = mouth.balance(self.cloth());
         let AxialFlow { speed, air, .. } = flow;
         let by_q = share * (1.0 - self.spec.outer_pressure_coefficient) - 1.0;

@@ -30,7 +30,8 @@ impl Gravity {
     /// Masses [kg] in the acceleration of free fall `g` [m/s^2] times `scale`; `origin` are the node positions [m] from
     /// which the energy counts.
     pub fn new(
-        (g, scale): (Vector3<f64>, Arc<Scale>),
+        g: Vector3<f64>,
+        scale: Arc<Scale>,
         mass: impl Iterator<Item = f64>,
         origin: Arc<[Vector3<f64>]>,
     ) -> Self {

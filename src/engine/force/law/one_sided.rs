@@ -8,10 +8,11 @@
 //! braking and make 1/2 k (h v)^2.
 
 use crate::force::NodeState;
+use crate::force::kernel::neighbours::Links;
 use crate::force::kernel::neighbours::{Neighbours, WeightSlot};
 use crate::force::law::curve::Bar;
 use crate::force::law::slack::{Clamp, TensionLaw, with_law};
-use crate::force::law::spring::{Coefficient, SpringData};
+use crate::force::law::spring::SpringData;
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -53,8 +54,8 @@ impl OneSided {
         if !members.clone().any(|member| law(member).is_some()) {
             return None;
         }
-        fn links(data: &SpringData) -> (&[[u32; 2]], &Coefficient) {
-            (&data.nodes, &data.stiffness)
+        fn links(data: &SpringData) -> Links<'_> {
+            Links { nodes: &data.nodes, weights: &data.stiffness }
         }
         let (neighbours, mut all) = Neighbours::with_slots(n, members.clone().map(|(data, _)| links(data)));
         let (mut batches, mut slots) = (Vec::new(), Vec::new());

@@ -14,12 +14,9 @@
 pub use crate::force::kernel::coefficient::Coefficient;
 use crate::force::law::curve::{Bar, CurveKind};
 use crate::force::law::series::Table;
-use crate::force::law::slack::{tension, with_law};
+use crate::force::law::slack::tension;
 use crate::force::law::stretch::{SpringLengths, WholeScene, largest, strain_base};
-pub use crate::force::law::tension::SpringOutput;
-use crate::force::law::tension::TensionPass;
 use crate::force::{Copies, outer};
-use crate::model::quad;
 use crate::model::spec::Slack;
 use multiversion::multiversion;
 use nalgebra::{Matrix3, Vector3};
@@ -139,16 +136,6 @@ impl SpringData {
     /// [N] elastic tension of spring `i`.
     pub fn tension(&self, at: SpringsAt<'_>, i: usize) -> f64 {
         tension(&self.curve, self.slack, self.bar(at, i), self.elongation(at, i)).force
-    }
-
-    /// Writes elastic tension and strain of every spring to its index in `to.places` `[n_springs]`; other entries keep
-    /// their values.
-    ///
-    /// # Panics
-    /// When an index is beyond the end of `to.tension` or `to.strain`.
-    pub fn carried(&self, at: SpringsAt<'_>, to: SpringOutput<'_>) {
-        let data = self;
-        with_law!(&self.curve, self.slack, law => quad::run(TensionPass { data, law, at, to }))
     }
 
     /// [m] Elongation of spring `i`, without its direction.

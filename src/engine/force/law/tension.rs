@@ -2,10 +2,10 @@
 
 use crate::force::kernel::coefficient::Coefficient;
 use crate::force::law::curve::Bar;
-use crate::force::law::slack::TensionLaw;
+use crate::force::law::slack::{TensionLaw, with_law};
 use crate::force::law::spring::{SpringData, SpringsAt};
 use crate::force::law::stretch::{Positions, WholeScene, strain_base};
-use crate::model::quad::{Pass, Quad, Real, VectorUnit};
+use crate::model::quad::{self, Pass, Quad, Real, VectorUnit};
 
 /// The output arrays for the values of springs.
 #[derive(Debug)]
@@ -16,6 +16,18 @@ pub struct SpringOutput<'a> {
     pub tension: &'a mut [f64],
     /// [-] strain (l - l0)/l0; 0 without a rest length
     pub strain: &'a mut [f64],
+}
+
+impl SpringData {
+    /// Writes elastic tension and strain of every spring to its index in `to.places` `[n_springs]`; other entries keep
+    /// their values.
+    ///
+    /// # Panics
+    /// When an index is beyond the end of `to.tension` or `to.strain`.
+    pub fn carried(&self, at: SpringsAt<'_>, to: SpringOutput<'_>) {
+        let data = self;
+        with_law!(&self.curve, self.slack, law => quad::run(TensionPass { data, law, at, to }))
+    }
 }
 
 /// Springs with their law, at positions of nodes.

@@ -2,7 +2,7 @@
 
 use crate::force::kernel::element_block::{ElementBlock, NodeVectors, PassNumbers};
 use crate::force::kernel::local_buffer::{PaddedVec3, Records, rows, rows_of, sum_rows};
-use crate::force::schedule::sweep::{PartTarget, Term, Terms};
+use crate::force::schedule::terms::{PartTarget, Term, Terms};
 use crate::force::schedule::threads::SUMS;
 use crate::model::forces::Tally;
 

@@ -4,11 +4,13 @@
 use crate::force::kernel::element_block::{ElementBlock, PassNumbers};
 use crate::force::kernel::local_buffer::{LocalBuffer, PaddedVec3, RECORD, Records, fill, rows, store_rows};
 use crate::force::schedule::pass_kind::{PassKind, Sums};
-use crate::force::schedule::step_block::NodeStateMut;
+use crate::force::schedule::step_boundary::NodeStateMut;
 use crate::force::schedule::step_boundary::StepBoundary;
-use crate::force::schedule::sweep::{Sweep, Terms};
+use crate::force::schedule::sweep::Sweep;
+use crate::force::schedule::terms::Terms;
 use crate::force::schedule::threads::{LocalBuffers, SUMS, SingleBlockBuffers, Threads};
 use crate::model::forces::Tally;
+use crate::model::step_block::BoundarySums;
 use crate::model::step_block::{KickDriftScheme, NodeSums, Nodes, StepSummary, Work, Working};
 use crate::model::system::KickDriftBlock;
 use bytemuck::cast_slice_mut;
@@ -23,7 +25,8 @@ impl Sweep {
     /// [`Sweep::advance`] of several steps of such a scene.
     pub(in crate::force) fn advance_single_block<T: Terms + ?Sized>(
         &self,
-        (terms, moving): (&T, NodeStateMut<'_>),
+        terms: &T,
+        moving: NodeStateMut<'_>,
         StepBoundary { block: KickDriftBlock { scheme, from }, mass, inverse_mass }: StepBoundary<'_>,
         threads: &Threads,
         out: [&mut [Vector3<f64>]; SUMS],
@@ -154,7 +157,7 @@ impl<T: Terms + ?Sized> SceneInBlock<'_, T> {
                 before: flat(self.before),
             }),
         };
-        let (nodes, next) = scheme.end(nodes, another);
+        let BoundarySums { nodes, next } = scheme.end(nodes, another);
         let work = std::mem::replace(&mut self.begun, next).and(nodes.work).halved();
         NodeSums { work, ..nodes }
     }

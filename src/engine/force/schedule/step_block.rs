@@ -14,8 +14,9 @@ use crate::force::NodeState;
 use crate::force::kernel::element_block::PassNumbers;
 use crate::force::schedule::partition::{Halo, Partition};
 use crate::force::schedule::pass_kind::PassKind;
-use crate::force::schedule::step_boundary::StepBoundary;
-use crate::force::schedule::sweep::{PassSpec, Sweep, Terms, reads};
+use crate::force::schedule::step_boundary::{NodeStateMut, StepBoundary};
+use crate::force::schedule::sweep::{PassSpec, Sweep, reads};
+use crate::force::schedule::terms::Terms;
 use crate::force::schedule::threads::{SUMS, Threads};
 use crate::force::schedule::tuning::{LEVELS, ROUND, SEAMS_SIDE_BY_SIDE};
 use crate::force::schedule::wavefront::Wavefront;
@@ -23,41 +24,17 @@ use crate::force::schedule::workspace::{Workspace, WorkspaceSize, WorkspaceView}
 use crate::model::forces::Tally;
 use crate::model::step_block::{LONGEST, StepSummary};
 use crate::model::workers::{ALONE, Workers};
-use bytemuck::cast_slice;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// The state of a range of nodes, to be moved.
-pub(crate) struct NodeStateMut<'a> {
-    /// [s]
-    pub t: f64,
-    /// number of the first node
-    pub first: usize,
-    /// [m]
-    pub x: &'a mut [f64],
-    /// [m/s]
-    pub v: &'a mut [f64],
-}
-
-impl NodeStateMut<'_> {
-    /// The state, read-only.
-    fn state(&self) -> NodeState<'_> {
-        NodeState { t: self.t, x: cast_slice(self.x), v: cast_slice(self.v) }
-    }
-
-    /// Some of the nodes.
-    fn within(&mut self, nodes: Range<usize>) -> NodeStateMut<'_> {
-        let dofs = 3 * (nodes.start - self.first)..3 * (nodes.end - self.first);
-        let (x, v) = (&mut self.x[dofs.clone()], &mut self.v[dofs]);
-        NodeStateMut { t: self.t, first: nodes.start, x, v }
-    }
-
-    /// Splits the nodes at one of them.
-    fn split(self, at: usize) -> [Self; 2] {
-        let NodeStateMut { t, first, x, v } = self;
-        let ((x, x_after), (v, v_after)) = (x.split_at_mut(3 * (at - first)), v.split_at_mut(3 * (at - first)));
-        [NodeStateMut { t, first, x, v }, NodeStateMut { t, first: at, x: x_after, v: v_after }]
-    }
+/// What a block of steps overwrites.
+pub(crate) struct StepBlockResults<'a> {
+    /// [N] sums of forces at its end
+    pub sums: [&'a mut [Vector3<f64>]; SUMS],
+    /// of every term at its end
+    pub tallies: &'a mut [Tally],
+    /// one for every step; empty for a single step of which none is made
+    pub summaries: &'a mut [StepSummary],
 }
 
 /// The steps of a block.
@@ -131,14 +108,15 @@ impl Sweep {
     /// state, tallies and summaries have the bits of steps made one by one.
     pub(crate) fn advance<T: Terms + ?Sized>(
         &self,
-        (terms, moving): (&T, NodeStateMut<'_>),
+        terms: &T,
+        moving: NodeStateMut<'_>,
         boundary: StepBoundary<'_>,
         threads: &Threads,
-        out: [&mut [Vector3<f64>]; SUMS],
-        (tallies, summaries): (&mut [Tally], &mut [StepSummary]),
+        results: StepBlockResults<'_>,
     ) {
+        let StepBlockResults { sums: out, tallies, summaries } = results;
         if self.is_single_block() && summaries.len() > 1 {
-            self.advance_single_block((terms, moving), boundary, threads, out, summaries);
+            self.advance_single_block(terms, moving, boundary, threads, out, summaries);
         } else {
             let scheme = boundary.block.scheme;
             let works = !summaries.is_empty() && out[1..].iter().any(|sum| !sum.is_empty());
@@ -151,7 +129,7 @@ impl Sweep {
                 aside: [works, scheme.predicts && several],
             };
             let mut workspace = self.workspace(needs, &out);
-            self.steps((Steps { terms, boundary, summaries, threads }, moving), out, &mut workspace);
+            self.steps(Steps { terms, boundary, summaries, threads }, moving, out, &mut workspace);
             // Terms of the first sum are evaluated once per step if they depend on position only; that pass has their
             // energies.
             let tallies_at = if is_position_only { 0 } else { scheme.passes() - 1 };
@@ -174,7 +152,8 @@ impl Sweep {
     /// Makes all levels of the workspace.
     fn steps<T: Terms + ?Sized>(
         &self,
-        (steps, moving): (Steps<'_, T>, NodeStateMut<'_>),
+        steps: Steps<'_, T>,
+        moving: NodeStateMut<'_>,
         out: [&mut [Vector3<f64>]; SUMS],
         workspace: &mut Workspace,
     ) {
@@ -192,7 +171,7 @@ impl Sweep {
             for wavefront in others {
                 let span = span.within(partition, wavefront.node_blocks.clone());
                 let node_blocks = ROUND[usize::from(wavefront.levels.len() > 1)] * pool.current_num_threads();
-                self.rounds(&steps, (wavefront, node_blocks), span, steps.threads.workers());
+                self.rounds(&steps, wavefront, node_blocks, span, steps.threads.workers());
             }
         });
     }
@@ -201,7 +180,7 @@ impl Sweep {
     fn side_by_side<T: Terms + ?Sized>(&self, steps: &Steps<'_, T>, wavefronts: &mut [Wavefront], span: BlockSpan<'_>) {
         match wavefronts {
             [] => {}
-            [wavefront] => self.rounds(steps, (wavefront, 1), span, &ALONE),
+            [wavefront] => self.rounds(steps, wavefront, 1, span, &ALONE),
             _ => {
                 let (left, right) = wavefronts.split_at_mut(wavefronts.len() / 2);
                 let [before, after] = span.split(&self.partition, right[0].node_blocks.start);
@@ -214,7 +193,8 @@ impl Sweep {
     fn rounds<T: Terms + ?Sized>(
         &self,
         steps: &Steps<'_, T>,
-        (wavefront, node_blocks): (&mut Wavefront, usize),
+        wavefront: &mut Wavefront,
+        node_blocks: usize,
         mut span: BlockSpan<'_>,
         workers: &Workers,
     ) {

@@ -3,16 +3,50 @@
 //! Work is summed in halves: when a step ends, the work over this step of the forces at its end; when the next step
 //! begins, their work over that step.
 
-use crate::force::schedule::step_block::NodeStateMut;
+use crate::force::NodeState;
 use crate::force::schedule::workspace::WorkspaceView;
 use crate::model::forces::Forces;
 use crate::model::point::Point;
+use crate::model::step_block::BoundarySums;
 use crate::model::step_block::{NodeSums, Nodes, StepStart, Work, Working};
 use crate::model::system::KickDriftBlock;
 use crate::model::workers::Workers;
 use bytemuck::{cast_slice, cast_slice_mut};
 use nalgebra::Vector3;
 use std::ops::Range;
+
+/// The state of a range of nodes, to be moved.
+pub(crate) struct NodeStateMut<'a> {
+    /// [s]
+    pub t: f64,
+    /// number of the first node
+    pub first: usize,
+    /// [m]
+    pub x: &'a mut [f64],
+    /// [m/s]
+    pub v: &'a mut [f64],
+}
+
+impl NodeStateMut<'_> {
+    /// The state, read-only.
+    pub(super) fn state(&self) -> NodeState<'_> {
+        NodeState { t: self.t, x: cast_slice(self.x), v: cast_slice(self.v) }
+    }
+
+    /// Some of the nodes.
+    pub(super) fn within(&mut self, nodes: Range<usize>) -> NodeStateMut<'_> {
+        let dofs = 3 * (nodes.start - self.first)..3 * (nodes.end - self.first);
+        let (x, v) = (&mut self.x[dofs.clone()], &mut self.v[dofs]);
+        NodeStateMut { t: self.t, first: nodes.start, x, v }
+    }
+
+    /// Splits the nodes at one of them.
+    pub(super) fn split(self, at: usize) -> [Self; 2] {
+        let NodeStateMut { t, first, x, v } = self;
+        let ((x, x_after), (v, v_after)) = (x.split_at_mut(3 * (at - first)), v.split_at_mut(3 * (at - first)));
+        [NodeStateMut { t, first, x, v }, NodeStateMut { t, first: at, x: x_after, v: v_after }]
+    }
+}
 
 /// The scheme of the steps, and its data of nodes.
 #[derive(Clone, Copy)]
@@ -29,7 +63,7 @@ impl StepBoundary<'_> {
     /// Moves nodes to the positions of the first force pass.
     pub(in crate::force) fn begin(&self, NodeStateMut { first, x, v, .. }: NodeStateMut<'_>, workers: &Workers) {
         let scheme = self.block.scheme;
-        workers.both((x, v), |r, x, v| scheme.begin(self.start(3 * first + r.start..3 * first + r.end), x, v));
+        workers.both(x, v, |r, x, v| scheme.begin(self.start(3 * first + r.start..3 * first + r.end), x, v));
     }
 
     /// The kick after the first force pass.
@@ -82,7 +116,7 @@ impl StepBoundary<'_> {
             f: cast_slice_mut(total),
             works: works.then(|| Working { forces, before: cast_slice_mut(before) }),
         };
-        let (ended, next) = scheme.end(nodes, another);
+        let BoundarySums { nodes: ended, next } = scheme.end(nodes, another);
         sums[level] = NodeSums { work: begun.and(ended.work).halved(), ..ended };
         if another {
             // Kept at the level of the next step's first pass, until that step ends.

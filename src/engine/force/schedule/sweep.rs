@@ -6,12 +6,13 @@
 //! done. The same holds for energies and powers. So no sum depends on the thread that did a node block.
 
 use crate::force::NodeState;
-use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS};
+use crate::force::kernel::batch::{BlockForces, BufferReads};
 use crate::force::kernel::element_block::{ElementBlock, NodeVectors, PassNumbers, SceneValues};
 use crate::force::kernel::local_buffer::{LocalBuffer, PaddedVec3, Records, add_rows, copy_rows, rows, store_rows};
 use crate::force::schedule::buffer_pool::{BufferPool, Pooled};
 use crate::force::schedule::partition::{BlockPlan, Halo, Partition};
 use crate::force::schedule::pass_kind::{PassKind, Sums};
+use crate::force::schedule::terms::{Term, Terms};
 use crate::force::schedule::threads::{LocalBuffers, SUMS, Threads};
 use crate::force::schedule::workspace::{Workspace, WorkspaceSize, WorkspaceView};
 use crate::model::forces::Tally;
@@ -20,47 +21,6 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
-
-/// A force term in a pass.
-#[derive(Clone, Copy)]
-pub(crate) struct Term<'a> {
-    /// the term
-    pub forces: &'a dyn BlockForces,
-    /// the output of each of its parts; `None` = the part is left out
-    pub parts: [Option<PartTarget>; PARTS],
-}
-
-/// The output of a part of a force term.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PartTarget {
-    /// the sum of its forces: 0, 1 or 2
-    pub sum: usize,
-    /// index of its energy and power
-    pub tally: usize,
-}
-
-/// The force terms of a pass.
-pub(crate) trait Terms: Sync {
-    /// Number of terms.
-    fn count(&self) -> usize;
-
-    /// Number of energies and powers: of all parts of all terms.
-    fn tallies(&self) -> usize;
-
-    /// A term.
-    fn term(&self, i: usize) -> Term<'_>;
-
-    /// Whether all terms of the first sum depend on position only, so that their forces do not change with velocities.
-    fn is_position_only(&self) -> bool {
-        false
-    }
-
-    /// [-] Largest l^2/l0^2 of all springs of a block, if wanted; otherwise, and without springs, -inf.
-    fn largest_stretch(&self, block: &ElementBlock<'_>, wanted: bool) -> f64 {
-        let terms = if wanted { 0..self.count() } else { 0..0 };
-        terms.map(|i| self.term(i).forces.largest_stretch(block)).fold(f64::NEG_INFINITY, f64::max)
-    }
-}
 
 /// The blocks of a scene and the buffers of a pass.
 #[derive(Debug)]
@@ -114,7 +74,8 @@ impl Sweep {
     /// empty only if no term adds to it. Writes the energy [J] or power [W] of every term to `tallies`.
     pub(crate) fn pass<T: Terms + ?Sized>(
         &self,
-        (terms, at): (&T, NodeState<'_>),
+        terms: &T,
+        at: NodeState<'_>,
         threads: &Threads,
         out: [&mut [Vector3<f64>]; SUMS],
         tallies: &mut [Tally],
@@ -236,7 +197,7 @@ impl<T: Terms + ?Sized> PassSpec<'_, T> {
             kept = others_kept;
             let level = i * levels + self.level;
             let tallies = &mut tallies[level * count..(level + 1) * count];
-            let stretch = self.block((number, own_kept), local_buffers, &out, tallies);
+            let stretch = self.block(number, own_kept, local_buffers, &out, tallies);
             // The stretch of springs whose forces were kept is already included.
             if self.kind != PassKind::ReusePosition {
                 stretches[level] = stretch;
@@ -261,7 +222,8 @@ impl<T: Terms + ?Sized> PassSpec<'_, T> {
     /// Returns its largest stretch, if wanted.
     fn block(
         &self,
-        (number, kept): (usize, &mut [PaddedVec3]),
+        number: usize,
+        kept: &mut [PaddedVec3],
         local_buffers: &mut LocalBuffers,
         out: &[&mut [Vector3<f64>]; SUMS],
         tallies: &mut [Tally],

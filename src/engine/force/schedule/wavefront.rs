@@ -72,7 +72,7 @@ impl Wavefront {
     }
 
     /// Makes this the seam between two parts, given the ends of their levels.
-    fn between(&mut self, partition: &Partition, boundary: usize, (left, right): (&mut Wavefront, &mut Wavefront)) {
+    fn between(&mut self, partition: &Partition, boundary: usize, left: &mut Wavefront, right: &mut Wavefront) {
         let first = partition.nodes_of(boundary..boundary).start;
         (left.node_blocks.end, right.node_blocks.start) = (boundary, boundary);
         (left.unmoved.end, right.unmoved.start) = (first, first);
@@ -144,8 +144,8 @@ impl Wavefronts {
         of_parts.iter_mut().chain(&mut *others).for_each(|wavefront| wavefront.begin(partition, levels));
         for number in 1..parts {
             let (left, right) = of_parts.split_at_mut(number);
-            let sides = (&mut left[number - 1], &mut right[0]);
-            others[number - 1].between(partition, boundary(partition, parts, number), sides);
+            let (left, right, at) = (&mut left[number - 1], &mut right[0], boundary(partition, parts, number));
+            others[number - 1].between(partition, at, left, right);
         }
     }
 

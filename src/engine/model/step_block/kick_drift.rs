@@ -12,6 +12,7 @@
 //! Nodes are updated four by four: as three quads if their vectors are packed, and as four if they are records (of four
 //! numbers, the last of them 0). Operations and their order are those of single steps, and so are the bits.
 
+use super::groups::{Group, begun, columns, filled, groups, groups_mut};
 use super::work::{Sums, along};
 use super::{NodeSums, Work};
 use crate::model::bounds::Bounds;
@@ -94,30 +95,38 @@ impl KickDriftScheme {
     /// Moves nodes from the start of a step to the state of its first force pass: positions at the step's end,
     /// velocities kicked or predicted.
     pub fn begin(self, start: StepStart<'_>, x: &mut [f64], v: &mut [f64]) {
-        begin(self, start, (x, v));
+        begin(self, start, x, v);
     }
 
     /// The kick after the first force pass, with its forces f [N]: v += l M^-1 f of kicked velocities. Predicted
     /// velocities are first replaced by the kicked ones.
     pub fn kick_again(self, start: StepStart<'_>, v: &mut [f64], f: &[f64]) {
         match self.end {
-            Some(l) if self.predicts => kick_twice((self.begin, l), start, v, f),
+            Some(l) if self.predicts => kick_twice(self.begin, l, start, v, f),
             Some(l) => kick(l, start.inverse_mass, v, f),
-            None if self.predicts => kick_twice((self.begin, 0.0), start, v, f),
+            None if self.predicts => kick_twice(self.begin, 0.0, start, v, f),
             None => {}
         }
     }
 
     /// v = u + l M^-1 f, for schemes that predict.
     pub fn correct(self, v: &mut [f64], kicked: &[f64], inverse_mass: &[f64], f: &[f64]) {
-        correct(v, kicked, self.end.unwrap_or_default(), (inverse_mass, f));
+        correct(v, kicked, self.end.unwrap_or_default(), inverse_mass, f);
     }
 
-    /// Ends a step, and begins the next one if there is one. Returns sums over the nodes at the boundary, with twice
-    /// the work of the forces at the step's end over this step, and twice their work over the next step.
-    pub fn end<const W: usize>(self, nodes: Nodes<'_, W>, another: bool) -> (NodeSums, Work) {
+    /// Ends a step, and begins the next one if there is one.
+    pub fn end<const W: usize>(self, nodes: Nodes<'_, W>, another: bool) -> BoundarySums {
         quad::run(Pass { scheme: self, nodes, another })
     }
+}
+
+/// Sums over the nodes at the boundary of two steps.
+#[derive(Clone, Copy, Debug)]
+pub struct BoundarySums {
+    /// their motion, with twice the work of the forces at the step's end over this step
+    pub nodes: NodeSums,
+    /// [J] twice the work of these forces over the next step
+    pub next: Work,
 }
 
 struct Pass<'a, const W: usize> {
@@ -127,16 +136,16 @@ struct Pass<'a, const W: usize> {
 }
 
 impl<const W: usize> quad::Pass for Pass<'_, W> {
-    type Output = (NodeSums, Work);
+    type Output = BoundarySums;
 
     #[inline(always)]
-    fn run<U: VectorUnit>(self, unit: U) -> (NodeSums, Work) {
+    fn run<U: VectorUnit>(self, unit: U) -> BoundarySums {
         if self.nodes.works.is_some() { self.kinds::<U, true>(unit) } else { self.kinds::<U, false>(unit) }
     }
 }
 
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn begin(scheme: KickDriftScheme, start: StepStart<'_>, (x, v): (&mut [f64], &mut [f64])) {
+fn begin(scheme: KickDriftScheme, start: StepStart<'_>, x: &mut [f64], v: &mut [f64]) {
     let KickDriftScheme { begin: k, drift: h, predicts, .. } = scheme;
     let of_forces = if predicts { h } else { k };
     let from = start.x.iter().zip(start.v).zip(start.f.iter().zip(start.inverse_mass));
@@ -155,7 +164,7 @@ fn kick(l: f64, inverse_mass: &[f64], v: &mut [f64], f: &[f64]) {
 }
 
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn kick_twice((k, l): (f64, f64), start: StepStart<'_>, v: &mut [f64], f: &[f64]) {
+fn kick_twice(k: f64, l: f64, start: StepStart<'_>, v: &mut [f64], f: &[f64]) {
     let from = start.v.iter().zip(start.f).zip(start.inverse_mass);
     for ((v, f), ((v_n, f_n), inverse_mass)) in v.iter_mut().zip(f).zip(from) {
         *v = (v_n + k * (inverse_mass * f_n)) + l * (inverse_mass * f);
@@ -163,7 +172,7 @@ fn kick_twice((k, l): (f64, f64), start: StepStart<'_>, v: &mut [f64], f: &[f64]
 }
 
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn correct(v: &mut [f64], kicked: &[f64], l: f64, (inverse_mass, f): (&[f64], &[f64])) {
+fn correct(v: &mut [f64], kicked: &[f64], l: f64, inverse_mass: &[f64], f: &[f64]) {
     for ((v, kicked), (f, inverse_mass)) in v.iter_mut().zip(kicked).zip(f.iter().zip(inverse_mass)) {
         *v = kicked + l * (inverse_mass * f);
     }
@@ -171,7 +180,7 @@ fn correct(v: &mut [f64], kicked: &[f64], l: f64, (inverse_mass, f): (&[f64], &[
 
 impl<const W: usize> Pass<'_, W> {
     #[inline(always)]
-    fn kinds<U: VectorUnit, const WORKS: bool>(self, unit: U) -> (NodeSums, Work) {
+    fn kinds<U: VectorUnit, const WORKS: bool>(self, unit: U) -> BoundarySums {
         match (self.scheme.end.is_some() && !self.scheme.predicts, self.another, self.scheme.predicts) {
             (true, true, _) => self.blocks::<U, WORKS, true, true, false>(unit),
             (true, false, _) => self.blocks::<U, WORKS, true, false, false>(unit),
@@ -185,7 +194,7 @@ impl<const W: usize> Pass<'_, W> {
     fn blocks<U: VectorUnit, const WORKS: bool, const END: bool, const ANOTHER: bool, const PREDICTS: bool>(
         self,
         unit: U,
-    ) -> (NodeSums, Work) {
+    ) -> BoundarySums {
         let Nodes { mass, inverse_mass, x, v, kicked, f, works } = self.nodes;
         let (forces, before) = works.map_or(([&[][..]; 2], &mut [][..]), |works| (works.forces, works.before));
         let (kicked, kicked_last) = groups_mut::<W>(kicked);
@@ -233,36 +242,6 @@ impl<const W: usize> Pass<'_, W> {
         }
         totals.sums()
     }
-}
-
-/// Four nodes.
-type Group<const W: usize> = [[f64; 4]; W];
-
-pub(super) fn groups<const W: usize>(values: &[f64]) -> (&[Group<W>], &[f64]) {
-    let (whole, last) = values.split_at(values.len() / (4 * W) * (4 * W));
-    (whole.as_chunks().0.as_chunks().0, last)
-}
-
-fn groups_mut<const W: usize>(values: &mut [f64]) -> (&mut [Group<W>], &mut [f64]) {
-    let (whole, last) = values.split_at_mut(values.len() / (4 * W) * (4 * W));
-    (whole.as_chunks_mut().0.as_chunks_mut().0, last)
-}
-
-/// The nodes, with the first one repeated in the remaining places.
-pub(super) fn filled<const W: usize>(nodes: &[f64]) -> Group<W> {
-    let mut group = [[0.0; 4]; W];
-    for to in group.as_flattened_mut().chunks_mut(W) {
-        to.copy_from_slice(&nodes[..W]);
-    }
-    group.as_flattened_mut()[..nodes.len()].copy_from_slice(nodes);
-    group
-}
-
-/// The nodes, with zeros in the remaining places.
-pub(super) fn begun<const W: usize>(nodes: &[f64]) -> Group<W> {
-    let mut group = [[0.0; 4]; W];
-    group.as_flattened_mut()[..nodes.len()].copy_from_slice(nodes);
-    group
 }
 
 /// The update between two steps, with the sums over the nodes so far.
@@ -352,7 +331,7 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const 
         }
     }
 
-    fn sums(self) -> (NodeSums, Work) {
+    fn sums(self) -> BoundarySums {
         let mut bounds = Bounds::default();
         let places = if W == 4 { 1 } else { W };
         let numbers = |quads: [U::Quad; W]| quads.into_iter().take(places).flat_map(Quad::numbers);
@@ -366,16 +345,7 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const 
         let [external, dissipative, next_external, next_dissipative] = self.work.sums();
         let (kinetic, largest_square) = (motion.kinetic, motion.largest_square);
         let nodes = NodeSums { kinetic, largest_square, bounds, finite, work: Work { external, dissipative } };
-        (nodes, Work { external: next_external, dissipative: next_dissipative })
-    }
-}
-
-/// The components of four nodes.
-#[inline(always)]
-pub(super) fn columns<Q: Quad, const W: usize>(nodes: [Q; W]) -> [Q; 3] {
-    match W {
-        3 => Q::unpack([nodes[0], nodes[1], nodes[2]]),
-        _ => Q::columns([nodes[0], nodes[1], nodes[2], nodes[3 % W]]),
+        BoundarySums { nodes, next: Work { external: next_external, dissipative: next_dissipative } }
     }
 }
 

@@ -6,7 +6,7 @@
 //! The two halves are separate sums: in a block of steps, the first is computed when a step begins, and the other when
 //! it ends.
 
-use super::kick_drift::{begun, columns, filled, groups};
+use super::groups::{begun, columns, filled, groups};
 use crate::model::motion::BLOCK;
 use crate::model::quad::{self, Quad, VectorUnit};
 

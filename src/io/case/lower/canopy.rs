@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 
-use super::air::checked_coefficients;
+use super::coefficients::checked_coefficients;
 use super::filling::{self, SkirtMotion};
 use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::rising;

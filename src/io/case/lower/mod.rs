@@ -3,6 +3,7 @@
 
 mod air;
 mod canopy;
+mod coefficients;
 mod digits;
 mod elastic_law;
 mod energy;

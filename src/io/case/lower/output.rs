@@ -7,8 +7,8 @@ use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Every, Field, Gauge, Output, Probe};
 use crate::case::spec::{GaugeOf, GaugeSpec, OutputSpec, ProbeSpec, RowEvery, TimeSpec};
+use crate::model::gauge::NodeQuantity;
 use crate::model::gauge::{GaugeKind, NodeGauge};
-use crate::model::observables::NodeQuantity;
 use crate::model::spec::SpringGroup;
 use crate::vtk::VtuFormat;
 

@@ -2,8 +2,8 @@
 
 use serde_json::{Map, Value};
 
-use super::{describe, kind, meant};
 use crate::case::diagnostics::one_of;
+use crate::case::schema_parts::{kind, largest, length, meant};
 
 /// A `oneOf` sorted by how its branches differ.
 pub(super) struct OneOf<'a> {
@@ -93,5 +93,35 @@ impl<'a> OneOf<'a> {
         let names = self.names();
         let known = if names.is_empty() { String::new() } else { format!("; {}", one_of("known names here", &names)) };
         format!("{}{known}", parts.join(" or "))
+    }
+}
+
+/// Keys of an object that are named where something else stands in its place.
+const FEW: usize = 8;
+
+/// What is allowed, in the words of a case file.
+pub(super) fn describe(root: &Value, schema: &Value) -> String {
+    let schema = meant(root, schema);
+    if let Some(choice) = OneOf::new(root, schema) {
+        return choice.describe(root);
+    }
+    match (kind(schema), length(schema)) {
+        ("object", _) => match schema.get("properties").and_then(Value::as_object) {
+            Some(keys) if keys.len() <= FEW => {
+                format!("an object {{...}}; {}", one_of("known keys", &keys.keys().collect::<Vec<_>>()))
+            }
+            _ => "an object {...}".to_owned(),
+        },
+        ("array", Some(3)) if schema.pointer("/items/type").is_some_and(|t| t == "number") => {
+            "a vector [x, y, z] of exactly 3 numbers".to_owned()
+        }
+        ("array", Some(n)) => format!("a list of exactly {n} entries"),
+        ("array", None) => "a list [...]".to_owned(),
+        ("number", _) => "a number".to_owned(),
+        ("integer", _) if largest(schema) < u64::MAX => format!("a whole number, 0 to {}", largest(schema)),
+        ("integer", _) => "a whole number, 0 or more".to_owned(),
+        ("string", _) => "a text in double quotes".to_owned(),
+        ("boolean", _) => "true or false".to_owned(),
+        (other, _) => other.to_owned(),
     }
 }

@@ -2,8 +2,8 @@
 
 use serde_json::Value;
 
-use super::kind;
 use crate::case::diagnostics::excerpt;
+use crate::case::schema_parts::kind;
 use crate::format_number::{counted, figures};
 
 /// What is allowed, if a number or a list is out of the range of its schema.

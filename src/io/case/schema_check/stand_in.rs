@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{kind, length, meant};
+use crate::case::schema_parts::{kind, length, meant};
 
 /// Which values stand for those that cannot be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

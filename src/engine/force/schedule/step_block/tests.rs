@@ -8,7 +8,7 @@ use crate::force::law::curve::CurveKind;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
 use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::schedule::partition::Limits;
-use crate::force::schedule::sweep::{PartTarget, Term};
+use crate::force::schedule::terms::{PartTarget, Term};
 use crate::model::bounds::Bounds;
 use crate::model::forces::Forces;
 use crate::model::motion::{Motion, motion};
@@ -17,6 +17,7 @@ use crate::model::spec::{DashpotKind, Slack};
 use crate::model::state::State;
 use crate::model::step_block::{self, KickDriftScheme, NodeSums};
 use crate::model::system::KickDriftBlock;
+use bytemuck::cast_slice;
 use bytemuck::cast_slice_mut;
 use rayon::ThreadPoolBuildError;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -233,7 +234,8 @@ fn in_a_block<T: Terms>(
     let [mass, inverse_mass] = masses();
     let block = KickDriftBlock { scheme, from };
     let boundary = StepBoundary { block, mass: &mass, inverse_mass: &inverse_mass };
-    sweep.advance((terms, moving), boundary, threads, sums(&mut forces), (&mut tallies, &mut summaries));
+    let results = StepBlockResults { sums: sums(&mut forces), tallies: &mut tallies, summaries: &mut summaries };
+    sweep.advance(terms, moving, boundary, threads, results);
     let told = summaries.into_iter().map(|summary| (summary.nodes, summary.tallies)).collect();
     (Found { forces, state, told }, tallies)
 }
@@ -355,7 +357,7 @@ fn apart_from_passes<T: Terms>(
     let (Point { mut state, mut forces }, mut tallies) = (nowhere(from), vec![Tally::default(); 2]);
     let mut pass = |State { x, v, .. }: &State, forces: &mut Forces| {
         let at = NodeState { t: 0.0, x: cast_slice(x), v: cast_slice(v) };
-        sweep.pass((terms, at), &Threads::one(), sums(forces), &mut tallies);
+        sweep.pass(terms, at, &Threads::one(), sums(forces), &mut tallies);
     };
     begun(from, scheme, &mut state);
     pass(&state, &mut forces);
@@ -405,7 +407,7 @@ fn a_second_pass_goes_over_what_velocities_change() -> Result<(), ThreadPoolBuil
             assert!(off < 1e-14, "{what}: {off:e}");
             let (mut alone, mut told) = (found.forces.clone(), vec![Tally::default(); 2]);
             let at = NodeState { t: 0.0, x: cast_slice(&found.state.x), v: cast_slice(&found.state.v) };
-            scene.1.pass((&scene.0, at), &Threads::one(), sums(&mut alone), &mut told);
+            scene.1.pass(&scene.0, at, &Threads::one(), sums(&mut alone), &mut told);
             assert!((&alone, &told) == (&found.forces, &tallies), "{what}");
             asked();
         }
@@ -437,7 +439,7 @@ fn callers_do_not_meet() -> Result<(), ThreadPoolBuildError> {
     let pass = |threads: &Threads| {
         let at = NodeState { t: 0.0, x: cast_slice(&from.state.x), v: cast_slice(&from.state.v) };
         let (mut forces, mut tallies) = (nowhere(&from).forces, vec![Tally::default(); 2]);
-        scene.1.pass((&scene.0, at), threads, sums(&mut forces), &mut tallies);
+        scene.1.pass(&scene.0, at, threads, sums(&mut forces), &mut tallies);
         forces
     };
     let alone = pass(&Threads::one());

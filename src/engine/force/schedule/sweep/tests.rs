@@ -1,11 +1,13 @@
 //! Passes over blocks, beside element after element.
 
 use super::*;
+use crate::force::kernel::batch::PARTS;
 use crate::force::kernel::fixtures::random;
 use crate::force::law::damped_springs::DampedSprings;
 use crate::force::law::gravity::Gravity;
 use crate::force::schedule::partition::Limits;
 use crate::force::schedule::step_block::tests::{Links, links, relative_dashpots};
+use crate::force::schedule::terms::PartTarget;
 use rayon::ThreadPoolBuildError;
 
 const NODES: usize = 200;
@@ -60,7 +62,8 @@ fn mixed(limits: Limits) -> (Mixed, Sweep) {
     let ends = |pair: &dyn Fn(u32) -> [u32; 2]| (1..NODES as u32).map(pair).collect();
     let (star, chain) = (relative_dashpots(ends(&|i| [i, 0])), links(ends(&|i| [i, i - 1])));
     let weight = Gravity::new(
-        (Vector3::new(0.0, 0.5, -2.0), Default::default()),
+        Vector3::new(0.0, 0.5, -2.0),
+        Default::default(),
         (0..NODES).map(|i| i as f64),
         vec![Vector3::x(); NODES].into(),
     );
@@ -110,7 +113,7 @@ fn a_pass_adds_up_all_terms_whatever_the_tiles_and_threads() -> Result<(), Threa
             let threads = Threads::new(threads)?;
             let mut sums = [0; 3].map(|_| vec![Vector3::repeat(f64::NAN); NODES]);
             let mut tallies = [Tally { energy: f64::NAN, power: f64::NAN }; 3];
-            sweep.pass((&terms, at), &threads, sums.each_mut().map(Vec::as_mut_slice), &mut tallies);
+            sweep.pass(&terms, at, &threads, sums.each_mut().map(Vec::as_mut_slice), &mut tallies);
             for (found, expected) in sums.iter().flatten().zip(expected.iter().flatten()) {
                 assert!((*found - *expected).norm() < 1e-12 * (1.0 + expected.norm()), "{found} {expected}");
             }
@@ -136,15 +139,15 @@ fn passes_over_other_terms_leave_nothing_behind() -> Result<(), ThreadPoolBuildE
         let all = || {
             let mut sums = [0; 3].map(|_| vec![Vector3::repeat(f64::NAN); NODES]);
             let mut tallies = [Tally::default(); 3];
-            sweep.pass((&terms, at), &threads, sums.each_mut().map(Vec::as_mut_slice), &mut tallies);
+            sweep.pass(&terms, at, &threads, sums.each_mut().map(Vec::as_mut_slice), &mut tallies);
             (sums, tallies)
         };
         let before = all();
         let (mut sum, mut tally) = (vec![Vector3::repeat(f64::NAN); NODES], [Tally::default()]);
         let star: [(&dyn BlockForces, usize); 1] = [(&terms.star, 1)];
-        sweep.pass((&Only(&star), at), &threads, [&mut sum, &mut [], &mut []], &mut tally);
+        sweep.pass(&Only(&star), at, &threads, [&mut sum, &mut [], &mut []], &mut tally);
         assert_eq!((&sum, tally[0]), (&before.0[2], before.1[0]));
-        sweep.pass((&Only(&[]), at), &threads, [&mut sum, &mut [], &mut []], &mut []);
+        sweep.pass(&Only(&[]), at, &threads, [&mut sum, &mut [], &mut []], &mut []);
         assert!(sum.iter().all(|f| *f == Vector3::zeros()));
         assert_eq!(all(), before);
     }
@@ -160,7 +163,7 @@ fn a_batch_can_be_cut_again() {
     let sweep = Sweep::of(partition);
     let mut sum = vec![Vector3::repeat(f64::NAN); NODES];
     let star: [(&dyn BlockForces, usize); 1] = [(&terms.star, 1)];
-    sweep.pass((&Only(&star), at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
+    sweep.pass(&Only(&star), at, &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
     let (expected, _) = one_by_one(at);
     assert!(sum.iter().zip(&expected[2]).all(|(a, b)| (*a - *b).norm() < 1e-12 * (1.0 + b.norm())));
 }
@@ -173,6 +176,6 @@ fn weight_alone_needs_no_elements() {
     let forces: &mut [&mut dyn BlockForces] = &mut [&mut terms.weight];
     let sweep = Sweep::of(Partition::within(Limits { node_block: 16, records: 40 }, NODES, forces));
     let mut sum = vec![Vector3::repeat(f64::NAN); NODES];
-    sweep.pass((&Only(&[(&terms.weight, 0)]), at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
+    sweep.pass(&Only(&[(&terms.weight, 0)]), at, &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
     assert!(sum.iter().enumerate().all(|(i, f)| *f == i as f64 * Vector3::new(0.0, 0.5, -2.0)));
 }

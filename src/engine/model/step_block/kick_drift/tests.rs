@@ -81,9 +81,9 @@ fn assert_same<const W: usize>() {
             let mut expected = Net::<W>::new(nodes);
             let (mut best, mut portable) = (expected.clone(), expected.clone());
             let sums = expected.one_by_one(kicks, another);
-            assert_eq!(kicks.end(best.nodes(kicks), another).0, sums, "{nodes} nodes, {kicks:?}, {another}");
+            assert_eq!(kicks.end(best.nodes(kicks), another).nodes, sums, "{nodes} nodes, {kicks:?}, {another}");
             assert_eq!(
-                Pass { scheme: kicks, nodes: portable.nodes(kicks), another }.run(Portable).0,
+                Pass { scheme: kicks, nodes: portable.nodes(kicks), another }.run(Portable).nodes,
                 sums,
                 "{nodes} nodes, any machine"
             );
@@ -112,7 +112,7 @@ fn a_wrong_force_is_told<const W: usize>() {
             }
             let mut net = Net::<W>::new(6);
             net.f[at] = wrong;
-            let (mut sums, _) = kicks.end(net.nodes(kicks), another);
+            let mut sums = kicks.end(net.nodes(kicks), another).nodes;
             assert_eq!(sums.finite, another, "{wrong} at {at}, {kicks:?}");
             if another && sums.kinetic.is_finite() {
                 assert!(kicks.end.is_none() || kicks.predicts);
@@ -121,11 +121,11 @@ fn a_wrong_force_is_told<const W: usize>() {
                     let Net { inverse_mass, v, kicked, f, .. } = &mut net;
                     kicks.correct(v, kicked, inverse_mass, f);
                 }
-                sums = kicks.end(net.nodes(kicks), another).0;
+                sums = kicks.end(net.nodes(kicks), another).nodes;
             }
             assert!(!sums.finite || !sums.kinetic.is_finite(), "{wrong} at {at}, {kicks:?}, {another}");
         }
-        let (sums, _) = kicks.end(Net::<W>::new(6).nodes(kicks), another);
+        let sums = kicks.end(Net::<W>::new(6).nodes(kicks), another).nodes;
         assert!(sums.finite && sums.kinetic.is_finite());
     });
 }
