@@ -46,8 +46,8 @@ impl Dice {
     }
 }
 
-/// The case of a seed: a tree of springs with some more between its nodes, in up to three groups of their own laws, held
-/// here and there, which swings for five steps.
+/// The case of a seed: a tree of springs with some more between its nodes, in up to three groups of their own laws,
+/// held here and there, which swings for five steps.
 pub fn network(seed: u64) -> Value {
     let mut dice = Dice(seed);
     let n = 5 + dice.below(56);

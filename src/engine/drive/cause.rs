@@ -307,10 +307,12 @@ impl DiagnosisInput<'_> {
         Some(Diagnosis { why, advice, critical: None, dof: Some(found.frequency_dof) })
     }
 
-    /// What to add where nothing damps the springs.
+    /// What to add where air damps the cloth across its springs, and nothing along them.
     fn dashpots(&self) -> String {
-        let damps = |term: &TermInfo| term.role == Role::Dissipative && !term.on_triangles;
-        if self.scene.springs().is_none() || self.scene.terms().iter().any(damps) {
+        let terms = || self.scene.terms().iter().filter(|term| term.velocity_dependent);
+        let (in_air, damped) =
+            (terms().any(|term| term.on_triangles), terms().any(|term| term.role == Role::Dissipative));
+        if !in_air || damped || self.scene.springs().is_none() {
             return String::new();
         }
         format!("\"dashpot\": {{\"axial\": {{\"time\": {}}}}} in the rules of springs, ", figures(self.h, 2))

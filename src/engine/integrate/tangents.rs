@@ -63,15 +63,16 @@ pub fn cached_factor(
     }
     let Some(assembler) = system.symmetric_assembler()? else { return Ok(None) };
     let factor = Factor::for_reuse(assembler, choice, system.workers())?;
-    // Conjugate gradients are cheap to set up and cheaper to reuse.
-    let keeps = choice == LinearChoice::Cg || strategy.reuses_factors(factor.cost(), factor.assembler.pattern.n());
+    // Conjugate gradients are cheap to set up and cheaper to reuse. Cholesky serves the symmetric part of a tangent.
+    let by_choice = choice == LinearChoice::Cg || choice == LinearChoice::Cholesky && !system.symmetric();
+    let keeps = by_choice || strategy.reuses_factors(factor.cost(), factor.assembler.pattern.n());
     Ok(keeps.then_some(factor))
 }
 
 /// Why a choice of solver does not fit a scene, if it does not.
 pub fn refusal(symmetric: bool, strategy: Strategy, choice: LinearChoice) -> Option<LinearError> {
     match choice {
-        LinearChoice::Cholesky if !symmetric => Some(LinearError::NotSymmetric),
+        LinearChoice::Cholesky if !symmetric && strategy == Strategy::Full => Some(LinearError::NotSymmetric),
         LinearChoice::Cg if !symmetric && strategy == Strategy::Full => Some(LinearError::FullNotSymmetric),
         LinearChoice::Lu if matches!(strategy, Strategy::Modified | Strategy::Quasi) => Some(LinearError::NotKept),
         _ => None,
@@ -184,7 +185,8 @@ impl Tangents {
         let symmetric = system.symmetric() && exact.as_ref().is_none_or(|f| f.assembler.pattern.symmetric);
         let dof = frozen.iter().chain(&exact).map(|f| Arc::from(&*f.assembler.pattern.dof)).next().unwrap_or_default();
         // If the symmetric part does not converge, only LU is left.
-        let choice = if choice == LinearChoice::Cg && !symmetric { LinearChoice::Auto } else { choice };
+        let symmetric_only = matches!(choice, LinearChoice::Cg | LinearChoice::Cholesky);
+        let choice = if symmetric_only && !symmetric { LinearChoice::Auto } else { choice };
         Ok(Tangents {
             rank_ones: RankOnes::default(),
             mass_parts: RankOnes::default(),

@@ -19,7 +19,8 @@ pub enum LinearChoice {
     /// Otherwise Cholesky for a symmetric tangent, and LU for any other.
     #[default]
     Auto,
-    /// Sparse Cholesky; needs a symmetric tangent.
+    /// Sparse Cholesky. If the tangent is not symmetric, its symmetric part is used, and LU where that does not
+    /// converge; the strategy must then not be `full`.
     Cholesky,
     /// Sparse LU.
     Lu,
