@@ -17,6 +17,7 @@ use crate::format_number::{counted, figures};
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::mesh::canopy::Canopy;
 use crate::mesh::parachute::ParachuteParameters;
+use crate::model::forces::Role;
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::{Scene, pass_events, place_of};
@@ -84,7 +85,8 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let fails = own_run.and_then(|row| row.refused.as_deref()).is_some_and(|why| why.starts_with("fails "));
     let linear_only = problem.method.info.linear.linear_only;
     let limit = own.and_then(|own| own.limit);
-    let stable = Stability { step: plan.step, limit, later, while_slack, fails, linear_only }.answer();
+    let switching = undamped_switching(scene, plan.step, &candidates);
+    let stable = Stability { step: plan.step, limit, later, while_slack, fails, linear_only, switching }.answer();
     if args.print.json {
         return Report {
             problem: &problem,
@@ -152,6 +154,20 @@ struct Stability {
     fails: bool,
     /// whether the method is known to be stable on linear scenes only, where it has no limit
     linear_only: bool,
+    /// [rad] w h of the fastest motion, where springs go slack and nothing damps them
+    switching: Option<f64>,
+}
+
+/// [rad] w h of the fastest motion of a scene whose springs go slack, with nothing that damps them, where a step jumps
+/// over it. Verlet's limit is w h = 2.
+fn undamped_switching(scene: &dyn Scene, step: Option<f64>, candidates: &[Candidate]) -> Option<f64> {
+    let damped = scene.terms().iter().any(|term| term.role == Role::Dissipative && !term.on_triangles);
+    if damped || !scene.springs()?.has_branches() {
+        return None;
+    }
+    let verlet = candidates.iter().find(|candidate| candidate.method.info.name == "velocity-verlet")?;
+    let wh = 2.0 * step? / verlet.limit?.step;
+    (wh > 1.0 && wh.is_finite()).then_some(wh)
 }
 
 impl Stability {
@@ -165,6 +181,14 @@ impl Stability {
             return ("no", "the method's energy grows at every step where nothing damps".to_owned());
         }
         if critical.is_infinite() {
+            if let (false, true, Some(wh)) = (self.fails, self.linear_only, self.switching) {
+                let why = format!(
+                    "the method has no largest stable step there; springs go slack here, nothing damps them, and w h = {} for \
+                     the fastest: expect it to make energy, which --method backward-euler does not",
+                    figures(wh, 3)
+                );
+                return ("on linear scenes", why);
+            }
             let (answer, why) = match (self.fails, self.linear_only) {
                 (true, _) => ("no", "the trial run fails"),
                 (false, true) => (
