@@ -78,6 +78,32 @@ fn an_unsolvable_step_is_reported() {
     assert_eq!(last_good_frame(&bench.results()), 0.0);
 }
 
+/// Backward Euler takes energy, but not where an axial dashpot turns far within a step: said with the way out.
+#[test]
+fn a_dashpot_that_turns_is_named() {
+    let bench = Bench::new();
+    let case = json!({
+        "name": "bar",
+        "system": {"network": {
+            "mesh": {"explicit": {"nodes": [[0, 0, 0], [1, 0, 0]], "springs": [[0, 1]]}},
+            "mass": {"nodal": 1.0},
+            "springs": [{"on": "all", "stiffness": 1e6, "dashpot": {"axial": {"time": 1.0}}}],
+            "supports": [{"on": {"ids": [0]}, "fix": "xyz"}],
+            "gravity": [0, 0, -9.81]
+        }},
+        "time": {"end": 2, "method": "backward-euler", "step": 0.1}
+    });
+    std::fs::write(bench.path("bar.json"), case.to_string()).expect("written");
+    let ended = bench.run(&["solve", "bar.json", "--out", "bar"]);
+    assert_eq!(ended.code, Some(3), "{}", ended.stderr);
+    for words in ["an axial dashpot takes a spring that turns within a step", "or dashpots of a shorter time"] {
+        assert!(ended.stderr.contains(words), "no \"{words}\" in\n{}", ended.stderr);
+    }
+    let softer = "system.network.springs.0.dashpot={\"axial\": {\"time\": 1e-3}}";
+    let ended = bench.run(&["solve", "bar.json", "--out", "softer", "--step", "0.01", "--set", softer]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+}
+
 /// A file that reaches the size a shell allows is a file that cannot be written: status 1 and its name, where a signal
 /// would end the program without a word.
 #[cfg(unix)]

@@ -288,6 +288,9 @@ impl DiagnosisInput<'_> {
             Family::MatrixFree => {
                 ("jumps over", "two sweeps of the filter are then a poor approximation of an implicit step")
             }
+            Family::Implicit if self.turns_dashpots() => {
+                ("jumps over", "an axial dashpot takes a spring that turns within a step for one that stretches")
+            }
             Family::Implicit => ("jumps over", "this method is stable on linear scenes only"),
             Family::Explicit => ("is coarse for", "the energy oscillates with it, although the scheme may be stable"),
         };
@@ -301,10 +304,22 @@ impl DiagnosisInput<'_> {
         let step = format!("a step of {} s or smaller", figures(RESOLVED / found.frequency, 2));
         let advice = match (self.method.info.family, self.method.info.linear.always_dissipates) {
             (Family::Explicit, _) => format!("take {step}, or --method rk4"),
+            (_, true) if self.turns_dashpots() => {
+                format!("take a step of {} s or smaller, or dashpots of a shorter time", figures(0.1 * self.h, 2))
+            }
             (_, true) => format!("take {step}"),
             _ => format!("take --method backward-euler, {}or {step}", self.dashpots()),
         };
         Some(Diagnosis { why, advice, critical: None, dof: Some(found.frequency_dof) })
+    }
+
+    /// Whether a method that makes no energy by itself has axial dashpots: their rate n . (vb - va) is not 0 for a spring
+    /// that only turns, if v is a difference over the step.
+    fn turns_dashpots(&self) -> bool {
+        let axial = |term: &TermInfo| {
+            term.role == Role::Dissipative && term.velocity_dependent && !term.constant_damping && !term.on_triangles
+        };
+        self.method.info.linear.always_dissipates && self.scene.terms().iter().any(axial)
     }
 
     /// What to add where air damps the cloth across its springs, and nothing along them.
