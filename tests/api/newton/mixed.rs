@@ -118,6 +118,14 @@ fn flat_sheets_find_where_they_hang() {
     }
 }
 
+/// Soft springs that push while the sheet folds: as much of their compression is in the matrix as keeps it positive
+/// definite.
+#[test]
+fn a_soft_sheet_that_pushes_finds_where_it_hangs() {
+    let made = equilibrium(&case_of(&sheet(40, 10.0, LAWS[0]), &[])).counters.newton_iterations;
+    assert!(made <= 120, "{made} iterations");
+}
+
 /// A flat sheet swings down in steps that are long beside every period of its springs: it completes in few iterations a
 /// step, with the same bits on one thread and on two.
 #[test]
