@@ -313,8 +313,8 @@ impl DiagnosisInput<'_> {
         Some(Diagnosis { why, advice, critical: None, dof: Some(found.frequency_dof) })
     }
 
-    /// Whether a method that makes no energy by itself has axial dashpots: their rate n . (vb - va) is not 0 for a spring
-    /// that only turns, if v is a difference over the step.
+    /// Whether a method that makes no energy by itself has axial dashpots: their rate n . (vb - va) is not 0 for a
+    /// spring that only turns, if v is a difference over the step.
     fn turns_dashpots(&self) -> bool {
         let axial = |term: &TermInfo| {
             term.role == Role::Dissipative && term.velocity_dependent && !term.constant_damping && !term.on_triangles
