@@ -2,9 +2,13 @@
 //! states far from the solution.
 
 use crate::common::run::{case_of, run_with};
+use canopy_fem::assembly::{MixedForm, TangentSystem};
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
+use canopy_fem::model::spring_state::{SpringState, SpringTangent};
+use canopy_fem::model::state::State;
 use canopy_fem::model::stop::Stop;
+use canopy_fem::model::system::Weights;
 use canopy_fem::simulation::build_scene;
 use canopy_fem::solve::LinearChoice;
 use canopy_fem::statics::{self, Equilibrium, StaticSpec};
@@ -115,6 +119,55 @@ fn flat_sheets_find_where_they_hang() {
                 assert!((lowest(&found) + 1.0).abs() < 1e-2, "{law}, {stiffness} N/m: {} m", lowest(&found));
             }
         }
+    }
+}
+
+/// [N/m] The matrix with tensions t and stiffnesses k is the derivative of the forces sum (t + k dl) n by the positions,
+/// for any t and k: by central differences of n and l.
+#[test]
+fn the_matrix_of_the_mixed_iteration_agrees_with_differences() {
+    let mut problem = case_of(&sheet(3, 1e3, "tension-only"), &[]).problem().clone();
+    let scene = build_scene(problem.take_system(), 1).expect("the case is good");
+    let system: &dyn TangentSystem = scene.interfaces().tangent;
+    let mixed = system.mixed().expect("springs");
+    let wave = |i: usize, w: f64| (1.0 + w * i as f64).sin();
+    let mut state = scene.initial_state();
+    state.x.iter_mut().enumerate().for_each(|(i, x)| *x += 0.05 * wave(i, 1.7));
+    let springs_at = |state: &State| {
+        let mut springs = vec![SpringState::idle([0; 2]); mixed.springs()];
+        mixed.measure(state.as_ref(), 0.0, &mut springs);
+        springs
+    };
+    let tangent = |i: usize| SpringTangent { tension: 30.0 * wave(i, 0.3), stiffness: 1e3 * wave(i, 0.9).abs() };
+    let tangents: Vec<SpringTangent> = (0..mixed.springs()).map(tangent).collect();
+    let mut assembler = system.assembler().expect("small");
+    let form = MixedForm { springs: &tangents, convex: false, symmetric: true };
+    mixed.assemble_mixed(state.as_ref(), Weights { m: 0.0, c: 0.0, k: 1.0 }, form, &mut assembler);
+
+    let dof = assembler.pattern.dof.clone();
+    let p: Vec<f64> = (0..dof.len()).map(|i| wave(i, 2.3)).collect();
+    let mut product = vec![0.0; p.len()];
+    assembler.pattern.multiply(assembler.values(), &p, &mut product);
+
+    const STEP: f64 = 1e-6;
+    let [ahead, behind] = [STEP, -STEP].map(|step| {
+        let mut moved = state.clone();
+        dof.iter().zip(&p).for_each(|(&dof, p)| moved.x[dof as usize] += step * p);
+        springs_at(&moved)
+    });
+    let mut force = vec![0.0; state.x.len()];
+    for (((now, ahead), behind), tangent) in springs_at(&state).iter().zip(&ahead).zip(&behind).zip(&tangents) {
+        let stretch = (ahead.length - behind.length) / (2.0 * STEP);
+        let change = (ahead.n - behind.n) * (tangent.tension / (2.0 * STEP)) + now.n * (tangent.stiffness * stretch);
+        for (axis, change) in change.iter().enumerate() {
+            let [a, b] = now.nodes.map(|node| 3 * node as usize + axis);
+            force[a] += change;
+            force[b] -= change;
+        }
+    }
+    for (&dof, product) in dof.iter().zip(&product) {
+        let expected = -force[dof as usize];
+        assert!((product - expected).abs() < 1e-5 * 1e3, "{product} for {expected}");
     }
 }
 
