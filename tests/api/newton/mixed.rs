@@ -122,7 +122,7 @@ fn flat_sheets_find_where_they_hang() {
     }
 }
 
-/// [N/m] The matrix with tensions t and stiffnesses k is the derivative of the forces sum (t + k dl) n by the positions,
+/// [N/m] The matrix with tensions t and stiffnesses k is the derivative of the forces sum (t + k dl) n by positions,
 /// for any t and k: by central differences of n and l.
 #[test]
 fn the_matrix_of_the_mixed_iteration_agrees_with_differences() {
