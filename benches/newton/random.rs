@@ -1,6 +1,7 @@
 //! Random networks. Each has a seed, and is the same on every machine.
 
 use crate::row::{End, Row, row};
+use canopy_fem::mesh::random::SplitMix64;
 use serde_json::{Value, json};
 
 const METHODS: [&str; 6] = ["newmark", "hht", "generalized-alpha", "backward-euler", "energy-momentum", "esdirk4"];
@@ -17,20 +18,12 @@ const NEWTON: [(&str, &str); 4] = [
     ("iteration", ": matrix"),
 ];
 
-/// SplitMix64 (Steele, Lea & Flood 2014).
-struct Dice(u64);
+struct Dice(SplitMix64);
 
 impl Dice {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
     /// in [low, high)
     fn real(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+        low + (high - low) * (self.0.draw() >> 11) as f64 / (1_u64 << 53) as f64
     }
     /// the same, its logarithm evenly spread, to three digits
     fn log(&mut self, low: f64, high: f64) -> f64 {
@@ -39,7 +32,7 @@ impl Dice {
     }
     /// below `n`
     fn below(&mut self, n: u64) -> u64 {
-        self.next() % n
+        self.0.draw() % n
     }
     fn point(&mut self, size: f64) -> [f64; 3] {
         [(); 3].map(|()| (1e4 * self.real(-size, size)).round() / 1e4)
@@ -49,7 +42,7 @@ impl Dice {
 /// The case of a seed: a tree of springs with some more between its nodes, in up to three groups of their own laws,
 /// held here and there, which swings for five steps.
 pub fn network(seed: u64) -> Value {
-    let mut dice = Dice(seed);
+    let mut dice = Dice(SplitMix64::of_seed(seed));
     let n = 5 + dice.below(56);
     let nodes: Vec<[f64; 3]> = (0..n).map(|_| dice.point(0.5)).collect();
     let mut springs: Vec<[u64; 2]> = (1..n).map(|i| [dice.below(i), i]).collect();

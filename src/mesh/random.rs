@@ -2,16 +2,22 @@
 
 /// SplitMix64 (Steele, Lea & Flood 2014, "Fast splittable pseudorandom number generators", figure 1).
 #[derive(Clone, Debug)]
-pub(super) struct SplitMix64(u64);
+pub struct SplitMix64(u64);
 
 impl SplitMix64 {
-    /// Numbers for the given attempt at a mesh with the given seed.
-    pub(crate) fn new(seed: u64, attempt: u64) -> Self {
-        let mut mixed = Self(seed);
-        Self(mixed.next().wrapping_add(attempt))
+    /// The numbers of a seed.
+    pub fn of_seed(seed: u64) -> Self {
+        Self(seed)
     }
 
-    fn next(&mut self) -> u64 {
+    /// Numbers for the given attempt at a mesh with the given seed.
+    pub(crate) fn new(seed: u64, attempt: u64) -> Self {
+        let mut mixed = Self::of_seed(seed);
+        Self(mixed.draw().wrapping_add(attempt))
+    }
+
+    /// The next 64 bits.
+    pub fn draw(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -22,7 +28,7 @@ impl SplitMix64 {
     /// [-] evenly spread in [-1, 1)
     pub(crate) fn signed(&mut self) -> f64 {
         // The upper 53 bits fill a double's mantissa exactly.
-        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        (self.draw() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 }
 

@@ -73,6 +73,12 @@ pub(super) struct DivergedState<'a> {
     pub gain: EnergyGain,
 }
 
+/// What a scheme has made beside what there was.
+fn made(gain: EnergyGain) -> String {
+    let [made, supplied] = [gain.made, gain.supplied].map(|energy| figures(energy, 3));
+    format!("made {made} J of energy, but only {supplied} J were present or supplied")
+}
+
 impl FailureContext<'_> {
     /// The report of a diverged state.
     pub(super) fn diverged(&self, diverged: &DivergedState<'_>) -> Failure {
@@ -169,11 +175,9 @@ impl FailureContext<'_> {
             Explain::Failures | Explain::All => self.question().gain(),
         };
         let cause = format!(
-            "{} itself had made {} J of energy, but only {} J were present or supplied: no motion leads to the state that \
-             this step begins with{}{why}; {error}",
+            "{} itself had {}: no motion leads to the state that this step begins with{}{why}; {error}",
             self.method.info.name,
-            figures(self.gain.made, 3),
-            figures(self.gain.supplied, 3),
+            made(self.gain),
             if why.is_empty() { "" } else { "; " },
         );
         self.report(suspect, cause, advice)
@@ -209,10 +213,9 @@ impl FailureContext<'_> {
                 format!("the nodes have spread beyond {times:.0e} times the scene's size")
             }
             DivergenceKind::Energy(gain) => format!(
-                "{} itself has made {} J of energy, but only {} J were present or supplied{}{}",
+                "{} itself has {}{}{}",
                 self.method.info.name,
-                figures(gain.made, 3),
-                figures(gain.supplied, 3),
+                made(gain),
                 self.speed(diverged, worst, gain),
                 grows(gain)
             ),

@@ -48,6 +48,8 @@ const TO_BOUNDARY: f64 = 0.995;
 const FIRST_PRODUCT: f64 = 1e-4;
 /// [-] The least share of the mean product that an iteration aims at.
 const LEAST_CENTRE: f64 = 1e-3;
+/// [-] The least share of tensions below 0 that the next iteration tries.
+const LEAST_SHARE: f64 = 1.0 / 1024.0;
 /// [-] Errors of lengths over the lengths, and products t s over loads and lengths, with which springs may act both
 /// ways.
 const LOADED: f64 = 1e-9;
@@ -432,8 +434,7 @@ impl Iteration<'_> {
             match springs.linearise(&self.tensions.tangents, share < 1.0) {
                 Ok(Inertia::Indefinite) | Err(LinearError::Indefinite { .. }) => {}
                 made => {
-                    self.tensions.share =
-                        if share == most { f64::min(1.0, 0.5 * (1.0 + share)) } else { share.max(0.5f64.powi(10)) };
+                    self.tensions.share = if share < most { share.max(LEAST_SHARE) } else { 0.5 * (1.0 + share) };
                     return made.map(|_| true);
                 }
             }
