@@ -27,6 +27,31 @@ pub fn two_digits(step: f64) -> f64 {
     format!("{rounded:.1e}").parse().unwrap_or(step)
 }
 
+/// A number with its error, to the digits that the error leaves: one, or two where that is a 1; at most six digits.
+///
+/// ```
+/// use canopy_fem_mesh::format_number::with_error;
+/// assert_eq!(with_error(4938.71, Some(3.6)), "4939 ± 4");
+/// assert_eq!(with_error(0.0123456, Some(1.23e-4)), "0.01235 ± 0.00012");
+/// assert_eq!(with_error(5.95, Some(1e-9)), "5.95000 ± 1e-9");
+/// assert_eq!(with_error(5.951234, None), "5.951");
+/// ```
+pub fn with_error(value: f64, error: Option<f64>) -> String {
+    let Some(error) = error.filter(|error| error.is_finite() && *error > 0.0) else { return figures(value, 4) };
+    let place = |x: f64| x.abs().log10().floor() as i32;
+    let rounded: f64 = format!("{error:.0e}").parse().unwrap_or(error);
+    let leads_with_one = rounded / 10.0_f64.powi(place(rounded)) < 1.5;
+    let wanted = -place(rounded) + i32::from(leads_with_one);
+    let most = 5 - if value == 0.0 { place(error) } else { place(value) };
+    let decimals = wanted.min(most).clamp(0, 12) as usize;
+    let shown = if wanted <= 12 && wanted <= most && wanted >= 0 {
+        format!("{error:.decimals$}")
+    } else {
+        figures(error, if wanted < 0 { (place(error) + 1).max(1) as usize } else { 1 })
+    };
+    format!("{value:.decimals$} ± {shown}")
+}
+
 /// A number with its noun: "1 step", "2 steps".
 ///
 /// ```

@@ -54,6 +54,19 @@ pub enum StudyError {
     /// Errors are relative to a motion that is not there.
     #[error("nothing moves in this case, so that errors relative to the motion cannot be told")]
     NothingMoves,
+    /// No step is within an accuracy.
+    #[error(
+        "no run was within {accuracy}: at the finest that was tried, {tried}, {best}; take a wider accuracy, name other \
+         quantities with --quantity, or take another method (canopy-fem check)"
+    )]
+    NotWithin {
+        /// the accuracy
+        accuracy: String,
+        /// the finest run
+        tried: String,
+        /// the quantity that is farthest from it
+        best: String,
+    },
     /// Ctrl-C.
     #[error("interrupted; run the same command again to go on")]
     Interrupted,
@@ -140,6 +153,7 @@ impl StudyError {
             StudyError::Setup(SetupError::Threads(_)) => 1,
             StudyError::Plot(e) => e.exit_status(),
             StudyError::OfModel { source, .. } => source.exit_status(),
+            StudyError::NotWithin { .. } => 3,
             StudyError::Interrupted | StudyError::InterruptedReference => 130,
             _ => 2,
         }

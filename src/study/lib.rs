@@ -39,6 +39,9 @@ mod step_grid;
 pub mod store;
 pub mod sweep;
 pub mod template;
+pub mod verify;
+pub mod whole_run;
+pub mod worth;
 
 use canopy_fem_io::{analysis, assembly, drive, integrate, model, scene, solve};
 use canopy_fem_io::{case, checksum, format_number, input_file, mesh, output, process, simulation, vtk};

@@ -252,12 +252,12 @@ pub enum ReportLine {
 
 impl Quantity {
     /// A quantity whose peak is its largest value.
-    const fn of(name: &'static str, unit: &'static str) -> Self {
+    pub const fn of(name: &'static str, unit: &'static str) -> Self {
         Quantity { name, unit, peak: PeakRule::Largest, line: None }
     }
 
     /// A quantity whose peak is the value of the largest magnitude.
-    const fn signed(name: &'static str, unit: &'static str) -> Self {
+    pub const fn signed(name: &'static str, unit: &'static str) -> Self {
         Quantity { peak: PeakRule::LargestMagnitude, ..Self::of(name, unit) }
     }
 

@@ -87,6 +87,7 @@ impl Fingerprint {
             crossings,
             probes,
             gauges,
+            quantities,
             history_every,
             history_derived,
             checkpoint_every: _,
@@ -110,6 +111,10 @@ impl Fingerprint {
         }
         for gauge in gauges {
             made.sum("output.gauges", gauge)?;
+        }
+        // They are measured from the start of a run on.
+        for quantity in quantities {
+            made.sum("study.quantities", &quantity.text)?;
         }
         Ok(made)
     }

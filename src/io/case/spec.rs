@@ -8,6 +8,7 @@ use crate::integrate::registry::MethodChoice;
 use crate::model::gauge::{NodeGauge, SpringGauge};
 use crate::model::group_totals::{GroupTotals, group_totals};
 use crate::model::spec::{NetworkSpec, PendulumSpec};
+use crate::output::quantity::QuantityName;
 use crate::vtk::VtuFormat;
 use crate::warning::{Warning, WarningCode};
 
@@ -136,6 +137,8 @@ pub struct OutputSpec {
     pub probes: Vec<ProbeSpec>,
     /// gauges of the case, in its order, then those of springs with a strength
     pub gauges: Vec<GaugeSpec>,
+    /// quantities that are asked for; empty: those of the report
+    pub quantities: Vec<QuantityName>,
     /// how often `history.csv` has a row
     pub history_every: RowEvery,
     /// whether it is the default, which follows from the length of the run

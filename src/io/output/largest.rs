@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::gauges::{ChannelPeak, Gauges, Peak};
+use super::gauges::{Gauges, GaugesSoFar, GaugesSpec, MeasuredQuantity, Peak};
+use super::quantity::QuantityError;
 use super::schedule::Schedule;
 use crate::case::spec::OutputSpec;
 use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, States, UpcomingStep, Wants};
@@ -16,7 +17,7 @@ pub struct LargestSoFar {
     /// [-] largest strain of a spring
     pub strain: f64,
     /// those of the gauges
-    peaks: Vec<ChannelPeak>,
+    gauges: GaugesSoFar,
 }
 
 /// The observer that measures the gauges of a case, the largest speed and the largest strain. Only credible states
@@ -34,23 +35,36 @@ pub struct LargestValues<'a> {
 
 impl<'a> LargestValues<'a> {
     /// Of a run to `end` [s]; `so_far` is what an earlier part of it has measured.
-    pub fn new(picture: &'a dyn Observables, output: &OutputSpec, end: f64, so_far: Option<&LargestSoFar>) -> Self {
-        let mut gauges = Gauges::new(picture, &output.gauges, output.history_every, end);
-        let LargestSoFar { speed, strain, peaks } = so_far.cloned().unwrap_or_default();
-        gauges.take_up(&peaks);
+    ///
+    /// # Errors
+    /// A quantity of the case that is not there.
+    pub fn new(
+        picture: &'a dyn Observables,
+        output: &OutputSpec,
+        end: f64,
+        so_far: Option<&LargestSoFar>,
+    ) -> Result<Self, QuantityError> {
+        let mut gauges = Gauges::new(picture, &GaugesSpec::of(output, end))?;
+        let LargestSoFar { speed, strain, gauges: kept } = so_far.cloned().unwrap_or_default();
+        gauges.take_up(&kept);
         let frames_every = output.frames_every;
         let frames = Schedule::new(frames_every, 0.0);
-        LargestValues { picture, gauges, frames, frames_every, speed, strain, failed: false }
+        Ok(LargestValues { picture, gauges, frames, frames_every, speed, strain, failed: false })
     }
 
     /// What was measured so far.
     pub fn so_far(&self) -> LargestSoFar {
-        LargestSoFar { speed: self.speed, strain: self.strain, peaks: self.gauges.kept() }
+        LargestSoFar { speed: self.speed, strain: self.strain, gauges: self.gauges.kept() }
     }
 
     /// The peaks of the gauges.
     pub fn peaks(&self) -> Vec<Peak> {
         self.gauges.peaks()
+    }
+
+    /// The quantities of the run.
+    pub fn quantities(&self) -> Vec<MeasuredQuantity> {
+        self.gauges.quantities()
     }
 
     fn note(&mut self, speed: f64, strain: f64) {
@@ -60,10 +74,11 @@ impl<'a> LargestValues<'a> {
 }
 
 impl Observer for LargestValues<'_> {
-    fn started(&mut self, at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
+    fn started(&mut self, at: &Point, ledger: Energies) -> Result<(), ObserveError> {
         let state = at.state.as_ref();
         self.note(self.picture.max_speed(state), self.picture.max_strain(state));
         self.gauges.skip(state.t);
+        self.gauges.account(state.t, ledger);
         self.gauges.step(self.picture, 0, at, true, |_| Ok(()))
     }
 
@@ -84,10 +99,7 @@ impl Observer for LargestValues<'_> {
         if step.credible {
             self.note(step.max_speed(self.picture), step.max_strain(self.picture));
         }
-        match step.end.filter(|_| !self.gauges.is_empty()) {
-            Some(end) => self.gauges.step(self.picture, step.step, end, step.credible, |_| Ok(())),
-            None => Ok(()),
-        }
+        self.gauges.accepted(self.picture, step, |_| Ok(()))
     }
 
     fn failed(&mut self) -> Result<(), ObserveError> {
@@ -96,9 +108,6 @@ impl Observer for LargestValues<'_> {
     }
 
     fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
-        if self.gauges.is_empty() {
-            return Ok(());
-        }
         self.gauges.last(self.picture, last, !self.failed, |_| Ok(()))
     }
 }

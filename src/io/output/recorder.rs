@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::checkpoint::Checkpoint;
 use super::crossings::{CrossingReport, CrossingWatch};
 use super::frame::{Fields, Frame};
-use super::gauges::{ChannelPeak, Gauges, Peak};
+use super::gauges::{Gauges, GaugesSoFar, MeasuredQuantity, Peak};
 use super::hermite::interpolate;
 use super::request::{check, files_spec};
 use super::rows::HistoryRow;
@@ -34,8 +34,8 @@ pub struct RecorderState {
     waiting: Option<HistoryRow>,
     /// interval of the rows; a run that is extended keeps it
     history_every: RowEvery,
-    /// largest values of the gauges so far
-    peaks: Vec<ChannelPeak>,
+    /// what the gauges have measured so far
+    gauges: GaugesSoFar,
     /// crossings of cloth so far, if they are searched for
     crossings: Option<CrossingReport>,
 }
@@ -82,7 +82,7 @@ impl<'a> Recorder<'a> {
     /// When the request is out of range or a file cannot be created.
     pub fn new(picture: &'a dyn Observables, spec: &RecorderSpec) -> Result<Self, RecorderError> {
         check(spec, picture.reference().len())?;
-        let gauges = Gauges::new(picture, &spec.gauges, spec.history_every, spec.end);
+        let gauges = Gauges::new(picture, &spec.gauges(spec.history_every))?;
         let writer = ResultWriter::start(&files_spec(picture, spec, &gauges))?;
         let mark = RecorderState { history_every: spec.history_every, ..RecorderState::default() };
         Ok(Self::around(picture, gauges, spec, writer, mark))
@@ -98,9 +98,9 @@ impl<'a> Recorder<'a> {
         checkpoint: &Checkpoint,
     ) -> Result<Self, RecorderError> {
         check(spec, picture.reference().len())?;
-        let RecorderState { history_every, peaks, .. } = &checkpoint.recorder;
-        let mut gauges = Gauges::new(picture, &spec.gauges, *history_every, spec.end);
-        gauges.take_up(peaks);
+        let RecorderState { history_every, gauges: so_far, .. } = &checkpoint.recorder;
+        let mut gauges = Gauges::new(picture, &spec.gauges(*history_every))?;
+        gauges.take_up(so_far);
         let writer = ResultWriter::resume(&files_spec(picture, spec, &gauges), &checkpoint.files)?;
         Ok(Self::around(picture, gauges, spec, writer, checkpoint.recorder.clone()))
     }
@@ -112,7 +112,7 @@ impl<'a> Recorder<'a> {
         writer: ResultWriter,
         mark: RecorderState,
     ) -> Self {
-        let RecorderState { next_frame, shown, waiting, history_every, peaks: _, crossings: kept } = mark;
+        let RecorderState { next_frame, shown, waiting, history_every, gauges: _, crossings: kept } = mark;
         let mut crossings = CrossingWatch::new(picture, spec.crossings);
         if let (Some(watch), Some(kept)) = (&mut crossings, &kept) {
             watch.take_up(kept);
@@ -147,15 +147,20 @@ impl<'a> Recorder<'a> {
         self.gauges.peaks()
     }
 
+    /// The quantities of the run.
+    pub fn quantities(&self) -> Vec<MeasuredQuantity> {
+        self.gauges.quantities()
+    }
+
     /// What was found of cloth that passes through cloth, if it was searched for.
     pub fn crossings(&self) -> Option<&CrossingReport> {
         self.crossings.as_ref().map(CrossingWatch::report)
     }
 
-    /// Measures gauges at the end of a step, and writes the rows that are due.
-    fn measure(&mut self, step: u64, at: &Point, credible: bool) -> Result<(), ObserveError> {
+    /// Measures gauges at the start, and writes their rows.
+    fn measure(&mut self, at: &Point) -> Result<(), ObserveError> {
         let Self { gauges, writer, picture, .. } = self;
-        gauges.step(*picture, step, at, credible, |row| writer.send(Message::Gauge(row)))
+        gauges.step(*picture, 0, at, true, |row| writer.send(Message::Gauge(row)))
     }
 
     /// Makes the recorder also write `checkpoint.bin`.
@@ -245,7 +250,8 @@ impl Observer for Recorder<'_> {
         self.rows.skip(state.t);
         self.write_row(HistoryRow { t: state.t, ledger, ..HistoryRow::default() }, state)?;
         self.gauges.skip(state.t);
-        self.measure(0, at, true)?;
+        self.gauges.account(state.t, ledger);
+        self.measure(at)?;
         self.send_frame(state, &at.forces)
     }
 
@@ -277,9 +283,8 @@ impl Observer for Recorder<'_> {
                 _ => {}
             }
         }
-        if let Some(end) = step.end.filter(|_| !self.gauges.is_empty()) {
-            self.measure(step.step, end, step.credible)?;
-        }
+        let Self { gauges, writer, picture, .. } = self;
+        gauges.accepted(*picture, step, |row| writer.send(Message::Gauge(row)))?;
         if let (Some(watch), Some(end)) = (&mut self.crossings, step.end)
             && watch.every_step()
         {
@@ -313,8 +318,7 @@ impl Observer for Recorder<'_> {
         }
         let Self { shown, waiting, history_every, .. } = *self;
         let (next_frame, gauges, crossings) = (self.schedule.position(), &self.gauges, self.crossings().cloned());
-        let peaks = || gauges.kept();
-        let mark = || RecorderState { next_frame, shown, waiting, history_every, peaks: peaks(), crossings };
+        let mark = || RecorderState { next_frame, shown, waiting, history_every, gauges: gauges.kept(), crossings };
         match self.checkpoints.as_mut().and_then(|checkpoints| checkpoints.checkpoint_if_due(run, mark)) {
             Some(checkpoint) => self.writer.checkpoint(checkpoint),
             None => Ok(()),
@@ -331,10 +335,8 @@ impl Observer for Recorder<'_> {
         if let Some(row) = self.waiting.take().filter(|row| row.t == state.t) {
             self.write_row(row, state)?;
         }
-        if !self.gauges.is_empty() {
-            let Self { gauges, writer, picture, failed, .. } = self;
-            gauges.last(*picture, last, !*failed, |row| writer.send(Message::Gauge(row)))?;
-        }
+        let Self { gauges, writer, picture, failed, .. } = self;
+        gauges.last(*picture, last, !*failed, |row| writer.send(Message::Gauge(row)))?;
         let good = self.last_good.take().filter(|_| self.failed);
         if let Some(LastGood { point, shown }) = &good {
             if self.shown != *shown {

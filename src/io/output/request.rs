@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::files::FilesSpec;
 use super::frame::Fields;
-use super::gauges::Gauges;
+use super::gauges::{Gauges, GaugesSpec};
+use super::quantity::{QuantityError, QuantityName};
 use super::resume::ResumeError;
 use super::sanitize::file_stem;
 use crate::case::spec::{CrossingSearch, GaugeOf, GaugeSpec, ProbeSpec, Problem, RowEvery};
@@ -36,6 +37,8 @@ pub struct RecorderSpec {
     pub probes: Vec<ProbeSpec>,
     /// what to measure at every step
     pub gauges: Vec<GaugeSpec>,
+    /// quantities that are asked for; empty: those of the report
+    pub quantities: Vec<QuantityName>,
     /// interval of the history rows
     pub history_every: RowEvery,
     /// encoding of the frames' arrays
@@ -43,6 +46,12 @@ pub struct RecorderSpec {
 }
 
 impl RecorderSpec {
+    /// What is measured, with the rows of canopies `history` apart.
+    pub(super) fn gauges(&self, history: RowEvery) -> GaugesSpec<'_> {
+        let RecorderSpec { gauges, probes, quantities, end, .. } = self;
+        GaugesSpec { gauges, probes, quantities, history, end: *end }
+    }
+
     /// The request of a case, for a folder.
     pub fn of(problem: &Problem, out_dir: &Path) -> Self {
         let output = &problem.output;
@@ -56,6 +65,7 @@ impl RecorderSpec {
             crossings: output.crossings,
             probes: output.probes.clone(),
             gauges: output.gauges.clone(),
+            quantities: output.quantities.clone(),
             history_every: output.history_every,
             format: output.format,
         }
@@ -107,6 +117,9 @@ pub enum RecorderError {
         /// what is needed
         needed: String,
     },
+    /// A quantity is asked for that is not there.
+    #[error(transparent)]
+    Quantity(#[from] QuantityError),
     /// The files cannot be created.
     #[error(transparent)]
     Files(#[from] ObserveError),

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::atomic::{Durability, replace};
 use super::crossings::CrossingReport;
 use super::csv::write_fault;
-use super::gauges::Peak;
+use super::gauges::{MeasuredQuantity, Peak};
+use super::quantity::QuantityReports;
 use crate::analysis::growing::GrowingMotion;
 use crate::case::spec::Problem;
 use crate::drive::observer::{Energies, ObserveError};
@@ -146,6 +147,9 @@ pub struct Summary {
     /// largest values of the gauges; not given without gauges
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub peaks: Vec<Peak>,
+    /// the numbers of the report and those that are asked for, by name; not given for an equilibrium
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub quantities: QuantityReports,
     /// cloth that passes through cloth; not given where it is not searched for
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crossings: Option<CrossingReport>,
@@ -197,6 +201,7 @@ impl Summary {
             final_ledger: outcome.ledger,
             mass_scaling: None,
             peaks: Vec::new(),
+            quantities: QuantityReports::new(),
             crossings: None,
             groups: BTreeMap::new(),
             at_rest: problem.time.until_rest.map(|_| outcome.ended_early),
@@ -207,6 +212,12 @@ impl Summary {
             case_digest: String::new(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
         }
+    }
+
+    /// The same with what was measured on the way.
+    #[must_use]
+    pub fn with_quantities(self, measured: &[MeasuredQuantity]) -> Self {
+        Summary { quantities: MeasuredQuantity::reports(measured), ..self }
     }
 
     /// Reads a summary; `None` if there is none or it cannot be read.

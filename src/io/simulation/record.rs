@@ -20,6 +20,7 @@ use crate::model::group_totals::GroupTotals;
 use crate::model::stop::Stop;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::folder::{CHECKPOINT, FolderError, ResultFolder, SUMMARY};
+use crate::output::gauges::MeasuredQuantity;
 use crate::output::modes::ModesWriteError;
 use crate::output::recorder::{CheckpointSpec, Recorder, RecorderError, RecorderSpec};
 use crate::output::resume::ResumeError;
@@ -91,6 +92,8 @@ pub struct Recorded {
     pub outcome: Outcome,
     /// what `summary.json` holds
     pub summary: Summary,
+    /// the quantities of the run
+    pub quantities: Vec<MeasuredQuantity>,
     /// warnings of the case, of its scene, of the run and of its end that it does not acknowledge, in this order
     pub warnings: Vec<Warning>,
     /// the critical step at the start
@@ -269,6 +272,8 @@ impl Prepared<'_> {
             mass_scaling: scene.added_mass(),
             ..Summary::new(problem, &**scene, &outcome, limits.taut.step, stopwatch.read())
         };
+        let quantities = recorder.quantities();
+        let summary = summary.with_quantities(&quantities);
         summary.write(&self.folder.file(SUMMARY))?;
         // The checkpoint of an interrupt, which the case did not ask for.
         if outcome.status == Status::Completed && every.is_none() {
@@ -281,7 +286,7 @@ impl Prepared<'_> {
         let (spec, warnings) = (spec.clone(), told.all.take());
         let least = monitor.and_then(|monitor| monitor.least());
         let (displacement, last_frame) = (farthest.found, recorder.shown());
-        Ok(Recorded { spec, outcome, summary, warnings, limits, least, displacement, last_frame })
+        Ok(Recorded { spec, outcome, summary, quantities, warnings, limits, least, displacement, last_frame })
     }
 
     fn recorder(&self, checkpoint: Option<&Checkpoint>) -> Result<Recorder<'_>, RecordError> {

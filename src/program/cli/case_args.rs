@@ -1,5 +1,6 @@
 //! Arguments that commands share, and those of `check` and `solve`.
 
+use crate::study::verify::Accuracy;
 use std::path::PathBuf;
 
 /// Changes of a case, for every command that reads one.
@@ -98,6 +99,18 @@ pub struct SolveArgs {
     /// output.checkpoint of the case says. With fixed steps, --end may be later than before
     #[arg(long, conflicts_with = "force")]
     pub resume: bool,
+    /// Say what the numbers are worth: make runs with twice and four times the step (tolerance times ten) beside it, and
+    /// print each number with its error
+    #[arg(long, conflicts_with_all = ["resume", "keep_going"])]
+    pub verify: bool,
+    /// Find the longest step (the widest tolerance) with which the numbers of the report, or those of --quantity, are
+    /// within this: 1%, 5e-3, or with a unit, 20N; then make that run
+    #[arg(long, value_name = "ACCURACY", conflicts_with_all = ["resume", "keep_going", "verify"])]
+    pub within: Option<Accuracy>,
+    /// A number that is asked for, as study.quantities of the case has it: riser.tension.peak, tip.z@0.5, opening_load,
+    /// motion …; may be given several times
+    #[arg(long, value_name = "NAME")]
+    pub quantity: Vec<String>,
     /// Continue after a divergence until a value is not finite
     #[arg(long)]
     pub keep_going: bool,
@@ -131,6 +144,17 @@ fn both(relative: &str) -> String {
             format!("{{\"relative\": {number:e}, \"absolute\": {:e}}}", number / 100.0)
         }
         _ => format!("{{\"relative\": {}}}", serde_json::Value::String(relative.to_owned())),
+    }
+}
+
+impl SolveArgs {
+    /// Those of the case, then the quantities.
+    pub(super) fn overrides(&self) -> Vec<(String, String)> {
+        let mut all = self.case.overrides();
+        if !self.quantity.is_empty() {
+            all.push(("study.quantities".to_owned(), serde_json::json!(self.quantity).to_string()));
+        }
+        all
     }
 }
 

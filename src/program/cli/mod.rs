@@ -28,6 +28,7 @@ pub mod sweep;
 mod terminal;
 pub mod tradeoff;
 mod verbose;
+mod worth;
 
 pub use args::{Args, Command};
 pub use case_args::{CaseArgs, CheckArgs, SolveArgs};

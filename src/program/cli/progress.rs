@@ -93,6 +93,16 @@ impl Progress {
         Self { bar, end, clock: None, countdown: 1, every: 1, since: WorkSince::default() }
     }
 
+    /// Shows what is being done.
+    pub(super) fn say(&self, what: &str) {
+        self.bar.set_message(what.to_owned());
+    }
+
+    /// Removes the line.
+    pub(super) fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+
     /// After a step to `t` [s].
     fn stepped(&mut self, t: f64, step_size: f64, newton: u32) {
         if self.clock.is_some() {

@@ -5,7 +5,7 @@ use super::terminal::coloured;
 use crate::analysis::warnings::worth;
 use crate::drive::max_displacement::Displacement;
 use crate::drive::{Failure, Outcome, Status};
-use crate::format_number::{counted, figures};
+use crate::format_number::{counted, figures, with_error};
 use crate::model::gauge::ReportLine;
 use crate::output::folder::CHECKPOINT;
 use crate::output::gauges::Peak;
@@ -23,8 +23,9 @@ const GOOD: f64 = 0.01;
 /// scheme made, a part of the motion is not the scene's.
 const WRONG: f64 = 0.1;
 
-/// The report on the run of a case of this name, whose results are in `out`.
-pub(super) fn report(name: &str, recorded: &Recorded, out: &Path) -> String {
+/// The report on the run of a case of this name, whose results are in `out`; `errors` are lines on the errors of its
+/// numbers.
+pub(super) fn report(name: &str, recorded: &Recorded, errors: &str, out: &Path) -> String {
     let Recorded { spec, outcome, summary, last_frame, .. } = recorded;
     let status = match outcome.status {
         Status::Completed => "completed",
@@ -70,6 +71,7 @@ pub(super) fn report(name: &str, recorded: &Recorded, out: &Path) -> String {
         }
     } else {
         describe_motion(&mut text, recorded, step);
+        text.push_str(errors);
     }
     let results = out.join(format!("{}.pvd", file_stem(name)));
     let _ = writeln!(text, "  results         {}", results.display());
@@ -114,7 +116,9 @@ fn describe_motion(text: &mut String, recorded: &Recorded, step: f64) {
         let _ = writeln!(text, "  critical step   {critical:.2e} s {at_start} ({known}; {used} % of it used){later}");
     }
     let Displacement { distance, node } = displacement;
-    let _ = writeln!(text, "  displacement    {distance:.6} m at the end, the largest, of node {node}");
+    let error = summary.quantities.get("displacement_end").and_then(|quantity| quantity.error);
+    let distance = if error.is_some() { with_error(*distance, error) } else { format!("{distance:.6}") };
+    let _ = writeln!(text, "  displacement    {distance} m at the end, the largest, of node {node}");
     summary.peaks.iter().filter_map(peak).for_each(|line| text.push_str(&line));
 }
 
@@ -139,9 +143,10 @@ fn energy_verdict(outcome: &Outcome) -> String {
 /// A line of the report for a value that a reader looks for first: opening load, speed of descent, largest loads.
 /// The drag of a canopy that starts full is no opening load.
 fn peak(one: &Peak) -> Option<String> {
-    let Peak { name, unit, value, t, last, steady, strength, safety_factor, line, .. } = one;
+    let Peak { name, unit, t, steady, strength, safety_factor, line, .. } = one;
     let drag = if *t > 0.0 { "opening load" } else { "largest drag" };
-    let [value, t, last] = [value, t, last].map(|number| figures(*number, 4));
+    let [value, last] = [with_error(one.value, one.error), with_error(one.last, one.last_error)];
+    let t = figures(*t, 4);
     let line = match ((*line)?, strength, safety_factor) {
         (ReportLine::Drag, ..) => format!("  {drag}    {value} {unit} at t = {t} s ({name}, drag)"),
         (ReportLine::Descent, ..) => {

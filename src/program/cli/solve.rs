@@ -5,9 +5,11 @@ use super::progress::{Display, Progress};
 use super::report::{already_done, describe, report};
 use super::resume::finished_run;
 use super::terminal::interject;
+use super::worth::{Accounted, as_override};
 use super::{CliError, CommandOutput, SolveArgs, complain};
 use crate::case::Case;
 use crate::drive::Status;
+use crate::drive::observer::Observer;
 use crate::interrupt::heeding;
 use crate::output::csv::write_fault;
 use crate::output::folder::SUMMARY;
@@ -20,7 +22,8 @@ use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     let _account = StartupTimer::of_process();
-    let case = timed(Phase::Parse, || Case::from_file(&args.case.case, &args.case.overrides()))?;
+    let case = timed(Phase::Parse, || Case::from_file(&args.case.case, &args.overrides()))?;
+    let accounted = (args.verify || args.within.is_some()).then(|| Accounted::of(&case, args)).transpose()?;
     let warned = |warning: &Warning| {
         if !args.print.quiet {
             interject(&format!("warning: {warning}"));
@@ -44,19 +47,35 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
         keep_going: args.keep_going,
         matrices: args.dump_matrices.as_deref(),
     };
+    let within = accounted.as_ref().map(|accounted| accounted.within(args, stop_on_interrupt())).transpose()?.flatten();
+    let case = match &within {
+        Some(within) => case.with(&as_override(within.run.step))?,
+        None => case,
+    };
     let display = if args.print.quiet { Display::Quiet } else { Display::Terminal };
-    let mut progress = Progress::new(problem.time.end, display);
+    let mut progress = Progress::new(case.problem().time.end, display);
     let begins = || {
         stop_on_interrupt();
     };
     let watch = RecordWatch { begins: &begins, warned: &warned };
     // A signal also ends an implicit step, which may be long.
-    let recorded = heeding(is_asked, || record_watched(case, settings, watch, &mut [&mut progress], flag()))?;
+    let mut sampler = accounted.as_ref().and_then(Accounted::sampler);
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut progress];
+    observers.extend(sampler.as_mut().map(|sampler| sampler as &mut dyn Observer));
+    let mut recorded = heeding(is_asked, || record_watched(case, settings, watch, &mut observers, flag()))?;
+    let errors = match accounted.as_ref().filter(|_| recorded.outcome.status == Status::Completed) {
+        Some(accounted) => {
+            let errors = accounted.verify(&mut recorded, sampler, within.as_ref(), flag())?;
+            recorded.summary.write(&out.join(SUMMARY))?;
+            errors
+        }
+        None => String::new(),
+    };
     let outcome = &recorded.outcome;
     if let Some(failure) = &outcome.failure {
         complain(&describe(failure, outcome.status));
     }
-    let text = printed(args, &recorded.summary, &out, || report(&name, &recorded, &out))?;
+    let text = printed(args, &recorded.summary, &out, || report(&name, &recorded, &errors, &out))?;
     let code = match outcome.status {
         Status::Completed => 0,
         // The summary has its failure, with the cause as far as it is known.

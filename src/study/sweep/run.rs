@@ -150,15 +150,13 @@ impl SweepRunner<'_> {
         let spent = earlier.as_ref().map_or(0.0, |earlier| earlier.spent);
         let before = Cost { cpu: (spent > 0.0).then_some(spent), wall: Duration::from_secs_f64(spent) };
         let stop = AtomicBool::new(false);
+        let so_far = earlier.as_ref().map(|earlier| &earlier.measured);
+        let largest = LargestValues::new(&*scene, &problem.output, problem.time.end, so_far)
+            .map_err(|why| StudyError::Usage(why.to_string()))?;
         let mut watcher = Watcher {
             runner: self,
             job,
-            largest: LargestValues::new(
-                &*scene,
-                &problem.output,
-                problem.time.end,
-                earlier.as_ref().map(|earlier| &earlier.measured),
-            ),
+            largest,
             keeper: Keeper::new(scene.n_dof(), self.interrupt, self.deadline),
             watch: Stopwatch::of_thread(before),
             stop: &stop,

@@ -51,7 +51,7 @@ pub(crate) fn build(
     name(&root.key("name"), &file.name, faults);
     let timing = time::time(&file.time, &file.system, faults);
     let solver = time::solver(file.solver.as_ref());
-    time::study(file.study.as_ref(), faults);
+    let quantities = time::study(file.study.as_ref(), faults);
     let at = root.key("system");
     let (system, geometry) = match &file.system {
         // A stand-in, because the intended system is not known.
@@ -95,6 +95,7 @@ pub(crate) fn build(
     let output = output::output(file.output.as_ref(), scene, timing.as_ref().map(|t| t.spec), faults);
     let output = output.map(|mut output| {
         output.gauges.extend(strengths);
+        output.quantities = quantities;
         output
     });
     let timing = timing?;

@@ -47,6 +47,7 @@ pub(super) fn output(
         crossings: section.crossings,
         probes,
         gauges,
+        quantities: Vec::new(),
         checkpoint_every: section.checkpoint.map(|c| c.every),
         format: VtuFormat { compression: section.compression, precision: section.precision, ..VtuFormat::default() },
         history_derived: history.is_none(),

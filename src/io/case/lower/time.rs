@@ -9,6 +9,7 @@ use crate::drive::at_rest::RestSpec;
 use crate::drive::clock::Step;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice, MethodError, methods};
+use crate::output::quantity::QuantityName;
 use crate::solve::newton::NewtonSpec;
 use crate::warning::WarningCode;
 
@@ -168,10 +169,23 @@ pub(super) fn solver(solver: Option<&Solver>) -> SolverSpec {
     SolverSpec { newton, linear: section.linear }
 }
 
-/// Checks the methods of the `study` section.
-pub(super) fn study(study: Option<&Study>, faults: &mut Faults<'_>) {
-    let at = Pointer::root().key("study").key("methods");
+/// Checks the methods of the `study` section, and reads the names of its quantities, each kept once.
+pub(super) fn study(study: Option<&Study>, faults: &mut Faults<'_>) -> Vec<QuantityName> {
+    let at = Pointer::root().key("study");
     for (i, choice) in study.and_then(|study| study.methods.as_ref()).into_iter().flatten().enumerate() {
-        method(&at.index(i), choice, faults);
+        method(&at.key("methods").index(i), choice, faults);
     }
+    let mut once: Vec<QuantityName> = Vec::new();
+    for (i, text) in study.and_then(|study| study.quantities.as_ref()).into_iter().flatten().enumerate() {
+        match text.parse::<QuantityName>() {
+            Ok(name) if !once.contains(&name) => once.push(name),
+            Ok(_) => {}
+            Err(_) => {
+                let at = at.key("quantities").index(i);
+                let hint = "such as \"riser.tension.peak\", \"tip.z@0.5\", \"opening_load\" or \"motion\"";
+                faults.add_hint(&at, "GAUGE.COLUMN.STATISTIC, GAUGE.COLUMN@TIME or the name of a number of the report", hint);
+            }
+        }
+    }
+    once
 }

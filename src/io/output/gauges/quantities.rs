@@ -1,0 +1,252 @@
+//! The quantities of a run: which channels and which parts of the account they are made of, and their values.
+
+use super::places::{PROBE, Places};
+use super::{Channel, Gauges, GaugesSpec};
+use crate::drive::observer::Energies;
+use crate::model::gauge::{DRAG, PeakRule, Quantity as Column};
+use crate::output::quantity::{
+    ENERGIES, ENERGY, Named, QuantityError, QuantityName, QuantityReport, QuantityReports, Statistic, column_of, energies,
+    reported,
+};
+use crate::output::schedule::RowSchedule;
+use crate::output::statistics::SeriesSoFar;
+use serde::{Deserialize, Serialize};
+
+/// A quantity of a run and its value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredQuantity {
+    /// its name
+    pub name: String,
+    /// its unit
+    pub unit: &'static str,
+    /// its value; `None` for `motion`, and where the run did not come to it
+    pub value: Option<f64>,
+    /// largest magnitude of its series; 0 where it has none
+    pub largest: f64,
+    /// whether it is asked for, or is one of the numbers of the report where nothing is asked for
+    pub wanted: bool,
+    /// whether it is a time that only falls on steps
+    pub is_time: bool,
+}
+
+impl MeasuredQuantity {
+    /// Those of a run for `summary.json`.
+    pub fn reports(all: &[MeasuredQuantity]) -> QuantityReports {
+        let valued = all.iter().filter(|quantity| quantity.value.is_some());
+        let report = |quantity: &MeasuredQuantity| {
+            let MeasuredQuantity { name, unit, value, .. } = quantity;
+            (name.clone(), QuantityReport { value: *value, unit: (*unit).to_owned(), ..QuantityReport::default() })
+        };
+        valued.map(report).collect()
+    }
+}
+
+/// What a quantity is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Source {
+    Motion,
+    DisplacementEnd,
+    Channel(usize),
+    /// the largest of several channels
+    Channels(Vec<usize>),
+    /// a column of the energy account
+    Energy(usize),
+}
+
+/// A quantity that was found.
+#[derive(Clone, Debug)]
+struct Found {
+    name: QuantityName,
+    unit: &'static str,
+    source: Source,
+    statistic: Statistic,
+    wanted: bool,
+}
+
+/// What is kept of quantities from step to step; part of a checkpoint.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct QuantitiesSoFar {
+    /// of each column of the account, if a quantity is made of it
+    account: Vec<SeriesSoFar>,
+    /// the value of each quantity that was caught on the way
+    caught: Vec<Option<f64>>,
+}
+
+/// The quantities of a run.
+#[derive(Debug, Default)]
+pub(super) struct Quantities {
+    found: Vec<Found>,
+    pub so_far: QuantitiesSoFar,
+    /// [m]
+    pub displacement_end: f64,
+}
+
+impl Quantities {
+    /// Those that are asked for, and those of the report. Adds gauges for what no gauge measures yet.
+    pub(super) fn find(gauges: &mut Gauges, spec: &GaugesSpec<'_>, canopies: usize) -> Result<Self, QuantityError> {
+        let mut found = Vec::new();
+        for name in spec.quantities {
+            found.push(find(gauges, spec, name)?);
+        }
+        let alone = canopies == 1;
+        let lines = gauges.channels().iter().filter_map(|of| reported(&of.name, of.quantity, alone));
+        let mut reported: Vec<QuantityName> = lines.collect();
+        if reported.is_empty() {
+            reported.extend("motion".parse());
+        }
+        let default = spec.quantities.is_empty();
+        let own = ["displacement_end".parse()].into_iter().flatten();
+        for (name, wanted) in reported.into_iter().map(|name| (name, default)).chain(own.map(|name| (name, false))) {
+            if found.iter().all(|other: &Found| other.name != name) {
+                found.push(Found { wanted, ..find(gauges, spec, &name)? });
+            }
+        }
+        let account = found.iter().any(|of| matches!(of.source, Source::Energy(_)));
+        let so_far = QuantitiesSoFar {
+            account: vec![SeriesSoFar::default(); if account { ENERGIES.len() } else { 0 }],
+            caught: vec![None; found.len()],
+        };
+        Ok(Quantities { found, so_far, displacement_end: f64::NAN })
+    }
+
+    pub(super) fn take_up(&mut self, kept: &QuantitiesSoFar) {
+        let alike = kept.account.len() == self.so_far.account.len() && kept.caught.len() == self.so_far.caught.len();
+        if alike {
+            self.so_far = kept.clone();
+        }
+    }
+
+    /// Adds a row of the account of a run to `end` [s].
+    pub(super) fn account(&mut self, t: f64, ledger: Energies, end: f64) {
+        if self.so_far.account.is_empty() {
+            return;
+        }
+        for (number, value) in energies(ledger).into_iter().enumerate() {
+            let series = self.so_far.account.get(number).copied().unwrap_or_default();
+            self.catch(Source::Energy(number), &series, t, value);
+            if let Some(series) = self.so_far.account.get_mut(number) {
+                series.note(t, value, PeakRule::LargestMagnitude, end);
+            }
+        }
+    }
+
+    /// Keeps the values at times between the newest value of a series and the next one, `value` at `t` [s].
+    pub(super) fn catch(&mut self, source: Source, series: &SeriesSoFar, t: f64, value: f64) {
+        for (of, caught) in self.found.iter().zip(&mut self.so_far.caught) {
+            if let Statistic::At(time) = of.statistic
+                && of.source == source
+                && caught.is_none()
+                && time <= t
+            {
+                *caught = Some(series.at(time, t, value)).filter(|value| value.is_finite());
+            }
+        }
+    }
+
+    /// The values, of the series of all channels in a run to `end` [s].
+    pub(super) fn measured(&self, channels: &[SeriesSoFar], end: f64) -> Vec<MeasuredQuantity> {
+        let of_series = |found: &Found, caught: Option<f64>, series: &[SeriesSoFar], number: usize| {
+            let series = series.get(number)?;
+            found.statistic.of(series, end).or(caught)
+        };
+        let value = |(found, caught): (&Found, &Option<f64>)| match &found.source {
+            Source::Motion => None,
+            Source::DisplacementEnd => Some(self.displacement_end),
+            Source::Channel(number) => of_series(found, *caught, channels, *number),
+            Source::Channels(several) => {
+                several.iter().filter_map(|number| of_series(found, *caught, channels, *number)).reduce(f64::max)
+            }
+            Source::Energy(number) => of_series(found, *caught, &self.so_far.account, *number),
+        };
+        let magnitude = |series: &[SeriesSoFar], number: usize| {
+            series.get(number).map_or(0.0, |series| series.peak.abs().max(series.min.abs()))
+        };
+        let largest = |source: &Source| match source {
+            Source::Channel(number) => magnitude(channels, *number),
+            Source::Energy(number) => magnitude(&self.so_far.account, *number),
+            Source::Motion | Source::DisplacementEnd | Source::Channels(_) => 0.0,
+        };
+        let measured = |of: (&Found, &Option<f64>)| MeasuredQuantity {
+            name: of.0.name.text.clone(),
+            unit: of.0.unit,
+            value: value(of).filter(|value| value.is_finite()),
+            wanted: of.0.wanted,
+            largest: largest(&of.0.source),
+            is_time: of.0.statistic == Statistic::PeakTime,
+        };
+        self.found.iter().zip(&self.so_far.caught).map(measured).collect()
+    }
+}
+
+/// What a name means in this run.
+fn find(gauges: &mut Gauges, spec: &GaugesSpec<'_>, name: &QuantityName) -> Result<Found, QuantityError> {
+    let made = |unit, source, statistic| Found { name: name.clone(), unit, source, statistic, wanted: true };
+    let rows = RowSchedule::of(spec.history);
+    match &name.names {
+        Named::Motion => Ok(made("-", Source::Motion, Statistic::Last)),
+        Named::DisplacementEnd => Ok(made("m", Source::DisplacementEnd, Statistic::Last)),
+        Named::Largest(of) => {
+            let column = Column::of("largest", of.unit());
+            gauges.add(&name.text, None, &[column], Places::Scene(*of), rows);
+            Ok(made(of.unit(), Source::Channel(gauges.channels.len() - 1), Statistic::Peak))
+        }
+        Named::OpeningLoad => {
+            let drags = gauges.channels().iter().enumerate().filter(|(_, channel)| channel.quantity == DRAG);
+            let drags: Vec<usize> = drags.map(|(number, _)| number).collect();
+            if drags.is_empty() {
+                return Err(unknown(gauges, spec, name, "canopy".to_owned()));
+            }
+            Ok(made(DRAG.unit, Source::Channels(drags), Statistic::Peak))
+        }
+        Named::Series { gauge, column, statistic } => {
+            let unit = |own| if *statistic == Statistic::PeakTime { "s" } else { own };
+            if let Statistic::At(time) = statistic
+                && !(0.0..=spec.end).contains(time)
+            {
+                return Err(unknown(gauges, spec, name, format!("time {time} s: the run ends at {} s", spec.end)));
+            }
+            if gauge == ENERGY
+                && let Some(number) = ENERGIES.iter().position(|known| known == column)
+            {
+                return Ok(made(unit("J"), Source::Energy(number), *statistic));
+            }
+            if let Some(number) = channel(&gauges.channels, gauge, column) {
+                let own = gauges.channels.get(number).map_or("", |channel| channel.quantity.unit);
+                return Ok(made(unit(own), Source::Channel(number), *statistic));
+            }
+            let probe = spec.probes.iter().find(|probe| probe.name == *gauge);
+            if let (Some(probe), Some(place)) = (probe, PROBE.iter().position(|known| known.name == column)) {
+                let first = gauges.channels.len();
+                gauges.add(gauge, None, &PROBE, Places::of_probe(probe), rows);
+                return Ok(made(unit(PROBE[place].unit), Source::Channel(first + place), *statistic));
+            }
+            let known = gauges.channels().iter().any(|channel| channel.name == *gauge) || probe.is_some();
+            let missing =
+                if known { format!("column \"{column}\" of {gauge}") } else { format!("gauge \"{gauge}\"") };
+            Err(unknown(gauges, spec, name, missing))
+        }
+    }
+}
+
+/// The channel of a gauge that a word means.
+fn channel(channels: &[Channel], gauge: &str, column: &str) -> Option<usize> {
+    let first = channels.iter().position(|channel| channel.name == gauge)?;
+    let own = channels.iter().skip(first).take_while(|channel| channel.name == gauge);
+    let columns: Vec<Column> = own.map(|channel| channel.quantity).collect();
+    Some(first + column_of(&columns, column)?)
+}
+
+fn unknown(gauges: &Gauges, spec: &GaugesSpec<'_>, name: &QuantityName, missing: String) -> QuantityError {
+    let mut known: Vec<String> = Vec::new();
+    let mut last: Option<&str> = None;
+    for channel in gauges.channels() {
+        match known.last_mut().filter(|_| last == Some(&channel.name)) {
+            Some(words) => words.push_str(&format!(", {}", channel.quantity.name)),
+            None => known.push(format!("{}: {}", channel.name, channel.quantity.name)),
+        }
+        last = Some(&channel.name);
+    }
+    known.extend(spec.probes.iter().map(|probe| format!("{} (probe): x, y, z, vx, vy, vz", probe.name)));
+    known.push(format!("{ENERGY}: {}", ENERGIES.join(", ")));
+    QuantityError::Unknown { name: name.text.clone(), missing, known: format!("gauges and columns: {}", known.join("; ")) }
+}

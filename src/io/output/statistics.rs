@@ -1,0 +1,134 @@
+//! What is kept of a series of values from step to step: its largest and smallest value, its end, its means.
+
+use serde::{Deserialize, Serialize};
+
+use crate::model::gauge::PeakRule;
+
+/// [-] Share of a run at its end that the steady value is a mean of, and over which it must not change.
+const LAST_PART: f64 = 0.1;
+/// [-] Relative change over that part below which a value is steady.
+const STEADY: f64 = 0.01;
+
+/// A series of values so far; part of a checkpoint.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SeriesSoFar {
+    /// the value with the largest magnitude, or the largest value
+    pub peak: f64,
+    /// [s] its time
+    pub peak_time: f64,
+    /// smallest value
+    pub min: f64,
+    /// newest value
+    pub last: f64,
+    /// [s] its time
+    pub t: f64,
+    /// [s] time of the first value
+    first: f64,
+    /// [s] time and value with which the last part of the run begins
+    late: [f64; 2],
+    /// integrals over time: of the whole series, and of its last part
+    integrals: [f64; 2],
+}
+
+impl Default for SeriesSoFar {
+    fn default() -> Self {
+        SeriesSoFar {
+            peak: f64::NAN,
+            peak_time: f64::NAN,
+            min: f64::NAN,
+            last: f64::NAN,
+            t: f64::NAN,
+            first: f64::NAN,
+            late: [f64::NEG_INFINITY, f64::NAN],
+            integrals: [0.0; 2],
+        }
+    }
+}
+
+/// [s] When the last part of a run to `end` [s] begins.
+fn late_from(end: f64) -> f64 {
+    (1.0 - LAST_PART) * end
+}
+
+impl SeriesSoFar {
+    /// Adds the value at `t` [s] of a run to `end` [s], by the trapezoidal rule. A value that is not finite is left out.
+    pub fn note(&mut self, t: f64, value: f64, rule: PeakRule, end: f64) {
+        if !value.is_finite() {
+            return;
+        }
+        let more = match rule {
+            PeakRule::Largest => value > self.peak,
+            PeakRule::LargestMagnitude => value.abs() > self.peak.abs(),
+        };
+        if more || self.peak.is_nan() {
+            (self.peak, self.peak_time) = (value, t);
+        }
+        self.min = self.min.min(value);
+        if self.first.is_nan() {
+            self.first = t;
+        }
+        let begins = late_from(end);
+        if t > self.t {
+            let mean = |from: f64| 0.5 * (self.at(from, t, value) + value) * (t - from);
+            let late = if t > begins { mean(self.t.max(begins)) } else { 0.0 };
+            self.integrals = [self.integrals[0] + mean(self.t), self.integrals[1] + late];
+        }
+        if self.late[0] < begins {
+            self.late = [t, value];
+        }
+        (self.t, self.last) = (t, value);
+    }
+
+    /// The value at `time` [s], between the newest one and `value` at `t` [s].
+    pub fn at(&self, time: f64, t: f64, value: f64) -> f64 {
+        if t > self.t { self.last + (value - self.last) * (time - self.t) / (t - self.t) } else { value }
+    }
+
+    /// Mean over time; the value itself where there is one only.
+    pub fn mean(&self) -> f64 {
+        if self.t > self.first { self.integrals[0] / (self.t - self.first) } else { self.last }
+    }
+
+    /// Mean over the last tenth of a run to `end` [s]; NaN for a run that did not come so far.
+    pub fn late_mean(&self, end: f64) -> f64 {
+        let begins = late_from(end).max(self.first);
+        if self.t > begins { self.integrals[1] / (self.t - begins) } else { f64::NAN }
+    }
+
+    /// Whether it changed by less than 1 % over the last tenth of a run to `end` [s].
+    pub fn is_steady(&self, end: f64) -> bool {
+        let [from, late] = self.late;
+        from >= late_from(end) && (self.last - late).abs() <= STEADY * self.last.abs()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// v = t^2 over ten seconds, in steps that do not meet the beginning of the last part.
+    #[test]
+    fn means_are_those_of_the_trapezoidal_rule() {
+        let mut series = SeriesSoFar::default();
+        let (n, end) = (7, 10.0);
+        let times: Vec<f64> = (0..=n).map(|k| end * f64::from(k) / f64::from(n)).collect();
+        times.iter().for_each(|t| series.note(*t, t * t, PeakRule::Largest, end));
+        let trapezoids: f64 =
+            times.windows(2).map(|pair| 0.5 * (pair[0].powi(2) + pair[1].powi(2)) * (pair[1] - pair[0])).sum();
+        assert!((series.mean() - trapezoids / end).abs() < 1e-12);
+        // On the last step the value goes from a = (60/7)^2 to 100; its last part is the chord from t = 9 s.
+        let a = times[6].powi(2);
+        let at_9 = a + (100.0 - a) * (9.0 - times[6]) / (10.0 - times[6]);
+        assert!((series.late_mean(end) - 0.5 * (at_9 + 100.0)).abs() < 1e-12);
+        assert_eq!((series.peak, series.peak_time, series.min, series.last), (100.0, 10.0, 0.0, 100.0));
+    }
+
+    #[test]
+    fn one_value_is_its_own_mean() {
+        let mut series = SeriesSoFar::default();
+        series.note(0.0, -3.0, PeakRule::LargestMagnitude, 1.0);
+        series.note(0.0, f64::NAN, PeakRule::LargestMagnitude, 1.0);
+        assert_eq!((series.mean(), series.peak, series.min), (-3.0, -3.0, -3.0));
+        assert!(series.late_mean(1.0).is_nan() && !series.is_steady(1.0));
+    }
+}

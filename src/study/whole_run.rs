@@ -1,0 +1,163 @@
+//! One whole run of a case without files: its quantities, its motion, and what it costs.
+
+use std::sync::atomic::AtomicBool;
+
+use super::error::StudyError;
+use super::experiment::{Experiment, Start};
+use super::frames::{Frames, Sampler};
+use super::prepared_case::PreparedCase;
+use super::row::median;
+use crate::drive::clock::Step;
+use crate::drive::observer::{AcceptedStep, ObserveError, Observer, UpcomingStep, Wants};
+use crate::drive::{Outcome, RunError, Status};
+use crate::integrate::Counters;
+use crate::integrate::registry::MethodChoice;
+use crate::model::stop::Stop;
+use crate::output::gauges::{MeasuredQuantity, Peak};
+use crate::output::largest::LargestValues;
+use crate::process::{Cost, Stopwatch};
+
+/// What a run is made with.
+#[derive(Clone, Copy)]
+pub struct WholeRunSpec<'a> {
+    /// the case with its scene
+    pub prepared: &'a PreparedCase,
+    /// the method
+    pub method: &'a MethodChoice,
+    /// the steps
+    pub step: Step,
+    /// whether its frames are kept, for the motion
+    pub frames: bool,
+    /// most steps; the run is stopped beyond them
+    pub most_steps: u64,
+    /// set when the user interrupts
+    pub interrupt: &'a AtomicBool,
+}
+
+/// A run and its numbers.
+#[derive(Clone, Debug)]
+pub struct WholeRun {
+    /// the steps
+    pub step: Step,
+    /// how it ended
+    pub status: Status,
+    /// why, if not well
+    pub note: String,
+    /// accepted steps
+    pub steps: u64,
+    /// [s] time it came to
+    pub t_end: f64,
+    /// counted work
+    pub counters: Counters,
+    /// force passes for the account alone
+    pub account_passes: u64,
+    /// [s] processor time
+    pub seconds: f64,
+    /// the quantities
+    pub quantities: Vec<MeasuredQuantity>,
+    /// the peaks of its gauges
+    pub peaks: Vec<Peak>,
+    /// the frames, if they are kept
+    pub frames: Option<Frames>,
+}
+
+impl WholeRun {
+    /// Whether it reached its end.
+    pub fn completed(&self) -> bool {
+        self.status == Status::Completed
+    }
+
+    /// The value of a quantity; none unless the run reached its end.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.quantities.iter().find(|quantity| quantity.name == name)?.value.filter(|_| self.completed())
+    }
+
+    /// [s] Median of the processor times of equal runs.
+    pub fn median_seconds(runs: &[WholeRun]) -> Option<f64> {
+        median(&runs.iter().map(|run| run.seconds).collect::<Vec<_>>())
+    }
+}
+
+/// The observer that counts steps, and ends the run beyond the most.
+struct Limit<'a> {
+    left: u64,
+    interrupt: Stop<'a>,
+    stop: &'a AtomicBool,
+}
+
+impl Observer for Limit<'_> {
+    fn wants(&self, _step: UpcomingStep) -> Wants {
+        Wants::ACCOUNT
+    }
+
+    fn accepted(&mut self, _step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        self.left = self.left.saturating_sub(1);
+        if self.left == 0 || self.interrupt.asked() {
+            self.stop.store(true, std::sync::atomic::Ordering::Relaxed);
+        }
+        Ok(())
+    }
+}
+
+impl WholeRunSpec<'_> {
+    /// Makes the run. One that cannot start has its reason in `note`.
+    ///
+    /// # Errors
+    /// An interrupt, or a quantity that is not there.
+    pub fn run(&self) -> Result<WholeRun, StudyError> {
+        let WholeRunSpec { prepared, method, step, interrupt, .. } = *self;
+        let (scene, problem) = (&*prepared.scene, &prepared.problem);
+        let experiment = Experiment { interrupt: Stop::on(interrupt), ..prepared.experiment(method, step) };
+        let measured = LargestValues::new(scene, &problem.output, problem.time.end, None);
+        let mut measured = measured.map_err(|why| StudyError::Usage(why.to_string()))?;
+        let mut sampler = self.frames.then(|| Sampler::keeping(scene, prepared.every));
+        let stop = AtomicBool::new(false);
+        let mut limit = Limit { left: self.most_steps, interrupt: Stop::on(interrupt), stop: &stop };
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut measured, &mut limit];
+        observers.extend(sampler.as_mut().map(|sampler| sampler as &mut dyn Observer));
+        let watch = Stopwatch::of_thread(Cost::default());
+        let made = match experiment.stepper() {
+            Ok(mut stepper) => experiment.observed(&mut stepper, Start::Initial, &mut observers, &stop),
+            Err(why) => return Ok(self.without(why.to_string())),
+        };
+        let seconds = watch.seconds();
+        if Stop::on(interrupt).asked() {
+            return Err(StudyError::Interrupted);
+        }
+        let outcome = match made {
+            Ok(outcome) => outcome,
+            Err(RunError::Start(why)) => return Ok(self.without(why.to_string())),
+            Err(why) => return Err(StudyError::Usage(why.to_string())),
+        };
+        let Outcome { status, steps, t_end, counters, account_passes, failure, .. } = outcome;
+        Ok(WholeRun {
+            step,
+            status,
+            note: failure.map_or_else(String::new, |failure| failure.cause),
+            steps,
+            t_end,
+            counters,
+            account_passes,
+            seconds,
+            quantities: measured.quantities(),
+            peaks: measured.peaks(),
+            frames: sampler.map(Sampler::into_frames),
+        })
+    }
+
+    fn without(&self, note: String) -> WholeRun {
+        WholeRun {
+            step: self.step,
+            status: Status::NotConverged,
+            note,
+            steps: 0,
+            t_end: 0.0,
+            counters: Counters::default(),
+            account_passes: 0,
+            seconds: 0.0,
+            quantities: Vec::new(),
+            peaks: Vec::new(),
+            frames: None,
+        }
+    }
+}
