@@ -6,7 +6,7 @@
 
 use std::cell::RefCell;
 use std::fmt::Write as _;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
@@ -255,6 +255,20 @@ impl StartupTimer {
     fn begun(began: Timestamps) -> Self {
         BOOK.set(Some(PhaseTimes { began, found: Startup::default(), inside: 0.0, whole: false }));
         StartupTimer { owner: true }
+    }
+
+    /// Does work that is not part of the run: neither its phases nor its time count.
+    pub fn without<T>(&self, work: impl FnOnce() -> T) -> T {
+        let book = BOOK.take();
+        let began = Timestamps::now();
+        let done = work();
+        let (wall, cpu) = began.elapsed();
+        BOOK.set(book.map(|mut book| {
+            book.began.wall += Duration::from_secs_f64(wall);
+            book.began.cpu = book.began.cpu.map(|then| then + cpu);
+            book
+        }));
+        done
     }
 
     /// The measurements so far.

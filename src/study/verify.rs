@@ -71,10 +71,7 @@ impl Beside<'_> {
             true => shrinks.worth(self.runs(peak.value, &|run| run.peak(peak))),
             false => Worth::default(),
         };
-        Worths {
-            quantities: own.quantities.iter().map(of).collect(),
-            peaks: own.peaks.iter().map(peak).collect(),
-        }
+        Worths { quantities: own.quantities.iter().map(of).collect(), peaks: own.peaks.iter().map(peak).collect() }
     }
 
     fn runs(&self, own: f64, of: &dyn Fn(&WholeRun) -> Option<f64>) -> Runs {
@@ -164,7 +161,7 @@ pub struct Verified {
 }
 
 impl Verifier<'_> {
-    fn run(&self, step: Step) -> Result<WholeRun, StudyError> {
+    fn run(&self, step: Step, most_work: u64) -> Result<WholeRun, StudyError> {
         (self.tell)(&described(step));
         let problem = &self.prepared.problem;
         WholeRunSpec {
@@ -172,7 +169,7 @@ impl Verifier<'_> {
             method: &problem.method,
             step,
             frames: self.motion,
-            most_steps: u64::MAX,
+            most_work,
             interrupt: self.interrupt,
         }
         .run()
@@ -207,7 +204,7 @@ impl Verifier<'_> {
             if !self.may_run(step) {
                 return Ok(None);
             }
-            let run = self.run(step)?;
+            let run = self.run(step, u64::MAX)?;
             let went = if run.completed() { String::new() } else { format!(" (failed: {})", run.note) };
             beside.push(described(step) + &went);
             Ok(Some(run).filter(WholeRun::completed))
@@ -283,69 +280,119 @@ impl Accuracy {
     }
 }
 
+/// Whether a run is within an accuracy.
+enum Judged {
+    Within,
+    /// by what it misses it, in words
+    Missed(String),
+}
+
 /// A run within an accuracy.
 pub struct Within {
-    /// the run with the longest step that was found
+    /// the cheapest run within it that was found
     pub run: WholeRun,
     /// what its numbers are worth
     pub worths: Worths,
-    /// all runs that were made, from coarse to fine, in words
+    /// all runs that were made, in words
     pub made: Vec<String>,
     /// [s] processor time of all of them
     pub seconds: f64,
 }
 
-/// Coarsest run of a search: steps a run.
-const COARSEST: f64 = 32.0;
 /// How many times a step is halved, or a tolerance divided by ten, below that of the case at most.
 const FINEST: i32 = 6;
-/// Widest tolerance of a search.
-const WIDEST: f64 = 1e-1;
+
+/// The runs of a search, by how many times the step of the case was doubled. `None`: the run was not made, as its step is
+/// too long; a run that did not come to its end was.
+type Ladder = BTreeMap<i32, Option<WholeRun>>;
 
 impl Verifier<'_> {
-    /// Goes from coarse to fine until all wanted quantities are within the accuracy, by three runs.
+    /// Goes from the case's own step to longer ones while that saves work, or to shorter ones until all wanted
+    /// quantities are within the accuracy. Every number is judged by three runs where they come to their ends.
     ///
     /// # Errors
     /// An interrupt, another unit, or no such step.
     pub fn within(&self, accuracy: &Accuracy) -> Result<Within, StudyError> {
-        let own = self.prepared.problem.time.step;
-        let coarse = match own {
-            Step::Fixed(h) => (self.prepared.end() / COARSEST / h).log2().floor() as i32,
-            Step::Adaptive(tolerance) => (WIDEST / tolerance.relative).log10().floor() as i32,
-        };
-        let (mut runs, mut made, mut seconds): (Vec<WholeRun>, Vec<String>, f64) = (Vec::new(), Vec::new(), 0.0);
-        let mut best = String::new();
-        for times in (-FINEST..=coarse.max(-FINEST)).rev() {
-            let step = coarser(own, times);
-            if !self.may_run(step) {
-                continue;
+        let (mut ladder, mut made, mut missed) = (Ladder::new(), Vec::new(), String::new());
+        let mut found = None;
+        for times in (-FINEST..=0).rev() {
+            match self.judged(times, u64::MAX, accuracy, &mut ladder, &mut made)? {
+                Judged::Within => {
+                    found = Some(times);
+                    break;
+                }
+                Judged::Missed(words) => missed = words,
             }
-            let run = self.run(step)?;
-            seconds += run.seconds;
-            made.push(if run.completed() { described(step) } else { format!("{} (failed)", described(step)) });
-            if !run.completed() {
-                // What coarser runs showed says nothing about this side of the failure.
-                runs.clear();
-                continue;
-            }
-            let worths = self.worth_of(&run, &runs);
-            let missed = self.missed(&run, &worths, accuracy)?;
-            if runs.len() >= 2 && missed.is_none() {
-                return Ok(Within { run, worths, made, seconds });
-            }
-            best = missed.unwrap_or(best);
-            runs.push(run);
         }
-        let tried = made.last().cloned().unwrap_or_default();
-        Err(StudyError::NotWithin { accuracy: accuracy.to_string(), tried, best })
+        let Some(mut best) = found else {
+            let tried = described(coarser(self.prepared.problem.time.step, -FINEST));
+            return Err(StudyError::NotWithin { accuracy: accuracy.to_string(), tried, best: missed });
+        };
+        let work = |ladder: &Ladder, times: i32| match ladder.get(&times) {
+            Some(Some(run)) if run.completed() => run.work(),
+            _ => u64::MAX,
+        };
+        // Longer steps that need as much work are of no use.
+        for times in best + 1.. {
+            let most = work(&ladder, best);
+            if work(&ladder, times) >= most && ladder.contains_key(&times) {
+                break;
+            }
+            match self.judged(times, most, accuracy, &mut ladder, &mut made)? {
+                Judged::Within if work(&ladder, times) < most => best = times,
+                _ => break,
+            }
+        }
+        let worths = self.worths(best, &ladder);
+        let seconds = ladder.values().flatten().map(|run| run.seconds).sum();
+        match ladder.remove(&best).flatten() {
+            Some(run) => Ok(Within { run, worths, made, seconds }),
+            None => Err(StudyError::Interrupted),
+        }
     }
 
-    /// What the numbers of a run are worth beside coarser ones, the coarsest first.
-    pub fn worth_of(&self, run: &WholeRun, coarser: &[WholeRun]) -> Worths {
-        let mut last = coarser.iter().rev();
-        let beside = Beside { coarser: [last.next(), last.next()], finer: None };
-        let mean = run.t_end / run.steps.max(1) as f64;
-        beside.worth(run.numbers(), self.shrinks(run.step), run.step.fixed().unwrap_or(mean))
+    /// Makes the runs that judge one, each with at most this work, and says whether it is within the accuracy.
+    fn judged(
+        &self,
+        times: i32,
+        most: u64,
+        accuracy: &Accuracy,
+        ladder: &mut Ladder,
+        made: &mut Vec<String>,
+    ) -> Result<Judged, StudyError> {
+        for times in times..=times + 2 {
+            if ladder.contains_key(&times) {
+                continue;
+            }
+            let step = coarser(self.prepared.problem.time.step, times);
+            let run = if self.may_run(step) { Some(self.run(step, most)?) } else { None };
+            if let Some(run) = &run {
+                let ended = if run.completed() { "" } else { " (not to its end)" };
+                made.push(described(step) + ended);
+            }
+            ladder.insert(times, run);
+        }
+        match ladder.get(&times) {
+            Some(Some(run)) if run.completed() => match self.missed(run, &self.worths(times, ladder), accuracy)? {
+                None => Ok(Judged::Within),
+                Some(words) => Ok(Judged::Missed(words)),
+            },
+            _ => Ok(Judged::Missed("the run does not come to its end".to_owned())),
+        }
+    }
+
+    /// What the numbers of a run of a ladder are worth.
+    fn worths(&self, times: i32, ladder: &Ladder) -> Worths {
+        let completed = |times: i32| ladder.get(&times).and_then(Option::as_ref).filter(|run| run.completed());
+        let near = completed(times + 1);
+        let beside = Beside {
+            coarser: [near, near.and_then(|_| completed(times + 2))],
+            finer: completed(times - 1).filter(|_| near.is_none()),
+        };
+        completed(times).map_or_else(Worths::default, |run| {
+            let mean = run.t_end / run.steps.max(1) as f64;
+            beside.worth(run.numbers(), self.shrinks(run.step), run.step.fixed().unwrap_or(mean))
+        })
     }
 
     /// The quantity that is farthest from the accuracy, in words; none if all are within it.

@@ -6,10 +6,9 @@ use super::error::StudyError;
 use super::experiment::{Experiment, Start};
 use super::frames::{Frames, Sampler};
 use super::prepared_case::PreparedCase;
-use super::row::median;
 use crate::drive::clock::Step;
 use crate::drive::observer::{AcceptedStep, ObserveError, Observer, UpcomingStep, Wants};
-use crate::drive::{Outcome, RunError, Status};
+use crate::drive::{Explain, Outcome, RunError, Status};
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
 use crate::model::stop::Stop;
@@ -28,8 +27,8 @@ pub struct WholeRunSpec<'a> {
     pub step: Step,
     /// whether its frames are kept, for the motion
     pub frames: bool,
-    /// most steps; the run is stopped beyond them
-    pub most_steps: u64,
+    /// most work, as [`WholeRun::work`] counts it; the run is stopped beyond it
+    pub most_work: u64,
     /// set when the user interrupts
     pub interrupt: &'a AtomicBool,
 }
@@ -67,18 +66,23 @@ impl WholeRun {
         self.status == Status::Completed
     }
 
+    /// Counted work: steps and Newton iterations.
+    pub fn work(&self) -> u64 {
+        self.steps + self.counters.newton_iterations
+    }
+
     /// The value of a quantity; none unless the run reached its end.
     pub fn value(&self, name: &str) -> Option<f64> {
         self.quantities.iter().find(|quantity| quantity.name == name)?.value.filter(|_| self.completed())
     }
-
-    /// [s] Median of the processor times of equal runs.
-    pub fn median_seconds(runs: &[WholeRun]) -> Option<f64> {
-        median(&runs.iter().map(|run| run.seconds).collect::<Vec<_>>())
-    }
 }
 
-/// The observer that counts steps, and ends the run beyond the most.
+/// Counted work of a step.
+fn work_of(newton_iterations: u32) -> u64 {
+    1 + u64::from(newton_iterations)
+}
+
+/// The observer that counts work, and ends the run beyond the most.
 struct Limit<'a> {
     left: u64,
     interrupt: Stop<'a>,
@@ -90,8 +94,8 @@ impl Observer for Limit<'_> {
         Wants::ACCOUNT
     }
 
-    fn accepted(&mut self, _step: AcceptedStep<'_>) -> Result<(), ObserveError> {
-        self.left = self.left.saturating_sub(1);
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        self.left = self.left.saturating_sub(work_of(step.newton_iterations));
         if self.left == 0 || self.interrupt.asked() {
             self.stop.store(true, std::sync::atomic::Ordering::Relaxed);
         }
@@ -107,12 +111,13 @@ impl WholeRunSpec<'_> {
     pub fn run(&self) -> Result<WholeRun, StudyError> {
         let WholeRunSpec { prepared, method, step, interrupt, .. } = *self;
         let (scene, problem) = (&*prepared.scene, &prepared.problem);
-        let experiment = Experiment { interrupt: Stop::on(interrupt), ..prepared.experiment(method, step) };
+        let explain = Explain::Nothing;
+        let experiment = Experiment { interrupt: Stop::on(interrupt), explain, ..prepared.experiment(method, step) };
         let measured = LargestValues::new(scene, &problem.output, problem.time.end, None);
         let mut measured = measured.map_err(|why| StudyError::Usage(why.to_string()))?;
         let mut sampler = self.frames.then(|| Sampler::keeping(scene, prepared.every));
         let stop = AtomicBool::new(false);
-        let mut limit = Limit { left: self.most_steps, interrupt: Stop::on(interrupt), stop: &stop };
+        let mut limit = Limit { left: self.most_work, interrupt: Stop::on(interrupt), stop: &stop };
         let mut observers: Vec<&mut dyn Observer> = vec![&mut measured, &mut limit];
         observers.extend(sampler.as_mut().map(|sampler| sampler as &mut dyn Observer));
         let watch = Stopwatch::of_thread(Cost::default());

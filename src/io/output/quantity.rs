@@ -220,7 +220,8 @@ pub(super) fn column_of(columns: &[Column], name: &str) -> Option<usize> {
     if let Some(exact) = columns.iter().position(|column| column.name == name) {
         return Some(exact);
     }
-    let alike: Vec<usize> = (0..columns.len()).filter(|i| columns.get(*i).is_some_and(|c| word(c.name) == name)).collect();
+    let alike: Vec<usize> =
+        (0..columns.len()).filter(|i| columns.get(*i).is_some_and(|c| word(c.name) == name)).collect();
     let with = |of: &dyn Fn(&Column) -> bool| alike.iter().copied().find(|i| columns.get(*i).is_some_and(of));
     with(&|column| column.line.is_some())
         .or_else(|| with(&|column| column.name.ends_with("_max")))

@@ -21,9 +21,8 @@ use crate::warning::Warning;
 use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
-    let _account = StartupTimer::of_process();
+    let account = StartupTimer::of_process();
     let case = timed(Phase::Parse, || Case::from_file(&args.case.case, &args.overrides()))?;
-    let accounted = (args.verify || args.within.is_some()).then(|| Accounted::of(&case, args)).transpose()?;
     let warned = |warning: &Warning| {
         if !args.print.quiet {
             interject(&format!("warning: {warning}"));
@@ -47,7 +46,11 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
         keep_going: args.keep_going,
         matrices: args.dump_matrices.as_deref(),
     };
-    let within = accounted.as_ref().map(|accounted| accounted.within(args, stop_on_interrupt())).transpose()?.flatten();
+    let (accounted, within) = account.without(|| {
+        let accounted = (args.verify || args.within.is_some()).then(|| Accounted::of(&case, args)).transpose()?;
+        let within = accounted.as_ref().map(|accounted| accounted.within(args, stop_on_interrupt())).transpose()?;
+        Ok::<_, CliError>((accounted, within.flatten()))
+    })?;
     let case = match &within {
         Some(within) => case.with(&as_override(within.run.step))?,
         None => case,

@@ -183,7 +183,11 @@ pub(super) fn study(study: Option<&Study>, faults: &mut Faults<'_>) -> Vec<Quant
             Err(_) => {
                 let at = at.key("quantities").index(i);
                 let hint = "such as \"riser.tension.peak\", \"tip.z@0.5\", \"opening_load\" or \"motion\"";
-                faults.add_hint(&at, "GAUGE.COLUMN.STATISTIC, GAUGE.COLUMN@TIME or the name of a number of the report", hint);
+                faults.add_hint(
+                    &at,
+                    "GAUGE.COLUMN.STATISTIC, GAUGE.COLUMN@TIME or the name of a number of the report",
+                    hint,
+                );
             }
         }
     }

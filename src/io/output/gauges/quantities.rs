@@ -5,8 +5,8 @@ use super::{Channel, Gauges, GaugesSpec};
 use crate::drive::observer::Energies;
 use crate::model::gauge::{DRAG, PeakRule, Quantity as Column};
 use crate::output::quantity::{
-    ENERGIES, ENERGY, Named, QuantityError, QuantityName, QuantityReport, QuantityReports, Statistic, column_of, energies,
-    reported,
+    ENERGIES, ENERGY, Named, QuantityError, QuantityName, QuantityReport, QuantityReports, Statistic, column_of,
+    energies, reported,
 };
 use crate::output::schedule::RowSchedule;
 use crate::output::statistics::SeriesSoFar;
@@ -221,8 +221,7 @@ fn find(gauges: &mut Gauges, spec: &GaugesSpec<'_>, name: &QuantityName) -> Resu
                 return Ok(made(unit(PROBE[place].unit), Source::Channel(first + place), *statistic));
             }
             let known = gauges.channels().iter().any(|channel| channel.name == *gauge) || probe.is_some();
-            let missing =
-                if known { format!("column \"{column}\" of {gauge}") } else { format!("gauge \"{gauge}\"") };
+            let missing = if known { format!("column \"{column}\" of {gauge}") } else { format!("gauge \"{gauge}\"") };
             Err(unknown(gauges, spec, name, missing))
         }
     }
@@ -248,5 +247,9 @@ fn unknown(gauges: &Gauges, spec: &GaugesSpec<'_>, name: &QuantityName, missing:
     }
     known.extend(spec.probes.iter().map(|probe| format!("{} (probe): x, y, z, vx, vy, vz", probe.name)));
     known.push(format!("{ENERGY}: {}", ENERGIES.join(", ")));
-    QuantityError::Unknown { name: name.text.clone(), missing, known: format!("gauges and columns: {}", known.join("; ")) }
+    QuantityError::Unknown {
+        name: name.text.clone(),
+        missing,
+        known: format!("gauges and columns: {}", known.join("; ")),
+    }
 }
