@@ -165,7 +165,10 @@ impl Verifier<'_> {
         (self.tell)(&described(step));
         let problem = &self.prepared.problem;
         WholeRunSpec {
-            prepared: self.prepared,
+            scene: &*self.prepared.scene,
+            problem,
+            every: self.prepared.every,
+            end: self.prepared.end(),
             method: &problem.method,
             step,
             frames: self.motion,

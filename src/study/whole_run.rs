@@ -5,22 +5,29 @@ use std::sync::atomic::AtomicBool;
 use super::error::StudyError;
 use super::experiment::{Experiment, Start};
 use super::frames::{Frames, Sampler};
-use super::prepared_case::PreparedCase;
+use crate::case::spec::Problem;
 use crate::drive::clock::Step;
 use crate::drive::observer::{AcceptedStep, ObserveError, Observer, UpcomingStep, Wants};
-use crate::drive::{Explain, Outcome, RunError, Status};
+use crate::drive::{Outcome, RunError, Status};
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
 use crate::model::stop::Stop;
 use crate::output::gauges::{MeasuredQuantity, Peak};
 use crate::output::largest::LargestValues;
 use crate::process::{Cost, Stopwatch};
+use crate::scene::Scene;
 
 /// What a run is made with.
 #[derive(Clone, Copy)]
 pub struct WholeRunSpec<'a> {
-    /// the case with its scene
-    pub prepared: &'a PreparedCase,
+    /// what moves
+    pub scene: &'a dyn Scene,
+    /// the case without its system
+    pub problem: &'a Problem,
+    /// [s] interval of the frames
+    pub every: f64,
+    /// [s] end of the run, perhaps before that of the case
+    pub end: f64,
     /// the method
     pub method: &'a MethodChoice,
     /// the steps
@@ -31,6 +38,17 @@ pub struct WholeRunSpec<'a> {
     pub most_work: u64,
     /// set when the user interrupts
     pub interrupt: &'a AtomicBool,
+}
+
+/// A place on the way of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mark {
+    /// steps made
+    pub steps: u64,
+    /// [s] time of the run
+    pub t: f64,
+    /// [s] processor time
+    pub seconds: f64,
 }
 
 /// A run and its numbers.
@@ -52,6 +70,8 @@ pub struct WholeRun {
     pub account_passes: u64,
     /// [s] processor time
     pub seconds: f64,
+    /// where its later part begins: between a quarter and a half of its steps
+    pub late: Mark,
     /// the quantities
     pub quantities: Vec<MeasuredQuantity>,
     /// the peaks of its gauges
@@ -85,6 +105,10 @@ fn work_of(newton_iterations: u32) -> u64 {
 /// The observer that counts work, and ends the run beyond the most.
 struct Limit<'a> {
     left: u64,
+    made: u64,
+    /// at the last two powers of two of steps
+    marks: [Mark; 2],
+    watch: Stopwatch,
     interrupt: Stop<'a>,
     stop: &'a AtomicBool,
 }
@@ -96,6 +120,11 @@ impl Observer for Limit<'_> {
 
     fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         self.left = self.left.saturating_sub(work_of(step.newton_iterations));
+        self.made += 1;
+        if self.made.is_power_of_two() {
+            let mark = Mark { steps: self.made, t: step.t, seconds: self.watch.seconds() };
+            self.marks = [self.marks[1], mark];
+        }
         if self.left == 0 || self.interrupt.asked() {
             self.stop.store(true, std::sync::atomic::Ordering::Relaxed);
         }
@@ -109,23 +138,32 @@ impl WholeRunSpec<'_> {
     /// # Errors
     /// An interrupt, or a quantity that is not there.
     pub fn run(&self) -> Result<WholeRun, StudyError> {
-        let WholeRunSpec { prepared, method, step, interrupt, .. } = *self;
-        let (scene, problem) = (&*prepared.scene, &prepared.problem);
-        let explain = Explain::Nothing;
-        let experiment = Experiment { interrupt: Stop::on(interrupt), explain, ..prepared.experiment(method, step) };
+        let WholeRunSpec { scene, problem, every, end, method, step, interrupt, .. } = *self;
+        let experiment = Experiment {
+            frames_every: Some(every),
+            interrupt: Stop::on(interrupt),
+            ..Experiment::new(scene, method, problem.solver, step, end)
+        };
         let measured = LargestValues::new(scene, &problem.output, problem.time.end, None);
         let mut measured = measured.map_err(|why| StudyError::Usage(why.to_string()))?;
-        let mut sampler = self.frames.then(|| Sampler::keeping(scene, prepared.every));
+        let mut sampler = self.frames.then(|| Sampler::keeping(scene, every));
         let stop = AtomicBool::new(false);
-        let mut limit = Limit { left: self.most_work, interrupt: Stop::on(interrupt), stop: &stop };
+        let (watch, most) = (Stopwatch::of_thread(Cost::default()), self.most_work);
+        let mut limit = Limit {
+            left: most,
+            made: 0,
+            marks: [Mark::default(); 2],
+            watch,
+            interrupt: Stop::on(interrupt),
+            stop: &stop,
+        };
         let mut observers: Vec<&mut dyn Observer> = vec![&mut measured, &mut limit];
         observers.extend(sampler.as_mut().map(|sampler| sampler as &mut dyn Observer));
-        let watch = Stopwatch::of_thread(Cost::default());
         let made = match experiment.stepper() {
             Ok(mut stepper) => experiment.observed(&mut stepper, Start::Initial, &mut observers, &stop),
             Err(why) => return Ok(self.without(why.to_string())),
         };
-        let seconds = watch.seconds();
+        let (seconds, mark) = (limit.watch.seconds(), limit.marks[0]);
         if Stop::on(interrupt).asked() {
             return Err(StudyError::Interrupted);
         }
@@ -144,6 +182,7 @@ impl WholeRunSpec<'_> {
             counters,
             account_passes,
             seconds,
+            late: mark,
             quantities: measured.quantities(),
             peaks: measured.peaks(),
             frames: sampler.map(Sampler::into_frames),
@@ -160,6 +199,7 @@ impl WholeRunSpec<'_> {
             counters: Counters::default(),
             account_passes: 0,
             seconds: 0.0,
+            late: Mark::default(),
             quantities: Vec::new(),
             peaks: Vec::new(),
             frames: None,
