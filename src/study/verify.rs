@@ -119,7 +119,7 @@ impl Worths {
 }
 
 /// How a run's step is changed: doubled `times` times; tolerances times ten.
-fn coarser(step: Step, times: i32) -> Step {
+pub fn coarser(step: Step, times: i32) -> Step {
     match step {
         Step::Fixed(h) => Step::Fixed(h * 2.0_f64.powi(times)),
         Step::Adaptive(Tolerance { relative, absolute }) => {
@@ -264,6 +264,14 @@ impl std::fmt::Display for Accuracy {
 const SMALL: f64 = 0.01;
 
 impl Accuracy {
+    /// [-] The share; of a unit, 1 %.
+    pub fn share(&self) -> f64 {
+        match self {
+            Accuracy::Relative(share) => *share,
+            Accuracy::Absolute(..) => 0.01,
+        }
+    }
+
     /// The error that a quantity may have. A value that is small beside the largest of its series, as of a vibration that
     /// has died away, is measured by a hundredth of that.
     ///

@@ -60,6 +60,8 @@ pub struct WholeRun {
     pub status: Status,
     /// why, if not well
     pub note: String,
+    /// [s] when it failed; `None` if it did not
+    pub failed_at: Option<f64>,
     /// accepted steps
     pub steps: u64,
     /// [s] time it came to
@@ -176,6 +178,7 @@ impl WholeRunSpec<'_> {
         Ok(WholeRun {
             step,
             status,
+            failed_at: failure.as_ref().map(|failure| failure.time),
             note: failure.map_or_else(String::new, |failure| failure.cause),
             steps,
             t_end,
@@ -194,6 +197,7 @@ impl WholeRunSpec<'_> {
             step: self.step,
             status: Status::NotConverged,
             note,
+            failed_at: Some(0.0),
             steps: 0,
             t_end: 0.0,
             counters: Counters::default(),

@@ -3,7 +3,6 @@
 
 use std::cell::Cell;
 
-use super::coarse_reference::MeasuredRun;
 use super::cost::TangentCost;
 use super::work::Work;
 use crate::case::spec::Problem;
@@ -13,11 +12,9 @@ use crate::prepared_case::{nominal_pass, nominal_step};
 use crate::scene::Scene;
 
 /// [-] Share of the run that a forecast may cost.
-const SHARE: f64 = 0.25;
-/// [s] Smallest budget for scenes of up to [`SMALL`] degrees of freedom. It decreases for larger scenes, because the
-/// time to build them and to choose their solver is not counted here.
-const LEAST: f64 = 3.0;
-const SMALL: f64 = 60_000.0;
+const SHARE: f64 = 0.2;
+/// [s] Smallest budget.
+const LEAST: f64 = 0.5;
 /// [-] Largest part of the budget that a search of the spectrum for critical steps may take.
 const SEARCHES: f64 = 0.5;
 
@@ -62,14 +59,6 @@ impl NominalCosts {
         self.step * steps + work.cost(&self.work)
     }
 
-    /// [s] So many steps, from the work of those that were made.
-    pub fn as_made(&self, method: &MethodChoice, made: &MeasuredRun, steps: f64) -> f64 {
-        let share = steps / made.sample.steps.max(1.0);
-        let mut work = made.sample.work.times(share);
-        work.force_evaluations += made.account_passes * share - self.saved(method) * steps;
-        self.cost(steps, work)
-    }
-
     /// [s] So many steps of a method that has made none.
     pub fn untried(&self, method: &MethodChoice, steps: f64) -> f64 {
         let passes = f64::from(method.info.evaluations[usize::from(self.moving)]) - self.saved(method);
@@ -94,12 +83,11 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// A quarter of the run that a case asks for, but enough for a scene of some thousand nodes.
+    /// A fifth of the run that a case asks for, but half a second.
     pub fn of(scene: &dyn Scene, problem: &Problem) -> Self {
         let steps = problem.time.step.fixed().map_or(0.0, |step| (problem.time.end / step).ceil());
         let run = steps * nominal_step(scene, &problem.method);
-        let least = LEAST * (SMALL / scene.n_dof().max(1) as f64).min(1.0);
-        Budget { left: Cell::new((SHARE * run).max(least)) }
+        Budget { left: Cell::new((SHARE * run).max(LEAST)) }
     }
 
     /// [s] What is left.
@@ -132,7 +120,6 @@ impl Budget {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::forecast::sample::Sample;
 
     #[test]
     fn what_is_spent_is_not_spent_twice() {
@@ -142,22 +129,12 @@ mod tests {
         assert!(budget.left() == 0.0 && budget.affords(0.0));
     }
 
-    /// A second pass at the same positions is cheaper than the first, before a step was made and by its count; one for
-    /// the account alone costs as much as any, and is known when it was made.
+    /// A second pass at the same positions is cheaper than the first.
     #[test]
-    fn a_pass_at_the_same_positions_costs_less_and_one_for_the_account_as_much() {
+    fn a_pass_at_the_same_positions_costs_less() {
         let units = NominalCosts { step: 0.0, work: Work::passes(1.0), moving: true, implicit: KEPT };
         let method = |name| MethodChoice::with_defaults(name).expect("in the registry");
-        let cost = |name, passes: f64, account_passes: f64| {
-            let work = Work::passes(10.0 * passes);
-            let sample = Sample { steps: 10.0, work, ..Sample::default() };
-            let made = MeasuredRun { sample, account_passes: 10.0 * account_passes, ..MeasuredRun::default() };
-            units.as_made(&method(name), &made, 1.0)
-        };
-        assert_eq!(cost("velocity-verlet", 2.0, 0.0), 1.0 + costs::AGAIN);
         assert_eq!(units.untried(&method("velocity-verlet"), 1.0), 1.0 + costs::AGAIN);
-        assert_eq!(cost("improved-euler", 2.0, 0.0), 2.0);
-        assert_eq!(cost("improved-euler-pec", 1.0, 1.0), 2.0);
         let still = NominalCosts { moving: false, ..units };
         assert_eq!(still.untried(&method("velocity-verlet"), 1.0), 1.0);
     }
