@@ -157,7 +157,8 @@ pub struct LineParameters {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct InnerLineParameters {
-    /// [m] unstretched length; if absent, the distance from the vent of the flat pattern to the confluence
+    /// [m] unstretched length; that of `lines` if absent. Then the pressure on a ring between vent and skirt points away
+    /// from the confluence; shorter lines turn it inwards, so that the canopy closes, and longer ones let the vent rise
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub length: Option<f64>,
@@ -289,11 +290,8 @@ impl ParachuteParameters {
         if let Some(LineParameters { length, .. }) = self.lines {
             lines.push(("lines", format!("{} of {length:.6} m ({:.4} D0)", self.gores, length / d0)));
         }
-        let cut = mesh.groups.get("inner-lines").map_or(0.0, |group| group.length(mesh));
-        if cut > 0.0 {
-            let count = self.gores * self.cluster.map_or(1, |cluster| cluster.canopies);
-            let told = self.inner_lines.and_then(|inner| inner.length);
-            lines.push(("inner lines", format!("{} of {:.6} m", self.gores, told.unwrap_or(cut / count as f64))));
+        if let Some(length) = self.inner_length() {
+            lines.push(("inner lines", format!("{} of {length:.6} m ({:.4} D0)", self.gores, length / d0)));
         }
         if let Some(ReefingParameters { diameter }) = self.reefing {
             let rest = self.reefing_length().unwrap_or_default();
@@ -343,12 +341,18 @@ impl ParachuteParameters {
 }
 
 impl ParachuteParameters {
+    /// [m] Unstretched length of the inner lines; `None` without any.
+    fn inner_length(&self) -> Option<f64> {
+        self.inner_lines.zip(self.lines).map(|(inner, lines)| inner.length.unwrap_or(lines.length))
+    }
+
     /// [m] Unstretched lengths of edges of lines that the flat mesh shows longer or shorter: lines of a cruciform
-    /// canopy, whose corners are not equally far from the confluence, and inner lines of a length of their own.
+    /// canopy, whose corners are not equally far from the confluence, and inner lines.
     pub fn line_lengths(&self, mesh: &Mesh) -> Vec<(u32, f64)> {
         let lines = self.lines.filter(|_| self.kind == CanopyType::Cruciform);
         let lines = lines.map(|lines| ("lines", lines.length, lines.segments));
-        let inner = self.inner_lines.and_then(|inner| Some(("inner-lines", inner.length?, inner.segments)));
+        let inner = self.inner_lines.zip(self.inner_length());
+        let inner = inner.map(|(inner, length)| ("inner-lines", length, inner.segments));
         let of = |(name, length, segments): (&str, f64, usize)| {
             let edges = mesh.groups.get(name).map(|group| group.edges.clone()).unwrap_or_default();
             edges.into_iter().map(move |edge| (edge, length / segments as f64)).collect::<Vec<_>>()

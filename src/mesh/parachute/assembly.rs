@@ -266,13 +266,6 @@ impl Assembly {
             .collect()
     }
 
-    /// [m] Length of an inner line: as told, or as the pattern is cut; `None` without such lines.
-    pub(super) fn inner_length(&self, p: &ParachuteParameters) -> Option<f64> {
-        let line = self.inner_lines.first()?;
-        let cut = (self.at(*line.first()?) - self.at(*line.last()?)).norm();
-        p.inner_lines.map(|inner| inner.length.unwrap_or(cut))
-    }
-
     /// Takes the places of the nodes at the start; lines are straight between their ends.
     pub(super) fn displace(&mut self, mut moved: Vec<Vector3<f64>>) {
         for line in self.lines.iter().chain(&self.inner_lines) {

@@ -147,7 +147,7 @@ impl Assembly {
         let confluence = self.lines.first().and_then(|line| line.last()).map_or(0.0, |&node| self.at(node).z);
         let mut above = rise(lines.length, skirt);
         let mut turn = f64::INFINITY;
-        if let (Some(length), Some(&vent)) = (self.inner_length(p), self.vent_corners.first()) {
+        if let (Some(length), Some(&vent)) = (p.inner_length(), self.vent_corners.first()) {
             let [radius, depth] = tube.at(vent);
             let (cloth, held) = (whole - depth, rise(length, radius));
             above = above.min(held + cloth);

@@ -74,7 +74,7 @@ pub struct ParachuteArgs {
     /// Edges of each line from the vent to the confluence; without it there are none
     #[arg(long, requires = "lines")]
     pub inner_line_segments: Option<usize>,
-    /// [m] Length of each of these lines, where it is not that of the pattern
+    /// [m] Length of each of these lines; that of the suspension lines if absent
     #[arg(long, requires = "inner_line_segments")]
     pub inner_line_length: Option<f64>,
     /// [m] Length of the riser

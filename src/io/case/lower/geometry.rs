@@ -115,8 +115,9 @@ pub(super) fn geometry(
     match made.and_then(|imported| timed(Phase::Topology, || Geometry::new(source, imported))) {
         Ok(geometry) => {
             tell_notes(at, &geometry, faults);
-            // A reefing line that is too long does nothing, and makes no mesh large.
-            if let Some((key, length)) = in_millimetres(source).filter(|(key, _)| *key == REEFING) {
+            // Lines whose length no node shows make no mesh large.
+            let unseen = |(key, _): &(&str, f64)| [REEFING, INNER].contains(key);
+            if let Some((key, length)) = in_millimetres(source).filter(unseen) {
                 faults.warn(WarningCode::LargeExtent, format!("{}: {}", at.key("parachute"), question(key, length)));
             }
             Some(Arc::new(geometry))
@@ -168,13 +169,14 @@ fn in_millimetres(source: &MeshSource) -> Option<(&'static str, f64)> {
         ("vent_diameter", p.vent_diameter, d0),
         (REEFING, p.reefing.map(|r| r.diameter), 2.0 * d0),
         ("lines.length", p.lines.map(|l| l.length), LONG),
-        ("inner_lines.length", p.inner_lines.and_then(|lines| lines.length), LONG),
+        (INNER, p.inner_lines.and_then(|lines| lines.length), LONG),
         ("riser.length", p.riser.map(|r| r.length), LONG),
     ];
     lengths.into_iter().find_map(|(key, length, most)| Some((key, length.filter(|l| *l > most)?)))
 }
 
 const REEFING: &str = "reefing.diameter";
+const INNER: &str = "inner_lines.length";
 
 fn question(key: &str, length: f64) -> String {
     format!("is {key} in millimetres? {} mm are {} m", figures(length, 6), figures(length / 1e3, 6))
