@@ -210,7 +210,8 @@ pub struct ClusterParameters {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ReefingParameters {
-    /// [m] length of the reefing line over pi; with the start `inflated` the skirt starts at this size
+    /// [m] length of the reefing line over pi; with the start `inflated` the skirt starts at this size, with
+    /// `stretched` no wider
     #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub diameter: f64,
 }
