@@ -101,7 +101,9 @@ pub struct ParachuteParameters {
     /// except that of type `annular`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vent_lines: Option<bool>,
-    /// Suspension lines from the skirt to the confluence; without them there is only the canopy.
+    /// Suspension lines from the skirt to the confluence; without them there is only the canopy. All have this length
+    /// without tension; the flat pattern of a cruciform canopy shows those inside its ends shorter, and in a case whose
+    /// mesh is a file the spring rule must give it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lines: Option<LineParameters>,
     /// Lines from the vent's corners to the confluence, as annular canopies have them; none if absent.
@@ -157,8 +159,9 @@ pub struct LineParameters {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct InnerLineParameters {
-    /// [m] unstretched length; that of `lines` if absent. Then the pressure on a ring between vent and skirt points away
-    /// from the confluence; shorter lines turn it inwards, so that the canopy closes, and longer ones let the vent rise
+    /// [m] unstretched length; that of `lines` if absent. Then the pressure on a ring between vent and skirt points
+    /// away from the confluence; shorter lines turn it inwards, so that the canopy closes, and longer ones let the
+    /// vent rise. In a case whose mesh is a file the spring rule must give it
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub length: Option<f64>,

@@ -5,7 +5,8 @@
 //! height between two rows:                 dz = sqrt(ds^2 - dr^2),   so that the arc lengths are those of the pattern
 //! ```
 //! S is the whole arc, r0 the radius of the skirt, a the pattern's own radius, which is s for a flat canopy. The map is
-//! a contraction: radii shrink and arcs stay, so that nothing is longer than at rest and cloth hangs in folds around
+//! a contraction: radii shrink and arcs stay, so that nothing is longer than at rest (but cloth in the middle of gores,
+//! by at most (pi/n)^2/8, where a single row of a cylinder is higher than its radius), and cloth hangs in folds around
 //! the axis. Inner lines that are shorter hold the vent down: the tube is turned inwards at the height where it just
 //! reaches the vent's place.
 
@@ -109,8 +110,8 @@ impl Assembly {
         Tube { places }
     }
 
-    /// The tube of a cross: its square rings around the centre, then the rows of its arms, are the rings. Every ring has
-    /// one height, as large as its shortest edge to the ring before allows, so that all lines are equally long.
+    /// The tube of a cross: squares around its centre, then the rows of its arms, are the rings. Each ring has one
+    /// height, as large as the edges to the ring before allow, so that all lines are equally long.
     fn tube_of_squares(&self, own: f64, r0: f64) -> Tube {
         let whole = self.squares.last().map_or(0.0, |ring| ring.arc);
         let nodes = self.squares.iter().map(|ring| ring.nodes.len()).sum();

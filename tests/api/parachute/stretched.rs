@@ -4,9 +4,8 @@ use super::*;
 use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::mesh::parachute::StartShape;
 
-/// [-] largest strain at the start, of cloth in the middle of gores: the map is a contraction along each column of
-/// nodes and each row, but not exactly between columns
-const STRAIN: f64 = 1e-3;
+/// [-] largest strain at the start
+const STRAIN: f64 = 1e-12;
 
 /// Every type, and what may be added to them: a reefing line, vent lines, inner lines, a cluster, finer cloth.
 fn stretched_types() -> Vec<ParachuteParameters> {
@@ -75,17 +74,11 @@ fn nothing_is_stretched_or_degenerate() {
         if p.cluster.is_none() {
             assert_eq!(start.mesh.nodes, flat.nodes, "{p:?}");
         }
-        let mut most = 0.0_f64;
         for name in ["cloth", "radials", "vent-lines", "lines", "inner-lines", "riser"] {
             for [rest, now] in start.lengths(&p, name) {
-                most = most.max(now / rest - 1.0);
                 assert!(now < rest * (1.0 + STRAIN), "{name} of {:?}: {now} of {rest} m", p.kind);
                 assert!(now > 1e-3 * rest, "{name} of {:?}: {now} of {rest} m", p.kind);
             }
-        }
-        // Along the corners the map is exact.
-        if p.gore_segments == 1 {
-            assert!(most < 1e-12, "{most:e}: {p:?}");
         }
         for t in &start.mesh.triangles {
             let (now, rest) = (t.map(|node| start.at(node)), t.map(|node| point(&start.mesh, node)));
