@@ -1,13 +1,13 @@
 //! One whole run of a case without files: its quantities, its motion, and what it costs.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::error::StudyError;
 use super::experiment::{Experiment, Start};
 use super::frames::{Frames, Sampler};
 use crate::case::spec::Problem;
 use crate::drive::clock::Step;
-use crate::drive::observer::{AcceptedStep, ObserveError, Observer, UpcomingStep, Wants};
+use crate::drive::observer::{AcceptedStep, ObserveError, Observer, Resumable, UpcomingStep, Wants};
 use crate::drive::{Outcome, RunError, Status};
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
@@ -36,6 +36,8 @@ pub struct WholeRunSpec<'a> {
     pub frames: bool,
     /// most work, as [`WholeRun::work`] counts it; the run is stopped beyond it
     pub most_work: u64,
+    /// whether so many steps and this work are enough; the run is stopped at the next state that it could be resumed from
+    pub enough: Option<&'a dyn Fn(f64, Counters) -> bool>,
     /// set when the user interrupts
     pub interrupt: &'a AtomicBool,
 }
@@ -111,11 +113,19 @@ struct Limit<'a> {
     /// at the last two powers of two of steps
     marks: [Mark; 2],
     watch: Stopwatch,
+    enough: Option<&'a dyn Fn(f64, Counters) -> bool>,
     interrupt: Stop<'a>,
     stop: &'a AtomicBool,
 }
 
 impl Observer for Limit<'_> {
+    fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
+        if self.enough.is_some_and(|enough| enough(run.step as f64, run.counters)) {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+        Ok(())
+    }
+
     fn wants(&self, _step: UpcomingStep) -> Wants {
         Wants::ACCOUNT
     }
@@ -128,7 +138,7 @@ impl Observer for Limit<'_> {
             self.marks = [self.marks[1], mark];
         }
         if self.left == 0 || self.interrupt.asked() {
-            self.stop.store(true, std::sync::atomic::Ordering::Relaxed);
+            self.stop.store(true, Ordering::Relaxed);
         }
         Ok(())
     }
@@ -156,6 +166,7 @@ impl WholeRunSpec<'_> {
             made: 0,
             marks: [Mark::default(); 2],
             watch,
+            enough: self.enough,
             interrupt: Stop::on(interrupt),
             stop: &stop,
         };

@@ -34,6 +34,7 @@ use crate::case::spec::Problem;
 use crate::drive::clock::{Step, Tolerance};
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::output::frame::Fields;
+use crate::prepared_case::nominal_pass;
 use crate::scene::Scene;
 use crate::template::render;
 use crate::verify::Accuracy;
@@ -125,6 +126,7 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
     let ForecastSpec { scene, problem, fields, candidates, baseline, .. } = *spec;
     let end = problem.time.end;
     let force = force_cost(scene);
+    spec.budget.calibrate(force.pass_seconds / nominal_pass(scene));
     let h = problem.time.step.fixed().unwrap_or(1e-3 * end).min(end);
     let made = tangent_cost(scene, problem.solver, 4.0 / (h * h));
     let (tangent, tangent_refused) = match made {

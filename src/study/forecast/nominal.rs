@@ -15,6 +15,8 @@ use crate::scene::Scene;
 const SHARE: f64 = 0.2;
 /// [s] Smallest budget.
 const LEAST: f64 = 0.5;
+/// [-] Most that a machine is taken to be slower than nominally.
+const SLOWEST: f64 = 8.0;
 /// [-] Largest part of the budget that a search of the spectrum for critical steps may take.
 const SEARCHES: f64 = 0.5;
 
@@ -80,6 +82,8 @@ impl NominalCosts {
 #[derive(Clone, Debug)]
 pub struct Budget {
     left: Cell<f64>,
+    /// [s] of which this much is a share of the case's own run
+    own: f64,
 }
 
 impl Budget {
@@ -87,7 +91,15 @@ impl Budget {
     pub fn of(scene: &dyn Scene, problem: &Problem) -> Self {
         let steps = problem.time.step.fixed().map_or(0.0, |step| (problem.time.end / step).ceil());
         let run = steps * nominal_step(scene, &problem.method);
-        Budget { left: Cell::new((SHARE * run).max(LEAST)) }
+        Budget { left: Cell::new((SHARE * run).max(LEAST)), own: SHARE * run }
+    }
+
+    /// Takes off what half a second of this machine is less than nominally, where a force pass takes `times` as long as
+    /// it should; in steps of a factor of two, so that the clock has little part in what is decided.
+    pub fn calibrate(&self, times: f64) {
+        let slower = times.log2().round().exp2().clamp(1.0, SLOWEST);
+        let spent = self.own.max(LEAST) - self.left();
+        self.left.set((LEAST / slower).max(self.own) - spent);
     }
 
     /// [s] What is left.
@@ -123,7 +135,7 @@ mod tests {
 
     #[test]
     fn what_is_spent_is_not_spent_twice() {
-        let budget = Budget { left: Cell::new(1.0) };
+        let budget = Budget { left: Cell::new(1.0), own: 1.0 };
         assert!(budget.affords(0.75) && !budget.affords(0.5) && budget.affords(0.25));
         budget.spend(1.0);
         assert!(budget.left() == 0.0 && budget.affords(0.0));

@@ -22,9 +22,8 @@ use super::{Candidate, ForecastSpec};
 use crate::analysis::critical::CriticalStep;
 use crate::drive::Status;
 use crate::drive::clock::{FixedSteps, Step};
-use crate::format_number::{figures, two_digits};
+use crate::format_number::{counted, figures, two_digits};
 use crate::frames::Distance;
-use crate::integrate::registry::Family;
 use crate::output::gauges::MeasuredQuantity;
 use crate::prepared_case::interval;
 use crate::template::seconds;
@@ -37,7 +36,7 @@ const OWN: f64 = 0.3;
 /// Fewest steps of a part of a run from which something is concluded.
 const FEWEST: u64 = 8;
 /// Methods that are tried beside the case's own, the cheapest by the step first.
-const OTHERS: [&str; 5] = ["velocity-verlet", "rk4", "dop853", "newmark", "backward-euler"];
+const OTHERS: [&str; 4] = ["velocity-verlet", "rk4", "dop853", "newmark"];
 /// Steps of the part that another method is tried with at first, and how often its step is halved at most.
 const COARSEST: f64 = 20.0;
 const HALVED: u32 = 5;
@@ -166,7 +165,7 @@ impl Prospector<'_, '_> {
         let end = problem.time.end;
         let own_limit = candidate.limit.map_or(f64::INFINITY, |limit| limit.safe());
         let most = OWN * budget.left();
-        if most < FEWEST as f64 * self.unit(candidate) {
+        if most < self.costs.untried(&candidate.method, FEWEST as f64) {
             return Err(NoProspects::TooDear);
         }
         let own = self.run(candidate, step, end, most).ok_or(NoProspects::TooDear)?;
@@ -232,13 +231,6 @@ impl Prospector<'_, '_> {
         self.spec.candidates.iter().find(|candidate| candidate.method.info.name == name)
     }
 
-    /// [s] Nominal cost of a unit of work, as [`WholeRun::work`] counts it.
-    fn unit(&self, candidate: &Candidate) -> f64 {
-        let step = self.costs.untried(&candidate.method, 1.0);
-        // A step with two iterations.
-        if candidate.method.info.family == Family::Implicit { step / 3.0 } else { step }
-    }
-
     /// [s] Nominal cost of a run that was made.
     fn cost(&self, run: &WholeRun) -> f64 {
         self.costs.cost(run.steps as f64, run.counters.into())
@@ -256,13 +248,23 @@ impl Prospector<'_, '_> {
             method: &candidate.method,
             step,
             frames: true,
-            most_work: (most / self.unit(candidate)).ceil().max(1.0) as u64,
+            most_work: u64::MAX,
+            enough: Some(&|steps, counters| self.costs.cost(steps, counters.into()) > most),
             interrupt: &AtomicBool::new(false),
         };
         // Runs that were made before have passed events.
         crate::scene::pass_events(scene, 0);
         let mut run = spec.run().ok()?;
         budget.spend(self.cost(&run));
+        log::debug!(
+            "tried {} {}: {} steps to t = {} s in {:.3} s, {:.3} s nominally",
+            candidate.method.info.name,
+            size(step),
+            run.steps,
+            figures(run.t_end, 4),
+            run.seconds,
+            self.cost(&run)
+        );
         // A part is what was wanted.
         if run.status == Status::Interrupted {
             run.status = Status::Completed;
@@ -302,7 +304,14 @@ impl Prospector<'_, '_> {
         let estimate = self.whole(run);
         let estimate = estimate.with_output((self.output)(estimate.steps));
         let (mut errors, mut worst, mut known) = (BTreeMap::new(), None, true);
-        for quantity in run.quantities.iter().filter(|quantity| quantity.wanted) {
+        // A part of a run says nothing of its end, where other numbers are asked for too.
+        let wanted = || run.quantities.iter().filter(|quantity| quantity.wanted);
+        let early = run.t_end < self.spec.problem.time.end && wanted().any(|quantity| !quantity.at_end);
+        for quantity in wanted() {
+            if early && quantity.at_end {
+                errors.insert(quantity.name.clone(), ErrorForecast::default());
+                continue;
+            }
             let error = error(quantity).filter(|error| error.is_finite());
             let share = error.map(|error| quantity.value.map_or(error, |value| error / value.abs()));
             errors.insert(quantity.name.clone(), ErrorForecast { error, share: share.filter(|x| x.is_finite()) });
@@ -463,9 +472,17 @@ impl Prospects {
         let Prospects { this_case, recommended, part, runs, .. } = self;
         let steps = if this_case.step.is_some() { "step" } else { "tolerance" };
         let mut numbers = this_case.described(accuracy);
+        let unknown = this_case.errors.len() - numbers.len();
         let more = numbers.len().saturating_sub(NUMBERS);
         numbers.truncate(NUMBERS);
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let mut rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+        if unknown > 0 {
+            let why = if *part < 1.0 { ", as the end was not reached" } else { "" };
+            rest.push_str(&format!(
+                "; of {} the error is not known{why}",
+                counted(unknown as u64, "number", "numbers")
+            ));
+        }
         let said = |prospect: &Prospect| {
             let same = own && prospect.is_as(this_case);
             let who = if same { "your run".to_owned() } else { prospect.typed() };
@@ -492,7 +509,7 @@ impl Prospects {
             ),
             numbers: match numbers.is_empty() {
                 true => "their errors are not known: a part of the run would cost more than check may".to_owned(),
-                false => numbers.join(", ") + &more,
+                false => numbers.join(", ") + &rest,
             },
             recommended: recommended.iter().map(said).collect(),
             none: "no run is known to be; canopy-fem solve --within and tradeoff make longer ones".to_owned(),
@@ -532,6 +549,7 @@ impl Prospect {
         let mut all: Vec<(&String, &ErrorForecast)> = self.errors.iter().collect();
         let size = |of: &ErrorForecast| of.share.or(of.error).unwrap_or(f64::INFINITY);
         all.sort_by(|a, b| size(b.1).total_cmp(&size(a.1)));
+        all.retain(|(_, of)| of.error.is_some());
         let words = |(name, of): (&String, &ErrorForecast)| {
             let name = spoken(name);
             match (accuracy, of) {
