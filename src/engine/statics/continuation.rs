@@ -229,24 +229,15 @@ impl<'a> Continuation<'a> {
         }
         let made = self.iterations();
         let (tolerance, scales, far) = (0.5 * relative * loads, self.scales(loads), self.dofs.size);
-        self.z.fill(0.0);
-        let mut problem = Proximal {
-            scene: self.scene,
-            dofs: &self.dofs,
-            tangents: &mut self.tangents,
-            counters: &mut self.counters,
-            from: &self.at,
-            to: &mut self.trial,
-            mu,
-            all: &mut self.all,
-            stop: self.stop,
-            mixed: true,
-        };
-        if self.scene.mixed().is_none() || !self.newton.leaps(&mut problem, &self.z, far) {
+        if self.scene.mixed().is_none() {
             return false;
         }
         let most = self.spec.max_iterations.saturating_sub(u32::try_from(made).unwrap_or(u32::MAX));
-        let loaded = self.newton.load(&mut problem, &mut self.z, (tolerance, scales), most);
+        let Some(loaded) = self.with_problem((mu, true), |newton, problem, z| {
+            newton.leaps(problem, z, far).then(|| newton.load(problem, z, (tolerance, scales), most))
+        }) else {
+            return false;
+        };
         self.counters.newton_iterations += u64::from(self.newton.iterations());
         let found = matches!(loaded, Ok(Some(_)))
             && self.dofs.residual(self.scene, &self.trial).is_small(relative)
@@ -281,6 +272,28 @@ impl<'a> Continuation<'a> {
     fn solve(&mut self, mu: f64, now: Residual, relative: f64) -> Result<NewtonReport, NewtonFailure> {
         let wanted = (0.5 * relative * now.scale).max(f64::MIN_POSITIVE);
         let scales = self.scales(now.force.max(wanted / INNER));
+        // Loads that turn with a surface may have balances that no motion comes to.
+        let solved = self.with_problem((mu, false), |newton, problem, z| {
+            let solved = newton.solve(problem, z, scales, &mut FactorHistory::default());
+            if matches!(solved, Err(NewtonFailure::MaxIterations { .. })) {
+                // The last trial need not be the last state that was accepted.
+                let (mut r, mut floor) = (vec![0.0; z.len()], vec![0.0; z.len()]);
+                problem.residual(z, &mut r, &mut floor);
+            }
+            solved
+        });
+        let made = solved.as_ref().map_or_else(NewtonFailure::iterations, |report| report.iterations);
+        // At least one, so that the loop around is bounded.
+        self.counters.newton_iterations += u64::from(made.max(1));
+        solved
+    }
+
+    /// Solves the equations with the weight mu [1/s^2] from z = 0, with the tensions of springs as unknowns if `mixed`.
+    fn with_problem<T>(
+        &mut self,
+        (mu, mixed): (f64, bool),
+        solve: impl FnOnce(&mut Newton, &mut Proximal<'_>, &mut [f64]) -> T,
+    ) -> T {
         self.z.fill(0.0);
         let mut problem = Proximal {
             scene: self.scene,
@@ -292,23 +305,9 @@ impl<'a> Continuation<'a> {
             mu,
             all: &mut self.all,
             stop: self.stop,
-            // Loads that turn with a surface may have balances that no motion comes to.
-            mixed: false,
+            mixed,
         };
-        let solved = self.newton.solve(&mut problem, &mut self.z, scales, &mut FactorHistory::default());
-        let made = match &solved {
-            Ok(report) => report.iterations,
-            Err(NewtonFailure::MaxIterations { iterations, .. }) => {
-                // The last trial need not be the last state that was accepted.
-                let (mut r, mut floor) = (vec![0.0; self.z.len()], vec![0.0; self.z.len()]);
-                problem.residual(&self.z, &mut r, &mut floor);
-                *iterations
-            }
-            Err(failure) => failure.iterations(),
-        };
-        // At least one, so that the loop around is bounded.
-        self.counters.newton_iterations += u64::from(made.max(1));
-        solved
+        solve(&mut self.newton, &mut problem, &mut self.z)
     }
 
     /// Whether all nodes are where a scene of this size could be.
