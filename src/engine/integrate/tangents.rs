@@ -8,7 +8,6 @@ use super::factor_cache::FactorRequest;
 use super::{Counters, StepError};
 use crate::assembly::{Assembler, MixedForm, MixedSystem, TangentSystem};
 use crate::interrupt;
-use crate::model::spring_state::SpringTangent;
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use crate::model::workers::Workers;
@@ -282,15 +281,14 @@ impl Tangents {
         &mut self,
         (system, mixed): (&dyn TangentSystem, &dyn MixedSystem),
         (at, w): (StateRef<'_>, Weights),
-        (springs, convex): (&[SpringTangent], bool),
+        form: MixedForm<'_>,
         counters: &mut Counters,
     ) -> Result<Inertia, LinearError> {
         let reused = self.frozen.is_some() && !self.symmetric;
         self.current = if reused { TangentKind::Frozen } else { TangentKind::Exact };
         let slot = if self.frozen.is_some() { &mut self.frozen } else { &mut self.exact };
         let Some(factor) = slot else { return Err(LinearError::Singular { unknown: None }) };
-        let form = MixedForm { springs, convex, symmetric: reused };
-        mixed.assemble_mixed(at, w, form, &mut factor.assembler);
+        mixed.assemble_mixed(at, w, MixedForm { symmetric: reused, ..form }, &mut factor.assembler);
         let inertia = factor.factorise(reused || self.symmetric, counters)?;
         let (parts, number) = match reused {
             true => (&mut self.mass_parts, system.mass_parts()),

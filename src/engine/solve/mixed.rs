@@ -15,8 +15,10 @@
 //! A spring that acts both ways has its own t in the matrix if that is positive definite, and else max(t, 0). The
 //! product mu falls by the predictor and corrector of Mehrotra (1992), two solves a factor. A step is cut only where
 //! it would make none of these smaller: the forces out of balance (with the tensions t), the errors of the tensions,
-//! and the products. First tensions are those at the start of the step.
+//! and the products. First tensions are those at the start of the step. Stresses of membranes are unknowns in the same
+//! way as tensions of springs that act both ways.
 
+mod stresses;
 mod tensions;
 
 use super::forcing::Forcing;
@@ -39,9 +41,7 @@ pub(super) enum Sides {
     Loaded,
 }
 
-/// Iterations after which it gives up.
-const MOST: u32 = 80;
-/// The same if it need not be the last try: with one-sided springs as they are.
+/// Iterations after which it gives up if it need not be the last try: with one-sided springs as they are.
 const FEW: u32 = 10;
 /// The same for an equilibrium: a net that folds, without bending stiffness, has many that are almost one.
 const MANY: u32 = 400;
@@ -104,10 +104,11 @@ impl Iteration<'_> {
         let most = match sides {
             // Nothing would be another with interior points.
             Sides::Interior if !self.tensions.has_one_sided() => return Ok(None),
-            Sides::AsTheyAre if self.tensions.has_one_sided() => FEW.min(self.newton.most_iterations()),
-            Sides::Loaded => MANY.min(self.newton.most_iterations()),
-            _ => MOST.min(self.newton.most_iterations()),
+            Sides::AsTheyAre if self.tensions.has_one_sided() => FEW,
+            Sides::Loaded => MANY,
+            _ => u32::MAX,
         };
+        let most = most.min(self.newton.most_iterations());
         // In a motion, more than that would be lost of the forces that the next step takes over.
         let hidden = if sides == Sides::Loaded { f64::INFINITY } else { HIDING * self.criteria.scales.residual };
         for made in 1..=most {
@@ -173,7 +174,7 @@ impl Iteration<'_> {
         let Newton { r, dz, .. } = &mut *self.newton;
         dz.copy_from_slice(r);
         if let Some(springs) = self.problem.mixed() {
-            self.tensions.add_pull(springs, dz);
+            self.tensions.add_pull(springs, dz, false);
         }
         self.problem.solve(dz)?;
         dz.iter_mut().for_each(|dz| *dz = -*dz);
@@ -206,7 +207,7 @@ impl Iteration<'_> {
         self.tensions.measure(springs);
         let forces = &mut self.newton.correction;
         forces.copy_from_slice(&self.newton.r_trial);
-        self.tensions.add_pull(springs, forces);
+        self.tensions.add_pull(springs, forces, true);
         let product = self.tensions.mean_product().unwrap_or(0.0);
         Left { forces: dot(forces, forces).sqrt(), lengths: self.tensions.errors(), product }
     }

@@ -24,15 +24,9 @@ const EASY: u32 = 4;
 /// The same up to which it is lowered a little, by this factor [-].
 const FAIR: u32 = 9;
 const LOWER_A_LITTLE: f64 = 0.3;
-/// Solves in a row that may need more iterations before the weight is raised.
-const HARD: u32 = 2;
-/// [-] Factors of the weight after an easy solve, at least and at most, and after one that failed.
-const LOWER: [f64; 2] = [1e-4, 0.1];
+/// [-] Factors of the weight after an easy solve, at most, and after one that failed.
+const LOWER: f64 = 0.1;
 const RAISE: f64 = 10.0;
-/// Most solves for which a weight is kept that was lowered in vain.
-const MOST_PATIENT: u32 = 8;
-/// [-] Share of its first residual down to which a solve without a potential is of use.
-const HALF_SOLVED: f64 = 0.5;
 /// [-] Share of the scene's size that the first solve may move a node.
 const FIRST_MOVE: f64 = 0.25;
 /// [-] Share of the scene's size that a last move may have.
@@ -142,8 +136,7 @@ impl<'a> Continuation<'a> {
             return Ok(());
         }
         // The lightest weight that rounding leaves visible.
-        let (mut lightest, mut creeps, mut hard) = (0.0, 0, 0);
-        let (mut wait, mut patience) = (0, 1);
+        let (mut lightest, mut creeps, mut raised) = (0.0, 0, false);
         loop {
             if self.stop.asked() {
                 return Err(StaticFailure::Interrupted);
@@ -156,7 +149,7 @@ impl<'a> Continuation<'a> {
             // A solve that was not finished has gone downhill, or nearer to its solution, so its progress is kept.
             let unfinished = match &solved {
                 Err(NewtonFailure::MaxIterations { residual, .. }) => {
-                    self.tangents.symmetric() || *residual <= HALF_SOLVED * now.force
+                    self.tangents.symmetric() || *residual <= now.force
                 }
                 _ => false,
             };
@@ -171,8 +164,7 @@ impl<'a> Continuation<'a> {
                 if matches!(solved, Err(NewtonFailure::Linear { .. })) {
                     lightest = mu * RAISE;
                 }
-                // A weight that was lowered in vain is kept for twice as many solves as the last time.
-                (wait, patience) = (patience, (2 * patience).min(MOST_PATIENT));
+                raised = true;
                 mu *= RAISE;
                 if mu > heaviest {
                     return Err(self.not_converged(now));
@@ -199,19 +191,13 @@ impl<'a> Continuation<'a> {
                     return Ok(());
                 }
             }
-            if wait > 0 {
-                wait -= 1;
-            } else if iterations <= EASY {
-                patience = (patience / 2).max(1);
-                let [least, most] = LOWER;
-                mu *= (now.force / before.force).clamp(least, most);
-            } else if iterations <= FAIR {
-                mu *= LOWER_A_LITTLE;
-            }
-            // One or two such solves make progress all the same.
-            hard = if unfinished { hard + 1 } else { 0 };
-            if hard > HARD {
-                mu *= RAISE.sqrt();
+            // A weight that was just raised is kept for one solve.
+            if !std::mem::take(&mut raised) {
+                mu *= match iterations {
+                    ..=EASY => (now.force / before.force).min(LOWER),
+                    ..=FAIR => LOWER_A_LITTLE,
+                    _ => 1.0,
+                };
             }
             mu = mu.max(lightest);
         }
@@ -229,7 +215,7 @@ impl<'a> Continuation<'a> {
         }
         let made = self.iterations();
         let (tolerance, scales, far) = (0.5 * relative * loads, self.scales(loads), self.dofs.size);
-        if self.scene.mixed().is_none() {
+        if self.scene.mixed().is_none_or(|mixed| mixed.springs() == 0) {
             return false;
         }
         let most = self.spec.max_iterations.saturating_sub(u32::try_from(made).unwrap_or(u32::MAX));

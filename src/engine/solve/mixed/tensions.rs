@@ -2,6 +2,8 @@
 //! t s = 0, and the steps that keep both positive.
 
 use super::Sides;
+use super::stresses::Stresses;
+use crate::assembly::MixedForm;
 use crate::model::spring_state::{SpringState, SpringTangent};
 use crate::solve::problem::MixedSprings;
 use crate::solve::{Inertia, LinearError};
@@ -44,6 +46,8 @@ pub(in crate::solve) struct Tensions {
     pull: Vec<f64>,
     /// tensions and slacks before a step
     before: [Vec<f64>; 2],
+    /// of membranes
+    sheets: Stresses,
     /// forces or displacements of all degrees of freedom `[n_dof]`
     dofs: Vec<f64>,
 }
@@ -61,7 +65,7 @@ impl Tensions {
         self.sides = Some(sides);
         self.any_one_sided = false;
         self.share = 1.0;
-        let n = springs.count();
+        let [n, triangles] = springs.counts();
         let idle = SpringState::idle([0; 2]);
         self.at.resize(n, idle);
         for numbers in [&mut self.t, &mut self.s, &mut self.dl, &mut self.dt, &mut self.ds, &mut self.product] {
@@ -69,7 +73,8 @@ impl Tensions {
         }
         self.pull.resize(n, 0.0);
         self.tangents.resize(n, SpringTangent::default());
-        springs.measure_start(&mut self.at);
+        springs.measure_start(&mut self.at, self.sheets.resize(triangles));
+        self.sheets.begin();
         self.decide();
         self.start(size);
     }
@@ -141,7 +146,7 @@ impl Tensions {
     /// Measures the springs at the last evaluated residual; `pull` [N] is then what its tensions exceed those of the
     /// iterate by.
     pub(super) fn measure(&mut self, springs: &mut dyn MixedSprings) {
-        springs.measure(&mut self.at);
+        springs.measure(&mut self.at, self.sheets.state());
         self.decide();
         for i in 0..self.at.len() {
             self.pull[i] = self.at[i].tension - self.tension(i);
@@ -156,7 +161,8 @@ impl Tensions {
 
     /// [m] Norm of the errors of the tensions over the stiffnesses.
     pub(super) fn errors(&self) -> f64 {
-        (0..self.at.len()).map(|i| self.error(i).powi(2)).sum::<f64>().sqrt()
+        let springs = (0..self.at.len()).map(|i| self.error(i).powi(2)).sum::<f64>();
+        (springs + self.sheets.errors_squared()).sqrt()
     }
 
     /// Factorises the matrix at the last evaluated residual, with as much of the tensions below 0 as keeps it positive
@@ -165,7 +171,9 @@ impl Tensions {
         let most = self.share;
         for share in [most, 0.5 * most, 0.0] {
             self.set_tangents(share);
-            match springs.linearise(&self.tangents, share < 1.0) {
+            let sheets = self.sheets.set_tangents(share);
+            let form = MixedForm { springs: &self.tangents, sheets, convex: share < 1.0, symmetric: false };
+            match springs.linearise(form) {
                 Ok(Inertia::Indefinite) | Err(LinearError::Indefinite { .. }) => {}
                 made => {
                     self.share = if share < most { share.max(LEAST_SHARE) } else { 0.5 * (1.0 + share) };
@@ -229,6 +237,7 @@ impl Tensions {
     /// Finds the changes of all tensions and slacks for displacements `dz` `[n]`, and the shares that keep both positive.
     pub(super) fn follow(&mut self, springs: &dyn MixedSprings, dz: &[f64]) -> Shares {
         self.stretch(springs, dz);
+        self.sheets.follow(&self.dofs);
         let mut shares = Shares { x: 1.0, t: 1.0 };
         for i in 0..self.at.len() {
             self.dt[i] = self.own_change(i) + self.tangents[i].stiffness * self.dl[i];
@@ -255,6 +264,7 @@ impl Tensions {
 
     /// Takes shares of the changes, from the values before.
     pub(super) fn take(&mut self, shares: Shares) {
+        self.sheets.take(shares.x);
         let [t, s] = &self.before;
         for i in 0..self.at.len() {
             let share = if self.at[i].is_one_sided() { shares.t } else { shares.x };
@@ -282,8 +292,9 @@ impl Tensions {
         both_ways.filter(|(both_ways, _)| **both_ways).for_each(|(_, s)| *s = 0.0);
     }
 
-    /// Adds the forces of the tensions `pull` to a residual [N] `[n]`.
-    pub(super) fn add_pull(&mut self, springs: &dyn MixedSprings, r: &mut [f64]) {
+    /// Adds the forces of the tensions `pull` to a residual [N] `[n]`, and what the stresses of sheets lack if asked for.
+    /// A right-hand side has nothing of springs and sheets that act both ways.
+    pub(super) fn add_pull(&mut self, springs: &dyn MixedSprings, r: &mut [f64], sheets: bool) {
         let ((dofs, n_dof), weight) = (springs.dofs(), springs.weight());
         self.dofs.clear();
         self.dofs.resize(n_dof, 0.0);
@@ -293,6 +304,9 @@ impl Tensions {
                 self.dofs[a + axis] += weight * pull * n;
                 self.dofs[b + axis] -= weight * pull * n;
             }
+        }
+        if sheets {
+            self.sheets.add_pull(weight, &mut self.dofs);
         }
         r.iter_mut().zip(dofs).for_each(|(r, &dof)| *r += self.dofs[dof as usize]);
     }
@@ -310,6 +324,7 @@ impl Tensions {
     }
 
     pub(super) fn remember(&mut self) {
+        self.sheets.remember();
         let [t, s] = &mut self.before;
         t.clone_from(&self.t);
         s.clone_from(&self.s);
