@@ -123,8 +123,8 @@ pub trait MixedSprings {
     /// Writes both at the last evaluated residual.
     fn measure(&mut self, springs: &mut [SpringState], sheets: &mut [SheetState]);
 
-    /// Factorises the matrix at the last evaluated residual with these tensions, stiffnesses and stresses. Whether it is
-    /// in its symmetric form is not asked for here.
+    /// Factorises the matrix at the last evaluated residual with these tensions, stiffnesses and stresses. The problem
+    /// decides whether it is in its symmetric form.
     ///
     /// # Errors
     /// As [`NonlinearProblem::linearise`].

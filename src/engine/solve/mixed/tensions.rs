@@ -234,7 +234,8 @@ impl Tensions {
         }
     }
 
-    /// Finds the changes of all tensions and slacks for displacements `dz` `[n]`, and the shares that keep both positive.
+    /// Finds the changes of all tensions, slacks and stresses for displacements `dz` `[n]`, and the shares that keep
+    /// tensions and slacks positive.
     pub(super) fn follow(&mut self, springs: &dyn MixedSprings, dz: &[f64]) -> Shares {
         self.stretch(springs, dz);
         self.sheets.follow(&self.dofs);
@@ -292,8 +293,8 @@ impl Tensions {
         both_ways.filter(|(both_ways, _)| **both_ways).for_each(|(_, s)| *s = 0.0);
     }
 
-    /// Adds the forces of the tensions `pull` to a residual [N] `[n]`, and what the stresses of sheets lack if asked for.
-    /// A right-hand side has nothing of springs and sheets that act both ways.
+    /// Adds the forces of the tensions `pull` to a residual [N] `[n]`; if `sheets`, also what the stresses of membranes
+    /// have more than those of their strains.
     pub(super) fn add_pull(&mut self, springs: &dyn MixedSprings, r: &mut [f64], sheets: bool) {
         let ((dofs, n_dof), weight) = (springs.dofs(), springs.weight());
         self.dofs.clear();
