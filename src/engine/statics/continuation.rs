@@ -193,11 +193,11 @@ impl<'a> Continuation<'a> {
             }
             // A weight that was just raised is kept for one solve.
             if !std::mem::take(&mut raised) {
-                mu *= match iterations {
-                    ..=EASY => (now.force / before.force).min(LOWER),
-                    ..=FAIR => LOWER_A_LITTLE,
-                    _ => 1.0,
-                };
+                if iterations <= EASY {
+                    mu *= (now.force / before.force).min(LOWER);
+                } else if iterations <= FAIR {
+                    mu *= LOWER_A_LITTLE;
+                }
             }
             mu = mu.max(lightest);
         }
