@@ -17,7 +17,7 @@ use crate::format_number::{counted, figures};
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::mesh::canopy::Canopy;
 use crate::mesh::parachute::ParachuteParameters;
-use crate::model::forces::Role;
+use crate::model::abilities::SpringDamping;
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::{Scene, pass_events, place_of};
@@ -164,8 +164,8 @@ struct Stability {
 /// [rad] w h of the fastest motion of a scene whose springs go slack, with nothing that damps them, where a step jumps
 /// over it. Verlet's limit is w h = 2.
 fn undamped_switching(scene: &dyn Scene, step: Option<f64>, candidates: &[Candidate]) -> Option<f64> {
-    let damped = scene.terms().iter().any(|term| term.role == Role::Dissipative && !term.on_triangles);
-    if damped || !scene.springs()?.has_branches() {
+    let springs = scene.springs()?;
+    if springs.damping() != SpringDamping::None || !springs.has_branches() {
         return None;
     }
     let verlet = candidates.iter().find(|candidate| candidate.method.info.name == "velocity-verlet")?;
