@@ -33,6 +33,8 @@ use crate::worth::{Shrinks, Worth};
 
 /// [-] Share of the budget for the case's own run; those with longer steps get as much work each as it took.
 const OWN: f64 = 0.3;
+/// [-] Most that a run with half the step costs, over the run itself.
+const FINER_COST: f64 = 3.0;
 /// Fewest steps of a part of a run from which something is concluded.
 const FEWEST: u64 = 8;
 /// Methods that are tried beside the case's own, the cheapest by the step first.
@@ -184,12 +186,18 @@ impl Prospector<'_, '_> {
                 None => break,
             }
         }
+        // Where no longer step runs, a shorter one says as much.
+        let finer = match longer.is_empty() && budget.left() > 0.0 {
+            true => self.run(candidate, coarser(step, -1), part, FINER_COST * self.cost(&own)),
+            false => None,
+        };
+        let finer = finer.filter(|run| run.t_end >= part && run.failed_at.is_none());
         let order = candidate.method.order();
         let shrinks = match step {
             Step::Fixed(_) => Shrinks::with_steps(order),
             Step::Adaptive(_) => Shrinks::with_tolerance(order),
         };
-        let worths = Beside { coarser: [longer.first(), longer.get(1)], finer: None };
+        let worths = Beside { coarser: [longer.first(), longer.get(1)], finer: finer.as_ref() };
         let worths = worths.worth(own.numbers(), shrinks, own.t_end / own.steps.max(1) as f64).quantities;
         let known_by = if part < end { KnownBy::Part } else { KnownBy::Run };
         let this_case = self.prospect(candidate, &own, known_by, &|quantity| worths.get(&quantity.name)?.error);
@@ -217,7 +225,8 @@ impl Prospector<'_, '_> {
                 told.push(prospect);
             }
         }
-        let made: Vec<String> = std::iter::once(&own).chain(&longer).map(|run| size(run.step)).collect();
+        let made = finer.iter().chain(std::iter::once(&own)).chain(&longer);
+        let made: Vec<String> = made.map(|run| size(run.step)).collect();
         let kind = if step.fixed().is_some() { "steps" } else { "tolerances" };
         let (within, runs) = (self.spec.accuracy.to_string(), format!("{kind} {}", made.join(", ")));
         Ok(Prospects { this_case, recommended: told, within, part: (part / end).min(1.0), runs })
