@@ -150,12 +150,14 @@ fn both(relative: &str) -> String {
 impl SolveArgs {
     /// Those of the case, then the quantities.
     pub(super) fn overrides(&self) -> Vec<(String, String)> {
-        let mut all = self.case.overrides();
-        if !self.quantity.is_empty() {
-            all.push(("study.quantities".to_owned(), serde_json::json!(self.quantity).to_string()));
-        }
-        all
+        self.case.overrides().into_iter().chain(as_override(&self.quantity)).collect()
     }
+}
+
+/// Quantities as a change of the case; none leave it as it is.
+pub(super) fn as_override(quantities: &[String]) -> Option<(String, String)> {
+    let named = || ("study.quantities".to_owned(), serde_json::json!(quantities).to_string());
+    (!quantities.is_empty()).then(named)
 }
 
 fn accuracy(text: &str) -> Result<f64, String> {

@@ -21,7 +21,7 @@ pub struct MeasuredQuantity {
     pub unit: &'static str,
     /// its value; `None` for `motion`, and where the run did not come to it
     pub value: Option<f64>,
-    /// largest magnitude of its series; 0 where it has none
+    /// largest magnitude of its series; 0 where it has none, and for times
     pub largest: f64,
     /// whether it is asked for, or is one of the numbers of the report where nothing is asked for
     pub wanted: bool,
@@ -166,13 +166,16 @@ impl Quantities {
             Source::Energy(number) => magnitude(&self.so_far.account, *number),
             Source::Motion | Source::DisplacementEnd | Source::Channels(_) => 0.0,
         };
-        let measured = |of: (&Found, &Option<f64>)| MeasuredQuantity {
-            name: of.0.name.text.clone(),
-            unit: of.0.unit,
-            value: value(of).filter(|value| value.is_finite()),
-            wanted: of.0.wanted,
-            largest: largest(&of.0.source),
-            is_time: of.0.statistic == Statistic::PeakTime,
+        let measured = |of: (&Found, &Option<f64>)| {
+            let is_time = of.0.statistic == Statistic::PeakTime;
+            MeasuredQuantity {
+                name: of.0.name.text.clone(),
+                unit: of.0.unit,
+                value: value(of).filter(|value| value.is_finite()),
+                wanted: of.0.wanted,
+                largest: if is_time { 0.0 } else { largest(&of.0.source) },
+                is_time,
+            }
         };
         self.found.iter().zip(&self.so_far.caught).map(measured).collect()
     }

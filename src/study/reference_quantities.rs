@@ -1,0 +1,145 @@
+//! Quantities of a reference: their values, and what they are worth.
+//!
+//! A peak lies between two steps, and a mean is a sum over steps, so that a solution with few long steps has exact
+//! frames and poor quantities. The explicit solutions therefore make short steps, and measure at every step, at every
+//! second and at every fourth one beside: that shows what the steps cost. The difference of the two solutions is added.
+
+use super::error::StudyError;
+use super::prepared_case::PreparedCase;
+use super::ranking::ReferenceQuantity;
+use super::verify::size;
+use super::worth::{Runs, Shrinks, Worth};
+use crate::case::spec::{OutputSpec, RowEvery};
+use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, UpcomingStep, Wants};
+use crate::output::gauges::MeasuredQuantity;
+use crate::output::largest::LargestValues;
+
+/// Order in the step of what is measured at steps, and of Newmark's trapezoidal rule.
+const ORDER: u32 = 2;
+
+/// Whether any number but the motion is asked for, or stands in the report.
+///
+/// # Errors
+/// A quantity that is not there.
+pub(super) fn are_wanted(prepared: &PreparedCase) -> Result<bool, StudyError> {
+    let measured = LargestValues::of_quantities(&*prepared.scene, &prepared.problem.output, prepared.end(), None);
+    let measured = measured.map_err(|why| StudyError::Usage(why.to_string()))?.quantities();
+    Ok(measured.iter().any(is_compared))
+}
+
+/// Whether a quantity has a value that runs are compared by.
+fn is_compared(quantity: &MeasuredQuantity) -> bool {
+    quantity.wanted && quantity.name != "motion"
+}
+
+/// The quantities of a run of a reference.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SolvedQuantities {
+    own: Vec<MeasuredQuantity>,
+    /// measured at every second and at every fourth step
+    thinned: Vec<Vec<MeasuredQuantity>>,
+    /// [s] mean step
+    step: f64,
+}
+
+/// The observers that measure them.
+pub(super) struct Measuring<'a>(Vec<Thinned<'a>>);
+
+/// One that sees one step of so many.
+struct Thinned<'a> {
+    values: LargestValues<'a>,
+    every: u64,
+}
+
+impl<'a> Measuring<'a> {
+    /// Observers for every step, and for every second and every fourth one if these are needed.
+    ///
+    /// # Errors
+    /// A quantity that is not there.
+    pub(super) fn new(prepared: &'a PreparedCase, thinned: bool) -> Result<Self, StudyError> {
+        let output = OutputSpec { history_every: RowEvery::Steps(1), ..prepared.problem.output.clone() };
+        let of = |every: u64| {
+            let values = LargestValues::of_quantities(&*prepared.scene, &output, prepared.end(), None);
+            let values = values.map_err(|why| StudyError::Usage(why.to_string()))?;
+            Ok(Thinned { values, every })
+        };
+        let all: &[u64] = if thinned { &[1, 2, 4] } else { &[1] };
+        all.iter().map(|every| of(*every)).collect::<Result<_, _>>().map(Measuring)
+    }
+
+    pub(super) fn observers(&mut self) -> impl Iterator<Item = &mut dyn Observer> {
+        self.0.iter_mut().map(|one| one as &mut dyn Observer)
+    }
+
+    /// What was measured in a run with a mean step of `step` [s].
+    pub(super) fn done(self, step: f64) -> SolvedQuantities {
+        let mut all = self.0.iter().map(|one| one.values.quantities());
+        SolvedQuantities { own: all.next().unwrap_or_default(), thinned: all.collect(), step }
+    }
+}
+
+impl Observer for Thinned<'_> {
+    fn started(&mut self, at: &Point, ledger: Energies) -> Result<(), ObserveError> {
+        self.values.started(at, ledger)
+    }
+
+    fn wants(&self, _step: UpcomingStep) -> Wants {
+        Wants::end_if(true)
+    }
+
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        // Every second and every fourth step have none in common: a peak at one of both would look exact.
+        if step.step % self.every == self.every / 2 { self.values.accepted(step) } else { Ok(()) }
+    }
+
+    fn failed(&mut self) -> Result<(), ObserveError> {
+        self.values.failed()
+    }
+
+    fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
+        self.values.finished(last)
+    }
+}
+
+fn value(all: &[MeasuredQuantity], name: &str) -> Option<f64> {
+    all.iter().find(|quantity| quantity.name == name)?.value
+}
+
+impl SolvedQuantities {
+    /// Those of the finer of two solutions by explicit pairs.
+    pub(super) fn beside(&self, coarse: &Self) -> Vec<ReferenceQuantity> {
+        self.known(|quantity, own, shrinks| {
+            let thinned = |i: usize| value(self.thinned.get(i)?, &quantity.name);
+            let steps = shrinks.worth(Runs { own, coarser: [thinned(0), thinned(1)], finer: None });
+            let difference = value(&coarse.own, &quantity.name).map(|other| (other - own).abs());
+            let error = steps.error.zip(difference).map(|(steps, difference)| steps + difference);
+            Worth { error, extrapolated: None, ..steps }
+        })
+    }
+
+    /// Those of a solution with steps half as long as those of `near`, which are half as long as those of `far`.
+    pub(super) fn after(&self, near: Option<&Self>, far: Option<&Self>) -> Vec<ReferenceQuantity> {
+        self.known(|quantity, own, shrinks| {
+            let coarser = [near, far].map(|run| value(&run?.own, &quantity.name));
+            shrinks.worth(Runs { own, coarser, finer: None })
+        })
+    }
+
+    fn known(&self, worth: impl Fn(&MeasuredQuantity, f64, Shrinks) -> Worth) -> Vec<ReferenceQuantity> {
+        let of = |quantity: &MeasuredQuantity| {
+            let MeasuredQuantity { name, unit, .. } = quantity;
+            let (name, unit) = (name.clone(), (*unit).to_owned());
+            let Some(own) = quantity.value else {
+                return ReferenceQuantity { name, unit, ..ReferenceQuantity::default() };
+            };
+            let least = if quantity.is_time { self.step } else { 0.0 };
+            let Worth { error, known, extrapolated } =
+                worth(quantity, own, Shrinks { least, ..Shrinks::with_steps(ORDER) });
+            let value = extrapolated.unwrap_or(own);
+            let scale = Some(size(quantity, value)).filter(|size| *size > 0.0);
+            let error = error.map(|error| error / scale.unwrap_or(1.0));
+            ReferenceQuantity { name, unit, value: Some(value), scale, error, error_by: known }
+        };
+        self.own.iter().filter(|quantity| is_compared(quantity)).map(of).collect()
+    }
+}
