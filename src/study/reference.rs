@@ -278,8 +278,7 @@ impl ReferenceBuilder<'_> {
         (self.tell)(&told);
         let mut sampler = Sampler::keeping(&*self.prepared.scene, self.prepared.every);
         let failed = |why: String| ReferenceFailure::Failed(format!("{told}: {why}"));
-        let thinned = step.fixed().is_none();
-        let measuring = spent.quantities.then(|| Measuring::new(self.prepared, thinned)).transpose();
+        let measuring = spent.quantities.then(|| Measuring::new(self.prepared)).transpose();
         let mut measuring = measuring.map_err(|why| failed(why.to_string()))?;
         let mut experiment = self.prepared.experiment(method, step);
         (experiment.interrupt, experiment.frames_every) = (Stop::on(self.stop), Some(every));

@@ -1,14 +1,15 @@
 //! Quantities of a reference: their values, and what they are worth.
 //!
 //! A peak lies between two steps, and a mean is a sum over steps, so that a solution with few long steps has exact
-//! frames and poor quantities. The explicit solutions therefore make short steps, and measure at every step, at every
-//! second and at every fourth one beside: that shows what the steps cost. The difference of the two solutions is added.
+//! frames and poor quantities. The explicit solutions therefore make short steps. All solutions measure at every step,
+//! and beside that at every second and at every fourth one: that shows what the steps cost. Added to it is what the
+//! scheme costs: the difference of two solutions, or what steps of twice and four times the size show.
 
 use super::error::StudyError;
 use super::prepared_case::PreparedCase;
 use super::ranking::ReferenceQuantity;
 use super::verify::size;
-use super::worth::{Runs, Shrinks, Worth};
+use super::worth::{KnownError, Runs, Shrinks, Worth};
 use crate::case::spec::{OutputSpec, RowEvery};
 use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::output::gauges::MeasuredQuantity;
@@ -52,19 +53,18 @@ struct Thinned<'a> {
 }
 
 impl<'a> Measuring<'a> {
-    /// Observers for every step, and for every second and every fourth one if these are needed.
+    /// Observers for every step, and for every second and every fourth one.
     ///
     /// # Errors
     /// A quantity that is not there.
-    pub(super) fn new(prepared: &'a PreparedCase, thinned: bool) -> Result<Self, StudyError> {
+    pub(super) fn new(prepared: &'a PreparedCase) -> Result<Self, StudyError> {
         let output = OutputSpec { history_every: RowEvery::Steps(1), ..prepared.problem.output.clone() };
         let of = |every: u64| {
             let values = LargestValues::of_quantities(&*prepared.scene, &output, prepared.end(), None);
             let values = values.map_err(|why| StudyError::Usage(why.to_string()))?;
             Ok(Thinned { values, every })
         };
-        let all: &[u64] = if thinned { &[1, 2, 4] } else { &[1] };
-        all.iter().map(|every| of(*every)).collect::<Result<_, _>>().map(Measuring)
+        [1, 2, 4].into_iter().map(of).collect::<Result<_, _>>().map(Measuring)
     }
 
     pub(super) fn observers(&mut self) -> impl Iterator<Item = &mut dyn Observer> {
@@ -108,12 +108,10 @@ fn value(all: &[MeasuredQuantity], name: &str) -> Option<f64> {
 impl SolvedQuantities {
     /// Those of the finer of two solutions by explicit pairs.
     pub(super) fn beside(&self, coarse: &Self) -> Vec<ReferenceQuantity> {
-        self.known(|quantity, own, shrinks| {
-            let thinned = |i: usize| value(self.thinned.get(i)?, &quantity.name);
-            let steps = shrinks.worth(Runs { own, coarser: [thinned(0), thinned(1)], finer: None });
-            let difference = value(&coarse.own, &quantity.name).map(|other| (other - own).abs());
-            let error = steps.error.zip(difference).map(|(steps, difference)| steps + difference);
-            Worth { error, extrapolated: None, ..steps }
+        self.known(|quantity, own, _| {
+            let other = value(&coarse.own, &quantity.name);
+            let (error, known) = (other.map(|other| (other - own).abs()), KnownError::Difference);
+            Worth { error, known, extrapolated: None }
         })
     }
 
@@ -125,7 +123,8 @@ impl SolvedQuantities {
         })
     }
 
-    fn known(&self, worth: impl Fn(&MeasuredQuantity, f64, Shrinks) -> Worth) -> Vec<ReferenceQuantity> {
+    /// All quantities, of which `scheme` says what the scheme costs.
+    fn known(&self, scheme: impl Fn(&MeasuredQuantity, f64, Shrinks) -> Worth) -> Vec<ReferenceQuantity> {
         let of = |quantity: &MeasuredQuantity| {
             let MeasuredQuantity { name, unit, .. } = quantity;
             let (name, unit) = (name.clone(), (*unit).to_owned());
@@ -133,12 +132,15 @@ impl SolvedQuantities {
                 return ReferenceQuantity { name, unit, ..ReferenceQuantity::default() };
             };
             let least = if quantity.is_time { self.step } else { 0.0 };
-            let Worth { error, known, extrapolated } =
-                worth(quantity, own, Shrinks { least, ..Shrinks::with_steps(ORDER) });
+            let shrinks = Shrinks { least, ..Shrinks::with_steps(ORDER) };
+            let thinned = [0, 1].map(|i| value(self.thinned.get(i)?, quantity.name.as_str()));
+            let steps = shrinks.worth(Runs { own, coarser: thinned, finer: None });
+            let Worth { error, known, extrapolated } = scheme(quantity, own, shrinks);
+            let error_by = if steps.error.is_none() { steps.known } else { known };
             let value = extrapolated.unwrap_or(own);
             let scale = Some(size(quantity, value)).filter(|size| *size > 0.0);
-            let error = error.map(|error| error / scale.unwrap_or(1.0));
-            ReferenceQuantity { name, unit, value: Some(value), scale, error, error_by: known }
+            let error = error.zip(steps.error).map(|(scheme, steps)| (scheme + steps) / scale.unwrap_or(1.0));
+            ReferenceQuantity { name, unit, value: Some(value), scale, error, error_by }
         };
         self.own.iter().filter(|quantity| is_compared(quantity)).map(of).collect()
     }

@@ -68,7 +68,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Measure what accuracy costs: run methods and steps against a reference whose own error is known
     ///
-    /// Writes tradeoff.csv, .json, .svg and .html, and prints which method and step to use for which accuracy. By
+    /// Writes tradeoff.csv, .json, .svg and .html, and prints which method and step to use for which accuracy: of the
+    /// motion of all nodes, and of the numbers that are read, by --quantity or those that `solve` prints. By
     /// default, the steps of explicit methods are chosen around their critical step, and those of implicit methods
     /// around the periods of the scene. A study that was stopped continues when the same command is given again;
     /// finished runs are not repeated.

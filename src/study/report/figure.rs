@@ -59,7 +59,7 @@ fn choices(study: &Study) -> Vec<Choice<'_>> {
     let set = Ranking::of(plan, 0).names();
     if set.len() > 1 {
         let rankings = numbers().map(|number| Ranking::of(plan, number)).collect();
-        let name = format!("the worst of {}", set.join(", "));
+        let name = format!("the worst of all {}", set.len());
         all.push(Choice { name, label: "error of the worst quantity [-]".to_owned(), rankings });
     } else if set.is_empty() {
         all.push(motion());
