@@ -2,7 +2,7 @@
 //!
 //! A peak lies between two steps, and a mean is a sum over steps, so that a solution with few long steps has exact
 //! frames and poor quantities. The explicit solutions therefore make short steps. All solutions measure at every step,
-//! and beside that at every second and at every fourth one: that shows what the steps cost. Added to it is what the
+//! and beside that at some of them: that shows what the steps cost. Added to it is what the
 //! scheme costs: the difference of two solutions, or what steps of twice and four times the size show.
 
 use super::error::StudyError;
@@ -15,6 +15,12 @@ use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Poi
 use crate::output::gauges::MeasuredQuantity;
 use crate::output::largest::LargestValues;
 
+/// Steps at which is measured: one in so many, from this one on. Those after the first have no step in common, so that a
+/// peak that one of them meets, or two beside each other, do not look exact.
+const STEPS: [[u64; 2]; 4] = [[1, 0], [2, 1], [4, 2], [4, 0]];
+/// Share of the largest difference to them that counts as an error: a parabola whose peak is midway between two steps is
+/// off there by an eighth of its difference between one of them and the next.
+const OF_LARGEST: f64 = 1.0 / 8.0;
 /// Order in the step of what is measured at steps, and of Newmark's trapezoidal rule.
 const ORDER: u32 = 2;
 
@@ -37,7 +43,7 @@ fn is_compared(quantity: &MeasuredQuantity) -> bool {
 #[derive(Clone, Debug, Default)]
 pub(super) struct SolvedQuantities {
     own: Vec<MeasuredQuantity>,
-    /// measured at every second and at every fourth step
+    /// measured at the steps of [`STEPS`] after the first
     thinned: Vec<Vec<MeasuredQuantity>>,
     /// [s] mean step
     step: f64,
@@ -49,22 +55,23 @@ pub(super) struct Measuring<'a>(Vec<Thinned<'a>>);
 /// One that sees one step of so many.
 struct Thinned<'a> {
     values: LargestValues<'a>,
-    every: u64,
+    /// one of [`STEPS`]
+    steps: [u64; 2],
 }
 
 impl<'a> Measuring<'a> {
-    /// Observers for every step, and for every second and every fourth one.
+    /// Observers for all [`STEPS`].
     ///
     /// # Errors
     /// A quantity that is not there.
     pub(super) fn new(prepared: &'a PreparedCase) -> Result<Self, StudyError> {
         let output = OutputSpec { history_every: RowEvery::Steps(1), ..prepared.problem.output.clone() };
-        let of = |every: u64| {
+        let of = |steps: [u64; 2]| {
             let values = LargestValues::of_quantities(&*prepared.scene, &output, prepared.end(), None);
             let values = values.map_err(|why| StudyError::Usage(why.to_string()))?;
-            Ok(Thinned { values, every })
+            Ok(Thinned { values, steps })
         };
-        [1, 2, 4].into_iter().map(of).collect::<Result<_, _>>().map(Measuring)
+        STEPS.into_iter().map(of).collect::<Result<_, _>>().map(Measuring)
     }
 
     pub(super) fn observers(&mut self) -> impl Iterator<Item = &mut dyn Observer> {
@@ -88,8 +95,8 @@ impl Observer for Thinned<'_> {
     }
 
     fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
-        // Every second and every fourth step have none in common: a peak at one of both would look exact.
-        if step.step % self.every == self.every / 2 { self.values.accepted(step) } else { Ok(()) }
+        let [every, from] = self.steps;
+        if step.step % every == from { self.values.accepted(step) } else { Ok(()) }
     }
 
     fn failed(&mut self) -> Result<(), ObserveError> {
@@ -133,13 +140,16 @@ impl SolvedQuantities {
             };
             let least = if quantity.is_time { self.step } else { 0.0 };
             let shrinks = Shrinks { least, ..Shrinks::with_steps(ORDER) };
-            let thinned = [0, 1].map(|i| value(self.thinned.get(i)?, quantity.name.as_str()));
-            let steps = shrinks.worth(Runs { own, coarser: thinned, finer: None });
+            let thinned: Vec<Option<f64>> = self.thinned.iter().map(|all| value(all, &quantity.name)).collect();
+            let coarser = [0, 1].map(|i| thinned.get(i).copied().flatten());
+            let steps = shrinks.worth(Runs { own, coarser, finer: None });
+            let largest = thinned.iter().flatten().map(|other| (other - own).abs()).fold(0.0, f64::max);
+            let of_steps = steps.error.map(|error| error.max(OF_LARGEST * largest));
             let Worth { error, known, extrapolated } = scheme(quantity, own, shrinks);
             let error_by = if steps.error.is_none() { steps.known } else { known };
             let value = extrapolated.unwrap_or(own);
             let scale = Some(size(quantity, value)).filter(|size| *size > 0.0);
-            let error = error.zip(steps.error).map(|(scheme, steps)| (scheme + steps) / scale.unwrap_or(1.0));
+            let error = error.zip(of_steps).map(|(scheme, steps)| (scheme + steps) / scale.unwrap_or(1.0));
             ReferenceQuantity { name, unit, value: Some(value), scale, error, error_by }
         };
         self.own.iter().filter(|quantity| is_compared(quantity)).map(of).collect()
