@@ -23,7 +23,6 @@ mod swings;
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     let number = || words.get(1).and_then(|word| word.parse().ok());
-    row::listen();
     match words.first().map(String::as_str) {
         Some("sheets") => swings::sheets(),
         Some("flags") => swings::flags(),

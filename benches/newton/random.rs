@@ -145,7 +145,7 @@ pub fn table(count: u64) {
         ended.iter().take(10).map(|(_, seed, row)| format!("{} (seed {seed})", row.most)).collect();
     println!("\n{:.2} iterations a step; most: {}", iterations / steps as f64, worst.join(", "));
     let seconds = ended.iter().map(|(_, _, row)| row.seconds).sum::<f64>();
-    println!("LU in {} of {count}; {seconds:.1} s in all", ended.iter().filter(|(_, _, row)| row.lu).count());
+    println!("LU in {} of {count}; {seconds:.1} s in all", ended.iter().filter(|(_, _, row)| row.lu > 0).count());
     ended.sort_by(|a, b| (&a.0, a.1).cmp(&(&b.0, b.1)));
     for (kind, seed, row) in ended.iter().filter(|(kind, ..)| !kind.starts_with("completed")) {
         println!(

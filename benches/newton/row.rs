@@ -9,7 +9,7 @@ use canopy_fem::simulation::Simulation;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
@@ -24,32 +24,6 @@ pub fn with_slack(mut rule: Value, law: &str) -> Value {
         rule["slack"] = law.into();
     }
     rule
-}
-
-/// Solvers that were set up for a matrix that is not symmetric: the engine says so in its log.
-static LU_SOLVERS: AtomicU64 = AtomicU64::new(0);
-struct Listener;
-impl log::Log for Listener {
-    fn enabled(&self, _: &log::Metadata<'_>) -> bool {
-        true
-    }
-    fn log(&self, record: &log::Record<'_>) {
-        if record.target().ends_with("solve::linear") && record.args().to_string().contains("symmetric: false") {
-            LU_SOLVERS.fetch_add(1, Ordering::Relaxed);
-        }
-    }
-    fn flush(&self) {}
-}
-
-/// Listens to the engine.
-pub fn listen() {
-    log::set_logger(&Listener).expect("no other logger");
-    log::set_max_level(log::LevelFilter::Debug);
-}
-
-/// Whether LU was set up since the last question.
-pub fn lu_was_made() -> bool {
-    LU_SOLVERS.swap(0, Ordering::Relaxed) > 0
 }
 
 /// [s] Processor time after which a run is stopped.
@@ -110,6 +84,11 @@ impl End {
     }
 }
 
+/// For a table: how many factorisations were made by LU, if any.
+pub fn by_lu(count: u64) -> String {
+    if count > 0 { format!(" ({count} LU)") } else { String::new() }
+}
+
 /// A run in numbers.
 #[derive(Debug)]
 pub struct Row {
@@ -123,7 +102,8 @@ pub struct Row {
     pub mean: f64,
     pub most: u32,
     pub factors: u64,
-    pub lu: bool,
+    /// those of them by LU
+    pub lu: u64,
     /// [s]
     pub seconds: f64,
     /// [-] largest energy made by the method over all that was present or supplied
@@ -138,7 +118,7 @@ impl Row {
     /// For a table: iterations (mean, most), factorisations and time, or why it has ended.
     pub fn cell(&self) -> String {
         let Row { end, t, mean, most, factors, seconds, .. } = self;
-        let lu = if self.lu { " LU" } else { "" };
+        let lu = by_lu(self.lu);
         match end {
             End::Completed => format!("{mean:.1}, {most}; {factors}{lu}; {seconds:.2} s"),
             _ => format!("**{}** at {t:.3} s; {mean:.1}, {most}; {factors}{lu}; {seconds:.1} s", end.words()),
@@ -150,8 +130,6 @@ impl Row {
 #[derive(Default)]
 struct Watch {
     most: u32,
-    /// whether LU was set up: looking for the cause of a failure may do so too, later
-    lu: bool,
     /// of backward Euler: whether its equation is checked, 1/m of every degree of freedom, and its worst error
     inverse_mass: Option<Vec<f64>>,
     unbalanced: f64,
@@ -164,7 +142,6 @@ impl Observer for Watch {
 
     fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         self.most = self.most.max(step.newton_iterations);
-        self.lu |= lu_was_made();
         let (Some(inverse), Some([from, to])) = (&self.inverse_mass, step.ends()) else { return Ok(()) };
         // What Newton's tolerance is a share of: dashpots may pull far more than is left of their forces.
         let dashpots = [from, to].into_iter().flat_map(|point| &point.forces.dissipative);
@@ -183,7 +160,6 @@ impl Observer for Watch {
 /// Runs a case to its end or to the limit. The equation of backward Euler is checked if `check`.
 pub fn row(json: &Value, check: bool) -> Row {
     let case = case_of(json);
-    lu_was_made();
     let ended = within(move |stop| {
         let mut simulation = Simulation::from_case(case.problem(), 1).unwrap_or_else(|fault| panic!("{fault}"));
         let inverse_mass = check.then(|| simulation.scene().inverse_mass().to_vec());
@@ -201,7 +177,7 @@ pub fn row(json: &Value, check: bool) -> Row {
             mean: f64::NAN,
             most: 0,
             factors: 0,
-            lu: lu_was_made(),
+            lu: 0,
             seconds: f64::NAN,
             made: f64::NAN,
             error: f64::NAN,
@@ -228,7 +204,7 @@ fn told(outcome: Outcome, watch: &Watch, seconds: f64) -> Row {
         mean: outcome.counters.newton_iterations as f64 / outcome.steps.max(1) as f64,
         most: watch.most,
         factors: outcome.counters.factorizations,
-        lu: watch.lu,
+        lu: outcome.counters.lu_factorizations,
         seconds,
         made: outcome.energy_made,
         error: outcome.energy_error,

@@ -1,6 +1,6 @@
 //! Equilibria: sheets that hang, and ropes.
 
-use crate::row::{case_of, lu_was_made, with_slack, within};
+use crate::row::{by_lu, case_of, with_slack, within};
 use canopy_fem::model::stop::Stop;
 use canopy_fem::simulation::build_scene;
 use canopy_fem::solve::LinearChoice;
@@ -12,6 +12,8 @@ const LAWS: [&str; 2] = ["both ways", "tension-only"];
 /// What a search has found.
 struct Found {
     iterations: u64,
+    /// factorisations by LU, for a table
+    lu: String,
     /// [m] lowest height
     lowest: f64,
     failure: Option<String>,
@@ -20,7 +22,6 @@ struct Found {
 /// Searches as `canopy-fem static` does. Returns a table's cell, and the lowest height [m] if there is an equilibrium.
 fn search(json: &Value) -> (String, Option<f64>) {
     let case = case_of(json);
-    lu_was_made();
     let found = within(move |stop| {
         let scene = build_scene(case.problem().system.clone(), 1).unwrap_or_else(|fault| panic!("{fault}"));
         let linear = LinearChoice::Auto;
@@ -28,13 +29,15 @@ fn search(json: &Value) -> (String, Option<f64>) {
         let found = statics::find(&*scene, spec, Stop::on(stop));
         let lowest = found.point.state.x.iter().skip(2).step_by(3).fold(f64::INFINITY, |least, z| least.min(*z));
         let failure = found.failure.map(|failure| failure.to_string());
-        Found { iterations: found.counters.newton_iterations, lowest, failure }
+        let lu = by_lu(found.counters.lu_factorizations);
+        Found { iterations: found.counters.newton_iterations, lu, lowest, failure }
     });
-    let lu = if lu_was_made() { " LU" } else { "" };
     match found {
         None => ("**stuck**".to_owned(), None),
-        Some((Found { iterations, lowest, failure: None }, s)) => (format!("{iterations}{lu}, {s:.2} s"), Some(lowest)),
-        Some((Found { iterations, failure: Some(words), .. }, s)) => {
+        Some((Found { iterations, lu, lowest, failure: None }, s)) => {
+            (format!("{iterations}{lu}, {s:.2} s"), Some(lowest))
+        }
+        Some((Found { iterations, lu, failure: Some(words), .. }, s)) => {
             (format!("**{words}** ({iterations}{lu}, {s:.1} s)"), None)
         }
     }

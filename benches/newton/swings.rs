@@ -64,7 +64,7 @@ impl Cloth {
 /// Runs all rows by all methods: one table, and the words of those that have failed.
 fn table(rows: &[Cloth], scene: impl Fn(&Cloth, &Value) -> Value) {
     let names = methods().map(|(name, _)| name);
-    println!("Iterations a step (mean, most); factorisations (`LU`: some of them by LU); processor time.\n");
+    println!("Iterations a step (mean, most); factorisations (those of them by LU); processor time.\n");
     println!("| K [N/m], slack, dashpot | step [s] | {} |\n|---|---|{}", names.join(" | "), "---|".repeat(names.len()));
     let mut ended: Vec<(String, Row)> = Vec::new();
     for cloth in rows {
@@ -89,7 +89,7 @@ fn table(rows: &[Cloth], scene: impl Fn(&Cloth, &Value) -> Value) {
         ended.len(),
         completed.iter().map(|row| row.mean).fold(0.0, f64::max),
         completed.iter().map(|row| row.most).max().unwrap_or(0),
-        ended.iter().filter(|(_, row)| row.lu).count(),
+        ended.iter().filter(|(_, row)| row.lu > 0).count(),
         ended.iter().map(|(_, row)| row.seconds).sum::<f64>(),
     );
 }

@@ -90,5 +90,6 @@ class Parachute(TypedDict, total=False):
     cluster: Mapping[str, Any] | None
     reefing: Mapping[str, Any] | None
     start: str
+    start_radius: float | None
     axis: Sequence[float]
     at: Sequence[float]

@@ -144,7 +144,7 @@ impl SolvedQuantities {
             let coarser = [0, 1].map(|i| thinned.get(i).copied().flatten());
             let steps = shrinks.worth(Runs { own, coarser, finer: None });
             let largest = thinned.iter().flatten().map(|other| (other - own).abs()).fold(0.0, f64::max);
-            let of_steps = steps.error.map(|error| error.max(OF_LARGEST * largest));
+            let of_steps = steps.error.map(|error| error.max(OF_LARGEST * largest).max(quantity.missed));
             let Worth { error, known, extrapolated } = scheme(quantity, own, shrinks);
             let error_by = if steps.error.is_none() { steps.known } else { known };
             let value = extrapolated.unwrap_or(own);

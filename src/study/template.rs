@@ -148,7 +148,7 @@ fn short(value: Option<f64>, digits: usize) -> String {
 }
 
 /// A time [s] in the unit that suits it.
-fn seconds(t: f64) -> String {
+pub(crate) fn seconds(t: f64) -> String {
     let units = [(3600.0, "h"), (1.0, "s"), (1e-3, "ms"), (1e-6, "us")];
     let (unit, name) = units.into_iter().find(|(unit, _)| t >= *unit).unwrap_or((1e-9, "ns"));
     format!("{} {name}", figures(t / unit, 3))

@@ -45,6 +45,9 @@ pub struct Worths {
     pub peaks: Vec<Worth>,
 }
 
+/// Factor on what a peak misses between two steps, which is that of a parabola.
+const BETWEEN: f64 = 1.25;
+
 /// Runs of the same method beside a run.
 #[derive(Clone, Copy, Default)]
 pub struct Beside<'a> {
@@ -59,7 +62,7 @@ impl Beside<'_> {
     pub fn worth(&self, own: Numbers<'_>, shrinks: Shrinks, step: f64) -> Worths {
         let completed = |run: Option<&WholeRun>| run.filter(|run| run.completed()).is_some();
         let of = |quantity: &MeasuredQuantity| {
-            let least = if quantity.is_time { step } else { 0.0 };
+            let least = if quantity.is_time { step } else { BETWEEN * quantity.missed };
             let shrinks = Shrinks { least, ..shrinks };
             let worth = match quantity.value {
                 Some(value) => shrinks.worth(self.runs(value, &|run| run.value(&quantity.name))),
@@ -68,7 +71,9 @@ impl Beside<'_> {
             (quantity.name.clone(), worth)
         };
         let peak = |peak: &Peak| match completed(self.coarser[0]) || completed(self.finer) {
-            true => shrinks.worth(self.runs(peak.value, &|run| run.peak(peak))),
+            true => {
+                Shrinks { least: BETWEEN * peak.missed, ..shrinks }.worth(self.runs(peak.value, &|run| run.peak(peak)))
+            }
             false => Worth::default(),
         };
         Worths { quantities: own.quantities.iter().map(of).collect(), peaks: own.peaks.iter().map(peak).collect() }
@@ -119,7 +124,7 @@ impl Worths {
 }
 
 /// How a run's step is changed: doubled `times` times; tolerances times ten.
-fn coarser(step: Step, times: i32) -> Step {
+pub fn coarser(step: Step, times: i32) -> Step {
     match step {
         Step::Fixed(h) => Step::Fixed(h * 2.0_f64.powi(times)),
         Step::Adaptive(Tolerance { relative, absolute }) => {
@@ -165,11 +170,15 @@ impl Verifier<'_> {
         (self.tell)(&described(step));
         let problem = &self.prepared.problem;
         WholeRunSpec {
-            prepared: self.prepared,
+            scene: &*self.prepared.scene,
+            problem,
+            every: self.prepared.every,
+            end: self.prepared.end(),
             method: &problem.method,
             step,
             frames: self.motion,
             most_work,
+            enough: None,
             interrupt: self.interrupt,
         }
         .run()
@@ -267,6 +276,14 @@ pub(super) fn size(quantity: &MeasuredQuantity, value: f64) -> f64 {
 }
 
 impl Accuracy {
+    /// [-] The share; of a unit, 1 %.
+    pub fn share(&self) -> f64 {
+        match self {
+            Accuracy::Relative(share) => *share,
+            Accuracy::Absolute(..) => 0.01,
+        }
+    }
+
     /// The error that a quantity may have, relative to its [`size`].
     ///
     /// # Errors

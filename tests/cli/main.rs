@@ -28,3 +28,4 @@ mod statics;
 mod stiffening;
 mod study;
 mod until_rest;
+mod worth;

@@ -19,6 +19,19 @@ const C9: [&str; 14] = [
     "7.68",
 ];
 
+/// A start at line stretch has its radius from the command line; one wider than the pattern is refused.
+#[test]
+fn a_parachute_is_stretched() {
+    let bench = Bench::new();
+    let made = |radius| {
+        bench.run(&[&C9[..], &["--start", "stretched", "--start-radius", radius, "--output", "tube.vtu"]].concat())
+    };
+    assert_eq!(made("0.05").code, Some(0));
+    assert!(std::fs::read_to_string(bench.path("tube.vtu")).expect("a file").contains("start_displacement"));
+    let wide = made("0.7");
+    assert!(wide.code != Some(0) && wide.stderr.contains("start_radius"), "{}", wide.stderr);
+}
+
 /// The command tells the sizes of the pattern, writes the mesh, and a case finds its groups in the file.
 #[test]
 fn a_parachute_is_made_inspected_and_used() {

@@ -3,9 +3,10 @@
 use super::{Assembler, PatternError};
 use crate::force::TangentForm;
 use crate::model::forces::Forces;
-use crate::model::spring_state::{SpringState, SpringTangent};
+use crate::model::spring_state::{SheetState, SpringState, SpringTangent};
 use crate::model::state::StateRef;
 use crate::model::system::{SpringGraph, StepMean, System, Weights};
+use nalgebra::Vector3;
 
 /// The interface that implicit schemes need besides forces: the tangents.
 pub trait TangentSystem: System {
@@ -107,16 +108,22 @@ pub trait TangentSystem: System {
     fn force_scale(&self, forces: &Forces) -> f64;
 }
 
-/// The springs of a system whose tensions are unknowns of Newton's mixed iteration (`solve/mixed`), with the matrix of
+/// The springs and membranes of a system whose tensions and stresses are unknowns of Newton's mixed iteration (`solve/mixed`), with the matrix of
 /// that iteration. Its pattern is that of [`TangentSystem::assemble`] or [`TangentSystem::assemble_symmetric`].
 pub trait MixedSystem {
     /// Number of springs.
     fn springs(&self) -> usize;
 
+    /// Number of membrane triangles.
+    fn sheets(&self) -> usize;
+
     /// Writes all springs in a state to `out` `[n_springs]`. `cv` [1/s] is dv/dx of the step.
     fn measure(&self, at: StateRef<'_>, cv: f64, out: &mut [SpringState]);
 
-    /// Writes W at a state, with springs of given tensions and stiffnesses, into `assembler`'s values.
+    /// Writes all membrane triangles in a state to `out` `[n_sheets]`.
+    fn measure_sheets(&self, at: StateRef<'_>, cv: f64, out: &mut [SheetState]);
+
+    /// Writes W at a state, with springs of given tensions and stiffnesses and membranes of given stresses, into `assembler`'s values.
     fn assemble_mixed(&self, at: StateRef<'_>, weights: Weights, form: MixedForm<'_>, assembler: &mut Assembler);
 }
 
@@ -125,6 +132,8 @@ pub trait MixedSystem {
 pub struct MixedForm<'a> {
     /// its springs `[n_springs]`
     pub springs: &'a [SpringTangent],
+    /// stresses of its membrane triangles `[n_sheets]`; empty if they are those of their strains
+    pub sheets: &'a [Vector3<f64>],
     /// whether other forces leave out the part that makes K indefinite
     pub convex: bool,
     /// whether other forces are in their symmetric form

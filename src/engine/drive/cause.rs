@@ -8,6 +8,7 @@ use crate::analysis::spectrum::Spectrum;
 use crate::analysis::taut::AllTaut;
 use crate::format_number::figures;
 use crate::integrate::registry::{Family, MethodChoice};
+use crate::model::abilities::SpringDamping;
 use crate::model::forces::Role;
 use crate::model::state::State;
 use crate::model::stop::Stop;
@@ -316,18 +317,15 @@ impl DiagnosisInput<'_> {
     /// Whether a method that makes no energy by itself has axial dashpots: their rate n . (vb - va) is not 0 for a
     /// spring that only turns, if v is a difference over the step.
     fn turns_dashpots(&self) -> bool {
-        let axial = |term: &TermInfo| {
-            term.role == Role::Dissipative && term.velocity_dependent && !term.constant_damping && !term.on_triangles
-        };
-        self.method.info.linear.always_dissipates && self.scene.terms().iter().any(axial)
+        let damping = self.scene.springs().map(|springs| springs.damping());
+        self.method.info.linear.always_dissipates && damping == Some(SpringDamping::Axial)
     }
 
     /// What to add where air damps the cloth across its springs, and nothing along them.
     fn dashpots(&self) -> String {
-        let terms = || self.scene.terms().iter().filter(|term| term.velocity_dependent);
-        let (in_air, damped) =
-            (terms().any(|term| term.on_triangles), terms().any(|term| term.role == Role::Dissipative));
-        if !in_air || damped || self.scene.springs().is_none() {
+        let in_air = |term: &TermInfo| term.velocity_dependent && term.on_triangles && term.role == Role::External;
+        let undamped = self.scene.springs().is_some_and(|springs| springs.damping() == SpringDamping::None);
+        if !undamped || !self.scene.terms().iter().any(in_air) {
             return String::new();
         }
         format!("\"dashpot\": {{\"axial\": {{\"time\": {}}}}} in the rules of springs, ", figures(self.h, 2))

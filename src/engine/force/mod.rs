@@ -65,7 +65,7 @@ pub mod schedule;
 pub use copies::Copies;
 pub use mean::{MeanForce, MeanStep};
 
-use crate::model::spring_state::{SpringState, SpringTangent};
+use crate::model::spring_state::{SheetState, SpringState, SpringTangent};
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -153,6 +153,11 @@ pub trait ForceTerm: kernel::batch::BlockForces {
         None
     }
 
+    /// Its membranes, if Newton's iteration can take their stresses as unknowns.
+    fn sheets(&self) -> Option<&dyn SheetTerm> {
+        None
+    }
+
     /// The same elements for another run, with the values that change in a run from `copies`. All other arrays are
     /// shared.
     fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm>;
@@ -179,6 +184,18 @@ pub trait SpringTerm {
 
     /// As [`ForceTerm::tangent`], but with these tensions and stiffnesses `[n_springs]`; symmetric.
     fn mixed_tangent(&self, at: NodeState<'_>, w: Weights, tangents: &[SpringTangent], sink: &mut dyn TangentSink);
+}
+
+/// The membranes of a term whose stresses can be unknowns of Newton's iteration (`solve/mixed`).
+pub trait SheetTerm {
+    /// Number of triangles.
+    fn count(&self) -> usize;
+
+    /// Writes every triangle in a state to `out` `[n_triangles]`. `cv` [1/s] is dv/dx of the step.
+    fn measure(&self, at: NodeState<'_>, cv: f64, out: &mut [SheetState]);
+
+    /// As [`ForceTerm::tangent`], but with these stresses `[n_triangles]`; symmetric.
+    fn mixed_tangent(&self, at: NodeState<'_>, w: Weights, stresses: &[Vector3<f64>], sink: &mut dyn TangentSink);
 }
 
 /// The matrix `a b^T`.

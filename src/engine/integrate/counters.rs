@@ -15,6 +15,9 @@ pub struct Counters {
     pub tangent_assemblies: u64,
     /// factorisations of W
     pub factorizations: u64,
+    /// those of them by LU: W is not symmetric, or LU was asked for
+    #[serde(default)]
+    pub lu_factorizations: u64,
     /// solves with W
     pub linear_solves: u64,
     /// Newton iterations
@@ -32,6 +35,7 @@ impl Counters {
             force_evaluations: self.force_evaluations + other.force_evaluations,
             tangent_assemblies: self.tangent_assemblies + other.tangent_assemblies,
             factorizations: self.factorizations + other.factorizations,
+            lu_factorizations: self.lu_factorizations + other.lu_factorizations,
             linear_solves: self.linear_solves + other.linear_solves,
             newton_iterations: self.newton_iterations + other.newton_iterations,
             cg_iterations: self.cg_iterations + other.cg_iterations,

@@ -11,9 +11,9 @@ use super::factor_cache::Refactor;
 use super::factor_cache::{FactorCache, FactorRequest};
 use super::stage::StageMap;
 use super::tangents::{TangentKind, Tangents};
-use crate::assembly::TangentSystem;
+use crate::assembly::{MixedForm, TangentSystem};
 use crate::model::point::Point;
-use crate::model::spring_state::{SpringState, SpringTangent};
+use crate::model::spring_state::{SheetState, SpringState};
 use crate::model::system::Weights;
 use crate::solve::newton::{Curvature, MixedSprings, NonlinearProblem, Scales};
 use crate::solve::norms::norm;
@@ -306,29 +306,31 @@ impl NonlinearProblem for Equations<'_> {
 }
 
 impl MixedSprings for Equations<'_> {
-    fn count(&self) -> usize {
-        self.system.mixed().map_or(0, |mixed| mixed.springs())
+    fn counts(&self) -> [usize; 2] {
+        self.system.mixed().map_or([0; 2], |mixed| [mixed.springs(), mixed.sheets()])
     }
 
-    fn measure_start(&mut self, out: &mut [SpringState]) {
+    fn measure_start(&mut self, springs: &mut [SpringState], sheets: &mut [SheetState]) {
         if let Some(mixed) = self.system.mixed() {
-            mixed.measure(self.start.from.state.as_ref(), self.map.cv, out);
+            mixed.measure(self.start.from.state.as_ref(), self.map.cv, springs);
+            mixed.measure_sheets(self.start.from.state.as_ref(), self.map.cv, sheets);
         }
     }
 
-    fn measure(&mut self, out: &mut [SpringState]) {
+    fn measure(&mut self, springs: &mut [SpringState], sheets: &mut [SheetState]) {
         if let Some(mixed) = self.system.mixed() {
-            mixed.measure(self.to.state.as_ref(), self.map.cv, out);
+            mixed.measure(self.to.state.as_ref(), self.map.cv, springs);
+            mixed.measure_sheets(self.to.state.as_ref(), self.map.cv, sheets);
         }
     }
 
-    fn linearise(&mut self, springs: &[SpringTangent], convex: bool) -> Result<Inertia, LinearError> {
+    fn linearise(&mut self, form: MixedForm<'_>) -> Result<Inertia, LinearError> {
         let (w, system) = (self.weights(), self.system);
         let Some(mixed) = system.mixed() else { return Err(LinearError::Singular { unknown: None }) };
         self.linear.mass_weight = Some(w.m);
         self.linear.cache.discard(true);
         let at = (self.to.state.as_ref(), w);
-        self.linear.tangents.factor_mixed((system, mixed), at, (springs, convex), self.counters)
+        self.linear.tangents.factor_mixed((system, mixed), at, form, self.counters)
     }
 
     fn dofs(&self) -> (&[u32], usize) {

@@ -8,7 +8,6 @@ use super::factor_cache::FactorRequest;
 use super::{Counters, StepError};
 use crate::assembly::{Assembler, MixedForm, MixedSystem, TangentSystem};
 use crate::interrupt;
-use crate::model::spring_state::SpringTangent;
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use crate::model::workers::Workers;
@@ -40,6 +39,25 @@ impl Factor {
         let linear = reusing_solver_for(assembler.pattern.clone(), choice, workers)?;
         interrupt::check()?;
         Ok(Factor { assembler, linear })
+    }
+
+    /// Factorises the assembled matrix; an indefinite one only if it need not be `symmetric` and definite.
+    fn factorise(&mut self, symmetric: bool, counters: &mut Counters) -> Result<Inertia, LinearError> {
+        interrupt::check()?;
+        let (values, before) = (self.assembler.values(), self.linear.work());
+        let made = if symmetric { self.linear.factor_definite(values) } else { self.linear.factor(values) };
+        counters.tangent_assemblies += 1;
+        count(counters, before, self.linear.work());
+        made
+    }
+
+    /// Replaces b `[n]` by that of the factorised matrix's inverse.
+    fn solve(&mut self, b: &mut [f64], counters: &mut Counters) -> Result<(), LinearError> {
+        counters.linear_solves += 1;
+        let before = self.linear.work();
+        let solved = self.linear.solve(self.assembler.values(), b);
+        count(counters, before, self.linear.work());
+        solved
     }
 
     /// [-] Cost of assembly and factorisation in iterations on an existing factor.
@@ -81,6 +99,7 @@ pub fn refusal(symmetric: bool, strategy: Strategy, choice: LinearChoice) -> Opt
 
 fn count(counters: &mut Counters, before: SolverWork, after: SolverWork) {
     counters.factorizations += after.factorizations - before.factorizations;
+    counters.lu_factorizations += after.lu_factorizations - before.lu_factorizations;
     counters.cg_iterations += after.iterations - before.iterations;
 }
 
@@ -117,13 +136,14 @@ impl RankOnePart {
 }
 
 impl RankOnes {
-    /// Finds those of a tangent that has just been factorised; `solve` applies its inverse without them.
+    /// Finds those of a tangent whose other parts have just been factorised.
     fn find(
         &mut self,
         (system, count): (&dyn TangentSystem, usize),
         (at, w): (StateRef<'_>, Weights),
         dof: &[u32],
-        mut solve: impl FnMut(&mut [f64]) -> Result<(), LinearError>,
+        factor: &mut Factor,
+        counters: &mut Counters,
     ) -> Result<(), LinearError> {
         self.parts.resize(count, RankOnePart::default());
         for which in 0..self.parts.len() {
@@ -138,7 +158,7 @@ impl RankOnes {
             };
             picked(u, &mut part.z);
             picked(g, &mut part.g);
-            solve(&mut part.z)?;
+            factor.solve(&mut part.z, counters)?;
             before.iter().for_each(|earlier| earlier.correct(&mut part.z));
             part.divisor = 1.0 + dot(&part.g, &part.z);
             if part.divisor == 0.0 || !part.divisor.is_finite() {
@@ -248,17 +268,8 @@ impl Tangents {
             Curvature::Exact => system.assemble(at, w, &mut factor.assembler),
             Curvature::Convex => system.assemble_convex(at, w, &mut factor.assembler),
         }
-        interrupt::check()?;
-        let (values, before) = (factor.assembler.values(), factor.linear.work());
-        let made = if symmetric { factor.linear.factor_definite(values) } else { factor.linear.factor(values) };
-        counters.tangent_assemblies += 1;
-        count(counters, before, factor.linear.work());
-        let inertia = made?;
-        let Factor { assembler, linear } = factor;
-        self.rank_ones.find((system, system.rank_ones()), (at, w), &self.dof, |b| {
-            counters.linear_solves += 1;
-            linear.solve(assembler.values(), b)
-        })?;
+        let inertia = factor.factorise(symmetric, counters)?;
+        self.rank_ones.find((system, system.rank_ones()), (at, w), &self.dof, factor, counters)?;
         Ok(inertia)
     }
 
@@ -270,31 +281,20 @@ impl Tangents {
         &mut self,
         (system, mixed): (&dyn TangentSystem, &dyn MixedSystem),
         (at, w): (StateRef<'_>, Weights),
-        (springs, convex): (&[SpringTangent], bool),
+        form: MixedForm<'_>,
         counters: &mut Counters,
     ) -> Result<Inertia, LinearError> {
         let reused = self.frozen.is_some() && !self.symmetric;
         self.current = if reused { TangentKind::Frozen } else { TangentKind::Exact };
         let slot = if self.frozen.is_some() { &mut self.frozen } else { &mut self.exact };
         let Some(factor) = slot else { return Err(LinearError::Singular { unknown: None }) };
-        let form = MixedForm { springs, convex, symmetric: reused };
-        mixed.assemble_mixed(at, w, form, &mut factor.assembler);
-        interrupt::check()?;
-        let (values, before) = (factor.assembler.values(), factor.linear.work());
-        let symmetric = reused || self.symmetric;
-        let made = if symmetric { factor.linear.factor_definite(values) } else { factor.linear.factor(values) };
-        counters.tangent_assemblies += 1;
-        count(counters, before, factor.linear.work());
-        let inertia = made?;
-        let Factor { assembler, linear } = factor;
+        mixed.assemble_mixed(at, w, MixedForm { symmetric: reused, ..form }, &mut factor.assembler);
+        let inertia = factor.factorise(reused || self.symmetric, counters)?;
         let (parts, number) = match reused {
             true => (&mut self.mass_parts, system.mass_parts()),
             false => (&mut self.rank_ones, system.rank_ones()),
         };
-        parts.find((system, number), (at, w), &self.dof, |b| {
-            counters.linear_solves += 1;
-            linear.solve(assembler.values(), b)
-        })?;
+        parts.find((system, number), (at, w), &self.dof, factor, counters)?;
         Ok(inertia)
     }
 
@@ -328,18 +328,13 @@ impl Tangents {
         interrupt::check()?;
         let made = factor.linear.prepare(factor.assembler.values())?;
         counters.tangent_assemblies += 1;
-        let Factor { assembler, linear } = factor;
+        count(counters, before, factor.linear.work());
         if made == Inertia::Indefinite {
-            count(counters, before, linear.work());
             return Ok(Some(made));
         }
         // The same in a run that goes on from a checkpoint.
-        linear.set_accuracy(Accuracy::of_reused());
-        self.mass_parts.find((system, system.mass_parts()), (at, w), &self.dof, |b| {
-            counters.linear_solves += 1;
-            linear.solve(assembler.values(), b)
-        })?;
-        count(counters, before, linear.work());
+        factor.linear.set_accuracy(Accuracy::of_reused());
+        self.mass_parts.find((system, system.mass_parts()), (at, w), &self.dof, factor, counters)?;
         Ok(Some(made))
     }
 
@@ -350,10 +345,7 @@ impl Tangents {
     pub(crate) fn solve(&mut self, b: &mut [f64], counters: &mut Counters) -> Result<(), LinearError> {
         let Some(factor) = self.in_use() else { return Err(LinearError::Singular { unknown: None }) };
         interrupt::check()?;
-        counters.linear_solves += 1;
-        let before = factor.linear.work();
-        let solved = factor.linear.solve(factor.assembler.values(), b);
-        count(counters, before, factor.linear.work());
+        let solved = factor.solve(b, counters);
         let parts = if self.current == TangentKind::Exact { &self.rank_ones } else { &self.mass_parts };
         parts.parts.iter().for_each(|part| part.correct(b));
         solved

@@ -12,6 +12,17 @@ pub struct SpringPlace {
     pub number: u32,
 }
 
+/// What damps springs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SpringDamping {
+    /// nothing
+    None,
+    /// forces C v with a matrix C that stays as it is: relative dashpots, Rayleigh damping
+    Constant,
+    /// axial dashpots, whose direction turns with the springs
+    Axial,
+}
+
 /// Springs on edges, in the user's numbering.
 pub trait Springs {
     /// The edges that have a spring, ascending.
@@ -35,6 +46,9 @@ pub trait Springs {
 
     /// Whether some spring changes its law with the state: it can go slack.
     fn has_branches(&self) -> bool;
+
+    /// What damps them; of several the last in the order of [`SpringDamping`].
+    fn damping(&self) -> SpringDamping;
 
     /// Writes into `impulse` [N s] `[n_dof]` the impulse that depends on changes of force laws within a step. For each
     /// force it is the smaller of two: what the force would have added with the law at the start, or with the other law

@@ -1,6 +1,7 @@
-//! Springs as Newton's iteration takes them when their tensions are unknowns beside the positions (`solve/mixed`).
+//! Springs and membranes as Newton's iteration takes them when tensions and stresses are unknowns beside the positions
+//! (`solve/mixed`).
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// A spring with its axial dashpot in a state.
 #[derive(Clone, Copy, Debug)]
@@ -41,4 +42,21 @@ pub struct SpringTangent {
     pub tension: f64,
     /// [N/m] stiffness along the spring
     pub stiffness: f64,
+}
+
+/// A membrane triangle with its damping in a state. Strains are those of its law: two along its axes, and the shear.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SheetState {
+    /// its nodes
+    pub nodes: [u32; 3],
+    /// [m^2] area at rest
+    pub area: f64,
+    /// B_a, the derivatives of the strains by the position of every node: the force on one is -area B_a^T S
+    pub by_node: [Matrix3<f64>; 3],
+    /// S that its law and its damping give
+    pub stress: Vector3<f64>,
+    /// dS/dE, where the rate of the strain changes with it
+    pub stiffness: Matrix3<f64>,
+    /// displacement [m] across the triangle, over the stress
+    pub flexibility: f64,
 }

@@ -1,9 +1,9 @@
-//! The springs of a network as Newton's mixed iteration (`solve/mixed`) takes them.
+//! The springs and membranes of a network as Newton's mixed iteration (`solve/mixed`) takes them.
 
 use super::network::{Network, node_state};
-use crate::assembly::{Assembler, MixedForm, MixedSystem};
-use crate::force::{SpringTerm, TangentForm};
-use crate::model::spring_state::SpringState;
+use crate::assembly::{Assembler, MixedForm, MixedSystem, TangentSystem};
+use crate::force::{SheetTerm, SpringTerm, TangentForm};
+use crate::model::spring_state::{SheetState, SpringState};
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
 
@@ -11,11 +11,22 @@ impl Network {
     fn spring_terms(&self) -> impl Iterator<Item = &dyn SpringTerm> {
         self.force_terms().filter_map(|term| term.springs())
     }
+
+    /// Only where the tangent is symmetric: pressures that turn with the cloth are most of its change there, and the
+    /// matrix of the iteration has their symmetric part alone.
+    fn sheet_terms(&self) -> impl Iterator<Item = &dyn SheetTerm> {
+        let symmetric = self.symmetric();
+        self.force_terms().filter(move |_| symmetric).filter_map(|term| term.sheets())
+    }
 }
 
 impl MixedSystem for Network {
     fn springs(&self) -> usize {
         self.spring_terms().map(SpringTerm::count).sum()
+    }
+
+    fn sheets(&self) -> usize {
+        self.sheet_terms().map(SheetTerm::count).sum()
     }
 
     fn measure(&self, at: StateRef<'_>, cv: f64, out: &mut [SpringState]) {
@@ -27,18 +38,27 @@ impl MixedSystem for Network {
         }
     }
 
+    fn measure_sheets(&self, at: StateRef<'_>, cv: f64, out: &mut [SheetState]) {
+        let mut rest = out;
+        for term in self.sheet_terms() {
+            let Some((own, others)) = rest.split_at_mut_checked(term.count()) else { return };
+            term.measure(node_state(at), cv, own);
+            rest = others;
+        }
+    }
+
     fn assemble_mixed(&self, at: StateRef<'_>, w: Weights, form: MixedForm<'_>, assembler: &mut Assembler) {
-        let MixedForm { springs, convex, symmetric } = form;
+        let MixedForm { springs, sheets, convex, symmetric } = form;
         let form = TangentForm { convex, symmetric };
         let mut sink = assembler.sink(|dof| w.m * self.built.mass[dof / 3]);
-        let mut rest = springs;
+        let (mut springs, mut sheets) = (springs, sheets);
         for term in self.force_terms() {
-            match term.springs().and_then(|springs| Some((springs, rest.split_at_checked(springs.count())?))) {
-                Some((springs, (own, others))) => {
-                    springs.mixed_tangent(node_state(at), w, own, &mut sink);
-                    rest = others;
-                }
-                None => term.tangent(node_state(at), w, form, &mut sink),
+            let own_springs = term.springs().and_then(|own| Some((own, springs.split_off(..own.count())?)));
+            let own_sheets = term.sheets().and_then(|own| Some((own, sheets.split_off(..own.count())?)));
+            match (own_springs, own_sheets) {
+                (Some((own, tangents)), _) => own.mixed_tangent(node_state(at), w, tangents, &mut sink),
+                (_, Some((own, stresses))) => own.mixed_tangent(node_state(at), w, stresses, &mut sink),
+                (None, None) => term.tangent(node_state(at), w, form, &mut sink),
             }
         }
         self.emit_law_tangents(at, w, form, &mut sink);

@@ -6,8 +6,8 @@ use crate::force::law::damped_springs::axial_force;
 use crate::force::law::membrane::MembraneState;
 use crate::force::law::tension::SpringOutput;
 use crate::mesh::Groups;
-use crate::model::abilities::{Air, SpringPlace, Springs};
-use crate::model::forces::Forces;
+use crate::model::abilities::{Air, SpringDamping, SpringPlace, Springs};
+use crate::model::forces::{Forces, Role};
 use crate::model::gauge::CANOPY_QUANTITIES;
 use crate::model::gauge::NodeQuantity;
 use crate::model::motion::motion;
@@ -15,6 +15,7 @@ use crate::model::observables::{MembranePicture, Observables};
 use crate::model::point::Point;
 use crate::model::state::StateRef;
 use crate::model::step_block::strain_of;
+use crate::model::system::System;
 
 impl Observables for Network {
     fn reference(&self) -> &[[f64; 3]] {
@@ -172,6 +173,12 @@ impl Springs for Network {
 
     fn has_branches(&self) -> bool {
         self.goes_slack()
+    }
+
+    fn damping(&self) -> SpringDamping {
+        let dissipative = self.terms().iter().filter(|term| term.role == Role::Dissipative && !term.on_triangles);
+        let kind = |constant| if constant { SpringDamping::Constant } else { SpringDamping::Axial };
+        dissipative.map(|term| kind(term.constant_damping)).max().unwrap_or(SpringDamping::None)
     }
 
     fn branch_changes(&self, step: [StateRef<'_>; 2], impulse: &mut [f64]) -> Option<f64> {

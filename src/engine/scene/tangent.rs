@@ -110,7 +110,7 @@ impl TangentSystem for Network {
     }
 
     fn mixed(&self) -> Option<&dyn MixedSystem> {
-        (!self.acting.springs.is_empty()).then_some(self)
+        (!self.acting.springs.is_empty() || self.sheets() > 0).then_some(self)
     }
 
     fn turns_over(&self, from: &[f64], to: &[f64]) -> bool {

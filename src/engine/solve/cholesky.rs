@@ -319,7 +319,7 @@ impl LinearSolver for Cholesky {
     }
 
     fn work(&self) -> SolverWork {
-        SolverWork { factorizations: self.factorizations, iterations: 0 }
+        SolverWork { factorizations: self.factorizations, ..SolverWork::default() }
     }
 
     fn stats(&self) -> LinearStats {

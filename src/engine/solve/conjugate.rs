@@ -332,7 +332,7 @@ impl LinearSolver for ConjugateGradients {
     }
 
     fn work(&self) -> SolverWork {
-        SolverWork { factorizations: 0, iterations: self.total_iterations }
+        SolverWork { iterations: self.total_iterations, ..SolverWork::default() }
     }
 
     fn stats(&self) -> LinearStats {

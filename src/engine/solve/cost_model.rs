@@ -363,7 +363,7 @@ impl LinearSolver for AutoSolver {
 
     fn work(&self) -> SolverWork {
         let factorizations = self.direct.as_ref().map_or(0, |direct| direct.work().factorizations);
-        SolverWork { factorizations, iterations: self.cg.work().iterations }
+        SolverWork { factorizations, ..self.cg.work() }
     }
 
     fn stats(&self) -> LinearStats {

@@ -184,6 +184,8 @@ pub enum LinearError {
 pub struct SolverWork {
     /// factorisations
     pub factorizations: u64,
+    /// those of them by LU
+    pub lu_factorizations: u64,
     /// iterations of conjugate gradients
     pub iterations: u64,
 }

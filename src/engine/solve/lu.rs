@@ -116,7 +116,7 @@ impl LinearSolver for Lu {
     }
 
     fn work(&self) -> SolverWork {
-        SolverWork { factorizations: self.factorizations, iterations: 0 }
+        SolverWork { factorizations: self.factorizations, lu_factorizations: self.factorizations, iterations: 0 }
     }
 
     fn stats(&self) -> LinearStats {

@@ -1,20 +1,17 @@
-//! Newton's iteration for F(z) = 0, globalised by line searches. It does not depend on time or schemes. Vectors are
-//! `[n]`, by unknown.
+//! Newton's iteration for F(z) = 0. It does not depend on time or schemes. Vectors are `[n]`, by unknown.
 //!
-//! If F is the gradient of a potential (a symmetric tangent), the iteration descends in the potential. An indefinite
-//! tangent is replaced by its convex part, and the line search along the direction d follows the slope F.d. Otherwise
-//! the residual must fall, or the same tangent must predict a clearly smaller correction. If both make little progress,
-//! the convex direction and its slope are used until full steps are possible again.
+//! There are three ways, the next where one fails: on a frozen factor (`quasi_newton`), with the tensions of springs as
+//! unknowns (`mixed`), and on the exact tangent (`newton/exact`).
 
 mod convergence;
+mod exact;
 
+use super::LinearError;
 pub use super::failure::NewtonFailure;
-use super::forcing::{self, Forcing};
 use super::mixed::{self, Sides, Tensions};
-use super::norms::{dot, excess, norm};
+use super::norms::{excess, norm};
 pub use super::problem::{Curvature, MixedSprings, NonlinearProblem, Scales};
 use super::quasi_newton::{self, FactorHistory, SecantPairs};
-use super::{Accuracy, Inertia, LinearError, search};
 pub(super) use convergence::{Convergence, ConvergenceCriteria, RoundingCheck, RoundingVerdict};
 
 /// When the tangent is computed again.
@@ -72,10 +69,6 @@ pub struct NewtonReport {
     pub residual: f64,
 }
 
-/// A step that is shortened below this share of Newton's makes little progress: the residual's norm is a poor merit
-/// function there.
-const CRAWL: f64 = 0.125;
-
 /// [-] Cost of a symmetric factorisation, in iterations without one, from which on factors are reused: that of chains.
 /// With reuse, nets of 700 to 10,000 nodes take 0.6 to 0.75 of the time.
 const WORTH_KEEPING: f64 = 0.7;
@@ -91,23 +84,6 @@ pub(super) const HIDING: f64 = 1e-3;
 /// [-] Residual of pure rounding, over the step's forces and the residual of the first guess, from which on motion
 /// across stiff springs is lost too. On a chain the motion was right up to 1e3 and wrong from 6e6 on.
 const HIDDEN: f64 = 1e5;
-
-/// For how many steps a problem without a potential uses the convex tangent after the exact one made too little
-/// progress.
-#[derive(Clone, Copy, Debug, Default)]
-struct ConvexPhase {
-    /// full steps left with the convex tangent
-    left: u32,
-    /// number of them the next time: twice as many as the last
-    next: u32,
-}
-
-impl ConvexPhase {
-    fn raise(&mut self) {
-        self.next = (2 * self.next).clamp(1, 64);
-        self.left = self.next;
-    }
-}
 
 /// Outcome of a search along a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -297,50 +273,6 @@ impl Newton {
         self.exact(problem, z, criteria)
     }
 
-    /// Iterates from `z` `[n]` on the exact tangent.
-    fn exact(
-        &mut self,
-        problem: &mut dyn NonlinearProblem,
-        z: &mut [f64],
-        criteria: ConvergenceCriteria,
-    ) -> Result<NewtonReport, NewtonFailure> {
-        let ConvergenceCriteria { tolerance, .. } = criteria;
-        let (mut caution, mut forcing) = (ConvexPhase::default(), Forcing::default());
-        let mut residual = norm(&self.r);
-        let (mut convergence, mut settling) = (Convergence::NotConverged, RoundingCheck::default());
-        for made in 1..=self.spec.max_iterations {
-            let (before, iterations) = (residual, self.spent + made);
-            let hidden = (convergence == Convergence::Rounding).then_some(&mut settling);
-            let step = match hidden {
-                Some(settling) => {
-                    problem.set_accuracy(forcing::settling(residual, tolerance));
-                    self.correct_at_rounding(problem, z, criteria, settling)
-                }
-                None => {
-                    problem.set_accuracy(Accuracy::to(forcing.next(residual, tolerance)));
-                    self.step(problem, z, &mut caution, tolerance)
-                }
-            };
-            let worst = self.worst();
-            let lambda = match step.map_err(|error| NewtonFailure::Linear { iterations, error, worst })? {
-                Step::Taken(lambda) => lambda,
-                Step::NotNeeded => return Ok(NewtonReport { iterations, residual: criteria.over_scale(residual) }),
-                Step::Stuck => return Err(NewtonFailure::Stuck { iterations, residual: before, tolerance, worst }),
-                Step::Hidden => {
-                    let (rounding, forces) = (norm(&self.floor), criteria.scales.residual);
-                    return Err(NewtonFailure::Hidden { iterations, rounding, forces, worst });
-                }
-            };
-            residual = norm(&self.r);
-            convergence = self.convergence(z, criteria, lambda * (residual / before));
-            if convergence == Convergence::Converged {
-                return Ok(NewtonReport { iterations, residual: criteria.over_scale(residual) });
-            }
-        }
-        let (iterations, worst) = (self.spent + self.spec.max_iterations, self.worst());
-        Err(NewtonFailure::MaxIterations { iterations, residual, tolerance, worst })
-    }
-
     /// The mixed iteration from the first guess, if there are springs: with the tangents of one-sided springs and, if
     /// that fails, by interior points. `None` if both fail; `z` is then the first guess.
     fn mixed(
@@ -378,86 +310,6 @@ impl Newton {
     fn return_to_guess(&mut self, problem: &mut dyn NonlinearProblem, z: &mut [f64]) {
         z.copy_from_slice(&self.guess);
         problem.residual(z, &mut self.r, &mut self.floor);
-    }
-
-    /// One direction and the line search along it; updates `z` and `self.r`.
-    fn step(
-        &mut self,
-        problem: &mut dyn NonlinearProblem,
-        z: &mut [f64],
-        caution: &mut ConvexPhase,
-        tolerance: f64,
-    ) -> Result<Step, LinearError> {
-        let taken = |lambda: Option<f64>| lambda.map_or(Step::Stuck, Step::Taken);
-        if problem.conservative() {
-            self.downhill_direction(problem)?;
-            return Ok(taken(search::downhill(self, problem, z, tolerance)));
-        }
-        if caution.left == 0 {
-            self.direction(problem, Curvature::Exact)?;
-            let lambda = search::smaller_residual(self, problem, z, tolerance);
-            if lambda.is_none_or(|lambda| lambda < CRAWL) {
-                caution.raise();
-            }
-            if lambda.is_some() {
-                return Ok(taken(lambda));
-            }
-            problem.residual(z, &mut self.r, &mut self.floor);
-        }
-        self.direction(problem, Curvature::Convex)?;
-        let lambda = search::downhill(self, problem, z, tolerance);
-        if lambda.is_some_and(|lambda| lambda >= 1.0) {
-            caution.left = caution.left.saturating_sub(1);
-        }
-        Ok(taken(lambda))
-    }
-
-    /// The next correction if the residual is rounding, and a line search along it if it is not small.
-    fn correct_at_rounding(
-        &mut self,
-        problem: &mut dyn NonlinearProblem,
-        z: &mut [f64],
-        criteria: ConvergenceCriteria,
-        settling: &mut RoundingCheck,
-    ) -> Result<Step, LinearError> {
-        if problem.conservative() {
-            self.downhill_direction(problem)?;
-        } else {
-            self.direction(problem, Curvature::Exact)?;
-        }
-        Ok(match self.settled(z, criteria, settling) {
-            RoundingVerdict::Yes => Step::NotNeeded,
-            RoundingVerdict::Never => Step::Hidden,
-            RoundingVerdict::NotYet if problem.conservative() => {
-                search::downhill(self, problem, z, criteria.tolerance).map_or(Step::Stuck, Step::Taken)
-            }
-            RoundingVerdict::NotYet => {
-                search::smaller_residual(self, problem, z, criteria.tolerance).map_or(Step::Stuck, Step::Taken)
-            }
-        })
-    }
-
-    /// A descent direction of the potential, from the convex tangent if the exact one gives none.
-    fn downhill_direction(&mut self, problem: &mut dyn NonlinearProblem) -> Result<(), LinearError> {
-        if !self.direction(problem, Curvature::Exact)? {
-            self.direction(problem, Curvature::Convex)?;
-        }
-        Ok(())
-    }
-
-    /// dz = -W^-1 r. Returns whether it is a descent direction.
-    fn direction(&mut self, problem: &mut dyn NonlinearProblem, curvature: Curvature) -> Result<bool, LinearError> {
-        if problem.linearise(curvature)? == Inertia::Indefinite && problem.conservative() {
-            return Ok(false);
-        }
-        for (dz, r) in self.dz.iter_mut().zip(&self.r) {
-            *dz = -r;
-        }
-        match problem.solve(&mut self.dz) {
-            Err(LinearError::Indefinite { .. }) if problem.conservative() => return Ok(false),
-            solved => solved?,
-        }
-        Ok(dot(&self.r, &self.dz) < 0.0)
     }
 
     /// [N] norm of the residual beyond rounding.

@@ -1,7 +1,8 @@
 //! The problem that Newton's iteration solves.
 
 use super::{Accuracy, ExpectedUse, Inertia, LinearError};
-use crate::model::spring_state::{SpringState, SpringTangent};
+use crate::assembly::MixedForm;
+use crate::model::spring_state::{SheetState, SpringState};
 
 /// Sizes that residuals and increments are compared with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,7 +99,7 @@ pub trait NonlinearProblem {
         0.0
     }
 
-    /// Its springs, if their tensions can be unknowns of the iteration.
+    /// Its springs and membranes, if their tensions and stresses can be unknowns of the iteration.
     fn mixed(&mut self) -> Option<&mut dyn MixedSprings> {
         None
     }
@@ -110,23 +111,24 @@ pub trait NonlinearProblem {
     fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError>;
 }
 
-/// The springs of a problem whose tensions are unknowns of the mixed iteration; lists are `[n_springs]`.
+/// The springs and membranes of a problem whose tensions and stresses are unknowns of the mixed iteration; lists are
+/// `[n_springs]` and `[n_sheets]`.
 pub trait MixedSprings {
-    /// Number of springs.
-    fn count(&self) -> usize;
+    /// Numbers of springs and of membrane triangles.
+    fn counts(&self) -> [usize; 2];
 
-    /// Writes the springs at the start of the step to `out`.
-    fn measure_start(&mut self, out: &mut [SpringState]);
+    /// Writes both at the start of the step.
+    fn measure_start(&mut self, springs: &mut [SpringState], sheets: &mut [SheetState]);
 
-    /// Writes the springs at the last evaluated residual to `out`.
-    fn measure(&mut self, out: &mut [SpringState]);
+    /// Writes both at the last evaluated residual.
+    fn measure(&mut self, springs: &mut [SpringState], sheets: &mut [SheetState]);
 
-    /// Factorises the matrix at the last evaluated residual with these tensions and stiffnesses; without the parts that
-    /// make other forces indefinite if `convex`.
+    /// Factorises the matrix at the last evaluated residual with these tensions, stiffnesses and stresses. The problem
+    /// decides whether it is in its symmetric form.
     ///
     /// # Errors
     /// As [`NonlinearProblem::linearise`].
-    fn linearise(&mut self, springs: &[SpringTangent], convex: bool) -> Result<Inertia, LinearError>;
+    fn linearise(&mut self, form: MixedForm<'_>) -> Result<Inertia, LinearError>;
 
     /// Degree of freedom of every unknown `[n]`, and the number of degrees of freedom.
     fn dofs(&self) -> (&[u32], usize);

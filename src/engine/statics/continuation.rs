@@ -24,15 +24,9 @@ const EASY: u32 = 4;
 /// The same up to which it is lowered a little, by this factor [-].
 const FAIR: u32 = 9;
 const LOWER_A_LITTLE: f64 = 0.3;
-/// Solves in a row that may need more iterations before the weight is raised.
-const HARD: u32 = 2;
-/// [-] Factors of the weight after an easy solve, at least and at most, and after one that failed.
-const LOWER: [f64; 2] = [1e-4, 0.1];
+/// [-] Factors of the weight after an easy solve, at most, and after one that failed.
+const LOWER: f64 = 0.1;
 const RAISE: f64 = 10.0;
-/// Most solves for which a weight is kept that was lowered in vain.
-const MOST_PATIENT: u32 = 8;
-/// [-] Share of its first residual down to which a solve without a potential is of use.
-const HALF_SOLVED: f64 = 0.5;
 /// [-] Share of the scene's size that the first solve may move a node.
 const FIRST_MOVE: f64 = 0.25;
 /// [-] Share of the scene's size that a last move may have.
@@ -142,8 +136,7 @@ impl<'a> Continuation<'a> {
             return Ok(());
         }
         // The lightest weight that rounding leaves visible.
-        let (mut lightest, mut creeps, mut hard) = (0.0, 0, 0);
-        let (mut wait, mut patience) = (0, 1);
+        let (mut lightest, mut creeps, mut raised) = (0.0, 0, false);
         loop {
             if self.stop.asked() {
                 return Err(StaticFailure::Interrupted);
@@ -156,7 +149,7 @@ impl<'a> Continuation<'a> {
             // A solve that was not finished has gone downhill, or nearer to its solution, so its progress is kept.
             let unfinished = match &solved {
                 Err(NewtonFailure::MaxIterations { residual, .. }) => {
-                    self.tangents.symmetric() || *residual <= HALF_SOLVED * now.force
+                    self.tangents.symmetric() || *residual <= now.force
                 }
                 _ => false,
             };
@@ -171,8 +164,7 @@ impl<'a> Continuation<'a> {
                 if matches!(solved, Err(NewtonFailure::Linear { .. })) {
                     lightest = mu * RAISE;
                 }
-                // A weight that was lowered in vain is kept for twice as many solves as the last time.
-                (wait, patience) = (patience, (2 * patience).min(MOST_PATIENT));
+                raised = true;
                 mu *= RAISE;
                 if mu > heaviest {
                     return Err(self.not_converged(now));
@@ -199,19 +191,13 @@ impl<'a> Continuation<'a> {
                     return Ok(());
                 }
             }
-            if wait > 0 {
-                wait -= 1;
-            } else if iterations <= EASY {
-                patience = (patience / 2).max(1);
-                let [least, most] = LOWER;
-                mu *= (now.force / before.force).clamp(least, most);
-            } else if iterations <= FAIR {
-                mu *= LOWER_A_LITTLE;
-            }
-            // One or two such solves make progress all the same.
-            hard = if unfinished { hard + 1 } else { 0 };
-            if hard > HARD {
-                mu *= RAISE.sqrt();
+            // A weight that was just raised is kept for one solve.
+            if !std::mem::take(&mut raised) {
+                if iterations <= EASY {
+                    mu *= (now.force / before.force).min(LOWER);
+                } else if iterations <= FAIR {
+                    mu *= LOWER_A_LITTLE;
+                }
             }
             mu = mu.max(lightest);
         }
@@ -229,24 +215,15 @@ impl<'a> Continuation<'a> {
         }
         let made = self.iterations();
         let (tolerance, scales, far) = (0.5 * relative * loads, self.scales(loads), self.dofs.size);
-        self.z.fill(0.0);
-        let mut problem = Proximal {
-            scene: self.scene,
-            dofs: &self.dofs,
-            tangents: &mut self.tangents,
-            counters: &mut self.counters,
-            from: &self.at,
-            to: &mut self.trial,
-            mu,
-            all: &mut self.all,
-            stop: self.stop,
-            mixed: true,
-        };
-        if self.scene.mixed().is_none() || !self.newton.leaps(&mut problem, &self.z, far) {
+        if self.scene.mixed().is_none_or(|mixed| mixed.springs() == 0) {
             return false;
         }
         let most = self.spec.max_iterations.saturating_sub(u32::try_from(made).unwrap_or(u32::MAX));
-        let loaded = self.newton.load(&mut problem, &mut self.z, (tolerance, scales), most);
+        let Some(loaded) = self.with_problem((mu, true), |newton, problem, z| {
+            newton.leaps(problem, z, far).then(|| newton.load(problem, z, (tolerance, scales), most))
+        }) else {
+            return false;
+        };
         self.counters.newton_iterations += u64::from(self.newton.iterations());
         let found = matches!(loaded, Ok(Some(_)))
             && self.dofs.residual(self.scene, &self.trial).is_small(relative)
@@ -281,6 +258,28 @@ impl<'a> Continuation<'a> {
     fn solve(&mut self, mu: f64, now: Residual, relative: f64) -> Result<NewtonReport, NewtonFailure> {
         let wanted = (0.5 * relative * now.scale).max(f64::MIN_POSITIVE);
         let scales = self.scales(now.force.max(wanted / INNER));
+        // Loads that turn with a surface may have balances that no motion comes to.
+        let solved = self.with_problem((mu, false), |newton, problem, z| {
+            let solved = newton.solve(problem, z, scales, &mut FactorHistory::default());
+            if matches!(solved, Err(NewtonFailure::MaxIterations { .. })) {
+                // The last trial need not be the last state that was accepted.
+                let (mut r, mut floor) = (vec![0.0; z.len()], vec![0.0; z.len()]);
+                problem.residual(z, &mut r, &mut floor);
+            }
+            solved
+        });
+        let made = solved.as_ref().map_or_else(NewtonFailure::iterations, |report| report.iterations);
+        // At least one, so that the loop around is bounded.
+        self.counters.newton_iterations += u64::from(made.max(1));
+        solved
+    }
+
+    /// Solves the equations with the weight mu [1/s^2] from z = 0, with the tensions of springs as unknowns if `mixed`.
+    fn with_problem<T>(
+        &mut self,
+        (mu, mixed): (f64, bool),
+        solve: impl FnOnce(&mut Newton, &mut Proximal<'_>, &mut [f64]) -> T,
+    ) -> T {
         self.z.fill(0.0);
         let mut problem = Proximal {
             scene: self.scene,
@@ -292,23 +291,9 @@ impl<'a> Continuation<'a> {
             mu,
             all: &mut self.all,
             stop: self.stop,
-            // Loads that turn with a surface may have balances that no motion comes to.
-            mixed: false,
+            mixed,
         };
-        let solved = self.newton.solve(&mut problem, &mut self.z, scales, &mut FactorHistory::default());
-        let made = match &solved {
-            Ok(report) => report.iterations,
-            Err(NewtonFailure::MaxIterations { iterations, .. }) => {
-                // The last trial need not be the last state that was accepted.
-                let (mut r, mut floor) = (vec![0.0; self.z.len()], vec![0.0; self.z.len()]);
-                problem.residual(&self.z, &mut r, &mut floor);
-                *iterations
-            }
-            Err(failure) => failure.iterations(),
-        };
-        // At least one, so that the loop around is bounded.
-        self.counters.newton_iterations += u64::from(made.max(1));
-        solved
+        solve(&mut self.newton, &mut problem, &mut self.z)
     }
 
     /// Whether all nodes are where a scene of this size could be.

@@ -1,10 +1,11 @@
 //! The equations of one solve: F(z) = mu M z - f(t, x + z, 0).
 
 use super::unknowns::{Dofs, largest};
+use crate::assembly::MixedForm;
 use crate::integrate::Counters;
 use crate::integrate::tangents::Tangents;
 use crate::model::point::Point;
-use crate::model::spring_state::{SpringState, SpringTangent};
+use crate::model::spring_state::{SheetState, SpringState};
 use crate::model::stop::Stop;
 use crate::model::system::{System, Weights};
 use crate::scene::Scene;
@@ -26,7 +27,7 @@ pub(super) struct Proximal<'a> {
     /// [N] residuals of all degrees of freedom `[n_dof]`
     pub all: &'a mut [f64],
     pub stop: Stop<'a>,
-    /// whether the tensions of springs are unknowns
+    /// whether the tensions of springs are unknowns, if there are springs
     pub mixed: bool,
 }
 
@@ -70,7 +71,7 @@ impl NonlinearProblem for Proximal<'_> {
     }
 
     fn mixed(&mut self) -> Option<&mut dyn MixedSprings> {
-        if self.mixed && self.scene.mixed().is_some() { Some(self) } else { None }
+        if self.mixed && self.counts()[0] > 0 { Some(self) } else { None }
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
@@ -79,29 +80,30 @@ impl NonlinearProblem for Proximal<'_> {
 }
 
 impl MixedSprings for Proximal<'_> {
-    fn count(&self) -> usize {
-        self.scene.mixed().map_or(0, |mixed| mixed.springs())
+    /// Membranes keep the stresses of their strains.
+    fn counts(&self) -> [usize; 2] {
+        self.scene.mixed().map_or([0; 2], |mixed| [mixed.springs(), 0])
     }
 
-    fn measure_start(&mut self, out: &mut [SpringState]) {
+    fn measure_start(&mut self, springs: &mut [SpringState], _: &mut [SheetState]) {
         if let Some(mixed) = self.scene.mixed() {
-            mixed.measure(self.from.state.as_ref(), 0.0, out);
+            mixed.measure(self.from.state.as_ref(), 0.0, springs);
         }
     }
 
-    fn measure(&mut self, out: &mut [SpringState]) {
+    fn measure(&mut self, springs: &mut [SpringState], _: &mut [SheetState]) {
         if let Some(mixed) = self.scene.mixed() {
-            mixed.measure(self.to.state.as_ref(), 0.0, out);
+            mixed.measure(self.to.state.as_ref(), 0.0, springs);
         }
     }
 
-    fn linearise(&mut self, springs: &[SpringTangent], convex: bool) -> Result<Inertia, LinearError> {
+    fn linearise(&mut self, form: MixedForm<'_>) -> Result<Inertia, LinearError> {
         let scene = self.scene;
         let Some(mixed) = scene.mixed().filter(|_| !self.stop.asked()) else {
             return Err(LinearError::Singular { unknown: None });
         };
         let at = (self.to.state.as_ref(), self.weights());
-        self.tangents.factor_mixed((scene, mixed), at, (springs, convex), self.counters)
+        self.tangents.factor_mixed((scene, mixed), at, form, self.counters)
     }
 
     fn dofs(&self) -> (&[u32], usize) {

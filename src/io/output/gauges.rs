@@ -49,6 +49,9 @@ pub struct Peak {
     /// estimate of the error of `value` by the steps; not given unless asked for
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
+    /// about what falls between two steps
+    #[serde(skip)]
+    pub missed: f64,
     /// [s] when it was reached first
     pub t: f64,
     /// value at the end
@@ -311,6 +314,7 @@ impl Gauges {
                 unit: channel.quantity.unit.to_owned(),
                 value: peak,
                 error: None,
+                missed: series.missed,
                 t: peak_time,
                 last,
                 last_error: None,

@@ -16,6 +16,10 @@ pub struct SeriesSoFar {
     pub peak: f64,
     /// [s] its time
     pub peak_time: f64,
+    /// by how much the parabola through it and its neighbours is above it: about what falls between two steps
+    pub missed: f64,
+    /// the value before the peak, until its other neighbour is known
+    rise: Option<f64>,
     /// smallest value
     pub min: f64,
     /// newest value
@@ -35,6 +39,8 @@ impl Default for SeriesSoFar {
         SeriesSoFar {
             peak: f64::NAN,
             peak_time: f64::NAN,
+            missed: 0.0,
+            rise: None,
             min: f64::NAN,
             last: f64::NAN,
             t: f64::NAN,
@@ -61,7 +67,12 @@ impl SeriesSoFar {
             PeakRule::LargestMagnitude => value.abs() > self.peak.abs(),
         };
         if more || self.peak.is_nan() {
-            (self.peak, self.peak_time) = (value, t);
+            (self.peak, self.peak_time, self.missed) = (value, t, 0.0);
+            self.rise = Some(self.last);
+        } else if let Some(before) = self.rise.take().filter(|_| t > self.t) {
+            let [rise, fall] = [self.peak - before, self.peak - value];
+            let missed = (rise - fall).powi(2) / (8.0 * (rise + fall).abs());
+            self.missed = if missed.is_finite() { missed } else { 0.0 };
         }
         self.min = self.min.min(value);
         if self.first.is_nan() {
@@ -121,6 +132,19 @@ mod tests {
         let at_9 = a + (100.0 - a) * (9.0 - times[6]) / (10.0 - times[6]);
         assert!((series.late_mean(end) - 0.5 * (at_9 + 100.0)).abs() < 1e-12);
         assert_eq!((series.peak, series.peak_time, series.min, series.last), (100.0, 10.0, 0.0, 100.0));
+    }
+
+    /// A sine has its largest value between two samples.
+    #[test]
+    fn what_a_peak_misses_is_that_of_a_parabola() {
+        let mut series = SeriesSoFar::default();
+        let h = 0.02;
+        for k in 0..40 {
+            let t = h * f64::from(k);
+            series.note(t, (std::f64::consts::TAU * t).sin(), PeakRule::Largest, 1.0);
+        }
+        let missed = 1.0 - series.peak;
+        assert!(missed > 1e-3 && (series.missed / missed - 1.0).abs() < 0.02, "{missed} {}", series.missed);
     }
 
     #[test]

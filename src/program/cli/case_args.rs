@@ -65,12 +65,16 @@ pub struct CheckArgs {
     /// the case
     #[command(flatten)]
     pub case: CaseArgs,
-    /// Recommend a method and a step for this accuracy, relative to the motion, in (0, 1) [default: the case's relative
-    /// tolerance, else 1e-3]
-    #[arg(long, value_name = "A", value_parser = accuracy, allow_hyphen_values = true)]
-    pub accuracy: Option<f64>,
+    /// Recommend the cheapest run whose numbers are within this: 1%, 5e-3, or with a unit, 20N [default: the case's
+    /// relative tolerance, else 1%]
+    #[arg(long, visible_alias = "accuracy", value_name = "ACCURACY", allow_hyphen_values = true)]
+    pub within: Option<Accuracy>,
+    /// A number that is asked for, as study.quantities of the case has it: riser.tension.peak, opening_load, motion …;
+    /// may be given several times [default: the numbers that solve prints]
+    #[arg(long, value_name = "NAME")]
+    pub quantity: Vec<String>,
     /// Print the model, its cost, and what is predicted of every method, too
-    #[arg(long, short, conflicts_with = "json")]
+    #[arg(long, short)]
     pub all: bool,
     /// threads
     #[command(flatten)]
@@ -147,10 +151,10 @@ fn both(relative: &str) -> String {
     }
 }
 
-impl SolveArgs {
-    /// Those of the case, then the quantities.
-    pub(super) fn overrides(&self) -> Vec<(String, String)> {
-        self.case.overrides().into_iter().chain(as_override(&self.quantity)).collect()
+impl CaseArgs {
+    /// Those of the case, then the quantities that are asked for.
+    pub(super) fn with_quantities(&self, names: &[String]) -> Vec<(String, String)> {
+        self.overrides().into_iter().chain(as_override(names)).collect()
     }
 }
 
@@ -158,14 +162,6 @@ impl SolveArgs {
 pub(super) fn as_override(quantities: &[String]) -> Option<(String, String)> {
     let named = || ("study.quantities".to_owned(), serde_json::json!(quantities).to_string());
     (!quantities.is_empty()).then(named)
-}
-
-fn accuracy(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(number) if number > 0.0 && number < 1.0 => Ok(number),
-        Ok(number) => Err(format!("{number} is not above 0 and below 1")),
-        Err(_) => Err("expected a number above 0 and below 1, e.g. 1e-3".to_owned()),
-    }
 }
 
 pub(super) fn key_value(text: &str) -> Result<(String, String), String> {

@@ -17,7 +17,7 @@ use crate::format_number::{counted, figures};
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::mesh::canopy::Canopy;
 use crate::mesh::parachute::ParachuteParameters;
-use crate::model::forces::Role;
+use crate::model::abilities::SpringDamping;
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::{Scene, pass_events, place_of};
@@ -25,15 +25,17 @@ use crate::simulation::{build_scene, check_solver, doubts_at_start};
 use crate::study::forecast::memory::Baseline;
 use crate::study::forecast::nominal::Budget;
 use crate::study::forecast::{Candidate, ForecastSpec, describe, describe_answer, forecast};
+use crate::study::verify::Accuracy;
 use crate::warning::Warning;
 use serde::Deserialize;
 use std::fmt::Write;
 
-/// Accuracy to recommend a method for, if neither the command nor the case has one.
-const ACCURACY: f64 = 1e-3;
+/// [-] Accuracy to recommend a run for, if neither the command nor the case has one.
+const ACCURACY: f64 = 0.01;
 
 pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
-    let (models, mut problem, source) = KnownModels::of(Case::from_file(&args.case.case, &args.case.overrides())?);
+    let (models, mut problem, source) =
+        KnownModels::of(Case::from_file(&args.case.case, &args.case.with_quantities(&args.quantity))?);
     let groups = problem.group_totals();
     let system = problem.take_system();
     let totals = Totals::of(&system);
@@ -67,9 +69,11 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
         Limits::of(scene, &state, budget).critical_step(&problem.method)
     });
     let own = problem.time.step.tolerance().map(|tolerance| tolerance.relative);
-    let accuracy = args.accuracy.or(own).unwrap_or(ACCURACY);
+    let accuracy = args.within.clone().unwrap_or(Accuracy::Relative(own.unwrap_or(ACCURACY)));
+    let accuracy = &accuracy;
     let fields = (&problem.output).into();
-    let spec = ForecastSpec { scene, problem: &problem, fields, candidates: &candidates, accuracy, baseline, budget };
+    let (candidates, all) = (&candidates[..], args.all);
+    let spec = ForecastSpec { scene, problem: &problem, fields, candidates, accuracy, all, baseline, budget };
     let forecast = forecast(&spec);
     // Trial runs have passed events.
     pass_events(scene, 0);
@@ -80,18 +84,17 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let acknowledged: Vec<String> = words(&problem.acknowledged, &acknowledged);
     let warnings: Vec<String> = words(&problem.warnings, &warnings);
     let own = candidates.iter().find(|candidate| candidate.method.info.name == problem.method.info.name);
-    let own_run = forecast.methods.iter().find(|row| row.method == problem.method.info.name);
     // A run that was too expensive to try is not one that fails.
-    let fails = own_run.and_then(|row| row.refused.as_deref()).is_some_and(|why| why.starts_with("fails "));
+    let fails = forecast.refused.as_deref().is_some_and(|why| why.starts_with("fails "));
     let linear_only = problem.method.info.linear.linear_only;
     let limit = own.and_then(|own| own.limit);
-    let switching = undamped_switching(scene, plan.step, &candidates);
+    let switching = undamped_switching(scene, plan.step, candidates);
     let stable = Stability { step: plan.step, limit, later, while_slack, fails, linear_only, switching }.answer();
     if args.print.json {
         return Report {
             problem: &problem,
             scene,
-            candidates: &candidates,
+            candidates,
             stable: stable.0,
             later,
             while_slack,
@@ -109,7 +112,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     }
     let stable = format!("{}: {}", stable.0, stable.1);
     let mut text = heading(&problem, &warnings)
-        + &describe_answer(&problem, scene, &forecast, &stable)?
+        + &describe_answer(&problem, scene, &forecast, accuracy, &stable)?
         + &size
         + &canopies
         + &scene.added_mass().map_or_else(String::new, |added| format!("  mass scaling    {}\n", added.text()))
@@ -117,7 +120,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     text.push_str(&notes(args, &acknowledged, &warnings));
     if args.all {
         tables.push_str(&describe(&problem, &forecast)?);
-        describe_limits(&mut tables, &problem, scene, &limits, &candidates);
+        describe_limits(&mut tables, &problem, scene, &limits, candidates);
         describe_later(&mut tables, &problem, scene, later);
         let _ = writeln!(text, "\n{}", tables.trim_end());
     }
@@ -161,8 +164,8 @@ struct Stability {
 /// [rad] w h of the fastest motion of a scene whose springs go slack, with nothing that damps them, where a step jumps
 /// over it. Verlet's limit is w h = 2.
 fn undamped_switching(scene: &dyn Scene, step: Option<f64>, candidates: &[Candidate]) -> Option<f64> {
-    let damped = scene.terms().iter().any(|term| term.role == Role::Dissipative && !term.on_triangles);
-    if damped || !scene.springs()?.has_branches() {
+    let springs = scene.springs()?;
+    if springs.damping() != SpringDamping::None || !springs.has_branches() {
         return None;
     }
     let verlet = candidates.iter().find(|candidate| candidate.method.info.name == "velocity-verlet")?;

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     let account = StartupTimer::of_process();
-    let case = timed(Phase::Parse, || Case::from_file(&args.case.case, &args.overrides()))?;
+    let case = timed(Phase::Parse, || Case::from_file(&args.case.case, &args.case.with_quantities(&args.quantity)))?;
     let warned = |warning: &Warning| {
         if !args.print.quiet {
             interject(&format!("warning: {warning}"));

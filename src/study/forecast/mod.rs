@@ -1,36 +1,32 @@
-//! Forecast of the cost of runs from short trials, and of the step that an accuracy needs. Nothing is written.
+//! What `check` says before a run: what it costs and what its numbers are worth, and which run is the cheapest within an
+//! accuracy. Nothing is written.
 //!
-//! 1. A cheap adaptive run, limited to a fraction of a second, gives states along the whole run ([`states`]).
-//! 2. Every method makes a few real steps from these states ([`sample`]), because the number of Newton iterations and
-//!    of rejected steps is not known otherwise. Adaptive steps are first made from the start ([`beginning`]).
-//! 3. What these steps cost stands for the parts of the run around them ([`estimate`]); memory is counted ([`memory`]).
-//!    A forecast is marked doubtful if the step size differs much between these parts.
-//! 4. The accuracy of a step is measured: runs with coarse steps are compared with a reference, as far as is affordable
-//!    ([`coarse_reference`]). From them follows the longest step for an accuracy ([`search`]).
-//! 5. Methods are ranked by the nominal cost of their work ([`advice`], [`units`]). If no reference is affordable, an
-//!    implicit run is compared with one of twice its step (`step_doubling`).
+//! 1. The case's own run is made, whole or its first part, and the same with longer steps and with other methods
+//!    ([`prospects`]). All of it costs at most a fifth of the run that is asked about, or half a second.
+//! 2. A run of which too few steps are affordable is predicted from the cost of a force pass and of a tangent ([`cost`]),
+//!    and from single steps ([`trials`]); nothing is known of its errors then.
+//! 3. Where all methods are asked for, each makes a few real steps ([`sample`]) from states along a cheap adaptive run
+//!    ([`states`]); what these cost stands for the parts of the run around them ([`estimate`]).
+//! 4. Memory is counted ([`memory`]), and what results cost to write ([`output`]).
 
-pub mod advice;
-pub mod coarse_reference;
 pub mod cost;
 pub mod estimate;
 pub mod memory;
 pub mod nominal;
 pub mod output;
+pub mod prospects;
 pub mod sample;
-pub mod search;
 pub mod states;
-mod step_doubling;
 mod trials;
 pub mod work;
 
-use advice::{Advice, Adviser};
 use cost::{ForceCost, TangentCost, force_cost, tangent_cost};
 use estimate::Estimate;
 use memory::{Baseline, MemorySpec, Needs};
-use nominal::Budget;
+use nominal::{Budget, NominalCosts};
 use output::OutputCost;
-use trials::Trials;
+use prospects::{NoProspects, Prospector, Prospects};
+use trials::{Trials, searches};
 
 use crate::StudyError;
 use crate::analysis::critical::CriticalStep;
@@ -38,8 +34,10 @@ use crate::case::spec::Problem;
 use crate::drive::clock::{Step, Tolerance};
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::output::frame::Fields;
+use crate::prepared_case::nominal_pass;
 use crate::scene::Scene;
 use crate::template::render;
+use crate::verify::Accuracy;
 use minijinja::context;
 
 /// A method that may run, and what is known of its largest stable step.
@@ -62,8 +60,10 @@ pub struct ForecastSpec<'a> {
     pub fields: Fields,
     /// the methods, in the order of the rows
     pub candidates: &'a [Candidate],
-    /// [-] accuracy to advise for, relative to the motion, in (0, 1)
-    pub accuracy: f64,
+    /// accuracy to recommend a run for
+    pub accuracy: &'a Accuracy,
+    /// whether a row is wanted of every method
+    pub all: bool,
     /// what this process held once the scene was built
     pub baseline: Baseline,
     /// what trials may cost
@@ -91,11 +91,6 @@ pub struct MethodForecast {
     pub run: Option<Estimate>,
     /// why there is no such run
     pub refused: Option<String>,
-    /// [s] fixed step for the wanted accuracy; null where it was not looked for to its end, because another method of
-    /// the family is clearly cheaper
-    pub accuracy_step: Option<f64>,
-    /// the run with that step
-    pub at_accuracy: Option<Estimate>,
 }
 
 /// What runs of a scene would cost.
@@ -109,12 +104,16 @@ pub struct Forecast {
     pub tangent_refused: Option<String>,
     /// what writing results costs
     pub output: OutputCost,
-    /// [-] part of the run that the trials saw
-    pub seen: f64,
-    /// one row a method
+    /// [byte] largest resident memory of the case's own run
+    pub memory_bytes: u64,
+    /// the case's own run and what is recommended; not given where no run came to a prediction
+    #[serde(flatten)]
+    pub prospects: Option<Prospects>,
+    /// why the case's own run has none
+    pub refused: Option<String>,
+    /// one row a method; empty unless all are asked for
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub methods: Vec<MethodForecast>,
-    /// what to take for the wanted accuracy; null where no method came to a prediction
-    pub advice: Option<Advice>,
 }
 
 /// The tolerance of adaptive steps for an accuracy: a hundredth of it [m] is always allowed, as with `--tolerance`.
@@ -122,11 +121,12 @@ pub fn tolerance_of(accuracy: f64) -> Tolerance {
     Tolerance { relative: accuracy, absolute: accuracy / 100.0 }
 }
 
-/// Predicts runs of all candidates.
+/// Predicts the case's own run, what to take for the accuracy, and if they are asked for runs of all candidates.
 pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
     let ForecastSpec { scene, problem, fields, candidates, baseline, .. } = *spec;
     let end = problem.time.end;
     let force = force_cost(scene);
+    spec.budget.calibrate(force.pass_seconds / nominal_pass(scene));
     let h = problem.time.step.fixed().unwrap_or(1e-3 * end).min(end);
     let made = tangent_cost(scene, problem.solver, 4.0 / (h * h));
     let (tangent, tangent_refused) = match made {
@@ -134,23 +134,42 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
         Err(why) => (None, Some(why)),
     };
     let output = OutputCost::of(scene, &problem.output, fields, end);
-    let mut trials = Trials::along(spec, &force, tangent.as_ref());
+    let writing = |steps: f64| output.seconds(steps);
+    let costs = NominalCosts::new(scene, tangent.as_ref());
+    let (prospects, mut refused, dear) = match (Prospector { spec, costs, output: &writing }).prospects() {
+        Ok(found) => (Some(found), None, false),
+        Err(NoProspects::TooDear) => (None, None, true),
+        Err(NoProspects::Fails { why, instead }) => (instead.map(|found| *found), Some(why), false),
+    };
     let memory = MemorySpec { scene, baseline, output: &output, tangent: tangent.as_ref() };
-    // The case's own run first: what it is to cost is asked above all.
-    let own = candidates.iter().position(|c| c.method.info.name == problem.method.info.name);
-    let mut known =
-        own.map(|own| (own, trials.predict(&candidates[own], planned(&candidates[own], problem.time.step, end))));
-    let rows = candidates.iter().enumerate().map(|(place, candidate)| {
+    let needs = |candidate: &Candidate, step: Step| Needs {
+        family: candidate.method.info.family,
+        adaptive: step.fixed().is_none(),
+        searches: searches(scene, candidate, step),
+    };
+    let own = candidates.iter().find(|c| c.method.info.name == problem.method.info.name);
+    let memory_bytes = own.map_or(0, |own| memory.predict(needs(own, problem.time.step)));
+    let mut trials = (spec.all || dear).then(|| Trials::along(spec, &force, tangent.as_ref()));
+    let mut predict = |candidate: &Candidate, step: Step| {
+        let trials = trials.as_mut().ok_or_else(|| "not tried".to_owned())?;
+        trials.predict(candidate, step).map(|estimate| estimate.with_output(output.seconds(estimate.steps)))
+    };
+    let mut prospects = prospects;
+    if let (true, Some(own)) = (dear, own) {
+        match predict(own, planned(own, problem.time.step, end)) {
+            Ok(estimate) => prospects = Some(Prospects::of_counts(spec, costs, estimate)),
+            Err(why) => refused = Some(why),
+        }
+    }
+    let row = |candidate: &Candidate| {
         let step = planned(candidate, problem.time.step, end);
-        let known = known.take_if(|(own, _)| *own == place).map(|(_, known)| known);
-        let (run, refused) = match known.unwrap_or_else(|| trials.predict(candidate, step)) {
-            Ok(estimate) => (Some(estimate.with_output(output.seconds(estimate.steps))), None),
-            Err(why) => (None, Some(why)),
-        };
-        let needs = Needs {
-            family: candidate.method.info.family,
-            adaptive: step.fixed().is_none(),
-            searches: trials.searches(candidate, step),
+        let same = |found: &&Prospects| refused.is_none() && found.is_of(candidate, step);
+        let (run, refused) = match prospects.as_ref().filter(same) {
+            Some(found) => (Some(found.this_case.estimate), None),
+            None => match predict(candidate, step) {
+                Ok(estimate) => (Some(estimate), None),
+                Err(why) => (None, Some(why)),
+            },
         };
         MethodForecast {
             method: candidate.method.info.name,
@@ -159,41 +178,17 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
             step: step.fixed(),
             step_reduced: step.fixed().zip(problem.time.step.fixed()).is_some_and(|(own, asked)| own < asked.min(end)),
             tolerance: step.tolerance().map(|tolerance| tolerance.relative),
-            memory_bytes: memory.predict(needs),
+            memory_bytes: memory.predict(needs(candidate, step)),
             run,
             refused,
-            accuracy_step: None,
-            at_accuracy: None,
         }
-    });
-    let mut methods: Vec<MethodForecast> = rows.collect();
-    let adviser = Adviser::new(spec, tangent.as_ref());
-    let offers = adviser.offers(&mut trials);
-    let whole = adviser.sees_all();
-    let mut complete = |candidate: &Candidate, step: Step, known: Option<Estimate>| {
-        // A part of the run, its beginning above all, may cost more a step than the rest.
-        let predicted = known.filter(|_| whole).or_else(|| trials.predict(candidate, step).ok());
-        let estimate = predicted.or(known)?;
-        Some(estimate.with_output(output.seconds(estimate.steps)))
     };
-    for (candidate, found) in &offers {
-        if let Some(row) = methods.iter_mut().find(|row| row.method == candidate.method.info.name) {
-            row.accuracy_step = Some(found.step);
-            row.at_accuracy = complete(candidate, Step::Fixed(found.step), found.run);
-        }
-    }
-    let mut advice = adviser.advise(&offers, &mut complete);
-    if let Some(advice) = &mut advice {
-        // A run that fails, or would with the step that is asked for, is no cheaper one.
-        let own = methods.iter().find(|row| row.method == problem.method.info.name);
-        let made = own.is_some_and(|row| row.run.is_some() && !row.step_reduced);
-        advice.own_cheaper = advice.own_cheaper.filter(|_| made);
-    }
-    let seen = trials.seen();
-    Forecast { force, tangent, tangent_refused, output, seen, methods, advice }
+    let methods = if spec.all { candidates.iter().map(row).collect() } else { Vec::new() };
+    Forecast { force, tangent, tangent_refused, output, memory_bytes, prospects, refused, methods }
 }
 
-/// The answer of a forecast: what is recommended, and what the case's own run costs. `stable` says whether its step is.
+/// The answer of a forecast: what the case's own run costs and is worth, and what is recommended. `stable` says whether
+/// its step is.
 ///
 /// # Errors
 /// What the template engine refuses.
@@ -201,10 +196,13 @@ pub fn describe_answer(
     problem: &Problem,
     scene: &dyn Scene,
     forecast: &Forecast,
+    accuracy: &Accuracy,
     stable: &str,
 ) -> Result<String, StudyError> {
     let scaled_masses = scene.added_mass().is_some();
-    let context = context! { forecast, own => problem.method.info.name, stable, scaled_masses };
+    let lines = forecast.prospects.as_ref().map(|found| found.lines(forecast.refused.is_none(), accuracy));
+    let own = problem.method.info.name;
+    let context = context! { forecast, own, lines, stable, scaled_masses };
     render("check_answer.txt", include_str!("../templates/check_answer.txt"), &context)
 }
 

@@ -3,7 +3,6 @@
 
 use std::cell::Cell;
 
-use super::coarse_reference::MeasuredRun;
 use super::cost::TangentCost;
 use super::work::Work;
 use crate::case::spec::Problem;
@@ -13,11 +12,11 @@ use crate::prepared_case::{nominal_pass, nominal_step};
 use crate::scene::Scene;
 
 /// [-] Share of the run that a forecast may cost.
-const SHARE: f64 = 0.25;
-/// [s] Smallest budget for scenes of up to [`SMALL`] degrees of freedom. It decreases for larger scenes, because the
-/// time to build them and to choose their solver is not counted here.
-const LEAST: f64 = 3.0;
-const SMALL: f64 = 60_000.0;
+const SHARE: f64 = 0.2;
+/// [s] Smallest budget.
+const LEAST: f64 = 0.5;
+/// [-] Most that a machine is taken to be slower than nominally.
+const SLOWEST: f64 = 8.0;
 /// [-] Largest part of the budget that a search of the spectrum for critical steps may take.
 const SEARCHES: f64 = 0.5;
 
@@ -62,14 +61,6 @@ impl NominalCosts {
         self.step * steps + work.cost(&self.work)
     }
 
-    /// [s] So many steps, from the work of those that were made.
-    pub fn as_made(&self, method: &MethodChoice, made: &MeasuredRun, steps: f64) -> f64 {
-        let share = steps / made.sample.steps.max(1.0);
-        let mut work = made.sample.work.times(share);
-        work.force_evaluations += made.account_passes * share - self.saved(method) * steps;
-        self.cost(steps, work)
-    }
-
     /// [s] So many steps of a method that has made none.
     pub fn untried(&self, method: &MethodChoice, steps: f64) -> f64 {
         let passes = f64::from(method.info.evaluations[usize::from(self.moving)]) - self.saved(method);
@@ -91,15 +82,24 @@ impl NominalCosts {
 #[derive(Clone, Debug)]
 pub struct Budget {
     left: Cell<f64>,
+    /// [s] of which this much is a share of the case's own run
+    own: f64,
 }
 
 impl Budget {
-    /// A quarter of the run that a case asks for, but enough for a scene of some thousand nodes.
+    /// A fifth of the run that a case asks for, but half a second.
     pub fn of(scene: &dyn Scene, problem: &Problem) -> Self {
         let steps = problem.time.step.fixed().map_or(0.0, |step| (problem.time.end / step).ceil());
         let run = steps * nominal_step(scene, &problem.method);
-        let least = LEAST * (SMALL / scene.n_dof().max(1) as f64).min(1.0);
-        Budget { left: Cell::new((SHARE * run).max(least)) }
+        Budget { left: Cell::new((SHARE * run).max(LEAST)), own: SHARE * run }
+    }
+
+    /// Takes off what half a second of this machine is less than nominally, where a force pass takes `times` as long as
+    /// it should; in steps of a factor of two, so that the clock has little part in what is decided.
+    pub fn calibrate(&self, times: f64) {
+        let slower = times.log2().round().exp2().clamp(1.0, SLOWEST);
+        let spent = self.own.max(LEAST) - self.left();
+        self.left.set((LEAST / slower).max(self.own) - spent);
     }
 
     /// [s] What is left.
@@ -132,32 +132,21 @@ impl Budget {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::forecast::sample::Sample;
 
     #[test]
     fn what_is_spent_is_not_spent_twice() {
-        let budget = Budget { left: Cell::new(1.0) };
+        let budget = Budget { left: Cell::new(1.0), own: 1.0 };
         assert!(budget.affords(0.75) && !budget.affords(0.5) && budget.affords(0.25));
         budget.spend(1.0);
         assert!(budget.left() == 0.0 && budget.affords(0.0));
     }
 
-    /// A second pass at the same positions is cheaper than the first, before a step was made and by its count; one for
-    /// the account alone costs as much as any, and is known when it was made.
+    /// A second pass at the same positions is cheaper than the first.
     #[test]
-    fn a_pass_at_the_same_positions_costs_less_and_one_for_the_account_as_much() {
+    fn a_pass_at_the_same_positions_costs_less() {
         let units = NominalCosts { step: 0.0, work: Work::passes(1.0), moving: true, implicit: KEPT };
         let method = |name| MethodChoice::with_defaults(name).expect("in the registry");
-        let cost = |name, passes: f64, account_passes: f64| {
-            let work = Work::passes(10.0 * passes);
-            let sample = Sample { steps: 10.0, work, ..Sample::default() };
-            let made = MeasuredRun { sample, account_passes: 10.0 * account_passes, ..MeasuredRun::default() };
-            units.as_made(&method(name), &made, 1.0)
-        };
-        assert_eq!(cost("velocity-verlet", 2.0, 0.0), 1.0 + costs::AGAIN);
         assert_eq!(units.untried(&method("velocity-verlet"), 1.0), 1.0 + costs::AGAIN);
-        assert_eq!(cost("improved-euler", 2.0, 0.0), 2.0);
-        assert_eq!(cost("improved-euler-pec", 1.0, 1.0), 2.0);
         let still = NominalCosts { moving: false, ..units };
         assert_eq!(still.untried(&method("velocity-verlet"), 1.0), 1.0);
     }

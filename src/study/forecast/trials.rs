@@ -13,6 +13,7 @@ use crate::drive::clock::{FixedSteps, Step};
 use crate::experiment::Experiment;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::prepared_case::nominal_step;
+use crate::scene::Scene;
 
 /// [s] Time limit of a probe, the run from which states are sampled.
 const PROBE: f64 = 0.3;
@@ -47,7 +48,7 @@ const FAILING: f64 = 0.1;
 const FEWEST: f64 = 10.0;
 
 /// The trials of a scene.
-pub struct Trials<'a> {
+pub(super) struct Trials<'a> {
     spec: ForecastSpec<'a>,
     force: &'a ForceCost,
     tangent: Option<&'a TangentCost>,
@@ -55,19 +56,17 @@ pub struct Trials<'a> {
     states: Vec<Snapshot>,
     /// the same for what is left of adaptive runs
     many: Vec<Snapshot>,
-    /// [s] how far the states go
-    reached: f64,
     /// what dear implicit steps needed, by whether they were fixed
     learnt: [Option<Sample>; 2],
 }
 
 impl<'a> Trials<'a> {
     /// Samples states along runs that cost little a step.
-    pub fn along(spec: &ForecastSpec<'a>, force: &'a ForceCost, tangent: Option<&'a TangentCost>) -> Self {
+    pub(super) fn along(spec: &ForecastSpec<'a>, force: &'a ForceCost, tangent: Option<&'a TangentCost>) -> Self {
         let end = spec.problem.time.end;
         let follow = |name: &str| {
             let method = MethodChoice::with_defaults(name).ok()?;
-            let step = Step::Adaptive(tolerance_of(spec.accuracy));
+            let step = Step::Adaptive(tolerance_of(spec.accuracy.share()));
             let probe = Experiment::new(spec.scene, &method, spec.problem.solver, step, end);
             Some(SampledStates::follow(probe, PROBE))
         };
@@ -78,12 +77,7 @@ impl<'a> Trials<'a> {
         }
         let dear = 100.0 * force.pass_seconds > COSTLY * 10.0;
         let [states, many] = [STATES, MANY].map(|count| way.states(if dear { 1 } else { count }));
-        Trials { spec: *spec, force, tangent, states, many, reached: way.reached, learnt: [None; 2] }
-    }
-
-    /// [-] Part of the run that the states cover.
-    pub fn seen(&self) -> f64 {
-        (self.reached / self.end()).min(1.0)
+        Trials { spec: *spec, force, tangent, states, many, learnt: [None; 2] }
     }
 
     /// [s]
@@ -101,19 +95,11 @@ impl<'a> Trials<'a> {
         Experiment { frames_every: problem.output.frames_every, ..run }
     }
 
-    /// Whether `solve` looks for a critical step before such a run.
-    pub fn searches(&self, candidate: &Candidate, step: Step) -> bool {
-        let scene = self.spec.scene;
-        let _all_taut = AllTaut::of(scene);
-        let plain = |h| plainly_stable(scene, scene.initial_state().as_ref(), &candidate.method, h).is_some();
-        has_limit(&candidate.method) && !step.fixed().is_some_and(plain)
-    }
-
     /// A whole run of a method, without output.
     ///
     /// # Errors
     /// Why there is none, in words.
-    pub fn predict(&mut self, Candidate { method, .. }: &Candidate, step: Step) -> Result<Estimate, String> {
+    pub(super) fn predict(&mut self, Candidate { method, .. }: &Candidate, step: Step) -> Result<Estimate, String> {
         let steps = step.fixed().map(|h| FixedSteps::new(h, self.end()).count());
         let implicit = method.info.family == Family::Implicit;
         if !implicit && !self.spec.budget.affords(self.cost_of_dear(method, steps.is_none(), self.states.len())) {
@@ -233,6 +219,13 @@ impl<'a> Trials<'a> {
         })?;
         Ok(Estimate { basis: Basis::Counts, ..self.estimate(&[sample], steps)? })
     }
+}
+
+/// Whether `solve` looks for a critical step before such a run.
+pub(super) fn searches(scene: &dyn Scene, candidate: &Candidate, step: Step) -> bool {
+    let _all_taut = AllTaut::of(scene);
+    let plain = |h| plainly_stable(scene, scene.initial_state().as_ref(), &candidate.method, h).is_some();
+    has_limit(&candidate.method) && !step.fixed().is_some_and(plain)
 }
 
 /// A method that fails in a trial mostly fails soon after its own start too, where `solve` will fail: reports that

@@ -5,7 +5,7 @@ use crate::common::run::{case_of, run_with};
 use canopy_fem::assembly::{MixedForm, TangentSystem};
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
-use canopy_fem::model::spring_state::{SpringState, SpringTangent};
+use canopy_fem::model::spring_state::{SheetState, SpringState, SpringTangent};
 use canopy_fem::model::state::State;
 use canopy_fem::model::stop::Stop;
 use canopy_fem::model::system::Weights;
@@ -141,7 +141,7 @@ fn the_matrix_of_the_mixed_iteration_agrees_with_differences() {
     let tangent = |i: usize| SpringTangent { tension: 30.0 * wave(i, 0.3), stiffness: 1e3 * wave(i, 0.9).abs() };
     let tangents: Vec<SpringTangent> = (0..mixed.springs()).map(tangent).collect();
     let mut assembler = system.assembler().expect("small");
-    let form = MixedForm { springs: &tangents, convex: false, symmetric: true };
+    let form = MixedForm { springs: &tangents, sheets: &[], convex: false, symmetric: true };
     mixed.assemble_mixed(state.as_ref(), Weights { m: 0.0, c: 0.0, k: 1.0 }, form, &mut assembler);
 
     let dof = assembler.pattern.dof.clone();
@@ -197,5 +197,81 @@ fn flat_sheets_swing_down_in_long_steps() {
                 assert!(lowest > -1.05 && lowest < -0.5, "{label}: {lowest} m");
             }
         }
+    }
+}
+
+/// A flat sheet of membranes, held along one side.
+fn membrane_sheet(cells: usize, modulus: f64, wrinkling: bool) -> Value {
+    let mut case = sheet(cells, 1.0, "both ways");
+    let network = &mut case["system"]["network"];
+    network.as_object_mut().expect("an object").remove("springs");
+    network["membranes"] =
+        json!([{"on": "all", "thickness": 1e-4, "modulus": modulus, "poisson": 0.3, "wrinkling": wrinkling}]);
+    case
+}
+
+/// [N/m] The matrix with stresses S is the derivative of the forces A B^T (S + D dE) by positions, for any S: by central
+/// differences of the strains' derivatives B.
+#[test]
+fn the_matrix_with_stresses_agrees_with_differences() {
+    let mut problem = case_of(&membrane_sheet(3, 1e7, false), &[]).problem().clone();
+    let scene = build_scene(problem.take_system(), 1).expect("the case is good");
+    let system: &dyn TangentSystem = scene.interfaces().tangent;
+    let mixed = system.mixed().expect("membranes");
+    let wave = |i: usize, w: f64| (1.0 + w * i as f64).sin();
+    let mut state = scene.initial_state();
+    state.x.iter_mut().enumerate().for_each(|(i, x)| *x += 0.05 * wave(i, 1.7));
+    let sheets_at = |state: &State| {
+        let mut sheets = vec![SheetState::default(); mixed.sheets()];
+        mixed.measure_sheets(state.as_ref(), 0.0, &mut sheets);
+        sheets
+    };
+    let given = |i: usize| sheets_at(&state)[0].stiffness.column(0) * 0.1 * wave(i, 0.3);
+    let stresses: Vec<_> = (0..mixed.sheets()).map(given).collect();
+    let mut assembler = system.assembler().expect("small");
+    let form = MixedForm { springs: &[], sheets: &stresses, convex: false, symmetric: true };
+    mixed.assemble_mixed(state.as_ref(), Weights { m: 0.0, c: 0.0, k: 1.0 }, form, &mut assembler);
+
+    let dof = assembler.pattern.dof.clone();
+    let p: Vec<f64> = (0..dof.len()).map(|i| wave(i, 2.3)).collect();
+    let mut product = vec![0.0; p.len()];
+    assembler.pattern.multiply(assembler.values(), &p, &mut product);
+
+    const STEP: f64 = 1e-6;
+    let [ahead, behind] = [STEP, -STEP].map(|step| {
+        let mut moved = state.clone();
+        dof.iter().zip(&p).for_each(|(&dof, p)| moved.x[dof as usize] += step * p);
+        sheets_at(&moved)
+    });
+    let mut change = vec![0.0; state.x.len()];
+    for (((now, ahead), behind), stress) in sheets_at(&state).iter().zip(&ahead).zip(&behind).zip(&stresses) {
+        let rise = (ahead.stress - behind.stress) / (2.0 * STEP);
+        for corner in 0..3 {
+            let turn = (ahead.by_node[corner] - behind.by_node[corner]).transpose() * stress / (2.0 * STEP);
+            let force = (turn + now.by_node[corner].transpose() * rise) * now.area;
+            (0..3).for_each(|axis| change[3 * now.nodes[corner] as usize + axis] += force[axis]);
+        }
+    }
+    let largest = change.iter().fold(0.0, |most: f64, change| most.max(change.abs()));
+    for (&dof, product) in dof.iter().zip(&product) {
+        let expected = change[dof as usize];
+        assert!((product - expected).abs() < 1e-6 * largest, "{product} for {expected}");
+    }
+}
+
+/// A flat sheet of membranes swings down in steps that are long beside every period of its own, taut or wrinkled. With
+/// the stresses of its strains alone, Newton's iteration ends in the first step.
+#[test]
+fn membranes_swing_down_in_long_steps() {
+    for wrinkling in [false, true] {
+        let case = case_of(&membrane_sheet(12, 1e10, wrinkling), &[("time.step", "0.1"), ("time.end", "0.5")]);
+        let [one, two] = [1, 2].map(|threads| run_with(&case, threads));
+        assert_eq!(one.outcome.status, Status::Completed, "{wrinkling}: {:?}", one.outcome.failure);
+        assert!(one.state == two.state && one.outcome.counters == two.outcome.counters, "{wrinkling}");
+        assert_eq!(one.outcome.counters.lu_factorizations, 0, "{wrinkling}");
+        let mean = one.outcome.counters.newton_iterations as f64 / one.outcome.steps as f64;
+        assert!(mean < 40.0, "{wrinkling}: {mean}");
+        let lowest = one.positions.iter().fold(f64::INFINITY, |least: f64, x| least.min(x[2]));
+        assert!(lowest > -1.05 && lowest < -0.2, "{wrinkling}: {lowest} m");
     }
 }

@@ -101,6 +101,7 @@ fn row(law: &Law, job: Job, h: f64, status: RowStatus) -> Row {
         force_evaluations: count * (law.cost / 1e-5).min(12.0) as u64,
         tangent_assemblies: if implicit { 3 * count } else { 0 },
         factorizations: if implicit { count } else { 0 },
+        lu_factorizations: 0,
         linear_solves: if implicit { 3 * count } else { 0 },
         newton_iterations: if implicit { 3 * count } else { 0 },
         cg_iterations: 0,

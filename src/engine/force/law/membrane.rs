@@ -14,13 +14,14 @@
 //! ```
 
 mod mean;
+mod mixed;
 
 use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, Records};
 use crate::force::kernel::element_block::{ElementBlock, vector};
 use crate::force::kernel::sheet_batches::{Group, GroupShapes, SIDE_BY_SIDE, SheetLaw, SheetPass, SheetStress};
 use crate::force::law::rayleigh_membrane::RestTriangle;
 use crate::force::law::tension_field::{Sheet, Voigt, Wrinkling};
-use crate::force::{Copies, ForceTerm, MeanForce, NodeState, TangentForm, TangentSink};
+use crate::force::{Copies, ForceTerm, MeanForce, NodeState, SheetTerm, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::{self, Real};
 use crate::model::system::{StepMean, TermInfo, Weights};
@@ -387,6 +388,10 @@ impl ForceTerm for Membrane {
     }
 
     fn mean(&self) -> Option<&dyn MeanForce> {
+        Some(self)
+    }
+
+    fn sheets(&self) -> Option<&dyn SheetTerm> {
         Some(self)
     }
 

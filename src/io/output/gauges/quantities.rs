@@ -23,10 +23,14 @@ pub struct MeasuredQuantity {
     pub value: Option<f64>,
     /// largest magnitude of its series; 0 where it has none, and for times
     pub largest: f64,
+    /// of a peak, about what falls between two steps
+    pub missed: f64,
     /// whether it is asked for, or is one of the numbers of the report where nothing is asked for
     pub wanted: bool,
     /// whether it is a time that only falls on steps
     pub is_time: bool,
+    /// whether it is known at the end of the run only
+    pub at_end: bool,
 }
 
 impl MeasuredQuantity {
@@ -166,16 +170,22 @@ impl Quantities {
             Source::Energy(number) => magnitude(&self.so_far.account, *number),
             Source::Motion | Source::DisplacementEnd | Source::Channels(_) => 0.0,
         };
-        let measured = |of: (&Found, &Option<f64>)| {
-            let is_time = of.0.statistic == Statistic::PeakTime;
-            MeasuredQuantity {
-                name: of.0.name.text.clone(),
-                unit: of.0.unit,
-                value: value(of).filter(|value| value.is_finite()),
-                wanted: of.0.wanted,
-                largest: if is_time { 0.0 } else { largest(&of.0.source) },
-                is_time,
-            }
+        let between = |number: &usize| channels.get(*number).map_or(0.0, |series| series.missed);
+        let missed = |source: &Source| match source {
+            Source::Channel(number) => between(number),
+            Source::Channels(several) => several.iter().map(between).fold(0.0, f64::max),
+            Source::Energy(number) => self.so_far.account.get(*number).map_or(0.0, |series| series.missed),
+            Source::Motion | Source::DisplacementEnd => 0.0,
+        };
+        let measured = |of: (&Found, &Option<f64>)| MeasuredQuantity {
+            name: of.0.name.text.clone(),
+            unit: of.0.unit,
+            value: value(of).filter(|value| value.is_finite()),
+            wanted: of.0.wanted,
+            largest: if of.0.statistic == Statistic::PeakTime { 0.0 } else { largest(&of.0.source) },
+            missed: if of.0.statistic == Statistic::Peak { missed(&of.0.source) } else { 0.0 },
+            is_time: of.0.statistic == Statistic::PeakTime,
+            at_end: matches!(of.0.statistic, Statistic::Last | Statistic::Mean | Statistic::Steady),
         };
         self.found.iter().zip(&self.so_far.caught).map(measured).collect()
     }
@@ -186,7 +196,7 @@ fn find(gauges: &mut Gauges, spec: &GaugesSpec<'_>, name: &QuantityName) -> Resu
     let made = |unit, source, statistic| Found { name: name.clone(), unit, source, statistic, wanted: true };
     let rows = RowSchedule::of(spec.history);
     match &name.names {
-        Named::Motion => Ok(made("-", Source::Motion, Statistic::Last)),
+        Named::Motion => Ok(made("-", Source::Motion, Statistic::Peak)),
         Named::DisplacementEnd => Ok(made("m", Source::DisplacementEnd, Statistic::Last)),
         Named::Largest(of) => {
             let column = Column::of("largest", of.unit());

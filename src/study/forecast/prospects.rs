@@ -1,0 +1,574 @@
+//! What the case's own run and others cost, and what their numbers are worth, from runs that are made: whole ones where
+//! that is affordable, else their first part.
+//!
+//! 1. The case's own run is made until it has done so much counted work. What is left costs as much a step as its later
+//!    part.
+//! 2. The same part is run with twice and four times the step: the three runs say what the numbers are worth
+//!    ([`crate::worth`]).
+//! 3. Other methods are run over the same part, from long steps to short ones, while that may be cheaper. Their errors
+//!    are their differences from the case's own run and its own error.
+//!
+//! What is made is decided by counted work, so that the same case gets the same answer on every machine.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
+
+use serde::Serialize;
+
+use super::estimate::Estimate;
+use super::nominal::NominalCosts;
+use super::sample::Sample;
+use super::{Candidate, ForecastSpec};
+use crate::analysis::critical::CriticalStep;
+use crate::drive::Status;
+use crate::drive::clock::{FixedSteps, Step};
+use crate::format_number::{counted, figures, two_digits};
+use crate::frames::Distance;
+use crate::output::gauges::MeasuredQuantity;
+use crate::prepared_case::interval;
+use crate::template::seconds;
+use crate::verify::{Accuracy, Beside, coarser};
+use crate::whole_run::{WholeRun, WholeRunSpec};
+use crate::worth::{Shrinks, Worth};
+
+/// [-] Share of the budget for the case's own run; those with longer steps get as much work each as it took.
+const OWN: f64 = 0.3;
+/// Fewest steps of a part of a run from which something is concluded.
+const FEWEST: u64 = 8;
+/// Methods that are tried beside the case's own, the cheapest by the step first.
+const OTHERS: [&str; 4] = ["velocity-verlet", "rk4", "dop853", "newmark"];
+/// Steps of the part that another method is tried with at first, and how often its step is halved at most.
+const COARSEST: f64 = 20.0;
+const HALVED: u32 = 5;
+/// [-] Another method is tried only where it may cost less than this share of the best so far.
+const CHEAPER: f64 = 0.8;
+/// How often the case's own step is halved, on paper, to reach the accuracy.
+const FINER: i32 = 10;
+/// Prospects that are told.
+const TOLD: usize = 3;
+
+/// How the errors of a prospect are known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum KnownBy {
+    /// runs over the whole time
+    Run,
+    /// runs over the first part
+    Part,
+    /// runs with longer steps
+    LongerSteps,
+    /// no run: the cost follows from single steps and counts
+    Counts,
+}
+
+/// What a number of a run is worth, as far as it is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ErrorForecast {
+    /// in the unit of the quantity; null where it is not known
+    pub error: Option<f64>,
+    /// [-] over the value; null where it has none
+    pub share: Option<f64>,
+}
+
+/// A run that may be made.
+#[derive(Clone, Debug, Serialize)]
+pub struct Prospect {
+    /// name in a case
+    pub method: &'static str,
+    /// [s] fixed step; null for adaptive steps
+    pub step: Option<f64>,
+    /// [-] relative tolerance; null for fixed steps
+    pub tolerance: Option<f64>,
+    /// [s] processor time, output included
+    pub cpu_seconds: f64,
+    /// by name of the quantity
+    pub errors: BTreeMap<String, ErrorForecast>,
+    /// how the errors are known
+    pub known_by: KnownBy,
+    /// the quantity that takes most of the accuracy that is wanted, and its share of it; none where no error is known
+    #[serde(skip)]
+    pub worst: Option<(String, f64)>,
+    /// [s] nominal cost
+    #[serde(skip)]
+    nominal: f64,
+    /// the whole run
+    #[serde(skip)]
+    pub estimate: Estimate,
+}
+
+/// What is known of the runs of a case.
+#[derive(Clone, Debug, Serialize)]
+pub struct Prospects {
+    /// the case's own run
+    pub this_case: Prospect,
+    /// the cheapest runs within the accuracy, the cheapest first
+    pub recommended: Vec<Prospect>,
+    /// the accuracy, in words
+    pub within: String,
+    /// [-] part of the run that was made
+    pub part: f64,
+    /// the runs of the case's own method, in words
+    #[serde(skip)]
+    pub runs: String,
+}
+
+/// Makes the runs.
+pub struct Prospector<'s, 'a> {
+    /// what is asked
+    pub spec: &'s ForecastSpec<'a>,
+    /// what work costs
+    pub costs: NominalCosts,
+    /// [s] what writing results costs a run of so many steps
+    pub output: &'s dyn Fn(f64) -> f64,
+}
+
+/// Why there are no prospects.
+#[derive(Clone, Debug)]
+pub enum NoProspects {
+    /// the case's own run fails
+    Fails {
+        /// when and why
+        why: String,
+        /// what is known of the runs that another one was compared with
+        instead: Option<Box<Prospects>>,
+    },
+    /// a part of it costs too much
+    TooDear,
+}
+
+impl Prospector<'_, '_> {
+    /// Makes the runs and judges them.
+    ///
+    /// # Errors
+    /// Where the case's own run fails, or is too expensive to be begun.
+    pub fn prospects(&self) -> Result<Prospects, NoProspects> {
+        let problem = self.spec.problem;
+        let own = Candidate { method: problem.method.clone(), limit: self.limit_of(problem.method.info.name) };
+        let step = match problem.time.step {
+            Step::Fixed(h) => Step::Fixed(h.min(problem.time.end)),
+            adaptive @ Step::Adaptive(_) => adaptive,
+        };
+        let failed = match self.from(&own, step) {
+            Err(NoProspects::Fails { why, .. }) => why,
+            other => return other,
+        };
+        // What would run instead: a quarter of the step, or a method that dissipates.
+        let implicit = self.candidate("backward-euler").cloned().map(|candidate| (candidate, step));
+        let instead = std::iter::once((own, coarser(step, -2))).chain(implicit);
+        let instead = instead.into_iter().find_map(|(candidate, step)| self.from(&candidate, step).ok());
+        Err(NoProspects::Fails { why: failed, instead: instead.map(Box::new) })
+    }
+
+    /// The prospects beside a run of this method with this step.
+    fn from(&self, candidate: &Candidate, step: Step) -> Result<Prospects, NoProspects> {
+        let ForecastSpec { problem, budget, .. } = *self.spec;
+        let end = problem.time.end;
+        let own_limit = candidate.limit.map_or(f64::INFINITY, |limit| limit.safe());
+        let most = OWN * budget.left();
+        if most < self.costs.untried(&candidate.method, FEWEST as f64) {
+            return Err(NoProspects::TooDear);
+        }
+        let own = self.run(candidate, step, end, most).ok_or(NoProspects::TooDear)?;
+        if let Some(time) = own.failed_at {
+            return Err(NoProspects::Fails { why: format!("fails at t = {time:.3e} s: {}", own.note), instead: None });
+        }
+        let part = own.t_end;
+        let stable = |step: Step| step.fixed().is_none_or(|h| h < own_limit && FEWEST as f64 * h <= part);
+        let mut longer: Vec<WholeRun> = Vec::new();
+        for times in 1..=2 {
+            let step = coarser(step, times);
+            let wide = step.tolerance().is_some_and(|tolerance| tolerance.relative >= 1.0);
+            let run = if stable(step) && !wide { self.run(candidate, step, part, self.cost(&own)) } else { None };
+            match run.filter(|run| run.t_end >= part && run.failed_at.is_none()) {
+                Some(run) => longer.push(run),
+                None => break,
+            }
+        }
+        let order = candidate.method.order();
+        let shrinks = match step {
+            Step::Fixed(_) => Shrinks::with_steps(order),
+            Step::Adaptive(_) => Shrinks::with_tolerance(order),
+        };
+        let worths = Beside { coarser: [longer.first(), longer.get(1)], finer: None };
+        let worths = worths.worth(own.numbers(), shrinks, own.t_end / own.steps.max(1) as f64).quantities;
+        let known_by = if part < end { KnownBy::Part } else { KnownBy::Run };
+        let this_case = self.prospect(candidate, &own, known_by, &|quantity| worths.get(&quantity.name)?.error);
+        let mut all = vec![this_case.clone()];
+        let error_of = |run: &WholeRun, quantity: &MeasuredQuantity| {
+            let own_error = worths.get(&quantity.name)?.error?;
+            let off = match own.value(&quantity.name) {
+                Some(value) => (run.value(&quantity.name)? - value).abs(),
+                None => between(&own, run)?,
+            };
+            Some(off + own_error)
+        };
+        for run in &longer {
+            all.push(self.prospect(candidate, run, known_by, &|quantity| error_of(run, quantity)));
+        }
+        all.extend(self.finer(candidate, &this_case, &own, shrinks, &worths));
+        self.others(candidate.method.info.name, &own, &mut all, &error_of);
+        let within = |prospect: &Prospect| prospect.worst.as_ref().is_some_and(|(_, share)| *share <= 1.0);
+        let mut recommended: Vec<Prospect> = all.into_iter().filter(within).collect();
+        recommended.sort_by(|a, b| a.nominal.total_cmp(&b.nominal));
+        // Of each method the cheapest.
+        let mut told: Vec<Prospect> = Vec::new();
+        for prospect in recommended {
+            if told.len() < TOLD && told.iter().all(|known| known.method != prospect.method) {
+                told.push(prospect);
+            }
+        }
+        let made: Vec<String> = std::iter::once(&own).chain(&longer).map(|run| size(run.step)).collect();
+        let kind = if step.fixed().is_some() { "steps" } else { "tolerances" };
+        let (within, runs) = (self.spec.accuracy.to_string(), format!("{kind} {}", made.join(", ")));
+        Ok(Prospects { this_case, recommended: told, within, part: (part / end).min(1.0), runs })
+    }
+
+    fn limit_of(&self, name: &str) -> Option<CriticalStep> {
+        self.candidate(name)?.limit
+    }
+
+    fn candidate(&self, name: &str) -> Option<&Candidate> {
+        self.spec.candidates.iter().find(|candidate| candidate.method.info.name == name)
+    }
+
+    /// [s] Nominal cost of a run that was made.
+    fn cost(&self, run: &WholeRun) -> f64 {
+        self.costs.cost(run.steps as f64, run.counters.into())
+    }
+
+    /// Makes a run to `end` [s] or to so much nominal cost [s]; none if it cannot start.
+    fn run(&self, candidate: &Candidate, step: Step, end: f64, most: f64) -> Option<WholeRun> {
+        let ForecastSpec { scene, problem, budget, .. } = *self.spec;
+        let every = interval(problem, scene);
+        let spec = WholeRunSpec {
+            scene,
+            problem,
+            every,
+            end,
+            method: &candidate.method,
+            step,
+            frames: true,
+            most_work: u64::MAX,
+            enough: Some(&|steps, counters| self.costs.cost(steps, counters.into()) > most),
+            interrupt: &AtomicBool::new(false),
+        };
+        // Runs that were made before have passed events.
+        crate::scene::pass_events(scene, 0);
+        let mut run = spec.run().ok()?;
+        budget.spend(self.cost(&run));
+        log::debug!(
+            "tried {} {}: {} steps to t = {} s in {:.3} s, {:.3} s nominally",
+            candidate.method.info.name,
+            size(step),
+            run.steps,
+            figures(run.t_end, 4),
+            run.seconds,
+            self.cost(&run)
+        );
+        // A part is what was wanted.
+        if run.status == Status::Interrupted {
+            run.status = Status::Completed;
+        }
+        Some(run).filter(|run| run.steps > 0 || run.failed_at.is_some())
+    }
+
+    /// The whole run of which a part was made.
+    fn whole(&self, run: &WholeRun) -> Estimate {
+        let end = self.spec.problem.time.end;
+        let late = run.late;
+        let [steps, t, seconds] =
+            [(run.steps - late.steps) as f64, run.t_end - late.t, (run.seconds - late.seconds).max(0.0)];
+        let made =
+            Sample { steps: run.steps as f64, simulated: run.t_end, seconds: run.seconds, work: run.counters.into() };
+        let (all, more) = match run.step {
+            Step::Fixed(h) => {
+                let all = FixedSteps::new(h, end).count() as f64;
+                (all, (all - made.steps).max(0.0) * seconds / steps.max(1.0))
+            }
+            Step::Adaptive(_) => {
+                let left = (end - run.t_end).max(0.0);
+                (made.steps + left * steps / t, left * seconds / t)
+            }
+        };
+        let estimate = Estimate::from_one(&made, end, all.max(1.0));
+        if run.t_end >= end { estimate } else { Estimate { cpu_seconds: run.seconds + more, ..estimate } }
+    }
+
+    fn prospect(
+        &self,
+        candidate: &Candidate,
+        run: &WholeRun,
+        known_by: KnownBy,
+        error: &dyn Fn(&MeasuredQuantity) -> Option<f64>,
+    ) -> Prospect {
+        let estimate = self.whole(run);
+        let estimate = estimate.with_output((self.output)(estimate.steps));
+        let (mut errors, mut worst, mut known) = (BTreeMap::new(), None, true);
+        // A part of a run says nothing of its end, where other numbers are asked for too.
+        let wanted = || run.quantities.iter().filter(|quantity| quantity.wanted);
+        let early = run.t_end < self.spec.problem.time.end && wanted().any(|quantity| !quantity.at_end);
+        for quantity in wanted() {
+            if early && quantity.at_end {
+                errors.insert(quantity.name.clone(), ErrorForecast::default());
+                continue;
+            }
+            let error = error(quantity).filter(|error| error.is_finite());
+            let share = error.map(|error| quantity.value.map_or(error, |value| error / value.abs()));
+            errors.insert(quantity.name.clone(), ErrorForecast { error, share: share.filter(|x| x.is_finite()) });
+            let allowed = self.spec.accuracy.allows(quantity).unwrap_or(f64::INFINITY);
+            match error.map(|error| if error == 0.0 { 0.0 } else { error / allowed }) {
+                Some(share) if worst.as_ref().is_none_or(|(_, most)| share > *most) => {
+                    worst = Some((quantity.name.clone(), share));
+                }
+                Some(_) => {}
+                None => known = false,
+            }
+        }
+        let nominal = self.costs.cost(estimate.steps, estimate.work);
+        Prospect {
+            method: candidate.method.info.name,
+            step: run.step.fixed(),
+            tolerance: run.step.tolerance().map(|tolerance| tolerance.relative),
+            cpu_seconds: estimate.cpu_seconds,
+            errors,
+            known_by,
+            worst: worst.filter(|_| known),
+            nominal,
+            estimate,
+        }
+    }
+
+    /// The case's own method with a shorter step, where its own is not within the accuracy.
+    fn finer(
+        &self,
+        candidate: &Candidate,
+        own: &Prospect,
+        run: &WholeRun,
+        shrinks: Shrinks,
+        worths: &BTreeMap<String, Worth>,
+    ) -> Option<Prospect> {
+        let (_, most) = own.worst.as_ref().filter(|(_, share)| *share > 1.0)?;
+        let times = (1..=FINER).find(|times| most / shrinks.by.powi(*times) <= 1.0)?;
+        let less = shrinks.by.powi(-times);
+        let finer = coarser(run.step, -times);
+        let error = |quantity: &MeasuredQuantity| Some(worths.get(&quantity.name)?.error? * less);
+        let found = self.prospect(candidate, run, KnownBy::LongerSteps, &error);
+        // Steps as long as those of the run, so many times more of them.
+        let more = match run.step {
+            Step::Fixed(_) => 2.0_f64.powi(times),
+            Step::Adaptive(_) => 10.0_f64.powf(f64::from(times) / f64::from(candidate.method.order() + 1)),
+        };
+        Some(Prospect {
+            step: finer.fixed(),
+            tolerance: finer.tolerance().map(|tolerance| tolerance.relative),
+            cpu_seconds: found.cpu_seconds * more,
+            nominal: found.nominal * more,
+            ..found
+        })
+    }
+
+    /// Other methods over the same part, as far as they may be cheaper than what is known.
+    fn others(
+        &self,
+        base: &str,
+        own: &WholeRun,
+        all: &mut Vec<Prospect>,
+        error: &dyn Fn(&WholeRun, &MeasuredQuantity) -> Option<f64>,
+    ) {
+        let ForecastSpec { problem, budget, .. } = *self.spec;
+        let (part, end) = (own.t_end, problem.time.end);
+        let known_by = if part < end { KnownBy::Part } else { KnownBy::Run };
+        for name in OTHERS.into_iter().filter(|name| *name != base) {
+            let Some(candidate) = self.candidate(name) else { continue };
+            let mut h = two_digits(candidate.step_limit().min(part / COARSEST).min(end));
+            for _ in 0..=HALVED {
+                let within = |of: &&Prospect| of.worst.as_ref().is_some_and(|(_, share)| *share <= 1.0);
+                let best = all.iter().filter(within).map(|of| of.nominal).fold(f64::INFINITY, f64::min);
+                let whole = self.costs.untried(&candidate.method, end / h);
+                // Beyond a run that is not within the accuracy only what it costs matters.
+                let dearest = CHEAPER * best.min(20.0 * all.first().map_or(f64::INFINITY, |own| own.nominal));
+                let most = (whole.min(dearest) * part / end).min(budget.left());
+                if !(h > 0.0) || whole > dearest || self.costs.untried(&candidate.method, part / h) > budget.left() {
+                    break;
+                }
+                let made = self.run(candidate, Step::Fixed(h), part, 2.0 * most);
+                if let Some(run) = made.filter(|run| run.t_end >= part && run.failed_at.is_none()) {
+                    let found = self.prospect(candidate, &run, known_by, &|quantity| error(&run, quantity));
+                    let good = within(&&found);
+                    all.push(found);
+                    if good {
+                        break;
+                    }
+                }
+                h = two_digits(0.5 * h);
+            }
+        }
+    }
+}
+
+impl Candidate {
+    /// [s] Longest step, with a margin; infinite without a limit, 0 where it is not known.
+    fn step_limit(&self) -> f64 {
+        self.limit.map_or(0.0, |limit| limit.safe())
+    }
+}
+
+/// [-] Of the motion, between two runs.
+fn between(own: &WholeRun, run: &WholeRun) -> Option<f64> {
+    let (a, b) = own.frames.as_ref().zip(run.frames.as_ref())?;
+    Some(Distance::between(a, b).over(a.motion)?[0])
+}
+
+/// A step or a tolerance.
+fn size(step: Step) -> String {
+    match step {
+        Step::Fixed(h) => format!("{} s", figures(h, 3)),
+        Step::Adaptive(tolerance) => format!("{:e}", tolerance.relative),
+    }
+}
+
+/// What is said of prospects.
+#[derive(Debug, Serialize)]
+pub struct Lines {
+    own: String,
+    numbers: String,
+    recommended: Vec<String>,
+    none: String,
+    known: String,
+}
+
+/// Numbers of a run that are told.
+const NUMBERS: usize = 4;
+
+impl Prospects {
+    /// What is known from counts alone.
+    pub fn of_counts(spec: &ForecastSpec<'_>, costs: NominalCosts, estimate: Estimate) -> Self {
+        let step = spec.problem.time.step;
+        let this_case = Prospect {
+            method: spec.problem.method.info.name,
+            step: step.fixed().map(|h| h.min(spec.problem.time.end)),
+            tolerance: step.tolerance().map(|tolerance| tolerance.relative),
+            cpu_seconds: estimate.cpu_seconds,
+            errors: BTreeMap::new(),
+            known_by: KnownBy::Counts,
+            worst: None,
+            nominal: costs.cost(estimate.steps, estimate.work),
+            estimate,
+        };
+        let within = spec.accuracy.to_string();
+        Prospects { this_case, recommended: Vec::new(), within, part: 0.0, runs: String::new() }
+    }
+
+    /// Whether the case's own run is one of this method and step.
+    pub(super) fn is_of(&self, candidate: &Candidate, step: Step) -> bool {
+        let own = &self.this_case;
+        own.method == candidate.method.info.name
+            && own.step == step.fixed()
+            && own.tolerance == step.tolerance().map(|tolerance| tolerance.relative)
+    }
+
+    /// In words; `own` says whether the run that others were compared with is the case's.
+    pub fn lines(&self, own: bool, accuracy: &Accuracy) -> Lines {
+        let Prospects { this_case, recommended, part, runs, .. } = self;
+        let steps = if this_case.step.is_some() { "step" } else { "tolerance" };
+        let mut numbers = this_case.described(accuracy);
+        let unknown = this_case.errors.len() - numbers.len();
+        let more = numbers.len().saturating_sub(NUMBERS);
+        numbers.truncate(NUMBERS);
+        let mut rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+        if unknown > 0 {
+            let why = if *part < 1.0 { ", as the end was not reached" } else { "" };
+            rest.push_str(&format!(
+                "; of {} the error is not known{why}",
+                counted(unknown as u64, "number", "numbers")
+            ));
+        }
+        let said = |prospect: &Prospect| {
+            let same = own && prospect.is_as(this_case);
+            let who = if same { "your run".to_owned() } else { prospect.typed() };
+            let worst = prospect.described(accuracy).into_iter().next().unwrap_or_default();
+            let times = prospect.cpu_seconds / this_case.cpu_seconds;
+            let gains = match own && times > 1.5 {
+                true => format!("; {} times your run", figures(times, 2)),
+                false => String::new(),
+            };
+            format!("{who}, about {}: {worst} at most{gains}", seconds(prospect.cpu_seconds))
+        };
+        let reached = if *part < 1.0 {
+            format!("the first {} % of the run, with {runs}", figures(100.0 * part, 2))
+        } else {
+            format!("whole runs, with {runs}")
+        };
+        Lines {
+            own: format!(
+                "{}, {steps} {}: {} steps, about {}",
+                this_case.method,
+                this_case.size(),
+                figures(this_case.estimate.steps, 4),
+                seconds(this_case.cpu_seconds)
+            ),
+            numbers: match numbers.is_empty() {
+                true => "their errors are not known: a part of the run would cost more than check may".to_owned(),
+                false => numbers.join(", ") + &rest,
+            },
+            recommended: recommended.iter().map(said).collect(),
+            none: "no run is known to be; canopy-fem solve --within and tradeoff make longer ones".to_owned(),
+            known: match self.this_case.known_by {
+                KnownBy::Counts => "from single steps and counts".to_owned(),
+                _ => format!("by {reached}"),
+            },
+        }
+    }
+}
+
+impl Prospect {
+    fn is_as(&self, other: &Prospect) -> bool {
+        self.method == other.method && self.step == other.step && self.tolerance == other.tolerance
+    }
+
+    /// Its step [s] or tolerance, with the unit.
+    fn size(&self) -> String {
+        match (self.step, self.tolerance) {
+            (Some(h), _) => format!("{} s", figures(h, 4)),
+            (None, Some(tolerance)) => format!("{tolerance:e}"),
+            (None, None) => String::new(),
+        }
+    }
+
+    /// As the command line takes it.
+    fn typed(&self) -> String {
+        match (self.step, self.tolerance) {
+            (Some(h), _) => format!("--method {} --step {}", self.method, figures(h, 4)),
+            (None, Some(tolerance)) => format!("--method {} --tolerance {tolerance:e}", self.method),
+            (None, None) => self.method.to_owned(),
+        }
+    }
+
+    /// Its errors in words, the largest share of the accuracy first: "opening load ± 0.1 %".
+    pub fn described(&self, accuracy: &Accuracy) -> Vec<String> {
+        let mut all: Vec<(&String, &ErrorForecast)> = self.errors.iter().collect();
+        let size = |of: &ErrorForecast| of.share.or(of.error).unwrap_or(f64::INFINITY);
+        all.sort_by(|a, b| size(b.1).total_cmp(&size(a.1)));
+        all.retain(|(_, of)| of.error.is_some());
+        let words = |(name, of): (&String, &ErrorForecast)| {
+            let name = spoken(name);
+            match (accuracy, of) {
+                (Accuracy::Absolute(_, unit), ErrorForecast { error: Some(error), .. }) => {
+                    format!("{name} ± {} {unit}", figures(*error, 2))
+                }
+                (_, ErrorForecast { share: Some(share), .. }) => format!("{name} ± {} %", figures(100.0 * share, 2)),
+                _ => format!("{name} not known"),
+            }
+        };
+        all.into_iter().map(words).collect()
+    }
+}
+
+/// The name of a quantity in a sentence.
+fn spoken(name: &str) -> String {
+    match name {
+        "opening_load" => "opening load".to_owned(),
+        "displacement_end" => "displacement".to_owned(),
+        _ => name.to_owned(),
+    }
+}
