@@ -14,7 +14,7 @@ import weakref
 import xml.etree.ElementTree as xml
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -27,7 +27,19 @@ from .simulation import teller
 if TYPE_CHECKING:
     from .typed import CaseSource, Table
 
-__all__ = ["CaseWarning", "Result", "load", "run", "static"]
+__all__ = ["CaseWarning", "Quantity", "Result", "load", "run", "static"]
+
+
+class Quantity(NamedTuple):
+    """A number of a run."""
+
+    value: float | None
+    """None where the run did not come to it, and for ``motion``."""
+    unit: str
+    """Its unit, ``"-"`` without one."""
+    error: float | None
+    """Estimate of its error by the steps, in its unit; None unless ``canopy-fem solve --verify`` made the run."""
+
 
 _WHOLE = {"step", "newton_iterations", "node", "mode"}
 _TEXT = {"name", "quantity", "axis"}
@@ -227,6 +239,13 @@ class Result:
     def peaks(self) -> dict[str, float]:
         """Largest values of the gauges, by ``"name quantity"``."""
         return {f"{peak['name']} {peak['quantity']}": peak["value"] for peak in self.summary.get("peaks", [])}
+
+    @property
+    def quantities(self) -> dict[str, Quantity]:
+        """The numbers of the report, or those that ``study.quantities`` of the case asks for, by name, such as
+        ``"riser.tension.peak"``."""
+        found = self.summary.get("quantities", {})
+        return {name: Quantity(of["value"], of["unit"], of.get("error")) for name, of in found.items()}
 
     @property
     def history(self) -> npt.NDArray[Any]:

@@ -71,6 +71,9 @@ def test_tables(small, tmp_path):
     np.testing.assert_allclose(result.times, [0, 0.05, 0.1, 0.15, 0.2], atol=1e-12)
     assert cf.mesh.read(result.frame(0.1)).nodes.shape == (49, 3)
     assert "reaction_max" in " ".join(result.peaks)
+    # What the report says of a gauge, by the name that a study takes.
+    assert result.quantities["top.reaction.peak"] == (result.peaks["top reaction_total"], "N", None)
+    assert result.quantities["displacement_end"].unit == "m"
     assert "completed" in result._repr_html_() and "&lt;Result" in result._repr_html_()
     again = cf.load(tmp_path / "out")
     assert again.summary == json.loads((tmp_path / "out" / "summary.json").read_text())

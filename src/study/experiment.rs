@@ -128,10 +128,27 @@ impl<'a> Experiment<'a> {
         frames: Option<&mut Sampler<'_>>,
         on_event: &mut dyn FnMut(Event<'_>, Distance) -> bool,
     ) -> Result<Outcome, RunError> {
+        self.run_beside(stepper, start, frames, std::iter::empty(), on_event)
+    }
+
+    /// As [`Experiment::run_with`], with more observers.
+    ///
+    /// # Errors
+    /// As [`Experiment::run`].
+    pub fn run_beside<'o>(
+        &self,
+        stepper: &mut Stepper<'_>,
+        start: Start,
+        frames: Option<&mut Sampler<'_>>,
+        more: impl Iterator<Item = &'o mut dyn Observer>,
+        on_event: &mut dyn FnMut(Event<'_>, Distance) -> bool,
+    ) -> Result<Outcome, RunError> {
         let stop = AtomicBool::new(false);
         let (single_steps, frames_every, made) = (self.single_steps, self.frames_every, 0);
         let mut monitor = Monitor { frames, frames_every, single_steps, made, stop: &stop, on_event };
-        self.observed(stepper, start, &mut [&mut monitor], &stop)
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut monitor];
+        observers.extend(more.map(|observer| observer as &mut dyn Observer));
+        self.observed(stepper, start, &mut observers, &stop)
     }
 
     /// Makes the run with these observers; it is interrupted when `stop` is set.

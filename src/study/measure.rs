@@ -1,19 +1,26 @@
 //! One run of a study: made, compared with the reference, and saved whenever it is stopped.
 
-use std::sync::atomic::Ordering;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use super::error::StudyError;
-use super::experiment::{Event, Experiment, ExperimentError, Start};
+use super::experiment::{Experiment, Start};
 use super::frames::Sampler;
 use super::keeper::{Course, Keeper};
 use super::prepared_case::choice;
+use super::ranking::{QuantityResult, ReferenceQuantity};
 use super::row::{Job, RowStatus, RunResult, StepSetting};
 use super::runner::{PreparedVariant, RunEnd, Runner};
-use super::store::Unfinished;
+use super::store::{ComparedSoFar, Unfinished};
+use crate::drive::observer::{
+    AcceptedStep, Energies, ObserveError, Observer, Point, Resumable, States, UpcomingStep, Wants,
+};
 use crate::drive::{Outcome, RunError, Status};
 use crate::format_number::figures;
 use crate::model::stop::Stop;
+use crate::output::gauges::MeasuredQuantity;
+use crate::output::largest::{LargestSoFar, LargestValues};
 use crate::process::{Cost, Stopwatch};
 
 impl Runner<'_> {
@@ -32,28 +39,33 @@ impl Runner<'_> {
         }
         let earlier: Option<Unfinished> = self.store.unfinished(job);
         let (from, spent) = earlier.as_ref().map_or((0.0, 0.0), |e| (e.snapshot.t, e.spent));
-        let so_far = earlier.as_ref().map(|e| e.measured).unwrap_or_default();
+        let so_far = earlier.as_ref().map(|e| e.measured.clone()).unwrap_or_default();
         let before = Cost { cpu: (spent > 0.0).then_some(spent), wall: Duration::from_secs_f64(spent) };
-        let watch = Stopwatch::start(before);
-        let mut sampler = Sampler::comparing(&*case.scene, case.every, &reference.frames, from, so_far);
+        let stop = AtomicBool::new(false);
+        let mut watcher = Watcher {
+            runner: self,
+            job,
+            sampler: Sampler::comparing(&*case.scene, case.every, &reference.frames, from, so_far.distance),
+            quantities: quantities(variant, so_far.quantities.as_ref())?,
+            keeper: Keeper::new(case.scene.n_dof(), self.interrupt, *deadline),
+            watch: Stopwatch::start(before),
+            stop: &stop,
+        };
         let start = earlier.map_or(Start::Initial, |earlier| Start::Snapshot(Box::new(earlier.snapshot)));
-        let mut keeper = Keeper::new(case.scene.n_dof(), self.interrupt, *deadline);
-        let interrupt = Stop::on(self.interrupt);
-        let experiment = Experiment { interrupt, single_steps: 0, ..case.experiment(&method, job.setting.step()) };
-        let run = experiment.run(start, Some(&mut sampler), &mut |event, distance| {
-            let Event::Boundary(run) = event else { return false };
-            keeper.goes_on(run.occasion, || {
-                let unfinished = Unfinished { snapshot: run.snapshot(), measured: distance, spent: watch.seconds() };
-                self.store.keep_unfinished(job, &unfinished)
-            }) == Course::Ends
-        });
+        let experiment =
+            Experiment { interrupt: Stop::on(self.interrupt), ..case.experiment(&method, job.setting.step()) };
+        let mut stepper = match experiment.stepper() {
+            Ok(stepper) => stepper,
+            Err(why) => return Ok(refused(why.to_string())),
+        };
+        let run = experiment.observed(&mut stepper, start, &mut [&mut watcher], &stop);
+        let Watcher { sampler, quantities, keeper, watch, .. } = watcher;
         let cost = watch.read();
         keeper.done()?;
         let outcome = match run {
             Ok(outcome) => outcome,
-            Err(ExperimentError::Method(why)) => return Ok(refused(why.to_string())),
-            Err(ExperimentError::Run(RunError::Start(why))) => return Ok(refused(why.to_string())),
-            Err(ExperimentError::Run(why)) => return Err(StudyError::Usage(format!("{}: {why}", job.id))),
+            Err(RunError::Start(why)) => return Ok(refused(why.to_string())),
+            Err(why) => return Err(StudyError::Usage(format!("{}: {why}", job.id))),
         };
         let interrupted = self.interrupt.load(Ordering::Relaxed);
         // A failure whose cause was not searched to the end is not a result yet.
@@ -64,7 +76,87 @@ impl Runner<'_> {
             return Ok(RunEnd::OutOfTime(outcome.t_end));
         }
         let errors = sampler.distance().over(reference.account.motion);
-        Ok(RunEnd::Done(measured(&outcome, errors, cost.seconds())))
+        let mut result = measured(&outcome, errors, cost.seconds());
+        if let Some(values) = quantities.filter(|_| result.status == RowStatus::Completed) {
+            result.quantities = compared(&reference.account.quantities, &values.quantities());
+        }
+        Ok(RunEnd::Done(result))
+    }
+}
+
+/// The observer of the quantities that the reference knows, if there are any.
+fn quantities<'a>(
+    variant: &'a PreparedVariant,
+    so_far: Option<&LargestSoFar>,
+) -> Result<Option<LargestValues<'a>>, StudyError> {
+    let PreparedVariant { case, reference, .. } = variant;
+    let wanted = !reference.account.quantities.is_empty();
+    let made = wanted.then(|| LargestValues::of_quantities(&*case.scene, &case.problem.output, case.end(), so_far));
+    made.transpose().map_err(|why| StudyError::Usage(why.to_string()))
+}
+
+/// The quantities of a run beside those of the reference.
+fn compared(known: &[ReferenceQuantity], values: &[MeasuredQuantity]) -> BTreeMap<String, QuantityResult> {
+    let of = |known: &ReferenceQuantity| {
+        let value = values.iter().find(|quantity| quantity.name == known.name).and_then(|quantity| quantity.value);
+        (known.name.clone(), QuantityResult { value, error: value.and_then(|value| known.error_of(value)) })
+    };
+    known.iter().map(of).collect()
+}
+
+/// The observer of a run: compares its frames, measures its quantities, and saves it where it may stop.
+struct Watcher<'a, 's> {
+    runner: &'a Runner<'a>,
+    job: &'a Job,
+    sampler: Sampler<'s>,
+    quantities: Option<LargestValues<'s>>,
+    keeper: Keeper<'a>,
+    watch: Stopwatch,
+    stop: &'a AtomicBool,
+}
+
+impl Observer for Watcher<'_, '_> {
+    fn started(&mut self, at: &Point, ledger: Energies) -> Result<(), ObserveError> {
+        self.quantities.as_mut().map_or(Ok(()), |values| values.started(at, ledger))
+    }
+
+    fn resumed(&mut self, at: &Point, ledger: Energies) -> Result<(), ObserveError> {
+        self.quantities.as_mut().map_or(Ok(()), |values| values.resumed(at, ledger))
+    }
+
+    fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
+        let Self { runner, job, sampler, quantities, watch, .. } = self;
+        let course = self.keeper.goes_on(run.occasion, || {
+            let quantities = quantities.as_ref().map(LargestValues::so_far);
+            let measured = ComparedSoFar { distance: sampler.distance(), quantities };
+            runner
+                .store
+                .keep_unfinished(job, &Unfinished { snapshot: run.snapshot(), measured, spent: watch.seconds() })
+        });
+        if course == Course::Ends {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+        Ok(())
+    }
+
+    fn wants(&self, step: UpcomingStep) -> Wants {
+        let frames = self.sampler.wants(step);
+        let states = self.quantities.as_ref().map_or(States::None, |values| values.wants(step).states);
+        Wants { states: frames.states.max(states), ..frames }
+    }
+
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        self.sampler.accepted(step)?;
+        self.quantities.as_mut().map_or(Ok(()), |values| values.accepted(step))
+    }
+
+    fn failed(&mut self) -> Result<(), ObserveError> {
+        self.quantities.as_mut().map_or(Ok(()), LargestValues::failed)
+    }
+
+    fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
+        self.sampler.finished(last)?;
+        self.quantities.as_mut().map_or(Ok(()), |values| values.finished(last))
     }
 }
 
@@ -90,6 +182,7 @@ pub(super) fn measured(outcome: &Outcome, errors: Option<[f64; 2]>, seconds: f64
         note,
         error: errors.map(|e| e[0]),
         error_max: errors.map(|e| e[1]),
+        quantities: BTreeMap::new(),
         energy_error: Some(outcome.energy_error).filter(|e| e.is_finite()),
         repeats: vec![seconds],
         steps: outcome.steps,

@@ -8,6 +8,7 @@ use super::error::StudyError;
 use super::prepared_case::choice;
 use super::step_grid::{decades, series};
 use crate::case::schema::{ClothModel, Method, Study};
+use crate::output::quantity::read_names;
 
 /// Times a run is repeated to measure its cost, if nobody says.
 const REPEAT: u32 = 3;
@@ -28,6 +29,9 @@ pub struct StudyOptions {
     /// models of the cloth, each once; empty: the cloth as the case has it
     #[serde(default)]
     pub models: Vec<ClothModel>,
+    /// quantities that runs are ranked by, each once; empty: the motion
+    #[serde(default)]
+    pub quantities: Vec<String>,
 }
 
 /// What was typed.
@@ -78,7 +82,10 @@ impl StudyOptions {
             let why = "models are compared at one stiffness: give --stiffness-sweep or models, not both";
             return Err(StudyError::Usage(why.to_owned()));
         }
+        let quantities = read_names(&section.quantities.unwrap_or_default());
+        let quantities = quantities.map_err(|why| StudyError::Usage(why.to_string()))?;
         Ok(StudyOptions {
+            quantities: quantities.into_iter().map(|name| name.text).collect(),
             methods: methods.or(section.methods),
             steps: list("--steps", &typed.steps, series, &positive)?.or(section.steps),
             tolerances: list("--tolerances", &typed.tolerances, decades, &fraction)?.or(section.tolerances),

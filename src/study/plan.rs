@@ -11,6 +11,7 @@ use super::error::StudyError;
 use super::models::{Model, ModelReport, Solved, compared, problem_of};
 use super::options::StudyOptions;
 use super::prepared_case::{PreparedCase, choice, fingerprint_of};
+use super::ranking::ReferenceQuantity;
 use super::reference::{Reference, ReferenceBuilder, ReferenceReport};
 use super::row::{Job, StepSetting, label, labelled};
 use super::step_grid::StepScales;
@@ -26,7 +27,7 @@ use crate::model::stop::Stop;
 use crate::output::sanitize::file_stem;
 
 /// Number of the layout of a plan and of the files of its runs.
-pub const FORMAT: u32 = 5;
+pub const FORMAT: u32 = 6;
 /// The program that made it; another one may compute other bits.
 pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");
 /// Longest part of a run's identifier that comes from its method.
@@ -79,6 +80,13 @@ pub struct Variant {
     /// why a model of the study is missing here
     #[serde(default)]
     pub missing: Option<String>,
+}
+
+impl Plan {
+    /// The quantities that are measured beside the motion, in their order, as the first variant has them.
+    pub fn quantities(&self) -> &[ReferenceQuantity] {
+        self.variants.first().map_or(&[], |variant| &variant.reference.quantities)
+    }
 }
 
 impl Variant {

@@ -7,6 +7,7 @@ use super::error::StudyError;
 use super::models::{Model, ModelError};
 use super::pareto::{TIE, cheapest};
 use super::plan::{Plan, Variant};
+use super::ranking::Ranking;
 use super::row::{Row, RowStatus, StepSetting};
 use super::template::render;
 use crate::integrate::registry::Family;
@@ -39,8 +40,12 @@ pub struct Pick {
 pub struct Recommendation {
     /// [-] number of the variant
     pub variant: usize,
+    /// quantities whose worst error is meant; none: the error of the motion
+    pub quantities: Vec<String>,
     /// [-] wanted error
     pub wanted: f64,
+    /// [-] what the reference is worth: no run is ranked below it
+    pub reference_error: f64,
     /// the cheapest run that is good enough
     pub best: Pick,
     /// the cheapest run of another method that is good enough
@@ -134,11 +139,14 @@ impl Recommendations {
     pub fn of(plan: &Plan, rows: &[Row]) -> Result<Self, StudyError> {
         let mut answers = Recommendations::default();
         for variant in 0..plan.variants.len() {
-            let rows = VariantRows::of(plan, rows, variant);
-            for wanted in targets(rows.reference_error) {
-                answers.targets.extend(rows.answer(wanted)?);
+            for ranking in Ranking::answered(plan, variant) {
+                let rows = VariantRows::of(rows, variant, ranking);
+                for wanted in targets(rows.ranking.bound()) {
+                    answers.targets.extend(rows.answer(wanted)?);
+                }
             }
-            answers.crossovers.push(rows.crossover()?);
+            answers.crossovers.push(VariantRows::of(rows, variant, Ranking::of(plan, variant)).crossover()?);
+            let rows = VariantRows::of(rows, variant, Ranking::motion(plan.variants.get(variant)));
             for report in plan.variants.get(variant).into_iter().flat_map(|variant| &variant.models) {
                 if let Some(error) = &report.error {
                     answers.models.push(rows.model(report.model, error)?);
@@ -152,13 +160,14 @@ impl Recommendations {
     }
 
     fn sweep(&mut self, plan: &Plan, rows: &[Row]) -> Result<(), StudyError> {
-        let worst = plan.variants.iter().map(|v| v.reference.error).fold(0.0, f64::max);
+        let rankings: Vec<Ranking<'_>> = (0..plan.variants.len()).map(|number| Ranking::of(plan, number)).collect();
+        let worst = rankings.iter().map(Ranking::bound).fold(0.0, f64::max);
         for wanted in targets(worst) {
-            let point = |(number, variant): (usize, &Variant)| {
-                let [explicit, implicit] = VariantRows::of(plan, rows, number).families(wanted);
+            let point = |(number, (variant, ranking)): (usize, (&Variant, &Ranking<'_>))| {
+                let [explicit, implicit] = VariantRows::of(rows, number, ranking.clone()).families(wanted);
                 StiffnessPoint { stiffness_factor: variant.stiffness_factor, wanted, explicit, implicit }
             };
-            let mut points: Vec<StiffnessPoint> = plan.variants.iter().enumerate().map(point).collect();
+            let mut points: Vec<StiffnessPoint> = plan.variants.iter().zip(&rankings).enumerate().map(point).collect();
             points.sort_by(|a, b| a.stiffness_factor.total_cmp(&b.stiffness_factor));
             if points.iter().any(|p| p.explicit.is_some() || p.implicit.is_some()) {
                 self.stiffness_crossovers.push(stiffness_crossover(wanted, &points)?);
@@ -186,19 +195,18 @@ fn sentence(context: Value) -> Result<String, StudyError> {
 struct VariantRows<'a> {
     variant: usize,
     rows: Vec<&'a Row>,
-    reference_error: f64,
+    ranking: Ranking<'a>,
 }
 
 impl<'a> VariantRows<'a> {
-    fn of(plan: &Plan, rows: &'a [Row], variant: usize) -> Self {
-        let reference_error = plan.variants.get(variant).map_or(0.0, |v| v.reference.error);
-        VariantRows { variant, rows: rows.iter().filter(|r| r.job.variant == variant).collect(), reference_error }
+    fn of(rows: &'a [Row], variant: usize, ranking: Ranking<'a>) -> Self {
+        VariantRows { variant, rows: rows.iter().filter(|r| r.job.variant == variant).collect(), ranking }
     }
 
     fn cheapest(&self, wanted: f64, which: impl Fn(&Row) -> bool) -> Option<Pick> {
         let rows = self.rows.iter().copied().filter(|row| which(row));
-        let (row, cpu_seconds) = cheapest(rows, wanted, self.reference_error)?;
-        let error = row.measured.error.unwrap_or(f64::NAN);
+        let (row, cpu_seconds) = cheapest(rows, wanted, &self.ranking)?;
+        let error = self.ranking.measured(row).unwrap_or(f64::NAN);
         Some(Pick { id: row.job.id.clone(), method: row.label(), setting: row.job.setting, error, cpu_seconds })
     }
 
@@ -218,15 +226,28 @@ impl<'a> VariantRows<'a> {
             context! { all => rows().count(), open }
         };
         let made = context! { explicit => made(false), implicit => made(true) };
-        let sentence =
-            sentence(context! { about => "target", tie => TIE, wanted, best, next, explicit, implicit, made })?;
-        Ok(Some(Recommendation { variant: self.variant, wanted, best, next, explicit, implicit, sentence }))
+        let quantities = self.ranking.names();
+        let sentence = sentence(
+            context! { about => "target", tie => TIE, quantities, wanted, best, next, explicit, implicit, made },
+        )?;
+        let (variant, reference_error) = (self.variant, self.ranking.bound());
+        Ok(Some(Recommendation {
+            variant,
+            quantities,
+            wanted,
+            reference_error,
+            best,
+            next,
+            explicit,
+            implicit,
+            sentence,
+        }))
     }
 
     /// What a model costs.
     fn model(&self, model: Model, found: &ModelError) -> Result<ModelAnswer, StudyError> {
         let ModelError { error, error_max, ref solution } = *found;
-        let known_to = self.reference_error + solution.error;
+        let known_to = self.ranking.bound() + solution.error;
         let within = Some(WITHIN * error.max(known_to)).filter(|within| *within < 1.0);
         let cheapest = |of: Model| self.cheapest(within?, |row| row.job.model == Some(of));
         let (own, reference) = (cheapest(model), cheapest(model.reference()));
@@ -239,7 +260,7 @@ impl<'a> VariantRows<'a> {
 
     /// Goes through all errors that were reached, in descending order, and compares the families at each.
     fn crossover(&self) -> Result<Crossover, StudyError> {
-        let mut errors: Vec<f64> = self.rows.iter().filter_map(|r| r.rank_error(self.reference_error)).collect();
+        let mut errors: Vec<f64> = self.rows.iter().filter_map(|row| self.ranking.error(row)).collect();
         errors.sort_by(|a, b| b.total_cmp(a));
         errors.dedup();
         // Error, and cost of the best implicit over that of the best explicit run.

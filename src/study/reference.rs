@@ -8,7 +8,7 @@
 //! ```text
 //! T_j,k = T_j,k-1 + (T_j,k-1 - T_j-1,k-1) / (4^k - 1)
 //! ```
-//! gains two orders per column. What is affordable is estimated from counted work, so the reference is the same on
+//! gains two orders per column. Quantities have errors of their own ([`super::reference_quantities`]). What is affordable is estimated from counted work, so the reference is the same on
 //! every machine.
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,9 +17,11 @@ use serde::{Deserialize, Serialize};
 
 pub use super::error::ReferenceFailure;
 use super::error::StudyError;
-use super::experiment::{Event, Experiment, Start};
+use super::experiment::{Event, Start};
 use super::frames::{Distance, Frames, Motion, Sampler};
 use super::prepared_case::{PreparedCase, reference_tolerance};
+use super::ranking::ReferenceQuantity;
+use super::reference_quantities::{Measuring, SolvedQuantities, are_wanted};
 use crate::analysis::critical::CostLimits;
 use crate::analysis::spectrum::Spectrum;
 use crate::analysis::taut::AllTaut;
@@ -45,6 +47,13 @@ pub const ALLOWANCE: f64 = 300.0;
 /// The accepted steps of the explicit solutions may take this multiple of the allowance together: their cost was
 /// estimated with the longest steps of the first solution.
 const PATIENCE: f64 = 4.0;
+/// Steps of an explicit solution in which quantities are measured: a sine over a few periods has its peak within a
+/// millionth.
+const SAMPLES: f64 = 16384.0;
+/// Share of the allowance that one solution may cost for that.
+const FOR_SAMPLES: f64 = 0.125;
+/// [-] Error of quantities at which extrapolated solutions are good enough.
+const QUANTITIES_WANTED: f64 = 1e-5;
 /// Most columns of the extrapolation.
 const COLUMNS: usize = 2;
 /// Tolerance of Newton's iteration for a reference.
@@ -82,6 +91,9 @@ pub struct ReferenceReport {
     pub counters: Counters,
     /// [s] processor time of all its runs
     pub cpu_seconds: Option<f64>,
+    /// the quantities that are asked for, else the numbers of the report
+    #[serde(default)]
+    pub quantities: Vec<ReferenceQuantity>,
 }
 
 /// What a reference is made with.
@@ -96,9 +108,11 @@ pub struct ReferenceBuilder<'a> {
     pub tell: &'a dyn Fn(&str),
 }
 
-/// What the runs of a reference have cost.
+/// What the runs of a reference measure and have cost.
 #[derive(Default)]
 struct ReferenceCost {
+    /// whether quantities are measured
+    quantities: bool,
     counters: Counters,
     /// [s] of the present way, by nominal figures
     seconds: f64,
@@ -111,7 +125,7 @@ impl ReferenceBuilder<'_> {
     /// When the user interrupts, nothing moves, or neither way leads to two solutions that agree.
     pub fn make(&self) -> Result<Reference, StudyError> {
         let watch = Stopwatch::start(Default::default());
-        let mut spent = ReferenceCost::default();
+        let mut spent = ReferenceCost { quantities: are_wanted(self.prepared)?, ..ReferenceCost::default() };
         let explicit = self.explicit(&mut spent);
         let found = match explicit {
             Ok(found) => Ok(found),
@@ -144,22 +158,24 @@ impl ReferenceBuilder<'_> {
         let (Some(fine), Some(coarse)) = (fine, coarse) else {
             return Err(ReferenceFailure::Failed(format!("{} and {} are not in the registry", PAIRS[0], PAIRS[1])));
         };
-        let seconds = self.nominal_explicit(&fine);
+        let every = if spent.quantities { self.sampled(&fine) } else { self.prepared.every };
+        let seconds = self.nominal_explicit(&fine, every);
         if seconds > self.allowance {
             return Err(ReferenceFailure::TooLong { seconds, allowance: self.allowance });
         }
         let mut best: Option<Reference> = None;
         for [tight, wide] in TOLERANCES {
             let tolerance = |relative: f64| Step::Adaptive(reference_tolerance(&*self.prepared.scene, relative));
-            let both = self.solve(&fine, tolerance(tight), spent);
-            let both = both.and_then(|a| Ok((a, self.solve(&coarse, tolerance(wide), spent)?)));
-            let (a, b) = match both {
+            let both = self.solve(&fine, tolerance(tight), every, spent);
+            let both = both.and_then(|a| Ok((a, self.solve(&coarse, tolerance(wide), every, spent)?)));
+            let ((a, of_a), (b, of_b)) = match both {
                 Ok(both) => both,
                 Err(ReferenceFailure::TooLong { .. }) if best.is_some() => break,
                 Err(why) => return Err(why),
             };
             let how = format!("{} at tolerance {tight:e} against {} at {wide:e}", PAIRS[0], PAIRS[1]);
-            let found = agreed(a, &b, how)?;
+            let mut found = agreed(a, &b, how)?;
+            found.account.quantities = of_a.beside(&of_b);
             let better = best.as_ref().is_none_or(|best| found.account.error < best.account.error);
             // Once tighter tolerances gain little, more of them only add rounding errors.
             let gained = best.as_ref().is_none_or(|best| found.account.error < 0.3 * best.account.error);
@@ -173,14 +189,21 @@ impl ReferenceBuilder<'_> {
         best.ok_or(ReferenceFailure::NotAgreed(f64::INFINITY)).and_then(Reference::checked)
     }
 
-    /// [s] Lower bound on the cost of the finer explicit solution: steps at the stability limit, or one per frame.
-    fn nominal_explicit(&self, method: &MethodChoice) -> f64 {
+    /// [s] A part of the interval of the frames with which a solution has steps enough for its quantities.
+    fn sampled(&self, method: &MethodChoice) -> f64 {
+        let affordable = FOR_SAMPLES * self.allowance / self.prepared.nominal_step(method);
+        let parts = affordable.min(SAMPLES) * self.prepared.every / self.prepared.end();
+        self.prepared.every / 2f64.powi(parts.max(1.0).log2() as i32)
+    }
+
+    /// [s] Lower bound on the cost of the finer explicit solution: steps at the stability limit, or of `every` [s].
+    fn nominal_explicit(&self, method: &MethodChoice, every: f64) -> f64 {
         let scene = &*self.prepared.scene;
         let state = scene.initial_state();
         let effort = CostLimits { stop: Stop::on(self.stop), ..CostLimits::FULL };
         let _all_taut = AllTaut::of(scene);
         let limit = Spectrum::with(scene, state.as_ref(), effort).critical_step(method).step;
-        let longest = self.prepared.every.min(if limit > 0.0 { limit } else { f64::INFINITY });
+        let longest = every.min(if limit > 0.0 { limit } else { f64::INFINITY });
         self.prepared.end() / longest * self.prepared.nominal_step(method)
     }
 
@@ -190,6 +213,8 @@ impl ReferenceBuilder<'_> {
         let steps = |j: i32| 2f64.powi(j) * (self.prepared.end() / self.prepared.every).ceil();
         let seconds = |j: i32| self.prepared.nominal_step(&newmark) * steps(j);
         let mut row: Vec<Frames> = Vec::new();
+        let mut measured: Vec<SolvedQuantities> = Vec::new();
+        let mut quantities = Vec::new();
         let (mut best, mut total, mut failed): (Option<Reference>, f64, Option<ReferenceFailure>) = (None, 0.0, None);
         for j in 0..24 {
             total += seconds(j);
@@ -197,12 +222,16 @@ impl ReferenceBuilder<'_> {
                 break;
             }
             let h = self.prepared.every / 2f64.powi(j);
-            let newest = match self.solve(&newmark, Step::Fixed(h), spent) {
-                Ok(frames) => frames,
+            let newest = match self.solve(&newmark, Step::Fixed(h), self.prepared.every, spent) {
+                Ok((frames, numbers)) => {
+                    quantities = numbers.after(measured.first(), measured.get(1));
+                    measured.insert(0, numbers);
+                    frames
+                }
                 Err(why) if self.interrupted() => return Err(why),
                 Err(why) => {
                     // A finer step may be solvable, but the row of coarser ones cannot be continued.
-                    (row, failed) = (Vec::new(), Some(why));
+                    (row, measured, failed) = (Vec::new(), Vec::new(), Some(why));
                     continue;
                 }
             };
@@ -222,39 +251,57 @@ impl ReferenceBuilder<'_> {
                 }
             }
             row = next;
-            if best.as_ref().is_some_and(|best| best.account.error <= WANTED) {
+            let settled = |of: &ReferenceQuantity| of.error.is_some_and(|error| error <= QUANTITIES_WANTED);
+            if best.as_ref().is_some_and(|best| best.account.error <= WANTED) && quantities.iter().all(settled) {
                 break;
             }
+        }
+        if let Some(best) = &mut best {
+            best.account.quantities = quantities;
         }
         let too_long = ReferenceFailure::TooLong { seconds: seconds(0) + seconds(1), allowance: self.allowance };
         best.ok_or(failed.unwrap_or(too_long)).and_then(Reference::checked)
     }
 
-    /// The frames of one run to the end.
-    fn solve(&self, method: &MethodChoice, step: Step, spent: &mut ReferenceCost) -> Result<Frames, ReferenceFailure> {
+    /// Frames and quantities of one run to the end; steps end at multiples of `every` [s] where the scheme allows it.
+    fn solve(
+        &self,
+        method: &MethodChoice,
+        step: Step,
+        every: f64,
+        spent: &mut ReferenceCost,
+    ) -> Result<(Frames, SolvedQuantities), ReferenceFailure> {
         let told = match step {
             Step::Fixed(h) => format!("{} at step {h:.3e} s", method.info.name),
             Step::Adaptive(tolerance) => format!("{} at tolerance {:e}", method.info.name, tolerance.relative),
         };
         (self.tell)(&told);
         let mut sampler = Sampler::keeping(&*self.prepared.scene, self.prepared.every);
-        let mut experiment = Experiment { interrupt: Stop::on(self.stop), ..self.prepared.experiment(method, step) };
+        let failed = |why: String| ReferenceFailure::Failed(format!("{told}: {why}"));
+        let measuring = spent.quantities.then(|| Measuring::new(self.prepared)).transpose();
+        let mut measuring = measuring.map_err(|why| failed(why.to_string()))?;
+        let mut experiment = self.prepared.experiment(method, step);
+        (experiment.interrupt, experiment.frames_every) = (Stop::on(self.stop), Some(every));
         experiment.solver.newton.relative = experiment.solver.newton.relative.min(NEWTON);
         let nominal = self.prepared.nominal_step(method);
         let mut left = ((PATIENCE * self.allowance - spent.seconds) / nominal).max(1.0) as u64;
-        let run = experiment.run(Start::Initial, Some(&mut sampler), &mut |event, _| {
+        let mut stepper = experiment.stepper().map_err(|why| failed(why.to_string()))?;
+        let more = measuring.iter_mut().flat_map(Measuring::observers);
+        let run = experiment.run_beside(&mut stepper, Start::Initial, Some(&mut sampler), more, &mut |event, _| {
             if let Event::Step(_) = event {
                 left = left.saturating_sub(1);
             }
             left == 0 || self.interrupted()
         });
-        let Outcome { status, counters, failure, steps, t_end, .. } =
-            run.map_err(|e| ReferenceFailure::Failed(format!("{told}: {e}")))?;
+        let Outcome { status, counters, failure, steps, t_end, .. } = run.map_err(|e| failed(e.to_string()))?;
         spent.counters = spent.counters.plus(counters);
         let earlier = spent.seconds;
         spent.seconds += nominal * steps as f64;
         match status {
-            Status::Completed => Ok(sampler.into_frames()),
+            Status::Completed => {
+                let numbers = measuring.map(|measuring| measuring.done(t_end / steps.max(1) as f64));
+                Ok((sampler.into_frames(), numbers.unwrap_or_default()))
+            }
             Status::Interrupted if self.interrupted() => Err(ReferenceFailure::Failed("interrupted".to_owned())),
             Status::Interrupted => {
                 let whole = nominal * steps as f64 * self.prepared.end() / t_end;

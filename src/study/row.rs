@@ -1,8 +1,11 @@
 //! What is known of one run of a study.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use super::compared_model::Model;
+use super::ranking::QuantityResult;
 use crate::case::schema::Method;
 use crate::integrate::Counters;
 use crate::integrate::registry::Family;
@@ -83,6 +86,9 @@ pub struct RunResult {
     pub error: Option<f64>,
     /// [-] largest distance over the largest motion
     pub error_max: Option<f64>,
+    /// quantities by name
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub quantities: BTreeMap<String, QuantityResult>,
     /// [-] largest numerical energy over the largest energy exchanged
     pub energy_error: Option<f64>,
     /// [s] processor time of every repeat
@@ -111,17 +117,11 @@ pub struct Row {
     pub measured: RunResult,
     /// [s] processor time, median of the repeats
     pub cpu_seconds: Option<f64>,
-    /// whether no other run of its variant is both cheaper and more accurate
+    /// whether no other run of its variant is both cheaper and more accurate, as [`super::ranking::Ranking`] has it
     pub pareto: bool,
 }
 
 impl Row {
-    /// The error of a run that reached its end, never below what the reference is worth.
-    pub fn rank_error(&self, reference_error: f64) -> Option<f64> {
-        let error = self.measured.error.filter(|_| self.measured.status == RowStatus::Completed)?;
-        error.is_finite().then(|| error.max(reference_error))
-    }
-
     /// Method and model in a word, see [`Job::label`].
     pub fn label(&self) -> String {
         self.job.label()

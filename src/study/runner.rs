@@ -13,6 +13,7 @@ use super::models::{Model, problem_of};
 use super::pareto::mark_front;
 use super::plan::{Plan, Variant};
 use super::prepared_case::{PreparedCase, choice};
+use super::ranking::Ranking;
 use super::reference::Reference;
 use super::row::{Job, Row, RowStatus, RunResult, StepSetting, median};
 use super::store::Store;
@@ -254,8 +255,8 @@ pub fn rows_of(plan: &Plan, store: &Store, left: &BTreeMap<String, String>) -> R
         let cpu_seconds = median(&measured.repeats).filter(|_| measured.status != RowStatus::Refused);
         rows.push(Row { job: job.clone(), family, measured, cpu_seconds, pareto: false });
     }
-    for (number, variant) in plan.variants.iter().enumerate() {
-        mark_front(&mut rows, number, variant.reference.error);
+    for number in 0..plan.variants.len() {
+        mark_front(&mut rows, number, &Ranking::of(plan, number));
     }
     Ok(rows)
 }

@@ -26,6 +26,7 @@ use crate::checksum;
 use crate::drive::Snapshot;
 use crate::input_file;
 use crate::output::atomic::{Durability, replace_shared};
+use crate::output::largest::LargestSoFar;
 
 /// The plan of a study as its files need it.
 pub trait StudyPlan: Serialize + DeserializeOwned {
@@ -84,12 +85,21 @@ pub struct Store<P = Plan> {
     plan: PhantomData<P>,
 }
 
+/// What a tradeoff study has measured of an unfinished run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ComparedSoFar {
+    /// how far its frames are from the reference
+    pub distance: Distance,
+    /// its quantities, if any are measured
+    pub quantities: Option<LargestSoFar>,
+}
+
 /// An unfinished run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Unfinished<D = Distance> {
+pub struct Unfinished<D = ComparedSoFar> {
     /// the run
     pub snapshot: Snapshot,
-    /// what the study has measured of it: in a tradeoff, how far its frames are from the reference so far
+    /// what the study has measured of it
     pub measured: D,
     /// [s] processor time so far
     pub spent: f64,

@@ -12,9 +12,12 @@ use crate::plot::PlotError;
 use crate::plot::chart::{Chart, Size};
 use crate::plot::layout::svg_page;
 
-/// Pages may extend `page.html` and import from `parts.html`.
-const SHARED: [(&str, &str); 2] =
-    [("page.html", include_str!("templates/page.html")), ("parts.html", include_str!("templates/parts.html"))];
+/// Pages may extend `page.html` and import from `parts.html`, texts from `parts.txt`.
+const SHARED: [(&str, &str); 3] = [
+    ("page.html", include_str!("templates/page.html")),
+    ("parts.html", include_str!("templates/parts.html")),
+    ("parts.txt", include_str!("templates/parts.txt")),
+];
 /// Digits of what a mark tells: a row of the csv file is found by them.
 const TOLD: usize = 6;
 

@@ -269,6 +269,12 @@ impl std::fmt::Display for Accuracy {
 /// [-] Share of the largest magnitude of a series below which a value of it is small.
 const SMALL: f64 = 0.01;
 
+/// What the error of a value of a quantity is relative to: the value, or a hundredth of the largest of its series where
+/// that is more, as of a vibration that has died away.
+pub(super) fn size(quantity: &MeasuredQuantity, value: f64) -> f64 {
+    value.abs().max(SMALL * quantity.largest)
+}
+
 impl Accuracy {
     /// [-] The share; of a unit, 1 %.
     pub fn share(&self) -> f64 {
@@ -278,16 +284,13 @@ impl Accuracy {
         }
     }
 
-    /// The error that a quantity may have. A value that is small beside the largest of its series, as of a vibration that
-    /// has died away, is measured by a hundredth of that.
+    /// The error that a quantity may have, relative to its [`size`].
     ///
     /// # Errors
     /// Another unit.
     pub fn allows(&self, quantity: &MeasuredQuantity) -> Result<f64, StudyError> {
         match self {
-            Accuracy::Relative(share) => {
-                Ok(share * quantity.value.map_or(1.0, |value| value.abs().max(SMALL * quantity.largest)))
-            }
+            Accuracy::Relative(share) => Ok(share * quantity.value.map_or(1.0, |value| size(quantity, value))),
             Accuracy::Absolute(number, unit) if *unit == quantity.unit => Ok(*number),
             Accuracy::Absolute(_, unit) => Err(StudyError::Usage(format!(
                 "--within {self}: {} is in {}, not in {unit}; name the quantities that are meant with --quantity",

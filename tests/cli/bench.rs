@@ -110,7 +110,7 @@ impl Results {
 
 /// A csv file.
 pub struct Table {
-    header: Vec<String>,
+    pub header: Vec<String>,
     pub rows: Vec<Vec<String>>,
 }
 

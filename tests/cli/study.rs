@@ -3,6 +3,7 @@
 mod hyperqueue;
 mod models;
 mod page;
+mod quantities;
 mod refusals;
 mod sharing;
 mod sweep;

@@ -31,6 +31,8 @@ pub struct LargestValues<'a> {
     speed: f64,
     strain: f64,
     failed: bool,
+    /// whether the largest speed and strain are measured
+    of_scene: bool,
 }
 
 impl<'a> LargestValues<'a> {
@@ -49,7 +51,21 @@ impl<'a> LargestValues<'a> {
         gauges.take_up(&kept);
         let frames_every = output.frames_every;
         let frames = Schedule::new(frames_every, 0.0);
-        Ok(LargestValues { picture, gauges, frames, frames_every, speed, strain, failed: false })
+        Ok(LargestValues { picture, gauges, frames, frames_every, speed, strain, failed: false, of_scene: true })
+    }
+
+    /// For quantities alone: without the largest speed and strain, and without the states at frames.
+    ///
+    /// # Errors
+    /// As [`LargestValues::new`].
+    pub fn of_quantities(
+        picture: &'a dyn Observables,
+        output: &OutputSpec,
+        end: f64,
+        so_far: Option<&LargestSoFar>,
+    ) -> Result<Self, QuantityError> {
+        let all = LargestValues::new(picture, output, end, so_far)?;
+        Ok(LargestValues { frames: Schedule::new(None, 0.0), frames_every: None, of_scene: false, ..all })
     }
 
     /// What was measured so far.
@@ -91,12 +107,12 @@ impl Observer for LargestValues<'_> {
     fn wants(&self, step: UpcomingStep) -> Wants {
         let frame = self.frames.states(step) != States::None;
         let measured = self.gauges.wants(step.step, [step.from, step.t]);
-        Wants { strain: true, ..Wants::end_if(frame || measured) }
+        Wants { strain: self.of_scene, ..Wants::end_if(frame || measured) }
     }
 
     fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         while self.frames.next_in(step.from, step.t).is_some() {}
-        if step.credible {
+        if step.credible && self.of_scene {
             self.note(step.max_speed(self.picture), step.max_strain(self.picture));
         }
         self.gauges.accepted(self.picture, step, |_| Ok(()))

@@ -68,7 +68,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Measure what accuracy costs: run methods and steps against a reference whose own error is known
     ///
-    /// Writes tradeoff.csv, .json, .svg and .html, and prints which method and step to use for which accuracy. By
+    /// Writes tradeoff.csv, .json, .svg and .html, and prints which method and step to use for which accuracy: of the
+    /// motion of all nodes, and of the numbers that are read, by --quantity or those that `solve` prints. By
     /// default, the steps of explicit methods are chosen around their critical step, and those of implicit methods
     /// around the periods of the scene. A study that was stopped continues when the same command is given again;
     /// finished runs are not repeated.
@@ -79,8 +80,9 @@ pub enum Command {
     /// Writes sweep.csv, .json, .svg and .html. A row of sweep.csv is a run: `run`, the keys that vary, `status`,
     /// `t_end` [s], `displacement_end` [m] (largest, at the end), `max_speed` [m/s], `max_strain`, `energy_error`,
     /// `cpu_seconds` [s], counted work, with mass scaling `added_mass` [kg] and `added_mass_share`, and for every
-    /// quantity of a gauge the columns GAUGE.QUANTITY.peak, .peak_time [s], .last (the value at the end) and .steady
-    /// (whether it changed by less than 1 % over the last tenth of the run), then `note`. Runs that failed are rows
+    /// quantity of a gauge the columns GAUGE.QUANTITY.peak, .peak_time [s], .last (the value at the end) and
+    /// .is_steady (whether it changed by less than 1 % over the last tenth of the run), then quantities that are asked
+    /// for, and `note`. Runs that failed are rows
     /// without these values; `note` says why. A sweep that was stopped continues when the same command is given again.
     #[command(after_help = EXIT_STATUS)]
     Sweep(SweepArgs),

@@ -154,12 +154,14 @@ fn both(relative: &str) -> String {
 impl CaseArgs {
     /// Those of the case, then the quantities that are asked for.
     pub(super) fn with_quantities(&self, names: &[String]) -> Vec<(String, String)> {
-        let mut all = self.overrides();
-        if !names.is_empty() {
-            all.push(("study.quantities".to_owned(), serde_json::json!(names).to_string()));
-        }
-        all
+        self.overrides().into_iter().chain(as_override(names)).collect()
     }
+}
+
+/// Quantities as a change of the case; none leave it as it is.
+pub(super) fn as_override(quantities: &[String]) -> Option<(String, String)> {
+    let named = || ("study.quantities".to_owned(), serde_json::json!(quantities).to_string());
+    (!quantities.is_empty()).then(named)
 }
 
 pub(super) fn key_value(text: &str) -> Result<(String, String), String> {

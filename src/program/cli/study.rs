@@ -1,6 +1,6 @@
 //! What the studies that can be divided among machines, `tradeoff` and `sweep`, have in common on the command line.
 
-use super::case_args::{Changes, Print, duration};
+use super::case_args::{Changes, Print, as_override, duration};
 use super::{CliError, complain};
 use crate::case::Case;
 use crate::output::sanitize::file_stem;
@@ -39,6 +39,10 @@ pub struct StudyArgs {
     /// changes
     #[command(flatten)]
     pub changes: Changes,
+    /// A number that is asked for, as study.quantities of the case has it: riser.tension.peak, tip.z@0.5, opening_load,
+    /// motion …; may be given several times. A tradeoff study ranks its runs by the worst error of them
+    #[arg(long, value_name = "NAME")]
+    pub quantity: Vec<String>,
     /// Replace earlier results in the folder
     #[arg(long, conflicts_with_all = ["shard", "merge"])]
     pub force: bool,
@@ -80,7 +84,8 @@ impl StudyArgs {
     /// The case, if one is given, and the folder of the study.
     pub(super) fn case_and_folder(&self) -> Result<(Option<CaseFile<'_>>, PathBuf), CliError> {
         let end = self.end.clone().map(|end| ("time.end".to_owned(), end));
-        let overrides: Vec<(String, String)> = self.changes.set.iter().cloned().chain(end).collect();
+        let quantities = as_override(&self.quantity);
+        let overrides: Vec<(String, String)> = self.changes.set.iter().cloned().chain(end).chain(quantities).collect();
         let read = |path| Ok::<_, CliError>((path, Case::from_file(path, &overrides)?));
         let case = self.case.as_deref().map(read).transpose()?;
         let out = match (&self.out, &case) {
@@ -92,7 +97,9 @@ impl StudyArgs {
             }
         };
         if case.is_none() && !overrides.is_empty() {
-            return Err(StudyError::Usage("--set and --end change a case: give the case too".to_owned()).into());
+            return Err(
+                StudyError::Usage("--set, --end and --quantity change a case: give the case too".to_owned()).into()
+            );
         }
         Ok((case, out))
     }

@@ -25,8 +25,8 @@ pub struct SweepArgs {
     #[arg(long, value_name = "KEY=VALUES", required_unless_present_any = ["shard", "merge"],
           conflicts_with_all = ["shard", "merge"])]
     pub vary: Vec<String>,
-    /// Column of sweep.csv to draw; may be given several times [default: the first peaks of the gauges, else
-    /// displacement and speed]
+    /// Column of sweep.csv to draw; may be given several times [default: the quantities that are asked for, else the
+    /// first peaks of the gauges, else displacement and speed]
     #[arg(long, value_name = "COLUMN")]
     pub plot: Vec<String>,
     /// Runs at the same time, each on one thread; results are the same for every number [default: number of cores]

@@ -1,10 +1,12 @@
 //! Error against step: which order a method shows, and where it stops being stable.
 
+use super::figure::MOTION;
 use super::parts::{Span, margin_panel, model_errors, nothing, rows, title};
 use super::style::{BLACK, Style, entry};
 use crate::format_number::figures;
 use crate::plan::Variant;
 use crate::plot::chart::{Align, Axis, Chart, Line, Marker, Note, PanelSide, Scale, Stroke};
+use crate::ranking::Ranking;
 use crate::row::{Row, StepSetting};
 use crate::runner::Study;
 
@@ -31,8 +33,9 @@ fn step(row: &Row) -> Option<f64> {
 /// One line a method, the limits of stability as ticks on the lower edge.
 pub(super) fn chart(study: &Study, styles: &[Style], number: usize) -> Chart {
     let variant = study.plan.variants.get(number);
-    let bound = variant.map_or(0.0, |v| v.reference.error);
-    let place = |row: &Row| Some((step(row)?, row.rank_error(bound)?));
+    let ranking = Ranking::motion(variant);
+    let bound = ranking.bound();
+    let place = |row: &Row| Some((step(row)?, ranking.error(row)?));
     let points: Vec<(f64, f64)> = rows(study, number).filter_map(place).collect();
     let steps = Span::of(rows(study, number).filter_map(step)).unwrap_or(Span::EMPTY);
     let limits = limits(variant, styles);
@@ -71,7 +74,7 @@ pub(super) fn chart(study: &Study, styles: &[Style], number: usize) -> Chart {
     Chart {
         title: title(study, variant, "error against step"),
         x: Axis { label: "step [s]".to_owned(), scale: Scale::Log, range: Some(x.ends()) },
-        y: Axis { label: "error, relative to the motion [-]".to_owned(), scale: Scale::Log, range: Some(y.ends()) },
+        y: Axis { label: MOTION.to_owned(), scale: Scale::Log, range: Some(y.ends()) },
         lines,
         notes,
         margin_panel: margin_panel(study, styles, number, PanelSide::Top, |row| {

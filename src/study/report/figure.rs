@@ -5,8 +5,10 @@ use super::style::{Style, entry, legend, styles};
 use super::{convergence, stiffness};
 use crate::error::StudyError;
 use crate::format_number::figures;
+use crate::pareto::on_front;
 use crate::plot::chart::{Align, Axis, Chart, Line, Marker, Note, PanelSide, Scale, Size, Stroke};
 use crate::plot::layout::{Sample, legend_samples, svg_grid, svg_page};
+use crate::ranking::Ranking;
 use crate::recommendations::Recommendations;
 use crate::row::{Row, StepSetting};
 use crate::runner::Study;
@@ -23,12 +25,67 @@ pub(super) struct Figure {
     pub wide: String,
     /// the picture of the page, for narrow screens
     pub narrow: String,
+    /// pictures of the page of which a menu shows one, in place of the one above
+    pub choices: Vec<Picture>,
+}
+
+/// A picture of the page with its name in a menu.
+#[derive(serde::Serialize)]
+pub(super) struct Picture {
+    name: String,
+    wide: String,
+    narrow: String,
+}
+
+/// What the error in a work-precision diagram is the error of.
+struct Choice<'a> {
+    /// its name in the menu
+    name: String,
+    /// label of the axis
+    label: String,
+    /// one a variant
+    rankings: Vec<Ranking<'a>>,
+}
+
+/// All choices: first what runs are ranked by, then each quantity, and the motion.
+fn choices(study: &Study) -> Vec<Choice<'_>> {
+    let plan = &study.plan;
+    let numbers = || 0..plan.variants.len().max(1);
+    let motion = || {
+        let rankings = numbers().map(|number| Ranking::motion(plan.variants.get(number))).collect();
+        Choice { name: "motion".to_owned(), label: MOTION.to_owned(), rankings }
+    };
+    let mut all = Vec::new();
+    let set = Ranking::of(plan, 0).names();
+    if set.len() > 1 {
+        let rankings = numbers().map(|number| Ranking::of(plan, number)).collect();
+        let name = format!("the worst of all {}", set.len());
+        all.push(Choice { name, label: "error of the worst quantity [-]".to_owned(), rankings });
+    } else if set.is_empty() {
+        all.push(motion());
+    }
+    for quantity in plan.quantities() {
+        let of = |number: usize| {
+            let known = plan.variants.get(number).into_iter().flat_map(|variant| &variant.reference.quantities);
+            Ranking::worst(known.filter(|other| other.name == quantity.name))
+        };
+        let unit = Ranking::worst(std::iter::once(quantity)).unit().to_owned();
+        let relative = if quantity.scale.is_some() { ", relative" } else { "" };
+        let label = format!("error of {}{relative} [{unit}]", quantity.name);
+        all.push(Choice { name: quantity.name.clone(), label, rankings: numbers().map(of).collect() });
+    }
+    if !set.is_empty() {
+        all.push(motion());
+    }
+    all
 }
 
 /// [px] Charts of the page: a single one, several side by side, and on narrow screens.
 const PAGE: [Size; 3] =
     [Size { width: 1000, height: 600 }, Size { width: 560, height: 460 }, Size { width: 460, height: 440 }];
 
+/// Label of the axis of errors of the motion.
+pub(super) const MOTION: &str = "error, relative to the motion [-]";
 /// The reference's error is part of the picture if it is at most so many decades off.
 const FAR: f64 = 2.0;
 /// Runs without a result whose cost is more than so many decades off that of all others stand at the end of the axis.
@@ -48,16 +105,22 @@ pub(super) fn all(study: &Study, answers: &Recommendations) -> Result<Vec<Figure
         ranked: false,
         of: |row| Some(row.measured.counters.force_evaluations as f64).filter(|n| *n > 0.0),
     };
-    let mut made = vec![
-        figure("tradeoff.svg", study, &styles, |v| work_precision(study, &styles, v, &cpu))?,
-        figure("work.svg", study, &styles, |v| work_precision(study, &styles, v, &force))?,
-    ];
+    let choices = choices(study);
+    let Some(first) = choices.first() else { return Ok(Vec::new()) };
+    let mut time =
+        figure("tradeoff.svg", study, &styles, |number| work_precision(study, &styles, number, first, &cpu))?;
+    for choice in choices.iter().filter(|_| choices.len() > 1) {
+        let [wide, narrow] = of_page(study, |number| work_precision(study, &styles, number, choice, &cpu))?;
+        time.choices.push(Picture { name: choice.name.clone(), wide, narrow });
+    }
+    let work = figure("work.svg", study, &styles, |number| work_precision(study, &styles, number, first, &force))?;
+    let mut made = vec![time, work];
     if convergence::has_runs(study) {
         made.push(figure("convergence.svg", study, &styles, |v| convergence::chart(study, &styles, v))?);
     }
     if study.plan.variants.len() > 1 {
         let svg = stiffness::picture(study, answers)?;
-        made.push(Figure { file: "stiffness.svg", wide: svg.clone(), narrow: svg.clone(), svg });
+        made.push(Figure { file: "stiffness.svg", wide: svg.clone(), narrow: svg.clone(), svg, choices: Vec::new() });
     }
     Ok(made)
 }
@@ -74,11 +137,17 @@ fn figure(
     styles: &[Style],
     chart: impl Fn(usize) -> Chart,
 ) -> Result<Figure, StudyError> {
+    let [wide, narrow] = of_page(study, &chart)?;
+    Ok(Figure { file, svg: picture(study, styles, &chart)?, wide, narrow, choices: Vec::new() })
+}
+
+/// The charts of all variants for the page, on wide and on narrow screens.
+fn of_page(study: &Study, chart: impl Fn(usize) -> Chart) -> Result<[String; 2], StudyError> {
     let count = study.plan.variants.len().max(1);
     let charts = |size: Size| -> Vec<Chart> { (0..count).map(|v| Chart { size, ..chart(v) }).collect() };
     let [one, several, narrow] = PAGE;
     let wide = svg_page(&charts(if count == 1 { one } else { several }), count.min(2))?;
-    Ok(Figure { file, svg: picture(study, styles, &chart)?, wide, narrow: svg_page(&charts(narrow), 1)? })
+    Ok([wide, svg_page(&charts(narrow), 1)?])
 }
 
 /// One chart a variant, side by side, with the legend of all.
@@ -110,14 +179,16 @@ struct Cost {
 }
 
 /// Error against cost.
-fn work_precision(study: &Study, styles: &[Style], number: usize, cost: &Cost) -> Chart {
+fn work_precision(study: &Study, styles: &[Style], number: usize, choice: &Choice<'_>, cost: &Cost) -> Chart {
     let variant = study.plan.variants.get(number);
-    let bound = variant.map_or(0.0, |v| v.reference.error);
-    let place = |row: &Row| Some((row.rank_error(bound)?, (cost.of)(row)?));
+    let ranking = choice.rankings.get(number).cloned().unwrap_or_default();
+    let bound = ranking.bound();
+    let models = || model_errors(variant).filter(|_| choice.label == MOTION);
+    let place = |row: &Row| Some((ranking.error(row)?, (cost.of)(row)?));
     let points: Vec<(f64, f64)> = rows(study, number).filter_map(place).collect();
     let costs = rows(study, number).filter_map(cost.of).filter(|c| *c > 0.0);
     let x = Span::of(points.iter().map(|p| p.0)).unwrap_or(Span::EMPTY).reaching(bound, FAR);
-    let x = model_errors(variant).fold(x, |span, (_, error)| span.reaching(error, FAR));
+    let x = models().fold(x, |span, (_, error)| span.reaching(error, FAR));
     let y = match Span::of(points.iter().map(|p| p.1)) {
         Some(span) => {
             costs.fold(span, |wide, c| if span.reaching(c, CHEAP).has(c) { wide.reaching(c, FAR) } else { wide })
@@ -141,19 +212,26 @@ fn work_precision(study: &Study, styles: &[Style], number: usize, cost: &Cost) -
         }
     }
     if cost.ranked {
-        lines.extend(front(study, number, [x, y], |row| place(row).map(at)));
+        let own: Vec<&Row> = rows(study, number).collect();
+        let front = own.iter().zip(on_front(&own, &ranking)).filter(|(_, on)| *on);
+        lines.extend(staircase(front.filter_map(|(row, _)| place(row).map(at)).collect(), [x, y]));
     }
     let mut notes = Vec::new();
     lines.extend(upright("reference", bound, [x, y], &mut notes));
-    for (name, error) in model_errors(variant) {
+    for (name, error) in models() {
         lines.extend(upright(&name, error, [x, y], &mut notes));
     }
     if points.is_empty() {
-        notes.push(Note { at: (x.middle(), y.middle()), text: nothing(study), align: Align::Above });
+        let text = if ranking.unknown().is_empty() {
+            nothing(study)
+        } else {
+            "the error of the reference is not known here".to_owned()
+        };
+        notes.push(Note { at: (x.middle(), y.middle()), text, align: Align::Above });
     }
     Chart {
         title: title(study, variant, "what accuracy costs"),
-        x: Axis { label: "error, relative to the motion [-]".to_owned(), scale: Scale::Log, range: Some(x.ends()) },
+        x: Axis { label: choice.label.clone(), scale: Scale::Log, range: Some(x.ends()) },
         y: Axis { label: cost.label.to_owned(), scale: Scale::Log, range: Some(y.ends()) },
         lines,
         notes,
@@ -174,8 +252,7 @@ pub(super) fn same_kind(setting: StepSetting, kind: StepSetting) -> Option<f64> 
 }
 
 /// The front as a staircase: the least that an error costs.
-fn front(study: &Study, number: usize, [x, y]: [Span; 2], at: impl Fn(&Row) -> Option<(f64, f64)>) -> Option<Line> {
-    let mut front: Vec<(f64, f64)> = rows(study, number).filter(|row| row.pareto).filter_map(at).collect();
+fn staircase(mut front: Vec<(f64, f64)>, [x, y]: [Span; 2]) -> Option<Line> {
     front.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut points: Vec<(f64, f64)> = Vec::new();
     for (error, cost) in front {

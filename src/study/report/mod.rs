@@ -21,6 +21,7 @@ pub use style::method_color;
 
 use super::error::StudyError;
 use super::plan::{PROGRAM, Plan};
+use super::ranking::{Ranking, ReferenceQuantity};
 use super::recommendations::{Recommendations, unfinished};
 use super::row::{Row, RunResult, StepSetting};
 use super::runner::Study;
@@ -49,7 +50,7 @@ pub fn write(out: &Path, study: &Study, answers: &Recommendations, how: &Rerun) 
     let figures = figure::all(study, answers)?;
     let table = include_str!("../templates/tradeoff.csv");
     let mut made: Vec<(&str, String)> = vec![
-        ("tradeoff.csv", render("tradeoff.csv", table, &context! { plan, rows })?),
+        ("tradeoff.csv", render("tradeoff.csv", table, &context! { plan, rows, quantities => names(plan) })?),
         ("tradeoff.json", json(study, answers, how)?),
         ("tradeoff.html", html(study, answers, how, &figures)?),
     ];
@@ -59,6 +60,29 @@ pub fn write(out: &Path, study: &Study, answers: &Recommendations, how: &Rerun) 
     }
     made.extend(figures.into_iter().map(|figure| (figure.file, figure.svg)));
     write_files(out, &FILES, &made)
+}
+
+/// The names of the quantities of a study.
+fn names(plan: &Plan) -> Vec<&str> {
+    plan.quantities().iter().map(|quantity| quantity.name.as_str()).collect()
+}
+
+/// What the reference of each variant knows of quantities, with how it knows it.
+fn known(plan: &Plan) -> Vec<Vec<Value>> {
+    let of = |quantity: &ReferenceQuantity| {
+        context! { how => quantity.error_by.words(), ..Value::from_serialize(quantity) }
+    };
+    plan.variants.iter().map(|variant| variant.reference.quantities.iter().map(of).collect()).collect()
+}
+
+/// What the runs of each variant are ranked by.
+fn rankings(plan: &Plan) -> Vec<Value> {
+    let of = |number| {
+        let ranking = Ranking::of(plan, number);
+        let unknown: Vec<&str> = ranking.unknown().iter().map(|quantity| quantity.name.as_str()).collect();
+        context! { bound => ranking.bound(), names => ranking.names(), unknown }
+    };
+    (0..plan.variants.len()).map(of).collect()
 }
 
 /// `tradeoff.json`: all that is known of a study.
@@ -91,6 +115,7 @@ fn html(study: &Study, answers: &Recommendations, how: &Rerun, drawn: &[figure::
     let notes = reasons(rows.iter().map(|row| (named(row), row.measured.status, row.measured.note.as_str())));
     let page = context! {
         version, command, machine, plan, case_json, failures, notes, rows, answers, figures => drawn, told, legend,
+        quantities => names(plan), known => known(plan), rankings => rankings(plan),
     };
     render("tradeoff.html", include_str!("../templates/tradeoff.html"), &page)
 }
@@ -103,9 +128,9 @@ fn told_of(study: &Study) -> BTreeMap<&str, Vec<[String; 2]>> {
             StepSetting::Step(h) => ("step [s]", h),
             StepSetting::Tolerance(tolerance) => ("tolerance [-]", tolerance),
         };
-        let RunResult { status, error, error_max, energy_error, counters, note, .. } = &row.measured;
+        let RunResult { status, error, error_max, quantities, energy_error, counters, note, .. } = &row.measured;
         let factor = study.plan.variant_of(&row.job).map(|v| v.stiffness_factor);
-        let all = [
+        let mut all = vec![
             ("method", row.label()),
             ("stiffness [-]", told(factor.filter(|_| study.plan.variants.len() > 1))),
             (setting, told(Some(size))),
@@ -118,7 +143,14 @@ fn told_of(study: &Study) -> BTreeMap<&str, Vec<[String; 2]>> {
             ("factorisations", count(counters.factorizations)),
             ("note", note.clone()),
         ];
-        all.into_iter().filter(|(_, text)| !text.is_empty()).map(|(name, text)| [name.to_owned(), text]).collect()
+        all.retain(|(_, text)| !text.is_empty());
+        let of_motion = all.into_iter().map(|(name, text)| [name.to_owned(), text]);
+        let of_quantities = study.plan.quantities().iter().filter_map(|of| {
+            let error = quantities.get(&of.name)?.error?;
+            let unit = if of.scale.is_some() { "-" } else { &of.unit };
+            Some([format!("error of {} [{unit}]", of.name), told(Some(error))])
+        });
+        of_motion.chain(of_quantities).collect()
     };
     study.rows.iter().map(|row| (row.job.id.as_str(), of(row))).collect()
 }
@@ -146,11 +178,15 @@ pub fn summary(study: &Study, answers: &Recommendations, files: &[PathBuf]) -> R
     let Study { plan, rows } = study;
     let failures = unfinished(rows);
     // The least accurate first, as the table of the front has them.
-    let mut rows: Vec<&Row> = rows.iter().collect();
-    rows.sort_by(|a, b| b.measured.error.unwrap_or(0.0).total_cmp(&a.measured.error.unwrap_or(0.0)));
-    let labelled = |row: &Row| context! { label => row.label(), ..Value::from_serialize(row) };
+    let worst = |row: &Row| Ranking::of(plan, row.job.variant).measured(row);
+    let mut rows: Vec<(Option<f64>, &Row)> = rows.iter().map(|row| (worst(row), row)).collect();
+    rows.sort_by(|a, b| b.0.unwrap_or(0.0).total_cmp(&a.0.unwrap_or(0.0)));
+    let labelled = |(worst, row): (Option<f64>, &Row)| {
+        context! { label => row.label(), worst, ..Value::from_serialize(row) }
+    };
     let rows: Vec<Value> = rows.into_iter().map(labelled).collect();
-    text(context! { stage => "done", plan, rows, answers, failures, files })
+    let (known, rankings) = (known(plan), rankings(plan));
+    text(context! { stage => "done", plan, rows, answers, failures, files, known, rankings })
 }
 
 /// What it prints of a plan.
@@ -160,7 +196,7 @@ pub fn summary(study: &Study, answers: &Recommendations, files: &[PathBuf]) -> R
 pub fn planned(plan: &Plan, store: &Store) -> Result<String, StudyError> {
     let path = store.plan_path();
     let out = path.parent().and_then(Path::parent).unwrap_or(Path::new(""));
-    text(context! { stage => "planned", plan, path, out })
+    text(context! { stage => "planned", plan, path, out, known => known(plan) })
 }
 
 fn text(context: Value) -> Result<String, StudyError> {

@@ -21,7 +21,8 @@ const DIGITS: [usize; 3] = [3, 5, 8];
 /// The key whose values are methods.
 const METHOD: &str = "time.method";
 
-/// The quantities that are drawn: those asked for, else the peaks of the gauges, else motion and speed.
+/// The quantities that are drawn: the columns of `--plot`, else the quantities that are asked for, else the peaks of the
+/// gauges, else motion and speed.
 ///
 /// # Errors
 /// A name that is no column of numbers.
@@ -39,6 +40,11 @@ pub(super) fn chosen<'q>(
     };
     if !asked.is_empty() {
         return asked.iter().map(named).collect();
+    }
+    let quantity = |column: &&Quantity| rows.iter().any(|row| row.result.quantities.contains_key(&column.name));
+    let quantities: Vec<&Quantity> = all.iter().filter(quantity).collect();
+    if !quantities.is_empty() {
+        return Ok(quantities);
     }
     let peaks = || all.iter().filter(|quantity| quantity.name.ends_with(".peak"));
     // Sum and mean of a single spring or node are its largest value.

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::integrate::Counters;
 use crate::model::added_mass::AddedMass;
 use crate::output::gauges::Peak;
+use crate::output::quantity::QuantityReports;
 use crate::row::RowStatus;
 
 /// What came of a run.
@@ -35,6 +36,9 @@ pub struct SweepResult {
     pub counters: Counters,
     /// largest values of the gauges
     pub peaks: Vec<Peak>,
+    /// quantities that are asked for, by name
+    #[serde(default, skip_serializing_if = "QuantityReports::is_empty")]
+    pub quantities: QuantityReports,
     /// what mass scaling has added
     #[serde(default)]
     pub mass_scaling: Option<AddedMass>,

@@ -19,7 +19,9 @@ use crate::experiment::{Experiment, Start};
 use crate::keeper::{Course, Keeper};
 use crate::measure::measured;
 use crate::model::stop::Stop;
+use crate::output::gauges::MeasuredQuantity;
 use crate::output::largest::{LargestSoFar, LargestValues};
+use crate::output::quantity::QuantityReports;
 use crate::prepared_case::fingerprint_of;
 use crate::process::{Cost, Stopwatch};
 use crate::row::{RowStatus, RunResult};
@@ -180,7 +182,10 @@ impl SweepRunner<'_> {
             return Ok(RunEnd::OutOfTime(outcome.t_end));
         }
         let result = SweepResult::of(measured(&outcome, None, seconds), &largest, farthest.found.distance);
-        Ok(RunEnd::Done(Box::new(SweepResult { mass_scaling: scene.added_mass(), ..result })))
+        let completed = result.status == RowStatus::Completed && !problem.output.quantities.is_empty();
+        let asked: Vec<_> = largest.quantities().into_iter().filter(|quantity| completed && quantity.wanted).collect();
+        let (quantities, mass_scaling) = (MeasuredQuantity::reports(&asked), scene.added_mass());
+        Ok(RunEnd::Done(Box::new(SweepResult { quantities, mass_scaling, ..result })))
     }
 }
 
@@ -204,6 +209,7 @@ impl SweepResult {
             t_end,
             counters,
             peaks: if completed { largest.peaks() } else { Vec::new() },
+            quantities: QuantityReports::new(),
             mass_scaling: None,
         }
     }

@@ -22,6 +22,8 @@ enum Source {
     Gauge(String, String, fn(&Peak) -> f64),
     /// whether it was steady at the end
     Steady(String, String),
+    /// a quantity that is asked for, by its name
+    Asked(String),
 }
 
 /// A number of a gauge: the end of the column's name, its unit if not that of the quantity, the number.
@@ -36,6 +38,7 @@ impl Quantity {
             Source::Number(of) => of(row),
             Source::Count(of) => made(row).then(|| of(row) as f64),
             Source::Gauge(name, quantity, of) => peak(row, name, quantity).map(of),
+            Source::Asked(name) => row.result.quantities.get(name).and_then(|quantity| quantity.value),
             Source::Steady(name, quantity) => peak(row, name, quantity).map(|peak| f64::from(u8::from(peak.steady))),
         }
         .filter(|x| x.is_finite())
@@ -73,7 +76,7 @@ fn peak<'r>(row: &'r SweepRow, name: &str, quantity: &str) -> Option<&'r Peak> {
     row.result.peaks.iter().find(|peak| peak.name == name && peak.quantity == quantity)
 }
 
-/// All columns of numbers, those of the gauges last.
+/// All columns of numbers, those of the gauges and the quantities that are asked for last.
 pub(super) fn quantities(rows: &[SweepRow]) -> Vec<Quantity> {
     let number = |name: &str, unit: &str, of| Quantity { name: name.into(), unit: unit.into(), of: Source::Number(of) };
     let count = |name: &str, of| Quantity { name: name.into(), unit: String::new(), of: Source::Count(of) };
@@ -111,7 +114,14 @@ pub(super) fn quantities(rows: &[SweepRow]) -> Vec<Quantity> {
         all.extend(OF_GAUGE.map(|(end, other, of)| {
             column(end, other.unwrap_or(unit), Source::Gauge(name.clone(), quantity.clone(), of))
         }));
-        all.push(column("steady", "", Source::Steady(name.clone(), quantity.clone())));
+        all.push(column("is_steady", "", Source::Steady(name.clone(), quantity.clone())));
+    }
+    // A quantity may be a column already.
+    for (name, quantity) in rows.iter().flat_map(|row| &row.result.quantities) {
+        if all.iter().all(|other| other.name != *name) {
+            let of = Source::Asked(name.clone());
+            all.push(Quantity { name: name.clone(), unit: quantity.unit.clone(), of });
+        }
     }
     all
 }

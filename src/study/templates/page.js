@@ -1,4 +1,4 @@
-// What a mark tells, the switches of the legend, and sorted tables. The page reads the same without.
+// What a mark tells, the switches of the legend, menus of pictures, and sorted tables. The page reads the same without.
 (function () {
   "use strict";
   var all = function (selector, within) { return Array.prototype.slice.call((within || document).querySelectorAll(selector)); };
@@ -114,6 +114,17 @@
       var on = own.some(function (one) { return one.getAttribute("aria-pressed") !== "true"; });
       own.forEach(function (one) { turn(one, on); });
     });
+  });
+
+  // One of several pictures of a figure.
+  all("figure .choose").forEach(function (line) {
+    var menu = line.querySelector("select"), choices = all(".choice", line.closest("figure"));
+    var choose = function () {
+      choices.forEach(function (one, i) { one.classList.toggle("hidden", i !== menu.selectedIndex); });
+    };
+    line.classList.remove("hidden");
+    menu.addEventListener("change", choose);
+    choose();
   });
 
   // Columns sort on a click.

@@ -6,6 +6,7 @@ use canopy_fem::integrate::registry::Family;
 use canopy_fem::study::Study;
 use canopy_fem::study::pareto::mark_front;
 use canopy_fem::study::plan::{Plan, Variant};
+use canopy_fem::study::ranking::Ranking;
 use canopy_fem::study::reference::ReferenceReport;
 use canopy_fem::study::row::{Job, Row, RowStatus, RunResult, StepSetting, label};
 
@@ -163,7 +164,7 @@ pub fn study(name: &str, factors: &[f64], laws: &[Law], status: Option<RowStatus
     }
     plan.jobs = all.iter().map(|row| row.job.clone()).collect();
     for number in 0..factors.len() {
-        mark_front(&mut all, number, 2.3e-9);
+        mark_front(&mut all, number, &Ranking::of(&plan, number));
     }
     Study { plan, rows: all }
 }

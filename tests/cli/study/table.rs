@@ -19,11 +19,25 @@ pub fn counted(rows: &[Row]) -> Vec<String> {
     let bits = |x: Option<f64>| x.map(f64::to_bits);
     let line = |row: &Row| {
         let RunResult {
-            status, error, error_max, energy_error, steps, rejected_steps, counters, note, repeats, ..
+            status,
+            error,
+            error_max,
+            quantities,
+            energy_error,
+            steps,
+            rejected_steps,
+            counters,
+            note,
+            repeats,
+            ..
         } = &row.measured;
         let errors = [*error, *error_max, *energy_error].map(bits);
         let repeats = repeats.len();
-        format!("{} {status:?} {errors:?} {steps} {rejected_steps} {counters:?} {note} {repeats}", row.job.id)
+        let quantities: Vec<_> = quantities.iter().map(|(name, of)| (name, [of.value, of.error].map(bits))).collect();
+        format!(
+            "{} {status:?} {errors:?} {quantities:?} {steps} {rejected_steps} {counters:?} {note} {repeats}",
+            row.job.id
+        )
     };
     rows.iter().map(line).collect()
 }

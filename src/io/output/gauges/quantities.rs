@@ -21,7 +21,7 @@ pub struct MeasuredQuantity {
     pub unit: &'static str,
     /// its value; `None` for `motion`, and where the run did not come to it
     pub value: Option<f64>,
-    /// largest magnitude of its series; 0 where it has none
+    /// largest magnitude of its series; 0 where it has none, and for times
     pub largest: f64,
     /// of a peak, about what falls between two steps
     pub missed: f64,
@@ -182,7 +182,7 @@ impl Quantities {
             unit: of.0.unit,
             value: value(of).filter(|value| value.is_finite()),
             wanted: of.0.wanted,
-            largest: largest(&of.0.source),
+            largest: if of.0.statistic == Statistic::PeakTime { 0.0 } else { largest(&of.0.source) },
             missed: if of.0.statistic == Statistic::Peak { missed(&of.0.source) } else { 0.0 },
             is_time: of.0.statistic == Statistic::PeakTime,
             at_end: matches!(of.0.statistic, Statistic::Last | Statistic::Mean | Statistic::Steady),
