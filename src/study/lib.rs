@@ -34,6 +34,7 @@ pub mod reference;
 pub mod report;
 pub mod row;
 mod runner;
+mod saved_run;
 pub mod stability;
 mod step_grid;
 pub mod store;
