@@ -32,6 +32,7 @@ pub mod prepared_case;
 pub mod recommendations;
 pub mod reference;
 pub mod report;
+pub mod require;
 pub mod row;
 mod runner;
 mod saved_run;
@@ -44,7 +45,7 @@ pub mod verify;
 pub mod whole_run;
 pub mod worth;
 
-use canopy_fem_io::{analysis, assembly, drive, integrate, model, scene, solve};
+use canopy_fem_io::{analysis, assembly, drive, force, integrate, model, scene, solve};
 use canopy_fem_io::{case, checksum, format_number, input_file, mesh, output, process, simulation, vtk};
 pub use error::StudyError;
 pub use runner::{Runner, Shard, Study, rows_of};
