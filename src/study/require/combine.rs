@@ -21,7 +21,7 @@ use crate::store::system;
 use crate::verify::Accuracy;
 
 /// [-] Share of the processor time that a change saves at least: clocks are not better than that.
-const NOISE: f64 = 0.02;
+const NOISE: f64 = 0.05;
 /// [-] How many times the initial speed and the mass of the payload, where the leanest case is looked at again.
 const ELSEWHERE: f64 = 1.2;
 
@@ -121,10 +121,10 @@ impl Combiner<'_> {
         Ok(Some(Lean { changes, distance, tried, file, file_differs, elsewhere, left }))
     }
 
-    /// Single changes that are harmless and save time, the most first.
+    /// Single changes to something simpler that are harmless and save time, the most first.
     fn candidates(&self) -> Result<Vec<&RequireRow>, StudyError> {
         let mut all = Vec::new();
-        for row in self.rows.iter().filter(|row| row.job.variants.len() == 1) {
+        for row in self.rows.iter().filter(|row| row.job.variants.len() == 1 && !row.job.finer()) {
             let distance = self.distance(row)?;
             if let (Some(true), Some(saved)) = (distance.harmless, distance.saved.filter(|saved| *saved > NOISE)) {
                 all.push((saved, row));

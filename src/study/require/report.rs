@@ -24,6 +24,9 @@ use crate::verify::Accuracy;
 /// All files a report has, beside the leanest case.
 pub const FILES: [&str; 3] = ["require.csv", "require.json", "require.html"];
 
+/// Most quantities that have a column each in a terminal.
+const COLUMNS: usize = 3;
+
 /// A study and how it is shown.
 pub struct RequireReport<'a> {
     /// the plan
@@ -40,15 +43,77 @@ pub struct RequireReport<'a> {
     pub how: &'a Rerun,
 }
 
+/// The tables in a terminal: a column a quantity, or, where there are many, the largest difference only.
+#[derive(Clone, Debug, Default, Serialize)]
+struct Printed {
+    /// names of the columns of differences
+    names: Vec<String>,
+    /// widths of all columns
+    widths: Vec<usize>,
+    /// rows of changes within the accuracy, and of others
+    parts: [Vec<Line>; 2],
+    /// the errors side by side
+    errors: Vec<ErrorLine>,
+}
+
+impl Printed {
+    fn of(names: &[&str], parts: &[&[Line]; 2], errors: &[ErrorLine]) -> Self {
+        let few = names.len() <= COLUMNS;
+        let short = |shares: &[Share]| -> Vec<String> {
+            let largest = shares.iter().zip(names).max_by(|a, b| a.0.size.total_cmp(&b.0.size));
+            match largest.filter(|_| !few) {
+                Some((share, name)) if share.size >= 0.0 => vec![share.words.clone(), (*name).to_owned()],
+                Some((share, _)) => vec![share.words.clone(), String::new()],
+                None => shares.iter().map(|share| share.words.clone()).collect(),
+            }
+        };
+        let names: Vec<String> = match few {
+            true => names.iter().map(|name| (*name).to_owned()).collect(),
+            false => ["largest", "in"].map(str::to_owned).to_vec(),
+        };
+        let parts = parts.map(|lines| {
+            let line = |line: &Line| Line { printed: short(&line.shares), ..line.clone() };
+            lines.iter().map(line).collect::<Vec<_>>()
+        });
+        let error = |line: &ErrorLine| ErrorLine { printed: short(&line.shares), ..line.clone() };
+        let errors: Vec<ErrorLine> = errors.iter().map(error).collect();
+        let lines = parts.iter().flatten().map(|line| (line.described.as_str(), &line.printed));
+        let rows: Vec<(&str, &Vec<String>)> =
+            lines.chain(errors.iter().map(|line| (line.of, &line.printed))).chain([("", &names)]).collect();
+        let width = |of: &dyn Fn(&(&str, &Vec<String>)) -> usize| rows.iter().map(of).max().unwrap_or(0);
+        let first = width(&|(described, _)| described.chars().count());
+        let column = |i: usize| width(&|(_, cells)| cells.get(i).map_or(0, |cell| cell.chars().count()));
+        let widths = [first].into_iter().chain((0..names.len()).map(column)).collect();
+        Printed { names, widths, parts, errors }
+    }
+}
+
+/// A difference in words.
+#[derive(Clone, Debug, Default, Serialize)]
+struct Share {
+    /// in words
+    words: String,
+    /// [-] its size; below 0 for none
+    size: f64,
+}
+
+impl Share {
+    fn of(share: Option<f64>, words: impl Fn(f64) -> String, none: &str) -> Self {
+        Share { words: share.map_or_else(|| none.to_owned(), words), size: share.map_or(-1.0, f64::abs) }
+    }
+}
+
 /// A row of a printed table.
 #[derive(Clone, Debug, Default, Serialize)]
 struct Line {
     /// what is changed
     described: String,
     /// the difference of each quantity
-    shares: Vec<String>,
+    shares: Vec<Share>,
     /// what is saved
     time: String,
+    /// the differences in a terminal
+    printed: Vec<String>,
 }
 
 /// An error beside the others.
@@ -57,9 +122,11 @@ struct ErrorLine {
     /// of what
     of: &'static str,
     /// in each quantity
-    shares: Vec<String>,
+    shares: Vec<Share>,
     /// what shows it
     by: String,
+    /// the errors in a terminal
+    printed: Vec<String>,
 }
 
 impl RequireReport<'_> {
@@ -102,20 +169,16 @@ impl RequireReport<'_> {
         let names: Vec<&str> = full.numbers.iter().map(|number| number.name.as_str()).collect();
         let values: Vec<String> = full.numbers.iter().map(value_of).collect();
         let error_lines = ErrorLine::all(errors, &names);
+        let brief: Vec<[&str; 3]> = without
+            .iter()
+            .map(|one| {
+                let note = one.note.split("; ").next().unwrap_or_default();
+                [one.described.as_str(), one.status.word(), note]
+            })
+            .collect();
         let notes = reasons(without.iter().map(|one| (one.described.clone(), one.status, one.note.as_str())));
-        let first = ["change".to_owned()].into_iter().chain(names.iter().map(|name| (*name).to_owned()));
-        let head: Vec<String> = first.chain(["time".to_owned()]).collect();
-        let cells = |line: &Line| -> Vec<String> {
-            [line.described.clone()].into_iter().chain(line.shares.clone()).chain([line.time.clone()]).collect()
-        };
-        let errors_as_cells = error_lines.iter().map(|line| {
-            [line.of.to_owned()].into_iter().chain(line.shares.clone()).chain([String::new()]).collect::<Vec<_>>()
-        });
-        let lines = harmless.iter().chain(&harmful).map(cells);
-        let table: Vec<Vec<String>> = [head.clone()].into_iter().chain(lines).chain(errors_as_cells).collect();
-        let width = |column: usize| table.iter().filter_map(|row| Some(row.get(column)?.chars().count())).max();
-        let widths: Vec<usize> = (0..head.len()).filter_map(width).collect();
         let figure = figure(plan, all, lean)?;
+        let printed = Printed::of(&names, &[&harmless, &harmful], &error_lines);
         let marks = all.iter().chain(lean.map(|lean| &lean.distance));
         let told: BTreeMap<&str, Vec<[String; 2]>> = marks.map(|one| (one.id.as_str(), told_of_mark(one))).collect();
         let case_json = serde_json::to_string_pretty(&plan.case).map_err(|e| StudyError::Page(e.to_string()))?;
@@ -123,7 +186,7 @@ impl RequireReport<'_> {
             let elsewhere = lean.elsewhere.as_ref().map(|there| {
                 let within = there.distance.harmless;
                 context! { state => there.described, distances => distances(&there.distance), within,
-                    time => time(&there.distance), note => there.distance.note }
+                time => time(&there.distance), note => there.distance.note }
             });
             let tried: Vec<Value> = lean
                 .tried
@@ -131,12 +194,14 @@ impl RequireReport<'_> {
                 .map(|one| context! { added => one.added, kept => one.kept, line => Line::of(&one.distance) })
                 .collect();
             context! { changes => lean.changes, distances => distances(&lean.distance), time => time(&lean.distance),
-                seconds => lean.distance.cpu_seconds, file => lean.file, differs => lean.file_differs,
-                left => lean.left, elsewhere, tried }
+            seconds => lean.distance.cpu_seconds, file => lean.file, differs => lean.file_differs,
+            left => lean.left, elsewhere, tried }
         });
         let completed = full.completed();
-        Ok(context! { version => PROGRAM, plan, accuracy => accuracy.to_string(), full, completed, values, names, head,
-            widths, harmless, harmful, without, notes, errors => error_lines, lean, figure, told, command, machine, case_json })
+        Ok(
+            context! { version => PROGRAM, plan, accuracy => accuracy.to_string(), full, completed, values, names, printed,
+            harmless, harmful, brief, notes, errors => error_lines, lean, figure, told, command, machine, case_json },
+        )
     }
 
     /// `require.csv`: the full model, its variants, and the leanest case.
@@ -201,8 +266,9 @@ impl Line {
     fn of(one: &Comparison) -> Self {
         Line {
             described: one.described.clone(),
-            shares: one.differences.iter().map(|of| of.share.map(percent).unwrap_or_default()).collect(),
+            shares: one.differences.iter().map(|of| Share::of(of.share, percent, "no value")).collect(),
             time: time(one),
+            printed: Vec::new(),
         }
     }
 }
@@ -219,14 +285,15 @@ impl ErrorLine {
             ("model, may not", harmful, &percent),
         ];
         let line = |(of, shown, words): (&'static str, &[Shown], &dyn Fn(f64) -> String)| {
-            let share = |name: &&str| shown.iter().find(|one| one.name == **name).map(|one| words(one.share));
+            let share = |name: &&str| shown.iter().find(|one| one.name == **name).map(|one| one.share);
             let mut by: Vec<&str> = shown.iter().map(|one| one.by.as_str()).collect();
             by.sort_unstable();
             by.dedup();
             ErrorLine {
                 of,
-                shares: names.iter().map(|name| share(name).unwrap_or_else(|| "-".to_owned())).collect(),
+                shares: names.iter().map(|name| Share::of(share(name), words, "-")).collect(),
                 by: if by.is_empty() { "no run shows it".to_owned() } else { by.join("; ") },
+                printed: Vec::new(),
             }
         };
         parts.into_iter().map(line).collect()

@@ -178,17 +178,22 @@ impl RequireResult {
         self.status == RowStatus::Completed
     }
 
-    /// A quantity.
+    /// A quantity. Lines without a gauge are named after the number of their rule, which may be another one here.
     pub fn number(&self, name: &str) -> Option<&Number> {
-        self.numbers.iter().find(|number| number.name == name)
+        let exact = self.numbers.iter().find(|number| number.name == name);
+        exact.or_else(|| {
+            let mut alike = self.numbers.iter().filter(|number| of_rule(&number.name) == of_rule(name));
+            alike.next().filter(|_| alike.next().is_none() && of_rule(name) != name)
+        })
     }
 }
 
-fn row_of(
-    store: &Store<RequirePlan>,
-    job: RequireJob,
-    left: Option<String>,
-) -> Result<RequireRow, StudyError> {
+/// A name without the number of a rule: `lines.tension.peak` of `springs[5] lines.tension.peak`.
+fn of_rule(name: &str) -> &str {
+    name.strip_prefix("springs[").and_then(|rest| rest.split_once("] ")).map_or(name, |(_, rest)| rest)
+}
+
+fn row_of(store: &Store<RequirePlan>, job: RequireJob, left: Option<String>) -> Result<RequireRow, StudyError> {
     let not_run = || RequireResult { note: left.unwrap_or_default(), ..RequireResult::default() };
     Ok(RequireRow { result: store.measured(&job)?.unwrap_or_else(not_run), job })
 }
@@ -203,4 +208,24 @@ pub fn rows_of(
     left: &BTreeMap<String, String>,
 ) -> Result<Vec<RequireRow>, StudyError> {
     plan.jobs.iter().map(|job| row_of(store, job.clone(), left.get(&job.id).cloned())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_found_under_another_number_of_their_rule() {
+        let number = |name: &str| Number { name: name.to_owned(), ..Number::default() };
+        let with = |names: &[&str]| RequireResult {
+            numbers: names.iter().map(|name| number(name)).collect(),
+            ..RequireResult::default()
+        };
+        let found = |names: &[&str], name: &str| with(names).number(name).map(|number| number.name.clone());
+        let [old, new, other] = ["springs[5] lines.peak", "springs[4] lines.peak", "springs[2] lines.peak"];
+        assert_eq!(found(&[new, "riser.peak"], old).as_deref(), Some(new));
+        assert_eq!(found(&[new, old], old).as_deref(), Some(old));
+        assert_eq!(found(&[new, other], old), None, "one of two is not known");
+        assert_eq!(found(&["lines.peak"], "riser.peak"), None);
+    }
 }

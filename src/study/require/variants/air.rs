@@ -67,9 +67,8 @@ fn height_at_start(spec: &NetworkSpec) -> f64 {
     let altitude = spec.stream.as_ref().map_or(0.0, |stream| stream.altitude);
     let moved = |node: usize| spec.displacement.get(node).map_or(0.0, |[_, _, z]| *z);
     let weighted = spec.mass.iter().zip(&spec.mesh.nodes).enumerate();
-    let (mass, moment) = weighted.fold((0.0, 0.0), |(mass, moment), (node, (m, [_, _, z]))| {
-        (mass + m, moment + m * (z + moved(node)))
-    });
+    let (mass, moment) =
+        weighted.fold((0.0, 0.0), |(mass, moment), (node, (m, [_, _, z]))| (mass + m, moment + m * (z + moved(node))));
     altitude + if mass > 0.0 { moment / mass } else { 0.0 }
 }
 

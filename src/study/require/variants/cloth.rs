@@ -58,7 +58,8 @@ impl Search<'_> {
     pub(super) fn springs(&mut self) {
         let rules: Vec<_> = self.entries("springs").collect();
         let with = |key: &str, of: &dyn Fn(&Value) -> bool| -> Vec<String> {
-            let having = rules.iter().filter(|(_, rule)| rule.get(key).is_some_and(|value| !value.is_null()) && of(rule));
+            let having =
+                rules.iter().filter(|(_, rule)| rule.get(key).is_some_and(|value| !value.is_null()) && of(rule));
             having.map(|(at, _)| format!("{at}/{key}")).collect()
         };
         let is_cloth = |rule: &Value| rule.get("membrane").is_some();

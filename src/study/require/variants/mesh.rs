@@ -185,7 +185,9 @@ impl Search<'_> {
     /// What the case says of single nodes, or of single edges of some selections, which change with the mesh.
     fn of_one(&self, edges: &[&str]) -> Option<String> {
         if self.get("mass/nodal").is_some() {
-            return Some("mass.nodal is that of a node of this mesh; areal_density, linear_density and total are not".into());
+            return Some(
+                "mass.nodal is that of a node of this mesh; areal_density, linear_density and total are not".into(),
+            );
         }
         let many = |entry: &Value| COUNTED.contains(&selected(entry).as_str());
         let each = |(at, _): (String, &Value), key: &str| format!("{at}/{key} is that of each node of this mesh");
@@ -197,11 +199,17 @@ impl Search<'_> {
                 let of = selected(rule);
                 edges.contains(&of.as_str()) && !(SHEET.contains(&of.as_str()) && self.has_triangles())
             });
-            divided.flat_map(|(at, rule)| {
-                let has = |key: &str| rule.pointer(key).is_some_and(|value| !value.is_null());
-                let keys = ["/stiffness", "/rest_length", "/dashpot/axial/coefficient", "/dashpot/relative/coefficient"];
-                keys.into_iter().filter(|key| has(key)).map(|key| format!("{at}{key} is that of an edge of this mesh")).collect::<Vec<_>>()
-            }).next()
+            divided
+                .flat_map(|(at, rule)| {
+                    let has = |key: &str| rule.pointer(key).is_some_and(|value| !value.is_null());
+                    let keys =
+                        ["/stiffness", "/rest_length", "/dashpot/axial/coefficient", "/dashpot/relative/coefficient"];
+                    keys.into_iter()
+                        .filter(|key| has(key))
+                        .map(|key| format!("{at}{key} is that of an edge of this mesh"))
+                        .collect::<Vec<_>>()
+                })
+                .next()
         })
     }
 
