@@ -27,7 +27,10 @@ pub struct Number {
 
 impl From<MeasuredQuantity> for Number {
     fn from(of: MeasuredQuantity) -> Self {
-        Number { name: of.name, unit: of.unit.to_owned(), value: of.value, largest: of.largest }
+        // JSON has no other numbers.
+        let largest = if of.largest.is_finite() { of.largest } else { 0.0 };
+        let value = of.value.filter(|value| value.is_finite());
+        Number { name: of.name, unit: of.unit.to_owned(), value, largest }
     }
 }
 
