@@ -8,7 +8,7 @@
 use super::error::StudyError;
 use super::prepared_case::PreparedCase;
 use super::ranking::ReferenceQuantity;
-use super::verify::size;
+use super::verify::measure_of;
 use super::worth::{KnownError, Runs, Shrinks, Worth};
 use crate::case::spec::{OutputSpec, RowEvery};
 use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, UpcomingStep, Wants};
@@ -148,7 +148,7 @@ impl SolvedQuantities {
             let Worth { error, known, extrapolated } = scheme(quantity, own, shrinks);
             let error_by = if steps.error.is_none() { steps.known } else { known };
             let value = extrapolated.unwrap_or(own);
-            let scale = Some(size(quantity, value)).filter(|size| *size > 0.0);
+            let scale = Some(measure_of(value, quantity.largest)).filter(|size| *size > 0.0);
             let error = error.zip(of_steps).map(|(scheme, steps)| (scheme + steps) / scale.unwrap_or(1.0));
             ReferenceQuantity { name, unit, value: Some(value), scale, error, error_by }
         };

@@ -269,12 +269,6 @@ impl std::fmt::Display for Accuracy {
 /// [-] Share of the largest magnitude of a series below which a value of it is small.
 const SMALL: f64 = 0.01;
 
-/// What the error of a value of a quantity is relative to: the value, or a hundredth of the largest of its series where
-/// that is more, as of a vibration that has died away.
-pub(super) fn size(quantity: &MeasuredQuantity, value: f64) -> f64 {
-    value.abs().max(SMALL * quantity.largest)
-}
-
 impl Accuracy {
     /// [-] The share; of a unit, 1 %.
     pub fn share(&self) -> f64 {
@@ -284,20 +278,34 @@ impl Accuracy {
         }
     }
 
-    /// The error that a quantity may have, relative to its [`size`].
+    /// The error that a quantity may have, relative to its [`measure_of`].
     ///
     /// # Errors
     /// Another unit.
     pub fn allows(&self, quantity: &MeasuredQuantity) -> Result<f64, StudyError> {
+        let scale = quantity.value.map_or(1.0, |value| measure_of(value, quantity.largest));
+        self.allowed(&quantity.name, quantity.unit, scale)
+    }
+
+    /// The error that a quantity may have whose measure is `scale`.
+    ///
+    /// # Errors
+    /// Another unit.
+    pub(super) fn allowed(&self, name: &str, of: &str, scale: f64) -> Result<f64, StudyError> {
         match self {
-            Accuracy::Relative(share) => Ok(share * quantity.value.map_or(1.0, |value| size(quantity, value))),
-            Accuracy::Absolute(number, unit) if *unit == quantity.unit => Ok(*number),
+            Accuracy::Relative(share) => Ok(share * scale),
+            Accuracy::Absolute(number, unit) if unit == of => Ok(*number),
             Accuracy::Absolute(_, unit) => Err(StudyError::Usage(format!(
-                "--within {self}: {} is in {}, not in {unit}; name the quantities that are meant with --quantity",
-                quantity.name, quantity.unit
+                "--within {self}: {name} is in {of}, not in {unit}; name the quantities that are meant with --quantity"
             ))),
         }
     }
+}
+
+/// What errors of a value are shares of: the value, or, where it is small beside the largest of its series, as of a
+/// vibration that has died away, a hundredth of that.
+pub(super) fn measure_of(value: f64, largest: f64) -> f64 {
+    value.abs().max(SMALL * largest)
 }
 
 /// Whether a run is within an accuracy.

@@ -55,6 +55,7 @@ fn options_are_the_same_for_all_commands() {
         ("check", "--set --threads --quiet --json"),
         ("tradeoff", "--set --threads --quiet --json --out --force"),
         ("sweep", "--set --threads --quiet --json --out --force"),
+        ("require", "--set --threads --quiet --json --out --force"),
         ("stability", "--set --threads --quiet --json --out --force"),
         ("plot", "--quiet --out"),
     ] {
@@ -70,7 +71,8 @@ fn options_are_the_same_for_all_commands() {
 fn studies_print_their_results_as_json() {
     let bench = Bench::new();
     let case = format!("{}/assets/cases/oscillator-damped.json", env!("CARGO_MANIFEST_DIR"));
-    let studies: [&[&str]; 3] = [
+    let studies: [&[&str]; 4] = [
+        &["require", "--within", "5%"],
         &["stability", "--methods", "rk4"],
         &["sweep", "--vary", "time.step=0.01,0.02"],
         &["tradeoff", "--methods", "rk4", "--steps", "0.01,0.02"],

@@ -1,10 +1,11 @@
-//! `canopy-fem tradeoff` and `sweep`: what they say is true, and comes to the same however it is made.
+//! `canopy-fem tradeoff`, `sweep` and `require`: what they say is true, and comes to the same however it is made.
 
 mod hyperqueue;
 mod models;
 mod page;
 mod quantities;
 mod refusals;
+mod require;
 mod sharing;
 mod sweep;
 pub mod table;

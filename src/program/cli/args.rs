@@ -5,6 +5,7 @@ use super::init::InitArgs;
 use super::mesh::{MeshArgs, MeshCommand};
 use super::methods::MethodsArgs;
 use super::plot::PlotArgs;
+use super::require::RequireArgs;
 use super::stability::StabilityArgs;
 use super::static_::StaticArgs;
 use super::sweep::SweepArgs;
@@ -86,6 +87,16 @@ pub enum Command {
     /// without these values; `note` says why. A sweep that was stopped continues when the same command is given again.
     #[command(after_help = EXIT_STATUS)]
     Sweep(SweepArgs),
+    /// Find what a scene requires: what each part of the model does to the numbers of the report, and what it costs
+    ///
+    /// Runs the case with one change at a time: coarser and finer meshes and steps, the other model of the cloth, parts of
+    /// the model left out. Then it combines those that stay within the accuracy, measures each combination, and writes the
+    /// leanest as a case of its own, NAME-lean.json. Also writes require.csv, .json and .html. A row of require.csv is a
+    /// run: `change`, `from`, `to`, `cpu_seconds` [s], each quantity and, as `error_` with its name, what it differs by
+    /// from the full model, `saved` (share of the time), `within`, `status`, `note`. With --shard, the combinations are
+    /// made by --merge.
+    #[command(after_help = EXIT_STATUS)]
+    Require(RequireArgs),
     /// Measure the largest stable step of every method on this scene, and compare it with the predicted one
     ///
     /// Finds the limit by bisection with real runs. Writes stability.csv, .json, .html and .svg (the stability
@@ -130,6 +141,7 @@ impl Command {
             Command::Check(args) => args.print.json,
             Command::Tradeoff(args) => args.study.print.json,
             Command::Sweep(args) => args.study.print.json,
+            Command::Require(args) => args.study.print.json,
             Command::Stability(args) => args.print.json,
             Command::Methods(args) => args.json,
             Command::Mesh(MeshArgs { command: MeshCommand::Inspect(args) }) => args.json,

@@ -17,6 +17,7 @@ mod parachute;
 pub mod plot;
 pub mod progress;
 mod report;
+pub mod require;
 mod resume;
 pub mod schema;
 mod shell;
@@ -81,6 +82,7 @@ fn dispatch(command: &Command) -> Result<CommandOutput, CliError> {
         Command::Mesh(args) => Ok(done(mesh::run(args)?)),
         Command::Tradeoff(args) => tradeoff::run(args),
         Command::Sweep(args) => sweep::run(args),
+        Command::Require(args) => require::run(args),
         Command::Plot(args) => plot::run(args).map(done),
         Command::Methods(args) => Ok(done(methods::run(args))),
         Command::Schema => Ok(done(schema::run() + "\n")),

@@ -1,0 +1,162 @@
+//! `canopy-fem require`: what each part of a model does to the quantities of interest, and what it costs.
+
+use super::interrupt::stop_on_interrupt;
+use super::study::{Budget, CaseFile, ProgressLine, StudyArgs, nothing_lost, typed};
+use super::{CliError, CommandOutput};
+use crate::case::Case;
+use crate::study::StudyError;
+use crate::study::report::Rerun;
+use crate::study::require::{
+    self, Combiner, Lean, RequirePlan, RequirePlanner, RequireReport, RequireRow, RequireRunner, rows_of,
+};
+use crate::study::row::RowStatus;
+use crate::study::store::Store;
+use crate::study::verify::Accuracy;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// Default accuracy.
+const WITHIN: &str = "1%";
+/// [s] Default budget of a study on one machine.
+const BUDGET: f64 = 120.0;
+
+/// `require`.
+#[derive(Clone, Debug, clap::Args)]
+pub struct RequireArgs {
+    /// case, folder and shares
+    #[command(flatten)]
+    pub study: StudyArgs,
+    /// Accuracy against the full model that the leanest case keeps: 1%, 5e-3, or with a unit, 20N [default: that of the
+    /// plan, else 1%]
+    #[arg(long, value_name = "ACCURACY")]
+    pub within: Option<String>,
+    /// A number that is asked for, as study.quantities of the case has it: riser.tension.peak, tip.z@0.5, opening_load …;
+    /// may be given several times [default: those of the report, else displacement_end and max_displacement]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["shard", "merge"])]
+    pub quantity: Vec<String>,
+    /// Runs at the same time, each on one thread; results are the same for every number [default: number of cores]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+pub(super) fn run(args: &RequireArgs) -> Result<CommandOutput, CliError> {
+    let (case, out) = args.study.case_and_folder()?;
+    Command { args, out, stop: stop_on_interrupt(), started: Instant::now() }.run(case)
+}
+
+struct Command<'a> {
+    args: &'a RequireArgs,
+    out: PathBuf,
+    stop: &'static AtomicBool,
+    started: Instant,
+}
+
+impl Command<'_> {
+    fn run(&self, case: Option<CaseFile<'_>>) -> Result<CommandOutput, CliError> {
+        let args = &self.args.study;
+        let asked = case.map(|(path, case)| self.asked(path, &case)).transpose()?;
+        let store = Store::<RequirePlan>::in_folder(&self.out);
+        if args.force {
+            store.clear()?;
+            require::clear(&self.out)?;
+        }
+        let plan = self.plan(&store, asked)?;
+        let accuracy = accuracy(self.args.within.as_deref().unwrap_or(&plan.within))?;
+        if args.plan {
+            return done(args.unless_quiet(require::planned(&plan, &store)?));
+        }
+        args.merge_into(&store, &plan)?;
+        let base = plan.base()?;
+        let line = ProgressLine::new(args.print.quiet);
+        let (rows, lean) = self.make_runs(&plan, &store, &base, &accuracy, &line)?;
+        line.bar.finish_and_clear();
+        if let Some(shard) = args.shard {
+            let finished = rows.iter().filter(|row| row.result.status != RowStatus::NotRun).count();
+            return done(args.shard_done(shard, finished, rows.len(), &self.out));
+        }
+        // To repeat a study one needs the command that planned it, not the one that merged its parts.
+        let how = Rerun { command: plan.command.clone(), ..Rerun::here(typed()) };
+        let (plan, base, rows, lean) = (&plan, &base, &rows, lean.as_ref());
+        let text = RequireReport { plan, base, rows, lean, accuracy: &accuracy, how: &how }.write(&self.out)?;
+        done(args.printed(text, &self.out.join("require.json"))?)
+    }
+
+    /// The plan that the arguments ask for; a shard or a merge follows that of the folder.
+    fn asked(&self, path: &Path, case: &Case) -> Result<RequirePlan, CliError> {
+        if self.args.study.follows_a_plan() {
+            let why = "--shard and --merge follow the plan in --out: leave the case out";
+            return Err(StudyError::Usage(why.to_owned()).into());
+        }
+        self.args.study.warn(case);
+        let within = self.args.within.clone().unwrap_or_else(|| WITHIN.to_owned());
+        accuracy(&within)?;
+        let named = serde_json::json!(self.args.quantity).to_string();
+        let quantities = [("study.quantities".to_owned(), named)];
+        let case = if self.args.quantity.is_empty() { case.clone() } else { case.with(&quantities)? };
+        let command = Rerun::here(typed()).command;
+        Ok(RequirePlanner { case: &case, case_file: path, within, command, stop: self.stop }.make()?)
+    }
+
+    /// The plan of the folder, which must be the one asked for; or that one, in a folder without a plan.
+    fn plan(&self, store: &Store<RequirePlan>, asked: Option<RequirePlan>) -> Result<RequirePlan, CliError> {
+        match (store.plan()?, asked) {
+            (Some(known), Some(asked)) => match known.difference(&asked) {
+                Some(difference) => Err(StudyError::OtherStudy { folder: self.out.clone(), difference }.into()),
+                // The accuracy decides nothing about the runs.
+                None => Ok(RequirePlan { within: asked.within, ..known }),
+            },
+            (Some(known), None) => Ok(known),
+            (None, Some(asked)) => {
+                nothing_lost(&self.out, &require::FILES)?;
+                store.keep_plan(&asked)?;
+                Ok(asked)
+            }
+            (None, None) => Err(Store::<RequirePlan>::no_plan(&self.out).into()),
+        }
+    }
+
+    /// The planned runs and, unless this is a share of them, the combinations. Finer runs come last: a spent budget
+    /// leaves them out first.
+    fn make_runs(
+        &self,
+        plan: &RequirePlan,
+        store: &Store<RequirePlan>,
+        base: &Case,
+        accuracy: &Accuracy,
+        line: &ProgressLine,
+    ) -> Result<(Vec<RequireRow>, Option<Lean>), StudyError> {
+        let StudyArgs { shard, merge, budget, .. } = &self.args.study;
+        let alone = shard.is_none() && merge.is_none();
+        let budget = budget.unwrap_or(if alone { Budget::Seconds(BUDGET) } else { Budget::Unlimited });
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        let runner = RequireRunner {
+            plan,
+            store,
+            shard: *shard,
+            threads: self.args.threads.map_or_else(cores, usize::from),
+            deadline: budget.deadline(self.started),
+            interrupt: self.stop,
+            on_run: &|number, all, what| line.run(number, all, what),
+        };
+        let merged = merge.is_some();
+        let mut left = if merged { Default::default() } else { runner.run(base, false)? };
+        let rows = rows_of(plan, store, &left)?;
+        let lean = match shard {
+            None => Combiner { runner: &runner, base, rows: &rows, accuracy }.lean(&self.out)?,
+            Some(_) => None,
+        };
+        if !merged {
+            left.extend(runner.run(base, true)?);
+        }
+        Ok((rows_of(plan, store, &left)?, lean))
+    }
+}
+
+fn accuracy(text: &str) -> Result<Accuracy, StudyError> {
+    text.parse().map_err(|why: String| StudyError::Usage(format!("--within {text}: {why}")))
+}
+
+fn done(text: String) -> Result<CommandOutput, CliError> {
+    Ok(CommandOutput { text, code: 0 })
+}

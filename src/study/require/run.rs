@@ -1,0 +1,252 @@
+//! Makes the runs of the study, several at the same time, and gathers their results.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+use super::compare::Number;
+use super::plan::{RequireJob, RequirePlan};
+use crate::case::{Case, Problem};
+use crate::error::StudyError;
+use crate::integrate::Counters;
+use crate::prepared_case::fingerprint_of;
+use crate::row::{RowStatus, RunResult};
+use crate::runner::Shard;
+use crate::saved_run::{Measured, SavedEnd, SavedRun, each};
+use crate::store::Store;
+
+/// What to do where the budget was spent.
+const AGAIN: &str = "run the command again to go on";
+
+/// [s], [-] Runs are repeated as long as they take less than this together, and at most so many times: the processor
+/// time of one short run is not known well.
+const SHORT: f64 = 0.2;
+const MOST: f64 = 10.0;
+
+/// What came of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RequireResult {
+    /// how it ended
+    pub status: RowStatus,
+    /// why, and what to do, if not well
+    pub note: String,
+    /// [s] processor time
+    pub cpu_seconds: Option<f64>,
+    /// accepted steps
+    pub steps: u64,
+    /// attempts of adaptive steps that were dropped
+    pub rejected_steps: u64,
+    /// [s] time it came to
+    pub t_end: f64,
+    /// counted work
+    #[serde(flatten)]
+    pub counters: Counters,
+    /// the quantities, where it reached its end
+    pub numbers: Vec<Number>,
+}
+
+/// A run and what came of it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RequireRow {
+    /// the run
+    #[serde(flatten)]
+    pub job: RequireJob,
+    /// what came of it
+    #[serde(flatten)]
+    pub result: RequireResult,
+}
+
+/// Makes runs.
+pub struct RequireRunner<'a> {
+    /// what is to be done
+    pub plan: &'a RequirePlan,
+    /// where it goes
+    pub store: &'a Store<RequirePlan>,
+    /// the share that is made; `None`: all
+    pub shard: Option<Shard>,
+    /// runs at the same time
+    pub threads: usize,
+    /// when the budget is spent
+    pub deadline: Option<Instant>,
+    /// set when the user interrupts
+    pub interrupt: &'a AtomicBool,
+    /// called with every run before it is made: its number, the number of all, and what it is
+    pub on_run: &'a (dyn Fn(usize, usize, &str) + Sync),
+}
+
+impl RequireRunner<'_> {
+    /// Makes the planned runs that are not finished: those of the full model and of simpler ones, or the finer ones.
+    /// Returns why runs were left out, by identifier.
+    ///
+    /// # Errors
+    /// An interrupt, another case than the plan's, or files that cannot be read or written.
+    pub fn run(&self, base: &Case, finer: bool) -> Result<BTreeMap<String, String>, StudyError> {
+        let mine = |job: &&RequireJob| self.shard.is_none_or(|shard| shard.has(job.run)) && job.finer() == finer;
+        let wanted: Vec<&RequireJob> = self.plan.jobs.iter().filter(mine).collect();
+        let left = Mutex::new(BTreeMap::new());
+        each(&wanted, self.threads, |job| {
+            if let Some(why) = self.make(base, job)? {
+                left.lock().unwrap_or_else(PoisonError::into_inner).insert(job.id.clone(), why);
+            }
+            Ok(())
+        })?;
+        Ok(left.into_inner().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Makes one run of some variants, unless it is finished, and stores its result; returns why it was left out.
+    fn make(&self, base: &Case, job: &RequireJob) -> Result<Option<String>, StudyError> {
+        self.make_as(job, || Ok(self.plan.case(base, &job.variants)?.into_problem()))
+    }
+
+    /// The same with the data of the run.
+    fn make_as(
+        &self,
+        job: &RequireJob,
+        problem: impl FnOnce() -> Result<Problem, StudyError>,
+    ) -> Result<Option<String>, StudyError> {
+        if self.store.measured(job)?.is_some() {
+            return Ok(None);
+        }
+        if self.interrupt.load(Ordering::Relaxed) {
+            return Err(StudyError::Interrupted);
+        }
+        if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            return Ok(Some(format!("the budget was spent before it; {AGAIN}")));
+        }
+        (self.on_run)(job.run + 1, self.plan.jobs.len(), &job.described());
+        let refused = |note: String| RequireResult { status: RowStatus::Refused, note, ..RequireResult::default() };
+        let result = match &job.refused {
+            Some(why) => refused(why.clone()),
+            None => {
+                let problem = problem()?;
+                if fingerprint_of(&problem)?.digest() != job.case_digest {
+                    let difference = format!("a file that its case names is not what it was, with {}", job.described());
+                    return Err(StudyError::OtherStudy { folder: self.store.plan_path(), difference });
+                }
+                let &RequireRunner { store, deadline, interrupt, .. } = self;
+                let run = SavedRun { store, job, deadline, interrupt };
+                match run.make(problem.clone()) {
+                    Ok(SavedEnd::Done(measured)) => again(&run, &problem, RequireResult::of(*measured))?,
+                    Ok(SavedEnd::Refused(why)) => refused(why),
+                    Ok(SavedEnd::OutOfTime(t)) => {
+                        return Ok(Some(format!("the budget was spent at t = {t:.3e} s of it; {AGAIN}")));
+                    }
+                    // A part that is left out may be the one that a quantity is of.
+                    Err(StudyError::Usage(why)) if !job.variants.is_empty() => refused(why),
+                    Err(error) => return Err(error),
+                }
+            }
+        };
+        self.store.keep_measured(job, &result).map(|()| None)
+    }
+
+    /// A run and what came of it, made if it is not finished.
+    ///
+    /// # Errors
+    /// As [`RequireRunner::run`].
+    pub(super) fn row(&self, base: &Case, job: RequireJob) -> Result<RequireRow, StudyError> {
+        let left = self.make(base, &job)?;
+        row_of(self.store, job, left)
+    }
+
+    /// The same with the data of the run, whose case is not one of the plan.
+    ///
+    /// # Errors
+    /// As [`RequireRunner::run`].
+    pub(super) fn row_as(&self, job: RequireJob, problem: Problem) -> Result<RequireRow, StudyError> {
+        let left = self.make_as(&job, || Ok(problem))?;
+        row_of(self.store, job, left)
+    }
+}
+
+impl RequireResult {
+    fn of(measured: Measured) -> Self {
+        let Measured { run, quantities, .. } = measured;
+        let RunResult { status, note, repeats, steps, rejected_steps, t_end, counters, .. } = run;
+        let wanted = quantities.into_iter().filter(|quantity| quantity.wanted && status == RowStatus::Completed);
+        RequireResult {
+            status,
+            note,
+            cpu_seconds: repeats.first().copied(),
+            steps,
+            rejected_steps,
+            t_end,
+            counters,
+            numbers: wanted.map(Number::from).collect(),
+        }
+    }
+
+    /// Whether it reached its end.
+    pub fn completed(&self) -> bool {
+        self.status == RowStatus::Completed
+    }
+
+    /// A quantity. Lines without a gauge are named after the number of their rule, which may be another one here.
+    pub fn number(&self, name: &str) -> Option<&Number> {
+        let exact = self.numbers.iter().find(|number| number.name == name);
+        exact.or_else(|| {
+            let mut alike = self.numbers.iter().filter(|number| of_rule(&number.name) == of_rule(name));
+            alike.next().filter(|_| alike.next().is_none() && of_rule(name) != name)
+        })
+    }
+}
+
+/// A short run made a few times more: its cost is the least that was measured.
+fn again(
+    run: &SavedRun<'_, RequirePlan>,
+    problem: &Problem,
+    mut result: RequireResult,
+) -> Result<RequireResult, StudyError> {
+    let Some(mut least) = result.cpu_seconds else { return Ok(result) };
+    for _ in 1..(SHORT / least.max(SHORT / MOST)).floor() as usize {
+        let SavedEnd::Done(measured) = run.make(problem.clone())? else { break };
+        least = measured.run.repeats.first().map_or(least, |seconds| seconds.min(least));
+    }
+    result.cpu_seconds = Some(least);
+    Ok(result)
+}
+
+/// A name without the number of a rule: `lines.tension.peak` of `springs[5] lines.tension.peak`.
+fn of_rule(name: &str) -> &str {
+    name.strip_prefix("springs[").and_then(|rest| rest.split_once("] ")).map_or(name, |(_, rest)| rest)
+}
+
+fn row_of(store: &Store<RequirePlan>, job: RequireJob, left: Option<String>) -> Result<RequireRow, StudyError> {
+    let not_run = || RequireResult { note: left.unwrap_or_default(), ..RequireResult::default() };
+    Ok(RequireRow { result: store.measured(&job)?.unwrap_or_else(not_run), job })
+}
+
+/// What came of all planned runs so far; `left` says why some were left out.
+///
+/// # Errors
+/// Files that cannot be read.
+pub fn rows_of(
+    plan: &RequirePlan,
+    store: &Store<RequirePlan>,
+    left: &BTreeMap<String, String>,
+) -> Result<Vec<RequireRow>, StudyError> {
+    plan.jobs.iter().map(|job| row_of(store, job.clone(), left.get(&job.id).cloned())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_found_under_another_number_of_their_rule() {
+        let number = |name: &str| Number { name: name.to_owned(), ..Number::default() };
+        let with = |names: &[&str]| RequireResult {
+            numbers: names.iter().map(|name| number(name)).collect(),
+            ..RequireResult::default()
+        };
+        let found = |names: &[&str], name: &str| with(names).number(name).map(|number| number.name.clone());
+        let [old, new, other] = ["springs[5] lines.peak", "springs[4] lines.peak", "springs[2] lines.peak"];
+        assert_eq!(found(&[new, "riser.peak"], old).as_deref(), Some(new));
+        assert_eq!(found(&[new, old], old).as_deref(), Some(old));
+        assert_eq!(found(&[new, other], old), None, "one of two is not known");
+        assert_eq!(found(&["lines.peak"], "riser.peak"), None);
+    }
+}
