@@ -52,13 +52,14 @@ pub(super) fn positive(y: f64, e: f64) -> Slope {
     }
 }
 
-/// The root of y >= 0, a parabola for y < e.
+/// The root of y, a parabola for y < e; odd, for iterates below 0.
 fn root(y: f64, e: f64) -> Slope {
-    if y >= e {
-        Slope { value: y.sqrt(), by: 0.5 / y.sqrt() }
+    let size = y.abs();
+    if size >= e {
+        Slope { value: y.signum() * size.sqrt(), by: 0.5 / size.sqrt() }
     } else {
-        let (share, unit) = (y / e, e.sqrt());
-        Slope { value: unit * share * (1.5 - 0.5 * share), by: (1.5 - share) / unit }
+        let (share, unit) = (size / e, e.sqrt());
+        Slope { value: unit * y / e * (1.5 - 0.5 * share), by: (1.5 - share) / unit }
     }
 }
 
@@ -94,7 +95,7 @@ impl Through {
             None | Some([0.0, 0.0]) => (Slope::default(), 0.0),
             Some([0.0, b]) => (Slope::default(), 1.0 / b.sqrt()),
             Some([a, b]) => {
-                let slope = (a * a + 4.0 * b * dp).sqrt();
+                let slope = (a * a + 4.0 * b * dp.abs()).sqrt();
                 (Slope { value: 2.0 * dp / (a + slope), by: 1.0 / slope }, 0.0)
             }
         };
@@ -254,7 +255,7 @@ impl Flow {
             let mut share = 1.0;
             let taken = loop {
                 let mut next = dp;
-                (0..n).for_each(|b| next[b] = (dp[b] - share * step[b]).max(0.0));
+                (0..n).for_each(|b| next[b] = dp[b] - share * step[b]);
                 let discs = self.discs(passage, &next);
                 let r = residual(&next, &discs);
                 if size(&r) < before {

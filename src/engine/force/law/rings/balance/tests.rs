@@ -94,14 +94,14 @@ fn the_gradient_is_a_slope() {
     assert!(compared > 62_000, "{compared}");
 }
 
-/// A tight canopy that does not move has (1 - Cb) q everywhere, exactly.
+/// A tight canopy that does not move has (1 - Cb) q everywhere.
 #[test]
 fn tight_cloth_at_rest() {
     let mut flow = flow(7, 3, 400.0);
     flow.rate = [0.0; MOST_BANDS + 1];
     flow.below = [1.0; MOST_BANDS];
     let passage = Passage { cloth: None, slots: vec![0.0; 7], vent: 0.0 };
-    assert!(flow.pressures(&passage)[..7].iter().all(|dp| *dp == 1.7 * 400.0));
+    assert!(flow.pressures(&passage)[..7].iter().all(|dp| (dp - 1.7 * 400.0).abs() < 1e-12));
 }
 
 /// A tube that widens evenly and is closed above: p = q - 2 rho z^2 r'^2/r^2, and beyond V = 2 z r'/r the rest is lost.
@@ -124,7 +124,7 @@ fn a_tube_that_widens() {
         for b in 0..n {
             let z = length * (b as f64 + 0.5) / n as f64;
             let inside = flow.q - 2.0 * 1.2 * (z * widening / radius).powi(2) - 0.6 * lost.max(0.0);
-            let expected = positive(inside, CORNER * flow.q).value;
+            let expected = positive(inside, flow.corner()).value;
             assert!((dp[b] - expected).abs() <= 1e-12 * flow.q, "{widening}, {b}: {} {expected}", dp[b]);
         }
     }
