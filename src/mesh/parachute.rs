@@ -13,6 +13,7 @@ mod kind;
 mod payload;
 mod place;
 mod profile;
+mod stretched;
 mod taylor;
 
 use super::{Mesh, MeshError};
@@ -103,8 +104,7 @@ pub struct ParachuteParameters {
     /// Suspension lines from the skirt to the confluence; without them there is only the canopy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lines: Option<LineParameters>,
-    /// Lines from the vent's corners to the confluence, straight as the pattern is cut, as annular canopies have them;
-    /// none if absent. A `rest_scale` of their springs makes them shorter or longer.
+    /// Lines from the vent's corners to the confluence, as annular canopies have them; none if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inner_lines: Option<InnerLineParameters>,
     /// A line from the confluence down to the payload; the payload is at the confluence if absent.
@@ -122,6 +122,12 @@ pub struct ParachuteParameters {
     /// The shape at the start.
     #[serde(default)]
     pub start: StartShape,
+    /// [-] radius of the skirt over D0 at the start `stretched`; 0.025 if absent, and never more than that of a reefing
+    /// line. It was measured through the filling constant alone: 0.025 fills a C-9 at 60 m/s in 8 diameters. It sets
+    /// the time of filling more than the load
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    pub start_radius: Option<f64>,
     /// [-] direction from the payload to the apex, of any length; of a cluster that from the payload to its middle. The
     /// whole rig turns about the payload. `[0, 0, 1]` if absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -151,6 +157,10 @@ pub struct LineParameters {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct InnerLineParameters {
+    /// [m] unstretched length; if absent, the distance from the vent of the flat pattern to the confluence
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    pub length: Option<f64>,
     /// [-] number of edges of each line; 1 if absent
     #[serde(default = "one")]
     #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
@@ -215,6 +225,10 @@ pub enum StartShape {
     /// The shape of Taylor (1919) under an even pressure: no stress across the gores, whose cloth is slack there. For
     /// patterns that are wide enough everywhere: flat ones, and the extended skirt.
     Inflated,
+    /// The tube of line stretch: a narrow folded canopy along the axis, whose skirt has the radius `start_radius`, on
+    /// straight lines. Arc lengths along the gores are those of the pattern, and nothing is stretched. For every
+    /// pattern. Inner lines draw the vent down into the tube.
+    Stretched,
 }
 
 fn one() -> usize {
@@ -275,10 +289,11 @@ impl ParachuteParameters {
         if let Some(LineParameters { length, .. }) = self.lines {
             lines.push(("lines", format!("{} of {length:.6} m ({:.4} D0)", self.gores, length / d0)));
         }
-        let inner = mesh.groups.get("inner-lines").map_or(0.0, |group| group.length(mesh));
-        if inner > 0.0 {
+        let cut = mesh.groups.get("inner-lines").map_or(0.0, |group| group.length(mesh));
+        if cut > 0.0 {
             let count = self.gores * self.cluster.map_or(1, |cluster| cluster.canopies);
-            lines.push(("inner lines", format!("{} of {:.6} m", self.gores, inner / count as f64)));
+            let told = self.inner_lines.and_then(|inner| inner.length);
+            lines.push(("inner lines", format!("{} of {:.6} m", self.gores, told.unwrap_or(cut / count as f64))));
         }
         if let Some(ReefingParameters { diameter }) = self.reefing {
             let rest = self.reefing_length().unwrap_or_default();
@@ -310,8 +325,10 @@ impl ParachuteParameters {
         if self.reefing.is_some() {
             parts.add_reefing();
         }
-        if self.start == StartShape::Inflated {
-            parts.inflate(self)?;
+        match self.start {
+            StartShape::Flat => {}
+            StartShape::Inflated => parts.inflate(self)?,
+            StartShape::Stretched => parts.stretch(self)?,
         }
         let mut mesh = parts.into_mesh();
         if let Some(cluster) = self.cluster {
@@ -326,6 +343,19 @@ impl ParachuteParameters {
 }
 
 impl ParachuteParameters {
+    /// [m] Unstretched lengths of edges of lines that the flat mesh shows longer or shorter: lines of a cruciform
+    /// canopy, whose corners are not equally far from the confluence, and inner lines of a length of their own.
+    pub fn line_lengths(&self, mesh: &Mesh) -> Vec<(u32, f64)> {
+        let lines = self.lines.filter(|_| self.kind == CanopyType::Cruciform);
+        let lines = lines.map(|lines| ("lines", lines.length, lines.segments));
+        let inner = self.inner_lines.and_then(|inner| Some(("inner-lines", inner.length?, inner.segments)));
+        let of = |(name, length, segments): (&str, f64, usize)| {
+            let edges = mesh.groups.get(name).map(|group| group.edges.clone()).unwrap_or_default();
+            edges.into_iter().map(move |edge| (edge, length / segments as f64)).collect::<Vec<_>>()
+        };
+        lines.into_iter().chain(inner).flat_map(of).collect()
+    }
+
     /// [m] Rest length of each edge of the reefing line.
     pub fn reefing_length(&self) -> Option<f64> {
         self.reefing.map(|reefing| PI * reefing.diameter / self.gores as f64)

@@ -1,6 +1,7 @@
 //! Parachutes: areas and lengths of the pattern, groups, Taylor's shape as a start, and what is refused.
 
 mod refused;
+mod stretched;
 
 use canopy_fem::case::Case;
 use canopy_fem::mesh::canopy::{Canopy, CanopyError};

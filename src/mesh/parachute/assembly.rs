@@ -22,14 +22,33 @@ pub(super) struct Assembly {
     /// nodes at which lines begin, counter-clockwise
     pub corners: Vec<u32>,
     /// nodes at which inner lines begin, counter-clockwise; empty without a vent
-    vent_corners: Vec<u32>,
+    pub vent_corners: Vec<u32>,
     /// rows of gores, from the vent or apex to the skirt
-    rows: Vec<Vec<u32>>,
+    pub rows: Vec<Vec<u32>>,
+    /// rings of a cross, from its centre to the ends of its arms
+    pub squares: Vec<Square>,
+    /// [m] width of the four ends of a cross
+    pub mouth: f64,
+    /// [m] apex of the pattern, where there may be a vent
+    pub apex: Vector3<f64>,
     /// [m] distance along a radial from the apex of the pattern to the first row
     tip: f64,
     /// nodes of each line from the corner to the confluence, ends included
-    lines: Vec<Vec<u32>>,
+    pub lines: Vec<Vec<u32>>,
+    /// the same of the inner lines
+    inner_lines: Vec<Vec<u32>>,
     displacement: Vec<[f64; 3]>,
+}
+
+/// A ring of nodes of a cross: a square around its centre, or a row of all four arms.
+#[derive(Clone, Debug)]
+pub(super) struct Square {
+    /// [m] distance from the centre along an arm
+    pub arc: f64,
+    /// [m] largest radius of a ring of these nodes without stretching the cloth
+    pub own_radius: f64,
+    /// nodes, each with its azimuth in such a ring [rad]
+    pub nodes: Vec<(u32, f64)>,
 }
 
 impl Assembly {
@@ -38,13 +57,14 @@ impl Assembly {
         self.nodes.len() as u32 - 1
     }
 
-    fn at(&self, node: u32) -> Vector3<f64> {
+    pub(super) fn at(&self, node: u32) -> Vector3<f64> {
         self.nodes[node as usize]
     }
 
     /// Adds a canopy of gores.
     pub(super) fn add_gores(&mut self, p: &ParachuteParameters, profile: &Profile) {
         let (n, across) = (p.gores, p.gore_segments);
+        self.apex = Vector3::z() * profile.apex_height;
         // The radials run along the corners, which are farther from the axis than the gores' centre lines.
         let to_corner = 1.0 / (PI / n as f64).cos();
         for row in &profile.rows {
@@ -157,7 +177,8 @@ impl Assembly {
         }
         if let Some(inner) = p.inner_lines {
             for corner in self.vent_corners.clone() {
-                self.add_line("inner-lines", [corner, confluence], inner.segments);
+                let nodes = self.add_line("inner-lines", [corner, confluence], inner.segments);
+                self.inner_lines.push(nodes);
             }
         }
         let mut end = confluence;
@@ -195,19 +216,10 @@ impl Assembly {
         if p.inner_lines.is_some() {
             return Err(refuse("a canopy without inner lines, which hold its vent down".to_owned()));
         }
-        let Some(first) = self.rows.first().and_then(|row| row.first()) else {
+        let arcs = self.arcs();
+        let Some(&at) = arcs.last() else {
             return Err(refuse("a canopy of gores".to_owned()));
         };
-        // Arc lengths along the first radial.
-        let mut from = self.at(*first);
-        let mut at = self.tip;
-        let mut arcs = Vec::new();
-        for row in &self.rows {
-            let corner = self.at(row[0]);
-            at += (corner - from).norm();
-            from = corner;
-            arcs.push(at);
-        }
         let none = || refuse("a canopy and lines that have this shape".to_owned());
         let mut meridian = Meridian::of(at, SkirtHold::Lines(lines.length)).ok_or_else(none)?;
         if let Some(ring) = p.reefing.map(|reefing| reefed_radius(reefing, p.gores))
@@ -236,7 +248,34 @@ impl Assembly {
                 moved[node as usize] = Vector3::new(scale * place.x, scale * place.y, skirt_height + height);
             }
         }
-        for line in &self.lines {
+        self.displace(moved);
+        Ok(())
+    }
+
+    /// [m] Arc lengths of the rows along the first radial, from the apex of the pattern.
+    pub(super) fn arcs(&self) -> Vec<f64> {
+        let corners: Vec<Vector3<f64>> = self.rows.iter().map(|row| self.at(row[0])).collect();
+        let before = corners.first().into_iter().chain(&corners);
+        let mut at = self.tip;
+        let steps = corners.iter().zip(before).map(|(corner, before)| (corner - before).norm());
+        steps
+            .map(|step| {
+                at += step;
+                at
+            })
+            .collect()
+    }
+
+    /// [m] Length of an inner line: as told, or as the pattern is cut; `None` without such lines.
+    pub(super) fn inner_length(&self, p: &ParachuteParameters) -> Option<f64> {
+        let line = self.inner_lines.first()?;
+        let cut = (self.at(*line.first()?) - self.at(*line.last()?)).norm();
+        p.inner_lines.map(|inner| inner.length.unwrap_or(cut))
+    }
+
+    /// Takes the places of the nodes at the start; lines are straight between their ends.
+    pub(super) fn displace(&mut self, mut moved: Vec<Vector3<f64>>) {
+        for line in self.lines.iter().chain(&self.inner_lines) {
             let [Some(&from), Some(&to)] = [line.first(), line.last()] else { continue };
             let (start, end) = (moved[from as usize], moved[to as usize]);
             for (i, &node) in line.iter().enumerate() {
@@ -244,7 +283,6 @@ impl Assembly {
             }
         }
         self.displacement = moved.iter().zip(&self.nodes).map(|(to, from)| (to - from).into()).collect();
-        Ok(())
     }
 
     /// The mesh: edges of the cloth first, sorted by their nodes, then the others.

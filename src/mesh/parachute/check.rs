@@ -63,14 +63,36 @@ impl ParachuteParameters {
         if let Some(place) = self.at.filter(|place| place.iter().any(|c| !c.is_finite())) {
             faults(&format!("{at}/at"), format!("{place:?}"), "three finite numbers".into(), "give metres".into());
         }
-        if self.start == StartShape::Inflated && self.lines.is_none() {
+        self.check_start(at, faults);
+    }
+
+    fn check_start(&self, at: &str, faults: FaultSink<'_>) {
+        let shape = match self.start {
+            StartShape::Flat => None,
+            StartShape::Inflated => Some(("inflated", "an inflated start needs lines")),
+            StartShape::Stretched => Some(("stretched", "a stretched start needs lines")),
+        };
+        if let (Some((name, allowed)), None) = (shape, self.lines) {
             let hint = "give `lines`, or start flat".to_owned();
-            faults(&format!("{at}/start"), "inflated".into(), "an inflated start needs lines".into(), hint);
+            faults(&format!("{at}/start"), name.into(), allowed.into(), hint);
+        }
+        let Some(radius) = self.start_radius else { return };
+        let at = format!("{at}/start_radius");
+        if self.start != StartShape::Stretched {
+            let hint = "leave it out, or start stretched".to_owned();
+            faults(&at, "given".into(), "only with the start \"stretched\"".into(), hint);
+        }
+        if !(radius.is_normal() && radius > 0.0) {
+            let hint = "the radius of the skirt over D0, about 0.025".to_owned();
+            faults(&at, radius.to_string(), "above 0".into(), hint);
         }
     }
 
     fn check_inner_lines(&self, at: &str, inner: InnerLineParameters, faults: FaultSink<'_>) {
         check_count(at, "segments", inner.segments, [1, MOST], faults);
+        if let Some(length) = inner.length {
+            check_length(at, "length", length, faults);
+        }
         let (vent, lines) = (self.vent_diameter.is_some(), self.lines.is_some());
         if !(vent && lines) {
             let value = if vent { "without lines" } else { "without a vent" };

@@ -1,10 +1,10 @@
 //! The cruciform canopy: two strips of length L and width W that cross, S0 = 2 L W - W^2.
 
-use super::assembly::Assembly;
+use super::assembly::{Assembly, Square};
 use super::{ParachuteParameters, ParachuteSizes};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 /// Sizes and counts of a cross.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +35,11 @@ impl Cross {
         let area = self.width * (2.0 * self.length - self.width);
         let Self { length, .. } = *self;
         ParachuteSizes { nominal_area: area, cloth_area: area, constructed_diameter: length, gore_length: length }
+    }
+
+    /// Number of lines at each of the four ends.
+    fn lines_per_end(&self) -> usize {
+        self.across / self.between + 1
     }
 
     /// Number of cells from end to end.
@@ -111,5 +116,35 @@ impl Cross {
         let middle = [last / 2, last.div_ceil(2)];
         let centre = middle.iter().flat_map(|&x| middle.iter().map(move |&y| [x, y]));
         parts.node_groups.insert("apex", centre.map(|[x, y]| node(x, y)).collect());
+        parts.mouth = 4.0 * self.width;
+        parts.squares = self.squares(&numbers);
+    }
+
+    /// The rings of nodes of the same distance from the centre along an arm, from there outwards. Around a tube the
+    /// lines are evenly spaced at the ends of the arms, and the sides of the arms meet at their roots.
+    fn squares(&self, numbers: &BTreeMap<[usize; 2], u32>) -> Vec<Square> {
+        let (last, root) = (self.cells(), 0.5 * self.width);
+        let arm = 0.5 * self.length - root;
+        let apart = 1.0 / self.lines_per_end() as f64;
+        let mut rings: BTreeMap<usize, Square> = BTreeMap::new();
+        for (&[x, y], &node) in numbers {
+            let [dx, dy] = [x, y].map(|line| (2 * line).abs_diff(last));
+            let outer = dx.max(dy);
+            let arc = self.coordinate((last + outer) / 2);
+            let [x_at, y_at] = [self.coordinate(x), self.coordinate(y)];
+            let (side, offset) = match (dx >= dy, 2 * x >= last, 2 * y >= last) {
+                (true, true, _) => (0.0, y_at),
+                (true, false, _) => (2.0, -y_at),
+                (false, _, true) => (1.0, -x_at),
+                (false, _, false) => (3.0, x_at),
+            };
+            let span = FRAC_PI_4 * (1.0 - apart * ((arc - root) / arm).max(0.0));
+            let part = if outer == 0 { 0.0 } else { offset / arc.min(root) };
+            // Along the square's sides a step towards its centre turns by pi/4 at most, beside the step itself.
+            let own_radius = FRAC_PI_4 * arc;
+            let ring = rings.entry(outer).or_insert(Square { arc, own_radius, nodes: Vec::new() });
+            ring.nodes.push((node, side * FRAC_PI_2 + span * part));
+        }
+        rings.into_values().collect()
     }
 }

@@ -74,6 +74,9 @@ pub struct ParachuteArgs {
     /// Edges of each line from the vent to the confluence; without it there are none
     #[arg(long, requires = "lines")]
     pub inner_line_segments: Option<usize>,
+    /// [m] Length of each of these lines, where it is not that of the pattern
+    #[arg(long, requires = "inner_line_segments")]
+    pub inner_line_length: Option<f64>,
     /// [m] Length of the riser
     #[arg(long)]
     pub riser: Option<f64>,
@@ -101,9 +104,12 @@ pub struct ParachuteArgs {
     /// [m] Place of the payload
     #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
     pub at: Option<Vec<f64>>,
-    /// flat or inflated
+    /// flat, inflated or stretched
     #[arg(long, default_value = "flat", value_parser = word::<StartShape>)]
     pub start: StartShape,
+    /// Radius of the skirt over D0 at the start "stretched"; 0.025 if absent
+    #[arg(long, allow_negative_numbers = true)]
+    pub start_radius: Option<f64>,
     /// the output
     #[command(flatten)]
     pub output: OutputArgs,
@@ -138,7 +144,9 @@ impl ParachuteArgs {
             band: self.band,
             vent_lines: self.vent_lines,
             lines: line(self.lines, self.line_segments),
-            inner_lines: self.inner_line_segments.map(|segments| InnerLineParameters { segments }),
+            inner_lines: self
+                .inner_line_segments
+                .map(|segments| InnerLineParameters { length: self.inner_line_length, segments }),
             riser: line(self.riser, self.riser_segments),
             payload: self.payload_below_riser.map(|below_riser| PayloadParameters {
                 sides: three(&self.payload_box),
@@ -148,6 +156,7 @@ impl ParachuteArgs {
             cluster: self.canopies.map(|canopies| ClusterParameters { canopies }),
             reefing: self.reefing_diameter.map(|diameter| ReefingParameters { diameter }),
             start: self.start,
+            start_radius: self.start_radius,
             axis: three(&self.axis),
             at: three(&self.at),
         }

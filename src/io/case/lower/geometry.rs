@@ -27,6 +27,8 @@ pub(crate) struct Geometry {
     pub topology: Topology,
     /// [m] length of every edge on the mesh as given
     pub length: Vec<f64>,
+    /// [m] length of every edge without tension: that on the mesh, but for lines of a parachute that are told
+    pub unstretched: Vec<f64>,
     /// [m^2] area of every triangle on the mesh as given
     pub area: Vec<f64>,
 }
@@ -36,10 +38,16 @@ impl Geometry {
         let Imported { mesh, notes, .. } = imported;
         let topology = Topology::new(&mesh)?;
         let at = |node: u32| mesh.nodes.get(node as usize).map_or(Vector3::repeat(f64::NAN), |p| Vector3::from(*p));
-        let length = mesh.edges.iter().map(|&[a, b]| (at(a) - at(b)).norm()).collect();
+        let length: Vec<f64> = mesh.edges.iter().map(|&[a, b]| (at(a) - at(b)).norm()).collect();
+        let mut unstretched = length.clone();
+        if let MeshSource::Parachute(parachute) = source {
+            for (edge, told) in parachute.line_lengths(&mesh) {
+                unstretched[edge as usize] = told;
+            }
+        }
         let area = mesh.triangles.iter().map(|&[a, b, c]| 0.5 * (at(b) - at(a)).cross(&(at(c) - at(a))).norm());
         let area = area.collect();
-        Ok(Self { source: source.clone(), notes, mesh, topology, length, area })
+        Ok(Self { source: source.clone(), notes, mesh, topology, length, unstretched, area })
     }
 
     /// [m] Rest length of the edges of a generated parachute's reefing line.
@@ -160,6 +168,7 @@ fn in_millimetres(source: &MeshSource) -> Option<(&'static str, f64)> {
         ("vent_diameter", p.vent_diameter, d0),
         (REEFING, p.reefing.map(|r| r.diameter), 2.0 * d0),
         ("lines.length", p.lines.map(|l| l.length), LONG),
+        ("inner_lines.length", p.inner_lines.and_then(|lines| lines.length), LONG),
         ("riser.length", p.riser.map(|r| r.length), LONG),
     ];
     lengths.into_iter().find_map(|(key, length, most)| Some((key, length.filter(|l| *l > most)?)))

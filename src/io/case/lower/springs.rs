@@ -172,7 +172,7 @@ fn group(at: &Pointer, members: RuleEdges<'_>, geometry: &Geometry, faults: &mut
 /// Adds half of an edge's mass to each of its ends; `total` [kg] `[n_nodes]`.
 fn add_mass(density: f64, edges: &[u32], geometry: &Geometry, total: &mut [f64]) {
     for &edge in edges {
-        let length = geometry.length.get(edge as usize).copied().unwrap_or_default();
+        let length = geometry.unstretched.get(edge as usize).copied().unwrap_or_default();
         for &node in geometry.mesh.edges.get(edge as usize).into_iter().flatten() {
             mass::add(total, node, 0.5 * density * length);
         }

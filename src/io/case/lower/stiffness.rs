@@ -73,7 +73,7 @@ pub(super) fn rest_lengths(
     geometry: &Geometry,
     faults: &mut Faults<'_>,
 ) -> Option<Vec<f64>> {
-    let initial = edges.iter().filter_map(|&e| geometry.length.get(e as usize).copied());
+    let initial = edges.iter().filter_map(|&e| geometry.unstretched.get(e as usize).copied());
     match (rule.rest_length, &rule.rest_scale) {
         (Some(_), Some(Factor::Constant(_))) => {
             let hint = "rest_length is absolute, rest_scale a factor of the initial length; keep one";

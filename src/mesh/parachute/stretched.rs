@@ -1,0 +1,164 @@
+//! The tube of line stretch: a canopy pulled out of its bag, before air has entered.
+//!
+//! ```text
+//! radius at arc length s from the apex:    r = min(a, r0 (0.3 + 0.7 s/S))
+//! height between two rows:                 dz = sqrt(ds^2 - dr^2),   so that the arc lengths are those of the pattern
+//! ```
+//! S is the whole arc, r0 the radius of the skirt, a the pattern's own radius, which is s for a flat canopy. The map is
+//! a contraction: radii shrink and arcs stay, so that nothing is longer than at rest and cloth hangs in folds around
+//! the axis. Inner lines that are shorter hold the vent down: the tube is turned inwards at the height where it just
+//! reaches the vent's place.
+
+use super::assembly::Assembly;
+use super::{CanopyType, LineParameters, ParachuteParameters, reefed_radius};
+use crate::{MeshError, topology};
+use nalgebra::Vector3;
+
+/// [-] radius of the skirt over D0 at line stretch, if not given
+const START_RADIUS: f64 = 0.025;
+/// [-] radius of the tube at the apex over that at the skirt
+const AT_APEX: f64 = 0.3;
+
+/// A canopy as a tube.
+#[derive(Clone, Debug)]
+struct Tube {
+    /// [m] place across the axis, and depth below the apex along the folded cloth, by node of the canopy
+    places: Vec<Vector3<f64>>,
+}
+
+impl Tube {
+    /// Distance from the axis and depth of a node [m].
+    fn at(&self, node: u32) -> [f64; 2] {
+        let place = self.places[node as usize];
+        [place.xy().norm(), place.z]
+    }
+}
+
+/// [m] Radius of the tube at an arc length `s` of `whole`, below that of the pattern there.
+fn radius(pattern: f64, r0: f64, s: f64, whole: f64) -> f64 {
+    pattern.min(r0 * (AT_APEX + (1.0 - AT_APEX) * s / whole))
+}
+
+/// [m] Height that is left of a length between two nodes which are `across` apart; 0 where there is none.
+fn rise(length: f64, across: f64) -> f64 {
+    (length * length - across * across).max(0.0).sqrt()
+}
+
+impl Assembly {
+    /// Displaces canopy and lines to the tube of line stretch; the confluence stays where it is.
+    ///
+    /// # Errors
+    /// A start radius above the pattern's own.
+    pub(super) fn stretch(&mut self, p: &ParachuteParameters) -> Result<(), MeshError> {
+        let Some(lines) = p.lines else { return Ok(()) };
+        let own = self.own_radius(p);
+        let wanted = p.start_radius.unwrap_or(START_RADIUS);
+        if wanted * p.nominal_diameter > own {
+            return Err(MeshError::Parameter {
+                pointer: "/parachute/start_radius".to_owned(),
+                value: wanted.to_string(),
+                allowed: format!("at most {:.6}, the radius of the skirt as it is cut", own / p.nominal_diameter),
+                hint: "take a smaller one; at line stretch it is about 0.025".to_owned(),
+            });
+        }
+        let ring = p.reefing.map_or(f64::INFINITY, |reefing| reefed_radius(reefing, p.gores));
+        let r0 = (wanted * p.nominal_diameter).min(ring);
+        let tube = match p.kind {
+            CanopyType::Cruciform => self.tube_of_squares(own, r0),
+            _ => self.tube_of_rows(r0),
+        };
+        let heights = self.heights(p, lines, &tube);
+        let mut moved = self.nodes.clone();
+        for (node, place) in moved.iter_mut().zip(&tube.places) {
+            *node = Vector3::new(place.x, place.y, heights(place.z));
+        }
+        self.displace(moved);
+        Ok(())
+    }
+
+    /// [m] Largest distance of the skirt from the axis without stretching the cloth there.
+    fn own_radius(&self, p: &ParachuteParameters) -> f64 {
+        match p.kind {
+            // The ends of the arms are the mouth of a cross.
+            CanopyType::Cruciform => self.mouth / std::f64::consts::TAU,
+            _ => self.corners.iter().map(|&node| self.at(node).xy().norm()).fold(0.0, f64::max),
+        }
+    }
+
+    /// The tube of a canopy of gores. Each column of nodes keeps its own arc lengths, so that the middle of a gore,
+    /// which is nearer to the apex than its seams, is higher than these.
+    fn tube_of_rows(&self, r0: f64) -> Tube {
+        let arcs = self.arcs();
+        let whole = arcs.last().copied().unwrap_or_default();
+        let mut places = vec![Vector3::zeros(); self.rows.iter().map(Vec::len).sum()];
+        let mut above: Option<&Vec<u32>> = None;
+        for (row, &arc) in self.rows.iter().zip(&arcs) {
+            let pattern = self.at(row[0]).xy().norm();
+            let scale = if pattern > 0.0 { radius(pattern, r0, arc, whole) / pattern } else { 0.0 };
+            for (i, &node) in row.iter().enumerate() {
+                let across = scale * self.at(node).xy();
+                let (from, length) = match above.map(|above| above[i % above.len()]) {
+                    Some(before) => (places[before as usize], (self.at(node) - self.at(before)).norm()),
+                    None => (Vector3::zeros(), (self.at(node) - self.apex).norm()),
+                };
+                let depth = from.z + rise(length, (across - from.xy()).norm());
+                places[node as usize] = Vector3::new(across.x, across.y, depth);
+            }
+            above = Some(row);
+        }
+        Tube { places }
+    }
+
+    /// The tube of a cross: its square rings around the centre, then the rows of its arms, are the rings. Every ring has
+    /// one height, as large as its shortest edge to the ring before allows, so that all lines are equally long.
+    fn tube_of_squares(&self, own: f64, r0: f64) -> Tube {
+        let whole = self.squares.last().map_or(0.0, |ring| ring.arc);
+        let nodes = self.squares.iter().map(|ring| ring.nodes.len()).sum();
+        let mut places = vec![Vector3::zeros(); nodes];
+        let mut ring_of = vec![0; nodes];
+        for (i, ring) in self.squares.iter().enumerate() {
+            let r = radius(ring.own_radius.min(own), r0, ring.arc, whole);
+            for &(node, azimuth) in &ring.nodes {
+                ring_of[node as usize] = i;
+                places[node as usize] = r * Vector3::new(azimuth.cos(), azimuth.sin(), 0.0);
+            }
+        }
+        let mut rises = vec![f64::INFINITY; self.squares.len()];
+        for &[a, b] in &topology::unique_edges(&self.triangles) {
+            let [from, to] = [a, b].map(|node| ring_of[node as usize]);
+            let left = rise((self.at(a) - self.at(b)).norm(), (places[a as usize] - places[b as usize]).norm());
+            if from != to {
+                rises[from.max(to)] = left.min(rises[from.max(to)]);
+            }
+        }
+        let mut depth = 0.0;
+        for (ring, rise) in self.squares.iter().zip(rises) {
+            // No edge leads to the innermost ring from one before.
+            depth += if rise.is_finite() { rise } else { 0.0 };
+            ring.nodes.iter().for_each(|&(node, _)| places[node as usize].z = depth);
+        }
+        Tube { places }
+    }
+
+    /// The height [m] of a node by its depth [m] in the tube: lines are taut, and inner lines too where they are short
+    /// enough to draw the vent down.
+    fn heights(&self, p: &ParachuteParameters, lines: LineParameters, tube: &Tube) -> impl Fn(f64) -> f64 + use<> {
+        let [skirt, whole] = self.corners.first().map_or([0.0; 2], |&corner| tube.at(corner));
+        let confluence = self.lines.first().and_then(|line| line.last()).map_or(0.0, |&node| self.at(node).z);
+        let mut above = rise(lines.length, skirt);
+        let mut turn = f64::INFINITY;
+        if let (Some(length), Some(&vent)) = (self.inner_length(p), self.vent_corners.first()) {
+            let [radius, depth] = tube.at(vent);
+            let (cloth, held) = (whole - depth, rise(length, radius));
+            above = above.min(held + cloth);
+            let half = 0.5 * (held - above + cloth);
+            if half < cloth {
+                turn = half;
+            }
+        }
+        move |depth| {
+            let up = whole - depth;
+            confluence + above + up.min(2.0 * turn - up)
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! The start `stretched`: the tube of line stretch, of every type of canopy, and what flies from it.
+
+use super::*;
+use canopy_fem::case::spec::SystemSpec;
+use canopy_fem::mesh::parachute::StartShape;
+
+/// [-] largest strain at the start, of cloth in the middle of gores: the map is a contraction along each column of
+/// nodes and each row, but not exactly between columns
+const STRAIN: f64 = 1e-3;
+
+/// Every type, and what may be added to them: a reefing line, vent lines, inner lines, a cluster, finer cloth.
+fn stretched_types() -> Vec<ParachuteParameters> {
+    let more = [
+        parameters("flat-circular", json!({"reefing": {"diameter": 0.9}})),
+        parameters("flat-circular", json!({"gores": 8, "gore_segments": 6, "radial_segments": 40})),
+        parameters("annular", json!({"vent_diameter": 4.0, "vent_lines": true, "inner_lines": {"length": 9.0}})),
+        parameters("annular", json!({"vent_diameter": 4.0, "inner_lines": {"length": 30.0, "segments": 2}})),
+        parameters("annular", json!({"vent_diameter": 4.0, "inner_lines": {"length": 3.0, "segments": 2}})),
+        parameters("annular", json!({"vent_diameter": 4.0})),
+        parameters("cruciform", json!({"vent_diameter": null, "gores": 8, "radial_segments": 5})),
+        parameters(
+            "cruciform",
+            json!({"vent_diameter": null, "gores": 20, "radial_segments": 30, "gore_segments": 12}),
+        ),
+        parameters("cruciform", json!({"vent_diameter": null, "arm_ratio": 0.9, "reefing": {"diameter": 2.0}})),
+        parameters("flat-circular", json!({"riser": {"length": 20.0}, "cluster": {"canopies": 3}})),
+    ];
+    let stretched = |p| ParachuteParameters { start: StartShape::Stretched, ..p };
+    types().into_iter().chain(more).map(stretched).collect()
+}
+
+/// A mesh at its start.
+struct Start {
+    mesh: Mesh,
+    at: Vec<Vector>,
+}
+
+impl Start {
+    fn of(p: &ParachuteParameters) -> Self {
+        let mesh = built(p);
+        let displaced = mesh.nodes.iter().zip(&mesh.displacement).map(|(x, u)| Vector::from(*x) + Vector::from(*u));
+        let at = displaced.collect();
+        Self { mesh, at }
+    }
+
+    fn at(&self, node: u32) -> Vector {
+        self.at[node as usize]
+    }
+
+    fn radius(&self, node: u32) -> f64 {
+        self.at(node).xy().norm()
+    }
+
+    fn length(&self, edge: u32) -> f64 {
+        let [a, b] = self.mesh.edges[edge as usize];
+        (self.at(a) - self.at(b)).norm()
+    }
+
+    /// Unstretched and present length of the edges of a group.
+    fn lengths(&self, p: &ParachuteParameters, name: &str) -> Vec<[f64; 2]> {
+        let told: std::collections::BTreeMap<u32, f64> = p.line_lengths(&self.mesh).into_iter().collect();
+        let edges = self.mesh.groups.get(name).map(|group| group.edges.clone()).unwrap_or_default();
+        let rest = |edge| told.get(&edge).copied().unwrap_or_else(|| length(&self.mesh, edge));
+        edges.iter().map(|&edge| [rest(edge), self.length(edge)]).collect()
+    }
+}
+
+/// Nothing is stretched, nothing is degenerate, and the masses and lengths of the pattern stay.
+#[test]
+fn nothing_is_stretched_or_degenerate() {
+    for p in stretched_types() {
+        let start = Start::of(&p);
+        let flat = built(&ParachuteParameters { start: StartShape::Flat, ..p.clone() });
+        assert!(start.mesh.edges == flat.edges && start.mesh.groups == flat.groups, "{p:?}");
+        if p.cluster.is_none() {
+            assert_eq!(start.mesh.nodes, flat.nodes, "{p:?}");
+        }
+        let mut most = 0.0_f64;
+        for name in ["cloth", "radials", "vent-lines", "lines", "inner-lines", "riser"] {
+            for [rest, now] in start.lengths(&p, name) {
+                most = most.max(now / rest - 1.0);
+                assert!(now < rest * (1.0 + STRAIN), "{name} of {:?}: {now} of {rest} m", p.kind);
+                assert!(now > 1e-3 * rest, "{name} of {:?}: {now} of {rest} m", p.kind);
+            }
+        }
+        // Along the corners the map is exact.
+        if p.gore_segments == 1 {
+            assert!(most < 1e-12, "{most:e}: {p:?}");
+        }
+        for t in &start.mesh.triangles {
+            let (now, rest) = (t.map(|node| start.at(node)), t.map(|node| point(&start.mesh, node)));
+            let part = area_vector(now).norm() / area_vector(rest).norm();
+            assert!(part > 1e-4 && part < 1.0, "{part:e} of a triangle's area: {p:?}");
+        }
+    }
+}
+
+/// The radii of the rows are those of the formula, arcs along the seams those of the pattern, lines taut.
+#[test]
+fn gores_hang_as_a_tube() {
+    for p in stretched_types().into_iter().filter(|p| p.cluster.is_none()) {
+        let start = Start::of(&p);
+        let lines = start.lengths(&p, "lines");
+        let drawn_down = p.inner_lines.and_then(|inner| inner.length) == Some(3.0);
+        for [rest, now] in lines.iter().filter(|_| !drawn_down) {
+            close(*now, *rest, 1e-12, "line");
+            close(*rest, p.lines.expect("lines").length / p.lines.expect("lines").segments as f64, 1e-12, "line");
+        }
+        if format!("{:?}", p.kind) == "Cruciform" {
+            continue;
+        }
+        let n = p.gores;
+        let pattern = |node: u32| point(&start.mesh, node).xy().norm();
+        let path = first_radial(&start.mesh);
+        let step = |pair: &[u32]| (point(&start.mesh, pair[0]) - point(&start.mesh, pair[1])).norm();
+        let cloth = path.windows(2).map(step).sum::<f64>();
+        let mut arc = if p.vent_diameter.is_some() { tip(&p, pattern(path[0])) } else { 0.0 };
+        let whole = arc + cloth;
+        let ring = p.reefing.map_or(f64::INFINITY, |r| 0.5 * PI * r.diameter / (n as f64 * (PI / n as f64).sin()));
+        let r0 = (0.025 * p.nominal_diameter).min(ring);
+        let formula = |node, arc| f64::min(pattern(node), r0 * (0.3 + 0.7 * arc / whole));
+        assert!((start.radius(path[0]) - formula(path[0], arc)).abs() < 1e-10, "{p:?}");
+        let folded = p.inner_lines.is_some_and(|inner| inner.length != Some(30.0));
+        let mut shorter = 0;
+        for pair in path.windows(2) {
+            arc += step(pair);
+            close(start.radius(pair[1]), formula(pair[1], arc), 1e-9, "radius of a row");
+            let [inner, outer] = [0, 1].map(|i| start.at(pair[i]));
+            let kept = ((inner - outer).norm() / step(pair) - 1.0).abs() < 1e-12;
+            shorter += usize::from(!kept);
+            assert!(folded || (kept && inner.z > outer.z), "{p:?}");
+        }
+        assert!(shorter <= usize::from(folded), "one step has the fold: {shorter} of {p:?}");
+        for [rest, now] in start.lengths(&p, "inner-lines") {
+            let slack = p.inner_lines.and_then(|inner| inner.length) == Some(30.0);
+            assert!(slack == ((now / rest - 1.0).abs() > 1e-12), "inner line {now} of {rest}");
+        }
+    }
+}
+
+/// The nodes along a radial, from the apex or the vent to a line.
+fn first_radial(mesh: &Mesh) -> Vec<u32> {
+    let radials: Vec<[u32; 2]> = group(mesh, "radials").edges.iter().map(|&edge| mesh.edges[edge as usize]).collect();
+    let skirt = &group(mesh, "skirt").nodes;
+    let mut path = vec![*skirt.iter().find(|node| radials.iter().any(|pair| pair.contains(node))).expect("a corner")];
+    let apex = mesh.groups.get("apex").map(|group| group.nodes[0]);
+    while path.last().copied() != apex {
+        let here = path[path.len() - 1];
+        let ends = radials.iter().filter(|pair| pair.contains(&here)).flatten();
+        let Some(&next) = ends.into_iter().find(|node| !path.contains(node)) else { break };
+        path.push(next);
+    }
+    path.reverse();
+    path
+}
+
+/// [m] Arc length from the apex to the corner of a vent: a flat or sloping triangle.
+fn tip(p: &ParachuteParameters, corner: f64) -> f64 {
+    let centre = corner * (PI / p.gores as f64).cos();
+    let depth = match format!("{:?}", p.kind).as_str() {
+        "Conical" => centre * p.cone_angle.expect("an angle").tan(),
+        "Biconical" | "Triconical" => centre * p.cone_angles.as_ref().expect("angles")[0].tan(),
+        "Hemispherical" => {
+            let radius = 0.5 * p.sizes().expect("sizes").constructed_diameter;
+            radius - (radius * radius - centre * centre).sqrt()
+        }
+        _ => 0.0,
+    };
+    corner.hypot(depth)
+}
+
+/// The skirt has the radius that is asked for; a shorter reefing line is taut around it.
+#[test]
+fn the_skirt_has_its_start_radius() {
+    for (kind, vent) in [("flat-circular", json!(0.85)), ("cruciform", json!(null)), ("conical", json!(0.85))] {
+        let skirt = |more: Value| {
+            let mut all = json!({"vent_diameter": vent, "start": "stretched"});
+            if kind == "conical" {
+                all["cone_angle"] = json!(0.4);
+            }
+            more.as_object().expect("an object").iter().for_each(|(key, value)| all[key] = value.clone());
+            let start = Start::of(&parameters(kind, all));
+            let ring =
+                start.mesh.groups.get("reefing").map(|ring| ring.edges.iter().map(|&edge| start.length(edge)).sum());
+            let corner = start.mesh.edges[group(&start.mesh, "lines").edges[0] as usize][0];
+            (start.radius(corner), ring)
+        };
+        close(skirt(json!({})).0, 0.025 * 8.534, 1e-12, kind);
+        close(skirt(json!({"start_radius": 0.1})).0, 0.8534, 1e-12, kind);
+        let wide = skirt(json!({"reefing": {"diameter": 2.0}}));
+        close(wide.0, 0.025 * 8.534, 1e-12, kind);
+        assert!(wide.1.is_some_and(|ring: f64| ring < 2.0 * PI), "{kind}");
+        let reefed = skirt(json!({"start_radius": 0.2, "reefing": {"diameter": 1.0}}));
+        close(reefed.1.expect("a ring"), PI, 1e-12, kind);
+    }
+}
+
+/// All lines of a cross are as long as they are told, in springs and in masses; so are inner lines of their own length.
+#[test]
+fn lines_are_as_long_as_told() {
+    let parachute = "system.network.mesh.parachute";
+    let cross = json!({"type": "cruciform", "nominal_diameter": 6.4, "gores": 16, "radial_segments": 8,
+        "arm_ratio": 0.33, "lines": {"length": 5.6, "segments": 2}, "riser": {"length": 1.0}});
+    let ring = json!({"type": "annular", "nominal_diameter": 8.534, "gores": 28, "radial_segments": 6,
+        "vent_diameter": 4.0, "lines": {"length": 7.68}, "inner_lines": {"length": 6.6, "segments": 3}});
+    for (of, name, count, told) in [(&cross, "lines", 32, 2.8), (&ring, "inner-lines", 84, 2.2)] {
+        for start in ["flat", "stretched"] {
+            let mut mesh = of.clone();
+            mesh["start"] = json!(start);
+            let rule = json!([{"on": {"group": name}, "axial_rigidity": 9000, "linear_density": 0.5},
+                {"on": {"group": "cloth"}, "membrane": {"modulus": 4e8, "thickness": 1e-4}, "slack": "tension-only"}]);
+            let sets = [
+                (parachute, mesh.to_string()),
+                ("system.network.springs", rule.to_string()),
+                ("system.network.mass.areal_density", "0".to_owned()),
+                ("system.network.mass.nodal", "1".to_owned()),
+            ];
+            let sets: Vec<(&str, &str)> = sets.iter().map(|(key, value)| (*key, value.as_str())).collect();
+            let case = case_with(&sets).unwrap_or_else(|e| panic!("{e}"));
+            let SystemSpec::Network(spec) = &case.problem().system else { panic!("a network") };
+            assert_eq!(spec.springs[0].rest_length.len(), count);
+            spec.springs[0].rest_length.iter().for_each(|&rest| close(rest, told, 1e-14, name));
+            let nodes = spec.mesh.nodes.len() as f64;
+            let expected = nodes + 90.7 + 0.5 * told * count as f64;
+            close(spec.mass.iter().sum(), expected, 1e-12, "mass");
+        }
+    }
+}
+
+/// Every type opens from line stretch by each law of the air, by backward Euler: 20 steps, finite and under tension.
+#[test]
+fn every_type_flies_from_line_stretch() {
+    let laws = [
+        json!({"schedule": {"drag_coefficient": 0.75, "filling_constant": 8, "exponent": 2}}),
+        json!({"cavity": {"inflow": 0.5, "outer_pressure_coefficient": -0.6}}),
+    ];
+    let all = stretched_types();
+    for (p, law) in all.iter().flat_map(|p| laws.iter().map(move |law| (p, law))) {
+        if p.cluster.is_some() || p.radial_segments > 20 {
+            continue;
+        }
+        let mesh = built(p);
+        let tape = |name: &str| {
+            json!({"on": {"group": name}, "axial_rigidity": 8000, "linear_density": 0.006, "slack": "tension-only",
+                "dashpot": {"axial": {"time": 1e-3}}})
+        };
+        let mut springs = vec![json!({"on": {"group": "cloth"}, "slack": "tension-only",
+            "membrane": {"modulus": 4.309e8, "thickness": 1e-4}, "dashpot": {"axial": {"time": 1e-3}}})];
+        let tapes = ["radials", "skirt", "vent", "vent-lines", "lines", "inner-lines", "riser", "reefing"];
+        springs.extend(tapes.into_iter().filter(|name| mesh.groups.contains_key(*name)).map(tape));
+        let mut canopy = json!({"on": {"group": "canopy"}});
+        law.as_object().expect("an object").iter().for_each(|(key, value)| canopy[key] = value.clone());
+        let case = json!({
+            "name": "stretch",
+            "system": {"network": {
+                "mesh": {"parachute": p},
+                "mass": {"areal_density": 0.0534, "points": [{"on": {"group": "payload"}, "mass": 90.7}]},
+                "springs": springs,
+                "gravity": [0, 0, -9.81],
+                "aero": {"canopy": canopy},
+                "initial": {"velocity": [0, 0, -45]}
+            }},
+            "time": {"end": 0.02, "method": "backward-euler", "step": 0.001}
+        });
+        let case = crate::common::run::case_of(&case, &[]);
+        let mut simulation = Simulation::from_case(case.problem(), 1).expect("a scene");
+        simulation.run_until(0.02).unwrap_or_else(|error| panic!("{law} {p:?}: {error}"));
+        assert!(simulation.positions().iter().all(|x| x.iter().all(|c| c.is_finite())), "{law} {p:?}");
+        let [payload] = group(&mesh, "payload").nodes[..] else { panic!("a point") };
+        let fallen = simulation.positions()[payload as usize][2] - mesh.nodes[payload as usize][2];
+        assert!((fallen + 0.9).abs() < 0.05, "{law} {p:?}: it fell {fallen} m in 0.02 s at 45 m/s");
+    }
+}
