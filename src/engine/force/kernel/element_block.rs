@@ -49,7 +49,7 @@ impl NodeVectors<'_> {
 }
 
 /// Scene numbers of a term at most.
-pub const MOST_NUMBERS: usize = 70;
+pub const MOST_NUMBERS: usize = 37;
 
 /// Values of the scene numbers of a term; one that has fewer leaves the rest 0.
 pub type SceneValues = [f64; MOST_NUMBERS];

@@ -249,6 +249,11 @@ impl ForceTerm for RingedCanopy {
         }
     }
 
+    /// The volume rates of a canopy that fills damp its motion more than anything local.
+    fn couples_strongly(&self) -> bool {
+        true
+    }
+
     fn for_run(&self, copies: &mut Copies) -> Box<dyn ForceTerm> {
         Box::new(Batch::for_run(self, copies))
     }

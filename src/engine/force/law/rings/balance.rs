@@ -17,7 +17,7 @@
 //! D is homogeneous of degree 1 in q, K, H and E, which gives its slope by E without more formulas.
 
 /// Bands at most.
-pub(in crate::force) const MOST_BANDS: usize = 64;
+pub(in crate::force) const MOST_BANDS: usize = 32;
 /// A number by band; beyond the last band 0.
 pub(in crate::force) type ByBand = [f64; MOST_BANDS];
 /// A number by ring; beyond the last ring 0.
