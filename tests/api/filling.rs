@@ -7,8 +7,8 @@ use canopy_fem::drive::Status;
 use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::spec::{CanopyAir, ClothSpec, NetworkSpec, RingsSpec};
 use canopy_fem::model::state::StateRef;
-use canopy_fem::model::system::System;
-use canopy_fem::scene::{BuildError, build_network};
+use canopy_fem::model::system::{System, Weights};
+use canopy_fem::scene::{BuildError, Scene, build_network};
 use serde_json::{Value, json};
 
 const FILLING: &str = "system.network.aero.canopy.filling";
@@ -131,7 +131,7 @@ fn what_cannot_fill_is_not_built() {
                 let node = spec.canopies[0].confluence[0] as usize;
                 spec.displacement[node] = [0.0, 0.0, 50.0];
             }),
-            "a confluence beyond its skirt",
+            "a skirt between its apex and its confluence",
         ),
     ];
     for (error, words) in reasons {
@@ -206,6 +206,61 @@ fn forces(case: &Case, x: &[f64], v: &[f64]) -> Vec<f64> {
     let mut out = scene.new_forces();
     scene.evaluate(StateRef { t: 0.0, x, v }, &mut out);
     out.total
+}
+
+/// The tangent with its rank-one parts against differences of the forces, by positions and by velocities, of canopies of
+/// tight, porous and slotted cloth and with a gap, in air that changes with the height.
+#[test]
+fn the_tangent_is_a_slope() {
+    let law = format!("{FILLING}.law");
+    let porous = "{\"permeable\": {\"a\": 1.6e6, \"b\": 4.8e5, \"thickness\": 1e-4}}";
+    let kind = "system.network.mesh.parachute.type";
+    let porosity = format!("{FILLING}.geometric_porosity");
+    let rows = [
+        vec![(law.as_str(), "null")],
+        vec![(law.as_str(), porous)],
+        vec![(law.as_str(), "null"), (porosity.as_str(), "0.2")],
+        vec![(law.as_str(), porous), (kind, "disk-gap-band")],
+    ];
+    let mut compared = 0;
+    for mut sets in rows {
+        sets.extend([
+            ("system.network.aero.atmosphere", "{\"exponential\": {\"density\": 1.3, \"scale_height\": 30}}"),
+            ("system.network.aero.wind", "{\"profile\": [[-90, -4, 1, 2], [60, 3, -2, -5]]}"),
+        ]);
+        let scene = build_network(network(&case_of(&small(), &sets)), Threads::one()).expect("a sound scene");
+        let state = scene.initial_state();
+        let forces = |x: &[f64], v: &[f64]| {
+            let mut out = scene.new_forces();
+            scene.evaluate(StateRef { t: 0.0, x, v }, &mut out);
+            out.total
+        };
+        for seed in 0..10_usize {
+            let wave = |i: usize| ((37 * i + 911 * seed) as f64).sin();
+            // From the tube to three times its width.
+            let wide = 1.0 + 0.2 * seed as f64;
+            let widened = |i: usize, x: &f64| if i % 3 < 2 { wide * x } else { *x };
+            let x: Vec<f64> = state.x.iter().enumerate().map(|(i, x)| widened(i, x) + 5e-3 * wave(i)).collect();
+            let v: Vec<f64> = state.v.iter().enumerate().map(|(i, v)| v + 1.5 * wave(7 * i)).collect();
+            let along: Vec<f64> = (0..x.len()).map(|i| wave(5 * i + 3)).collect();
+            for of_velocity in [false, true] {
+                let h = if of_velocity { 1e-5 } else { 1e-8 };
+                let moved =
+                    |list: &[f64], by: f64| -> Vec<f64> { list.iter().zip(&along).map(|(a, p)| a + by * p).collect() };
+                let at = |by: f64| if of_velocity { forces(&x, &moved(&v, by)) } else { forces(&moved(&x, by), &v) };
+                let slope: Vec<f64> = at(-h).iter().zip(at(h)).map(|(a, b)| (a - b) / (2.0 * h)).collect();
+                let w = Weights { m: 0.0, c: f64::from(of_velocity), k: f64::from(!of_velocity) };
+                let mut found = vec![0.0; x.len()];
+                scene.tangent_times(StateRef { t: 0.0, x: &x, v: &v }, w, &along, &mut found);
+                let size = |list: &[f64]| list.iter().map(|f| f * f).sum::<f64>().sqrt();
+                let off: Vec<f64> = slope.iter().zip(&found).map(|(a, b)| a - b).collect();
+                let share = size(&off) / size(&slope);
+                assert!(share < 1e-5, "{sets:?}, state {seed}, by velocity {of_velocity}: {share}");
+                compared += 1;
+            }
+        }
+    }
+    assert_eq!(compared, 80);
 }
 
 /// Without drag on bodies and gravity, everything that moves along with a wind sees what it sees at rest.

@@ -17,6 +17,9 @@ pub(super) struct Shapes<'a> {
     pub cut: &'a [Vector3<f64>],
 }
 
+/// [-] Depth of a canopy over the length of its axis that counts as flat: rounding.
+const FLAT: f64 = 1e-9;
+
 const fn refused(reason: &'static str) -> BuildError {
     BuildError::Rings { reason }
 }
@@ -94,8 +97,9 @@ fn turned(rows: &[Vec<u32>], axis: &CanopyAxis, start: &[Vector3<f64>]) -> Resul
     }
     let [apex, confluence, middle] = [&axis.apex, &axis.confluence, skirt].map(|nodes| x.mean(nodes));
     let along = confluence - apex;
-    if (confluence - middle).dot(&along) <= 0.0 {
-        return Err(refused("needs a confluence beyond its skirt, seen from the apex"));
+    let depth = (middle - apex).dot(&along);
+    if (confluence - middle).dot(&along) <= 0.0 || depth < -FLAT * along.norm_squared() {
+        return Err(refused("needs a skirt between its apex and its confluence"));
     }
     let mouth = opening(skirt, start);
     if mouth == Vector3::zeros() {

@@ -1,9 +1,7 @@
 //! The list of terms.
 
 use crate::common::{patch, spring_group};
-use canopy_fem::mesh::parachute::ParachuteParameters;
 use canopy_fem::model::spec::*;
-use serde_json::json;
 
 fn with_dashpots(slack: Slack, kind: DashpotKind) -> NetworkSpec {
     let mut spec = patch();
@@ -98,41 +96,6 @@ fn cavity(cloth: Option<[f64; 2]>) -> Vec<CanopySpec> {
     canopy().into_iter().map(one).collect()
 }
 
-/// A small parachute that fills ring by ring; every number of its air moves.
-fn rings(cloth: Option<[f64; 2]>, geometric_porosity: f64, kind: &str, vent: Option<f64>) -> NetworkSpec {
-    let lines = json!({"length": 2.0, "segments": 1});
-    let parameters = json!({
-        "type": kind, "nominal_diameter": 2.0, "gores": 5, "radial_segments": 5, "vent_diameter": vent, "lines": lines
-    });
-    let parameters: ParachuteParameters = serde_json::from_value(parameters).expect("parameters");
-    let mesh = parameters.build().expect("a mesh");
-    let (n, triangles) = (mesh.nodes.len(), (0..mesh.triangles.len() as u32).collect::<Vec<u32>>());
-    let nodes = |name: &str| mesh.groups[name].nodes.clone();
-    let cloth = cloth.map(|[linear, quadratic]| ClothSpec { linear, quadratic });
-    let air = RingsSpec {
-        rows: mesh.rows.clone(),
-        outer_pressure_coefficient: -0.7,
-        damping: [1.0, 0.5],
-        cloth,
-        geometric_porosity,
-        slot_discharge: 0.65,
-        vent_discharge: 0.6,
-    };
-    let apex = if vent.is_some() { nodes("vent") } else { nodes("apex") };
-    let canopy = CanopySpec {
-        pressure_coefficient: vec![1.0; triangles.len()],
-        triangles,
-        skirt: nodes("skirt"),
-        apex,
-        confluence: nodes("confluence"),
-        air: CanopyAir::Rings(air),
-        apparent_mass: None,
-        nominal_area: 3.1,
-    };
-    let (fixed, mass) = (vec![[false; 3]; n], vec![0.2; n]);
-    NetworkSpec { mesh, fixed, mass, canopies: vec![canopy], ..Default::default() }
-}
-
 fn line_drag() -> Vec<LineDragSpec> {
     vec![LineDragSpec { edges: vec![0, 3, 4, 9], diameter: 0.2, coefficient: 1.1 }]
 }
@@ -151,10 +114,6 @@ pub fn uneven_scenes() -> Vec<(&'static str, NetworkSpec)> {
         ("cavity of porous cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([3.0, 0.8])), ..patch() })),
         ("cavity of viscous cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([12.0, 0.0])), ..patch() })),
         ("cavity of inertial cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([0.0, 9.0])), ..patch() })),
-        ("rings of tight cloth in uneven air", air(rings(None, 0.0, "hemispherical", None))),
-        ("rings of porous cloth in uneven air", air(rings(Some([3.0, 0.8]), 0.0, "flat-circular", Some(0.3)))),
-        ("rings of slotted cloth in uneven air", air(rings(Some([0.0, 9.0]), 0.2, "flat-circular", Some(0.3)))),
-        ("rings with a gap in uneven air", air(rings(Some([12.0, 0.0]), 0.0, "disk-gap-band", Some(0.2)))),
         ("line drag in uneven air", air(NetworkSpec { line_drag: line_drag(), ..patch() })),
         ("node drag in uneven air", air(NetworkSpec { node_drag: node_drag(), ..patch() })),
     ]

@@ -7,7 +7,7 @@
 //! K_j = rho/2 u_j|u_j|,   H_b the same of (u_b + u_b+1)/2,   L_j = L_j+1 + (K_j - |q| - L_j+1)+,   L_N+1 = 0
 //! w_b = 2 dp/(a + sqrt(a^2 + 4 b dp)) + 0.65 l_b sqrt(2 dp/rho),   w_v = 0.6 sqrt(2 dp_0/rho)
 //! ```
-//! y+ is the positive part, a parabola for |y| < E, E = 0.01 sqrt(q^2 + (1 Pa)^2), so that it has a slope. The root is bent
+//! y+ is the positive part, a parabola for |y| < E, E = 0.01 sqrt(q^2 + (1 Pa)^2), so that it has a slope; K_N+ has one as it is. The root is bent
 //! below E too. Above it both are exact.
 //!
 //! dp = D(u(dp)) is solved by Newton's method in the N pressures. Its Jacobian J also gives the slopes:
@@ -29,10 +29,14 @@ const CORNER: f64 = 0.01;
 const STILL: f64 = 1.0;
 /// [-] Residual over q at which the pressures are found.
 const FOUND: f64 = 1e-13;
+/// [-] The same where rounding stops the iteration.
+const NEARLY: f64 = 1e-10;
 /// Newton's iterations at most; most states take three to six.
-const ITERATIONS: usize = 40;
+const ITERATIONS: usize = 20;
 /// [-] Least part of a step of Newton's that is tried.
-const LEAST_SHARE: f64 = 1e-4;
+const LEAST_SHARE: f64 = 1e-2;
+/// [-] Half widths of corners, over E, on the way to those of 1.
+const WIDER_CORNERS: [f64; 9] = [100.0, 50.0, 25.0, 12.0, 6.0, 3.0, 2.0, 1.4, 1.0];
 
 /// A value and its slope.
 #[derive(Clone, Copy, Debug, Default)]
@@ -167,8 +171,8 @@ impl Flow {
         0.5 * self.density * speed * speed.abs()
     }
 
-    fn discs(&self, passage: &Passage, dp: &ByBand) -> Discs {
-        let (n, e, sign) = (self.bands, self.corner(), self.q.signum());
+    fn discs(&self, passage: &Passage, dp: &ByBand, e: f64) -> Discs {
+        let (n, sign) = (self.bands, self.q.signum());
         let mut through = [Through::default(); MOST_BANDS];
         for b in 0..n {
             through[b] = Through::new(passage.cloth, passage.slots[b], dp[b], [e, self.density]);
@@ -181,7 +185,10 @@ impl Flow {
             leaving += self.open[b] * through[b].speed;
             speed[b + 1] = (self.rate[b + 1] + leaving) / self.area[b + 1];
         }
-        let mouth = [self.head(speed[n]), self.head(speed[n]) - self.q.abs()].map(|y| positive(y, e));
+        // u|u| has a slope at 0 as it is.
+        let entering = self.head(speed[n]);
+        let recovering = Slope { value: entering.max(0.0), by: f64::from(entering > 0.0) };
+        let mouth = [recovering, positive(entering - self.q.abs(), e)];
         let recovered = self.outer * sign * (mouth[0].value - mouth[1].value);
         let (mut losing, mut lost) = ([0.0; MOST_BANDS + 1], 0.0);
         let mut pressure = [Slope::default(); MOST_BANDS];
@@ -233,30 +240,44 @@ impl Flow {
     }
 
     /// [Pa] dp
+    ///
+    /// Where Newton's method stops, because many corners are near, they are rounded off more and then less again.
     pub(in crate::force) fn pressures(&self, passage: &Passage) -> ByBand {
-        let n = self.bands;
         let mut dp = [0.0; MOST_BANDS];
-        dp[..n].fill((1.0 - self.outer) * self.q.max(0.0));
+        dp[..self.bands].fill((1.0 - self.outer) * self.q.max(0.0));
+        if self.iterate(passage, &mut dp, self.corner()) {
+            return dp;
+        }
+        for wider in WIDER_CORNERS {
+            self.iterate(passage, &mut dp, wider * self.corner());
+        }
+        dp
+    }
+
+    /// Newton's method with corners of the half width `e` [Pa]; whether it has found dp.
+    fn iterate(&self, passage: &Passage, dp: &mut ByBand, e: f64) -> bool {
+        let n = self.bands;
         let residual = |dp: &ByBand, discs: &Discs| {
             let mut r: ByRing = [0.0; MOST_BANDS + 1];
             (0..n).for_each(|b| r[b] = dp[b] - discs.pressure[b].value);
             r
         };
         let size = |r: &ByRing| r[..n].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let mut discs = self.discs(passage, &dp);
-        let mut r = residual(&dp, &discs);
+        let mut discs = self.discs(passage, dp, e);
+        let mut r = residual(dp, &discs);
+        let scale = self.q.hypot(STILL);
         for _ in 0..ITERATIONS {
             let before = size(&r);
-            if before.is_nan() || before <= FOUND * self.q.hypot(STILL) {
-                break;
+            if before.is_nan() || before <= FOUND * scale {
+                return true;
             }
             let mut step = r;
             solve(&mut self.jacobian(&discs, &self.heads(&discs)), &mut step, n);
             let mut share = 1.0;
             let taken = loop {
-                let mut next = dp;
-                (0..n).for_each(|b| next[b] = dp[b] - share * step[b]);
-                let discs = self.discs(passage, &next);
+                let mut next = *dp;
+                (0..n).for_each(|b| next[b] -= share * step[b]);
+                let discs = self.discs(passage, &next, e);
                 let r = residual(&next, &discs);
                 if size(&r) < before {
                     break Some((next, discs, r));
@@ -266,17 +287,17 @@ impl Flow {
                     break None;
                 }
             };
-            // Rounding stops the fall.
-            let Some(next) = taken else { break };
-            (dp, discs, r) = next;
+            // Rounding stops the fall, too.
+            let Some(next) = taken else { return before <= NEARLY * scale };
+            (*dp, discs, r) = next;
         }
-        dp
+        false
     }
 
     /// How the pressure on a band depends on everything, where the pressures are `dp` [Pa].
     pub(in crate::force) fn gradient(&self, passage: &Passage, dp: &ByBand, band: usize) -> FlowGradient {
         let (n, sign) = (self.bands, self.q.signum());
-        let discs = self.discs(passage, dp);
+        let discs = self.discs(passage, dp, self.corner());
         let heads = self.heads(&discs);
         let jacobian = self.jacobian(&discs, &heads);
         let mut transposed = [[0.0; MOST_BANDS + 1]; MOST_BANDS];

@@ -37,12 +37,12 @@ fn passages(n: usize) -> Vec<Passage> {
 /// The pressures solve the balance, whatever flows.
 #[test]
 fn the_pressures_are_a_root() {
-    for (seed, n) in (0..40).flat_map(|seed| [1, 5, 12, 40].map(|n| (seed, n))) {
+    for (seed, n) in (0..40).flat_map(|seed| [1, 5, 12, 32].map(|n| (seed, n))) {
         for q in [1e-3, 1.0, 60.0, 2200.0, -50.0] {
             let flow = flow(n, seed, q);
             for passage in passages(n) {
                 let dp = flow.pressures(&passage);
-                let discs = flow.discs(&passage, &dp);
+                let discs = flow.discs(&passage, &dp, flow.corner());
                 for b in 0..n {
                     let off = (dp[b] - discs.pressure[b].value).abs();
                     assert!(off <= 1e-10 * q.hypot(STILL), "{seed} {n} {q} {passage:?}: {off} at {b}");
@@ -101,13 +101,13 @@ fn tight_cloth_at_rest() {
     flow.rate = [0.0; MOST_BANDS + 1];
     flow.below = [1.0; MOST_BANDS];
     let passage = Passage { cloth: None, slots: vec![0.0; 7], vent: 0.0 };
-    assert!(flow.pressures(&passage)[..7].iter().all(|dp| (dp - 1.7 * 400.0).abs() < 1e-12));
+    assert!(flow.pressures(&passage)[..7].iter().all(|dp| (dp - 1.7 * 400.0).abs() < 1e-12 * dp));
 }
 
 /// A tube that widens evenly and is closed above: p = q - 2 rho z^2 r'^2/r^2, and beyond V = 2 z r'/r the rest is lost.
 #[test]
 fn a_tube_that_widens() {
-    let (n, length, radius, speed) = (50_usize, 4.0, 0.3, 40.0);
+    let (n, length, radius, speed) = (30_usize, 4.0, 0.3, 40.0);
     for widening in [0.5, 1.2, 2.0] {
         let mut flow = flow(n, 1, 0.5 * 1.2 * speed * speed);
         flow.outer = 0.0;
