@@ -141,7 +141,7 @@ fn what_cannot_fill_is_not_built() {
         let top = spec.mesh.nodes[rings.rows[0][0] as usize][2];
         for &node in rings.rows.last().into_iter().flatten() {
             let from = spec.mesh.nodes[node as usize];
-            spec.displacement[node as usize] = [-from[0], -from[1], top - 2.0 - from[2]];
+            spec.displacement[node as usize] = [-from[0], -from[1], top - 1.0 - from[2]];
         }
     });
     assert_eq!(closed, BuildError::ClosedMouth);
@@ -208,8 +208,8 @@ fn forces(case: &Case, x: &[f64], v: &[f64]) -> Vec<f64> {
     out.total
 }
 
-/// The tangent with its rank-one parts against differences of the forces, by positions and by velocities, of canopies of
-/// tight, porous and slotted cloth and with a gap, in air that changes with the height.
+/// The tangent with its rank-one parts against differences of the forces, by positions and by velocities, of canopies
+/// of tight, porous and slotted cloth and with a gap, in air that changes with the height.
 #[test]
 fn the_tangent_is_a_slope() {
     let law = format!("{FILLING}.law");

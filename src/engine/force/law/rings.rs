@@ -9,10 +9,10 @@
 //! p   = max(p_i - p_o, 0) - rho w (kd |V| + kv |w|),     f_i = p S/3,     power = f . v
 //! ```
 //! V is the speed of the *confluence* against the wind along the axis a (`axial_flow`), q = rho V|V|/2: the skirt's own
-//! speed swings while a canopy fills. x|x| is Bernoulli's equation at each ring: in the crown x is near 0 and the pressure
-//! full, at the skirt x is near 1 and the pressure low, so the crown fills first and grows downwards. A mouth gives what
-//! the stream brings; more costs head, X^2 - 1. Cloth under outer pressure folds and carries none. `balance` finds the
-//! pressures dp_b = max(p_i - p_o, 0), with rounded corners; `stations` measures rings and bands.
+//! speed swings while a canopy fills. x|x| is Bernoulli's equation at each ring: in the crown x is near 0 and the
+//! pressure full, at the skirt x is near 1 and the pressure low, so the crown fills first and grows downwards. A mouth
+//! gives what the stream brings; more costs head, X^2 - 1. Cloth under outer pressure folds and carries none. `balance`
+//! finds the pressures dp_b = max(p_i - p_o, 0), with rounded corners; `stations` measures rings and bands.
 //!
 //! dp_b, D = kd rho|V|, E = kv rho and r couple all nodes. The tangent is local but for a rank-one part of each:
 //! ```text

@@ -71,10 +71,11 @@ impl<T: JsonSchema> JsonSchema for OneOrSeveral<T> {
 }
 
 /// The air in a canopy: a pressure from inside to outside along the normals of its triangles, dp = q dCp with
-/// q = rho V |V|/2, or that of a balance of the air inside. V is the axial air speed: the mean velocity of the skirt minus
-/// the wind there (with `filling` that of the confluence), along the axis from the apex to the confluence of the lines. Cloth that moves outwards at the normal speed w in the
-/// air that goes with the canopy meets less of it, by rho/2 (V |V| - (V - w) |V - w|) dCp: this damps the breathing of
-/// the canopy, its turning and its motion across the axis, and is nothing in steady flight.
+/// q = rho V |V|/2, or that of a balance of the air inside. V is the axial air speed: the mean velocity of the skirt
+/// minus the wind there (with `filling` that of the confluence), along the axis from the apex to the confluence of the
+/// lines. Cloth that moves outwards at the normal speed w in the air that goes with the canopy meets less of it, by
+/// rho/2 (V |V| - (V - w) |V - w|) dCp: this damps the breathing of the canopy, its turning and its motion across the
+/// axis, and is nothing in steady flight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Canopy {
@@ -188,16 +189,16 @@ pub struct Cavity {
     pub law: Option<ClothLaw>,
 }
 
-/// A canopy that fills by a balance of the air at each of its rings, the rows of its cloth (this program's own law, held
-/// against 25 measured openings of rescue parachutes). What passes the disc of a ring is the growth of the volume above
-/// it and what leaks there: x = (dVol/dt + leaks)/(A |V|). The pressure inside is q - q (x |x| + max(0, X^2 - 1)) with the
-/// largest x from the ring to the skirt, X; outside it is Cb q above the widest ring, and rises below it as the mouth
-/// takes the stream. V is the axial air speed of the confluence. All constants have defaults.
+/// A canopy that fills by a balance of the air at each of its rings, the rows of its cloth (this program's own law,
+/// held against measured openings of rescue parachutes). What passes the disc of a ring is the growth of the volume
+/// above it and what leaks there: x = (dVol/dt + leaks)/(A |V|). The pressure inside is q - q (x |x| + max(0, X^2 - 1))
+/// with the largest x from the ring to the skirt, X; outside it is Cb q above the widest ring, and rises below it as
+/// the mouth takes the stream. V is the axial air speed of the confluence. All constants have defaults.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Filling {
-    /// [-] Pressure coefficient Cb on the outside of the canopy; -0.7 if neither it nor `drag_coefficient` is given (flat
-    /// canopies; ringslot about -0.45, ribbon about -0.3).
+    /// [-] Pressure coefficient Cb on the outside of the canopy; -0.7 if neither it nor `drag_coefficient` is given
+    /// (flat canopies; ringslot about -0.45, ribbon about -0.3).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMaximum" = 1))]
     pub outer_pressure_coefficient: Option<f64>,
@@ -209,12 +210,13 @@ pub struct Filling {
     /// The air through the cloth at a pressure difference, by its speed w; the cloth lets none through if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<ClothLaw>,
-    /// [-] Geometric porosity: the share of the cloth that is open as slots which the mesh does not have; 0 if not given.
+    /// [-] Geometric porosity: the share of the cloth that is open as slots which the mesh does not have; 0 if not
+    /// given.
     #[serde(default)]
     #[schemars(range(min = 0, max = 1))]
     pub geometric_porosity: f64,
-    /// [-] kd: cloth that moves outwards at w meets kd rho |V| w less pressure; 1 if not given (order one by the breathing
-    /// of full canopies; 0.7 gives 26 % higher, 1.4 22 % lower peaks).
+    /// [-] kd: cloth that moves outwards at w meets kd rho |V| w less pressure; 1 if not given (order one by the
+    /// breathing of full canopies; 0.7 gives 26 % higher, 1.4 22 % lower peaks).
     #[serde(default = "unity")]
     #[schemars(range(min = 0))]
     pub damping: f64,

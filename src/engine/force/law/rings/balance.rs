@@ -7,8 +7,9 @@
 //! K_j = rho/2 u_j|u_j|,   H_b the same of (u_b + u_b+1)/2,   L_j = L_j+1 + (K_j - |q| - L_j+1)+,   L_N+1 = 0
 //! w_b = 2 dp/(a + sqrt(a^2 + 4 b dp)) + 0.65 l_b sqrt(2 dp/rho),   w_v = 0.6 sqrt(2 dp_0/rho)
 //! ```
-//! y+ is the positive part, a parabola for |y| < E, E = 0.01 sqrt(q^2 + (1 Pa)^2), so that it has a slope; K_N+ has one as it is. The root is bent
-//! below E too. Above it both are exact.
+//! y+ is the positive part, a parabola for |y| < E, E = 0.01 sqrt(q^2 + (1 Pa)^2), so that it has a slope; K_N+ has one
+//! as it is. The corners of L_j are N times sharper, so that all of them add up to no more. The root is bent below E
+//! too. Above it both are exact.
 //!
 //! dp = D(u(dp)) is solved by Newton's method in the N pressures. Its Jacobian J also gives the slopes:
 //! ```text
@@ -193,7 +194,7 @@ impl Flow {
         let (mut losing, mut lost) = ([0.0; MOST_BANDS + 1], 0.0);
         let mut pressure = [Slope::default(); MOST_BANDS];
         for b in (0..n).rev() {
-            let more = positive(self.head(speed[b + 1]) - self.q.abs() - lost, e);
+            let more = positive(self.head(speed[b + 1]) - self.q.abs() - lost, e / n as f64);
             losing[b + 1] = more.by;
             lost += more.value;
             let inside = self.q - self.head(0.5 * (speed[b] + speed[b + 1])) - lost;

@@ -4,11 +4,12 @@
 //! ```text
 //! C_b = sum S . (v_0 + v_1 + v_2)/3 over the faces of a band,   F_j the same over a fan that closes ring j
 //! dVol_j/dt = F_0 + sum_b<j C_b - F_j                            of the volume above the disc of ring j
-//! A_j = size of the area vector of ring j, at least A_min        s_b = S_b (o_b + o_b+1)/2,  o_j = min(sqrt(A_j/A_cut), 1)
+//! A_j = size of the area vector of ring j, at least A_min
+//! s_b = S_b (o_b + o_b+1)/2,      o_j = min(sqrt(A_j/A_cut), 1)
 //! t_b = smooth step of (max A_0..b - max A_b+1..N)/(their mean), from -0.05 to 0.05
 //! ```
-//! S_b is the area of a band as it is cut, A_cut that of a ring. Cloth that hangs in folds does not leak: o_j. Minimum and
-//! maximum have rounded corners.
+//! S_b is the area of a band as it is cut, A_cut that of a ring. Cloth that hangs in folds does not leak: o_j. Minimum
+//! and maximum have rounded corners.
 
 use super::balance::{ByBand, ByRing, FlowGradient, MOST_BANDS, positive};
 use crate::force::kernel::element_block::NodeVectors;
