@@ -214,8 +214,8 @@ impl Flow {
             row[b] += half;
             row[b + 1] += half;
             let mut passed = 1.0;
-            for j in b + 1..=n {
-                row[j] += passed * discs.losing[j] * by_speed(j);
+            for (j, entry) in row.iter_mut().enumerate().take(n + 1).skip(b + 1) {
+                *entry += passed * discs.losing[j] * by_speed(j);
                 passed *= 1.0 - discs.losing[j];
             }
             row[n] -= self.outer * sign * self.below[b] * (recovered.by - lost.by) * by_speed(n);
