@@ -78,4 +78,9 @@ pub struct Mesh {
     /// `nodes`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub displacement: Vec<[f64; 3]>,
+    /// Rows of cloth of a generated canopy of gores, from its vent or apex to its skirt: the nodes of each,
+    /// right-handed about the outer normal; an apex is a row of one node. Those of one canopy after those of another.
+    /// Empty if they are not known, as in files.
+    #[serde(skip)]
+    pub rows: Vec<Vec<u32>>,
 }

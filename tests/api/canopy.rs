@@ -112,7 +112,7 @@ fn a_canopy_without_what_it_needs_is_refused() {
         (vec![(format!("{CANOPY}.confluence"), "{\"ids\": [1]}")], "confluence", "one of the canopy"),
         (vec![(format!("{CANOPY}.skirt"), "{\"ids\": [40]}")], "skirt", "no triangle of the canopy"),
         (vec![(format!("{CANOPY}.on"), "{\"ids\": [0, 13]}")], "on", "one outer boundary"),
-        (vec![(format!("{CANOPY}.table"), "null")], "canopy", "exactly one of table, schedule and cavity"),
+        (vec![(format!("{CANOPY}.table"), "null")], "canopy", "exactly one of table, schedule, cavity and filling"),
         (filling(r#"{"drag_area": 1}"#), "schedule", "exactly one of filling_constant and filling_time"),
         (filling(r#"{"drag_area": 1, "filling_time": 1, "filling_constant": 8}"#), "schedule", "exactly one of"),
         (filling(r#"{"drag_area": 1, "filling_time": 0}"#), "schedule/filling_time", "above 0"),

@@ -15,6 +15,7 @@ mod critical;
 mod divergence;
 mod door;
 mod examples;
+mod filling;
 mod globalised;
 mod linear;
 mod mesh;

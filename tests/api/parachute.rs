@@ -456,7 +456,8 @@ fn parachutes_come_back_from_files() {
     for mesh in types().iter().chain([&inflated, &cluster]).map(built) {
         let text = vtu_text(&mesh).expect("written");
         let back = mesh_from_bytes(Path::new("a.vtu"), text.as_bytes()).expect("read").mesh;
-        assert!(back == mesh, "another mesh comes back");
+        // Files do not know the rows.
+        assert!(back == Mesh { rows: Vec::new(), ..mesh }, "another mesh comes back");
     }
 }
 

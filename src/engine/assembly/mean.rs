@@ -110,6 +110,10 @@ impl TangentSystem for MeanSystem<'_> {
         self.system.mass_parts()
     }
 
+    fn kept_parts(&self) -> usize {
+        self.system.kept_parts()
+    }
+
     fn with_apparent_mass(&self, at: StateRef<'_>, residual: &mut [f64]) {
         self.system.with_apparent_mass(at, residual);
     }

@@ -25,9 +25,15 @@ pub trait TangentSystem: System {
         0
     }
 
-    /// How many of these, the first ones, belong to the mass: they are in the symmetric approximation of W, too.
+    /// How many of these, the first ones, belong to the mass.
     fn mass_parts(&self) -> usize {
         0
+    }
+
+    /// How many of these, the first ones, are in the symmetric approximation of W, too: those of the mass, or all of
+    /// them.
+    fn kept_parts(&self) -> usize {
+        self.mass_parts()
     }
 
     /// Replaces a residual M a - f `[n_dof]` at a state, whose forces have a part that depends on all others, by that

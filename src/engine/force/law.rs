@@ -21,6 +21,7 @@ pub mod nodal;
 pub mod one_sided;
 pub mod rayleigh;
 pub mod rayleigh_membrane;
+pub mod rings;
 pub mod series;
 pub mod slack;
 pub mod spring;

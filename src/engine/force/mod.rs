@@ -143,6 +143,11 @@ pub trait ForceTerm: kernel::batch::BlockForces {
         let _ = (which, at, w, part);
     }
 
+    /// Whether its rank-one parts are also worth their solves in a tangent that is kept over many steps.
+    fn couples_strongly(&self) -> bool {
+        false
+    }
+
     /// Its elastic part as a mean over a step; `None` if that is the force in the middle, or if it has none.
     fn mean(&self) -> Option<&dyn MeanForce> {
         None

@@ -173,7 +173,9 @@ impl RankOnes {
 pub(crate) struct Tangents {
     /// of the exact one, and of the reused one
     rank_ones: RankOnes,
-    mass_parts: RankOnes,
+    kept_parts: RankOnes,
+    /// [-] solves that every reused matrix serves for kept parts beside those of the mass
+    coupled: f64,
     symmetric: bool,
     choice: LinearChoice,
     exact: Option<Factor>,
@@ -209,7 +211,8 @@ impl Tangents {
         let choice = if symmetric_only && !symmetric { LinearChoice::Auto } else { choice };
         Ok(Tangents {
             rank_ones: RankOnes::default(),
-            mass_parts: RankOnes::default(),
+            kept_parts: RankOnes::default(),
+            coupled: (system.kept_parts() - system.mass_parts()) as f64,
             symmetric,
             choice,
             exact,
@@ -291,7 +294,7 @@ impl Tangents {
         mixed.assemble_mixed(at, w, MixedForm { symmetric: reused, ..form }, &mut factor.assembler);
         let inertia = factor.factorise(reused || self.symmetric, counters)?;
         let (parts, number) = match reused {
-            true => (&mut self.mass_parts, system.mass_parts()),
+            true => (&mut self.kept_parts, system.kept_parts()),
             false => (&mut self.rank_ones, system.rank_ones()),
         };
         parts.find((system, number), (at, w), &self.dof, factor, counters)?;
@@ -300,7 +303,13 @@ impl Tangents {
 
     /// Whether another solver would have been chosen for the reused tangent with this expected use.
     pub(crate) fn prefers_other_solver(&self, expected: ExpectedUse) -> bool {
+        let expected = self.with_parts(expected);
         self.frozen.as_ref().is_some_and(|factor| factor.linear.prefers_other_solver(expected))
+    }
+
+    /// The use of a matrix that also solves for the kept parts.
+    fn with_parts(&self, expected: ExpectedUse) -> ExpectedUse {
+        ExpectedUse { reuse: expected.reuse + self.coupled, ..expected }
     }
 
     /// [-] Cost of an iteration of conjugate gradients with the reused tangent over one without deflation.
@@ -320,6 +329,7 @@ impl Tangents {
         FactorRequest { convex, expected }: FactorRequest,
         counters: &mut Counters,
     ) -> Result<Option<Inertia>, LinearError> {
+        let expected = self.with_parts(expected);
         let Some(factor) = &mut self.frozen else { return Ok(None) };
         self.current = TangentKind::Frozen;
         system.assemble_symmetric(at, w, convex, &mut factor.assembler);
@@ -334,7 +344,7 @@ impl Tangents {
         }
         // The same in a run that goes on from a checkpoint.
         factor.linear.set_accuracy(Accuracy::of_reused());
-        self.mass_parts.find((system, system.mass_parts()), (at, w), &self.dof, factor, counters)?;
+        self.kept_parts.find((system, system.kept_parts()), (at, w), &self.dof, factor, counters)?;
         Ok(Some(made))
     }
 
@@ -346,7 +356,7 @@ impl Tangents {
         let Some(factor) = self.in_use() else { return Err(LinearError::Singular { unknown: None }) };
         interrupt::check()?;
         let solved = factor.solve(b, counters);
-        let parts = if self.current == TangentKind::Exact { &self.rank_ones } else { &self.mass_parts };
+        let parts = if self.current == TangentKind::Exact { &self.rank_ones } else { &self.kept_parts };
         parts.parts.iter().for_each(|part| part.correct(b));
         solved
     }

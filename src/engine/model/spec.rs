@@ -10,7 +10,7 @@ mod canopy;
 mod over_time;
 mod spring_values;
 mod surface;
-pub use canopy::{CanopyAir, CanopySpec, CavitySpec, ClothSpec, FillingSpec};
+pub use canopy::{CanopyAir, CanopySpec, CavitySpec, ClothSpec, FillingSpec, RingsSpec};
 pub use over_time::{MotionSpec, Series, support_velocity};
 pub use spring_values::SpringValues;
 pub use surface::{BendingSpec, MembraneSpec};

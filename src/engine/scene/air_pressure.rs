@@ -1,8 +1,10 @@
 //! The pressure of the air on each of the user's triangles, for frames.
 
+use crate::force::kernel::batch::Kernel;
 use crate::force::kernel::faces::FaceKernel;
 use crate::force::law::air::AirData;
 use crate::force::law::canopy::CanopyData;
+use crate::force::law::rings::RingsData;
 use crate::force::{Copies, NodeState};
 use crate::mesh::Mesh;
 use std::collections::HashMap;
@@ -23,6 +25,8 @@ pub(super) enum AirLaw {
     Cloth(AirData),
     /// air in a canopy
     Canopy(CanopyData),
+    /// air in a canopy, ring by ring
+    Rings(RingsData),
 }
 
 impl AirPressure {
@@ -38,6 +42,7 @@ impl AirPressure {
         let triangles = match &law {
             AirLaw::Cloth(data) => &data.triangles,
             AirLaw::Canopy(data) => &data.triangles,
+            AirLaw::Rings(data) => &data.triangles,
         };
         let place = |&corners: &[u32; 3]| {
             let (key, turn) = sorted(corners);
@@ -52,6 +57,7 @@ impl AirPressure {
         let law = match &self.law {
             AirLaw::Cloth(data) => AirLaw::Cloth(data.for_run(copies)),
             AirLaw::Canopy(data) => AirLaw::Canopy(data.for_run(copies)),
+            AirLaw::Rings(data) => AirLaw::Rings(data.for_run(copies).unwrap_or_else(|| data.clone())),
         };
         AirPressure { law, places: self.places.clone() }
     }
@@ -66,6 +72,9 @@ impl AirPressure {
         match &self.law {
             AirLaw::Cloth(data) => data.pressures(at).zip(self.places.iter()).for_each(|(p, place)| set(*place, p)),
             AirLaw::Canopy(data) => data.pressures(at).zip(self.places.iter()).for_each(|(p, place)| set(*place, p)),
+            AirLaw::Rings(data) => {
+                data.pressures(at).into_iter().zip(self.places.iter()).for_each(|(p, place)| set(*place, p));
+            }
         }
     }
 }

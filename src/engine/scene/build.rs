@@ -5,8 +5,9 @@ use super::acting::{Acting, Added, SpringBatch};
 use super::air_pressure::{AirLaw, AirPressure};
 use super::apparent::ApparentMass;
 use super::build_bending::AtRest;
+use super::build_rings::{Shapes, rings};
 use super::build_surface::MembraneBatch;
-use super::canopy_shape::CanopyShape;
+use super::canopy_shape::{CanopyLaw, CanopyShape};
 use super::check::{check, check_bars};
 use super::check_values::BuildError;
 use super::events::Phases;
@@ -26,6 +27,7 @@ use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::law::gravity::Gravity;
 use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
 use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
+use crate::force::law::rings::RingedCanopy;
 use crate::force::law::series::{LoadFactor, Table, scalar};
 use crate::force::law::spring::{Coefficient, Cut, SpringData};
 use crate::force::law::stream::Stream;
@@ -238,7 +240,8 @@ impl Builder<'_> {
     fn canopies(&mut self, start: &[Vector3<f64>], reference: &[Vector3<f64>]) -> Result<(), BuildError> {
         let Some(stream) = self.acting.stream.clone() else { return Ok(()) };
         for canopy in &self.spec.canopies {
-            let nodes = |list: &[u32]| list.iter().map(|&i| self.node(i)).collect::<Vec<u32>>();
+            let numbering = self.numbering;
+            let nodes = |list: &[u32]| list.iter().map(|&i| numbering.internal[i as usize]).collect::<Vec<u32>>();
             let (skirt, apex, confluence) = (nodes(&canopy.skirt), nodes(&canopy.apex), nodes(&canopy.confluence));
             let corners = |t: u32| self.spec.mesh.triangles[t as usize].map(|i| self.node(i));
             let mut list: Vec<([u32; 3], f64)> =
@@ -265,14 +268,26 @@ impl Builder<'_> {
                 let (enclosure, stream, term) = (enclosure.clone(), stream.clone(), self.acting.terms.len());
                 self.acting.apparent.push(ApparentMass { nodes, enclosure, factor, stream, term });
             }
+            let mut axis = CanopyAxis { carrier: skirt.clone(), skirt, apex, confluence, stream: stream.clone() };
             let air = match &canopy.air {
                 CanopyAir::Coefficient => AirModel::Coefficient,
                 CanopyAir::Filling(stages) => AirModel::Filling(stages.as_slice().into()),
-                CanopyAir::Cavity(spec) => AirModel::Cavity(cavity(*spec, enclosure.clone(), &skirt, x)?),
+                CanopyAir::Cavity(spec) => AirModel::Cavity(cavity(*spec, enclosure.clone(), &axis.skirt, x)?),
+                CanopyAir::Rings(spec) => {
+                    axis.carrier = axis.confluence.clone();
+                    let rows: Vec<Vec<u32>> = spec.rows.iter().map(|row| nodes(row)).collect();
+                    let data =
+                        rings(spec, &rows, triangles, axis, Shapes { start, cut: reference }, canopy.nominal_area)?;
+                    self.show_pressure(AirLaw::Rings(data.clone()));
+                    let law = CanopyLaw::Rings(data.clone());
+                    self.acting.canopies.push(CanopyShape::new(law, enclosure, canopy.nominal_area));
+                    self.acting.add(Added::term(RingedCanopy::new(data)));
+                    continue;
+                }
             };
-            let axis = CanopyAxis { skirt, apex, confluence, stream: stream.clone() };
             let data = CanopyData { triangles, pressure_coefficient, axis, air };
-            self.acting.canopies.push(CanopyShape::new(data.clone(), enclosure, canopy.nominal_area));
+            let law = CanopyLaw::Canopy(data.clone());
+            self.acting.canopies.push(CanopyShape::new(law, enclosure, canopy.nominal_area));
             self.show_pressure(AirLaw::Canopy(data.clone()));
             let stages = canopy.air.stages().iter().map(|stage| [stage.start, stage.start + stage.duration]);
             self.acting.add(Added { changes: stages.collect(), ..Added::term(Canopy::new(data)) });

@@ -3,7 +3,8 @@
 use super::check_values::{BuildError, below, finite, length, times, vectors};
 use crate::mesh::Mesh;
 use crate::model::spec::{
-    AtmosphereSpec, CanopyAir, CavitySpec, ClothSpec, FillingSpec, GustSpec, NetworkSpec, PressureKind, StreamSpec,
+    AtmosphereSpec, CanopyAir, CavitySpec, ClothSpec, FillingSpec, GustSpec, NetworkSpec, PressureKind, RingsSpec,
+    StreamSpec,
 };
 
 pub(super) fn loads(spec: &NetworkSpec) -> Result<(), BuildError> {
@@ -75,6 +76,10 @@ fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
                 finite("filling", &[drag_area, start, duration, exponent])
             })?,
             CanopyAir::Cavity(spec) => cavity(*spec)?,
+            CanopyAir::Rings(spec) => {
+                spec.rows.iter().try_for_each(|row| below("node", row, nodes.len()))?;
+                rings(spec)?;
+            }
         }
         for (what, list) in [("skirt", &canopy.skirt), ("apex", &canopy.apex), ("confluence", &canopy.confluence)] {
             below("node", list, nodes.len())?;
@@ -102,10 +107,35 @@ fn cavity(CavitySpec { inflow, outer_pressure_coefficient, cloth }: CavitySpec) 
     if outer_pressure_coefficient >= 1.0 {
         return Err(BuildError::Cavity { reason: "needs a pressure coefficient below 1 outside" });
     }
-    let Some(ClothSpec { linear, quadratic }) = cloth else { return Ok(()) };
-    finite("cloth of a cavity", &[linear, quadratic])?;
-    if linear < 0.0 || quadratic < 0.0 || linear + quadratic == 0.0 {
+    if let Some(cloth) = cloth
+        && !passes_air(cloth)?
+    {
         return Err(BuildError::Cavity { reason: "needs cloth whose coefficients are not negative and not both 0" });
     }
     Ok(())
+}
+
+fn rings(spec: &RingsSpec) -> Result<(), BuildError> {
+    let RingsSpec { outer_pressure_coefficient: outer, damping, geometric_porosity: open, .. } = *spec;
+    let RingsSpec { slot_discharge: slots, vent_discharge: vent, .. } = *spec;
+    finite("filling", &[outer, damping[0], damping[1], open, slots, vent])?;
+    let refused = |reason| Err(BuildError::Rings { reason });
+    if outer >= 1.0 {
+        return refused("needs a pressure coefficient below 1 outside");
+    }
+    if damping[0] < 0.0 || damping[1] < 0.0 || slots < 0.0 || vent < 0.0 || !(0.0..=1.0).contains(&open) {
+        return refused("needs damping and discharge coefficients of 0 or more and a porosity from 0 to 1");
+    }
+    if let Some(cloth) = spec.cloth
+        && !passes_air(cloth)?
+    {
+        return refused("needs cloth whose coefficients are not negative and not both 0");
+    }
+    Ok(())
+}
+
+/// Whether a cloth lets more air through at a larger pressure.
+fn passes_air(ClothSpec { linear, quadratic }: ClothSpec) -> Result<bool, BuildError> {
+    finite("cloth of a canopy", &[linear, quadratic])?;
+    Ok(linear >= 0.0 && quadratic >= 0.0 && linear + quadratic > 0.0)
 }

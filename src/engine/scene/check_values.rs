@@ -124,6 +124,12 @@ pub enum BuildError {
         /// what is wrong
         reason: &'static str,
     },
+    /// A canopy that cannot fill ring by ring.
+    #[error("a canopy that fills ring by ring {reason}")]
+    Rings {
+        /// what is wrong
+        reason: &'static str,
+    },
     /// A motion of what is not held.
     #[error("node {node} is moved along {axis} and not held there")]
     NotHeld {

@@ -70,6 +70,11 @@ impl TangentSystem for Network {
         3 * self.acting.apparent.len()
     }
 
+    fn kept_parts(&self) -> usize {
+        let strong = self.acting.terms.iter().any(|term| term.couples_strongly());
+        if strong { self.rank_ones() } else { self.mass_parts() }
+    }
+
     fn with_apparent_mass(&self, at: StateRef<'_>, residual: &mut [f64]) {
         self.with_apparent(node_state(at), bytemuck::cast_slice_mut(residual));
     }

@@ -301,6 +301,7 @@ impl Assembly {
         let triangles = (0..self.triangles.len() as u32).collect();
         groups.insert("canopy".to_owned(), Group { triangles, ..Group::default() });
         let nodes = self.nodes.into_iter().map(Into::into).collect();
-        Mesh { nodes, edges, triangles: self.triangles, groups, displacement: self.displacement, ..Mesh::default() }
+        let Assembly { triangles, displacement, rows, .. } = self;
+        Mesh { nodes, edges, triangles, groups, displacement, rows, ..Mesh::default() }
     }
 }

@@ -161,6 +161,7 @@ fn add_copy(all: &mut Mesh, one: &Mesh, end: u32, number: usize, turned: &dyn Fn
     let (edges, triangles) = (all.edges.len() as u32, all.triangles.len() as u32);
     all.edges.extend(one.edges.iter().map(|pair| pair.map(node)));
     all.triangles.extend(one.triangles.iter().map(|corners| corners.map(node)));
+    all.rows.extend(one.rows.iter().map(|row| row.iter().map(|&i| node(i)).collect()));
     let mut copied = Groups::new();
     for (name, group) in &one.groups {
         let mut nodes: Vec<u32> = group.nodes.iter().map(|&i| node(i)).collect();

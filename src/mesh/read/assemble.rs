@@ -68,7 +68,7 @@ impl Cells {
         groups.retain(|_, group| *group != Group::default());
         let displacement = kept.iter().filter_map(|point| self.displacement.get(*point as usize).copied()).collect();
         notes.found.extend(self.remarks.iter().map(|(what, count)| format!("{count} {what}")));
-        let mut mesh = Mesh { nodes, edges, triangles, seams, groups, displacement };
+        let mut mesh = Mesh { nodes, edges, triangles, seams, groups, displacement, ..Mesh::default() };
         if mesh.edges.is_empty() {
             return Err("holds no lines and no faces with an area".into());
         }

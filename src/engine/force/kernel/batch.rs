@@ -80,6 +80,11 @@ pub trait Kernel<const N: usize>: Send + Sync {
     /// power [W].
     fn add(&self, block: Elements<'_, N>, f: &mut Records) -> Tally;
 
+    /// As [`BlockForces::scene_numbers`].
+    fn scene_numbers(&self) -> Option<&dyn SceneNumbers> {
+        None
+    }
+
     /// The same with the values that change in a run from `copies`; `None` if it has none, and is shared by all runs.
     fn for_run(&self, copies: &mut Copies) -> Option<Self>
     where
@@ -128,7 +133,8 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
     fn elements_of<'a>(&'a self, block: &'a ElementBlock<'_>) -> Option<Elements<'a, N>> {
         let elements = self.placed.blocks.get(block.number).filter(|elements| !elements.is_empty())?;
         let nodes = &self.placed.local[elements.clone()];
-        Some(Elements { t: block.t, x: block.x, v: block.v, nodes, first: elements.start })
+        let &ElementBlock { t, x, v, scene_numbers, .. } = block;
+        Some(Elements { t, x, v, nodes, first: elements.start, scene_numbers })
     }
 }
 
@@ -159,5 +165,9 @@ impl<K: Kernel<N>, const N: usize> BlockForces for Batch<K, N> {
     fn add(&self, block: &ElementBlock<'_>, [sum, _]: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {
         let tally = sum.zip(self.elements_of(block)).map(|(f, elements)| self.kernel.add(elements, f));
         [tally.unwrap_or_default(), Tally::default()]
+    }
+
+    fn scene_numbers(&self) -> Option<&dyn SceneNumbers> {
+        self.kernel.scene_numbers()
     }
 }

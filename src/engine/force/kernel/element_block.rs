@@ -19,8 +19,8 @@ pub struct ElementBlock<'a> {
     pub x: &'a Records,
     /// [m/s] their velocities, if some term reads them
     pub v: &'a Records,
-    /// the term's [`SceneNumbers`]; 0 for a term without any
-    pub scene_numbers: SceneValues,
+    /// the term's [`SceneNumbers`]; none for a term without any
+    pub scene_numbers: &'a [f64],
 }
 
 /// Vectors of all nodes of a scene, by internal number.
@@ -48,17 +48,20 @@ impl NodeVectors<'_> {
     }
 }
 
+/// Scene numbers of a term at most.
+pub const MOST_NUMBERS: usize = 37;
+
 /// Values of the scene numbers of a term; one that has fewer leaves the rest 0.
-pub type SceneValues = [f64; 6];
+pub type SceneValues = [f64; MOST_NUMBERS];
 
 /// The numbers of a force term that depend on nodes anywhere in the scene, such as the air speed of a canopy. They are
 /// found before the term's elements are evaluated, once per pass.
 pub trait SceneNumbers: Send + Sync {
-    /// How many there are. The tangent has a rank-one part for each.
+    /// How many there are, at most [`MOST_NUMBERS`]. The tangent has a rank-one part for each.
     fn count(&self) -> usize;
 
-    /// The numbers at time `t` [s], positions `x` [m] and velocities `v` [m/s].
-    fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> SceneValues;
+    /// Writes the numbers at time `t` [s], positions `x` [m] and velocities `v` [m/s].
+    fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>, out: &mut SceneValues);
 }
 
 /// The scene numbers of a pass.
@@ -89,6 +92,8 @@ pub struct Elements<'a, const N: usize> {
     pub nodes: &'a [[u16; N]],
     /// number of the first element
     pub first: usize,
+    /// see [`SceneNumbers`]
+    pub scene_numbers: &'a [f64],
 }
 
 impl<const N: usize> Elements<'_, N> {

@@ -2,7 +2,7 @@
 
 use crate::force::Copies;
 use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, SceneNumbers};
-use crate::force::kernel::element_block::{ElementBlock, SceneValues};
+use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::Records;
 use crate::force::kernel::triangle_pairs::{Group, GroupFactors, PressureLaw, PressurePass, arrange};
 use crate::model::forces::Tally;
@@ -51,7 +51,7 @@ pub struct Faces<'a> {
     /// [-] factors of their pressures, if the kernel has any
     factors: &'a [GroupFactors],
     /// see [`FaceKernel::scene_numbers`]
-    pub scene_numbers: SceneValues,
+    pub scene_numbers: &'a [f64],
 }
 
 impl Faces<'_> {

@@ -5,7 +5,8 @@
 //! u = mean skirt velocity - wind(z),      V = a . u,      q = rho(z) V|V|/2
 //! dV/dv_skirt = a/n_s,     dV/dz_skirt = -a . dw/dz/n_s,     dV/dx_confluence = (I - a a^T) u/(L n_c)
 //! ```
-//! and the opposite at the apex.
+//! and the opposite at the apex. With some laws velocity, wind and height are those of the confluence instead of the
+//! skirt's.
 
 use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::stream::{AirState, Stream};
@@ -22,6 +23,8 @@ pub struct CanopyAxis {
     pub apex: Vec<u32>,
     /// nodes where the lines meet
     pub confluence: Vec<u32>,
+    /// nodes whose velocity and height are meant by u and z: those of the skirt, or of the confluence
+    pub carrier: Vec<u32>,
     /// the air around the canopy
     pub stream: Arc<Stream>,
 }
@@ -33,13 +36,13 @@ pub struct AxialFlow {
     pub axis: Vector3<f64>,
     /// [m] distance from the apex to the confluence
     pub length: f64,
-    /// [m/s] velocity of the skirt relative to the air
+    /// [m/s] u
     pub velocity: Vector3<f64>,
     /// [m/s] V
     pub speed: f64,
     /// [Pa] q, of the sign of V
     pub dynamic_pressure: f64,
-    /// the air at the skirt
+    /// the air at z
     pub air: AirState,
 }
 
@@ -49,8 +52,8 @@ impl CanopyAxis {
         let along = x.mean(&self.confluence) - x.mean(&self.apex);
         let length = along.norm();
         let axis = if length > 0.0 { along / length } else { Vector3::zeros() };
-        let air = self.stream.at(t, x.mean(&self.skirt).z);
-        let velocity = v.mean(&self.skirt) - air.wind[0];
+        let air = self.stream.at(t, x.mean(&self.carrier).z);
+        let velocity = v.mean(&self.carrier) - air.wind[0];
         let speed = axis.dot(&velocity);
         AxialFlow { axis, length, velocity, speed, dynamic_pressure: 0.5 * air.density[0] * speed * speed.abs(), air }
     }
@@ -59,7 +62,7 @@ impl CanopyAxis {
     pub(super) fn add_speed_gradient(&self, flow: AxialFlow, w: Weights, g: &mut [Vector3<f64>]) {
         let AxialFlow { axis, velocity, air, .. } = flow;
         let [_, shear] = air.wind;
-        spread(&self.skirt, w.c * axis - w.k * axis.dot(&shear) * Vector3::z(), g);
+        spread(&self.carrier, w.c * axis - w.k * axis.dot(&shear) * Vector3::z(), g);
         self.add_turn(flow, w.k * velocity, g);
     }
 
@@ -67,7 +70,7 @@ impl CanopyAxis {
     pub(super) fn add_along_gradient(&self, i: usize, flow: AxialFlow, w: Weights, g: &mut [Vector3<f64>]) {
         let AxialFlow { axis, speed, air, .. } = flow;
         self.add_speed_gradient(flow, Weights { c: w.c * axis[i], k: w.k * axis[i], ..w }, g);
-        spread(&self.skirt, w.k * air.wind[1][i] * Vector3::z(), g);
+        spread(&self.carrier, w.k * air.wind[1][i] * Vector3::z(), g);
         let mut component = Vector3::zeros();
         component[i] = w.k * speed;
         self.add_turn(flow, component, g);
@@ -75,7 +78,7 @@ impl CanopyAxis {
 
     /// Adds `by` drho/dx.
     pub(super) fn add_density_gradient(&self, flow: AxialFlow, by: f64, g: &mut [Vector3<f64>]) {
-        spread(&self.skirt, Vector3::z() * (by * flow.air.density[1]), g);
+        spread(&self.carrier, Vector3::z() * (by * flow.air.density[1]), g);
     }
 
     /// Adds the gradient of a product of the axis and a given vector.

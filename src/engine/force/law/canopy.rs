@@ -23,7 +23,7 @@
 //! and dG by the axis -(I - a a^T) (sum dCp S)/(L n_c) at the confluence, the opposite at the apex.
 
 use crate::force::kernel::batch::{BufferReads, Records, SceneNumbers};
-use crate::force::kernel::element_block::{NodeVectors, SceneValues};
+use crate::force::kernel::element_block::{MOST_NUMBERS, NodeVectors, SceneValues};
 use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
 use crate::force::kernel::triangle_pairs::{PressureForce, PressureLaw};
 use crate::force::law::axial_flow::{AxialFlow, CanopyAxis};
@@ -89,7 +89,8 @@ struct Breathing {
 }
 
 impl Breathing {
-    fn new([kappa, speed, x, y, z, excess]: SceneValues) -> Self {
+    fn new(numbers: &[f64]) -> Self {
+        let [kappa, speed, x, y, z, excess] = std::array::from_fn(|i| numbers.get(i).copied().unwrap_or(0.0));
         Breathing { kappa, speed, along: Vector3::new(x, y, z), excess }
     }
 }
@@ -111,7 +112,9 @@ struct Meeting {
 
 impl CanopyData {
     fn breathing(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> Breathing {
-        Breathing::new(self.find(t, x, v))
+        let mut numbers = [0.0; MOST_NUMBERS];
+        self.find(t, x, v, &mut numbers);
+        Breathing::new(&numbers)
     }
 
     fn meeting(&self, at: NodeState<'_>, air: Breathing, triangle: usize) -> Meeting {
@@ -130,20 +133,6 @@ impl CanopyData {
         let air = self.breathing(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
         (0..self.triangles.len()).map(move |i| self.meeting(at, air, i).pressure)
     }
-
-    /// The force of the air along the axis [N] at a state, towards the apex, and the mean of the pressure over the
-    /// cloth [Pa].
-    pub fn drag_and_pressure(&self, at: NodeState<'_>) -> [f64; 2] {
-        let axis = self.axis.flow(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v)).axis;
-        let (mut drag, mut sum, mut cloth) = (0.0, 0.0, 0.0);
-        for (&nodes, pressure) in self.triangles.iter().zip(self.pressures(at)) {
-            let area = AreaVector::new(at.x, nodes).s;
-            drag -= pressure * area.dot(&axis);
-            sum += pressure * area.norm();
-            cloth += area.norm();
-        }
-        [drag, sum / cloth]
-    }
 }
 
 impl SceneNumbers for CanopyData {
@@ -155,7 +144,7 @@ impl SceneNumbers for CanopyData {
     }
 
     /// kappa [kg/m^3], V [m/s], r [m/s] and p_0 [Pa]
-    fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> SceneValues {
+    fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>, out: &mut SceneValues) {
         let flow = self.axis.flow(t, x, v);
         let AxialFlow { axis, speed, air, .. } = flow;
         let along = air.wind[0] + speed * axis;
@@ -164,7 +153,8 @@ impl SceneNumbers for CanopyData {
             AirModel::Filling(stages) => (FillingSpec::area_at(stages, t) / -self.opening(x).dot(&axis), 0.0),
             AirModel::Cavity(cavity) => (1.0, cavity.excess(&self.triangles, flow, x, v)),
         };
-        [0.5 * air.density[0] * share, speed, along.x, along.y, along.z, excess]
+        let numbers = [0.5 * air.density[0] * share, speed, along.x, along.y, along.z, excess];
+        out[..numbers.len()].copy_from_slice(&numbers);
     }
 }
 

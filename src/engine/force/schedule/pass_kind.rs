@@ -1,6 +1,6 @@
 //! The kind of a pass: which terms it evaluates, and which sums it computes.
 
-use crate::force::kernel::element_block::{ElementBlock, NodeVectors, PassNumbers};
+use crate::force::kernel::element_block::{ElementBlock, MOST_NUMBERS, NodeVectors, PassNumbers};
 use crate::force::kernel::local_buffer::{PaddedVec3, Records, rows, rows_of, sum_rows};
 use crate::force::schedule::terms::{PartTarget, Term, Terms};
 use crate::force::schedule::threads::SUMS;
@@ -90,10 +90,13 @@ impl Sums<'_> {
         let found = match forces.scene_numbers() {
             None => forces.add(block, sums),
             Some(numbers) => {
+                let mut in_block = [0.0; MOST_NUMBERS];
                 let scene_numbers = match self.numbers {
-                    PassNumbers::Found(numbers) => numbers[i],
+                    PassNumbers::Found(numbers) => &numbers[i],
                     PassNumbers::InBlock => {
-                        numbers.find(block.t, NodeVectors::Records(block.x), NodeVectors::Records(block.v))
+                        let [x, v] = [block.x, block.v].map(NodeVectors::Records);
+                        numbers.find(block.t, x, v, &mut in_block);
+                        &in_block
                     }
                 };
                 let &ElementBlock { number, ref own, t, x, v, .. } = block;

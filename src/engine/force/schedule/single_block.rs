@@ -113,27 +113,13 @@ impl<T: Terms + ?Sized> SceneInBlock<'_, T> {
         } else {
             self.add(PassKind::Full, summary);
         }
-        let block = ElementBlock {
-            number: 0,
-            own: 0..n,
-            t: summary.t,
-            x: self.x,
-            v: self.v,
-            scene_numbers: Default::default(),
-        };
+        let block = ElementBlock { number: 0, own: 0..n, t: summary.t, x: self.x, v: self.v, scene_numbers: &[] };
         summary.largest_stretch = self.terms.largest_stretch(&block, summary.stretch_wanted);
     }
 
     fn add(&mut self, kind: PassKind, summary: &mut StepSummary) {
         let n = self.mass.len();
-        let block = ElementBlock {
-            number: 0,
-            own: 0..n,
-            t: summary.t,
-            x: self.x,
-            v: self.v,
-            scene_numbers: Default::default(),
-        };
+        let block = ElementBlock { number: 0, own: 0..n, t: summary.t, x: self.x, v: self.v, scene_numbers: &[] };
         let sums = self.sums.each_mut().map(|sum| &mut **sum);
         let (kept, numbers) = (rows(self.kept, n), PassNumbers::InBlock);
         let mut sums = Sums { n, sums, present: self.present, kept, numbers };

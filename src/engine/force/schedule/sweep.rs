@@ -7,7 +7,7 @@
 
 use crate::force::NodeState;
 use crate::force::kernel::batch::{BlockForces, BufferReads};
-use crate::force::kernel::element_block::{ElementBlock, NodeVectors, PassNumbers, SceneValues};
+use crate::force::kernel::element_block::{ElementBlock, MOST_NUMBERS, NodeVectors, PassNumbers, SceneValues};
 use crate::force::kernel::local_buffer::{LocalBuffer, PaddedVec3, Records, add_rows, copy_rows, rows, store_rows};
 use crate::force::schedule::buffer_pool::{BufferPool, Pooled};
 use crate::force::schedule::partition::{BlockPlan, Halo, Partition};
@@ -109,11 +109,12 @@ impl Sweep {
             return PassNumbers::InBlock;
         }
         let [x, v] = [x, v].map(NodeVectors::Nodes);
-        found.clear();
-        found.extend(
-            (0..terms.count())
-                .map(|i| terms.term(i).forces.scene_numbers().map_or_else(Default::default, |n| n.find(t, x, v))),
-        );
+        found.resize(terms.count(), [0.0; MOST_NUMBERS]);
+        for (i, values) in found.iter_mut().enumerate() {
+            if let Some(numbers) = terms.term(i).forces.scene_numbers() {
+                numbers.find(t, x, v, values);
+            }
+        }
         PassNumbers::Found(found)
     }
 
@@ -243,7 +244,7 @@ impl<T: Terms + ?Sized> PassSpec<'_, T> {
             rows(sums[0], n).fill(PaddedVec3::default());
         }
         let own = if plan.opens_node_block { plan.own.clone() } else { 0..0 };
-        let block = ElementBlock { number, own, t: self.at.t, x, v, scene_numbers: Default::default() };
+        let block = ElementBlock { number, own, t: self.at.t, x, v, scene_numbers: &[] };
         let present = out.each_ref().map(|sum| !sum.is_empty());
         Sums { n, sums, present, kept, numbers: self.numbers }.add(self.terms, self.kind, &block, tallies);
         self.terms.largest_stretch(&block, self.stretch)

@@ -35,6 +35,8 @@ pub enum CanopyAir {
     Filling(Vec<FillingSpec>),
     /// the balance of the air inside; dCp is then 1
     Cavity(CavitySpec),
+    /// the balance of the air ring by ring; dCp is then 1, and V is the speed of the confluence
+    Rings(RingsSpec),
 }
 
 impl CanopyAir {
@@ -42,7 +44,7 @@ impl CanopyAir {
     pub fn stages(&self) -> &[FillingSpec] {
         match self {
             CanopyAir::Filling(stages) => stages,
-            CanopyAir::Coefficient | CanopyAir::Cavity(_) => &[],
+            CanopyAir::Coefficient | CanopyAir::Cavity(_) | CanopyAir::Rings(_) => &[],
         }
     }
 }
@@ -88,6 +90,26 @@ pub struct CavitySpec {
     pub outer_pressure_coefficient: f64,
     /// if given, how the cloth lets air through
     pub cloth: Option<ClothSpec>,
+}
+
+/// A canopy that fills by a balance of the air at each of its rings.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RingsSpec {
+    /// rows of cloth from the vent edge or the apex to the skirt: the nodes of each, all turning the same way; the
+    /// triangles of the canopy lie between neighbours
+    pub rows: Vec<Vec<u32>>,
+    /// [-] Cb, pressure on the outside over q, < 1
+    pub outer_pressure_coefficient: f64,
+    /// [-] kd and kv, >= 0: what cloth that moves outwards takes from the pressure, rho w (kd |V| + kv |w|)
+    pub damping: [f64; 2],
+    /// if given, how the cloth lets air through
+    pub cloth: Option<ClothSpec>,
+    /// [-] share of the cloth that is open as slots, 0 to 1
+    pub geometric_porosity: f64,
+    /// [-] discharge coefficient of slots and gaps, > 0
+    pub slot_discharge: f64,
+    /// [-] discharge coefficient of the vent, >= 0; at 0 it is closed
+    pub vent_discharge: f64,
 }
 
 /// The pressure difference over a cloth, linear w + quadratic w|w| with the speed w of the air through it. Neither is

@@ -7,12 +7,15 @@ use super::coefficients::checked_coefficients;
 use super::filling::{self, SkirtMotion};
 use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::rising;
+use super::rings;
 use super::select;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Aero, Canopy, Cavity, FillingSchedule, NodeSelection, OneOrSeveral, PressureCoefficient};
+use crate::case::schema::{
+    Aero, Canopy, Cavity, ClothLaw, FillingSchedule, NodeSelection, OneOrSeveral, PressureCoefficient,
+};
 use crate::mesh::canopy::{self, CanopyError, CanopyPart, CanopyParts, SkirtGroup};
-use crate::model::spec::{CanopyAir, CanopySpec, CavitySpec, ClothSpec, NetworkSpec, Series};
+use crate::model::spec::{CanopyAir, CanopySpec, CavitySpec, ClothSpec, NetworkSpec, RingsSpec, Series};
 
 /// [-] Area that a canopy shows along its axis, over its whole area, below which the air has no direction to fill it.
 const OPENING: f64 = 1e-3;
@@ -44,6 +47,10 @@ pub(super) fn canopy(
         }
         Pressure::Filling(stages) => CanopyAir::Filling(filling::stages(stages, || found.nominal_diameter())),
         Pressure::Cavity(spec) => CanopyAir::Cavity(spec),
+        Pressure::Rings(spec) => {
+            let rows = rings::rows_of(&at.key("filling"), geometry, &triangles, faults)?;
+            CanopyAir::Rings(RingsSpec { rows, ..spec })
+        }
     };
     (faults.count() == before).then_some(())?;
     let canopy::Canopy { skirt, apex, confluence, nominal_area, .. } = found;
@@ -57,12 +64,13 @@ enum Pressure<'a> {
     Coefficient(Vec<[f64; 2]>),
     Filling(&'a OneOrSeveral<FillingSchedule>),
     Cavity(CavitySpec),
+    Rings(RingsSpec),
 }
 
 /// The one way in which a canopy gives its pressure.
 fn pressure<'a>(at: &Pointer, canopy: &'a Canopy, faults: &mut Faults<'_>) -> Option<Pressure<'a>> {
     // Without `..`, so that a new key is a way too or is named here as none.
-    let Canopy { table, schedule, cavity, on: _, apparent_mass: _, confluence: _, skirt: _ } = canopy;
+    let Canopy { table, schedule, cavity, filling, on: _, apparent_mass: _, confluence: _, skirt: _ } = canopy;
     let table = table.as_ref().map(|table| match &table.pressure_coefficient {
         PressureCoefficient::Constant(c) => Some(vec![[0.0, *c]]),
         PressureCoefficient::Rows(rows) => coefficient_rows(&at.key("table").key("pressure_coefficient"), rows, faults),
@@ -71,10 +79,12 @@ fn pressure<'a>(at: &Pointer, canopy: &'a Canopy, faults: &mut Faults<'_>) -> Op
         filling::check(&at.key("schedule"), schedule, faults);
     }
     let cavity = cavity.map(|given| lower_cavity(&at.key("cavity"), given, faults));
+    let filling = filling.map(|given| rings::lower(&at.key("filling"), given, faults));
     let ways = [
         ("table", table.map(|rows| rows.map(Pressure::Coefficient))),
         ("schedule", schedule.as_ref().map(|stages| Some(Pressure::Filling(stages)))),
         ("cavity", cavity.map(|spec| spec.map(Pressure::Cavity))),
+        ("filling", filling.map(|spec| spec.map(Pressure::Rings))),
     ];
     let given: Vec<&str> = ways.iter().filter(|(_, way)| way.is_some()).map(|(key, _)| *key).collect();
     if given.len() != 1 {
@@ -90,13 +100,15 @@ fn pressure<'a>(at: &Pointer, canopy: &'a Canopy, faults: &mut Faults<'_>) -> Op
 
 fn lower_cavity(at: &Pointer, given: Cavity, faults: &mut Faults<'_>) -> Option<CavitySpec> {
     let Cavity { inflow, outer_pressure_coefficient, law } = given;
-    let cloth = law.map(|law| {
-        let found = checked_coefficients(&at.key("law"), &law.into(), faults)?;
-        Some(ClothSpec { linear: found.linear, quadratic: found.quadratic })
-    });
-    // A faulty law is not cloth without one.
-    let cloth = cloth.map_or(Some(None), |found| found.map(Some))?;
+    let cloth = cloth(&at.key("law"), law, faults)?;
     Some(CavitySpec { inflow, outer_pressure_coefficient, cloth })
+}
+
+/// How a cloth lets air through; `Some(None)` for one that does not.
+pub(super) fn cloth(at: &Pointer, law: Option<ClothLaw>, faults: &mut Faults<'_>) -> Option<Option<ClothSpec>> {
+    let Some(law) = law else { return Some(None) };
+    let found = checked_coefficients(at, &law.into(), faults)?;
+    Some(Some(ClothSpec { linear: found.linear, quadratic: found.quadratic }))
 }
 
 /// Selects the parts of a canopy with these triangles and checks them.
@@ -253,9 +265,11 @@ impl CanopyStart {
 
     fn check(&self, at: &Pointer, canopy: &Canopy, faults: &mut Faults<'_>) {
         let CanopyStart { axis, area: (sum, size), .. } = self;
+        // A tube at line stretch shows little.
+        let least = if canopy.filling.is_some() { 0.0 } else { OPENING };
         match axis {
             Err(error) => refuse(at, canopy, error, faults),
-            Ok(axis) if sum.dot(axis).abs() <= OPENING * size * axis.norm() => {
+            Ok(axis) if sum.dot(axis).abs() <= least * size * axis.norm() => {
                 let value = "the canopy shows no area along its axis";
                 let hint = "the air speed along the axis fills it: lead the axis from the apex through its opening";
                 let allowed = "a canopy that is open towards the confluence";

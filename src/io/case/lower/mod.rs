@@ -16,6 +16,7 @@ mod network;
 mod numbers;
 mod output;
 mod plausible;
+mod rings;
 mod select;
 mod springs;
 mod stiffness;

@@ -23,8 +23,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use aero::{
-    Aero, Canopy, Cavity, ClothLaw, Drag, ErgunForm, ErgunLaw, FillingSchedule, OneOrSeveral, PermeableLaw, PorousLaw,
-    PressureCoefficient, PressureCoefficientLaw, PressureTable,
+    Aero, Canopy, Cavity, ClothLaw, Drag, ErgunForm, ErgunLaw, Filling, FillingSchedule, OneOrSeveral, PermeableLaw,
+    PorousLaw, PressureCoefficient, PressureCoefficientLaw, PressureTable,
 };
 pub use loads::{Load, PressureKindKey};
 pub use method::Method;
