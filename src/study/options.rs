@@ -8,7 +8,7 @@ use super::error::StudyError;
 use super::prepared_case::choice;
 use super::step_grid::{decades, series};
 use crate::case::schema::{ClothModel, Method, Study};
-use crate::output::quantity::read_names;
+use crate::model::quantity::read_names;
 
 /// Times a run is repeated to measure its cost, if nobody says.
 const REPEAT: u32 = 3;

@@ -201,8 +201,8 @@ impl Verifier<'_> {
         }
     }
 
-    /// Makes runs with twice and four times the step beside a run; where twice the step is not stable or fails, one with
-    /// half of it.
+    /// Makes runs with twice and four times the step beside a run; where twice the step is not stable or fails, one
+    /// with half of it.
     ///
     /// # Errors
     /// An interrupt.
@@ -330,8 +330,8 @@ pub struct Within {
 /// How many times a step is halved, or a tolerance divided by ten, below that of the case at most.
 const FINEST: i32 = 6;
 
-/// The runs of a search, by how many times the step of the case was doubled. `None`: the run was not made, as its step is
-/// too long; a run that did not come to its end was.
+/// The runs of a search, by how many times the step of the case was doubled. `None`: the run was not made, as its step
+/// is too long; a run that did not come to its end was.
 type Ladder = BTreeMap<i32, Option<WholeRun>>;
 
 impl Verifier<'_> {

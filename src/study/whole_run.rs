@@ -36,7 +36,8 @@ pub struct WholeRunSpec<'a> {
     pub frames: bool,
     /// most work, as [`WholeRun::work`] counts it; the run is stopped beyond it
     pub most_work: u64,
-    /// whether so many steps and this work are enough; the run is stopped at the next state that it could be resumed from
+    /// whether so many steps and this work are enough; the run is stopped at the next state that it could be resumed
+    /// from
     pub enough: Option<&'a dyn Fn(f64, Counters) -> bool>,
     /// set when the user interrupts
     pub interrupt: &'a AtomicBool,

@@ -2,9 +2,9 @@
 //!
 //! Of three runs with steps h, 2 h and 4 h the differences d1 = |a_2h - a_h| and d2 = |a_4h - a_2h| show the order, if
 //! d2/d1 is about R = 2^p. Then a_h is off by about d1/(R - 1); a quarter is added, as in the grid convergence index
-//! (Roache 1994, J. Fluids Eng. 116, 405-413). Two runs show no order and have Roache's factor of 3. With adaptive steps
-//! the tolerances differ by ten, and R = 10^(p/(p + 1)), as the error of a method of order p goes with h^p and the
-//! tolerance with h^(p + 1).
+//! (Roache 1994, J. Fluids Eng. 116, 405-413). Two runs show no order and have Roache's factor of 3. With adaptive
+//! steps the tolerances differ by ten, and R = 10^(p/(p + 1)), as the error of a method of order p goes with h^p and
+//! the tolerance with h^(p + 1).
 
 use serde::{Deserialize, Serialize};
 

@@ -114,8 +114,9 @@ pub trait TangentSystem: System {
     fn force_scale(&self, forces: &Forces) -> f64;
 }
 
-/// The springs and membranes of a system whose tensions and stresses are unknowns of Newton's mixed iteration (`solve/mixed`), with the matrix of
-/// that iteration. Its pattern is that of [`TangentSystem::assemble`] or [`TangentSystem::assemble_symmetric`].
+/// The springs and membranes of a system whose tensions and stresses are unknowns of Newton's mixed iteration
+/// (`solve/mixed`), with the matrix of that iteration. Its pattern is that of [`TangentSystem::assemble`] or
+/// [`TangentSystem::assemble_symmetric`].
 pub trait MixedSystem {
     /// Number of springs.
     fn springs(&self) -> usize;
@@ -129,7 +130,8 @@ pub trait MixedSystem {
     /// Writes all membrane triangles in a state to `out` `[n_sheets]`.
     fn measure_sheets(&self, at: StateRef<'_>, cv: f64, out: &mut [SheetState]);
 
-    /// Writes W at a state, with springs of given tensions and stiffnesses and membranes of given stresses, into `assembler`'s values.
+    /// Writes W at a state, with springs of given tensions and stiffnesses and membranes of given stresses, into
+    /// `assembler`'s values.
     fn assemble_mixed(&self, at: StateRef<'_>, weights: Weights, form: MixedForm<'_>, assembler: &mut Assembler);
 }
 

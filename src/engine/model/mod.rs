@@ -13,6 +13,7 @@ pub mod motion;
 pub mod observables;
 pub mod point;
 pub mod quad;
+pub mod quantity;
 pub mod spec;
 pub mod spring_state;
 pub mod state;

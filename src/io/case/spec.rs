@@ -7,8 +7,8 @@ use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::model::gauge::{NodeGauge, SpringGauge};
 use crate::model::group_totals::{GroupTotals, group_totals};
+use crate::model::quantity::QuantityName;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
-use crate::output::quantity::QuantityName;
 use crate::vtk::VtuFormat;
 use crate::warning::{Warning, WarningCode};
 

@@ -3,7 +3,7 @@
 mod places;
 mod quantities;
 
-use super::quantity::{QuantityError, QuantityName};
+use super::quantity::UnknownQuantity;
 use super::schedule::RowSchedule;
 use super::statistics::SeriesSoFar;
 use crate::case::spec::{GaugeSpec, OutputSpec, ProbeSpec, RowEvery};
@@ -12,6 +12,7 @@ use crate::drive::observer::Energies;
 use crate::model::gauge::{CANOPY_QUANTITIES, Quantity, ReportLine, TENSION_MAX};
 use crate::model::observables::Observables;
 use crate::model::point::Point;
+use crate::model::quantity::QuantityName;
 use places::Places;
 pub use quantities::MeasuredQuantity;
 use quantities::Quantities;
@@ -139,7 +140,7 @@ impl Gauges {
     ///
     /// # Errors
     /// A quantity that is not there.
-    pub(super) fn new(picture: &dyn Observables, spec: &GaugesSpec<'_>) -> Result<Self, QuantityError> {
+    pub(super) fn new(picture: &dyn Observables, spec: &GaugesSpec<'_>) -> Result<Self, UnknownQuantity> {
         let canopies = picture.air().map_or(0, |air| air.canopies());
         let mut made = Gauges {
             gauges: Vec::new(),

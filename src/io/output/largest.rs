@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::gauges::{Gauges, GaugesSoFar, GaugesSpec, MeasuredQuantity, Peak};
-use super::quantity::QuantityError;
+use super::quantity::UnknownQuantity;
 use super::schedule::Schedule;
 use crate::case::spec::OutputSpec;
 use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, States, UpcomingStep, Wants};
@@ -45,7 +45,7 @@ impl<'a> LargestValues<'a> {
         output: &OutputSpec,
         end: f64,
         so_far: Option<&LargestSoFar>,
-    ) -> Result<Self, QuantityError> {
+    ) -> Result<Self, UnknownQuantity> {
         let mut gauges = Gauges::new(picture, &GaugesSpec::of(output, end))?;
         let LargestSoFar { speed, strain, gauges: kept } = so_far.cloned().unwrap_or_default();
         gauges.take_up(&kept);
@@ -63,7 +63,7 @@ impl<'a> LargestValues<'a> {
         output: &OutputSpec,
         end: f64,
         so_far: Option<&LargestSoFar>,
-    ) -> Result<Self, QuantityError> {
+    ) -> Result<Self, UnknownQuantity> {
         let all = LargestValues::new(picture, output, end, so_far)?;
         Ok(LargestValues { frames: Schedule::new(None, 0.0), frames_every: None, of_scene: false, ..all })
     }

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use super::files::FilesSpec;
 use super::frame::Fields;
 use super::gauges::{Gauges, GaugesSpec};
-use super::quantity::{QuantityError, QuantityName};
+use super::quantity::UnknownQuantity;
 use super::resume::ResumeError;
 use super::sanitize::file_stem;
 use crate::case::spec::{CrossingSearch, GaugeOf, GaugeSpec, ProbeSpec, Problem, RowEvery};
 use crate::drive::observer::ObserveError;
 use crate::model::observables::Observables;
+use crate::model::quantity::QuantityName;
 use crate::vtk::VtuFormat;
 
 /// Largest number of frames of a run; their numbers have six digits.
@@ -119,7 +120,7 @@ pub enum RecorderError {
     },
     /// A quantity is asked for that is not there.
     #[error(transparent)]
-    Quantity(#[from] QuantityError),
+    Quantity(#[from] UnknownQuantity),
     /// The files cannot be created.
     #[error(transparent)]
     Files(#[from] ObserveError),

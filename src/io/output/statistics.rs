@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::model::gauge::PeakRule;
+use crate::model::quantity::Statistic;
 
 /// [-] Share of a run at its end that the steady value is a mean of, and over which it must not change.
 const LAST_PART: f64 = 0.1;
@@ -57,7 +58,8 @@ fn late_from(end: f64) -> f64 {
 }
 
 impl SeriesSoFar {
-    /// Adds the value at `t` [s] of a run to `end` [s], by the trapezoidal rule. A value that is not finite is left out.
+    /// Adds the value at `t` [s] of a run to `end` [s], by the trapezoidal rule. A value that is not finite is left
+    /// out.
     pub fn note(&mut self, t: f64, value: f64, rule: PeakRule, end: f64) {
         if !value.is_finite() {
             return;
@@ -104,6 +106,19 @@ impl SeriesSoFar {
     pub fn late_mean(&self, end: f64) -> f64 {
         let begins = late_from(end).max(self.first);
         if self.t > begins { self.integrals[1] / (self.t - begins) } else { f64::NAN }
+    }
+
+    /// The statistic of a run to `end` [s]; `None` for [`Statistic::At`], which has to be caught on the way.
+    pub fn statistic(&self, which: Statistic, end: f64) -> Option<f64> {
+        Some(match which {
+            Statistic::Peak => self.peak,
+            Statistic::PeakTime => self.peak_time,
+            Statistic::Min => self.min,
+            Statistic::Last => self.last,
+            Statistic::Mean => self.mean(),
+            Statistic::Steady => self.late_mean(end),
+            Statistic::At(_) => return None,
+        })
     }
 
     /// Whether it changed by less than 1 % over the last tenth of a run to `end` [s].

@@ -103,8 +103,8 @@ pub struct SolveArgs {
     /// output.checkpoint of the case says. With fixed steps, --end may be later than before
     #[arg(long, conflicts_with = "force")]
     pub resume: bool,
-    /// Say what the numbers are worth: make runs with twice and four times the step (tolerance times ten) beside it, and
-    /// print each number with its error
+    /// Say what the numbers are worth: make runs with twice and four times the step (tolerance times ten) beside it,
+    /// and print each number with its error
     #[arg(long, conflicts_with_all = ["resume", "keep_going"])]
     pub verify: bool,
     /// Find the longest step (the widest tolerance) with which the numbers of the report, or those of --quantity, are

@@ -102,8 +102,8 @@ impl SweepRunner<'_> {
 }
 
 impl SweepResult {
-    /// Values are those of runs that reached their end: the others have only their cost. `asked` says whether quantities
-    /// are asked for.
+    /// Values are those of runs that reached their end: the others have only their cost. `asked` says whether
+    /// quantities are asked for.
     fn of(measured: Measured, asked: bool) -> Self {
         let Measured { run, max_speed, max_strain, displacement_end, peaks, quantities, mass_scaling, .. } = measured;
         let RunResult { status, note, energy_error, repeats, steps, rejected_steps, t_end, counters, .. } = run;

@@ -210,8 +210,8 @@ fn membrane_sheet(cells: usize, modulus: f64, wrinkling: bool) -> Value {
     case
 }
 
-/// [N/m] The matrix with stresses S is the derivative of the forces A B^T (S + D dE) by positions, for any S: by central
-/// differences of the strains' derivatives B.
+/// [N/m] The matrix with stresses S is the derivative of the forces A B^T (S + D dE) by positions, for any S: by
+/// central differences of the strains' derivatives B.
 #[test]
 fn the_matrix_with_stresses_agrees_with_differences() {
     let mut problem = case_of(&membrane_sheet(3, 1e7, false), &[]).problem().clone();

@@ -9,7 +9,7 @@ use crate::drive::at_rest::RestSpec;
 use crate::drive::clock::Step;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice, MethodError, methods};
-use crate::output::quantity::QuantityName;
+use crate::model::quantity::QuantityName;
 use crate::solve::newton::NewtonSpec;
 use crate::warning::WarningCode;
 

@@ -67,10 +67,11 @@ pub struct Study {
     /// Models of the cloth to compare in a tradeoff study, at least one; not given: the cloth as the case has it.
     #[schemars(length(min = 1))]
     pub models: Option<Vec<ClothModel>>,
-    /// Numbers whose accuracy is asked for, at least one: `GAUGE.COLUMN.STATISTIC` with `peak`, `peak_time`, `min`, `last`,
-    /// `mean` or `steady` (mean of the last tenth), as `riser.tension.peak`; `GAUGE.COLUMN@TIME`; `opening_load`,
-    /// `displacement_end`, `max_displacement`, `max_speed`, `max_strain`, `max_stress`; columns of `energy`; `motion`, that of
-    /// all nodes. Not given: the numbers that `solve` prints of gauges and canopies, else `motion`.
+    /// Numbers whose accuracy is asked for, at least one: `GAUGE.COLUMN.STATISTIC` with `peak`, `peak_time`, `min`,
+    /// `last`, `mean` or `steady` (mean of the last tenth), as `riser.tension.peak`; `GAUGE.COLUMN@TIME`;
+    /// `opening_load`, `displacement_end`, `max_displacement`, `max_speed`, `max_strain`, `max_stress`; columns of
+    /// `energy`; `motion`, that of all nodes. Not given: the numbers that `solve` prints of gauges and canopies, else
+    /// `motion`.
     #[schemars(length(min = 1))]
     pub quantities: Option<Vec<String>>,
     /// [-] Number of times each run is made to measure its cost; the cost is their median.

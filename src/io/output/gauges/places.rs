@@ -6,7 +6,7 @@ use crate::model::abilities::SpringPlace;
 use crate::model::gauge::{CROSSINGS, NodeColumns, NodeGauge, Quantity, SpringColumns, SpringGauge};
 use crate::model::observables::{MembranePicture, Observables};
 use crate::model::point::Point;
-use crate::output::quantity::OfScene;
+use crate::model::quantity::OfScene;
 
 /// Where a gauge measures, as the scene knows it.
 #[derive(Debug)]

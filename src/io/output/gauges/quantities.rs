@@ -4,9 +4,9 @@ use super::places::{PROBE, Places};
 use super::{Channel, Gauges, GaugesSpec};
 use crate::drive::observer::Energies;
 use crate::model::gauge::{DRAG, PeakRule, Quantity as Column};
+use crate::model::quantity::{Named, QuantityName, Statistic};
 use crate::output::quantity::{
-    ENERGIES, ENERGY, Named, QuantityError, QuantityName, QuantityReport, QuantityReports, Statistic, column_of,
-    energies, reported,
+    ENERGIES, ENERGY, QuantityReport, QuantityReports, UnknownQuantity, column_of, energies, reported,
 };
 use crate::output::schedule::RowSchedule;
 use crate::output::statistics::SeriesSoFar;
@@ -87,7 +87,7 @@ pub(super) struct Quantities {
 
 impl Quantities {
     /// Those that are asked for, and those of the report. Adds gauges for what no gauge measures yet.
-    pub(super) fn find(gauges: &mut Gauges, spec: &GaugesSpec<'_>, canopies: usize) -> Result<Self, QuantityError> {
+    pub(super) fn find(gauges: &mut Gauges, spec: &GaugesSpec<'_>, canopies: usize) -> Result<Self, UnknownQuantity> {
         let mut found = Vec::new();
         for name in spec.quantities {
             found.push(find(gauges, spec, name)?);
@@ -151,7 +151,7 @@ impl Quantities {
     pub(super) fn measured(&self, channels: &[SeriesSoFar], end: f64) -> Vec<MeasuredQuantity> {
         let of_series = |found: &Found, caught: Option<f64>, series: &[SeriesSoFar], number: usize| {
             let series = series.get(number)?;
-            found.statistic.of(series, end).or(caught)
+            series.statistic(found.statistic, end).or(caught)
         };
         let value = |(found, caught): (&Found, &Option<f64>)| match &found.source {
             Source::Motion => None,
@@ -192,7 +192,7 @@ impl Quantities {
 }
 
 /// What a name means in this run.
-fn find(gauges: &mut Gauges, spec: &GaugesSpec<'_>, name: &QuantityName) -> Result<Found, QuantityError> {
+fn find(gauges: &mut Gauges, spec: &GaugesSpec<'_>, name: &QuantityName) -> Result<Found, UnknownQuantity> {
     let made = |unit, source, statistic| Found { name: name.clone(), unit, source, statistic, wanted: true };
     let rows = RowSchedule::of(spec.history);
     match &name.names {
@@ -248,7 +248,7 @@ fn channel(channels: &[Channel], gauge: &str, column: &str) -> Option<usize> {
     Some(first + column_of(&columns, column)?)
 }
 
-fn unknown(gauges: &Gauges, spec: &GaugesSpec<'_>, name: &QuantityName, missing: String) -> QuantityError {
+fn unknown(gauges: &Gauges, spec: &GaugesSpec<'_>, name: &QuantityName, missing: String) -> UnknownQuantity {
     let mut known: Vec<String> = Vec::new();
     let mut last: Option<&str> = None;
     for channel in gauges.channels() {
@@ -260,9 +260,5 @@ fn unknown(gauges: &Gauges, spec: &GaugesSpec<'_>, name: &QuantityName, missing:
     }
     known.extend(spec.probes.iter().map(|probe| format!("{} (probe): x, y, z, vx, vy, vz", probe.name)));
     known.push(format!("{ENERGY}: {}", ENERGIES.join(", ")));
-    QuantityError::Unknown {
-        name: name.text.clone(),
-        missing,
-        known: format!("gauges and columns: {}", known.join("; ")),
-    }
+    UnknownQuantity { name: name.text.clone(), missing, known: format!("gauges and columns: {}", known.join("; ")) }
 }
