@@ -136,6 +136,7 @@ fn the_lean_case_is_within_the_accuracy() {
     // Finer meshes show the error of the mesh, and what cannot be run says why.
     let finer = change(&told, "mesh: 4 -> 8 radial_segments");
     assert_eq!((&finer["finer"], &finer["status"]), (&json!(true), &json!("completed")));
+    assert!(ended.stdout.contains("the full model itself is not within 15 % by its mesh, "), "{}", ended.stdout);
     assert!(told["errors"]["mesh"].as_array().is_some_and(|errors| !errors.is_empty()));
     let weightless = change(&told, "weight of lines: off");
     assert_eq!(weightless["status"], "refused");
