@@ -22,6 +22,8 @@ use crate::verify::Accuracy;
 
 /// [-] Share of the processor time that a change saves at least: clocks are not better than that.
 const NOISE: f64 = 0.05;
+/// [-] Share of a value below which a difference is nothing.
+const NOTHING: f64 = 1e-8;
 /// [-] How many times the initial speed and the mass of the payload, where the leanest case is looked at again.
 const ELSEWHERE: f64 = 1.2;
 
@@ -210,8 +212,11 @@ fn named(what: &str, runs: &[usize]) -> String {
     format!("{what}-{}", runs.join("-"))
 }
 
-/// A share in per cent, with its sign.
+/// A share in per cent, with its sign; what solvers leave over is nothing.
 pub(super) fn percent(share: f64) -> String {
+    if share.abs() < NOTHING {
+        return "0 %".to_owned();
+    }
     format!("{}{} %", if share > 0.0 { "+" } else { "" }, figures(100.0 * share, 2))
 }
 

@@ -91,7 +91,7 @@ impl Comparison {
             Ok(Difference { name: number.name.clone(), value, difference, share, within })
         };
         let differences = full.numbers.iter().map(difference).collect::<Result<Vec<_>, StudyError>>()?;
-        let judged = result.completed() && full.completed();
+        let judged = result.completed() && full.completed() && !differences.is_empty();
         Ok(Comparison {
             id: job.id.clone(),
             described: job.described(),

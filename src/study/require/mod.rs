@@ -12,6 +12,7 @@ pub mod change;
 mod combine;
 mod compare;
 mod figure;
+mod lines;
 mod plan;
 mod report;
 mod run;

@@ -7,9 +7,10 @@ use minijinja::{Value, context};
 use serde::Serialize;
 
 use super::change::Words;
-use super::combine::{Lean, distances, percent, time};
+use super::combine::{Lean, distances, time};
 use super::compare::{Comparison, Errors, Number, Shown};
 use super::figure::{figure, told as told_of_mark};
+use super::lines::{ErrorLine, Line, Printed};
 use super::plan::RequirePlan;
 use super::run::{RequireResult, RequireRow};
 use crate::case::Case;
@@ -19,13 +20,10 @@ use crate::plan::PROGRAM;
 use crate::report::{Machine, Rerun};
 use crate::store::{Store, remove, write_files};
 use crate::template::{reasons, render};
-use crate::verify::Accuracy;
+use crate::verify::{Accuracy, measure_of};
 
 /// All files a report has, beside the leanest case.
 pub const FILES: [&str; 3] = ["require.csv", "require.json", "require.html"];
-
-/// Most quantities that have a column each in a terminal.
-const COLUMNS: usize = 3;
 
 /// A study and how it is shown.
 pub struct RequireReport<'a> {
@@ -41,92 +39,6 @@ pub struct RequireReport<'a> {
     pub accuracy: &'a Accuracy,
     /// how it was made
     pub how: &'a Rerun,
-}
-
-/// The tables in a terminal: a column a quantity, or, where there are many, the largest difference only.
-#[derive(Clone, Debug, Default, Serialize)]
-struct Printed {
-    /// names of the columns of differences
-    names: Vec<String>,
-    /// widths of all columns
-    widths: Vec<usize>,
-    /// rows of changes within the accuracy, and of others
-    parts: [Vec<Line>; 2],
-    /// the errors side by side
-    errors: Vec<ErrorLine>,
-}
-
-impl Printed {
-    fn of(names: &[&str], parts: &[&[Line]; 2], errors: &[ErrorLine]) -> Self {
-        let few = names.len() <= COLUMNS;
-        let short = |shares: &[Share]| -> Vec<String> {
-            let largest = shares.iter().zip(names).max_by(|a, b| a.0.size.total_cmp(&b.0.size));
-            match largest.filter(|_| !few) {
-                Some((share, name)) if share.size >= 0.0 => vec![share.words.clone(), (*name).to_owned()],
-                Some((share, _)) => vec![share.words.clone(), String::new()],
-                None => shares.iter().map(|share| share.words.clone()).collect(),
-            }
-        };
-        let names: Vec<String> = match few {
-            true => names.iter().map(|name| (*name).to_owned()).collect(),
-            false => ["largest", "in"].map(str::to_owned).to_vec(),
-        };
-        let parts = parts.map(|lines| {
-            let line = |line: &Line| Line { printed: short(&line.shares), ..line.clone() };
-            lines.iter().map(line).collect::<Vec<_>>()
-        });
-        let error = |line: &ErrorLine| ErrorLine { printed: short(&line.shares), ..line.clone() };
-        let errors: Vec<ErrorLine> = errors.iter().map(error).collect();
-        let lines = parts.iter().flatten().map(|line| (line.described.as_str(), &line.printed));
-        let rows: Vec<(&str, &Vec<String>)> =
-            lines.chain(errors.iter().map(|line| (line.of, &line.printed))).chain([("", &names)]).collect();
-        let width = |of: &dyn Fn(&(&str, &Vec<String>)) -> usize| rows.iter().map(of).max().unwrap_or(0);
-        let first = width(&|(described, _)| described.chars().count());
-        let column = |i: usize| width(&|(_, cells)| cells.get(i).map_or(0, |cell| cell.chars().count()));
-        let widths = [first].into_iter().chain((0..names.len()).map(column)).collect();
-        Printed { names, widths, parts, errors }
-    }
-}
-
-/// A difference in words.
-#[derive(Clone, Debug, Default, Serialize)]
-struct Share {
-    /// in words
-    words: String,
-    /// [-] its size; below 0 for none
-    size: f64,
-}
-
-impl Share {
-    fn of(share: Option<f64>, words: impl Fn(f64) -> String, none: &str) -> Self {
-        Share { words: share.map_or_else(|| none.to_owned(), words), size: share.map_or(-1.0, f64::abs) }
-    }
-}
-
-/// A row of a printed table.
-#[derive(Clone, Debug, Default, Serialize)]
-struct Line {
-    /// what is changed
-    described: String,
-    /// the difference of each quantity
-    shares: Vec<Share>,
-    /// what is saved
-    time: String,
-    /// the differences in a terminal
-    printed: Vec<String>,
-}
-
-/// An error beside the others.
-#[derive(Clone, Debug, Default, Serialize)]
-struct ErrorLine {
-    /// of what
-    of: &'static str,
-    /// in each quantity
-    shares: Vec<Share>,
-    /// what shows it
-    by: String,
-    /// the errors in a terminal
-    printed: Vec<String>,
 }
 
 impl RequireReport<'_> {
@@ -169,6 +81,7 @@ impl RequireReport<'_> {
         let names: Vec<&str> = full.numbers.iter().map(|number| number.name.as_str()).collect();
         let values: Vec<String> = full.numbers.iter().map(value_of).collect();
         let error_lines = ErrorLine::all(errors, &names);
+        let doubts = self.doubts(full, errors)?;
         let brief: Vec<[&str; 3]> = without
             .iter()
             .map(|one| {
@@ -199,9 +112,28 @@ impl RequireReport<'_> {
         });
         let completed = full.completed();
         Ok(
-            context! { version => PROGRAM, plan, accuracy => accuracy.to_string(), full, completed, values, names, printed,
+            context! { version => PROGRAM, plan, accuracy => accuracy.to_string(), full, completed, values, names, printed, doubts,
             harmless, harmful, brief, notes, errors => error_lines, lean, figure, told, command, machine, case_json },
         )
+    }
+
+    /// Where the full model itself is not within the accuracy.
+    fn doubts(&self, full: &RequireResult, errors: &Errors) -> Result<Vec<String>, StudyError> {
+        let mut all = Vec::new();
+        for (of, shown) in [("step", &errors.step), ("mesh", &errors.mesh)] {
+            let mut beyond = Vec::new();
+            for Shown { name, share, .. } in shown {
+                let Some(number) = full.number(name) else { continue };
+                let scale = number.value.map_or(1.0, |value| measure_of(value, number.largest));
+                if share.abs() * scale > self.accuracy.allowed(name, &number.unit, scale)? {
+                    beyond.push(format!("{name} ± {} %", figures(100.0 * share.abs(), 2)));
+                }
+            }
+            if !beyond.is_empty() {
+                all.push(format!("by its {of}, {}", beyond.join(", ")));
+            }
+        }
+        Ok(all)
     }
 
     /// `require.csv`: the full model, its variants, and the leanest case.
@@ -259,44 +191,6 @@ impl RequireReport<'_> {
         let json = Json { version: PROGRAM, command, within, plan, rows, changes: all, errors, lean, machine };
         let text = serde_json::to_string_pretty(&json);
         Ok(text.map_err(|e| StudyError::Page(format!("require.json: {e}")))? + "\n")
-    }
-}
-
-impl Line {
-    fn of(one: &Comparison) -> Self {
-        Line {
-            described: one.described.clone(),
-            shares: one.differences.iter().map(|of| Share::of(of.share, percent, "no value")).collect(),
-            time: time(one),
-            printed: Vec::new(),
-        }
-    }
-}
-
-impl ErrorLine {
-    /// The errors of step, mesh and model.
-    fn all(errors: &Errors, names: &[&str]) -> Vec<ErrorLine> {
-        let Errors { step, mesh, harmless, harmful } = errors;
-        let plus_minus = |share: f64| format!("± {} %", figures(100.0 * share.abs(), 2));
-        let parts: [(&'static str, &[Shown], &dyn Fn(f64) -> String); 4] = [
-            ("step", step, &plus_minus),
-            ("mesh", mesh, &plus_minus),
-            ("model, may be left out", harmless, &percent),
-            ("model, may not", harmful, &percent),
-        ];
-        let line = |(of, shown, words): (&'static str, &[Shown], &dyn Fn(f64) -> String)| {
-            let share = |name: &&str| shown.iter().find(|one| one.name == **name).map(|one| one.share);
-            let mut by: Vec<&str> = shown.iter().map(|one| one.by.as_str()).collect();
-            by.sort_unstable();
-            by.dedup();
-            ErrorLine {
-                of,
-                shares: names.iter().map(|name| Share::of(share(name), words, "-")).collect(),
-                by: if by.is_empty() { "no run shows it".to_owned() } else { by.join("; ") },
-                printed: Vec::new(),
-            }
-        };
-        parts.into_iter().map(line).collect()
     }
 }
 

@@ -44,7 +44,7 @@ pub struct RequireResult {
     /// counted work
     #[serde(flatten)]
     pub counters: Counters,
-    /// the quantities, where it reached its end
+    /// the quantities that have a value, where it reached its end
     pub numbers: Vec<Number>,
 }
 
@@ -175,7 +175,7 @@ impl RequireResult {
             rejected_steps,
             t_end,
             counters,
-            numbers: wanted.map(Number::from).collect(),
+            numbers: wanted.map(Number::from).filter(|number| number.value.is_some()).collect(),
         }
     }
 
@@ -200,7 +200,7 @@ fn again(
     problem: &Problem,
     mut result: RequireResult,
 ) -> Result<RequireResult, StudyError> {
-    let Some(mut least) = result.cpu_seconds else { return Ok(result) };
+    let Some(mut least) = result.cpu_seconds.filter(|_| result.completed()) else { return Ok(result) };
     for _ in 1..(SHORT / least.max(SHORT / MOST)).floor() as usize {
         let SavedEnd::Done(measured) = run.make(problem.clone())? else { break };
         least = measured.run.repeats.first().map_or(least, |seconds| seconds.min(least));

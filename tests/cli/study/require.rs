@@ -1,5 +1,12 @@
 //! `canopy-fem require`: what each part of a model does to the quantities of interest, and the leanest case.
 
+use std::path::Path;
+
+use canopy_fem::case::schema::ClothModel;
+use canopy_fem::case::spec::SystemSpec;
+use canopy_fem::case::{Case, Problem};
+use canopy_fem::study::require::change::{Change, edited};
+use canopy_fem::study::require::variants::Variants;
 use serde_json::{Value, json};
 
 use crate::bench::{Bench, Ended, Results, Table};
@@ -101,7 +108,7 @@ fn the_difference_is_that_of_the_closed_form() {
 #[test]
 fn the_lean_case_is_within_the_accuracy() {
     let bench = written(&canopy());
-    let (ended, _, told) = require(&bench, "out", &["--within", "2%", "--budget", "none"]);
+    let (ended, _, told) = require(&bench, "out", &["--within", "15%", "--budget", "none"]);
     let lean = &told["lean"];
     assert!(lean["changes"].as_array().is_some_and(|changes| !changes.is_empty()), "{lean:#}");
     assert_eq!(lean["distance"]["harmless"], json!(true));
@@ -122,18 +129,19 @@ fn the_lean_case_is_within_the_accuracy() {
         let name = number["name"].as_str().expect("a name");
         let [full, own] = [&full, &own].map(|of| of[name]["value"].as_f64().expect("a value"));
         let scale = full.abs().max(0.01 * number["largest"].as_f64().expect("a number"));
-        assert!((own - full).abs() <= 0.02 * scale, "{name}: {own}, not {full}");
+        assert!((own - full).abs() <= 0.15 * scale, "{name}: {own}, not {full}");
         let wanted = number["value"].as_f64();
         assert_eq!(Some(full), wanted, "{name}: the full model is the run of solve");
     }
     // Finer meshes show the error of the mesh, and what cannot be run says why.
     let finer = change(&told, "mesh: 4 -> 8 radial_segments");
     assert_eq!((&finer["finer"], &finer["status"]), (&json!(true), &json!("completed")));
+    assert!(ended.stdout.contains("the full model itself is not within 15 % by its mesh, "), "{}", ended.stdout);
     assert!(told["errors"]["mesh"].as_array().is_some_and(|errors| !errors.is_empty()));
     let weightless = change(&told, "weight of lines: off");
     assert_eq!(weightless["status"], "refused");
     assert!(ended.stdout.contains("weight of lines: off: refused: "), "{}", ended.stdout);
-    for described in ["lines: 2 -> 1 segments", "cloth: net -> membrane", "stiffness of riser: 10 times"] {
+    for described in ["lines: 2 -> 1 segments", "drag of lines: off", "stiffness of riser: 10 times"] {
         assert_eq!(change(&told, described)["status"], "completed", "{described}");
     }
     let page = Results(bench.path("out")).text("require.html");
@@ -219,6 +227,35 @@ fn numbers_of_nodes_follow_the_mesh() {
     let set = r#"system.network.springs.0={"on":"all","stiffness":1e4,"linear_density":0.5}"#;
     let (ended, _, _) = require(&bench, "stiff", &["--set", set]);
     assert!(ended.stdout.contains("/stiffness is that of an edge of this mesh"), "{}", ended.stdout);
+}
+
+/// The cloth of the other model is what `tradeoff` compares with: the same springs on the same edges, the same
+/// membranes.
+#[test]
+fn the_other_model_of_the_cloth_is_that_of_a_tradeoff() {
+    let network = |problem: &Problem| match &problem.system {
+        SystemSpec::Network(spec) => (spec.springs.clone(), spec.membranes.clone()),
+        SystemSpec::Pendulum(_) => unreachable!("a network"),
+    };
+    let cases = [
+        ("docs/guide/cases/drum.json", ClothModel::Net),
+        ("assets/cases/parachute/c9-drop.json", ClothModel::Membrane),
+    ];
+    for (file, model) in cases {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+        let case = Case::from_file(&path, &[]).expect("a case");
+        let found = Variants::of(&case).all.into_iter().find(|variant| variant.change == Change::Cloth(model));
+        let changed = edited(&case.problem().case_json, &[found.expect("another model")]);
+        let changed = Case::from_text(changed.to_string(), file, path.parent().expect("a folder").to_owned(), &[]);
+        let changed = network(changed.expect("a case").problem());
+        let expected = network(&case.as_model(model).expect("another model"));
+        assert_eq!(changed.1, expected.1, "{file}");
+        assert_eq!(changed.0.len(), expected.0.len(), "{file}");
+        for (own, expected) in changed.0.iter().zip(&expected.0) {
+            assert_eq!((&own.edges, &own.stiffness), (&expected.edges, &expected.stiffness), "{file}");
+            assert_eq!((&own.slack, &own.dashpot), (&expected.slack, &expected.dashpot), "{file}");
+        }
+    }
 }
 
 /// The leanest case finds the files of the full one from its own folder.
