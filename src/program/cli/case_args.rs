@@ -154,12 +154,12 @@ fn both(relative: &str) -> String {
 impl CaseArgs {
     /// Those of the case, then the quantities that are asked for.
     pub(super) fn with_quantities(&self, names: &[String]) -> Vec<(String, String)> {
-        self.overrides().into_iter().chain(as_override(names)).collect()
+        self.overrides().into_iter().chain(asked_for(names)).collect()
     }
 }
 
 /// Quantities as a change of the case; none leave it as it is.
-pub(super) fn as_override(quantities: &[String]) -> Option<(String, String)> {
+pub(super) fn asked_for(quantities: &[String]) -> Option<(String, String)> {
     let named = || ("study.quantities".to_owned(), serde_json::json!(quantities).to_string());
     (!quantities.is_empty()).then(named)
 }

@@ -31,10 +31,6 @@ pub struct RequireArgs {
     /// plan, else 1%]
     #[arg(long, value_name = "ACCURACY")]
     pub within: Option<String>,
-    /// A number that is asked for, as study.quantities of the case has it: riser.tension.peak, tip.z@0.5, opening_load
-    /// …; may be given several times [default: those of the report, else displacement_end and max_displacement]
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["shard", "merge"])]
-    pub quantity: Vec<String>,
     /// Runs at the same time, each on one thread; results are the same for every number [default: number of cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
@@ -91,11 +87,8 @@ impl Command<'_> {
         self.args.study.warn(case);
         let within = self.args.within.clone().unwrap_or_else(|| WITHIN.to_owned());
         accuracy(&within)?;
-        let named = serde_json::json!(self.args.quantity).to_string();
-        let quantities = [("study.quantities".to_owned(), named)];
-        let case = if self.args.quantity.is_empty() { case.clone() } else { case.with(&quantities)? };
         let command = Rerun::here(typed()).command;
-        Ok(RequirePlanner { case: &case, case_file: path, within, command, stop: self.stop }.make()?)
+        Ok(RequirePlanner { case, case_file: path, within, command, stop: self.stop }.make()?)
     }
 
     /// The plan of the folder, which must be the one asked for; or that one, in a folder without a plan.

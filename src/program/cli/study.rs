@@ -1,7 +1,7 @@
 //! What the studies that can be divided among machines, `tradeoff`, `sweep` and `require`, have in common on the
 //! command line.
 
-use super::case_args::{Changes, Print, as_override, duration};
+use super::case_args::{Changes, Print, asked_for, duration};
 use super::{CliError, complain};
 use crate::case::Case;
 use crate::output::sanitize::file_stem;
@@ -86,7 +86,7 @@ impl StudyArgs {
     /// The case, if one is given, and the folder of the study.
     pub(super) fn case_and_folder(&self) -> Result<(Option<CaseFile<'_>>, PathBuf), CliError> {
         let end = self.end.clone().map(|end| ("time.end".to_owned(), end));
-        let quantities = as_override(&self.quantity);
+        let quantities = asked_for(&self.quantity);
         let overrides: Vec<(String, String)> = self.changes.set.iter().cloned().chain(end).chain(quantities).collect();
         let read = |path| Ok::<_, CliError>((path, Case::from_file(path, &overrides)?));
         let case = self.case.as_deref().map(read).transpose()?;
