@@ -40,6 +40,7 @@ fn spec(dir: &Path) -> RecorderSpec {
             ProbeSpec { name: "a, b".to_owned(), nodes: vec![1, 0] },
         ],
         gauges: Vec::new(),
+        quantities: Vec::new(),
         history_every: RowEvery::Steps(1),
         format: VtuFormat::default(),
     }
