@@ -46,6 +46,8 @@ const HALVED: u32 = 5;
 const CHEAPER: f64 = 0.8;
 /// How often the case's own step is halved, on paper, to reach the accuracy.
 const FINER: i32 = 10;
+/// Most units of work a step, as [`WholeRun::work`] counts it, where a method has made none.
+const UNITS: f64 = 6.0;
 /// Prospects that are told.
 const TOLD: usize = 3;
 
@@ -257,7 +259,8 @@ impl Prospector<'_, '_> {
             method: &candidate.method,
             step,
             frames: true,
-            most_work: u64::MAX,
+            // A run in blocks of steps may come to no state that it could be resumed from.
+            most_work: (UNITS * most / self.costs.untried(&candidate.method, 1.0)).ceil().max(1.0) as u64,
             enough: Some(&|steps, counters| self.costs.cost(steps, counters.into()) > most),
             interrupt: &AtomicBool::new(false),
         };
