@@ -1,4 +1,5 @@
-//! What the studies that can be divided among machines, `tradeoff`, `sweep` and `require`, have in common on the command line.
+//! What the studies that can be divided among machines, `tradeoff`, `sweep` and `require`, have in common on the
+//! command line.
 
 use super::case_args::{Changes, Print, duration};
 use super::{CliError, complain};
@@ -18,7 +19,8 @@ pub struct StudyArgs {
     #[arg(required_unless_present_any = ["shard", "merge"])]
     pub case: Option<PathBuf>,
     /// Time limit: 60s, 5min, 2h or none. Runs that are left out are marked; the same command makes them when it is
-    /// given again [default: none; for tradeoff and require 2min, but none with --plan, --shard and for require --merge]
+    /// given again [default: none; for tradeoff and require 2min, but none with --plan, --shard and, for require,
+    /// --merge]
     #[arg(long, value_name = "TIME", value_parser = budget)]
     pub budget: Option<Budget>,
     /// Make the list of runs only, for `tradeoff` with the references
