@@ -32,7 +32,8 @@ pub struct RequireArgs {
     #[arg(long, value_name = "ACCURACY")]
     pub within: Option<String>,
     /// A number that is asked for, as study.quantities of the case has it: riser.tension.peak, tip.z@0.5,
-    /// opening_load …; may be given several times [default: those of the report, else displacement_end and max_displacement]
+    /// opening_load …; may be given several times [default: those of the report, else displacement_end and
+    /// max_displacement]
     #[arg(long, value_name = "NAME", conflicts_with_all = ["shard", "merge"])]
     pub quantity: Vec<String>,
     /// Runs at the same time, each on one thread; results are the same for every number [default: number of cores]
