@@ -91,8 +91,8 @@ pub enum Command {
     /// of the model left out. Then it combines those that stay within the accuracy, measures each combination, and
     /// writes the leanest as a case of its own, NAME-lean.json. Also writes require.csv, .json and .html. A row of
     /// require.csv is a run: `change`, `from`, `to`, `cpu_seconds` [s], each quantity and, as `error_` with its
-    /// name, what it differs by from the full model, `saved` (share of the time), `within`, `status`, `note`. With --shard, the combinations are
-    /// made by --merge.
+    /// name, what it differs by from the full model, `saved` (share of the time), `within`, `status`, `note`. With
+    /// --shard, the combinations are made by --merge.
     #[command(after_help = EXIT_STATUS)]
     Require(RequireArgs),
     /// Measure the largest stable step of every method on this scene, and compare it with the predicted one
