@@ -188,7 +188,7 @@ impl Combiner<'_> {
         })
     }
 
-    /// Full and lean model from another state.
+    /// Full and lean model from another state; `None` where the case has none, or the budget was spent before it.
     fn elsewhere(&self, runs: &[usize], best: &RequireRow) -> Result<Option<Elsewhere>, StudyError> {
         let state = Variants::elsewhere(&self.plan().case, ELSEWHERE);
         if state.is_empty() {
@@ -199,6 +199,9 @@ impl Combiner<'_> {
         let variants = best.job.variants.iter().chain(&state).cloned().collect();
         let lean = self.plan().job(self.base, named("elsewhere", runs), variants)?;
         let lean = self.runner.row(self.base, lean)?;
+        if [&full, &lean].iter().any(|row| row.result.status == RowStatus::NotRun) {
+            return Ok(None);
+        }
         Ok(Some(Elsewhere {
             described: full.job.described(),
             full_seconds: full.result.cpu_seconds,

@@ -1,8 +1,8 @@
 //! What a scene requires: what each part of a model does to the quantities of interest, and what it costs.
 //!
 //! ```text
-//! case --variants--> changes --plan--> list of runs --run--> one file a run --compare--> differences from the full model
-//!                                                    --combine--> the leanest case within the accuracy --report--> csv json html
+//! case --variants--> changes --plan--> list of runs --run--> one file a run --compare--> differences
+//!   --combine--> the leanest case within the accuracy --report--> csv json html
 //! ```
 //! The case is taken as the user wrote it. A variant is simpler or finer by one thing ([`change`], [`variants`]). The
 //! files, shards and merges are those of other studies ([`super::store`]). Combinations depend on what the variants

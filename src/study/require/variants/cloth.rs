@@ -68,12 +68,12 @@ impl Search<'_> {
         let damping: Vec<String> = damping.map(|(at, _)| format!("{at}/damping_time")).collect();
         let dashpots = with("dashpot", &|_| true).into_iter().chain(damping).collect();
         let parts: [(&str, Vec<String>); 6] = [
-            ("slack of cloth", with("slack", &is_cloth)),
-            ("slack of lines and tapes", with("slack", &|rule| !is_cloth(rule))),
-            ("dashpots", dashpots),
             ("weight of lines", with("linear_density", &is_line)),
             ("weight of tapes", with("linear_density", &|rule| !is_line(rule))),
             ("Rayleigh damping", self.get("damping").map(|_| format!("{NETWORK}/damping")).into_iter().collect()),
+            ("dashpots", dashpots),
+            ("slack of cloth", with("slack", &is_cloth)),
+            ("slack of lines and tapes", with("slack", &|rule| !is_cloth(rule))),
         ];
         for (what, at) in parts {
             self.off(what, at);
