@@ -7,8 +7,8 @@ use super::row::Row;
 pub const TIE: f64 = 1.1;
 
 /// Marks the runs of a variant that are on the front. Errors below that of the reference count as that, and of equally
-/// accurate runs the cheapest is on the front. A run that is further off than the scene moves, or than the whole value of
-/// a quantity, is not.
+/// accurate runs the cheapest is on the front. A run that is further off than the scene moves, or than the whole value
+/// of a quantity, is not.
 pub fn mark_front(rows: &mut [Row], variant: usize, ranking: &Ranking<'_>) {
     let own: Vec<&Row> = rows.iter().filter(|row| row.job.variant == variant).collect();
     let front = on_front(&own, ranking);

@@ -15,11 +15,11 @@ use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Poi
 use crate::output::gauges::MeasuredQuantity;
 use crate::output::largest::LargestValues;
 
-/// Steps at which is measured: one in so many, from this one on. Those after the first have no step in common, so that a
-/// peak that one of them meets, or two beside each other, do not look exact.
+/// Steps at which is measured: one in so many, from this one on. Those after the first have no step in common, so that
+/// a peak that one of them meets, or two beside each other, do not look exact.
 const STEPS: [[u64; 2]; 4] = [[1, 0], [2, 1], [4, 2], [4, 0]];
-/// Share of the largest difference to them that counts as an error: a parabola whose peak is midway between two steps is
-/// off there by an eighth of its difference between one of them and the next.
+/// Share of the largest difference to them that counts as an error: a parabola whose peak is midway between two steps
+/// is off there by an eighth of its difference between one of them and the next.
 const OF_LARGEST: f64 = 1.0 / 8.0;
 /// Order in the step of what is measured at steps, and of Newmark's trapezoidal rule.
 const ORDER: u32 = 2;

@@ -21,8 +21,8 @@ const DIGITS: [usize; 3] = [3, 5, 8];
 /// The key whose values are methods.
 const METHOD: &str = "time.method";
 
-/// The quantities that are drawn: the columns of `--plot`, else the quantities that are asked for, else the peaks of the
-/// gauges, else motion and speed.
+/// The quantities that are drawn: the columns of `--plot`, else the quantities that are asked for, else the peaks of
+/// the gauges, else motion and speed.
 ///
 /// # Errors
 /// A name that is no column of numbers.
