@@ -57,6 +57,8 @@ struct Thinned<'a> {
     values: LargestValues<'a>,
     /// one of [`STEPS`]
     steps: [u64; 2],
+    /// [s] end of the run: its account is that of the last step
+    end: f64,
 }
 
 impl<'a> Measuring<'a> {
@@ -69,7 +71,7 @@ impl<'a> Measuring<'a> {
         let of = |steps: [u64; 2]| {
             let values = LargestValues::of_quantities(&*prepared.scene, &output, prepared.end(), None);
             let values = values.map_err(|why| StudyError::Usage(why.to_string()))?;
-            Ok(Thinned { values, steps })
+            Ok(Thinned { values, steps, end: prepared.end() })
         };
         STEPS.into_iter().map(of).collect::<Result<_, _>>().map(Measuring)
     }
@@ -96,7 +98,8 @@ impl Observer for Thinned<'_> {
 
     fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         let [every, from] = self.steps;
-        if step.step % every == from { self.values.accepted(step) } else { Ok(()) }
+        let last = step.t + 0.5 * step.h() > self.end;
+        if last || step.step % every == from { self.values.accepted(step) } else { Ok(()) }
     }
 
     fn failed(&mut self) -> Result<(), ObserveError> {
