@@ -146,7 +146,7 @@ fn every_command_has_a_manual_page() {
     for (name, words) in [
         ("canopy-fem", &["Parachute canopies", "130"][..]),
         ("canopy-fem-solve", &["\\-\\-dump\\-matrices", "good below 1 %", "could not be solved"]),
-        ("canopy-fem-check", &["\\-\\-accuracy", "\\-\\-all"]),
+        ("canopy-fem-check", &["\\-\\-within", "\\-\\-all"]),
         ("canopy-fem-mesh-inspect", &["\\-\\-json"]),
         ("canopy-fem-init", &["flag", "case.schema.json"]),
     ] {

@@ -15,6 +15,8 @@ use crate::scene::Scene;
 const SHARE: f64 = 0.2;
 /// [s] Smallest budget.
 const LEAST: f64 = 0.5;
+/// [s] Largest budget: nobody waits for hours to hear that a run takes days.
+const MOST: f64 = 5.0;
 /// [-] Most that a machine is taken to be slower than nominally.
 const SLOWEST: f64 = 8.0;
 /// [-] Largest part of the budget that a search of the spectrum for critical steps may take.
@@ -87,11 +89,12 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// A fifth of the run that a case asks for, but half a second.
+    /// A fifth of the run that a case asks for, but half a second at least and five at most.
     pub fn of(scene: &dyn Scene, problem: &Problem) -> Self {
         let steps = problem.time.step.fixed().map_or(0.0, |step| (problem.time.end / step).ceil());
         let run = steps * nominal_step(scene, &problem.method);
-        Budget { left: Cell::new((SHARE * run).max(LEAST)), own: SHARE * run }
+        let own = (SHARE * run).min(MOST);
+        Budget { left: Cell::new(own.max(LEAST)), own }
     }
 
     /// Takes off what half a second of this machine is less than nominally, where a force pass takes `times` as long as

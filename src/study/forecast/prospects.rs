@@ -156,9 +156,14 @@ impl Prospector<'_, '_> {
             Err(NoProspects::Fails { why, .. }) => why,
             other => return other,
         };
-        // What would run instead: a quarter of the step, or a method that dissipates.
+        // What would run instead: a stable step or a quarter of it, or a method that dissipates.
+        let stable = own.limit.map_or(0.0, |limit| limit.safe());
+        let shorter = match step {
+            Step::Fixed(h) if stable > 0.0 && stable < h => Step::Fixed(two_digits(stable)),
+            step => coarser(step, -2),
+        };
         let implicit = self.candidate("backward-euler").cloned().map(|candidate| (candidate, step));
-        let instead = std::iter::once((own, coarser(step, -2))).chain(implicit);
+        let instead = std::iter::once((own, shorter)).chain(implicit);
         let instead = instead.into_iter().find_map(|(candidate, step)| self.from(&candidate, step).ok());
         Err(NoProspects::Fails { why: failed, instead: instead.map(Box::new) })
     }
