@@ -70,14 +70,21 @@ def _whole(nodes: Any) -> Any:
     return array
 
 
-def check(case: Any, *, accuracy: float | None = None) -> dict[str, Any]:
-    """What ``canopy-fem check --json`` prints: the model, critical steps of all methods, predicted costs, a recommended
-    method and step for an accuracy, warnings.
+def check(case: Any, *, within: float | str | None = None, quantities: Sequence[str] = ()) -> dict[str, Any]:
+    """What ``canopy-fem check --json`` prints: the model, critical steps of all methods, what the case's own run costs
+    and what its numbers are worth (``this_case``), the cheapest runs within an accuracy (``recommended``), warnings.
+
+    Args:
+        case: a `Case`, a case file or a dictionary.
+        within: the accuracy, a share of the numbers such as 0.01 or "1%", or with a unit, "20N".
+        quantities: names of the numbers that are asked for, such as ``"riser.tension.peak"``.
 
     Raises:
-        CaseError: the case has faults.
+        CaseError: the case has faults, or the accuracy is out of range.
     """
-    given = [] if accuracy is None else ["--accuracy", repr(float(accuracy))]
+    given = [] if within is None else ["--within", within if isinstance(within, str) else repr(float(within))]
+    for name in quantities:
+        given += ["--quantity", name]
     with _file_of(as_case(case)) as arguments:
         return dict(json.loads(_call(["check", *arguments, "--json", *given])))
 

@@ -14,12 +14,15 @@ import canopy_fem as cf
 
 
 def test_check_reports(small):
-    report = cf.check(small, accuracy=1e-2)
+    report = cf.check(small, within=1e-2)
     assert report["nodes"] == 49 and report["method"] == "velocity-verlet"
     steps = {entry["method"]: entry["critical_step"] for entry in report["critical_steps"]}
     assert 1e-3 < steps["velocity-verlet"] < 0.1 and steps["newmark"] is None
-    with pytest.raises(cf.CaseError, match="accuracy"):
-        cf.check(small, accuracy=2.0)
+    assert report["within"] == "1 %" and 0 < report["this_case"]["errors"]["motion"]["error"] < 0.1
+    named = cf.check(small, within="0.1m", quantities=["displacement_end"])
+    assert list(named["this_case"]["errors"]) == ["displacement_end"]
+    with pytest.raises(cf.CaseError, match="not below the whole value"):
+        cf.check(small, within=2.0)
 
 
 def test_studies_have_rows(small, tmp_path):

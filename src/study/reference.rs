@@ -8,7 +8,7 @@
 //! ```text
 //! T_j,k = T_j,k-1 + (T_j,k-1 - T_j-1,k-1) / (4^k - 1)
 //! ```
-//! gains two orders per column. Quantities have errors of their own ([`super::reference_quantities`]). What is
+//! gains two orders per column. Quantities have errors of their own (`reference_quantities`). What is
 //! affordable is estimated from counted work, so the reference is the same on every machine.
 
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -278,7 +278,7 @@ impl Accuracy {
         }
     }
 
-    /// The error that a quantity may have, relative to its [`measure_of`].
+    /// The error that a quantity may have, relative to its size.
     ///
     /// # Errors
     /// Another unit.

@@ -29,8 +29,9 @@ fn oscillator(bench: &Bench, method: &str, step: f64) -> &'static str {
     "oscillator.json"
 }
 
-/// Numbers with closed forms.
-const EXACT: [(&str, fn(f64, f64) -> f64); 5] = [
+/// A number and its closed form of w [rad/s] and of the end [s].
+type Exact = (&'static str, fn(f64, f64) -> f64);
+const EXACT: [Exact; 5] = [
     ("bob.x@1.3", |w, _| 1.0 + 0.3 * (1.3 * w).cos()),
     ("bob.x.last", |w, t| 1.0 + 0.3 * (t * w).cos()),
     ("bob.speed.peak", |w, _| 0.3 * w),

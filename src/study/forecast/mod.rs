@@ -4,7 +4,7 @@
 //! 1. The case's own run is made, whole or its first part, and the same with longer steps and with other methods
 //!    ([`prospects`]). All of it costs at most a fifth of the run that is asked about, or half a second.
 //! 2. A run of which too few steps are affordable is predicted from the cost of a force pass and of a tangent
-//!    ([`cost`]), and from single steps ([`trials`]); nothing is known of its errors then.
+//!    ([`cost`]), and from single steps (`trials`); nothing is known of its errors then.
 //! 3. Where all methods are asked for, each makes a few real steps ([`sample`]) from states along a cheap adaptive run
 //!    ([`states`]); what these cost stands for the parts of the run around them ([`estimate`]).
 //! 4. Memory is counted ([`memory`]), and what results cost to write ([`output`]).

@@ -405,7 +405,11 @@ impl Prospector<'_, '_> {
                 // Beyond a run that is not within the accuracy only what it costs matters.
                 let dearest = CHEAPER * best.min(20.0 * all.first().map_or(f64::INFINITY, |own| own.nominal));
                 let most = (whole.min(dearest) * part / end).min(budget.left());
-                if !(h > 0.0) || whole > dearest || self.costs.untried(&candidate.method, part / h) > budget.left() {
+                if h <= 0.0
+                    || h.is_nan()
+                    || whole > dearest
+                    || self.costs.untried(&candidate.method, part / h) > budget.left()
+                {
                     break;
                 }
                 let made = self.run(candidate, Step::Fixed(h), part, 2.0 * most);

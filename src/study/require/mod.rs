@@ -6,7 +6,7 @@
 //! ```
 //! The case is taken as the user wrote it. A variant is simpler or finer by one thing ([`change`], [`variants`]). The
 //! files, shards and merges are those of other studies ([`super::store`]). Combinations depend on what the variants
-//! have shown: they are made after them, and never assumed to add up ([`combine`]).
+//! have shown: they are made after them, and never assumed to add up (`combine`).
 
 pub mod change;
 mod combine;

@@ -43,8 +43,8 @@ fn the_pressures_are_a_root() {
             for passage in passages(n) {
                 let dp = flow.pressures(&passage);
                 let discs = flow.discs(&passage, &dp, flow.corner());
-                for b in 0..n {
-                    let off = (dp[b] - discs.pressure[b].value).abs();
+                for (b, dp) in dp.iter().enumerate().take(n) {
+                    let off = (dp - discs.pressure[b].value).abs();
                     assert!(off <= 1e-10 * q.hypot(STILL), "{seed} {n} {q} {passage:?}: {off} at {b}");
                 }
             }
@@ -121,11 +121,11 @@ fn a_tube_that_widens() {
         let passage = Passage { cloth: None, slots: vec![0.0; n], vent: 0.0 };
         let dp = flow.pressures(&passage);
         let lost = (2.0 * length * widening / radius).powi(2) - speed * speed;
-        for b in 0..n {
+        for (b, dp) in dp.iter().enumerate().take(n) {
             let z = length * (b as f64 + 0.5) / n as f64;
             let inside = flow.q - 2.0 * 1.2 * (z * widening / radius).powi(2) - 0.6 * lost.max(0.0);
             let expected = positive(inside, flow.corner()).value;
-            assert!((dp[b] - expected).abs() <= 1e-12 * flow.q, "{widening}, {b}: {} {expected}", dp[b]);
+            assert!((dp - expected).abs() <= 1e-12 * flow.q, "{widening}, {b}: {dp} {expected}");
         }
     }
 }
@@ -145,8 +145,8 @@ fn leaking_evenly() {
         })
         .collect();
     // A leak that does not depend on the pressure is a rate.
-    for j in 1..=n {
-        flow.rate[j] = x[j] * flow.area[j] * speed;
+    for (j, x) in x.iter().enumerate().skip(1) {
+        flow.rate[j] = x * flow.area[j] * speed;
     }
     let dp = flow.pressures(&Passage { cloth: None, slots: vec![0.0; n], vent: 0.6 });
     for b in 0..n {
