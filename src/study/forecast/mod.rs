@@ -2,7 +2,8 @@
 //! an accuracy. Nothing is written.
 //!
 //! 1. The case's own run is made, whole or its first part, and the same with longer steps and with other methods
-//!    ([`prospects`]). All of it costs at most a fifth of the run that is asked about, or half a second.
+//!    ([`prospects`]). All of it is to cost a fifth of the run nominally, or half a second; on
+//!    parachutes, whose steps cost more than nominally, it costs about as much as the run.
 //! 2. A run of which too few steps are affordable is predicted from the cost of a force pass and of a tangent
 //!    ([`cost`]), and from single steps (`trials`); nothing is known of its errors then.
 //! 3. Where all methods are asked for, each makes a few real steps ([`sample`]) from states along a cheap adaptive run

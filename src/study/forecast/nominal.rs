@@ -89,7 +89,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// A fifth of the run that a case asks for, but half a second at least and five at most.
+    /// A fifth of the run that a case asks for, by nominal costs, but half a second at least and five at most.
     pub fn of(scene: &dyn Scene, problem: &Problem) -> Self {
         let steps = problem.time.step.fixed().map_or(0.0, |step| (problem.time.end / step).ceil());
         let run = steps * nominal_step(scene, &problem.method);
