@@ -14,6 +14,7 @@
 // Units stand in brackets at the beginning of a field's doc, as `[N/m]`; rustdoc would take them for links.
 #![allow(rustdoc::broken_intra_doc_links)]
 
+pub mod accuracy;
 mod compared_model;
 mod costs;
 pub mod difference;

@@ -5,10 +5,10 @@
 //! and beside that at some of them: that shows what the steps cost. Added to it is what the
 //! scheme costs: the difference of two solutions, or what steps of twice and four times the size show.
 
+use super::accuracy::measure_of;
 use super::error::StudyError;
 use super::prepared_case::PreparedCase;
 use super::ranking::ReferenceQuantity;
-use super::verify::measure_of;
 use super::worth::{KnownError, Runs, Shrinks, Worth};
 use crate::case::spec::{OutputSpec, RowEvery};
 use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, UpcomingStep, Wants};

@@ -1,6 +1,8 @@
 //! The largest displacement at the end of a run.
 
 use crate::drive::observer::{AcceptedStep, ObserveError, Observer, Point, UpcomingStep, Wants};
+use crate::model::observables::Observables;
+use crate::model::state::StateRef;
 use crate::scene::Scene;
 
 /// The largest displacement of a node.
@@ -10,6 +12,23 @@ pub struct Displacement {
     pub node: usize,
     /// [m] the largest displacement
     pub distance: f64,
+}
+
+impl Displacement {
+    /// The largest of a state; of equal ones that of the first node.
+    pub fn of(picture: &dyn Observables, at: StateRef<'_>) -> Self {
+        let reference = picture.reference();
+        let (mut x, mut v) = (vec![[0.0; 3]; reference.len()], vec![[0.0; 3]; reference.len()]);
+        picture.trace(at, &mut x, &mut v);
+        let mut found = Displacement::default();
+        for (node, (x, o)) in x.iter().zip(reference).enumerate() {
+            let distance = (0..3).map(|c| (x[c] - o[c]).powi(2)).sum::<f64>().sqrt();
+            if distance > found.distance {
+                found = Displacement { node, distance };
+            }
+        }
+        found
+    }
 }
 
 /// Observer of the largest displacement at the end of a run.
@@ -36,15 +55,7 @@ impl Observer for MaxDisplacement<'_> {
     }
 
     fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
-        let reference = self.scene.reference();
-        let (mut x, mut v) = (vec![[0.0; 3]; reference.len()], vec![[0.0; 3]; reference.len()]);
-        self.scene.trace(last.state.as_ref(), &mut x, &mut v);
-        for (node, (x, o)) in x.iter().zip(reference).enumerate() {
-            let d = (0..3).map(|c| (x[c] - o[c]).powi(2)).sum::<f64>().sqrt();
-            if d > self.found.distance {
-                self.found = Displacement { node, distance: d };
-            }
-        }
+        self.found = Displacement::of(self.scene, last.state.as_ref());
         Ok(())
     }
 }

@@ -7,8 +7,8 @@ use super::quantity::UnknownQuantity;
 use super::schedule::RowSchedule;
 use super::statistics::SeriesSoFar;
 use crate::case::spec::{GaugeSpec, OutputSpec, ProbeSpec, RowEvery};
-use crate::drive::observer::AcceptedStep;
-use crate::drive::observer::Energies;
+use crate::drive::max_displacement::Displacement;
+use crate::drive::observer::{AcceptedStep, Energies};
 use crate::model::gauge::{CANOPY_QUANTITIES, Quantity, ReportLine, TENSION_MAX};
 use crate::model::observables::Observables;
 use crate::model::point::Point;
@@ -280,7 +280,7 @@ impl Gauges {
         self.measure(picture, at);
         if credible {
             self.note(t);
-            self.quantities.displacement_end = places::largest_displacement(picture, at);
+            self.quantities.displacement_end = Displacement::of(picture, at.state.as_ref()).distance;
         }
         for gauge in self.gauges.iter().take(self.shown[0]).filter(|gauge| gauge.written != t) {
             let mut rows = gauge.channels.clone().map(|channel| GaugeRow { t, channel, value: self.values[channel] });

@@ -1,6 +1,6 @@
 //! Arguments that commands share, and those of `check` and `solve`.
 
-use crate::study::verify::Accuracy;
+use crate::study::accuracy::Accuracy;
 use std::path::PathBuf;
 
 /// Changes of a case, for every command that reads one.

@@ -5,13 +5,13 @@ use super::study::{Budget, CaseFile, ProgressLine, StudyArgs, nothing_lost, type
 use super::{CliError, CommandOutput};
 use crate::case::Case;
 use crate::study::StudyError;
+use crate::study::accuracy::Accuracy;
 use crate::study::report::Rerun;
 use crate::study::require::{
     self, Combiner, Lean, RequirePlan, RequirePlanner, RequireReport, RequireRow, RequireRunner, rows_of,
 };
 use crate::study::row::RowStatus;
 use crate::study::store::Store;
-use crate::study::verify::Accuracy;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;

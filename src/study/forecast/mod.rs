@@ -30,6 +30,7 @@ use prospects::{NoProspects, Prospector, Prospects};
 use trials::{Trials, searches};
 
 use crate::StudyError;
+use crate::accuracy::Accuracy;
 use crate::analysis::critical::CriticalStep;
 use crate::case::spec::Problem;
 use crate::drive::clock::{Step, Tolerance};
@@ -38,7 +39,6 @@ use crate::output::frame::Fields;
 use crate::prepared_case::nominal_pass;
 use crate::scene::Scene;
 use crate::template::render;
-use crate::verify::Accuracy;
 use minijinja::context;
 
 /// A method that may run, and what is known of its largest stable step.

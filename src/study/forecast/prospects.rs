@@ -10,6 +10,8 @@
 //!
 //! What is made is decided by counted work, so that the same case gets the same answer on every machine.
 
+mod words;
+
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
@@ -22,12 +24,11 @@ use super::{Candidate, ForecastSpec};
 use crate::analysis::critical::CriticalStep;
 use crate::drive::Status;
 use crate::drive::clock::{FixedSteps, Step};
-use crate::format_number::{counted, figures, two_digits};
+use crate::format_number::{figures, two_digits};
 use crate::frames::Distance;
 use crate::output::gauges::MeasuredQuantity;
 use crate::prepared_case::interval;
-use crate::template::seconds;
-use crate::verify::{Accuracy, Beside, coarser};
+use crate::verify::{Beside, coarser};
 use crate::whole_run::{WholeRun, WholeRunSpec};
 use crate::worth::{Shrinks, Worth};
 
@@ -448,19 +449,6 @@ fn size(step: Step) -> String {
     }
 }
 
-/// What is said of prospects.
-#[derive(Debug, Serialize)]
-pub struct Lines {
-    own: String,
-    numbers: String,
-    recommended: Vec<String>,
-    none: String,
-    known: String,
-}
-
-/// Numbers of a run that are told.
-const NUMBERS: usize = 4;
-
 impl Prospects {
     /// What is known from counts alone.
     pub fn of_counts(spec: &ForecastSpec<'_>, costs: NominalCosts, estimate: Estimate) -> Self {
@@ -486,110 +474,5 @@ impl Prospects {
         own.method == candidate.method.info.name
             && own.step == step.fixed()
             && own.tolerance == step.tolerance().map(|tolerance| tolerance.relative)
-    }
-
-    /// In words; `own` says whether the run that others were compared with is the case's.
-    pub fn lines(&self, own: bool, accuracy: &Accuracy) -> Lines {
-        let Prospects { this_case, recommended, part, runs, .. } = self;
-        let steps = if this_case.step.is_some() { "step" } else { "tolerance" };
-        let mut numbers = this_case.described(accuracy);
-        let unknown = this_case.errors.len() - numbers.len();
-        let more = numbers.len().saturating_sub(NUMBERS);
-        numbers.truncate(NUMBERS);
-        let mut rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-        if unknown > 0 {
-            let why = if *part < 1.0 { ", as the end was not reached" } else { "" };
-            rest.push_str(&format!(
-                "; of {} the error is not known{why}",
-                counted(unknown as u64, "number", "numbers")
-            ));
-        }
-        let said = |prospect: &Prospect| {
-            let same = own && prospect.is_as(this_case);
-            let who = if same { "your run".to_owned() } else { prospect.typed() };
-            let worst = prospect.described(accuracy).into_iter().next().unwrap_or_default();
-            let times = prospect.cpu_seconds / this_case.cpu_seconds;
-            let gains = match own && times > 1.5 {
-                true => format!("; {} times your run", figures(times, 2)),
-                false => String::new(),
-            };
-            format!("{who}, about {}: {worst} at most{gains}", seconds(prospect.cpu_seconds))
-        };
-        let reached = if *part < 1.0 {
-            format!("the first {} % of the run, with {runs}", figures(100.0 * part, 2))
-        } else {
-            format!("whole runs, with {runs}")
-        };
-        Lines {
-            own: format!(
-                "{}, {steps} {}: {} steps, about {}",
-                this_case.method,
-                this_case.size(),
-                figures(this_case.estimate.steps, 4),
-                seconds(this_case.cpu_seconds)
-            ),
-            numbers: match numbers.is_empty() {
-                true => "their errors are not known: a part of the run would cost more than check may".to_owned(),
-                false => numbers.join(", ") + &rest,
-            },
-            recommended: recommended.iter().map(said).collect(),
-            none: "no run is known to be; canopy-fem solve --within and tradeoff make longer ones".to_owned(),
-            known: match self.this_case.known_by {
-                KnownBy::Counts => "from single steps and counts".to_owned(),
-                _ => format!("by {reached}"),
-            },
-        }
-    }
-}
-
-impl Prospect {
-    fn is_as(&self, other: &Prospect) -> bool {
-        self.method == other.method && self.step == other.step && self.tolerance == other.tolerance
-    }
-
-    /// Its step [s] or tolerance, with the unit.
-    fn size(&self) -> String {
-        match (self.step, self.tolerance) {
-            (Some(h), _) => format!("{} s", figures(h, 4)),
-            (None, Some(tolerance)) => format!("{tolerance:e}"),
-            (None, None) => String::new(),
-        }
-    }
-
-    /// As the command line takes it.
-    fn typed(&self) -> String {
-        match (self.step, self.tolerance) {
-            (Some(h), _) => format!("--method {} --step {}", self.method, figures(h, 4)),
-            (None, Some(tolerance)) => format!("--method {} --tolerance {tolerance:e}", self.method),
-            (None, None) => self.method.to_owned(),
-        }
-    }
-
-    /// Its errors in words, the largest share of the accuracy first: "opening load ± 0.1 %".
-    pub fn described(&self, accuracy: &Accuracy) -> Vec<String> {
-        let mut all: Vec<(&String, &ErrorForecast)> = self.errors.iter().collect();
-        let size = |of: &ErrorForecast| of.share.or(of.error).unwrap_or(f64::INFINITY);
-        all.sort_by(|a, b| size(b.1).total_cmp(&size(a.1)));
-        all.retain(|(_, of)| of.error.is_some());
-        let words = |(name, of): (&String, &ErrorForecast)| {
-            let name = spoken(name);
-            match (accuracy, of) {
-                (Accuracy::Absolute(_, unit), ErrorForecast { error: Some(error), .. }) => {
-                    format!("{name} ± {} {unit}", figures(*error, 2))
-                }
-                (_, ErrorForecast { share: Some(share), .. }) => format!("{name} ± {} %", figures(100.0 * share, 2)),
-                _ => format!("{name} not known"),
-            }
-        };
-        all.into_iter().map(words).collect()
-    }
-}
-
-/// The name of a quantity in a sentence.
-fn spoken(name: &str) -> String {
-    match name {
-        "opening_load" => "opening load".to_owned(),
-        "displacement_end" => "displacement".to_owned(),
-        _ => name.to_owned(),
     }
 }

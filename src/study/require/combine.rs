@@ -10,6 +10,7 @@ use super::compare::Comparison;
 use super::plan::{RequireJob, RequirePlan};
 use super::run::{RequireRow, RequireRunner};
 use super::variants::Variants;
+use crate::accuracy::Accuracy;
 use crate::case::Case;
 use crate::error::StudyError;
 use crate::format_number::figures;
@@ -18,7 +19,6 @@ use crate::output::sanitize::file_stem;
 use crate::prepared_case::fingerprint_of;
 use crate::row::RowStatus;
 use crate::store::system;
-use crate::verify::Accuracy;
 
 /// [-] Share of the processor time that a change saves at least: clocks are not better than that.
 const NOISE: f64 = 0.05;

@@ -4,12 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use super::change::ErrorOf;
 use super::run::{RequireResult, RequireRow};
+use crate::accuracy::{Accuracy, measure_of};
 use crate::drive::clock::Step;
 use crate::error::StudyError;
 use crate::integrate::registry::MethodChoice;
 use crate::output::gauges::MeasuredQuantity;
 use crate::row::RowStatus;
-use crate::verify::{Accuracy, measure_of};
 use crate::worth::{Runs, Shrinks};
 
 /// A quantity of a run.

@@ -13,6 +13,7 @@ use super::figure::{figure, told as told_of_mark};
 use super::lines::{ErrorLine, Line, Printed};
 use super::plan::RequirePlan;
 use super::run::{RequireResult, RequireRow};
+use crate::accuracy::{Accuracy, measure_of};
 use crate::case::Case;
 use crate::error::StudyError;
 use crate::format_number::figures;
@@ -20,7 +21,6 @@ use crate::plan::PROGRAM;
 use crate::report::{Machine, Rerun};
 use crate::store::{Store, remove, write_files};
 use crate::template::{reasons, render};
-use crate::verify::{Accuracy, measure_of};
 
 /// All files a report has, beside the leanest case.
 pub const FILES: [&str; 3] = ["require.csv", "require.json", "require.html"];

@@ -1,6 +1,7 @@
 //! Where gauges measure, and the values that they find there.
 
 use crate::case::spec::{GaugeOf, ProbeSpec};
+use crate::drive::max_displacement::Displacement;
 use crate::mesh::CrossingFinder;
 use crate::model::abilities::SpringPlace;
 use crate::model::gauge::{CROSSINGS, NodeColumns, NodeGauge, Quantity, SpringColumns, SpringGauge};
@@ -139,20 +140,11 @@ fn largest(picture: &dyn Observables, of: OfScene, at: &Point) -> f64 {
     match of {
         OfScene::Speed => picture.max_speed(state),
         OfScene::Strain => picture.max_strain(state),
-        OfScene::Displacement => largest_displacement(picture, at),
+        OfScene::Displacement => Displacement::of(picture, state).distance,
         OfScene::Stress => {
             let mut shown = vec![MembranePicture::default(); picture.triangles().len()];
             picture.triangle_membranes(state, &mut shown);
             shown.iter().filter(|of| of.wrinkling >= 0.0).map(|of| of.stress[0]).fold(f64::NAN, f64::max)
         }
     }
-}
-
-/// [m] The largest distance of a node from its place on the mesh as given.
-pub(super) fn largest_displacement(picture: &dyn Observables, at: &Point) -> f64 {
-    let reference = picture.reference();
-    let (mut x, mut v) = (vec![[0.0; 3]; reference.len()], vec![[0.0; 3]; reference.len()]);
-    picture.trace(at.state.as_ref(), &mut x, &mut v);
-    let square = |(x, o): (&[f64; 3], &[f64; 3])| x.iter().zip(o).map(|(x, o)| (x - o) * (x - o)).sum::<f64>();
-    x.iter().zip(reference).map(square).fold(0.0, f64::max).sqrt()
 }
