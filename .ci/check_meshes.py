@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Reads the mesh files that canopy-fem writes with the programs people use, and compares counts and groups.
 
-    .ci/check_meshes.py FOLDER         cloth.vtu, .vtp, .msh, .obj, .ply and .stl of one mesh
+    .ci/check_meshes.py FOLDER         cloth.vtu, .vtp, .msh, .obj, .ply, .stl, .inp, .bdf, .mdpa and .glb of one mesh
 """
 
 import sys
@@ -20,7 +20,7 @@ def count(mesh, kind):
 
 folder = Path(sys.argv[1])
 # meshio reads no .ply with lines; VTK and trimesh do.
-for ending in ("vtu", "msh", "obj"):
+for ending in ("vtu", "msh", "obj", "inp", "bdf", "mdpa"):
     mesh = meshio.read(folder / f"cloth.{ending}")
     assert len(mesh.points) == NODES, (ending, len(mesh.points))
     assert count(mesh, "triangle") == TRIANGLES, (ending, mesh)
@@ -35,7 +35,9 @@ assert len(surface.regular_faces) == TRIANGLES and surface.n_lines == grid.n_cel
 # A .vtp has its lines before its polygons; the same cells are in the same groups.
 order = list(range(TRIANGLES, grid.n_cells)) + list(range(TRIANGLES))
 assert (surface.cell_data["group"] == grid.cell_data["group"][order]).all(), surface.cell_data["group"]
-for ending in ("obj", "stl"):
+deck = meshio.read(folder / "cloth.inp")
+assert {"CANOPY", "LINES"} <= {name.upper() for name in deck.cell_sets} and count(deck, "line") == LINES, deck
+for ending in ("obj", "stl", "glb"):
     mesh = trimesh.load(folder / f"cloth.{ending}", force="mesh")
     assert len(mesh.faces) == TRIANGLES and abs(mesh.area - 1) < 1e-6, (ending, mesh)
 print("meshes: meshio, VTK and trimesh read what was written")

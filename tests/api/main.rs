@@ -22,6 +22,7 @@ mod mesh;
 mod mesh_files;
 mod mesh_groups;
 mod mesh_table;
+mod mesh_written;
 mod modes;
 mod multirate;
 mod newton;

@@ -350,7 +350,7 @@ fn bad_options_are_named() {
 fn written_files_hold_groups() {
     let folder = tempfile::TempDir::new().expect("a folder");
     let mesh = read(&MeshFile::plain("abaqus-s4-s3-t3d2.inp")).mesh;
-    for ending in ["vtu", "vtp", "msh", "obj", "ply"] {
+    for ending in ["vtu", "vtp", "msh", "obj", "ply", "inp", "mdpa"] {
         let path = folder.path().join("cloth").with_extension(ending);
         assert_eq!(write_mesh(&mesh, &path, false), Ok(Vec::new()), "{ending}");
         let back = MeshFile::plain(path.display().to_string()).read(Path::new("")).expect(ending).mesh;

@@ -1,7 +1,7 @@
 //! Nodes and elements that are known by labels, in sets with names: what the input of finite-element programs has.
 
 use super::cells::Cells;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Nodes, elements and sets of a file.
 #[derive(Default)]
@@ -34,6 +34,17 @@ impl Labelled {
     /// Adds a line of two nodes, or a face of more.
     pub(super) fn add_element(&mut self, label: u64, nodes: Vec<u64>, set: &str) {
         self.elements.push(Element { label, nodes, set: set.to_owned() });
+    }
+
+    /// Takes from the sets of nodes those of the elements in the set of the same name.
+    pub(super) fn drop_nodes_of_elements(&mut self) {
+        let nodes_of: HashMap<u64, &[u64]> = self.elements.iter().map(|e| (e.label, e.nodes.as_slice())).collect();
+        for (name, labels) in &mut self.node_sets {
+            let elements = self.element_sets.get(name).into_iter().flatten();
+            let own: HashSet<u64> =
+                elements.filter_map(|label| nodes_of.get(label)).copied().flatten().copied().collect();
+            labels.retain(|label| !own.contains(label));
+        }
     }
 
     /// The cells, once all nodes are known.

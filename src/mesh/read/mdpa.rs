@@ -19,6 +19,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
     if file.all.cells.points.is_empty() {
         return Err("has no \"Begin Nodes\" block".to_owned());
     }
+    // A sub model part also lists the nodes of its elements; further ones are a group of nodes.
+    file.all.drop_nodes_of_elements();
     file.all.finish()
 }
 

@@ -44,6 +44,9 @@ use std::path::Path;
 pub(super) const SEAM: &str = "seam";
 /// Name of the point array of a .vtu file with the displacement at the start.
 pub(super) const START_DISPLACEMENT: &str = "start_displacement";
+/// Whole numbers of a .ply file that mark no part: ends of edges, places and colours.
+pub(super) const PLY_NO_MARKS: [&str; 12] =
+    ["vertex1", "vertex2", "x", "y", "z", "red", "green", "blue", "alpha", "flags", "quality", "intensity"];
 
 /// A mesh read from a file, and what the reader changed.
 #[derive(Clone, Debug, PartialEq)]

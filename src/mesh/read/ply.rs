@@ -1,6 +1,7 @@
 //! Stanford .ply, text and binary, by `ply-rs-bw`. Whole numbers of faces, edges and vertices, except colours, are
 //! groups.
 
+use super::PLY_NO_MARKS;
 use super::cells::{Cells, IGNORED};
 use super::marks::Marks;
 use ply_rs_bw::parser::Parser;
@@ -55,12 +56,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
 /// Whether a property of a record marks a part.
 fn is_mark(name: &str, kind: &PropertyType) -> bool {
     let whole = |kind: &ScalarType| !matches!(kind, ScalarType::Float | ScalarType::Double);
-    matches!(kind, PropertyType::Scalar(kind) if whole(kind)) && !NO_MARKS.contains(&name)
+    matches!(kind, PropertyType::Scalar(kind) if whole(kind)) && !PLY_NO_MARKS.contains(&name)
 }
-
-/// Whole numbers that mark no part: ends of edges, places and colours.
-const NO_MARKS: [&str; 12] =
-    ["vertex1", "vertex2", "x", "y", "z", "red", "green", "blue", "alpha", "flags", "quality", "intensity"];
 
 /// A vertex, a face or an edge.
 #[derive(Default)]
@@ -101,7 +98,7 @@ impl PropertyAccess for Record {
             ("vertex_indices" | "vertex_index", Some(list)) => self.corners = list,
             ("vertex1" | "vertex2", None) => self.corners.push(number as i64),
             ("x" | "y" | "z", None) => self.point[usize::from(name.as_bytes()[0] - b'x')] = Some(number),
-            (name, None) if whole && !NO_MARKS.contains(&name) => self.marks.push(number as i64),
+            (name, None) if whole && !PLY_NO_MARKS.contains(&name) => self.marks.push(number as i64),
             _ => return PropertyAccessResult::Ignored,
         }
         PropertyAccessResult::Set

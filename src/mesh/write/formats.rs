@@ -1,14 +1,39 @@
 //! Meshes as .obj, .ply and .stl.
 
-use super::members::{groups_of, lines, word};
+use super::members::{groups_of, lines};
+use super::names::{NameRule, Names, plain};
 use crate::Mesh;
+use crate::read::PLY_NO_MARKS;
 use nalgebra::Vector3;
 use std::fmt::Write as _;
 
+/// Blanks divide names, `#` begins a comment, and a backslash continues a line.
+pub(super) const OBJ: NameRule = NameRule {
+    allowed: |c| !c.is_whitespace() && c != '#' && c != '\\',
+    first: |_| true,
+    taken: |name| name == "default",
+    caseless: false,
+};
+
+/// Properties that mean something else: places, normals, colours, texture, and what the reader takes for no group.
+pub(super) const PLY: NameRule = NameRule {
+    allowed: plain,
+    first: |c| c.is_ascii_alphabetic() || c == '_',
+    taken: |name| {
+        let known = ["nx", "ny", "nz", "s", "t", "u", "v", "vertex_index", "vertex_indices", "confidence"];
+        let counts = ["vtk", "Global", "Original"].iter().any(|word| name.starts_with(word));
+        counts || known.contains(&name) || PLY_NO_MARKS.contains(&name)
+    },
+    caseless: false,
+};
+
 /// A mesh as Wavefront .obj; lines only for edges that are no triangle's or in a group. Groups are `g` records.
 pub fn obj_text(mesh: &Mesh) -> String {
+    obj_named(mesh, &Names::new(mesh, &OBJ).written)
+}
+
+pub(super) fn obj_named(mesh: &Mesh, names: &[String]) -> String {
     let mut text = String::from("# canopy-fem\n");
-    let names: Vec<String> = mesh.groups.keys().map(|name| word(name)).collect();
     // Writing to a String cannot fail; floats print the shortest digits that read back exactly.
     for [x, y, z] in &mesh.nodes {
         let _ = writeln!(text, "v {x} {y} {z}");
@@ -41,9 +66,8 @@ pub fn obj_text(mesh: &Mesh) -> String {
 }
 
 /// A mesh as .ply in text. Groups are numbers of faces, edges and vertices: 1 for members.
-pub(super) fn ply_text(mesh: &Mesh) -> String {
+pub(super) fn ply_text(mesh: &Mesh, names: &[String]) -> String {
     let lines = lines(mesh);
-    let names: Vec<String> = mesh.groups.keys().map(|name| word(name)).collect();
     let mut text = String::from("ply\nformat ascii 1.0\ncomment canopy-fem\n");
     let mut element = |name: &str, count: usize, own: &str, members: &dyn Fn(&crate::Group) -> bool| {
         let _ = write!(text, "element {name} {count}\n{own}");

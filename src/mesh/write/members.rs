@@ -17,11 +17,6 @@ pub(super) fn lines(mesh: &Mesh) -> Vec<u32> {
     numbered.filter(|(edge, nodes)| listed[*edge as usize] || lone(**nodes)).map(|(edge, _)| edge).collect()
 }
 
-/// Names of groups as one word each: a format may end a name at a blank.
-pub(super) fn word(name: &str) -> String {
-    name.split_whitespace().collect::<Vec<_>>().join("_")
-}
-
 /// The groups of each of `count` members, by their positions among all groups.
 pub(super) fn groups_of(mesh: &Mesh, count: usize, members: impl Fn(&Group) -> &[u32]) -> Vec<Vec<usize>> {
     let mut of = vec![Vec::new(); count];

@@ -1,8 +1,12 @@
-//! Mesh files out: .vtu, .vtp, .msh, .obj, .ply and .stl.
+//! Mesh files out: .vtu, .vtp, .msh, .obj, .ply, .stl, .inp, .bdf, .mdpa and .glb.
 
+mod decks;
 mod formats;
+#[cfg(feature = "gltf")]
+mod glb;
 mod members;
 mod msh;
+mod names;
 #[cfg(feature = "vtk")]
 mod vtk;
 
@@ -11,11 +15,12 @@ pub use formats::obj_text;
 pub use vtk::vtu_text;
 
 use super::{Mesh, MeshError};
+use names::{NameRule, Names};
 use std::io::Write as _;
 use std::path::Path;
 
 /// Writes a mesh; the format follows from the name's extension. An existing file is replaced only with `replace`.
-/// Returns a sentence for what the format does not hold.
+/// Returns sentences for what the format does not hold, and for names of groups that it holds in another form.
 ///
 /// # Errors
 /// [`MeshError::Target`] for an unknown extension or an existing file, [`MeshError::File`] for errors of the system.
@@ -23,6 +28,12 @@ pub fn write_mesh(mesh: &Mesh, path: &Path, replace: bool) -> Result<Vec<String>
     let fault = |reason: String| MeshError::File { path: path.to_owned(), reason };
     let refused = |reason: &'static str| MeshError::Target { path: path.to_owned(), reason };
     let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).unwrap_or_default();
+    let mut notes = lost(mesh, &ending);
+    let mut named = |rule: &NameRule| {
+        let Names { written, changed } = Names::new(mesh, rule);
+        notes.extend(changed);
+        written
+    };
     let bytes = match ending.as_str() {
         #[cfg(feature = "vtk")]
         "vtu" => vtu_text(mesh).map_err(|error| fault(error.to_string()))?.into_bytes(),
@@ -30,12 +41,25 @@ pub fn write_mesh(mesh: &Mesh, path: &Path, replace: bool) -> Result<Vec<String>
         "vtp" => vtk::vtp_text(mesh).map_err(|error| fault(error.to_string()))?.into_bytes(),
         #[cfg(not(feature = "vtk"))]
         "vtu" | "vtp" => return Err(refused("needs the feature \"vtk\" of this library's build")),
-        "msh" => msh::msh_text(mesh).into_bytes(),
-        "obj" => obj_text(mesh).into_bytes(),
-        "ply" => formats::ply_text(mesh).into_bytes(),
+        "msh" => msh::msh_text(mesh, &named(&msh::MSH)).into_bytes(),
+        "obj" => formats::obj_named(mesh, &named(&formats::OBJ)).into_bytes(),
+        "ply" => formats::ply_text(mesh, &named(&formats::PLY)).into_bytes(),
         "stl" => formats::stl(mesh),
+        "inp" => decks::inp_text(mesh, &named(&decks::INP)).into_bytes(),
+        "mdpa" => decks::mdpa_text(mesh, &named(&decks::MDPA)).into_bytes(),
+        "bdf" => {
+            let (text, told) = decks::bdf_text(mesh);
+            notes.extend(told);
+            text.into_bytes()
+        }
+        #[cfg(feature = "gltf")]
+        "glb" => glb::glb(mesh).map_err(fault)?,
+        #[cfg(not(feature = "gltf"))]
+        "glb" => return Err(refused("needs the feature \"gltf\" of this library's build")),
         _ => {
-            return Err(refused("cannot be written: name an output that ends in .vtu, .vtp, .msh, .obj, .ply or .stl"));
+            return Err(refused(
+                "cannot be written: name an output that ends in .vtu, .vtp, .msh, .obj, .ply, .stl, .inp, .bdf, .mdpa or .glb",
+            ));
         }
     };
     let mut options = std::fs::OpenOptions::new();
@@ -50,20 +74,33 @@ pub fn write_mesh(mesh: &Mesh, path: &Path, replace: bool) -> Result<Vec<String>
         _ => fault(format!("cannot be written: {error}")),
     })?;
     file.write_all(&bytes).map_err(|error| fault(format!("cannot be written: {error}")))?;
-    Ok(lost(mesh, &ending))
+    Ok(notes)
 }
 
 /// What a format does not hold.
 fn lost(mesh: &Mesh, ending: &str) -> Vec<String> {
-    let lines = members::lines(mesh).len();
-    let vtk = ["vtu", "vtp"].contains(&ending);
-    let parts = [
-        (!vtk, mesh.seams.len(), "edges on seams"),
-        (!vtk, mesh.displacement.len(), "displacements at the start"),
-        (ending == "stl", lines, "lines"),
-        (ending == "stl", mesh.groups.len(), "groups"),
-    ];
-    let parts = parts.into_iter().filter(|(gone, count, _)| *gone && *count > 0);
-    let parts: Vec<String> = parts.map(|(_, count, what)| format!("{count} {what}")).collect();
+    let mut parts: Vec<(usize, &str, &str)> = Vec::new();
+    if !["vtu", "vtp"].contains(&ending) {
+        parts.push((mesh.seams.len(), "edge", " on seams"));
+        parts.push((mesh.displacement.len(), "displacement", " at the start"));
+    }
+    match ending {
+        "stl" => parts.extend([(members::lines(mesh).len(), "line", ""), (mesh.groups.len(), "group", "")]),
+        #[cfg(feature = "gltf")]
+        "glb" => {
+            let of_nodes = mesh.groups.values().filter(|group| !group.nodes.is_empty()).count();
+            parts.extend([
+                (of_nodes, "group", " of nodes"),
+                (glb::unnamed(mesh), "group", " of one part, beyond three"),
+            ]);
+        }
+        _ => {}
+    }
+    if ["stl", "glb"].contains(&ending) {
+        let rounded = mesh.nodes.iter().flatten().filter(|x| f64::from(**x as f32) != **x).count();
+        parts.push((rounded, "coordinate", " in double precision"));
+    }
+    let words = |(count, one, rest)| format!("{count} {one}{}{rest}", if count == 1 { "" } else { "s" });
+    let parts: Vec<String> = parts.into_iter().filter(|(count, ..)| *count > 0).map(words).collect();
     if parts.is_empty() { Vec::new() } else { vec![format!(".{ending} does not hold {}", parts.join(", "))] }
 }

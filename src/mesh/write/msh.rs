@@ -1,14 +1,18 @@
 //! A mesh as Gmsh .msh, version 4.1 in text, after the Gmsh reference manual, "MSH file format".
 
 use super::members::lines;
+use super::names::NameRule;
 use crate::Mesh;
 use crate::group::GroupNumbers;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+/// A name ends at a quotation mark.
+pub(super) const MSH: NameRule = NameRule { allowed: |c| c != '"', first: |_| true, taken: |_| false, caseless: false };
+
 /// Groups are physical groups: of surfaces for triangles, of curves for edges, of points for nodes. Members of the same
 /// groups are one entity. Lines only for edges that are no triangle's or in a group.
-pub(super) fn msh_text(mesh: &Mesh) -> String {
+pub(super) fn msh_text(mesh: &Mesh, written: &[String]) -> String {
     let numbers = GroupNumbers::new(&mesh.groups, [mesh.nodes.len(), mesh.triangles.len(), mesh.edges.len()]);
     let mut elements: BTreeMap<(usize, i32), Vec<&[u32]>> = BTreeMap::new();
     let one_node: Vec<[u32; 1]> = (0..mesh.nodes.len() as u32).map(|node| [node]).collect();
@@ -26,10 +30,11 @@ pub(super) fn msh_text(mesh: &Mesh) -> String {
     let cells = numbers.cell_groups.iter().flat_map(|(name, list)| [(1, name, list), (2, name, list)]);
     let named = numbers.node_groups.iter().map(|(name, list)| (0, name, list)).chain(cells);
     let named: Vec<_> = named.filter(|(d, _, list)| list.iter().any(|n| elements.contains_key(&(*d, *n)))).collect();
+    let written: BTreeMap<&String, &String> = mesh.groups.keys().zip(written).collect();
     if !named.is_empty() {
         let _ = writeln!(text, "$PhysicalNames\n{}", named.len());
         for (tag, (dimension, name, _)) in (1..).zip(&named) {
-            let _ = writeln!(text, "{dimension} {tag} \"{}\"", name.replace('"', "'"));
+            let _ = writeln!(text, "{dimension} {tag} \"{}\"", written.get(name).copied().unwrap_or(name));
         }
         text.push_str("$EndPhysicalNames\n");
     }

@@ -38,7 +38,7 @@ pub enum MeshCommand {
     Chain(ChainArgs),
     /// Make a rigged parachute: canopy, lines, riser and payload, as named groups
     Parachute(Box<ParachuteArgs>),
-    /// Read a mesh file, repair it if asked, and write it as .vtu, .vtp, .msh, .obj, .ply or .stl
+    /// Read a mesh file, repair it if asked, and write it as .vtu, .vtp, .msh, .obj, .ply, .stl, .inp, .bdf, .mdpa or .glb
     #[command(after_long_help = format!("Reads {}.", endings()))]
     Convert(ConvertArgs),
     /// Print counts, boundary loops and quality of a mesh file
@@ -202,7 +202,7 @@ pub struct ConvertArgs {
     /// the mesh
     #[command(flatten)]
     pub mesh: FileArgs,
-    /// File to write: .vtu, .vtp, .msh, .obj, .ply or .stl
+    /// File to write: .vtu, .vtp, .msh, .obj, .ply, .stl, .inp, .bdf, .mdpa or .glb
     pub output: PathBuf,
     /// Replace the file if it exists
     #[arg(long)]
