@@ -84,9 +84,9 @@ pub(super) fn inp_text(mesh: &Mesh, names: &[String]) -> String {
     text
 }
 
-/// Shells CTRIA3 and rods CROD. A property stands for the elements of the same groups; SET1 entries list nodes. Comments
-/// say which group is which number, and so do the sentences that are returned with the text. After the MSC Nastran quick
-/// reference guide.
+/// Shells CTRIA3 and rods CROD. A property stands for the elements of the same groups; SET1 entries list nodes.
+/// Comments say which group is which number, and so do the sentences that are returned with the text. After the MSC
+/// Nastran quick reference guide.
 pub(super) fn bdf_text(mesh: &Mesh) -> (String, Vec<String>) {
     let bars = Lines::new(mesh);
     let (of_triangle, of_edge) = (

@@ -13,9 +13,9 @@ use std::collections::BTreeMap;
 /// Groups that a part can name: by its material, its node and its mesh.
 const NAMED: usize = 3;
 
-/// Triangles and lines of the same groups are one part. The largest of its groups is its material, the smallest its node,
-/// and one between its mesh. Places are in single precision, with +Y up as the format asks for: (x, z, -y). After the
-/// glTF 2.0 specification of the Khronos Group.
+/// Triangles and lines of the same groups are one part. The largest of its groups is its material, the smallest its
+/// node, and one between its mesh. Places are in single precision, with +Y up as the format asks for: (x, z, -y). After
+/// the glTF 2.0 specification of the Khronos Group.
 ///
 /// # Errors
 /// What the library refuses: a file of more than 4 GiB.
