@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::frames::{Distance, Frames};
 use super::whole_run::WholeRun;
-use super::worth::{KnownError, Runs, Shrinks, Worth};
+use super::worth::{EQUAL, KnownError, Runs, Shrinks, Worth};
 use crate::model::quantity::Statistic;
 use crate::output::gauges::{MeasuredQuantity, Peak};
 use crate::output::summary::Summary;
@@ -66,7 +66,7 @@ impl Beside<'_> {
         let elsewhere = motion.known == KnownError::Contradiction || motion.error.is_some_and(|by| by > ELSEWHERE);
         let of = |quantity: &MeasuredQuantity| {
             let least = if quantity.is_time() { step } else { BETWEEN * quantity.missed };
-            let shrinks = Shrinks { least, ..shrinks };
+            let shrinks = Shrinks { least: least.max(EQUAL * quantity.largest), ..shrinks };
             let worth = match quantity.value {
                 Some(_) if elsewhere && quantity.statistic == Statistic::Last => {
                     Worth { known: KnownError::Contradiction, ..Worth::default() }

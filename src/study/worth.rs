@@ -22,7 +22,7 @@ const NOT_SHOWN: f64 = 3.0;
 /// Powers of R between which d2/d1 counts as showing the order.
 const ORDER: [f64; 2] = [0.6, 1.25];
 /// [-] Difference over the value up to which values are equal: solvers of implicit steps stop before it.
-const EQUAL: f64 = 1e-9;
+pub(super) const EQUAL: f64 = 1e-9;
 /// [-] Differences that grow by more than twice, and are more than this share of the value, contradict each other.
 const LITTLE: f64 = 0.02;
 

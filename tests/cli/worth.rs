@@ -29,7 +29,7 @@ fn asked(bench: &Bench, arguments: &[&str], exact: &[(String, f64)]) -> Option<V
 /// (one in twenty), and below ten times in all; and it is not told far too large.
 #[test]
 fn errors_that_are_told_are_those_that_are_made() {
-    let (mut rows, mut beyond, mut ratios) = (0, 0, Vec::new());
+    let (mut beyond, mut far, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
     let methods = ["velocity-verlet", "euler-cromer", "rk4", "newmark", "backward-euler", "energy-momentum", "dop853"];
     let methods = methods.into_iter().map(|name| json!(name)).chain([json!({"hht": {"alpha": -0.1}})]);
     let methods: Vec<Value> = methods.collect();
@@ -45,21 +45,23 @@ fn errors_that_are_told_are_those_that_are_made() {
                 let Some(error) = quantity["error"].as_f64() else { continue };
                 let made = (value - exact).abs();
                 let what = format!("{} {method} {step} {name}: {made:e} made, {error:e} told", form.name);
-                assert!(made < 10.0 * error, "{what}");
-                (rows, told_of) = (rows + 1, told_of + 1);
+                told_of += 1;
                 ratios.push(made / error);
-                if made > 3.0 * error {
-                    beyond += 1;
-                    println!("{what}");
+                if made > 10.0 * error {
+                    far.push(what);
+                } else if made > 3.0 * error {
+                    beyond.push(what);
                 }
             }
         }
         assert!(told_of > 8 * form.exact.len(), "{}: {told_of}", form.name);
     }
+    let rows = ratios.len();
     assert!(rows > 400, "{rows}");
-    assert!(20 * beyond <= rows, "{beyond} of {rows}");
+    assert!(far.is_empty(), "{far:#?}");
+    assert!(20 * beyond.len() <= rows, "{} of {rows}: {beyond:#?}", beyond.len());
     ratios.sort_by(f64::total_cmp);
-    println!("{rows} rows, {beyond} beyond three times, median {}", ratios[rows / 2]);
+    println!("{rows} rows, {} beyond 3 times, median {:.3}: {beyond:#?}", beyond.len(), ratios[rows / 2]);
     assert!(ratios[rows / 2] > 0.05, "told errors are far too large: {ratios:?}");
 }
 
@@ -104,6 +106,23 @@ fn numbers_are_printed_with_their_errors() {
     assert!(unit.code == Some(2) && unit.stderr.contains("is in m/s, not in N"), "{}", unit.stderr);
     let form = bench.run(&["solve", case, "--quantity", "wall"]);
     assert!(form.code == Some(2) && form.stderr.contains("/study/quantities/0"), "{}", form.stderr);
+}
+
+/// Where the motion of the runs differs by much of itself, as in a net that swings as fast as the steps follow, a value
+/// at the end has no error, even if the runs agree there.
+#[test]
+fn values_at_the_end_of_other_motions_are_not_settled() {
+    let bench = Bench::new();
+    let case = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/guide/cases/hypar.json");
+    let ended = bench.run(&["solve", case, "--verify", "--quantity", "motion", "--quantity", "displacement_end"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let line = ended.stdout.lines().find(|line| line.trim_start().starts_with("not settled"));
+    assert!(line.is_some_and(|line| line.contains("displacement_end: the runs contradict")), "{}", ended.stdout);
+    assert!(
+        !ended.stdout.lines().any(|line| line.contains("displacement") && line.contains(" ± ")),
+        "{}",
+        ended.stdout
+    );
 }
 
 /// Steps of explicit methods near their limit are compared with shorter ones.
