@@ -17,8 +17,12 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = ROOT / "target" / "release" / "canopy-fem"
 SHIPPED = ["assets/cases/*.json", "assets/cases/parachute/*.json", "docs/guide/cases/*.json"]
-# [-] Steps of the reference over those of the case.
+# [-] Steps of the case over those of the reference.
 FINER = 16
+# What is asked for beside the numbers of the report.
+ASKED = ["displacement_end", "max_displacement", "max_speed", "max_strain"] + [
+    f"energy.{kind}.{statistic}" for kind in ("kinetic", "elastic") for statistic in ("peak", "last")
+]
 
 
 def cpu(arguments: list[str]) -> tuple[float, subprocess.CompletedProcess[str]]:
@@ -58,34 +62,64 @@ def costs(cases: list[str]) -> None:
     print(f"\n{within} of {len(ratios)} within a factor of two")
 
 
+def finer(case: str) -> list[str]:
+    """Arguments for steps 16 times smaller; for a tolerance, that of an error of order 2 with such steps."""
+    time = json.loads((ROOT / case).read_text())["time"]
+    if "step" in time:
+        return ["--step", repr(time["step"] / FINER)]
+    if "tolerance" not in time:
+        return []
+    return [
+        argument
+        for key, value in time["tolerance"].items()
+        for argument in ("--set", f"time.tolerance.{key}={value / FINER**3!r}")
+    ]
+
+
+def numbers(case: str, own: dict, fine: dict) -> list[tuple[str, float, float | None, float]]:
+    """Name, value, stated and true error of each number of a run."""
+    print(f"\n{name(case)}\n\n| quantity | value | stated | true | true/stated |\n|---|---|---|---|---|")
+    rows = []
+    for quantity, of in own["quantities"].items():
+        other = fine["quantities"].get(quantity, {})
+        if of.get("value") is None or other.get("value") is None:
+            continue
+        value, stated, true = of["value"], of.get("error"), abs(of["value"] - other["value"])
+        rows.append((quantity, value, stated, true))
+        shown, ratio = ("not settled", "") if stated is None else (f"{stated:.2g}", f"{true / stated:.2f}" if stated else "")
+        print(f"| {quantity} | {value:.5g} | {shown} | {true:.2g} | {ratio} |", flush=True)
+    return rows
+
+
 def errors(cases: list[str]) -> None:
-    """One row a case and quantity."""
-    print("| case | quantity | value | stated | true | true/stated |\n|---|---|---|---|---|---|")
-    ratios = []
+    """A table a case, and one of all cases."""
+    compared = {}
     for case in cases:
-        text = json.loads(cpu(["check", case, "--json"])[1].stdout or "{}")
-        step = text.get("step")
-        if not step:
-            continue
-        _, own = solved(case, ["--verify"])
-        _, fine = solved(case, ["--step", repr(step / FINER)])
-        if own is None or fine is None:
-            print(f"| {name(case)} | fails | | | | |", flush=True)
-            continue
-        for quantity, of in own["quantities"].items():
-            other = fine["quantities"].get(quantity, {})
-            if of.get("value") is None or other.get("value") is None:
-                continue
-            true = abs(of["value"] - other["value"])
-            stated = of.get("error")
-            ratio = true / stated if stated else None
-            if ratio is not None:
-                ratios.append(ratio)
-            shown = "not settled" if stated is None else f"{stated:.2g}"
-            told = "" if ratio is None else f"{ratio:.2f}"
-            print(f"| {name(case)} | {quantity} | {of['value']:.5g} | {shown} | {true:.2g} | {told} |", flush=True)
+        arguments = [argument for quantity in ASKED for argument in ("--quantity", quantity)]
+        fine = solved(case, [*arguments, *finer(case)])[1] if finer(case) else None
+        own = solved(case, [*arguments, "--verify"])[1] if fine else None
+        if own and fine:
+            compared[case] = numbers(case, own, fine)
+        else:
+            print(f"\n{name(case)}: no reference, or the run fails")
+    summed(compared)
+
+
+def summed(compared: dict[str, list[tuple[str, float, float | None, float]]]) -> None:
+    """One row a case: how many numbers, and the worst."""
+    print("\n| case | numbers | not settled | median of true/stated | largest | of |\n|---|---|---|---|---|---|")
+    ratios = []
+    for case, rows in compared.items():
+        own = sorted((true / stated if stated else 0.0, quantity) for quantity, _, stated, true in rows if stated is not None)
+        ratios += [ratio for ratio, _ in own]
+        (worst, which), middle = own[-1] if own else (0.0, ""), own[len(own) // 2][0] if own else 0.0
+        print(f"| {name(case)} | {len(rows)} | {len(rows) - len(own)} | {middle:.2f} | {worst:.2f} | {which} |")
     below = [sum(ratio < most for ratio in ratios) for most in (1.0, 3.0, 10.0)]
-    print(f"\nof {len(ratios)}: {below[0]} below the stated error, {below[1]} below 3 times, {below[2]} below 10 times")
+    middle = sorted(ratios)[len(ratios) // 2] if ratios else 0.0
+    print(
+        f"\n{len(ratios)} numbers with a stated error: {below[0]} below it, {below[1]} below 3 times, {below[2]} below 10 times, "
+        f"median {middle:.2f}; {sum(map(len, compared.values())) - len(ratios)} not settled"
+    )
 
 
 def name(case: str) -> str:

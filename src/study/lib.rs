@@ -15,6 +15,7 @@
 #![allow(rustdoc::broken_intra_doc_links)]
 
 pub mod accuracy;
+pub mod beside;
 mod compared_model;
 mod costs;
 pub mod difference;

@@ -36,7 +36,7 @@ pub(super) fn are_wanted(prepared: &PreparedCase) -> Result<bool, StudyError> {
 
 /// Whether a quantity has a value that runs are compared by.
 fn is_compared(quantity: &MeasuredQuantity) -> bool {
-    quantity.wanted && quantity.name != "motion"
+    quantity.wanted && !quantity.is_motion()
 }
 
 /// The quantities of a run of a reference.
@@ -129,7 +129,7 @@ impl SolvedQuantities {
     pub(super) fn after(&self, near: Option<&Self>, far: Option<&Self>) -> Vec<ReferenceQuantity> {
         self.known(|quantity, own, shrinks| {
             let coarser = [near, far].map(|run| value(&run?.own, &quantity.name));
-            shrinks.worth(Runs { own, coarser, finer: None })
+            shrinks.worth(Runs { own, coarser, ..Runs::default() })
         })
     }
 
@@ -141,11 +141,11 @@ impl SolvedQuantities {
             let Some(own) = quantity.value else {
                 return ReferenceQuantity { name, unit, ..ReferenceQuantity::default() };
             };
-            let least = if quantity.is_time { self.step } else { 0.0 };
+            let least = if quantity.is_time() { self.step } else { 0.0 };
             let shrinks = Shrinks { least, ..Shrinks::with_steps(ORDER) };
             let thinned: Vec<Option<f64>> = self.thinned.iter().map(|all| value(all, &quantity.name)).collect();
             let coarser = [0, 1].map(|i| thinned.get(i).copied().flatten());
-            let steps = shrinks.worth(Runs { own, coarser, finer: None });
+            let steps = shrinks.worth(Runs { own, coarser, ..Runs::default() });
             let largest = thinned.iter().flatten().map(|other| (other - own).abs()).fold(0.0, f64::max);
             let of_steps = steps.error.map(|error| error.max(OF_LARGEST * largest).max(quantity.missed));
             let Worth { error, known, extrapolated } = scheme(quantity, own, shrinks);

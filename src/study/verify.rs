@@ -4,125 +4,13 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 use super::accuracy::Accuracy;
+use super::beside::{Beside, Numbers, Worths};
 use super::error::StudyError;
-use super::frames::{Distance, Frames};
 use super::prepared_case::PreparedCase;
 use super::whole_run::{WholeRun, WholeRunSpec};
-use super::worth::{KnownError, Runs, Shrinks, Worth};
+use super::worth::{KnownError, Shrinks};
 use crate::drive::clock::{Step, Tolerance};
 use crate::format_number::figures;
-use crate::output::gauges::{MeasuredQuantity, Peak};
-use crate::output::summary::Summary;
-
-/// The numbers of a run.
-#[derive(Clone, Copy)]
-pub struct Numbers<'a> {
-    /// its quantities
-    pub quantities: &'a [MeasuredQuantity],
-    /// the peaks of its gauges
-    pub peaks: &'a [Peak],
-    /// its frames, where its motion is asked for
-    pub frames: Option<&'a Frames>,
-}
-
-impl WholeRun {
-    /// Its numbers.
-    pub fn numbers(&self) -> Numbers<'_> {
-        Numbers { quantities: &self.quantities, peaks: &self.peaks, frames: self.frames.as_ref() }
-    }
-
-    fn peak(&self, like: &Peak) -> Option<f64> {
-        let same = |peak: &&Peak| peak.name == like.name && peak.quantity == like.quantity;
-        Some(self.peaks.iter().find(same)?.value).filter(|_| self.completed())
-    }
-}
-
-/// What all numbers of a run are worth.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Worths {
-    /// of the quantities, by name
-    pub quantities: BTreeMap<String, Worth>,
-    /// of the peaks, in their order
-    pub peaks: Vec<Worth>,
-}
-
-/// Factor on what a peak misses between two steps, which is that of a parabola.
-const BETWEEN: f64 = 1.25;
-
-/// Runs of the same method beside a run.
-#[derive(Clone, Copy, Default)]
-pub struct Beside<'a> {
-    /// with twice and four times the step, or ten and a hundred times the tolerance
-    pub coarser: [Option<&'a WholeRun>; 2],
-    /// with half the step, or a tenth of the tolerance
-    pub finer: Option<&'a WholeRun>,
-}
-
-impl Beside<'_> {
-    /// What the numbers of a run are worth. `step` [s] is its step, or its mean.
-    pub fn worth(&self, own: Numbers<'_>, shrinks: Shrinks, step: f64) -> Worths {
-        let completed = |run: Option<&WholeRun>| run.filter(|run| run.completed()).is_some();
-        let of = |quantity: &MeasuredQuantity| {
-            let least = if quantity.is_time { step } else { BETWEEN * quantity.missed };
-            let shrinks = Shrinks { least, ..shrinks };
-            let worth = match quantity.value {
-                Some(value) => shrinks.worth(self.runs(value, &|run| run.value(&quantity.name))),
-                None => self.motion(own.frames, shrinks),
-            };
-            (quantity.name.clone(), worth)
-        };
-        let peak = |peak: &Peak| match completed(self.coarser[0]) || completed(self.finer) {
-            true => {
-                Shrinks { least: BETWEEN * peak.missed, ..shrinks }.worth(self.runs(peak.value, &|run| run.peak(peak)))
-            }
-            false => Worth::default(),
-        };
-        Worths { quantities: own.quantities.iter().map(of).collect(), peaks: own.peaks.iter().map(peak).collect() }
-    }
-
-    fn runs(&self, own: f64, of: &dyn Fn(&WholeRun) -> Option<f64>) -> Runs {
-        let value = |run: Option<&WholeRun>| run.and_then(of);
-        Runs { own, coarser: self.coarser.map(value), finer: value(self.finer) }
-    }
-
-    /// [-] of the motion
-    fn motion(&self, own: Option<&Frames>, shrinks: Shrinks) -> Worth {
-        let frames = |run: Option<&'_ WholeRun>| run.filter(|run| run.completed()).and_then(|run| run.frames.clone());
-        let between = |a: Option<&Frames>, b: Option<&Frames>| {
-            let (a, b) = a.zip(b)?;
-            Some(Distance::between(a, b).over(a.motion)?[0])
-        };
-        let [near, far] = self.coarser.map(frames);
-        match (between(own, near.as_ref()), between(own, frames(self.finer).as_ref())) {
-            (Some(distance), _) => shrinks.of_distances(distance, between(near.as_ref(), far.as_ref())),
-            (None, Some(finer)) => {
-                let worth = shrinks.worth(Runs { own: 0.0, coarser: [None; 2], finer: Some(finer) });
-                Worth { extrapolated: None, ..worth }
-            }
-            (None, None) => Worth::default(),
-        }
-    }
-}
-
-impl Worths {
-    /// Adds the errors to a summary.
-    pub fn add_to(&self, summary: &mut Summary) {
-        for (peak, worth) in summary.peaks.iter_mut().zip(&self.peaks) {
-            peak.error = worth.error;
-            let last = self.quantities.get(&format!("{}.{}.last", peak.name, peak.quantity));
-            peak.last_error = last.and_then(|worth| worth.error);
-        }
-        for (name, worth) in &self.quantities {
-            let report = summary.quantities.entry(name.clone()).or_default();
-            report.error = worth.error;
-            worth.known.words().clone_into(&mut report.error_by);
-            report.extrapolated = worth.extrapolated;
-            if report.unit.is_empty() {
-                "-".clone_into(&mut report.unit);
-            }
-        }
-    }
-}
 
 /// How a run's step is changed: doubled `times` times; tolerances times ten.
 pub fn coarser(step: Step, times: i32) -> Step {
@@ -133,6 +21,15 @@ pub fn coarser(step: Step, times: i32) -> Step {
             Step::Adaptive(Tolerance { relative: relative * factor, absolute: absolute * factor })
         }
     }
+}
+
+/// Most frames of a run that are kept where its motion is not asked for.
+const FRAMES: f64 = 50.0;
+
+/// [s] Interval of the frames by which the motions of the runs of a case are compared: its own, or a longer one where
+/// the motion is not asked for.
+pub fn compared_every(prepared: &PreparedCase, asked: bool) -> f64 {
+    if asked { prepared.every } else { prepared.every.max(prepared.end() / FRAMES) }
 }
 
 /// A step in words.
@@ -147,8 +44,8 @@ pub fn described(step: Step) -> String {
 pub struct Verifier<'a> {
     /// the case with its scene
     pub prepared: &'a PreparedCase,
-    /// whether the motion is asked for
-    pub motion: bool,
+    /// [s] interval of the frames by which motions are compared
+    pub frames: f64,
     /// [s] longest stable step of the method; infinite without one
     pub limit: f64,
     /// set when the user interrupts
@@ -177,7 +74,7 @@ impl Verifier<'_> {
             end: self.prepared.end(),
             method: &problem.method,
             step,
-            frames: self.motion,
+            frames: Some(self.frames),
             most_work,
             enough: None,
             interrupt: self.interrupt,

@@ -32,8 +32,8 @@ pub struct WholeRunSpec<'a> {
     pub method: &'a MethodChoice,
     /// the steps
     pub step: Step,
-    /// whether its frames are kept, for the motion
-    pub frames: bool,
+    /// [s] interval of the frames that are kept, for the motion; `None`: none are
+    pub frames: Option<f64>,
     /// most work, as [`WholeRun::work`] counts it; the run is stopped beyond it
     pub most_work: u64,
     /// whether so many steps and this work are enough; the run is stopped at the next state that it could be resumed
@@ -94,6 +94,12 @@ impl WholeRun {
     /// Counted work: steps and Newton iterations.
     pub fn work(&self) -> u64 {
         self.steps + self.counters.newton_iterations
+    }
+
+    /// The values of a quantity on the way to the end; none unless the run reached it.
+    pub fn late(&self, name: &str) -> Option<&[f64]> {
+        let of = self.quantities.iter().find(|quantity| quantity.name == name).filter(|_| self.completed());
+        of.map(|quantity| quantity.late.as_slice())
     }
 
     /// The value of a quantity; none unless the run reached its end.
@@ -159,7 +165,7 @@ impl WholeRunSpec<'_> {
         };
         let measured = LargestValues::new(scene, &problem.output, problem.time.end, None);
         let mut measured = measured.map_err(|why| StudyError::Usage(why.to_string()))?;
-        let mut sampler = self.frames.then(|| Sampler::keeping(scene, every));
+        let mut sampler = self.frames.map(|every| Sampler::keeping(scene, every));
         let stop = AtomicBool::new(false);
         let (watch, most) = (Stopwatch::of_thread(Cost::default()), self.most_work);
         let mut limit = Limit {

@@ -1,99 +1,84 @@
 //! `solve --verify` and `--within`: the errors that are told against the true ones.
 
+mod forms;
+
 use crate::bench::Bench;
 use serde_json::{Value, json};
 
-/// A mass on a spring, let go from rest at 0.3 m: x = 0.3 cos(w t) with w = 2 pi/s.
+/// Writes the oscillator with a method and a step.
 fn oscillator(bench: &Bench, method: &str, step: f64) -> &'static str {
-    let w = std::f64::consts::TAU;
-    let case = json!({
-        "name": "oscillator",
-        "system": {"network": {
-            "mesh": {"explicit": {"nodes": [[0, 0, 0], [1, 0, 0]], "springs": [[0, 1]]}},
-            "mass": {"nodal": 1.0},
-            "springs": [{"on": "all", "stiffness": w * w}],
-            "supports": [{"on": {"ids": [0]}, "fix": "xyz"}, {"on": {"ids": [1]}, "fix": "yz"}],
-            "initial": {"displacement": [[0, 0, 0], [0.3, 0, 0]]}
-        }},
-        "time": {"end": 3.2, "method": method, "step": step},
-        "output": {
-            "frames": {"every": 0.1},
-            "probes": [{"name": "bob", "on": {"ids": [1]}}],
-            "gauges": [
-                {"name": "wall", "on": {"ids": [0]}, "of": "reaction"},
-                {"name": "bob", "on": {"ids": [1]}, "of": "speed"}
-            ]
-        }
-    });
-    std::fs::write(bench.path("oscillator.json"), case.to_string()).expect("a case");
-    "oscillator.json"
+    written(bench, forms::oscillator().case, &json!(method), step)
 }
 
-/// A number and its closed form of w [rad/s] and of the end [s].
-type Exact = (&'static str, fn(f64, f64) -> f64);
-const EXACT: [Exact; 5] = [
-    ("bob.x@1.3", |w, _| 1.0 + 0.3 * (1.3 * w).cos()),
-    ("bob.x.last", |w, t| 1.0 + 0.3 * (t * w).cos()),
-    ("bob.speed.peak", |w, _| 0.3 * w),
-    ("wall.reaction.last", |w, t| (0.3 * w * w * (t * w).cos()).abs()),
-    ("energy.elastic.last", |w, t| 0.5 * (0.3 * w * (t * w).cos()).powi(2)),
-];
+fn written(bench: &Bench, mut case: Value, method: &Value, step: f64) -> &'static str {
+    (case["time"]["method"], case["time"]["step"]) = (method.clone(), json!(step));
+    std::fs::write(bench.path("case.json"), case.to_string()).expect("a case");
+    "case.json"
+}
 
-fn verified(bench: &Bench, arguments: &[&str]) -> Value {
-    let names = EXACT.iter().flat_map(|(name, _)| ["--quantity", name]);
+/// Runs `solve` and asks for these numbers; none where the method does not run with this step.
+fn asked(bench: &Bench, arguments: &[&str], exact: &[(String, f64)]) -> Option<Value> {
+    let names = exact.iter().flat_map(|(name, _)| ["--quantity", name]);
     let all: Vec<&str> = ["solve"].into_iter().chain(arguments.iter().copied()).chain(names).collect();
     let ended = bench.run(&[&all[..], &["--out", "out", "--force", "--quiet"]].concat());
-    assert_eq!(ended.code, Some(0), "{arguments:?}: {}", ended.stderr);
-    bench.results().summary()["quantities"].clone()
+    assert!(matches!(ended.code, Some(0 | 3)), "{arguments:?}: {}", ended.stderr);
+    (ended.code == Some(0)).then(|| bench.results().summary()["quantities"].clone())
 }
 
 /// The true error is below three times the one that is told, for every method and four steps each, but for a few rows
 /// (one in twenty), and below ten times in all; and it is not told far too large.
 #[test]
 fn errors_that_are_told_are_those_that_are_made() {
-    let (w, end) = (std::f64::consts::TAU, 3.2);
-    let (mut rows, mut beyond, mut ratios) = (0, 0, Vec::new());
-    let methods = ["velocity-verlet", "euler-cromer", "rk4", "newmark", "backward-euler", "energy-momentum"];
-    for method in methods.into_iter().chain([r#"{"hht": {"alpha": -0.1}}"#, "dop853"]) {
-        for step in [0.04, 0.02, 0.01, 0.005] {
+    let (mut beyond, mut far, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
+    let methods = ["velocity-verlet", "euler-cromer", "rk4", "newmark", "backward-euler", "energy-momentum", "dop853"];
+    let methods = methods.into_iter().map(|name| json!(name)).chain([json!({"hht": {"alpha": -0.1}})]);
+    let methods: Vec<Value> = methods.collect();
+    for form in forms::all() {
+        let mut told_of = 0;
+        for (method, step) in methods.iter().flat_map(|method| form.steps.map(|step| (method, step))) {
             let bench = Bench::new();
-            let name = if method.starts_with('{') { "hht" } else { method };
-            let told = verified(&bench, &[oscillator(&bench, name, step), "--verify", "--method", method]);
-            for (name, exact) in EXACT {
+            let case = written(&bench, form.case.clone(), method, step);
+            let Some(told) = asked(&bench, &[case, "--verify"], &form.exact) else { continue };
+            for (name, exact) in &form.exact {
                 let quantity = &told[name];
                 let value = quantity["value"].as_f64().unwrap_or_else(|| panic!("{name}: {told}"));
                 let Some(error) = quantity["error"].as_f64() else { continue };
-                let made = (value - exact(w, end)).abs();
-                rows += 1;
+                let made = (value - exact).abs();
+                let what = format!("{} {method} {step} {name}: {made:e} made, {error:e} told", form.name);
+                told_of += 1;
                 ratios.push(made / error);
-                let what = format!("{method} {step} {name}: {made:e} made, {error:e} told");
-                assert!(made < 10.0 * error, "{what}");
-                if made > 3.0 * error {
-                    beyond += 1;
-                    println!("{what}");
+                if made > 10.0 * error {
+                    far.push(what);
+                } else if made > 3.0 * error {
+                    beyond.push(what);
                 }
             }
         }
+        assert!(told_of > 8 * form.exact.len(), "{}: {told_of}", form.name);
     }
-    assert!(rows > 130, "{rows}");
-    assert!(20 * beyond <= rows, "{beyond} of {rows}");
+    let rows = ratios.len();
+    assert!(rows > 400, "{rows}");
+    assert!(far.is_empty(), "{far:#?}");
+    assert!(20 * beyond.len() <= rows, "{} of {rows}: {beyond:#?}", beyond.len());
     ratios.sort_by(f64::total_cmp);
-    assert!(ratios[ratios.len() / 2] > 0.05, "told errors are far too large: {ratios:?}");
+    println!("{rows} rows, {} beyond 3 times, median {:.3}: {beyond:#?}", beyond.len(), ratios[rows / 2]);
+    assert!(ratios[rows / 2] > 0.05, "told errors are far too large: {ratios:?}");
 }
 
 /// The run that is kept is within the accuracy, and no more expensive one is.
 #[test]
 fn the_step_for_an_accuracy_is_found() {
-    let (w, end) = (std::f64::consts::TAU, 3.2);
+    let exact = forms::oscillator().exact;
     for (method, accuracy) in [("newmark", "10%"), ("newmark", "1e-4"), ("rk4", "1%"), ("velocity-verlet", "3%")] {
         let bench = Bench::new();
-        let quantities = verified(&bench, &[oscillator(&bench, method, 0.005), "--within", accuracy]);
+        let arguments = [oscillator(&bench, method, 0.005), "--within", accuracy];
+        let quantities = asked(&bench, &arguments, &exact).expect("a run");
         let wanted = match accuracy.strip_suffix('%') {
             Some(percent) => percent.parse::<f64>().expect("a number") / 100.0,
             None => accuracy.parse().expect("a number"),
         };
-        for (name, exact) in EXACT {
-            let (value, exact) = (quantities[name]["value"].as_f64().expect("a value"), exact(w, end));
+        for (name, exact) in &exact {
+            let value = quantities[name]["value"].as_f64().expect("a value");
             assert!((value - exact).abs() <= wanted * exact.abs(), "{method} {accuracy} {name}: {value}, {exact}");
         }
         let step = bench.results().summary()["case"]["time"]["step"].as_f64().expect("a step");
@@ -121,6 +106,23 @@ fn numbers_are_printed_with_their_errors() {
     assert!(unit.code == Some(2) && unit.stderr.contains("is in m/s, not in N"), "{}", unit.stderr);
     let form = bench.run(&["solve", case, "--quantity", "wall"]);
     assert!(form.code == Some(2) && form.stderr.contains("/study/quantities/0"), "{}", form.stderr);
+}
+
+/// Where the motion of the runs differs by much of itself, as in a net that swings as fast as the steps follow, a value
+/// at the end has no error, even if the runs agree there.
+#[test]
+fn values_at_the_end_of_other_motions_are_not_settled() {
+    let bench = Bench::new();
+    let case = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/guide/cases/hypar.json");
+    let ended = bench.run(&["solve", case, "--verify", "--quantity", "motion", "--quantity", "displacement_end"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let line = ended.stdout.lines().find(|line| line.trim_start().starts_with("not settled"));
+    assert!(line.is_some_and(|line| line.contains("displacement_end: the runs contradict")), "{}", ended.stdout);
+    assert!(
+        !ended.stdout.lines().any(|line| line.contains("displacement") && line.contains(" ± ")),
+        "{}",
+        ended.stdout
+    );
 }
 
 /// Steps of explicit methods near their limit are compared with shorter ones.

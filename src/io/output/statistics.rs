@@ -9,6 +9,8 @@ use crate::model::quantity::Statistic;
 const LAST_PART: f64 = 0.1;
 /// [-] Relative change over that part below which a value is steady.
 const STEADY: f64 = 0.01;
+/// Values of that part that are kept, equal times apart.
+const KEPT: u8 = 8;
 
 /// A series of values so far; part of a checkpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,6 +35,8 @@ pub struct SeriesSoFar {
     late: [f64; 2],
     /// integrals over time: of the whole series, and of its last part
     integrals: [f64; 2],
+    /// values at equal times of the last part, from its beginning
+    kept: [f64; KEPT as usize],
 }
 
 impl Default for SeriesSoFar {
@@ -48,6 +52,7 @@ impl Default for SeriesSoFar {
             first: f64::NAN,
             late: [f64::NEG_INFINITY, f64::NAN],
             integrals: [0.0; 2],
+            kept: [f64::NAN; KEPT as usize],
         }
     }
 }
@@ -89,6 +94,12 @@ impl SeriesSoFar {
         if self.late[0] < begins {
             self.late = [t, value];
         }
+        for number in (0..KEPT).filter(|_| t >= begins) {
+            let time = begins + LAST_PART * end * f64::from(number) / f64::from(KEPT);
+            let (new, passed) = (self.at(time, t, value), (self.first..=t).contains(&time));
+            let kept = self.kept.get_mut(usize::from(number)).filter(|kept| passed && kept.is_nan());
+            kept.into_iter().for_each(|kept| *kept = new);
+        }
         (self.t, self.last) = (t, value);
     }
 
@@ -106,6 +117,11 @@ impl SeriesSoFar {
     pub fn late_mean(&self, end: f64) -> f64 {
         let begins = late_from(end).max(self.first);
         if self.t > begins { self.integrals[1] / (self.t - begins) } else { f64::NAN }
+    }
+
+    /// Values at equal times of the last tenth of the run; none unless all of them were measured.
+    pub fn late_values(&self) -> Vec<f64> {
+        if self.kept.iter().all(|value| value.is_finite()) { self.kept.to_vec() } else { Vec::new() }
     }
 
     /// The statistic of a run to `end` [s]; `None` for [`Statistic::At`], which has to be caught on the way.
@@ -160,6 +176,23 @@ mod tests {
         }
         let missed = 1.0 - series.peak;
         assert!(missed > 1e-3 && (series.missed / missed - 1.0).abs() < 0.02, "{missed} {}", series.missed);
+    }
+
+    /// The values on the way to the end do not depend on the steps, but for what a chord misses.
+    #[test]
+    fn late_values_are_those_of_the_same_times() {
+        let line = |n: u32| {
+            let mut series = SeriesSoFar::default();
+            (0..=n).map(|k| f64::from(k) / f64::from(n)).for_each(|t| series.note(t, t, PeakRule::Largest, 1.0));
+            series.late_values()
+        };
+        let wanted = (0..8).map(|k| 0.9 + 0.1 * f64::from(k) / 8.0);
+        for values in [line(3), line(1000)] {
+            assert!(values.len() == 8 && wanted.clone().zip(values).all(|(a, b)| (a - b).abs() < 1e-12));
+        }
+        let mut cut_short = SeriesSoFar::default();
+        cut_short.note(0.95, 1.0, PeakRule::Largest, 1.0);
+        assert_eq!(cut_short.late_values(), [0.0; 0]);
     }
 
     #[test]

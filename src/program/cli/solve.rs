@@ -62,7 +62,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     };
     let watch = RecordWatch { begins: &begins, warned: &warned };
     // A signal also ends an implicit step, which may be long.
-    let mut sampler = accounted.as_ref().and_then(Accounted::sampler);
+    let mut sampler = accounted.as_ref().map(Accounted::sampler);
     let mut observers: Vec<&mut dyn Observer> = vec![&mut progress];
     observers.extend(sampler.as_mut().map(|sampler| sampler as &mut dyn Observer));
     let mut recorded = heeding(is_asked, || record_watched(case, settings, watch, &mut observers, flag()))?;

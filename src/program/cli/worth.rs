@@ -12,9 +12,10 @@ use crate::output::largest::LargestValues;
 use crate::output::summary::Summary;
 use crate::simulation::Recorded;
 use crate::study::StudyError;
+use crate::study::beside::Numbers;
 use crate::study::frames::Sampler;
 use crate::study::prepared_case::PreparedCase;
-use crate::study::verify::{Numbers, Verifier, Within};
+use crate::study::verify::{Verifier, Within, compared_every};
 use crate::study::worth::KnownError;
 use std::fmt::Write;
 use std::sync::atomic::AtomicBool;
@@ -22,8 +23,8 @@ use std::sync::atomic::AtomicBool;
 /// A case whose numbers are to be known with their errors.
 pub(super) struct Accounted {
     prepared: PreparedCase,
-    /// whether the motion is asked for
-    motion: bool,
+    /// [s] interval of the frames by which motions are compared
+    frames: f64,
     /// [s]
     limit: f64,
     display: Display,
@@ -35,15 +36,16 @@ impl Accounted {
         let (scene, problem) = (&*prepared.scene, &prepared.problem);
         let named = LargestValues::new(scene, &problem.output, problem.time.end, None);
         let named = named.map_err(|why| StudyError::Usage(why.to_string()))?.quantities();
-        let motion = named.iter().any(|quantity| quantity.name == "motion");
+        let motion = named.iter().any(MeasuredQuantity::is_motion);
         let limit = limit_at_start(problem.run_spec().planned(scene, Stop::NEVER)).step;
         let display = if args.print.quiet { Display::Quiet } else { Display::Terminal };
-        Ok(Accounted { prepared, motion, limit, display })
+        let frames = compared_every(&prepared, motion);
+        Ok(Accounted { prepared, frames, limit, display })
     }
 
-    /// The observer of the run that keeps its motion, if that is asked for.
-    pub(super) fn sampler(&self) -> Option<Sampler<'_>> {
-        self.motion.then(|| Sampler::keeping(&*self.prepared.scene, self.prepared.every))
+    /// The observer of the run that keeps its motion.
+    pub(super) fn sampler(&self) -> Sampler<'_> {
+        Sampler::keeping(&*self.prepared.scene, self.frames)
     }
 
     fn with<R>(
@@ -53,8 +55,8 @@ impl Accounted {
     ) -> Result<R, CliError> {
         let line = Progress::new(1.0, self.display);
         let tell = |step: &str| line.say(&format!("beside it: {step}"));
-        let Accounted { prepared, motion, limit, .. } = self;
-        let verifier = Verifier { prepared, motion: *motion, limit: *limit, interrupt, tell: &tell };
+        let Accounted { prepared, frames, limit, .. } = self;
+        let verifier = Verifier { prepared, frames: *frames, limit: *limit, interrupt, tell: &tell };
         let made = what(&verifier);
         line.clear();
         Ok(made?)
@@ -119,7 +121,7 @@ fn lines(quantities: &[MeasuredQuantity], summary: &Summary, kind: &str, how: &s
                 let value = with_error(value, report.error);
                 let _ = writeln!(text, "  quantity        {} = {value} {}", quantity.name, quantity.unit);
             }
-            None if quantity.name == "motion" => {
+            None if quantity.is_motion() => {
                 let error = report.error.map_or_else(
                     || "not known".to_owned(),
                     |error| format!("± {} % of the motion, by the {kind}s", figures(100.0 * error, 2)),

@@ -22,13 +22,14 @@ use super::nominal::NominalCosts;
 use super::sample::Sample;
 use super::{Candidate, ForecastSpec};
 use crate::analysis::critical::CriticalStep;
+use crate::beside::Beside;
 use crate::drive::Status;
 use crate::drive::clock::{FixedSteps, Step};
 use crate::format_number::{figures, two_digits};
 use crate::frames::Distance;
 use crate::output::gauges::MeasuredQuantity;
 use crate::prepared_case::interval;
-use crate::verify::{Beside, coarser};
+use crate::verify::coarser;
 use crate::whole_run::{WholeRun, WholeRunSpec};
 use crate::worth::{Shrinks, Worth};
 
@@ -264,7 +265,7 @@ impl Prospector<'_, '_> {
             end,
             method: &candidate.method,
             step,
-            frames: true,
+            frames: Some(every),
             // A run in blocks of steps may come to no state that it could be resumed from.
             most_work: (UNITS * most / self.costs.untried(&candidate.method, 1.0)).ceil().max(1.0) as u64,
             enough: Some(&|steps, counters| self.costs.cost(steps, counters.into()) > most),
@@ -324,9 +325,9 @@ impl Prospector<'_, '_> {
         let (mut errors, mut worst, mut known) = (BTreeMap::new(), None, true);
         // A part of a run says nothing of its end, where other numbers are asked for too.
         let wanted = || run.quantities.iter().filter(|quantity| quantity.wanted);
-        let early = run.t_end < self.spec.problem.time.end && wanted().any(|quantity| !quantity.at_end);
+        let early = run.t_end < self.spec.problem.time.end && wanted().any(|quantity| !quantity.at_end());
         for quantity in wanted() {
-            if early && quantity.at_end {
+            if early && quantity.at_end() {
                 errors.insert(quantity.name.clone(), ErrorForecast::default());
                 continue;
             }

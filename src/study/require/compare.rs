@@ -176,6 +176,6 @@ fn step_error(name: &str, all: &[Comparison], method: &MethodChoice, step: Step)
     // Shares are distances from the full model, which is at 0.
     let share = |of: Option<(f64, &Comparison)>| of.map(|(share, _)| share);
     let coarser = [share(coarse).filter(|_| fine.is_none()), None];
-    let error = shrinks.worth(Runs { own: 0.0, coarser, finer: share(fine) }).error?;
+    let error = shrinks.worth(Runs { coarser, finer: share(fine), ..Runs::default() }).error?;
     Some(Shown { name: name.to_owned(), share: error, by: by.described.clone() })
 }

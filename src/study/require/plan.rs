@@ -156,7 +156,7 @@ fn with_numbers(case: &Case) -> Result<Case, StudyError> {
     let largest = LargestValues::new(&*scene, &problem.output, problem.time.end, None);
     let quantities = largest.map_err(|why| StudyError::Usage(why.to_string()))?.quantities();
     let wanted: Vec<&MeasuredQuantity> = quantities.iter().filter(|quantity| quantity.wanted).collect();
-    let motion = wanted.iter().any(|quantity| quantity.name == "motion");
+    let motion = wanted.iter().any(|quantity| quantity.is_motion());
     match (motion, problem.output.quantities.is_empty()) {
         (false, _) => Ok(case.clone()),
         (true, true) => {

@@ -27,13 +27,28 @@ pub struct MeasuredQuantity {
     pub missed: f64,
     /// whether it is asked for, or is one of the numbers of the report where nothing is asked for
     pub wanted: bool,
-    /// whether it is a time that only falls on steps
-    pub is_time: bool,
-    /// whether it is known at the end of the run only
-    pub at_end: bool,
+    /// what it is of its series
+    pub statistic: Statistic,
+    /// of a value at the end, the values at equal times of the last tenth of the run; empty where there are none
+    pub late: Vec<f64>,
 }
 
 impl MeasuredQuantity {
+    /// Whether it is the motion of all nodes, which has no value.
+    pub fn is_motion(&self) -> bool {
+        self.name == "motion"
+    }
+
+    /// Whether it is a time that only falls on steps.
+    pub fn is_time(&self) -> bool {
+        self.statistic == Statistic::PeakTime
+    }
+
+    /// Whether it is known at the end of the run only.
+    pub fn at_end(&self) -> bool {
+        matches!(self.statistic, Statistic::Last | Statistic::Mean | Statistic::Steady)
+    }
+
     /// Those of a run for `summary.json`.
     pub fn reports(all: &[MeasuredQuantity]) -> QuantityReports {
         let valued = all.iter().filter(|quantity| quantity.value.is_some());
@@ -162,21 +177,18 @@ impl Quantities {
             }
             Source::Energy(number) => of_series(found, *caught, &self.so_far.account, *number),
         };
-        let magnitude = |series: &[SeriesSoFar], number: usize| {
-            series.get(number).map_or(0.0, |series| series.peak.abs().max(series.min.abs()))
-        };
-        let largest = |source: &Source| match source {
-            Source::Channel(number) => magnitude(channels, *number),
-            Source::Energy(number) => magnitude(&self.so_far.account, *number),
-            Source::Motion | Source::DisplacementEnd | Source::Channels(_) => 0.0,
+        let series = |source: &Source| match source {
+            Source::Channel(number) => channels.get(*number),
+            Source::Energy(number) => self.so_far.account.get(*number),
+            Source::Motion | Source::DisplacementEnd | Source::Channels(_) => None,
         };
         let between = |number: &usize| channels.get(*number).map_or(0.0, |series| series.missed);
         let missed = |source: &Source| match source {
-            Source::Channel(number) => between(number),
             Source::Channels(several) => several.iter().map(between).fold(0.0, f64::max),
-            Source::Energy(number) => self.so_far.account.get(*number).map_or(0.0, |series| series.missed),
-            Source::Motion | Source::DisplacementEnd => 0.0,
+            source => series(source).map_or(0.0, |series| series.missed),
         };
+        let largest = |source: &Source| series(source).map_or(0.0, |of| of.peak.abs().max(of.min.abs()));
+        let late = |source: &Source| series(source).map_or_else(Vec::new, SeriesSoFar::late_values);
         let measured = |of: (&Found, &Option<f64>)| MeasuredQuantity {
             name: of.0.name.text.clone(),
             unit: of.0.unit,
@@ -184,8 +196,8 @@ impl Quantities {
             wanted: of.0.wanted,
             largest: if of.0.statistic == Statistic::PeakTime { 0.0 } else { largest(&of.0.source) },
             missed: if of.0.statistic == Statistic::Peak { missed(&of.0.source) } else { 0.0 },
-            is_time: of.0.statistic == Statistic::PeakTime,
-            at_end: matches!(of.0.statistic, Statistic::Last | Statistic::Mean | Statistic::Steady),
+            statistic: of.0.statistic,
+            late: if of.0.statistic == Statistic::Last { late(&of.0.source) } else { Vec::new() },
         };
         self.found.iter().zip(&self.so_far.caught).map(measured).collect()
     }
