@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::error::StudyError;
 use super::experiment::{Experiment, Start};
+use super::forecast::nominal::NominalCosts;
 use super::keeper::{Course, Keeper};
 use super::measure::measured;
 use super::row::RunResult;
@@ -56,6 +57,8 @@ pub(super) struct Measured {
     pub peaks: Vec<Peak>,
     /// the quantities
     pub quantities: Vec<MeasuredQuantity>,
+    /// [s] its counted work at nominal costs
+    pub work: f64,
     /// what mass scaling has added
     pub mass_scaling: Option<AddedMass>,
 }
@@ -115,6 +118,8 @@ impl<P: StudyPlan> SavedRun<'_, P> {
             return Ok(SavedEnd::OutOfTime(outcome.t_end));
         }
         let so_far = largest.so_far();
+        let steps = (outcome.steps + outcome.rejected_steps) as f64;
+        let work = NominalCosts::of_run(&*scene, outcome.linear.as_ref()).cost(steps, outcome.counters.into());
         Ok(SavedEnd::Done(Box::new(Measured {
             run: measured(&outcome, None, seconds),
             max_speed: so_far.speed,
@@ -122,6 +127,7 @@ impl<P: StudyPlan> SavedRun<'_, P> {
             displacement_end: farthest.found.distance,
             peaks: largest.peaks(),
             quantities: largest.quantities(),
+            work,
             mass_scaling: scene.added_mass(),
         })))
     }

@@ -36,8 +36,8 @@ use crate::force::law::triangle::AreaVector;
 use crate::force::schedule::threads::Threads;
 use crate::mesh::unit_vector::unit_vector;
 use crate::model::spec::{
-    CanopyAir, CanopySpec, CavitySpec, DashpotKind, FillingSpec, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, Series, SpringGroup,
-    StreamSpec, ascending, support_velocity,
+    CanopyAir, CanopySpec, CavitySpec, DashpotKind, FillingSpec, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind,
+    Series, SpringGroup, StreamSpec, ascending, support_velocity,
 };
 use crate::startup::{Phase, timed};
 use nalgebra::Vector3;

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::change::{Variant, edited};
+use super::change::{Variant, changed};
 use super::run::RequireResult;
 use super::variants::Variants;
 use crate::case::{Case, CaseError};
@@ -185,25 +185,12 @@ impl RequirePlan {
         Path::new(&self.case_file).parent().unwrap_or(Path::new("")).to_owned()
     }
 
-    /// The case of some variants.
-    ///
-    /// # Errors
-    /// The faults of the changed case.
-    pub(super) fn case(&self, base: &Case, variants: &[Variant]) -> Result<Case, CaseError> {
-        let changed = edited(&self.case, variants);
-        // Sections as a whole, so that a mesh that stays is not made again.
-        let sections = changed.as_object().into_iter().flatten();
-        let changed = sections.filter(|(key, value)| self.case.get(key) != Some(value));
-        let overrides: Vec<(String, String)> = changed.map(|(key, value)| (key.clone(), value.to_string())).collect();
-        base.with(&overrides)
-    }
-
     /// A run of some variants. A case that is refused is a run that says so.
     ///
     /// # Errors
     /// A case that cannot be summed up, or a full model that is refused.
     pub(super) fn job(&self, base: &Case, id: String, variants: Vec<Variant>) -> Result<RequireJob, StudyError> {
-        let (case_digest, refused) = match self.case(base, &variants) {
+        let (case_digest, refused) = match changed(base, &variants) {
             Ok(case) => (fingerprint_of(case.problem())?.digest(), None),
             Err(why) if variants.is_empty() => return Err(why.into()),
             Err(why) => (String::new(), Some(briefly(&why))),
@@ -223,7 +210,7 @@ impl RequirePlan {
 }
 
 /// The first fault of a case in one line.
-fn briefly(error: &CaseError) -> String {
+pub(super) fn briefly(error: &CaseError) -> String {
     match error.faults().first() {
         Some(fault) => format!("{}; expected {}", fault.heading(), fault.allowed),
         None => error.to_string(),

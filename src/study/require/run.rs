@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
+use super::change::changed;
 use super::compare::Number;
 use super::plan::{RequireJob, RequirePlan};
 use crate::case::{Case, Problem};
@@ -21,11 +22,6 @@ use crate::store::Store;
 /// What to do where the budget was spent.
 const AGAIN: &str = "run the command again to go on";
 
-/// [s], [-] Runs are repeated as long as they take less than this together, and at most so many times: the processor
-/// time of one short run is not known well.
-const SHORT: f64 = 0.2;
-const MOST: f64 = 10.0;
-
 /// What came of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RequireResult {
@@ -33,8 +29,11 @@ pub struct RequireResult {
     pub status: RowStatus,
     /// why, and what to do, if not well
     pub note: String,
-    /// [s] processor time
+    /// [s] processor time, for information
     pub cpu_seconds: Option<f64>,
+    /// [s] counted work at nominal costs, the same on every machine: what decides
+    #[serde(default)]
+    pub work: Option<f64>,
     /// accepted steps
     pub steps: u64,
     /// attempts of adaptive steps that were dropped
@@ -98,7 +97,7 @@ impl RequireRunner<'_> {
 
     /// Makes one run of some variants, unless it is finished, and stores its result; returns why it was left out.
     fn make(&self, base: &Case, job: &RequireJob) -> Result<Option<String>, StudyError> {
-        self.make_as(job, || Ok(self.plan.case(base, &job.variants)?.into_problem()))
+        self.make_as(job, || Ok(changed(base, &job.variants)?.into_problem()))
     }
 
     /// The same with the data of the run.
@@ -128,8 +127,8 @@ impl RequireRunner<'_> {
                 }
                 let &RequireRunner { store, deadline, interrupt, .. } = self;
                 let run = SavedRun { store, job, deadline, interrupt };
-                match run.make(problem.clone()) {
-                    Ok(SavedEnd::Done(measured)) => again(&run, &problem, RequireResult::of(*measured))?,
+                match run.make(problem) {
+                    Ok(SavedEnd::Done(measured)) => RequireResult::of(*measured),
                     Ok(SavedEnd::Refused(why)) => refused(why),
                     Ok(SavedEnd::OutOfTime(t)) => {
                         return Ok(Some(format!("the budget was spent at t = {t:.3e} s of it; {AGAIN}")));
@@ -164,13 +163,14 @@ impl RequireRunner<'_> {
 
 impl RequireResult {
     fn of(measured: Measured) -> Self {
-        let Measured { run, quantities, .. } = measured;
+        let Measured { run, quantities, work, .. } = measured;
         let RunResult { status, note, repeats, steps, rejected_steps, t_end, counters, .. } = run;
         let wanted = quantities.into_iter().filter(|quantity| quantity.wanted && status == RowStatus::Completed);
         RequireResult {
             status,
             note,
             cpu_seconds: repeats.first().copied(),
+            work: Some(work),
             steps,
             rejected_steps,
             t_end,
@@ -192,21 +192,6 @@ impl RequireResult {
             alike.next().filter(|_| alike.next().is_none() && of_rule(name) != name)
         })
     }
-}
-
-/// A short run made a few times more: its cost is the least that was measured.
-fn again(
-    run: &SavedRun<'_, RequirePlan>,
-    problem: &Problem,
-    mut result: RequireResult,
-) -> Result<RequireResult, StudyError> {
-    let Some(mut least) = result.cpu_seconds.filter(|_| result.completed()) else { return Ok(result) };
-    for _ in 1..(SHORT / least.max(SHORT / MOST)).floor() as usize {
-        let SavedEnd::Done(measured) = run.make(problem.clone())? else { break };
-        least = measured.run.repeats.first().map_or(least, |seconds| seconds.min(least));
-    }
-    result.cpu_seconds = Some(least);
-    Ok(result)
 }
 
 /// A name without the number of a rule: `lines.tension.peak` of `springs[5] lines.tension.peak`.

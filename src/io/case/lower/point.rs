@@ -11,9 +11,7 @@ use nalgebra::Vector3;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::mesh::{Group, Mesh};
-use crate::model::spec::{
-    CanopyAir, CanopySpec, MotionSpec, NetworkSpec, NodalLoad, NodeDragSpec, ReleaseSpec,
-};
+use crate::model::spec::{CanopyAir, CanopySpec, MotionSpec, NetworkSpec, NodalLoad, NodeDragSpec, ReleaseSpec};
 
 /// The group of the payload.
 const PAYLOAD: &str = "payload";

@@ -50,9 +50,7 @@ impl Places {
     pub(super) fn of(picture: &dyn Observables, of: &GaugeOf) -> (&'static [Quantity], Self, Option<f64>) {
         match of {
             GaugeOf::Nodes { of, nodes } => (of.columns.all(), Places::Nodes(*of, nodes.clone()), None),
-            GaugeOf::Pull { masses } => {
-                (SpringGauge::Tension.columns().all(), Places::Pull(masses.clone()), None)
-            }
+            GaugeOf::Pull { masses } => (SpringGauge::Tension.columns().all(), Places::Pull(masses.clone()), None),
             GaugeOf::Cloth { nodes } => (&[CROSSINGS], Places::Cloth(Box::new(Cloth::new(picture, nodes))), None),
             GaugeOf::Springs { of, edges, rule, strength } => {
                 let springs = picture.springs().map_or_else(Vec::new, |springs| springs.springs_on(edges, *rule));
