@@ -1,7 +1,6 @@
 //! One run of a study whose runs are planned: measured without files, and saved where it may stop.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::error::StudyError;
@@ -183,32 +182,4 @@ impl<P: StudyPlan> Observer for Watcher<'_, '_, P> {
     fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
         self.largest.finished(last)
     }
-}
-
-/// Gives each item to one of so many threads, until all are done or one fails.
-///
-/// # Errors
-/// The first failure.
-pub(super) fn each<T: Sync>(
-    items: &[T],
-    threads: usize,
-    work: impl Fn(&T) -> Result<(), StudyError> + Sync,
-) -> Result<(), StudyError> {
-    let (next, failed) = (AtomicUsize::new(0), Mutex::new(None));
-    let take = || {
-        while let Some(item) = items.get(next.fetch_add(1, Ordering::Relaxed)) {
-            if let Err(error) = work(item) {
-                // The others finish theirs and take no more.
-                next.store(items.len(), Ordering::Relaxed);
-                failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-            }
-        }
-    };
-    std::thread::scope(|scope| {
-        (1..threads.min(items.len())).for_each(|_| {
-            scope.spawn(take);
-        });
-        take();
-    });
-    failed.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
 }

@@ -223,5 +223,5 @@ fn what_a_point_has_not_is_refused() {
     case["system"]["network"]["model"] = json!("point");
     case["output"]["gauges"].as_array_mut().expect("gauges").truncate(1);
     let (_, summary) = solved(&case, &[]);
-    near("load", peak(&summary, "canopy", "drag")[0], 53_500.0, 0.03);
+    near("load", peak(&summary, "canopy", "drag")[0], 53_500.0, 0.04);
 }

@@ -16,6 +16,7 @@ use crate::error::StudyError;
 use crate::format_number::figures;
 use crate::output::atomic::{Durability, replace_shared};
 use crate::output::sanitize::file_stem;
+use crate::planned_runs::CaseJob;
 use crate::prepared_case::fingerprint_of;
 use crate::row::RowStatus;
 use crate::store::system;
@@ -235,6 +236,8 @@ pub(super) fn distances(of: &Comparison) -> String {
 pub(super) fn cost(of: &Comparison) -> String {
     let work = match of.saved {
         Some(saved) if saved.abs() < NOTHING => "the same work".to_owned(),
+        // Almost all is not all.
+        Some(saved) if saved > 0.95 => format!("{} % less work", figures(100.0 * saved, 3)),
         Some(saved) if saved > 0.0 => format!("{} % less work", figures(100.0 * saved, 2)),
         Some(saved) => format!("{} % more work", figures(-100.0 * saved, 2)),
         None => return "no work".to_owned(),

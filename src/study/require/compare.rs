@@ -9,6 +9,7 @@ use crate::drive::clock::Step;
 use crate::error::StudyError;
 use crate::integrate::registry::MethodChoice;
 use crate::output::gauges::MeasuredQuantity;
+use crate::planned_runs::CaseJob;
 use crate::row::RowStatus;
 use crate::worth::{Runs, Shrinks};
 

@@ -16,6 +16,7 @@ use crate::output::gauges::MeasuredQuantity;
 use crate::output::largest::LargestValues;
 use crate::output::sanitize::file_stem;
 use crate::plan::{FORMAT, PROGRAM};
+use crate::planned_runs::CaseJob;
 use crate::prepared_case::fingerprint_of;
 use crate::simulation::build_scene;
 use crate::store::{StudyJob, StudyPlan};
@@ -88,15 +89,26 @@ impl StudyJob for RequireJob {
     }
 }
 
-impl RequireJob {
-    /// The changes, for people.
-    pub fn described(&self) -> String {
+impl CaseJob for RequireJob {
+    const AGAIN: &'static str = "run the command again to go on";
+
+    fn run(&self) -> usize {
+        self.run
+    }
+
+    fn described(&self) -> String {
         match self.variants.as_slice() {
             [] => "full model".to_owned(),
             all => all.iter().map(|variant| variant.change.to_string()).collect::<Vec<_>>().join("; "),
         }
     }
 
+    fn case_digest(&self) -> &str {
+        &self.case_digest
+    }
+}
+
+impl RequireJob {
     /// Whether it makes the discretisation finer.
     pub fn finer(&self) -> bool {
         self.variants.iter().any(|variant| variant.change.finer())

@@ -1,9 +1,6 @@
 //! Makes the runs of the study, several at the same time, and gathers their results.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
@@ -13,14 +10,10 @@ use super::plan::{RequireJob, RequirePlan};
 use crate::case::{Case, Problem};
 use crate::error::StudyError;
 use crate::integrate::Counters;
-use crate::prepared_case::fingerprint_of;
+use crate::planned_runs::PlannedRuns;
 use crate::row::{RowStatus, RunResult};
-use crate::runner::Shard;
-use crate::saved_run::{Measured, SavedEnd, SavedRun, each};
+use crate::saved_run::{Measured, SavedEnd};
 use crate::store::Store;
-
-/// What to do where the budget was spent.
-const AGAIN: &str = "run the command again to go on";
 
 /// What came of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -58,23 +51,8 @@ pub struct RequireRow {
     pub result: RequireResult,
 }
 
-/// Makes runs.
-pub struct RequireRunner<'a> {
-    /// what is to be done
-    pub plan: &'a RequirePlan,
-    /// where it goes
-    pub store: &'a Store<RequirePlan>,
-    /// the share that is made; `None`: all
-    pub shard: Option<Shard>,
-    /// runs at the same time
-    pub threads: usize,
-    /// when the budget is spent
-    pub deadline: Option<Instant>,
-    /// set when the user interrupts
-    pub interrupt: &'a AtomicBool,
-    /// called with every run before it is made: its number, the number of all, and what it is
-    pub on_run: &'a (dyn Fn(usize, usize, &str) + Sync),
-}
+/// Makes the runs of a study of requirements.
+pub type RequireRunner<'a> = PlannedRuns<'a, RequirePlan>;
 
 impl RequireRunner<'_> {
     /// Makes the planned runs that are not finished: those of the full model and of simpler ones, or the finer ones.
@@ -83,25 +61,12 @@ impl RequireRunner<'_> {
     /// # Errors
     /// An interrupt, another case than the plan's, or files that cannot be read or written.
     pub fn run(&self, base: &Case, finer: bool) -> Result<BTreeMap<String, String>, StudyError> {
-        let mine = |job: &&RequireJob| self.shard.is_none_or(|shard| shard.has(job.run)) && job.finer() == finer;
-        let wanted: Vec<&RequireJob> = self.plan.jobs.iter().filter(mine).collect();
-        let left = Mutex::new(BTreeMap::new());
-        each(&wanted, self.threads, |job| {
-            if let Some(why) = self.make(base, job)? {
-                left.lock().unwrap_or_else(PoisonError::into_inner).insert(job.id.clone(), why);
-            }
-            Ok(())
-        })?;
-        Ok(left.into_inner().unwrap_or_else(PoisonError::into_inner))
+        let wanted: Vec<&RequireJob> = self.share().filter(|job| job.finer() == finer).collect();
+        self.each(&wanted, |job| self.make_if_new(job, || Ok(changed(base, &job.variants)?.into_problem())))
     }
 
-    /// Makes one run of some variants, unless it is finished, and stores its result; returns why it was left out.
-    fn make(&self, base: &Case, job: &RequireJob) -> Result<Option<String>, StudyError> {
-        self.make_as(job, || Ok(changed(base, &job.variants)?.into_problem()))
-    }
-
-    /// The same with the data of the run.
-    fn make_as(
+    /// Makes one run with this data, unless it is finished, and stores its result; returns why it was left out.
+    fn make_if_new(
         &self,
         job: &RequireJob,
         problem: impl FnOnce() -> Result<Problem, StudyError>,
@@ -109,37 +74,19 @@ impl RequireRunner<'_> {
         if self.store.measured(job)?.is_some() {
             return Ok(None);
         }
-        if self.interrupt.load(Ordering::Relaxed) {
-            return Err(StudyError::Interrupted);
-        }
-        if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-            return Ok(Some(format!("the budget was spent before it; {AGAIN}")));
-        }
-        (self.on_run)(job.run + 1, self.plan.jobs.len(), &job.described());
         let refused = |note: String| RequireResult { status: RowStatus::Refused, note, ..RequireResult::default() };
-        let result = match &job.refused {
-            Some(why) => refused(why.clone()),
-            None => {
-                let problem = problem()?;
-                if fingerprint_of(&problem)?.digest() != job.case_digest {
-                    let difference = format!("a file that its case names is not what it was, with {}", job.described());
-                    return Err(StudyError::OtherStudy { folder: self.store.plan_path(), difference });
-                }
-                let &RequireRunner { store, deadline, interrupt, .. } = self;
-                let run = SavedRun { store, job, deadline, interrupt };
-                match run.make(problem) {
-                    Ok(SavedEnd::Done(measured)) => RequireResult::of(*measured),
-                    Ok(SavedEnd::Refused(why)) => refused(why),
-                    Ok(SavedEnd::OutOfTime(t)) => {
-                        return Ok(Some(format!("the budget was spent at t = {t:.3e} s of it; {AGAIN}")));
-                    }
-                    // A part that is left out may be the one that a quantity is of.
-                    Err(StudyError::Usage(why)) if !job.variants.is_empty() => refused(why),
-                    Err(error) => return Err(error),
-                }
-            }
+        let case = || match &job.refused {
+            Some(why) => Ok(Err(refused(why.clone()))),
+            None => problem().map(Ok),
         };
-        self.store.keep_measured(job, &result).map(|()| None)
+        self.make(job, case, |end| match end {
+            Ok(SavedEnd::Done(measured)) => Ok(Ok(RequireResult::of(*measured))),
+            Ok(SavedEnd::Refused(why)) => Ok(Ok(refused(why))),
+            Ok(SavedEnd::OutOfTime(t)) => Ok(Err(t)),
+            // A part that is left out may be the one that a quantity is of.
+            Err(StudyError::Usage(why)) if !job.variants.is_empty() => Ok(Ok(refused(why))),
+            Err(error) => Err(error),
+        })
     }
 
     /// A run and what came of it, made if it is not finished.
@@ -147,7 +94,7 @@ impl RequireRunner<'_> {
     /// # Errors
     /// As [`RequireRunner::run`].
     pub(super) fn row(&self, base: &Case, job: RequireJob) -> Result<RequireRow, StudyError> {
-        let left = self.make(base, &job)?;
+        let left = self.make_if_new(&job, || Ok(changed(base, &job.variants)?.into_problem()))?;
         row_of(self.store, job, left)
     }
 
@@ -156,7 +103,7 @@ impl RequireRunner<'_> {
     /// # Errors
     /// As [`RequireRunner::run`].
     pub(super) fn row_as(&self, job: RequireJob, problem: Problem) -> Result<RequireRow, StudyError> {
-        let left = self.make_as(&job, || Ok(problem))?;
+        let left = self.make_if_new(&job, || Ok(problem))?;
         row_of(self.store, job, left)
     }
 }
