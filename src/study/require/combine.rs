@@ -232,17 +232,22 @@ pub(super) fn distances(of: &Comparison) -> String {
     of.differences.iter().map(word).collect::<Vec<_>>().join(", ")
 }
 
-/// What a run saves, in words, and the processor time that it took.
-pub(super) fn cost(of: &Comparison) -> String {
-    let work = match of.saved {
+/// What a run saves, in words.
+pub(super) fn work(of: &Comparison) -> String {
+    match of.saved {
         Some(saved) if saved.abs() < NOTHING => "the same work".to_owned(),
         // Almost all is not all.
         Some(saved) if saved > 0.95 => format!("{} % less work", figures(100.0 * saved, 3)),
         Some(saved) if saved > 0.0 => format!("{} % less work", figures(100.0 * saved, 2)),
         Some(saved) => format!("{} % more work", figures(-100.0 * saved, 2)),
-        None => return "no work".to_owned(),
-    };
-    of.cpu_seconds.map_or_else(|| work.clone(), |seconds| format!("{work}, {} s", figures(seconds, 2)))
+        None => "no work".to_owned(),
+    }
+}
+
+/// The same with the processor time that it took.
+pub(super) fn cost(of: &Comparison) -> String {
+    let seconds = of.cpu_seconds.map_or_else(String::new, |seconds| format!(", {} s", figures(seconds, 2)));
+    work(of) + &seconds
 }
 
 /// Makes the paths of a case count from anywhere.

@@ -49,8 +49,8 @@ pub(super) fn figure(
         ..Chart::default()
     };
     let caption = format!(
-        "Each mark is the case with one change. Left is closer to the full model, down is cheaper. Differences below \
-         {LEAST:e} stand there."
+        "Each mark is the case with one change: a dot is within the accuracy, a cross is not, the star is the leanest \
+         case. Left is closer to the full model, down is cheaper. Differences below {LEAST:e} stand there."
     );
     Ok(Some(PageFigure::of(&chart, caption, PAGE)?))
 }

@@ -7,7 +7,7 @@ use minijinja::{Value, context};
 use serde::Serialize;
 
 use super::change::{Change, Variant, Words};
-use super::combine::{Lean, cost, distances, percent};
+use super::combine::{Lean, cost, distances, percent, work};
 use super::compare::{Comparison, Difference, Errors, Number, Shown};
 use super::figure::{figure, told as told_of_mark};
 use super::lines::{ErrorLine, Line, Printed};
@@ -106,7 +106,7 @@ impl RequireReport<'_> {
                 .iter()
                 .map(|one| context! { added => one.added, kept => one.kept, line => Line::of(&one.distance) })
                 .collect();
-            context! { changes => lean.changes, distances => distances(&lean.distance), cost => cost(&lean.distance),
+            context! { changes => lean.changes, distances => distances(&lean.distance), work => work(&lean.distance),
             seconds => lean.distance.cpu_seconds, file => lean.file, differs => lean.file_differs,
             left => lean.left, elsewhere, tried }
         });
