@@ -29,6 +29,7 @@ pub mod models;
 pub mod options;
 pub mod pareto;
 pub mod plan;
+pub mod planned_runs;
 pub mod plot;
 pub mod prepared_case;
 pub mod ranking;

@@ -1,11 +1,11 @@
 //! One run of a study whose runs are planned: measured without files, and saved where it may stop.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::error::StudyError;
 use super::experiment::{Experiment, Start};
+use super::forecast::nominal::NominalCosts;
 use super::keeper::{Course, Keeper};
 use super::measure::measured;
 use super::row::RunResult;
@@ -56,6 +56,8 @@ pub(super) struct Measured {
     pub peaks: Vec<Peak>,
     /// the quantities
     pub quantities: Vec<MeasuredQuantity>,
+    /// [s] its counted work at nominal costs
+    pub work: f64,
     /// what mass scaling has added
     pub mass_scaling: Option<AddedMass>,
 }
@@ -115,6 +117,8 @@ impl<P: StudyPlan> SavedRun<'_, P> {
             return Ok(SavedEnd::OutOfTime(outcome.t_end));
         }
         let so_far = largest.so_far();
+        let steps = (outcome.steps + outcome.rejected_steps) as f64;
+        let work = NominalCosts::of_run(&*scene, outcome.linear.as_ref()).cost(steps, outcome.counters.into());
         Ok(SavedEnd::Done(Box::new(Measured {
             run: measured(&outcome, None, seconds),
             max_speed: so_far.speed,
@@ -122,6 +126,7 @@ impl<P: StudyPlan> SavedRun<'_, P> {
             displacement_end: farthest.found.distance,
             peaks: largest.peaks(),
             quantities: largest.quantities(),
+            work,
             mass_scaling: scene.added_mass(),
         })))
     }
@@ -177,32 +182,4 @@ impl<P: StudyPlan> Observer for Watcher<'_, '_, P> {
     fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
         self.largest.finished(last)
     }
-}
-
-/// Gives each item to one of so many threads, until all are done or one fails.
-///
-/// # Errors
-/// The first failure.
-pub(super) fn each<T: Sync>(
-    items: &[T],
-    threads: usize,
-    work: impl Fn(&T) -> Result<(), StudyError> + Sync,
-) -> Result<(), StudyError> {
-    let (next, failed) = (AtomicUsize::new(0), Mutex::new(None));
-    let take = || {
-        while let Some(item) = items.get(next.fetch_add(1, Ordering::Relaxed)) {
-            if let Err(error) = work(item) {
-                // The others finish theirs and take no more.
-                next.store(items.len(), Ordering::Relaxed);
-                failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-            }
-        }
-    };
-    std::thread::scope(|scope| {
-        (1..threads.min(items.len())).for_each(|_| {
-            scope.spawn(take);
-        });
-        take();
-    });
-    failed.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
 }

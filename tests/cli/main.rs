@@ -17,6 +17,7 @@ mod matrices;
 mod mesh;
 mod parachutes;
 mod plot;
+mod point;
 mod record;
 mod refusals;
 mod report;

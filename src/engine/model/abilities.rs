@@ -1,6 +1,7 @@
 //! What only some systems have. A system returns such an ability as a value, `None` if it has none.
 
 use super::gauge::CANOPY_QUANTITIES;
+use super::point::Point;
 use super::state::{State, StateRef};
 
 /// One of the springs of a scene: its rule and its number within the rule, in the scene's order.
@@ -83,6 +84,11 @@ pub trait Air {
     /// through the air. The drag area leaves the breathing out but for a cavity, and has no value there without speed.
     /// The last two have no value without speed, nor while a stage has less than half of its drag area.
     fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()];
+
+    /// [N] Tension of a riser below a `mass` [kg], which is part of the node that all canopies are: the size of
+    /// D + mass (g - a) with their drag and the force of the air that they take along D, and the acceleration a of the
+    /// node. 0 without canopies that are points.
+    fn pull_of_points(&self, mass: f64, at: &Point) -> f64;
 }
 
 /// What happens at given times: supports are released or change their velocity, springs are cut, loads and rest lengths

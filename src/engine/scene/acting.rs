@@ -3,7 +3,7 @@
 
 use super::air_pressure::AirPressure;
 use super::apparent::ApparentMass;
-use super::canopy_shape::CanopyShape;
+use super::point_canopy::ShownCanopy;
 use super::{Load, ScaledLoad};
 use crate::force::law::series::{LoadFactor, SampledTable};
 use crate::force::law::spring::{Coefficient, Cut, SpringData};
@@ -24,7 +24,7 @@ pub(super) struct Acting {
     pub springs: Vec<SpringBatch>,
     /// the air around it, shared with the terms
     pub stream: Option<Arc<Stream>>,
-    pub canopies: Vec<CanopyShape>,
+    pub canopies: Vec<ShownCanopy>,
     /// pressures of the air, for pictures
     pub pressures: Vec<AirPressure>,
     /// air that canopies take along

@@ -4,7 +4,9 @@
 //! V = sum b_i v_i - wind,   b_i = share of a node in the area of the cloth,   m = k rho Vol
 //! force on node i: -b_i d(m V)/dt = -b_i (m A + m' V),    A = dV/dt in a steady wind
 //! ```
-//! Vol is the volume of the canopy, each of its rims closed by a fan about its middle (`enclosure`).
+//! Vol is the volume of the canopy, each of its rims closed by a fan about its middle (`enclosure`). That of a point is
+//! the volume of Taylor's shape of a flat canopy of its nominal area, pi a r^2/3 with a = D0/2 and r = 0.7627 a, times
+//! (A/A_full)^(3/2) with the drag area A.
 //! The masses of the nodes stay what they are: with f, the forces of everything else,
 //! ```text
 //! A = sum b_i (f_i - b_i (m A + m' V))/m_i,     so     A = (a - m' V s)/(1 + m s)
@@ -19,7 +21,9 @@ use crate::force::law::enclosure::Enclosure;
 use crate::force::law::stream::Stream;
 use crate::force::{Copies, NodeState};
 use crate::model::forces::Tally;
+use crate::model::spec::FillingSpec;
 use nalgebra::Vector3;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// The air that a canopy takes along.
@@ -27,14 +31,49 @@ use std::sync::Arc;
 pub(super) struct ApparentMass {
     /// [-] nodes of the canopy, and the share of each in its motion; they sum to 1
     pub nodes: Arc<[(u32, f64)]>,
-    /// its cloth and rims
-    pub enclosure: Arc<Enclosure>,
+    /// its volume
+    pub volume: Volume,
     /// [-] k
     pub factor: f64,
     /// the air around it
     pub stream: Arc<Stream>,
     /// which of the terms the air in this canopy is
     pub term: usize,
+}
+
+/// [-] Volume of Taylor's shape over D0^3: pi 0.7627^2/24.
+const TAYLOR: f64 = 0.076_14;
+
+/// The volume of a canopy.
+#[derive(Clone)]
+pub(super) enum Volume {
+    /// that within its cloth and rims
+    Cloth(Arc<Enclosure>),
+    /// that of a point, by its drag area
+    Point {
+        /// [m^2] S0
+        nominal_area: f64,
+        stages: Arc<[FillingSpec]>,
+    },
+}
+
+impl Volume {
+    /// [m^3] and [m^3/s]
+    fn at(&self, at: NodeState<'_>, origin: Vector3<f64>) -> [f64; 2] {
+        match self {
+            Volume::Cloth(enclosure) => {
+                let [x, v] = [at.x, at.v].map(NodeVectors::Nodes);
+                enclosure.volume(x, v, origin)
+            }
+            Volume::Point { nominal_area, stages } => {
+                let full = stages.last().map_or(1.0, |stage| stage.drag_area);
+                let open = TAYLOR * (4.0 * nominal_area / PI).powf(1.5);
+                let share = FillingSpec::area_at(stages, at.t) / full;
+                let growth = FillingSpec::growth_at(stages, at.t) / full;
+                [open * share.powf(1.5), 1.5 * open * share.sqrt() * growth]
+            }
+        }
+    }
 }
 
 /// That air in a state.
@@ -61,14 +100,19 @@ impl ApparentMass {
 
     fn entrained(&self, at: NodeState<'_>) -> Entrained {
         let origin = self.nodes.first().map_or(Vector3::zeros(), |&(node, _)| at.x[node as usize]);
-        let [x, v] = [at.x, at.v].map(NodeVectors::Nodes);
-        let ([volume, rate], absolute) = (self.enclosure.volume(x, v, origin), self.mean(at.v));
+        let ([volume, rate], absolute) = (self.volume.at(at, origin), self.mean(at.v));
         let air = self.stream.at(at.t, self.mean(at.x).z);
         let [density, slope] = air.density;
         // Turned inside out, a canopy encloses no air.
         let factor = if volume > 0.0 { self.factor } else { 0.0 };
         let growth = factor * (density * rate + slope * absolute.z * volume);
         Entrained { mass: factor * density * volume, growth, velocity: absolute - air.wind[0], absolute }
+    }
+
+    /// [N] What it does to a canopy whose acceleration is known.
+    pub(super) fn force(&self, at: NodeState<'_>, acceleration: Vector3<f64>) -> Vector3<f64> {
+        let Entrained { mass, growth, velocity, .. } = self.entrained(at);
+        -(mass * acceleration + growth * velocity)
     }
 
     /// sum b_i^2/m_i [1/kg], along each axis.

@@ -3,7 +3,7 @@
 use super::Load;
 use super::acting::{Acting, Added, SpringBatch};
 use super::air_pressure::{AirLaw, AirPressure};
-use super::apparent::ApparentMass;
+use super::apparent::{ApparentMass, Volume};
 use super::build_bending::AtRest;
 use super::build_rings::{Shapes, rings};
 use super::build_surface::MembraneBatch;
@@ -13,6 +13,7 @@ use super::check_values::BuildError;
 use super::events::Phases;
 use super::network::{Built, Network};
 use super::numbering::Numbering;
+use super::point_canopy::{PointCanopy, ShownCanopy};
 use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::air::{Air, AirData};
 use crate::force::law::axial_flow::CanopyAxis;
@@ -35,8 +36,8 @@ use crate::force::law::triangle::AreaVector;
 use crate::force::schedule::threads::Threads;
 use crate::mesh::unit_vector::unit_vector;
 use crate::model::spec::{
-    CanopyAir, CavitySpec, DashpotKind, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, Series, SpringGroup,
-    StreamSpec, ascending, support_velocity,
+    CanopyAir, CanopySpec, CavitySpec, DashpotKind, FillingSpec, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind,
+    Series, SpringGroup, StreamSpec, ascending, support_velocity,
 };
 use crate::startup::{Phase, timed};
 use nalgebra::Vector3;
@@ -143,6 +144,11 @@ fn initial_velocity(spec: &NetworkSpec) -> Vec<[f64; 3]> {
     velocity
 }
 
+/// [s] Beginnings and ends of stages.
+fn filling_times(stages: &[FillingSpec]) -> Vec<[f64; 2]> {
+    stages.iter().map(|stage| [stage.start, stage.start + stage.duration]).collect()
+}
+
 pub(super) struct Builder<'a> {
     pub(super) spec: &'a NetworkSpec,
     pub(super) numbering: &'a Numbering,
@@ -240,6 +246,10 @@ impl Builder<'_> {
     fn canopies(&mut self, start: &[Vector3<f64>], reference: &[Vector3<f64>]) -> Result<(), BuildError> {
         let Some(stream) = self.acting.stream.clone() else { return Ok(()) };
         for canopy in &self.spec.canopies {
+            if let CanopyAir::Point(stages) = &canopy.air {
+                self.point_canopy(canopy, stages, &stream);
+                continue;
+            }
             let numbering = self.numbering;
             let nodes = |list: &[u32]| list.iter().map(|&i| numbering.internal[i as usize]).collect::<Vec<u32>>();
             let (skirt, apex, confluence) = (nodes(&canopy.skirt), nodes(&canopy.apex), nodes(&canopy.confluence));
@@ -265,13 +275,14 @@ impl Builder<'_> {
                 }
                 let area: f64 = nodes.values().sum();
                 let nodes = nodes.into_iter().map(|(node, share)| (node, share / area)).collect();
-                let (enclosure, stream, term) = (enclosure.clone(), stream.clone(), self.acting.terms.len());
-                self.acting.apparent.push(ApparentMass { nodes, enclosure, factor, stream, term });
+                let (volume, stream, term) =
+                    (Volume::Cloth(enclosure.clone()), stream.clone(), self.acting.terms.len());
+                self.acting.apparent.push(ApparentMass { nodes, volume, factor, stream, term });
             }
             let mut axis = CanopyAxis { carrier: skirt.clone(), skirt, apex, confluence, stream: stream.clone() };
             let air = match &canopy.air {
                 CanopyAir::Coefficient => AirModel::Coefficient,
-                CanopyAir::Filling(stages) => AirModel::Filling(stages.as_slice().into()),
+                CanopyAir::Filling(stages) | CanopyAir::Point(stages) => AirModel::Filling(stages.as_slice().into()),
                 CanopyAir::Cavity(spec) => AirModel::Cavity(cavity(*spec, enclosure.clone(), &axis.skirt, x)?),
                 CanopyAir::Rings(spec) => {
                     axis.carrier = axis.confluence.clone();
@@ -280,19 +291,39 @@ impl Builder<'_> {
                         rings(spec, &rows, triangles, axis, Shapes { start, cut: reference }, canopy.nominal_area)?;
                     self.show_pressure(AirLaw::Rings(data.clone()));
                     let law = CanopyLaw::Rings(data.clone());
-                    self.acting.canopies.push(CanopyShape::new(law, enclosure, canopy.nominal_area));
+                    self.show_canopy(CanopyShape::new(law, enclosure, canopy.nominal_area));
                     self.acting.add(Added::term(RingedCanopy::new(data)));
                     continue;
                 }
             };
             let data = CanopyData { triangles, pressure_coefficient, axis, air };
             let law = CanopyLaw::Canopy(data.clone());
-            self.acting.canopies.push(CanopyShape::new(law, enclosure, canopy.nominal_area));
+            self.show_canopy(CanopyShape::new(law, enclosure, canopy.nominal_area));
             self.show_pressure(AirLaw::Canopy(data.clone()));
-            let stages = canopy.air.stages().iter().map(|stage| [stage.start, stage.start + stage.duration]);
-            self.acting.add(Added { changes: stages.collect(), ..Added::term(Canopy::new(data)) });
+            let changes = filling_times(canopy.air.stages());
+            self.acting.add(Added { changes, ..Added::term(Canopy::new(data)) });
         }
         Ok(())
+    }
+
+    fn show_canopy(&mut self, shape: CanopyShape) {
+        self.acting.canopies.push(ShownCanopy::Cloth(Box::new(shape)));
+    }
+
+    /// A canopy that is a node with a drag area.
+    fn point_canopy(&mut self, canopy: &CanopySpec, stages: &[FillingSpec], stream: &Arc<Stream>) {
+        let Some(node) = canopy.skirt.first().map(|node| self.node(*node)) else { return };
+        let stages: Arc<[FillingSpec]> = stages.into();
+        if let Some(factor) = canopy.apparent_mass {
+            let volume = Volume::Point { nominal_area: canopy.nominal_area, stages: stages.clone() };
+            let (stream, term) = (stream.clone(), self.acting.terms.len());
+            self.acting.apparent.push(ApparentMass { nodes: [(node, 1.0)].into(), volume, factor, stream, term });
+        }
+        let changes = filling_times(&stages);
+        let data = NodeDragData { nodes: [[node]].into(), drag_area: 0.0, stages, stream: stream.clone() };
+        let shown = PointCanopy { node, drag: data.clone(), nominal_area: canopy.nominal_area };
+        self.acting.canopies.push(ShownCanopy::Point(shown));
+        self.acting.add(Added { changes, ..Added::term(NodeDrag::new(data)) });
     }
 
     fn drag(&mut self) {
@@ -308,7 +339,7 @@ impl Builder<'_> {
             let mut nodes: Vec<[u32; 1]> = nodes.iter().map(|&i| [self.node(i)]).collect();
             nodes.sort_unstable();
             let (nodes, drag_area, stream) = (nodes.into(), *drag_area, stream.clone());
-            self.acting.add(Added::term(NodeDrag::new(NodeDragData { nodes, drag_area, stream })));
+            self.acting.add(Added::term(NodeDrag::new(NodeDragData { nodes, drag_area, stages: [].into(), stream })));
         }
     }
 

@@ -1,6 +1,6 @@
 //! Shape and air of a canopy for gauges.
 
-use super::network::{Network, by_node, node_state};
+use super::network::{by_node, node_state};
 use crate::force::kernel::batch::Kernel;
 use crate::force::kernel::element_block::NodeVectors;
 use crate::force::kernel::faces::FaceKernel;
@@ -101,7 +101,7 @@ impl CanopyShape {
         CanopyShape { law: self.law.for_run(copies), ..self.clone() }
     }
 
-    fn values(&self, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
+    pub(super) fn values(&self, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
         let (x, v) = (NodeVectors::Nodes(by_node(at.x)), NodeVectors::Nodes(by_node(at.v)));
         let flow = self.law.axis().flow(at.t, x, v);
         let axis = flow.axis;
@@ -141,11 +141,5 @@ impl CanopyShape {
             false => [f64::NAN; 2],
         };
         [across, mouth, volume, flow.speed, q, area, drag, pressure, ratio, coefficient, lean]
-    }
-}
-
-impl Network {
-    pub(super) fn shape_of_canopy(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
-        self.acting.canopies.get(canopy).map_or([f64::NAN; CANOPY_QUANTITIES.len()], |canopy| canopy.values(at))
     }
 }

@@ -70,8 +70,10 @@ fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
         finite("apparent mass", canopy.apparent_mass.as_slice())?;
         match &canopy.air {
             CanopyAir::Coefficient => {}
-            CanopyAir::Filling(stages) if stages.is_empty() => return Err(BuildError::NoStage),
-            CanopyAir::Filling(stages) => stages.iter().try_for_each(|stage| {
+            CanopyAir::Filling(stages) | CanopyAir::Point(stages) if stages.is_empty() => {
+                return Err(BuildError::NoStage);
+            }
+            CanopyAir::Filling(stages) | CanopyAir::Point(stages) => stages.iter().try_for_each(|stage| {
                 let FillingSpec { drag_area, start, duration, exponent } = *stage;
                 finite("filling", &[drag_area, start, duration, exponent])
             })?,

@@ -31,6 +31,7 @@ pub mod network;
 pub mod numbering;
 mod pendulum;
 mod picture;
+mod point_canopy;
 mod reach;
 mod stiff_part;
 mod suspect;

@@ -211,6 +211,10 @@ impl Air for Network {
     fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
         self.shape_of_canopy(canopy, at)
     }
+
+    fn pull_of_points(&self, mass: f64, at: &Point) -> f64 {
+        self.pull(mass, at)
+    }
 }
 
 impl Network {

@@ -205,6 +205,11 @@ pub enum GaugeOf {
         /// [N] their strength, if it is known
         strength: Option<f64>,
     },
+    /// the tension of edges that carry all canopies of a point
+    Pull {
+        /// [kg] mass above each of them, at least one
+        masses: Vec<f64>,
+    },
     /// crossings of cloth
     Cloth {
         /// corners of the cloth, at least one, ascending

@@ -58,7 +58,9 @@ pub(super) fn describe_canopies(scene: &dyn Scene, filled: &[(Option<f64>, f64)]
         let drag = drag_area.map_or_else(String::new, |area| {
             format!(", full drag area {} m^2: CD0 {}", figures(area, 4), figures(area / nominal_area, 3))
         });
-        let _ = writeln!(text, "  {name:<16}S0 {nominal} m^2{drag}; Dp/D0 {} at the start", figures(ratio, 3));
+        // A point has no shape.
+        let shape = if ratio.is_nan() { String::new() } else { format!("; Dp/D0 {} at the start", figures(ratio, 3)) };
+        let _ = writeln!(text, "  {name:<16}S0 {nominal} m^2{drag}{shape}");
     }
     text
 }

@@ -1,7 +1,7 @@
 //! `canopy-fem require`: what each part of a model does to the quantities of interest, and what it costs.
 
 use super::interrupt::stop_on_interrupt;
-use super::study::{Budget, CaseFile, ProgressLine, StudyArgs, nothing_lost, typed};
+use super::study::{Budget, CaseFile, ProgressLine, StudyArgs, plan_of, runs_at_once, typed};
 use super::{CliError, CommandOutput};
 use crate::case::Case;
 use crate::study::StudyError;
@@ -57,7 +57,10 @@ impl Command<'_> {
             store.clear()?;
             require::clear(&self.out)?;
         }
-        let plan = self.plan(&store, asked)?;
+        // The accuracy decides nothing about the runs.
+        let within = asked.as_ref().map(|plan| plan.within.clone());
+        let plan = plan_of(&store, (&self.out, &require::FILES), asked, RequirePlan::difference)?;
+        let plan = RequirePlan { within: within.unwrap_or_else(|| plan.within.clone()), ..plan };
         let accuracy = accuracy(self.args.within.as_deref().unwrap_or(&plan.within))?;
         if args.plan {
             return done(args.unless_quiet(require::planned(&plan, &store)?));
@@ -80,33 +83,12 @@ impl Command<'_> {
 
     /// The plan that the arguments ask for; a shard or a merge follows that of the folder.
     fn asked(&self, path: &Path, case: &Case) -> Result<RequirePlan, CliError> {
-        if self.args.study.follows_a_plan() {
-            let why = "--shard and --merge follow the plan in --out: leave the case out";
-            return Err(StudyError::Usage(why.to_owned()).into());
-        }
+        self.args.study.may_plan()?;
         self.args.study.warn(case);
         let within = self.args.within.clone().unwrap_or_else(|| WITHIN.to_owned());
         accuracy(&within)?;
         let command = Rerun::here(typed()).command;
         Ok(RequirePlanner { case, case_file: path, within, command, stop: self.stop }.make()?)
-    }
-
-    /// The plan of the folder, which must be the one asked for; or that one, in a folder without a plan.
-    fn plan(&self, store: &Store<RequirePlan>, asked: Option<RequirePlan>) -> Result<RequirePlan, CliError> {
-        match (store.plan()?, asked) {
-            (Some(known), Some(asked)) => match known.difference(&asked) {
-                Some(difference) => Err(StudyError::OtherStudy { folder: self.out.clone(), difference }.into()),
-                // The accuracy decides nothing about the runs.
-                None => Ok(RequirePlan { within: asked.within, ..known }),
-            },
-            (Some(known), None) => Ok(known),
-            (None, Some(asked)) => {
-                nothing_lost(&self.out, &require::FILES)?;
-                store.keep_plan(&asked)?;
-                Ok(asked)
-            }
-            (None, None) => Err(Store::<RequirePlan>::no_plan(&self.out).into()),
-        }
     }
 
     /// The planned runs and, unless this is a share of them, the combinations. Finer runs come last: a spent budget
@@ -122,12 +104,11 @@ impl Command<'_> {
         let StudyArgs { shard, merge, budget, .. } = &self.args.study;
         let alone = shard.is_none() && merge.is_none();
         let budget = budget.unwrap_or(if alone { Budget::Seconds(BUDGET) } else { Budget::Unlimited });
-        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         let runner = RequireRunner {
             plan,
             store,
             shard: *shard,
-            threads: self.args.threads.map_or_else(cores, usize::from),
+            threads: runs_at_once(self.args.threads),
             deadline: budget.deadline(self.started),
             interrupt: self.stop,
             on_run: &|number, all, what| line.run(number, all, what),

@@ -111,6 +111,15 @@ impl StudyArgs {
         self.shard.is_some() || self.merge.is_some()
     }
 
+    /// Refuses a case beside a plan that is followed.
+    pub(super) fn may_plan(&self) -> Result<(), StudyError> {
+        if self.follows_a_plan() {
+            let why = "--shard and --merge follow the plan in --out: leave the case out";
+            return Err(StudyError::Usage(why.to_owned()));
+        }
+        Ok(())
+    }
+
     pub(super) fn warn(&self, case: &Case) {
         if !self.print.quiet {
             case.warnings().iter().for_each(|warning| complain(&format!("warning: {warning}")));
@@ -152,6 +161,33 @@ pub(super) fn printed(print: Print, report: String, results: &Path) -> Result<St
         (false, true) => Ok(String::new()),
         (false, false) => Ok(report),
     }
+}
+
+/// The plan of the folder, which must be the one asked for; or that one, in a folder without a plan.
+pub(super) fn plan_of<P: StudyPlan>(
+    store: &Store<P>,
+    (out, files): (&Path, &[&str]),
+    asked: Option<P>,
+    difference: impl Fn(&P, &P) -> Option<String>,
+) -> Result<P, StudyError> {
+    match (store.plan()?, asked) {
+        (Some(known), Some(asked)) => match difference(&known, &asked) {
+            Some(difference) => Err(StudyError::OtherStudy { folder: out.to_owned(), difference }),
+            None => Ok(known),
+        },
+        (Some(known), None) => Ok(known),
+        (None, Some(asked)) => {
+            nothing_lost(out, files)?;
+            store.keep_plan(&asked)?;
+            Ok(asked)
+        }
+        (None, None) => Err(Store::<P>::no_plan(out)),
+    }
+}
+
+/// Runs at the same time: as asked for, else one a core.
+pub(super) fn runs_at_once(threads: Option<u16>) -> usize {
+    threads.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from)
 }
 
 /// Refuses to overwrite results whose plan is not there.

@@ -1,7 +1,7 @@
 //! `canopy-fem sweep`: a case over values of its keys.
 
 use super::interrupt::stop_on_interrupt;
-use super::study::{CaseFile, ProgressLine, StudyArgs, nothing_lost, typed};
+use super::study::{CaseFile, ProgressLine, StudyArgs, plan_of, runs_at_once, typed};
 use super::{CliError, CommandOutput};
 use crate::case::Case;
 use crate::study::StudyError;
@@ -56,7 +56,7 @@ impl Command<'_> {
             sweep::clear(&self.out)?;
         }
         let line = ProgressLine::new(args.print.quiet);
-        let plan = self.plan(&store, asked)?;
+        let plan = plan_of(&store, (&self.out, &sweep::FILES), asked, SweepPlan::difference)?;
         if args.plan {
             return done(args.unless_quiet(sweep::planned(&plan, &store)?));
         }
@@ -77,32 +77,11 @@ impl Command<'_> {
 
     /// The plan that the arguments ask for; a shard or a merge follows that of the folder.
     fn asked(&self, path: &Path, case: &Case) -> Result<SweepPlan, CliError> {
-        if self.args.study.follows_a_plan() {
-            let why = "--shard and --merge follow the plan in --out: leave the case out";
-            return Err(StudyError::Usage(why.to_owned()).into());
-        }
+        self.args.study.may_plan()?;
         let vary = Vary::parse_all(&self.args.vary)?;
         self.args.study.warn(case);
         let command = Rerun::here(typed()).command;
         Ok(SweepPlanner { case, case_file: path, vary, command, stop: self.stop }.make()?)
-    }
-
-    /// The plan of the folder, which must be the one asked for; or that one, in a folder without a plan.
-    fn plan(&self, store: &Store<SweepPlan>, asked: Option<SweepPlan>) -> Result<SweepPlan, CliError> {
-        let other = |difference: String| StudyError::OtherStudy { folder: self.out.clone(), difference };
-        match (store.plan()?, asked) {
-            (Some(known), Some(asked)) => match known.difference(&asked) {
-                Some(difference) => Err(other(difference).into()),
-                None => Ok(known),
-            },
-            (Some(known), None) => Ok(known),
-            (None, Some(asked)) => {
-                nothing_lost(&self.out, &sweep::FILES)?;
-                store.keep_plan(&asked)?;
-                Ok(asked)
-            }
-            (None, None) => Err(Store::<SweepPlan>::no_plan(&self.out).into()),
-        }
     }
 
     fn make_runs(
@@ -111,12 +90,11 @@ impl Command<'_> {
         store: &Store<SweepPlan>,
         line: &ProgressLine,
     ) -> Result<BTreeMap<String, String>, StudyError> {
-        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         let runner = SweepRunner {
             plan,
             store,
             shard: self.args.study.shard,
-            threads: self.args.threads.map_or_else(cores, usize::from),
+            threads: runs_at_once(self.args.threads),
             deadline: self.args.study.budget.and_then(|budget| budget.deadline(self.started)),
             interrupt: self.stop,
             on_run: &|number, all, what| line.run(number, all, what),

@@ -77,26 +77,13 @@ pub struct TangentCost {
 }
 
 impl TangentCost {
-    /// [s] What an assembly, a factorisation, a solve and in it an iteration of conjugate gradients cost nominally, by
-    /// counts alone.
+    /// [s] What each kind of work costs nominally; see [`nominal`].
     pub fn nominal(&self) -> Work {
-        let (n, entries) = (self.unknowns as f64, self.factor_nonzeros.unwrap_or(0) as f64);
-        let assembly = costs::ASSEMBLY * self.matrix_nonzeros as f64;
-        if self.cg_iterations > 0 {
-            // Nothing is factorised; beginning and ending a solve takes as long as an iteration.
-            let iteration = costs::CG_ITERATION * self.matrix_nonzeros as f64;
-            return Work {
-                tangent_assemblies: assembly + costs::CG_READY * self.matrix_nonzeros as f64,
-                linear_solves: iteration,
-                cg_iterations: iteration,
-                ..Work::default()
-            };
-        }
-        let [factorizations, linear_solves] = match self.factor_operations {
-            Some(operations) => [operations / costs::OPERATIONS + costs::FACTOR * entries, costs::SOLVE * entries],
-            None => [costs::LU * n.powf(1.5), costs::LU * n],
-        };
-        Work { tangent_assemblies: assembly, factorizations, linear_solves, ..Work::default() }
+        let &TangentCost { unknowns, matrix_nonzeros, factor_nonzeros, factor_operations, .. } = self;
+        let name = if self.cg_iterations > 0 { "cg" } else { "" };
+        let (indefinite, prediction) = (0, None);
+        let stats = LinearStats { name, matrix_nonzeros, factor_nonzeros, factor_operations, indefinite, prediction };
+        nominal(&stats, unknowns)
     }
 
     /// [s] One Newton iteration without its force pass.
@@ -105,6 +92,27 @@ impl TangentCost {
     }
 }
 
+/// [s] What an assembly, a factorisation, a solve and in it an iteration of conjugate gradients cost nominally, by
+/// counts alone.
+pub fn nominal(of: &LinearStats, unknowns: usize) -> Work {
+    let (n, entries) = (unknowns as f64, of.factor_nonzeros.unwrap_or(0) as f64);
+    let assembly = costs::ASSEMBLY * of.matrix_nonzeros as f64;
+    if of.name == "cg" {
+        // Nothing is factorised; beginning and ending a solve takes as long as an iteration.
+        let iteration = costs::CG_ITERATION * of.matrix_nonzeros as f64;
+        return Work {
+            tangent_assemblies: assembly + costs::CG_READY * of.matrix_nonzeros as f64,
+            linear_solves: iteration,
+            cg_iterations: iteration,
+            ..Work::default()
+        };
+    }
+    let [factorizations, linear_solves] = match of.factor_operations {
+        Some(operations) => [operations / costs::OPERATIONS + costs::FACTOR * entries, costs::SOLVE * entries],
+        None => [costs::LU * n.powf(1.5), costs::LU * n],
+    };
+    Work { tangent_assemblies: assembly, factorizations, linear_solves, ..Work::default() }
+}
 /// Measures a force pass, and one with each term alone, at the start of a scene.
 pub fn force_cost(scene: &dyn Scene) -> ForceCost {
     let (state, mut forces) = (scene.initial_state(), scene.new_forces());

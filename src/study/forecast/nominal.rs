@@ -3,13 +3,14 @@
 
 use std::cell::Cell;
 
-use super::cost::TangentCost;
+use super::cost::{TangentCost, nominal};
 use super::work::Work;
 use crate::case::spec::Problem;
 use crate::costs;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::prepared_case::{nominal_pass, nominal_step};
 use crate::scene::Scene;
+use crate::solve::LinearStats;
 
 /// [-] Share of the run that a forecast may cost.
 const SHARE: f64 = 0.2;
@@ -56,6 +57,19 @@ impl NominalCosts {
         implicit.cg_iterations = implicit.linear_solves * tangent.map_or(0.0, |t| t.cg_iterations as f64);
         let work = Work { force_evaluations: nominal_pass(scene), ..tangent_work };
         NominalCosts { step, work, moving: scene.velocity_dependent(), implicit }
+    }
+
+    /// Those of a run that was made, by the elements of each force; `linear` of its implicit steps.
+    pub fn of_run(scene: &dyn Scene, linear: Option<&LinearStats>) -> NominalCosts {
+        let solving = linear.map(|linear| nominal(linear, scene.n_dof())).unwrap_or_default();
+        let (state, mut f) = (scene.initial_state(), vec![0.0; scene.n_dof()]);
+        let terms = scene.terms().iter().enumerate().filter_map(|(number, info)| {
+            let elements = scene.term_alone(number, state.as_ref(), &mut f)? as f64;
+            Some(elements * if info.on_triangles { costs::TRIANGLE } else { costs::SPRING })
+        });
+        let pass = costs::SMALL_PASS + costs::NODE * scene.reference().len() as f64 + terms.sum::<f64>();
+        let work = Work { force_evaluations: pass, ..solving };
+        NominalCosts { work, ..NominalCosts::new(scene, None) }
     }
 
     /// [s] So many steps and their work, all passes in full.

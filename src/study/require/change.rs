@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::case::schema::ClothModel;
+use crate::case::{Case, CaseError};
 use crate::format_number::figures;
 
 /// What is changed in a case.
@@ -39,6 +40,8 @@ pub enum Change {
     },
     /// the model of the cloth
     Cloth(ClothModel),
+    /// the whole parachute becomes one mass with a drag area
+    Point,
     /// a rigid payload becomes a point
     PointPayload,
     /// a part of the model is left out: `drag of lines`
@@ -107,6 +110,7 @@ impl Change {
                 let other = if *model == ClothModel::Net { ClothModel::Membrane } else { ClothModel::Net };
                 words("cloth", other.word().to_owned(), model.word().to_owned(), "")
             }
+            Change::Point => words("parachute", "network".to_owned(), "point".to_owned(), ""),
             Change::PointPayload => words("payload", "rigid".to_owned(), "point".to_owned(), ""),
             Change::Off(what) => words(what, "on".to_owned(), "off".to_owned(), ""),
             Change::UniformWind(wind) => {
@@ -208,6 +212,7 @@ pub fn edited<'v>(case: &Value, variants: impl IntoIterator<Item = &'v Variant>)
     for edit in variants.into_iter().flat_map(|variant| &variant.edits) {
         put(&mut changed, &edit.at, edit.value.clone());
     }
+    renumber(&mut changed);
     purge(&mut changed);
     tidy(&mut changed);
     changed
@@ -229,6 +234,36 @@ fn put(case: &mut Value, at: &str, value: Value) {
             }
         }
         _ => {}
+    }
+}
+
+/// A case with all edits of some variants, read anew.
+///
+/// # Errors
+/// The faults of the changed case.
+pub(super) fn changed<'v>(base: &Case, variants: impl IntoIterator<Item = &'v Variant>) -> Result<Case, CaseError> {
+    let full = &base.problem().case_json;
+    let changed = edited(full, variants);
+    // Sections as a whole, so that a mesh that stays is not made again.
+    let sections = changed.as_object().into_iter().flatten().filter(|(key, value)| full.get(key) != Some(value));
+    let overrides: Vec<(String, String)> = sections.map(|(key, value)| (key.clone(), value.to_string())).collect();
+    base.with(&overrides)
+}
+
+/// Quantities of springs are named by the number of their rule, which is another one once an earlier rule is away.
+fn renumber(case: &mut Value) {
+    let Some(rules) = case.pointer("/system/network/springs").and_then(Value::as_array) else { return };
+    let here: Vec<bool> = rules.iter().map(|rule| !rule.is_null()).collect();
+    let quantities = case.pointer_mut("/study/quantities").and_then(Value::as_array_mut).into_iter().flatten();
+    for quantity in quantities {
+        let number = quantity.as_str().and_then(|name| {
+            let (number, rest) = name.strip_prefix("springs[")?.split_once(']')?;
+            Some((number.parse::<usize>().ok().filter(|number| here.get(*number) == Some(&true))?, rest.to_owned()))
+        });
+        if let Some((number, rest)) = number {
+            let now = here[..number].iter().filter(|here| **here).count();
+            *quantity = format!("springs[{now}]{rest}").into();
+        }
     }
 }
 
@@ -288,6 +323,20 @@ mod tests {
         assert!(drag(1).excludes(&drag(1)) && !drag(1).excludes(&drag(2)));
         assert!(drag(1).excludes(&Variant::of(Change::PointPayload).without("/system/network/aero/drag")));
         assert!(!drag(1).excludes(&Variant::of(Change::PointPayload).without("/system/network/aero/drag/10")));
+    }
+
+    #[test]
+    fn quantities_follow_the_rules_of_their_springs() {
+        let case = json!({
+            "system": {"network": {"springs": [{"a": 1}, {"b": 2}, {"c": 3}]}},
+            "study": {"quantities": ["springs[2] lines.tension.peak", "springs[0] a.tension.peak", "opening_load"]}
+        });
+        let away = Variant::of(Change::PointPayload).without("/system/network/springs/1");
+        let expected = json!(["springs[1] lines.tension.peak", "springs[0] a.tension.peak", "opening_load"]);
+        assert_eq!(edited(&case, [&away])["study"]["quantities"], expected);
+        // What has no rule any more keeps its name, which no gauge has.
+        let away = Variant::of(Change::PointPayload).without("/system/network/springs/2");
+        assert_eq!(edited(&case, [&away])["study"], case["study"]);
     }
 
     #[test]

@@ -16,12 +16,13 @@ use crate::error::StudyError;
 use crate::format_number::figures;
 use crate::output::atomic::{Durability, replace_shared};
 use crate::output::sanitize::file_stem;
+use crate::planned_runs::CaseJob;
 use crate::prepared_case::fingerprint_of;
 use crate::row::RowStatus;
 use crate::store::system;
 
-/// [-] Share of the processor time that a change saves at least: clocks are not better than that.
-const NOISE: f64 = 0.05;
+/// [-] Share of the counted work that a change saves at least: for less no difference is worth it.
+const LEAST: f64 = 0.05;
 /// [-] Share of a value below which a difference is nothing.
 const NOTHING: f64 = 1e-8;
 /// [-] How many times the initial speed and the mass of the payload, where the leanest case is looked at again.
@@ -85,9 +86,9 @@ impl Combiner<'_> {
         self.runner.plan
     }
 
-    /// Adds harmless changes in the order of the time that they save, measures each combination, and keeps what stays
-    /// within the accuracy and takes less time. The result is written as a case into `out`, run from that file, and run
-    /// from another speed and with another payload. `None` if no change is harmless and saves time.
+    /// Adds harmless changes in the order of the work that they save, measures each combination, and keeps what stays
+    /// within the accuracy and is less work. The result is written as a case into `out`, run from that file, and run
+    /// from another speed and with another payload. `None` if no change is harmless and saves work.
     ///
     /// # Errors
     /// An interrupt, or files that cannot be read or written.
@@ -108,7 +109,7 @@ impl Combiner<'_> {
                 break;
             }
             let distance = self.distance(&made)?;
-            let kept = distance.harmless == Some(true) && made.result.cpu_seconds < best.result.cpu_seconds;
+            let kept = distance.harmless == Some(true) && made.result.work < best.result.work;
             tried.push(Tried { added: new.change.to_string(), kept, distance });
             if kept {
                 runs.push(row.job.run);
@@ -123,12 +124,12 @@ impl Combiner<'_> {
         Ok(Some(Lean { changes, distance, tried, file, file_differs, elsewhere, left }))
     }
 
-    /// Single changes to something simpler that are harmless and save time, the most first.
+    /// Single changes to something simpler that are harmless and save work, the most first.
     fn candidates(&self) -> Result<Vec<&RequireRow>, StudyError> {
         let mut all = Vec::new();
         for row in self.rows.iter().filter(|row| row.job.variants.len() == 1 && !row.job.finer()) {
             let distance = self.distance(row)?;
-            if let (Some(true), Some(saved)) = (distance.harmless, distance.saved.filter(|saved| *saved > NOISE)) {
+            if let (Some(true), Some(saved)) = (distance.harmless, distance.saved.filter(|saved| *saved > LEAST)) {
                 all.push((saved, row));
             }
         }
@@ -156,7 +157,7 @@ impl Combiner<'_> {
             plan.case_file,
             best.job.described(),
             distances(distance),
-            time(distance)
+            cost(distance)
         );
         let description = match case.get("description").and_then(Value::as_str) {
             Some(own) => format!("{told} Of the full case: {own}"),
@@ -232,12 +233,21 @@ pub(super) fn distances(of: &Comparison) -> String {
 }
 
 /// What a run saves, in words.
-pub(super) fn time(of: &Comparison) -> String {
+pub(super) fn work(of: &Comparison) -> String {
     match of.saved {
-        Some(saved) if saved >= 0.0 => format!("{} % less time", figures(100.0 * saved, 2)),
-        Some(saved) => format!("{} % more time", figures(-100.0 * saved, 2)),
-        None => "no time".to_owned(),
+        Some(saved) if saved.abs() < NOTHING => "the same work".to_owned(),
+        // Almost all is not all.
+        Some(saved) if saved > 0.95 => format!("{} % less work", figures(100.0 * saved, 3)),
+        Some(saved) if saved > 0.0 => format!("{} % less work", figures(100.0 * saved, 2)),
+        Some(saved) => format!("{} % more work", figures(-100.0 * saved, 2)),
+        None => "no work".to_owned(),
     }
+}
+
+/// The same with the processor time that it took.
+pub(super) fn cost(of: &Comparison) -> String {
+    let seconds = of.cpu_seconds.map_or_else(String::new, |seconds| format!(", {} s", figures(seconds, 2)));
+    work(of) + &seconds
 }
 
 /// Makes the paths of a case count from anywhere.

@@ -9,6 +9,7 @@ use crate::drive::clock::Step;
 use crate::error::StudyError;
 use crate::integrate::registry::MethodChoice;
 use crate::output::gauges::MeasuredQuantity;
+use crate::planned_runs::CaseJob;
 use crate::row::RowStatus;
 use crate::worth::{Runs, Shrinks};
 
@@ -66,7 +67,9 @@ pub struct Comparison {
     pub note: String,
     /// [s] processor time
     pub cpu_seconds: Option<f64>,
-    /// [-] share of the full model's processor time that it saves
+    /// [s] counted work at nominal costs
+    pub work: Option<f64>,
+    /// [-] share of the full model's counted work that it saves
     pub saved: Option<f64>,
     /// every quantity of the full model
     pub differences: Vec<Difference>,
@@ -100,7 +103,8 @@ impl Comparison {
             status: result.status,
             note: result.note.clone(),
             cpu_seconds: result.cpu_seconds,
-            saved: result.cpu_seconds.zip(full.cpu_seconds).map(|(own, full)| 1.0 - own / full.max(f64::MIN_POSITIVE)),
+            work: result.work,
+            saved: result.work.zip(full.work).map(|(own, full)| 1.0 - own / full.max(f64::MIN_POSITIVE)),
             harmless: judged.then(|| differences.iter().all(|difference| difference.within)),
             differences,
         })

@@ -1,4 +1,4 @@
-//! What each change costs in accuracy and saves in time.
+//! What each change costs in accuracy and saves in work.
 
 use super::combine::Lean;
 use super::compare::Comparison;
@@ -12,7 +12,7 @@ const PAGE: [Size; 2] = [Size { width: 900, height: 440 }, Size { width: 460, he
 /// [-] Differences below this are drawn here.
 const LEAST: f64 = 1e-6;
 
-/// Largest difference and processor time of each change, over those of the full model; none where nothing was compared.
+/// Largest difference and counted work of each change, over those of the full model; none where nothing was compared.
 pub(super) fn figure(
     plan: &RequirePlan,
     all: &[Comparison],
@@ -45,12 +45,12 @@ pub(super) fn figure(
         title: format!("{}: changes by one thing", plan.name),
         lines,
         x: Axis::log("largest difference of a quantity over its value [-]"),
-        y: Axis::log("processor time over that of the full model [-]"),
+        y: Axis::log("counted work over that of the full model [-]"),
         ..Chart::default()
     };
     let caption = format!(
-        "Each mark is the case with one change. Left is closer to the full model, down is cheaper. Differences below \
-         {LEAST:e} stand there."
+        "Each mark is the case with one change: a dot is within the accuracy, a cross is not, the star is the leanest \
+         case. Left is closer to the full model, down is cheaper. Differences below {LEAST:e} stand there."
     );
     Ok(Some(PageFigure::of(&chart, caption, PAGE)?))
 }
@@ -58,7 +58,7 @@ pub(super) fn figure(
 /// What a mark tells.
 pub(super) fn told(one: &Comparison) -> Vec<[String; 2]> {
     let numbers = one.differences.iter().filter_map(|of| Some([of.name.clone(), super::combine::percent(of.share?)]));
-    let ends = [["change".to_owned(), one.described.clone()], ["time".to_owned(), super::combine::time(one)]];
+    let ends = [["change".to_owned(), one.described.clone()], ["work".to_owned(), super::combine::cost(one)]];
     let [first, last] = ends;
     [first].into_iter().chain(numbers).chain([last]).collect()
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::combine::{percent, time};
+use super::combine::{cost, percent};
 use super::compare::{Comparison, Errors, Shown};
 use crate::format_number::figures;
 
@@ -77,7 +77,7 @@ pub(super) struct Line {
     /// the difference of each quantity
     pub(super) shares: Vec<Share>,
     /// what is saved
-    pub(super) time: String,
+    pub(super) cost: String,
     /// the differences in a terminal
     pub(super) printed: Vec<String>,
 }
@@ -100,7 +100,7 @@ impl Line {
         Line {
             described: one.described.clone(),
             shares: one.differences.iter().map(|of| Share::of(of.share, percent, "no value")).collect(),
-            time: time(one),
+            cost: cost(one),
             printed: Vec::new(),
         }
     }

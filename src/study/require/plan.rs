@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::change::{Variant, edited};
+use super::change::{Variant, changed};
 use super::run::RequireResult;
 use super::variants::Variants;
 use crate::case::{Case, CaseError};
@@ -16,6 +16,7 @@ use crate::output::gauges::MeasuredQuantity;
 use crate::output::largest::LargestValues;
 use crate::output::sanitize::file_stem;
 use crate::plan::{FORMAT, PROGRAM};
+use crate::planned_runs::CaseJob;
 use crate::prepared_case::fingerprint_of;
 use crate::simulation::build_scene;
 use crate::store::{StudyJob, StudyPlan};
@@ -88,15 +89,26 @@ impl StudyJob for RequireJob {
     }
 }
 
-impl RequireJob {
-    /// The changes, for people.
-    pub fn described(&self) -> String {
+impl CaseJob for RequireJob {
+    const AGAIN: &'static str = "run the command again to go on";
+
+    fn run(&self) -> usize {
+        self.run
+    }
+
+    fn described(&self) -> String {
         match self.variants.as_slice() {
             [] => "full model".to_owned(),
             all => all.iter().map(|variant| variant.change.to_string()).collect::<Vec<_>>().join("; "),
         }
     }
 
+    fn case_digest(&self) -> &str {
+        &self.case_digest
+    }
+}
+
+impl RequireJob {
     /// Whether it makes the discretisation finer.
     pub fn finer(&self) -> bool {
         self.variants.iter().any(|variant| variant.change.finer())
@@ -185,25 +197,12 @@ impl RequirePlan {
         Path::new(&self.case_file).parent().unwrap_or(Path::new("")).to_owned()
     }
 
-    /// The case of some variants.
-    ///
-    /// # Errors
-    /// The faults of the changed case.
-    pub(super) fn case(&self, base: &Case, variants: &[Variant]) -> Result<Case, CaseError> {
-        let changed = edited(&self.case, variants);
-        // Sections as a whole, so that a mesh that stays is not made again.
-        let sections = changed.as_object().into_iter().flatten();
-        let changed = sections.filter(|(key, value)| self.case.get(key) != Some(value));
-        let overrides: Vec<(String, String)> = changed.map(|(key, value)| (key.clone(), value.to_string())).collect();
-        base.with(&overrides)
-    }
-
     /// A run of some variants. A case that is refused is a run that says so.
     ///
     /// # Errors
     /// A case that cannot be summed up, or a full model that is refused.
     pub(super) fn job(&self, base: &Case, id: String, variants: Vec<Variant>) -> Result<RequireJob, StudyError> {
-        let (case_digest, refused) = match self.case(base, &variants) {
+        let (case_digest, refused) = match changed(base, &variants) {
             Ok(case) => (fingerprint_of(case.problem())?.digest(), None),
             Err(why) if variants.is_empty() => return Err(why.into()),
             Err(why) => (String::new(), Some(briefly(&why))),
@@ -223,7 +222,7 @@ impl RequirePlan {
 }
 
 /// The first fault of a case in one line.
-fn briefly(error: &CaseError) -> String {
+pub(super) fn briefly(error: &CaseError) -> String {
     match error.faults().first() {
         Some(fault) => format!("{}; expected {}", fault.heading(), fault.allowed),
         None => error.to_string(),

@@ -6,12 +6,12 @@ use std::path::Path;
 use minijinja::{Value, context};
 use serde::Serialize;
 
-use super::change::Words;
-use super::combine::{Lean, distances, time};
-use super::compare::{Comparison, Errors, Number, Shown};
+use super::change::{Change, Variant, Words};
+use super::combine::{Lean, cost, distances, percent, work};
+use super::compare::{Comparison, Difference, Errors, Number, Shown};
 use super::figure::{figure, told as told_of_mark};
 use super::lines::{ErrorLine, Line, Printed};
-use super::plan::RequirePlan;
+use super::plan::{RequireJob, RequirePlan};
 use super::run::{RequireResult, RequireRow};
 use crate::accuracy::{Accuracy, measure_of};
 use crate::case::Case;
@@ -99,22 +99,40 @@ impl RequireReport<'_> {
             let elsewhere = lean.elsewhere.as_ref().map(|there| {
                 let within = there.distance.harmless;
                 context! { state => there.described, distances => distances(&there.distance), within,
-                time => time(&there.distance), note => there.distance.note }
+                cost => cost(&there.distance), note => there.distance.note }
             });
             let tried: Vec<Value> = lean
                 .tried
                 .iter()
                 .map(|one| context! { added => one.added, kept => one.kept, line => Line::of(&one.distance) })
                 .collect();
-            context! { changes => lean.changes, distances => distances(&lean.distance), time => time(&lean.distance),
+            context! { changes => lean.changes, distances => distances(&lean.distance), work => work(&lean.distance),
             seconds => lean.distance.cpu_seconds, file => lean.file, differs => lean.file_differs,
             left => lean.left, elsewhere, tried }
         });
         let completed = full.completed();
+        let point = self.point(all);
         Ok(
             context! { version => PROGRAM, plan, accuracy => accuracy.to_string(), full, completed, values, names, printed, doubts,
-            harmless, harmful, brief, notes, errors => error_lines, lean, figure, told, command, machine, case_json },
+            harmless, harmful, point, brief, notes, errors => error_lines, lean, figure, told, command, machine, case_json },
         )
+    }
+
+    /// What the whole parachute as one mass is enough for, where it is for something.
+    fn point(&self, all: &[Comparison]) -> Option<Value> {
+        let is_point = |job: &&RequireJob| matches!(&job.variants[..], [Variant { change: Change::Point, .. }]);
+        let job = self.plan.jobs.iter().find(is_point)?;
+        let one = all.iter().find(|one| one.id == job.id && one.harmless.is_some())?;
+        let parts = |of: &dyn Fn(&Difference) -> bool| -> Vec<String> {
+            let words = |of: &Difference| match of.share {
+                Some(share) => format!("{} {}", of.name, percent(share)),
+                None => of.name.clone(),
+            };
+            one.differences.iter().filter(|difference| of(difference)).map(words).collect()
+        };
+        let enough = parts(&|of| of.within);
+        let (beyond, without) = (parts(&|of| !of.within && of.share.is_some()), parts(&|of| of.share.is_none()));
+        (!enough.is_empty()).then(|| context! { enough, beyond, without, cost => cost(one) })
     }
 
     /// Where the full model itself is not within the accuracy.
@@ -144,14 +162,14 @@ impl RequireReport<'_> {
             .into_iter()
             .chain(names())
             .chain(names().map(|name| format!("error_{name}")))
-            .chain(fixed(&["saved", "within", "status", "note"]))
+            .chain(fixed(&["work", "saved", "within", "status", "note"]))
             .collect();
         let number = |x: Option<f64>| x.map(|x| format!("{x:?}")).unwrap_or_default();
         let row = |change: [String; 3], one: &Comparison| -> Vec<String> {
             let values = one.differences.iter().map(|of| number(of.value));
             let errors = one.differences.iter().map(|of| number(of.difference));
             let within = one.harmless.map(|within| within.to_string()).unwrap_or_default();
-            let end = [number(one.saved), within, one.status.word().to_owned(), one.note.clone()];
+            let end = [number(one.work), number(one.saved), within, one.status.word().to_owned(), one.note.clone()];
             change.into_iter().chain([number(one.cpu_seconds)]).chain(values).chain(errors).chain(end).collect()
         };
         let mut table = vec![head];

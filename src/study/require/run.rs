@@ -1,30 +1,19 @@
 //! Makes the runs of the study, several at the same time, and gathers their results.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
+use super::change::changed;
 use super::compare::Number;
 use super::plan::{RequireJob, RequirePlan};
 use crate::case::{Case, Problem};
 use crate::error::StudyError;
 use crate::integrate::Counters;
-use crate::prepared_case::fingerprint_of;
+use crate::planned_runs::PlannedRuns;
 use crate::row::{RowStatus, RunResult};
-use crate::runner::Shard;
-use crate::saved_run::{Measured, SavedEnd, SavedRun, each};
+use crate::saved_run::{Measured, SavedEnd};
 use crate::store::Store;
-
-/// What to do where the budget was spent.
-const AGAIN: &str = "run the command again to go on";
-
-/// [s], [-] Runs are repeated as long as they take less than this together, and at most so many times: the processor
-/// time of one short run is not known well.
-const SHORT: f64 = 0.2;
-const MOST: f64 = 10.0;
 
 /// What came of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -33,8 +22,11 @@ pub struct RequireResult {
     pub status: RowStatus,
     /// why, and what to do, if not well
     pub note: String,
-    /// [s] processor time
+    /// [s] processor time, for information
     pub cpu_seconds: Option<f64>,
+    /// [s] counted work at nominal costs, the same on every machine: what decides
+    #[serde(default)]
+    pub work: Option<f64>,
     /// accepted steps
     pub steps: u64,
     /// attempts of adaptive steps that were dropped
@@ -59,23 +51,8 @@ pub struct RequireRow {
     pub result: RequireResult,
 }
 
-/// Makes runs.
-pub struct RequireRunner<'a> {
-    /// what is to be done
-    pub plan: &'a RequirePlan,
-    /// where it goes
-    pub store: &'a Store<RequirePlan>,
-    /// the share that is made; `None`: all
-    pub shard: Option<Shard>,
-    /// runs at the same time
-    pub threads: usize,
-    /// when the budget is spent
-    pub deadline: Option<Instant>,
-    /// set when the user interrupts
-    pub interrupt: &'a AtomicBool,
-    /// called with every run before it is made: its number, the number of all, and what it is
-    pub on_run: &'a (dyn Fn(usize, usize, &str) + Sync),
-}
+/// Makes the runs of a study of requirements.
+pub type RequireRunner<'a> = PlannedRuns<'a, RequirePlan>;
 
 impl RequireRunner<'_> {
     /// Makes the planned runs that are not finished: those of the full model and of simpler ones, or the finer ones.
@@ -84,25 +61,12 @@ impl RequireRunner<'_> {
     /// # Errors
     /// An interrupt, another case than the plan's, or files that cannot be read or written.
     pub fn run(&self, base: &Case, finer: bool) -> Result<BTreeMap<String, String>, StudyError> {
-        let mine = |job: &&RequireJob| self.shard.is_none_or(|shard| shard.has(job.run)) && job.finer() == finer;
-        let wanted: Vec<&RequireJob> = self.plan.jobs.iter().filter(mine).collect();
-        let left = Mutex::new(BTreeMap::new());
-        each(&wanted, self.threads, |job| {
-            if let Some(why) = self.make(base, job)? {
-                left.lock().unwrap_or_else(PoisonError::into_inner).insert(job.id.clone(), why);
-            }
-            Ok(())
-        })?;
-        Ok(left.into_inner().unwrap_or_else(PoisonError::into_inner))
+        let wanted: Vec<&RequireJob> = self.share().filter(|job| job.finer() == finer).collect();
+        self.each(&wanted, |job| self.make_if_new(job, || Ok(changed(base, &job.variants)?.into_problem())))
     }
 
-    /// Makes one run of some variants, unless it is finished, and stores its result; returns why it was left out.
-    fn make(&self, base: &Case, job: &RequireJob) -> Result<Option<String>, StudyError> {
-        self.make_as(job, || Ok(self.plan.case(base, &job.variants)?.into_problem()))
-    }
-
-    /// The same with the data of the run.
-    fn make_as(
+    /// Makes one run with this data, unless it is finished, and stores its result; returns why it was left out.
+    fn make_if_new(
         &self,
         job: &RequireJob,
         problem: impl FnOnce() -> Result<Problem, StudyError>,
@@ -110,37 +74,19 @@ impl RequireRunner<'_> {
         if self.store.measured(job)?.is_some() {
             return Ok(None);
         }
-        if self.interrupt.load(Ordering::Relaxed) {
-            return Err(StudyError::Interrupted);
-        }
-        if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-            return Ok(Some(format!("the budget was spent before it; {AGAIN}")));
-        }
-        (self.on_run)(job.run + 1, self.plan.jobs.len(), &job.described());
         let refused = |note: String| RequireResult { status: RowStatus::Refused, note, ..RequireResult::default() };
-        let result = match &job.refused {
-            Some(why) => refused(why.clone()),
-            None => {
-                let problem = problem()?;
-                if fingerprint_of(&problem)?.digest() != job.case_digest {
-                    let difference = format!("a file that its case names is not what it was, with {}", job.described());
-                    return Err(StudyError::OtherStudy { folder: self.store.plan_path(), difference });
-                }
-                let &RequireRunner { store, deadline, interrupt, .. } = self;
-                let run = SavedRun { store, job, deadline, interrupt };
-                match run.make(problem.clone()) {
-                    Ok(SavedEnd::Done(measured)) => again(&run, &problem, RequireResult::of(*measured))?,
-                    Ok(SavedEnd::Refused(why)) => refused(why),
-                    Ok(SavedEnd::OutOfTime(t)) => {
-                        return Ok(Some(format!("the budget was spent at t = {t:.3e} s of it; {AGAIN}")));
-                    }
-                    // A part that is left out may be the one that a quantity is of.
-                    Err(StudyError::Usage(why)) if !job.variants.is_empty() => refused(why),
-                    Err(error) => return Err(error),
-                }
-            }
+        let case = || match &job.refused {
+            Some(why) => Ok(Err(refused(why.clone()))),
+            None => problem().map(Ok),
         };
-        self.store.keep_measured(job, &result).map(|()| None)
+        self.make(job, case, |end| match end {
+            Ok(SavedEnd::Done(measured)) => Ok(Ok(RequireResult::of(*measured))),
+            Ok(SavedEnd::Refused(why)) => Ok(Ok(refused(why))),
+            Ok(SavedEnd::OutOfTime(t)) => Ok(Err(t)),
+            // A part that is left out may be the one that a quantity is of.
+            Err(StudyError::Usage(why)) if !job.variants.is_empty() => Ok(Ok(refused(why))),
+            Err(error) => Err(error),
+        })
     }
 
     /// A run and what came of it, made if it is not finished.
@@ -148,7 +94,7 @@ impl RequireRunner<'_> {
     /// # Errors
     /// As [`RequireRunner::run`].
     pub(super) fn row(&self, base: &Case, job: RequireJob) -> Result<RequireRow, StudyError> {
-        let left = self.make(base, &job)?;
+        let left = self.make_if_new(&job, || Ok(changed(base, &job.variants)?.into_problem()))?;
         row_of(self.store, job, left)
     }
 
@@ -157,20 +103,21 @@ impl RequireRunner<'_> {
     /// # Errors
     /// As [`RequireRunner::run`].
     pub(super) fn row_as(&self, job: RequireJob, problem: Problem) -> Result<RequireRow, StudyError> {
-        let left = self.make_as(&job, || Ok(problem))?;
+        let left = self.make_if_new(&job, || Ok(problem))?;
         row_of(self.store, job, left)
     }
 }
 
 impl RequireResult {
     fn of(measured: Measured) -> Self {
-        let Measured { run, quantities, .. } = measured;
+        let Measured { run, quantities, work, .. } = measured;
         let RunResult { status, note, repeats, steps, rejected_steps, t_end, counters, .. } = run;
         let wanted = quantities.into_iter().filter(|quantity| quantity.wanted && status == RowStatus::Completed);
         RequireResult {
             status,
             note,
             cpu_seconds: repeats.first().copied(),
+            work: Some(work),
             steps,
             rejected_steps,
             t_end,
@@ -192,21 +139,6 @@ impl RequireResult {
             alike.next().filter(|_| alike.next().is_none() && of_rule(name) != name)
         })
     }
-}
-
-/// A short run made a few times more: its cost is the least that was measured.
-fn again(
-    run: &SavedRun<'_, RequirePlan>,
-    problem: &Problem,
-    mut result: RequireResult,
-) -> Result<RequireResult, StudyError> {
-    let Some(mut least) = result.cpu_seconds.filter(|_| result.completed()) else { return Ok(result) };
-    for _ in 1..(SHORT / least.max(SHORT / MOST)).floor() as usize {
-        let SavedEnd::Done(measured) = run.make(problem.clone())? else { break };
-        least = measured.run.repeats.first().map_or(least, |seconds| seconds.min(least));
-    }
-    result.cpu_seconds = Some(least);
-    Ok(result)
 }
 
 /// A name without the number of a rule: `lines.tension.peak` of `springs[5] lines.tension.peak`.

@@ -14,6 +14,7 @@ use crate::difference::differences;
 use crate::error::StudyError;
 use crate::output::sanitize::file_stem;
 use crate::plan::{FORMAT, PROGRAM};
+use crate::planned_runs::CaseJob;
 use crate::prepared_case::fingerprint_of;
 use crate::store::{StudyJob, StudyPlan};
 
@@ -80,16 +81,28 @@ impl StudyJob for SweepJob {
     }
 }
 
+impl CaseJob for SweepJob {
+    const AGAIN: &'static str = "run the sweep again to go on";
+
+    fn run(&self) -> usize {
+        self.run
+    }
+
+    /// `KEY=VALUE`
+    fn described(&self) -> String {
+        let words: Vec<String> = self.values.iter().map(|(key, value)| format!("{key}={}", plain(value))).collect();
+        words.join(" ")
+    }
+
+    fn case_digest(&self) -> &str {
+        &self.case_digest
+    }
+}
+
 impl SweepJob {
     /// What is replaced in the case; a key comes after the keys that hold it.
     pub fn overrides(&self) -> Vec<(String, String)> {
         self.values.iter().map(|(key, value)| (key.clone(), value.to_string())).collect()
-    }
-
-    /// `KEY=VALUE`, for people.
-    pub fn described(&self) -> String {
-        let words: Vec<String> = self.values.iter().map(|(key, value)| format!("{key}={}", plain(value))).collect();
-        words.join(" ")
     }
 }
 

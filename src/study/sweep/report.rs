@@ -12,6 +12,7 @@ use super::run::SweepRow;
 use super::table::{Quantity, cells, header, quantities};
 use crate::error::StudyError;
 use crate::plan::PROGRAM;
+use crate::planned_runs::CaseJob;
 use crate::plot::chart::Size;
 use crate::plot::layout::{legend_samples, svg_grid};
 use crate::report::{Machine, Rerun};

@@ -1,22 +1,17 @@
 //! Makes the runs of a sweep, several at the same time, and gathers their results.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
-use std::sync::Mutex;
-use std::sync::PoisonError;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
 use super::plan::{SweepJob, SweepPlan};
 use super::result::SweepResult;
-use crate::case::Case;
 use crate::error::StudyError;
 use crate::output::gauges::MeasuredQuantity;
-use crate::prepared_case::fingerprint_of;
+use crate::planned_runs::PlannedRuns;
 use crate::row::{RowStatus, RunResult};
-use crate::runner::Shard;
-use crate::saved_run::{Measured, SavedEnd, SavedRun, each};
+use crate::saved_run::{Measured, SavedEnd};
 use crate::store::Store;
 
 /// A run and what came of it.
@@ -30,23 +25,8 @@ pub struct SweepRow {
     pub result: SweepResult,
 }
 
-/// Makes runs.
-pub struct SweepRunner<'a> {
-    /// what is to be done
-    pub plan: &'a SweepPlan,
-    /// where it goes
-    pub store: &'a Store<SweepPlan>,
-    /// the share that is made; `None`: all
-    pub shard: Option<Shard>,
-    /// runs at the same time
-    pub threads: usize,
-    /// when the budget is spent
-    pub deadline: Option<Instant>,
-    /// set when the user interrupts
-    pub interrupt: &'a AtomicBool,
-    /// called with every run before it is made: its number, the number of all, and what it is
-    pub on_run: &'a (dyn Fn(usize, usize, &str) + Sync),
-}
+/// Makes the runs of a sweep.
+pub type SweepRunner<'a> = PlannedRuns<'a, SweepPlan>;
 
 impl SweepRunner<'_> {
     /// Makes every run of the share that is not finished. Returns why runs were left out, by identifier.
@@ -55,7 +35,7 @@ impl SweepRunner<'_> {
     /// An interrupt, another case than the plan's, or files that cannot be read or written.
     pub fn run(&self) -> Result<BTreeMap<String, String>, StudyError> {
         let mut wanted = Vec::new();
-        for job in self.plan.jobs.iter().filter(|job| self.shard.is_none_or(|shard| shard.has(job.run))) {
+        for job in self.share() {
             if self.store.measured(job)?.is_none() {
                 wanted.push(job);
             }
@@ -63,45 +43,29 @@ impl SweepRunner<'_> {
         if wanted.is_empty() {
             return Ok(BTreeMap::new());
         }
-        let (base, left) = (self.plan.base()?, Mutex::new(BTreeMap::new()));
-        each(&wanted, self.threads, |job| {
-            if let Some(why) = self.make(&base, job)? {
-                left.lock().unwrap_or_else(PoisonError::into_inner).insert(job.id.clone(), why);
-            }
-            Ok(())
-        })?;
-        Ok(left.into_inner().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// Makes one run and stores its result; returns why it was left out.
-    fn make(&self, base: &Case, job: &SweepJob) -> Result<Option<String>, StudyError> {
-        if self.interrupt.load(Ordering::Relaxed) {
-            return Err(StudyError::Interrupted);
-        }
-        if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-            return Ok(Some("the budget was spent before it; run the sweep again to go on".to_owned()));
-        }
-        (self.on_run)(job.run + 1, self.plan.jobs.len(), &job.described());
-        let problem = base.with(&job.overrides())?.into_problem();
-        if fingerprint_of(&problem)?.digest() != job.case_digest {
-            let difference = format!("a file that its case names is not what it was, with {}", job.described());
-            return Err(StudyError::OtherStudy { folder: self.store.plan_path(), difference });
-        }
-        let &SweepRunner { store, deadline, interrupt, .. } = self;
-        let asked = !problem.output.quantities.is_empty();
-        let result = match (SavedRun { store, job, deadline, interrupt }).make(problem)? {
-            SavedEnd::OutOfTime(t) => {
-                let why = format!("the budget was spent at t = {t:.3e} s of it; run the sweep again to go on");
-                return Ok(Some(why));
-            }
-            SavedEnd::Refused(note) => SweepResult { status: RowStatus::Refused, note, ..SweepResult::default() },
-            SavedEnd::Done(measured) => SweepResult::of(*measured, asked),
-        };
-        self.store.keep_measured(job, &result).map(|()| None)
+        let base = self.plan.base()?;
+        self.each(&wanted, |job| {
+            let asked = Cell::new(false);
+            let problem = || {
+                let problem = base.with(&job.overrides())?.into_problem();
+                asked.set(!problem.output.quantities.is_empty());
+                Ok(Ok(problem))
+            };
+            self.make(job, problem, |end| SweepResult::of_end(end?, asked.get()))
+        })
     }
 }
 
 impl SweepResult {
+    /// The result of a run, or the time [s] of it at which the budget was spent.
+    fn of_end(end: SavedEnd, asked: bool) -> Result<Result<Self, f64>, StudyError> {
+        Ok(match end {
+            SavedEnd::OutOfTime(t) => Err(t),
+            SavedEnd::Refused(note) => Ok(SweepResult { status: RowStatus::Refused, note, ..SweepResult::default() }),
+            SavedEnd::Done(measured) => Ok(SweepResult::of(*measured, asked)),
+        })
+    }
+
     /// Values are those of runs that reached their end: the others have only their cost. `asked` says whether
     /// quantities are asked for.
     fn of(measured: Measured, asked: bool) -> Self {

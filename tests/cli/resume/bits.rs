@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use super::folders::{assert_same, checkpoint};
 use crate::bench::{SAIL, contents};
 use crate::common::parachute::Parachute;
-use crate::common::run::{case_of, changed};
+use crate::common::run::{asset, case_of, changed};
 
 /// Sets the flag after a step.
 struct StopAfter<'a> {
@@ -334,6 +334,14 @@ fn of_a_parachute() {
 }
 
 /// Parameters, checkpoints of its own, and steps and frames that fall together or not at all.
+#[test]
+fn of_a_point() {
+    for (key, value) in [("time.step", "0.002"), ("system.network.aero.canopy.apparent_mass", "1")] {
+        let sets = [("system.network.model", "point"), ("time.end", "0.4"), (key, value)];
+        assert_resumes(&asset("parachute/c9-drop", &sets), [23, 101], key);
+    }
+}
+
 #[test]
 fn other_outputs_resume_too() {
     for (sets, what) in [

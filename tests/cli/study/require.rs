@@ -148,6 +148,43 @@ fn the_lean_case_is_within_the_accuracy() {
     assert!(page.contains("Errors side by side") && page.contains("<svg") && page.contains("lines: 2 -&gt; 1"), "page");
 }
 
+/// The whole parachute as one mass: what it is enough for, and what it has not. Where only that is asked for, it is the
+/// leanest case.
+#[test]
+fn a_given_opening_load_needs_one_mass_only() {
+    let mut case = canopy();
+    let gauges = case["output"]["gauges"].as_array_mut().expect("gauges");
+    gauges.push(json!({"name": "rim", "on": {"group": "skirt"}, "of": "tension"}));
+    let bench = written(&case);
+    let point = "parachute: network -> point";
+    let (ended, _, told) = require(&bench, "out", &["--within", "10%", "--budget", "none"]);
+    let found = change(&told, point);
+    assert_eq!(found["status"], "completed", "{found:#}");
+    let share = |name: &str| {
+        let all = found["differences"].as_array().expect("a list").iter();
+        all.clone().find(|one| one["name"] == name).unwrap_or_else(|| panic!("no {name} in {found:#}"))["share"]
+            .as_f64()
+    };
+    assert!(share("opening_load").is_some_and(|share| share.abs() < 0.1), "{found:#}");
+    assert_eq!(share("rim.tension.peak"), None);
+    assert!(found["saved"].as_f64().is_some_and(|saved| saved > 0.9), "{found:#}");
+    assert!(ended.stdout.contains("one mass:   opening_load"), "{}", ended.stdout);
+    assert!(ended.stdout.contains("the scene needs no more than --set system.network.model=point"), "{}", ended.stdout);
+    let page = Results(bench.path("out")).text("require.html");
+    assert!(page.contains("The whole parachute as one mass"), "page");
+    let flags = ["--within", "10%", "--quantity", "opening_load", "--quantity", "rim.tension.peak"];
+    let (_, _, told) = require(&bench, "both", &flags);
+    assert_eq!(change(&told, point)["status"], "completed");
+    let (_, _, told) = require(&bench, "load", &flags[..4]);
+    let lean = told["lean"]["changes"].as_array().expect("changes");
+    assert!(lean.contains(&json!(point)), "{lean:?}");
+    assert_eq!(told["lean"]["file_differs"], Value::Null, "{:#}", told["lean"]);
+    // Without a schedule there is no such model, which is said.
+    let set = r#"system.network.aero.canopy={"on":{"group":"canopy"},"table":{"pressure_coefficient":1.7}}"#;
+    let (ended, _, _) = require(&bench, "table", &["--set", set, "--budget", "1ms"]);
+    assert!(ended.stdout.contains("parachute as one mass: /system/network/aero/canopy: "), "{}", ended.stdout);
+}
+
 /// In one go and in shards the runs are the same; a second merge makes none anew.
 #[test]
 fn shards_change_nothing() {
@@ -174,8 +211,10 @@ fn shards_change_nothing() {
         rows
     };
     assert_eq!(counted(&merged), counted(&whole));
+    // Counted work decides, so that the leanest case is the same too.
+    assert_eq!(merged["lean"]["changes"], whole["lean"]["changes"]);
+    assert!(merged["rows"][0]["work"].as_f64().is_some_and(|work| work > 0.0), "{:#}", merged["rows"][0]);
     assert_eq!(merged["lean"]["distance"]["harmless"], json!(true));
-    // Seconds that are kept decide the same again.
     let again = merge();
     assert_eq!((&again["rows"], &again["lean"]), (&merged["rows"], &merged["lean"]));
     let other = bench.run(&["require", "case.json", "--out", "parts", "--end", "0.5"]);

@@ -3,7 +3,7 @@
 //! ```text
 //! line:  d = x_b - x_a, L = |d|, e = d/L,  u = wind - (v_a + v_b)/2,  V_n = u - (u . e) e
 //!        f = rho Cd D L |V_n| V_n/2, half to each end
-//! node:  u = wind - v,  f = rho CdS |u| u/2
+//! node:  u = wind - v,  f = rho CdS |u| u/2,  CdS by stages over time where the node is a canopy
 //! ```
 //! Wind and density are those at the height of the segment's middle, or of the node. With h = rho Cd D/2,
 //! P = I - e e^T and G = |V_n| I + V_n V_n^T/|V_n|, the exact tangents of the whole force are
@@ -16,6 +16,7 @@ use crate::force::kernel::element_block::vector;
 use crate::force::law::stream::{AirState, Stream};
 use crate::force::{Copies, ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
+use crate::model::spec::FillingSpec;
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -44,6 +45,8 @@ pub struct NodeDragData {
     pub nodes: Arc<[[u32; 1]]>,
     /// [m^2] drag area of each
     pub drag_area: f64,
+    /// stages of what is added to it; none but for canopies that are points
+    pub stages: Arc<[FillingSpec]>,
     /// the air around them
     pub stream: Arc<Stream>,
 }
@@ -158,9 +161,14 @@ impl ForceTerm for LineDrag {
 }
 
 impl NodeDragData {
-    fn drag(&self, v: Vector3<f64>, air: &AirState) -> Drag {
+    /// [N] The force on a node at a place [m] with a velocity [m/s].
+    pub fn force(&self, t: f64, x: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {
+        self.drag(t, v, &self.stream.at(t, x.z)).force
+    }
+
+    fn drag(&self, t: f64, v: Vector3<f64>, air: &AirState) -> Drag {
         let u = air.wind[0] - v;
-        let half = 0.5 * air.density[0] * self.drag_area;
+        let half = 0.5 * air.density[0] * (self.drag_area + FillingSpec::area_at(&self.stages, t));
         let (force, by_wind) = (u * (half * u.norm()), gradient(u) * half);
         let by_height = force * (air.density[1] / air.density[0]) + by_wind * air.wind[1];
         Drag { force, by_wind, by_side: Matrix3::zeros(), by_height }
@@ -178,7 +186,7 @@ impl Kernel<1> for NodeDragData {
         let Elements { t, x, v, .. } = block;
         let power = block.each([1.0], f, |_, [node]| {
             let v = vector(v, node);
-            let force = self.drag(v, &self.stream.at(t, vector(x, node).z)).force;
+            let force = self.force(t, vector(x, node), v);
             (force, force.dot(&v))
         });
         Tally { energy: 0.0, power }
@@ -203,7 +211,7 @@ impl ForceTerm for NodeDrag {
         let data = self.kernel();
         for &[node] in data.nodes.iter() {
             let (x, v) = (at.x[node as usize], at.v[node as usize]);
-            let Drag { by_wind, by_height, .. } = data.drag(v, &data.stream.at(at.t, x.z));
+            let Drag { by_wind, by_height, .. } = data.drag(at.t, v, &data.stream.at(at.t, x.z));
             let k = if form.symmetric { 0.0 } else { w.k };
             sink.node(node, by_wind * w.c - outer(by_height, Vector3::z()) * k);
         }

@@ -8,7 +8,7 @@ use serde::Serialize;
 /// middle of the apex nodes to the middle of the confluence nodes; q = rho V|V|/2.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CanopySpec {
-    /// triangles, ascending; neighbours turn the same way
+    /// triangles, ascending; neighbours turn the same way. None of a canopy that is a point
     pub triangles: Vec<u32>,
     /// [-] dCp of each of them
     pub pressure_coefficient: Vec<f64>,
@@ -33,6 +33,8 @@ pub enum CanopyAir {
     Coefficient,
     /// q dCp, scaled to a drag area that grows in stages: at least one, rising in time
     Filling(Vec<FillingSpec>),
+    /// the same drag area on the only node of the skirt, against its motion through the air: a canopy that is a point
+    Point(Vec<FillingSpec>),
     /// the balance of the air inside; dCp is then 1
     Cavity(CavitySpec),
     /// the balance of the air ring by ring; dCp is then 1, and V is the speed of the confluence
@@ -43,7 +45,7 @@ impl CanopyAir {
     /// The stages of the drag area; none where it is not given.
     pub fn stages(&self) -> &[FillingSpec] {
         match self {
-            CanopyAir::Filling(stages) => stages,
+            CanopyAir::Filling(stages) | CanopyAir::Point(stages) => stages,
             CanopyAir::Coefficient | CanopyAir::Cavity(_) | CanopyAir::Rings(_) => &[],
         }
     }
@@ -71,6 +73,21 @@ impl FillingSpec {
             before + share * (stage.drag_area - before)
         };
         stages.iter().fold(0.0, grown)
+    }
+
+    /// [m^2/s] The rate of change of that drag area.
+    pub fn growth_at(stages: &[Self], t: f64) -> f64 {
+        let grown = |[before, rate]: [f64; 2], stage: &FillingSpec| {
+            let share = (t - stage.start) / stage.duration;
+            let [share, slope] = match share {
+                s if s <= 0.0 => [0.0; 2],
+                s if s >= 1.0 => [1.0, 0.0],
+                s => [s.powf(stage.exponent), stage.exponent * s.powf(stage.exponent - 1.0) / stage.duration],
+            };
+            let left = stage.drag_area - before;
+            [before + share * left, rate * (1.0 - share) + slope * left]
+        };
+        stages.iter().fold([0.0; 2], grown)[1]
     }
 
     /// Whether a canopy with these stages has at least half of the drag area at which the stage at time `t` [s] ends.

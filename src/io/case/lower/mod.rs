@@ -16,6 +16,7 @@ mod network;
 mod numbers;
 mod output;
 mod plausible;
+mod point;
 mod rings;
 mod select;
 mod springs;
@@ -54,6 +55,7 @@ pub(crate) fn build(
     let solver = time::solver(file.solver.as_ref());
     let quantities = time::study(file.study.as_ref(), faults);
     let at = root.key("system");
+    let mut whole = None;
     let (system, geometry) = match &file.system {
         // A stand-in, because the intended system is not known.
         _ if faults.unread(&at) => (None, None),
@@ -70,7 +72,9 @@ pub(crate) fn build(
             if let Some(timing) = &timing {
                 network::warn_of_events(&at, network, timing.spec.end, faults);
             }
-            let spec = network::network(network, base, geometry.as_deref(), step, faults);
+            let lowered = network::network(network, base, geometry.as_deref(), step, faults);
+            let (spec, of_point) = lowered.map_or((None, None), |(spec, whole)| (Some(spec), whole));
+            whole = of_point;
             let fixed =
                 timing.as_ref().and_then(|t| Some(tables::StepTimes { h: t.spec.step.fixed()?, end: t.spec.end }));
             if let (Some(spec), Some(times)) = (&spec, fixed) {
@@ -86,7 +90,11 @@ pub(crate) fn build(
     };
     let nodes = match &system {
         Some(SystemSpec::Pendulum(_)) => select::NodeSet::Bob,
-        _ => geometry.as_deref().map_or(select::NodeSet::Unknown, select::NodeSet::Mesh),
+        _ => match (geometry.as_deref(), &whole) {
+            (None, _) => select::NodeSet::Unknown,
+            (Some(geometry), None) => select::NodeSet::Mesh(geometry),
+            (Some(geometry), Some(whole)) => select::NodeSet::Point(geometry, whole),
+        },
     };
     let (groups, strengths) = match &system {
         Some(SystemSpec::Network(spec)) => (Some(&spec.springs[..]), strengths(spec)),

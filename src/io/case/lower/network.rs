@@ -4,28 +4,30 @@ use super::air::{self, Flow};
 use super::geometry::Geometry;
 use super::initial::{self, initial};
 use super::numbers::series;
+use super::point::{Whole, point};
 use super::springs::SpringSources;
 use super::supports::{Supports, supports};
 use super::{canopy, digits, energy, loads, mass, plausible, springs, surface};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Damping, Network, VectorTable, vectors};
+use crate::case::schema::{Damping, Network, NetworkModel, VectorTable, vectors};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
+use crate::mesh::Topology;
 use crate::model::spec::{NetworkSpec, RayleighSpec, Series, support_velocity};
 use crate::preflight;
 use crate::warning::WarningCode;
 use std::path::Path;
 
-/// Checks and builds a network; files are found from the folder `base`. Without a mesh the checks that need none still
-/// run.
+/// Checks and builds a network, or a point in its place, and then the network that it stands for; files are found from
+/// the folder `base`. Without a mesh the checks that need none still run.
 pub(super) fn network(
     network: &Network,
     base: &Path,
     geometry: Option<&Geometry>,
     step: Option<Step>,
     faults: &mut Faults<'_>,
-) -> Option<NetworkSpec> {
+) -> Option<(NetworkSpec, Option<Whole>)> {
     let at = &Pointer::root().key("system").key("network");
     let before = faults.count();
     let mut masses =
@@ -100,11 +102,21 @@ pub(super) fn network(
     if let Some(law) = law.filter(|_| faults.count() == before) {
         plausible::pressure(&at.key("aero").key("law"), law, &spec, faults);
     }
-    if faults.count() == before {
-        let step = step.and_then(Step::fixed);
-        preflight::network(&spec, &geometry.topology, step).into_iter().for_each(|warning| faults.pass_on(warning));
+    if faults.count() > before {
+        return Some((spec, None));
     }
-    Some(spec)
+    let step = step.and_then(Step::fixed);
+    let warn = |spec: &NetworkSpec, topology: &Topology, faults: &mut Faults<'_>| {
+        preflight::network(spec, topology, step).into_iter().for_each(|warning| faults.pass_on(warning));
+    };
+    let Some(NetworkModel::Point) = network.model else {
+        warn(&spec, &geometry.topology, faults);
+        return Some((spec, None));
+    };
+    let (spec, whole) = point(at, &spec, faults)?;
+    let topology = Topology::new(&spec.mesh).ok()?;
+    warn(&spec, &topology, faults);
+    Some((spec, Some(whole)))
 }
 
 /// [m/s^2] The acceleration of the base.

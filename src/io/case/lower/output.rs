@@ -2,13 +2,14 @@
 
 use std::collections::BTreeSet;
 
+use super::geometry::Geometry;
 use super::select::{self, NodeSet};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Every, Field, Gauge, Output, Probe};
 use crate::case::spec::{GaugeOf, GaugeSpec, OutputSpec, ProbeSpec, RowEvery, TimeSpec};
 use crate::model::gauge::NodeQuantity;
-use crate::model::gauge::{GaugeKind, NodeGauge};
+use crate::model::gauge::{GaugeKind, NodeGauge, SpringGauge};
 use crate::model::spec::SpringGroup;
 use crate::vtk::VtuFormat;
 
@@ -130,7 +131,14 @@ fn gauge_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Fau
     };
     Some(match kind {
         GaugeKind::Nodes(of) => GaugeOf::Nodes { of, nodes: nodes_of()? },
+        GaugeKind::Cloth if matches!(nodes, NodeSet::Point(..)) => {
+            faults.add_hint(&at.key("of"), "another quantity", "a point has no cloth");
+            return None;
+        }
         GaugeKind::Cloth => GaugeOf::Cloth { nodes: nodes_of()? },
+        GaugeKind::Springs(SpringGauge::Tension) if matches!(nodes, NodeSet::Point(..)) => {
+            GaugeOf::Pull { masses: masses_above(&on, gauge, nodes, faults)? }
+        }
         GaugeKind::Springs(of) => {
             let edges = springs_of(&on, gauge, scene, faults)?;
             GaugeOf::Springs { of, edges, rule: None, strength: None }
@@ -149,14 +157,31 @@ fn has_bob(kind: GaugeKind) -> bool {
     }
 }
 
-/// The edges of a gauge of tension that have springs.
-fn springs_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Faults<'_>) -> Option<Vec<u32>> {
+/// The edges that a gauge of tension selects.
+fn edges_of(at: &Pointer, gauge: &Gauge, geometry: &Geometry, faults: &mut Faults<'_>) -> Option<Vec<bool>> {
     let Some(selection) = gauge.on.edges() else {
         faults.add(at, "a selection of edges: the tension is measured on springs");
         return None;
     };
+    select::edges(at, &selection, geometry, faults)
+}
+
+/// [kg] What hangs above the edges of a gauge of tension of a point.
+fn masses_above(at: &Pointer, gauge: &Gauge, nodes: NodeSet<'_>, faults: &mut Faults<'_>) -> Option<Vec<f64>> {
+    let NodeSet::Point(geometry, whole) = nodes else { return None };
+    let flags = edges_of(at, gauge, geometry, faults)?;
+    let masses = whole.above((0_u32..).zip(flags).filter(|(_, selected)| *selected).map(|(edge, _)| edge));
+    if masses.is_none() {
+        let hint = "a point knows the pull of all canopies, and not how lines and cloth share it";
+        faults.add_hint(at, "edges of which each carries all canopies, as those of a riser", hint);
+    }
+    masses
+}
+
+/// The edges of a gauge of tension that have springs.
+fn springs_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Faults<'_>) -> Option<Vec<u32>> {
     let NodeSet::Mesh(geometry) = scene.nodes else { return None };
-    let flags = select::edges(at, &selection, geometry, faults)?;
+    let flags = edges_of(at, gauge, geometry, faults)?;
     let springs = scene.springs?;
     let mut has_spring = vec![false; flags.len()];
     for &edge in springs.iter().flat_map(|group| &group.edges) {

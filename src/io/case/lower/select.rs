@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::geometry::Geometry;
+use super::point::Whole;
 use crate::case::diagnostics::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
 use crate::case::schema::{EdgeSelection, NodeSelection};
@@ -13,6 +14,8 @@ use crate::mesh::{EdgeKind, Group};
 pub(super) enum NodeSet<'a> {
     /// of a network
     Mesh(&'a Geometry),
+    /// of the network that a point stands for
+    Point(&'a Geometry, &'a Whole),
     /// the bob of a pendulum
     Bob,
     /// unknown, because the mesh is faulty
@@ -25,6 +28,14 @@ impl NodeSet<'_> {
     pub(super) fn select(self, at: &Pointer, selection: &NodeSelection, faults: &mut Faults<'_>) -> Option<Vec<u32>> {
         match self {
             Self::Mesh(geometry) => nodes(at, selection, geometry, faults),
+            Self::Point(geometry, whole) => {
+                let found = nodes(at, selection, geometry, faults)?;
+                if !whole.is_point(&found) {
+                    faults.add_hint(at, "the payload, or all nodes", "a point has no other nodes");
+                    return None;
+                }
+                Some(vec![0])
+            }
             Self::Unknown => None,
             Self::Bob => match selection {
                 NodeSelection::All => Some(vec![0]),

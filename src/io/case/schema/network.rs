@@ -18,6 +18,12 @@ use crate::model::spec::RayleighSpec;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Network {
+    /// `"point"`: the whole parachute is one mass at its payload, with a drag area. It has the mass of all nodes, the
+    /// drag areas of the payload and of canopies with a `schedule`, the same air and events. Gauges and probes of the
+    /// payload or of all nodes stay, and `tension` of what alone carries the canopies, as a riser. The network as
+    /// described if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<NetworkModel>,
     /// Where the nodes, edges and triangles come from.
     pub mesh: MeshSource,
     /// Mass of the nodes; every free node needs a mass, from here or from `springs[].linear_density`.
@@ -50,6 +56,14 @@ pub struct Network {
     pub damping: Option<Damping>,
     /// Initial displacements and velocities of the nodes.
     pub initial: Option<Initial>,
+}
+
+/// What stands for a network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NetworkModel {
+    /// One mass.
+    Point,
 }
 
 /// Mass of the nodes: the sum of what is given.

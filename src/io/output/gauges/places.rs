@@ -15,6 +15,8 @@ pub(super) enum Places {
     Nodes(NodeGauge, Vec<u32>),
     Springs(SpringGauge, Vec<SpringPlace>),
     Cloth(Box<Cloth>),
+    /// edges that carry all canopies of a point, by the masses above them \[kg\]
+    Pull(Vec<f64>),
     Canopy(usize),
     /// a largest value over the whole scene
     Scene(OfScene),
@@ -48,6 +50,7 @@ impl Places {
     pub(super) fn of(picture: &dyn Observables, of: &GaugeOf) -> (&'static [Quantity], Self, Option<f64>) {
         match of {
             GaugeOf::Nodes { of, nodes } => (of.columns.all(), Places::Nodes(*of, nodes.clone()), None),
+            GaugeOf::Pull { masses } => (SpringGauge::Tension.columns().all(), Places::Pull(masses.clone()), None),
             GaugeOf::Cloth { nodes } => (&[CROSSINGS], Places::Cloth(Box::new(Cloth::new(picture, nodes))), None),
             GaugeOf::Springs { of, edges, rule, strength } => {
                 let springs = picture.springs().map_or_else(Vec::new, |springs| springs.springs_on(edges, *rule));
@@ -73,11 +76,13 @@ impl Places {
                 let value = |&spring: &SpringPlace| match of {
                     SpringGauge::Tension => all.map_or(f64::NAN, |all| all.spring_tension(at.state.as_ref(), spring)),
                 };
-                let values = springs.iter().map(value);
-                let (sum, most) = values.fold((0.0, f64::NEG_INFINITY), |(sum, most), t| (sum + t, t.max(most)));
                 match of.columns() {
-                    SpringColumns::SumAndLargest(_) => to.copy_from_slice(&[sum, most]),
+                    SpringColumns::SumAndLargest(_) => to.copy_from_slice(&sum_and_largest(springs.iter().map(value))),
                 }
+            }
+            Places::Pull(masses) => {
+                let pull = |mass: &f64| picture.air().map_or(f64::NAN, |air| air.pull_of_points(*mass, at));
+                to.copy_from_slice(&sum_and_largest(masses.iter().map(pull)));
             }
             Places::Cloth(cloth) => to[0] = cloth.crossings(picture, at),
             Places::Nodes(of, nodes) => nodal(picture, *of, nodes, at, to),
@@ -112,6 +117,10 @@ impl Cloth {
         let triangle = |number: u32| all(&picture.triangles()[number as usize]);
         finder.find(positions).iter().filter(|one| all(&one.edge) || triangle(one.triangle)).count() as f64
     }
+}
+
+fn sum_and_largest(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([0.0, f64::NEG_INFINITY], |[sum, most], value| [sum + value, value.max(most)])
 }
 
 /// The values of a gauge on nodes.

@@ -5,6 +5,7 @@
 mod air;
 mod cloth;
 mod mesh;
+mod point;
 mod step;
 
 use serde_json::Value;
@@ -40,6 +41,7 @@ impl Variants {
     pub fn of(case: &Case) -> Self {
         let problem = case.problem();
         let mut search = Search { json: &problem.case_json, problem, found: Variants::default() };
+        search.point(case);
         // Laws that implicit steps find hard come last: a spent budget leaves them out first.
         search.mesh();
         search.step();
