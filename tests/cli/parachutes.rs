@@ -87,6 +87,24 @@ fn a_disk_gap_band_parachute_carries_its_calibrated_load() {
     within("line", 80.0 * peak(&summary, "springs[6] lines", "tension_max")[1] / load, [1.0, 1.05]);
 }
 
+/// `check` and `solve` warn of a schedule for cloth of which nothing is known, in the same words, and go on.
+#[test]
+fn a_schedule_for_unknown_cloth_is_warned_of() {
+    let bench = Bench::new();
+    let case = format!("{}/assets/cases/parachute/c9-drop.json", env!("CARGO_MANIFEST_DIR"));
+    let unknown = ["--set", "system.network.aero.canopy.law=null", "--end", "0.01"];
+    let checked = bench.run(&[&["check", &case], &unknown[..]].concat());
+    let solved = bench.run(&[&["solve", &case, "--out", "out"], &unknown[..]].concat());
+    assert_eq!((checked.code, solved.code), (Some(0), Some(0)), "{}{}", checked.stderr, solved.stderr);
+    let told = |text: &str| text.lines().find(|line| line.ends_with("[tight-cloth]")).map(str::to_owned);
+    let [checked, solved] = [told(&checked.stdout), told(&solved.stderr)];
+    let words = checked.expect("a warning of check");
+    assert_eq!(Some(&words), solved.as_ref());
+    for part in ["up to three times harder", "K = 0.6", "at 45 m/s on D0 = 8.53 m", "take \"filling\""] {
+        assert!(words.contains(part), "no {part} in {words}");
+    }
+}
+
 /// Both canopies alike.
 #[test]
 fn two_canopies_share_a_load() {
