@@ -29,8 +29,6 @@ PAGE = ROOT / "docs/guide/src/validated.md"
 PICTURES = ROOT / "docs/guide/src/pictures"
 # [m/s^2], [kg/m^3] at sea level, [m]
 G, SEA_LEVEL, FOOT = 9.81, 1.225, 0.3048
-# [-] area of the skirt's circle over S0, of Taylor's shape over lines of one nominal diameter
-SKIRT = 0.43
 
 program = ROOT / "target/release/canopy-fem"
 pool = ThreadPoolExecutor(os.cpu_count())
@@ -41,12 +39,13 @@ pool = ThreadPoolExecutor(os.cpu_count())
 @dataclass
 class Flight:
     """Gauges of a run over its steps."""
-    # [s], [N] of the riser, [m/s] of the canopy along its axis, [-] Dp/D0 and CD0
+    # [s], [N] of the riser, [m/s] of the canopy along its axis, [-] Dp/D0 and CD0, [m] of the skirt
     t: list = field(default_factory=list)
     load: list = field(default_factory=list)
     speed: list = field(default_factory=list)
     width: list = field(default_factory=list)
     drag: list = field(default_factory=list)
+    skirt: list = field(default_factory=list)
 
     def peak(self):
         """Number of the step with the largest load."""
@@ -64,7 +63,8 @@ class Flight:
 
 
 GAUGES = {("riser", "tension_sum"): "load", ("canopy", "axial_speed"): "speed",
-          ("canopy", "projected_ratio"): "width", ("canopy", "drag_coefficient"): "drag"}
+          ("canopy", "projected_ratio"): "width", ("canopy", "drag_coefficient"): "drag",
+          ("canopy", "skirt_diameter"): "skirt"}
 
 
 def fly(case):
@@ -332,18 +332,27 @@ def c9():
 # --- steady falls ---
 
 def falling(stem, canopy, speed, density=SEA_LEVEL):
-    """A shipped parachute near its steady fall [m/s], in calm air of a density [kg/m^3]."""
+    """A shipped parachute near its steady fall [m/s], in calm air of a density [kg/m^3]. A number as the canopy is a CD0."""
     case, network, pattern = shipped(stem)
     pattern["start"] = "inflated"
     pattern.pop("reefing", None)
     pattern.pop("start_radius", None)
     network["springs"] = [rule for rule in network["springs"] if rule["on"] != {"group": "reefing"}]
-    network["aero"].update(canopy=canopy, atmosphere={"density": density})
+    network["aero"].update(canopy=even(1.7) if isinstance(canopy, float) else canopy, atmosphere={"density": density})
     for key in ("wind", "altitude"):
         network["aero"].pop(key, None)
     network["initial"]["velocity"] = [0, 0, -speed]
     case.pop("acknowledge", None)
     case["time"] = {"end": 10.0, "method": "backward-euler", "step": 0.01}
+    return by_drag(case, canopy) if isinstance(canopy, float) else case
+
+
+def by_drag(case, coefficient):
+    """With the even pressure of a CD0 on the skirt of the open shape, dCp = CD0 S0/A_s."""
+    start = copy.deepcopy(case)
+    start["time"]["end"] = start["time"]["step"]
+    ratio = fly(start).skirt[0] / case["system"]["network"]["mesh"]["parachute"]["nominal_diameter"]
+    case["system"]["network"]["aero"]["canopy"] = even(coefficient / ratio**2)
     return case
 
 
@@ -368,14 +377,14 @@ def cross():
 
 def rocket(drag_area, speed, density):
     """A flat canopy with a drag area [m^2] under a rocket of 20.846 kg."""
-    case = falling("rescue-115kg", even(0.75 / SKIRT), speed, density)
+    case = falling("rescue-115kg", even(1.7), speed, density)
     network = case["system"]["network"]
     diameter = math.sqrt(4 * drag_area / (math.pi * 0.75))
     pattern = network["mesh"]["parachute"]
     pattern.update(nominal_diameter=diameter, vent_diameter=0.05 * diameter, lines={"length": diameter, "segments": 3})
     network["mass"]["points"][0]["mass"] = 20.846
     network["aero"]["drag"] = []
-    return case
+    return by_drag(case, 0.75)
 
 
 def falls():
@@ -384,9 +393,9 @@ def falls():
     filling = shipped("c9-filling")[1]["aero"]["canopy"]
     feet = lambda low, high: (low * FOOT, high * FOOT)
     all = [
-        ("T-10, 163 kg, `table`", falling("t10-drop", even(0.78 / SKIRT), 6.5), feet(19, 23), "T-10", "CD0"),
+        ("T-10, 163 kg, `table`", falling("t10-drop", 0.78, 6.5), feet(19, 23), "T-10", "CD0"),
         ("T-10, `filling`, cloth of the C-9", falling("t10-drop", filling, 6.5), feet(19, 23), "T-10", "none"),
-        ("G-12, 998 kg, `table`", falling("g12-reefed", even(0.75 / SKIRT), 8.5), feet(27.5, 28.5), "G-12", "CD0"),
+        ("G-12, 998 kg, `table`", falling("g12-reefed", 0.75, 8.5), feet(27.5, 28.5), "G-12", "CD0"),
         ("G-12, `filling`, cloth of the C-9", falling("g12-reefed", filling, 8.5), feet(27.5, 28.5), "G-12", "none"),
         ("T-11, 175 kg, a cross, `table` with dCp 1.7", cross(), feet(18, 19), "T-11", "none"),
         ("NDRT 2020 drogue, `table`", rocket(0.4378, 25.0, 1.12), (24.6, 25.6), "RocketPy", "drag area"),
@@ -405,8 +414,7 @@ def held(keys, stream=7.0):
     case, network, pattern = shipped("c9-filling")
     case["name"] = keys["type"]
     pattern.pop("start_radius")
-    pattern["start"] = "flat"
-    pattern.update(keys)
+    pattern.update({"start": "flat", "lines": {"length": D0, "segments": 3}} | keys)
     if keys["type"] == "cruciform":
         pattern.pop("vent_diameter")
     hold(network, stream)
@@ -431,7 +439,7 @@ FORMS = {
     "ringslot, slots 0.16": (dict(type="ringslot", rings=4, slot_porosity=0.16), (0.56, 0.65), (0.67, 0.70)),
     "disk-gap-band": (dict(type="disk-gap-band", lines={"length": 1.7 * D0, "segments": 3}), (0.52, 0.58), 0.65),
     "annular, vent 0.4 D0, inner lines as long as lines":
-        (dict(type="annular", vent_diameter=0.4 * D0, lines={"length": D0}, inner_lines={"length": D0}), (0.85, 0.95), 0.94),
+        (dict(type="annular", vent_diameter=0.4 * D0, inner_lines={"length": D0}), (0.85, 0.95), 0.94),
 }
 
 

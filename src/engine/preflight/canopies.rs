@@ -244,7 +244,10 @@ impl fmt::Display for TightCloth {
             Some(_) => write!(f, "{canopy} fills by its schedule, and its cloth is tight")?,
             None => write!(f, "{canopy} fills by its schedule, and no permeability of its cloth is given")?,
         }
-        write!(f, ": measured openings of tight cloth are up to three times harder, F = K m V^2/D0 with K = {MEASURED}")?;
+        write!(
+            f,
+            ": measured openings of tight cloth are up to three times harder, F = K m V^2/D0 with K = {MEASURED}"
+        )?;
         if let Some(Opening { mass, speed, diameter }) = opening {
             let load = figures(MEASURED * mass * speed * speed / diameter, 3);
             let [mass, speed, diameter] = [*mass, *speed, *diameter].map(|number| figures(number, 3));

@@ -117,12 +117,16 @@ fn a_schedule_for_tight_cloth_is_warned_of() {
         assert!(texts.contains(words) && texts.contains("K m V^2/D0 with K = 0.6, here 12"), "{load}: {texts}");
         assert!(texts.contains("at 20 m/s on D0 = 4 m; take \"filling\""), "{texts}");
     }
-    let full = with(&unknown, &[(&format!("{canopy}/schedule"), json!({"drag_area": 9.4, "filling_time": 1, "start": -2}))]);
+    let full =
+        with(&unknown, &[(&format!("{canopy}/schedule"), json!({"drag_area": 9.4, "filling_time": 1, "start": -2}))]);
     for case in [law(permeable(1.2e7)), ringslot(&unknown), full] {
         let (codes, texts) = warnings(&case);
         assert!(!codes.contains(&"tight-cloth".to_owned()), "{texts}of {case}");
     }
-    let table = [(canopy.as_str(), json!({"on": {"group": "canopy"}, "table": {"pressure_coefficient": 1.7}, "law": permeable(1e6)}))];
+    let table = [(
+        canopy.as_str(),
+        json!({"on": {"group": "canopy"}, "table": {"pressure_coefficient": 1.7}, "law": permeable(1e6)}),
+    )];
     let refused = Case::from_text(with(&rig(), &table).to_string(), "case.json", PathBuf::new(), &[]);
     let text = refused.err().map(|error| error.to_string()).unwrap_or_default();
     assert!(text.contains("aero/canopy/law") && text.contains("only beside schedule"), "{text}");
