@@ -89,8 +89,9 @@ pub struct Canopy {
     /// stages that follow each other, as with a reefing line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub schedule: Option<OneOrSeveral<FillingSchedule>>,
-    /// Only beside `schedule`, whose pressure does not depend on it: the measured air through the cloth. Cloth that is
-    /// tight, or of which nothing is told, opens up to three times harder than a schedule says; the program warns of it.
+    /// Only beside `schedule`, whose pressure does not depend on it: the measured air through the cloth. Measured loads
+    /// of tight cloth are up to three times those of a schedule. The program warns of it where the cloth is tight, or
+    /// nothing is told of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<ClothLaw>,
     /// Experimental: the pressure from a balance of the air that flows through the mouth and the cloth. Shape, filling
