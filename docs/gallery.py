@@ -268,6 +268,7 @@ GALLERY = [
      dict(times=[0.01, 0.02, 0.2], colour="wrinkling", azimuth=60, elevation=35, height=260, zoom=0.75)),
     ("hanging-sheet", f"{OWN}/hanging-sheet.json",
      dict(times=[0, 0.3, 0.6, 1], colour="plain", azimuth=60, elevation=20, height=300, zoom=0.75)),
+    ("c9-filling", f"{CASES}/parachute/c9-filling.json", dict(times=[0, 0.4, 0.8, 1, 1.15, 1.3, 6], width=240, height=460)),
     ("c9-drop", f"{CASES}/parachute/c9-drop.json", dict(times=[0, 0.2, 0.7, 2, 8])),
     ("t10-drop", f"{CASES}/parachute/t10-drop.json", dict(times=[0, 0.3, 1.1, 15])),
     ("g12-reefed", f"{CASES}/parachute/g12-reefed.json", dict(times=[0, 3, 5, 20], zoom=1.0)),

@@ -87,6 +87,9 @@ pub enum WarningCode {
     SupersonicSpeed,
     /// Heights above those of the standard atmosphere.
     ThinAir,
+    /// A schedule for cloth that is tight, or of which no permeability is given: measured loads are up to three times
+    /// higher.
+    TightCloth,
     /// A modulus, a thickness or an axial rigidity that no cloth and no line has.
     UnlikelyMaterial,
     /// Edges that no spring rule selects.

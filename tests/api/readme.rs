@@ -1,7 +1,8 @@
 //! What README and docs promise exists: the table of methods agrees with the registry, and the files that are named are
 //! there.
 
-use crate::common::run::asset;
+use crate::common::run::{asset, run};
+use canopy_fem::drive::Status;
 use canopy_fem::integrate::registry::methods;
 use std::path::Path;
 
@@ -40,6 +41,23 @@ fn the_files_it_names_are_there() {
         count += 1;
     }
     assert!(count >= 6, "only {count} files are named");
+}
+
+/// The cases that README solves run, each a little way.
+#[test]
+fn the_cases_it_solves_run() {
+    let text = document("README.md");
+    let commands = text.split("solve assets/cases/").skip(1).filter_map(|rest| rest.split(".json").next());
+    let stems: Vec<&str> = commands.collect();
+    assert_eq!(stems, ["parachute/c9-filling", "parachute/rescue-115kg"]);
+    for stem in stems {
+        let ran = run(&asset(stem, &[("time.end", "0.1")]));
+        assert!(
+            ran.outcome.status == Status::Completed && ran.outcome.energy_error < 1e-3,
+            "{stem}: {:?}",
+            ran.outcome
+        );
+    }
 }
 
 /// The tables over time that it shows are read, each at its place in a case.

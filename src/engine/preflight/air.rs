@@ -173,7 +173,7 @@ impl fmt::Display for Cavities {
         write!(
             f,
             "{which} that of a cavity, which is experimental: shape, filling time and speed of fall are of the right size, \
-             opening loads are several times too large; take \"schedule\" for opening loads"
+             opening loads are several times too large; take \"filling\" or \"schedule\" for opening loads"
         )
     }
 }

@@ -2,7 +2,7 @@
 //! and air above the standard atmosphere.
 
 use crate::format_number::figures;
-use crate::model::spec::{AtmosphereSpec, CanopySpec, FillingSpec, NetworkSpec, SpringGroup};
+use crate::model::spec::{AtmosphereSpec, CanopySpec, ClothSpec, FillingSpec, NetworkSpec, SpringGroup};
 use crate::warning::{Warning, WarningCode};
 use std::collections::BTreeSet;
 use std::fmt;
@@ -16,6 +16,15 @@ const LONG: f64 = 30.0;
 const SLOW: f64 = 20.0;
 /// [-] Relative difference of two times that are meant to be one.
 const APART: f64 = 0.01;
+/// [Pa] Pressure difference of half an inch of water, at which data sheets state the air through a cloth.
+const STATED: f64 = 124.5;
+/// [m/s] Air through a cloth at that pressure up to which it is tight: 20 ft^3/min through a square foot. Rescue
+/// parachutes have 5 and less, the C-9 has 128.
+const TIGHT: f64 = 0.1;
+/// [-] Share of the nominal area without cloth from which on a canopy is slotted.
+const SLOTTED: f64 = 0.1;
+/// [-] K of 25 load tests of rescue parachutes (EN 12491), single spikes of the accelerometer included.
+const MEASURED: f64 = 0.6;
 /// [m] Height above sea level at which the standard atmosphere ends.
 const STANDARD: f64 = 86e3;
 
@@ -180,6 +189,78 @@ impl fmt::Display for ReefingLine {
 impl From<ReefingLine> for Warning {
     fn from(found: ReefingLine) -> Self {
         Warning::new(WarningCode::ReefingLine, found.to_string())
+    }
+}
+
+/// A canopy that is told how it fills, of cloth whose measured openings are harder.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TightCloth {
+    /// which one, in words
+    pub canopy: String,
+    /// [m/s] speed of the air through the cloth at 124.5 Pa, if its permeability is given
+    pub leak: Option<f64>,
+    /// measured loads of tight cloth, where what hangs on the canopy is free
+    pub opening: Option<Opening>,
+}
+
+/// K m V^2/D0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Opening {
+    /// [kg] m of the whole system
+    pub mass: f64,
+    /// [m/s] V at the start
+    pub speed: f64,
+    /// [m] D0
+    pub diameter: f64,
+}
+
+/// Looks at a canopy with a schedule that fills during the run, at `speed` [m/s] at the start; canopies with slots are
+/// not meant. `cloth` is what the case tells of its cloth.
+pub fn tight_cloth(spec: &NetworkSpec, canopy: usize, cloth: Option<ClothSpec>, speed: f64) -> Option<TightCloth> {
+    let found = spec.canopies.get(canopy)?;
+    let fills = found.air.stages().iter().any(|stage| stage.start + stage.duration > 0.0);
+    let sizes = found.triangles.iter().filter_map(|&t| spec.mesh.triangles.get(t as usize));
+    let open = 1.0 - sizes.map(|&corners| triangle_area(spec, corners)).sum::<f64>() / found.nominal_area;
+    let leak = cloth.map(|cloth| cloth.speed_at(STATED));
+    if !fills || open > SLOTTED || leak.is_some_and(|w| w > TIGHT) {
+        return None;
+    }
+    let free = spec.canopies.len() == 1 && !spec.fixed.iter().flatten().any(|held| *held) && speed > 0.0;
+    let diameter = (4.0 * found.nominal_area / std::f64::consts::PI).sqrt();
+    let opening = free.then(|| Opening { mass: spec.mass.iter().sum(), speed, diameter });
+    Some(TightCloth { canopy: name(spec, canopy), leak, opening })
+}
+
+/// [m^2] of a triangle of the mesh as given.
+fn triangle_area(spec: &NetworkSpec, [a, b, c]: [u32; 3]) -> f64 {
+    let [a, b, c] = [a, b, c].map(|node| spec.mesh.point(node));
+    0.5 * (b - a).cross(&(c - a)).norm()
+}
+
+impl fmt::Display for TightCloth {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let TightCloth { canopy, leak, opening } = self;
+        match leak {
+            Some(_) => write!(f, "{canopy} fills by its schedule, and its cloth is tight")?,
+            None => write!(f, "{canopy} fills by its schedule, and no permeability of its cloth is given")?,
+        }
+        write!(
+            f,
+            ": measured openings of tight cloth are up to three times harder, F = K m V^2/D0 with K = {MEASURED}"
+        )?;
+        if let Some(Opening { mass, speed, diameter }) = opening {
+            let load = figures(MEASURED * mass * speed * speed / diameter, 3);
+            let [mass, speed, diameter] = [*mass, *speed, *diameter].map(|number| figures(number, 3));
+            write!(f, ", here {load} N with {mass} kg at {speed} m/s on D0 = {diameter} m")?;
+        }
+        f.write_str("; take \"filling\"")?;
+        if leak.is_none() { f.write_str(", or give the permeability as \"law\" beside \"schedule\"") } else { Ok(()) }
+    }
+}
+
+impl From<TightCloth> for Warning {
+    fn from(found: TightCloth) -> Self {
+        Warning::new(WarningCode::TightCloth, found.to_string())
     }
 }
 

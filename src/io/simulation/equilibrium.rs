@@ -56,7 +56,7 @@ pub struct RecordedStatic {
 }
 
 /// Warnings that tell of steps and motion.
-const OF_A_RUN: [WarningCode; 9] = [
+const OF_A_RUN: [WarningCode; 10] = [
     WarningCode::BrakedRotation,
     WarningCode::EventBeyondEnd,
     WarningCode::FillingBeyondEnd,
@@ -66,6 +66,7 @@ const OF_A_RUN: [WarningCode; 9] = [
     WarningCode::StepAboveCritical,
     WarningCode::StepBeyondEnd,
     WarningCode::StepDashpot,
+    WarningCode::TightCloth,
 ];
 
 /// [-] Iterations of a search over those that the case allows an implicit step.

@@ -23,7 +23,8 @@ fn rig() -> Value {
              "dashpot": {"axial": {"time": 1e-3}}},
             tape("radials"), tape("skirt"), tape("vent"), tape("vent-lines"), tape("lines")],
         "gravity": [0, 0, -9.81],
-        "aero": {"canopy": {"on": {"group": "canopy"}, "schedule": {"drag_area": 9.4, "filling_constant": 8}}},
+        "aero": {"canopy": {"on": {"group": "canopy"}, "schedule": {"drag_area": 9.4, "filling_constant": 8},
+                            "law": {"permeable": {"a": 1.6e6, "b": 4.8e5, "thickness": 1e-4}}}},
         "initial": {"velocity": [0, 0, -20]}}},
         "time": {"end": 2.0, "method": "newmark", "step": 2e-3}})
 }
@@ -88,6 +89,47 @@ fn canopies_whose_numbers_do_not_fit_are_warned_of() {
         let (codes, texts) = warnings(&case);
         assert!(codes.is_empty(), "{texts}of {case}");
     }
+}
+
+/// A schedule for cloth that is tight or unknown is warned of with the load that was measured, 0.6 m V^2/D0. Canopies
+/// with slots, full ones and those whose cloth lets air through are not meant.
+#[test]
+fn a_schedule_for_tight_cloth_is_warned_of() {
+    let canopy = format!("{N}/aero/canopy");
+    let law = |value: Value| with(&rig(), &[(&format!("{canopy}/law"), value)]);
+    let permeable = |a: f64| json!({"permeable": {"a": a, "b": 0, "thickness": 1e-4}});
+    let ringslot = |case: &Value| {
+        let parachute = &format!("{N}/mesh/parachute");
+        let slots = [("type", json!("ringslot")), ("rings", json!(2)), ("slot_porosity", json!(0.15))];
+        let slots = slots.map(|(key, value)| (format!("{parachute}/{key}"), value));
+        with(case, &slots.each_ref().map(|(key, value)| (key.as_str(), value.clone())))
+    };
+    let unknown = law(Value::Null);
+    // 124.5 Pa through 0.1 m/s, and a little more.
+    for (case, words) in [
+        (unknown.clone(), "no permeability of its cloth is given: measured openings"),
+        (law(permeable(1.3e7)), "and its cloth is tight: measured openings"),
+    ] {
+        let (codes, texts) = warnings(&case);
+        assert_eq!(codes, ["tight-cloth"], "{texts}");
+        let mass = 20.0 + 0.05 * 12.5 + 0.3;
+        let load = 0.6 * mass * 400.0 / 4.0;
+        assert!(texts.contains(words) && texts.contains("K m V^2/D0 with K = 0.6, here 12"), "{load}: {texts}");
+        assert!(texts.contains("at 20 m/s on D0 = 4 m; take \"filling\""), "{texts}");
+    }
+    let full =
+        with(&unknown, &[(&format!("{canopy}/schedule"), json!({"drag_area": 9.4, "filling_time": 1, "start": -2}))]);
+    for case in [law(permeable(1.2e7)), ringslot(&unknown), full] {
+        let (codes, texts) = warnings(&case);
+        assert!(!codes.contains(&"tight-cloth".to_owned()), "{texts}of {case}");
+    }
+    let table = [(
+        canopy.as_str(),
+        json!({"on": {"group": "canopy"}, "table": {"pressure_coefficient": 1.7}, "law": permeable(1e6)}),
+    )];
+    let refused = Case::from_text(with(&rig(), &table).to_string(), "case.json", PathBuf::new(), &[]);
+    let text = refused.err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(text.contains("aero/canopy/law") && text.contains("only beside schedule"), "{text}");
 }
 
 #[test]

@@ -26,7 +26,8 @@ const CHUTE: &str = r#"{"name": "chute", "system": {"network": {
   {"on": {"group": "lines"}, "axial_rigidity": 8000.0, "linear_density": 0.006},
   {"on": {"group": "riser"}, "axial_rigidity": 100000.0, "linear_density": 0.1}],
 "gravity": [0, 0, -9.81],
-"aero": {"canopy": {"on": {"group": "canopy"}, "schedule": {"drag_area": 42.9, "filling_constant": 8, "exponent": 2}},
+"aero": {"canopy": {"on": {"group": "canopy"}, "schedule": {"drag_area": 42.9, "filling_constant": 8, "exponent": 2},
+  "law": {"permeable": {"a": 1.6e6, "b": 4.8e5, "thickness": 1e-4}}},
   "altitude": 1000},
 "initial": {"velocity": [0, 0, -45.0]}}},
 "time": {"end": 0.1, "method": "newmark", "step": 0.002}}"#;

@@ -138,3 +138,12 @@ pub struct ClothSpec {
     /// [Pa s^2/m^2] inertial coefficient
     pub quadratic: f64,
 }
+
+impl ClothSpec {
+    /// [m/s] The speed of the air through it at a pressure difference [Pa] of 0 or more.
+    pub fn speed_at(&self, pressure: f64) -> f64 {
+        let ClothSpec { linear, quadratic } = *self;
+        // Without a difference of nearly equal numbers.
+        2.0 * pressure / (linear + (linear * linear + 4.0 * quadratic * pressure).sqrt())
+    }
+}

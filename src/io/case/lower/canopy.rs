@@ -16,6 +16,8 @@ use crate::case::schema::{
 };
 use crate::mesh::canopy::{self, CanopyError, CanopyPart, CanopyParts, SkirtGroup};
 use crate::model::spec::{CanopyAir, CanopySpec, CavitySpec, ClothSpec, NetworkSpec, RingsSpec, Series};
+use crate::preflight::canopies::tight_cloth;
+use crate::warning::Warning;
 
 /// [-] Area that a canopy shows along its axis, over its whole area, below which the air has no direction to fill it.
 const OPENING: f64 = 1e-3;
@@ -29,6 +31,10 @@ pub(super) fn canopy(
 ) -> Option<CanopySpec> {
     let before = faults.count();
     let pressure = pressure(at, canopy, faults);
+    if canopy.law.is_some() && canopy.schedule.is_none() {
+        let hint = "cavity and filling have a law of their own, for table the cloth makes no difference";
+        faults.add_value(&at.key("law"), "a law without a schedule", "only beside schedule", Some(hint.to_owned()));
+    }
     let geometry = geometry?;
     if !triangles(at, "a canopy", geometry, TriangleUse::Areas, faults) {
         return None;
@@ -70,7 +76,7 @@ enum Pressure<'a> {
 /// The one way in which a canopy gives its pressure.
 fn pressure<'a>(at: &Pointer, canopy: &'a Canopy, faults: &mut Faults<'_>) -> Option<Pressure<'a>> {
     // Without `..`, so that a new key is a way too or is named here as none.
-    let Canopy { table, schedule, cavity, filling, on: _, apparent_mass: _, confluence: _, skirt: _ } = canopy;
+    let Canopy { table, schedule, cavity, filling, law: _, on: _, apparent_mass: _, confluence: _, skirt: _ } = canopy;
     let table = table.as_ref().map(|table| match &table.pressure_coefficient {
         PressureCoefficient::Constant(c) => Some(vec![[0.0, *c]]),
         PressureCoefficient::Rows(rows) => coefficient_rows(&at.key("table").key("pressure_coefficient"), rows, faults),
@@ -217,6 +223,10 @@ pub(super) fn at_start(at: &Pointer, aero: Option<&Aero>, spec: &mut NetworkSpec
             && faults.count() == before
         {
             filling::at_speed(&at.key("schedule"), stages, filling, start.motion, faults);
+            if let Some(cloth) = cloth(&at.key("law"), canopy.law, faults) {
+                let warning = tight_cloth(spec, i, cloth, start.motion.speed).map(Warning::from);
+                warning.into_iter().for_each(|warning| faults.pass_on(warning));
+            }
         }
     }
 }

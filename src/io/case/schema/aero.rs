@@ -89,9 +89,14 @@ pub struct Canopy {
     /// stages that follow each other, as with a reefing line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub schedule: Option<OneOrSeveral<FillingSchedule>>,
+    /// Only beside `schedule`, whose pressure does not depend on it: the measured air through the cloth. Measured loads
+    /// of tight cloth are up to three times those of a schedule. The program warns of it where the cloth is tight, or
+    /// nothing is told of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<ClothLaw>,
     /// Experimental: the pressure from a balance of the air that flows through the mouth and the cloth. Shape, filling
-    /// time and speed of fall come out at the right size, opening loads several times too large: take `schedule` for
-    /// those.
+    /// time and speed of fall come out at the right size, opening loads several times too large: take `filling` or
+    /// `schedule` for those.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cavity: Option<Cavity>,
     /// The canopy fills by itself: the pressure from a balance of the air ring by ring, for opening loads without a
