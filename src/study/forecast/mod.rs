@@ -10,6 +10,7 @@
 //!    ([`states`]); what these cost stands for the parts of the run around them ([`estimate`]).
 //! 4. Memory is counted ([`memory`]), and what results cost to write ([`output`]).
 
+mod along;
 pub mod cost;
 pub mod estimate;
 pub mod memory;
@@ -27,7 +28,8 @@ use memory::{Baseline, MemorySpec, Needs};
 use nominal::{Budget, NominalCosts};
 use output::OutputCost;
 use prospects::{NoProspects, Prospector, Prospects};
-use trials::{Trials, searches};
+use trials::Trials;
+pub use trials::searches;
 
 use crate::StudyError;
 use crate::accuracy::Accuracy;
@@ -67,6 +69,8 @@ pub struct ForecastSpec<'a> {
     pub all: bool,
     /// what this process held once the scene was built
     pub baseline: Baseline,
+    /// [s] processor time from the start of the process to the first step of a run, without solvers
+    pub startup: f64,
     /// what trials may cost
     pub budget: &'a Budget,
 }
@@ -105,6 +109,8 @@ pub struct Forecast {
     pub tangent_refused: Option<String>,
     /// what writing results costs
     pub output: OutputCost,
+    /// [s] processor time before the first step: reading, meshing, setting up
+    pub startup_seconds: f64,
     /// [byte] largest resident memory of the case's own run
     pub memory_bytes: u64,
     /// the case's own run and what is recommended; not given where no run came to a prediction
@@ -135,9 +141,11 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
         Err(why) => (None, Some(why)),
     };
     let output = OutputCost::of(scene, &problem.output, fields, end);
-    let writing = |steps: f64| output.seconds(steps);
+    let startup = spec.startup + tangent.as_ref().map_or(0.0, |tangent| tangent.analysis_seconds);
+    let startup_seconds = if problem.method.info.family == Family::Implicit { startup } else { spec.startup };
+    let besides = |steps: f64| output.seconds(steps) + startup_seconds;
     let costs = NominalCosts::new(scene, tangent.as_ref());
-    let (prospects, mut refused, dear) = match (Prospector { spec, costs, output: &writing }).prospects() {
+    let (prospects, mut refused, dear) = match (Prospector { spec, costs, besides: &besides }).prospects() {
         Ok(found) => (Some(found), None, false),
         Err(NoProspects::TooDear) => (None, None, true),
         Err(NoProspects::Fails { why, instead }) => (instead.map(|found| *found), Some(why), false),
@@ -153,12 +161,12 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
     let mut trials = (spec.all || dear).then(|| Trials::along(spec, &force, tangent.as_ref()));
     let mut predict = |candidate: &Candidate, step: Step| {
         let trials = trials.as_mut().ok_or_else(|| "not tried".to_owned())?;
-        trials.predict(candidate, step).map(|estimate| estimate.with_output(output.seconds(estimate.steps)))
+        trials.predict(candidate, step).map(|estimate| estimate.with(besides(estimate.steps)))
     };
     let mut prospects = prospects;
     if let (true, Some(own)) = (dear, own) {
         match predict(own, planned(own, problem.time.step, end)) {
-            Ok(estimate) => prospects = Some(Prospects::of_counts(spec, costs, estimate)),
+            Ok(estimate) => prospects = Some(Prospects::without_errors(spec, costs, estimate)),
             Err(why) => refused = Some(why),
         }
     }
@@ -185,7 +193,7 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
         }
     };
     let methods = if spec.all { candidates.iter().map(row).collect() } else { Vec::new() };
-    Forecast { force, tangent, tangent_refused, output, memory_bytes, prospects, refused, methods }
+    Forecast { force, tangent, tangent_refused, output, startup_seconds, memory_bytes, prospects, refused, methods }
 }
 
 /// The answer of a forecast: what the case's own run costs and is worth, and what is recommended. `stable` says whether
