@@ -2,13 +2,15 @@
 //! an accuracy. Nothing is written.
 //!
 //! 1. The case's own run is made, whole or its first part, and the same with longer steps and with other methods
-//!    ([`prospects`]). All of it is to cost a fifth of the run nominally, or half a second; on
-//!    parachutes, whose steps cost more than nominally, it costs about as much as the run.
-//! 2. A run of which too few steps are affordable is predicted from the cost of a force pass and of a tangent
+//!    ([`prospects`]). All of it is to cost a fifth of the run, or half a second. If an accuracy or all methods are
+//!    asked for, it may cost about as much as the run.
+//! 2. What is left of a long implicit run is told from its own steps along a coarse run ([`along`]). Where less than a
+//!    twentieth of the run is affordable, nothing is said of its numbers.
+//! 3. A run of which too few steps are affordable is predicted from the cost of a force pass and of a tangent
 //!    ([`cost`]), and from single steps (`trials`); nothing is known of its errors then.
-//! 3. Where all methods are asked for, each makes a few real steps ([`sample`]) from states along a cheap adaptive run
+//! 4. Where all methods are asked for, each makes a few real steps ([`sample`]) from states along a cheap adaptive run
 //!    ([`states`]); what these cost stands for the parts of the run around them ([`estimate`]).
-//! 4. Memory is counted ([`memory`]), and what results cost to write ([`output`]).
+//! 5. Memory is counted ([`memory`]), and what results cost to write ([`output`]).
 
 mod along;
 pub mod cost;
@@ -27,7 +29,7 @@ use estimate::Estimate;
 use memory::{Baseline, MemorySpec, Needs};
 use nominal::{Budget, NominalCosts};
 use output::OutputCost;
-use prospects::{NoProspects, Prospector, Prospects};
+use prospects::{KnownBy, NoProspects, Prospector, Prospects};
 use trials::Trials;
 pub use trials::searches;
 
@@ -166,7 +168,7 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
     let mut prospects = prospects;
     if let (true, Some(own)) = (dear, own) {
         match predict(own, planned(own, problem.time.step, end)) {
-            Ok(estimate) => prospects = Some(Prospects::without_errors(spec, costs, estimate)),
+            Ok(estimate) => prospects = Some(Prospects::without_errors(spec, costs, KnownBy::Counts, estimate)),
             Err(why) => refused = Some(why),
         }
     }
@@ -209,7 +211,10 @@ pub fn describe_answer(
     stable: &str,
 ) -> Result<String, StudyError> {
     let scaled_masses = scene.added_mass().is_some();
-    let lines = forecast.prospects.as_ref().map(|found| found.lines(forecast.refused.is_none(), accuracy));
+    let lines = forecast
+        .prospects
+        .as_ref()
+        .map(|found| found.lines(forecast.refused.is_none(), problem.time.until_rest.is_some(), accuracy));
     let own = problem.method.info.name;
     let context = context! { forecast, own, lines, stable, scaled_masses };
     render("check_answer.txt", include_str!("../templates/check_answer.txt"), &context)

@@ -50,7 +50,9 @@ pub enum KnownBy {
     Part,
     /// runs with longer steps
     LongerSteps,
-    /// no run: the cost follows from single steps and counts
+    /// not: the cost follows from steps along a coarse run
+    Steps,
+    /// not: the cost follows from single steps and counts
     Counts,
 }
 
@@ -172,9 +174,11 @@ impl Prospector<'_, '_> {
             return Err(NoProspects::Fails { why: format!("fails at t = {time:.3e} s: {}", own.note), instead: None });
         }
         let part = own.t_end;
-        let whole = self.course(candidate, &own);
+        let (whole, told_by) = self.course(candidate, &own);
         if part < PART * end && !budget.thorough() {
-            return Ok(Prospects::without_errors(self.spec, self.costs, whole.with((self.besides)(whole.steps))));
+            let estimate = whole.with((self.besides)(whole.steps));
+            let found = Prospects::without_errors(self.spec, self.costs, told_by, estimate);
+            return Ok(Prospects { part: part / end, ..found });
         }
         let stable = |step: Step| step.fixed().is_none_or(|h| h < own_limit && FEWEST as f64 * h <= part);
         let beside = |times: f64| {
@@ -326,7 +330,7 @@ fn size(step: Step) -> String {
 
 impl Prospects {
     /// What is known where no run was long enough to say what its numbers are worth.
-    pub fn without_errors(spec: &ForecastSpec<'_>, costs: NominalCosts, estimate: Estimate) -> Self {
+    pub fn without_errors(spec: &ForecastSpec<'_>, costs: NominalCosts, known_by: KnownBy, estimate: Estimate) -> Self {
         let step = spec.problem.time.step;
         let this_case = Prospect {
             method: spec.problem.method.info.name,
@@ -334,7 +338,7 @@ impl Prospects {
             tolerance: step.tolerance().map(|tolerance| tolerance.relative),
             cpu_seconds: estimate.cpu_seconds,
             errors: BTreeMap::new(),
-            known_by: KnownBy::Counts,
+            known_by,
             worst: None,
             nominal: costs.cost(estimate.steps, estimate.work),
             estimate,

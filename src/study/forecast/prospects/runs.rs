@@ -72,13 +72,17 @@ impl Prospector<'_, '_> {
 
     /// The whole run of which a part was made. Explicit steps cost the same all along a run; those of a long implicit
     /// one are tried along it.
-    pub(super) fn course(&self, candidate: &Candidate, run: &WholeRun) -> Estimate {
+    pub(super) fn course(&self, candidate: &Candidate, run: &WholeRun) -> (Estimate, KnownBy) {
         let ForecastSpec { problem, budget, .. } = *self.spec;
         let simple = self.whole(run);
         let implicit = candidate.method.info.family == Family::Implicit;
-        let Some(h) = run.step.fixed().filter(|_| implicit && run.t_end < problem.time.end) else { return simple };
+        let Some(h) = run.step.fixed().filter(|_| implicit && run.t_end < problem.time.end) else {
+            budget.extend(simple.cpu_seconds);
+            return (simple, KnownBy::Part);
+        };
         budget.extend(simple.cpu_seconds);
-        along::whole_run(self.spec, &self.costs, &candidate.method, h, run, COARSE).unwrap_or(simple)
+        along::whole_run(self.spec, &self.costs, &candidate.method, h, run, COARSE)
+            .map_or((simple, KnownBy::Part), |told| (told, KnownBy::Steps))
     }
 
     /// The whole run of which a part was made, if it goes on as it did last.
