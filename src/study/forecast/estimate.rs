@@ -36,7 +36,7 @@ pub struct Estimate {
     pub mean_step: f64,
     /// [s] processor time a step, without output
     pub step_seconds: f64,
-    /// [s] processor time of the whole run, output included
+    /// [s] processor time of the whole run, start-up and output included
     pub cpu_seconds: f64,
     /// [-] counted work
     #[serde(flatten)]
@@ -103,9 +103,9 @@ impl Estimate {
         }
     }
 
-    /// The same with the processor time [s] of results written.
+    /// The same with the processor time [s] of start-up and of results written.
     #[must_use]
-    pub fn with_output(self, seconds: f64) -> Estimate {
+    pub fn with(self, seconds: f64) -> Estimate {
         Estimate { cpu_seconds: self.cpu_seconds + seconds, ..self }
     }
 }

@@ -2,14 +2,17 @@
 //! an accuracy. Nothing is written.
 //!
 //! 1. The case's own run is made, whole or its first part, and the same with longer steps and with other methods
-//!    ([`prospects`]). All of it is to cost a fifth of the run nominally, or half a second; on
-//!    parachutes, whose steps cost more than nominally, it costs about as much as the run.
-//! 2. A run of which too few steps are affordable is predicted from the cost of a force pass and of a tangent
+//!    ([`prospects`]). All of it is to cost a fifth of the run, or half a second. If an accuracy or all methods are
+//!    asked for, it may cost about as much as the run.
+//! 2. What is left of a long implicit run is told from its own steps along a coarse run ([`along`]). Where less than a
+//!    twentieth of the run is affordable, nothing is said of its numbers.
+//! 3. A run of which too few steps are affordable is predicted from the cost of a force pass and of a tangent
 //!    ([`cost`]), and from single steps (`trials`); nothing is known of its errors then.
-//! 3. Where all methods are asked for, each makes a few real steps ([`sample`]) from states along a cheap adaptive run
+//! 4. Where all methods are asked for, each makes a few real steps ([`sample`]) from states along a cheap adaptive run
 //!    ([`states`]); what these cost stands for the parts of the run around them ([`estimate`]).
-//! 4. Memory is counted ([`memory`]), and what results cost to write ([`output`]).
+//! 5. Memory is counted ([`memory`]), and what results cost to write ([`output`]).
 
+mod along;
 pub mod cost;
 pub mod estimate;
 pub mod memory;
@@ -26,8 +29,9 @@ use estimate::Estimate;
 use memory::{Baseline, MemorySpec, Needs};
 use nominal::{Budget, NominalCosts};
 use output::OutputCost;
-use prospects::{NoProspects, Prospector, Prospects};
-use trials::{Trials, searches};
+use prospects::{KnownBy, NoProspects, Prospector, Prospects};
+use trials::Trials;
+pub use trials::searches;
 
 use crate::StudyError;
 use crate::accuracy::Accuracy;
@@ -67,6 +71,8 @@ pub struct ForecastSpec<'a> {
     pub all: bool,
     /// what this process held once the scene was built
     pub baseline: Baseline,
+    /// [s] processor time from the start of the process to the first step of a run, without solvers
+    pub startup: f64,
     /// what trials may cost
     pub budget: &'a Budget,
 }
@@ -105,6 +111,8 @@ pub struct Forecast {
     pub tangent_refused: Option<String>,
     /// what writing results costs
     pub output: OutputCost,
+    /// [s] processor time before the first step: reading, meshing, setting up
+    pub startup_seconds: f64,
     /// [byte] largest resident memory of the case's own run
     pub memory_bytes: u64,
     /// the case's own run and what is recommended; not given where no run came to a prediction
@@ -135,9 +143,11 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
         Err(why) => (None, Some(why)),
     };
     let output = OutputCost::of(scene, &problem.output, fields, end);
-    let writing = |steps: f64| output.seconds(steps);
+    let startup = spec.startup + tangent.as_ref().map_or(0.0, |tangent| tangent.analysis_seconds);
+    let startup_seconds = if problem.method.info.family == Family::Implicit { startup } else { spec.startup };
+    let besides = |steps: f64| output.seconds(steps) + startup_seconds;
     let costs = NominalCosts::new(scene, tangent.as_ref());
-    let (prospects, mut refused, dear) = match (Prospector { spec, costs, output: &writing }).prospects() {
+    let (prospects, mut refused, dear) = match (Prospector { spec, costs, besides: &besides }).prospects() {
         Ok(found) => (Some(found), None, false),
         Err(NoProspects::TooDear) => (None, None, true),
         Err(NoProspects::Fails { why, instead }) => (instead.map(|found| *found), Some(why), false),
@@ -153,12 +163,12 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
     let mut trials = (spec.all || dear).then(|| Trials::along(spec, &force, tangent.as_ref()));
     let mut predict = |candidate: &Candidate, step: Step| {
         let trials = trials.as_mut().ok_or_else(|| "not tried".to_owned())?;
-        trials.predict(candidate, step).map(|estimate| estimate.with_output(output.seconds(estimate.steps)))
+        trials.predict(candidate, step).map(|estimate| estimate.with(besides(estimate.steps)))
     };
     let mut prospects = prospects;
     if let (true, Some(own)) = (dear, own) {
         match predict(own, planned(own, problem.time.step, end)) {
-            Ok(estimate) => prospects = Some(Prospects::of_counts(spec, costs, estimate)),
+            Ok(estimate) => prospects = Some(Prospects::without_errors(spec, costs, KnownBy::Counts, estimate)),
             Err(why) => refused = Some(why),
         }
     }
@@ -185,7 +195,7 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
         }
     };
     let methods = if spec.all { candidates.iter().map(row).collect() } else { Vec::new() };
-    Forecast { force, tangent, tangent_refused, output, memory_bytes, prospects, refused, methods }
+    Forecast { force, tangent, tangent_refused, output, startup_seconds, memory_bytes, prospects, refused, methods }
 }
 
 /// The answer of a forecast: what the case's own run costs and is worth, and what is recommended. `stable` says whether
@@ -201,7 +211,10 @@ pub fn describe_answer(
     stable: &str,
 ) -> Result<String, StudyError> {
     let scaled_masses = scene.added_mass().is_some();
-    let lines = forecast.prospects.as_ref().map(|found| found.lines(forecast.refused.is_none(), accuracy));
+    let lines = forecast
+        .prospects
+        .as_ref()
+        .map(|found| found.lines(forecast.refused.is_none(), problem.time.until_rest.is_some(), accuracy));
     let own = problem.method.info.name;
     let context = context! { forecast, own, lines, stable, scaled_masses };
     render("check_answer.txt", include_str!("../templates/check_answer.txt"), &context)

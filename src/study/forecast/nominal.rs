@@ -14,12 +14,16 @@ use crate::solve::LinearStats;
 
 /// [-] Share of the run that a forecast may cost.
 const SHARE: f64 = 0.2;
-/// [s] Smallest budget.
-const LEAST: f64 = 0.5;
+/// [s] Smallest budget: with what is measured before any run, half a second.
+const LEAST: f64 = 0.4;
 /// [s] Largest budget: nobody waits for hours to hear that a run takes days.
 const MOST: f64 = 5.0;
 /// [-] Most that a machine is taken to be slower than nominally.
-const SLOWEST: f64 = 8.0;
+const SLOWEST: f64 = 16.0;
+/// [-] Implicit steps cost this many times their nominal costs, until some were made (parachutes of the assets: 2 to 3).
+const IMPLICIT: f64 = 2.0;
+/// [s] Shortest work from which it is concluded how slow the machine is.
+const SURE: f64 = 5e-3;
 /// [-] Largest part of the budget that a search of the spectrum for critical steps may take.
 const SEARCHES: f64 = 0.5;
 
@@ -94,29 +98,71 @@ impl NominalCosts {
     }
 }
 
-/// Nominal time that a forecast may still spend. Small pieces of work, each of a fraction of a second, are not counted.
+/// Time that a forecast may still spend. Nominal costs are taken off, times what this machine is slower than nominally,
+/// in steps of a factor of two: the clock has little part in what is decided. Small pieces of work, each of a fraction
+/// of a second, are not counted.
 #[derive(Clone, Debug)]
 pub struct Budget {
     left: Cell<f64>,
-    /// [s] of which this much is a share of the case's own run
-    own: f64,
+    /// [s] as it was
+    all: Cell<f64>,
+    /// [-] slower than nominally, in force passes and in implicit steps
+    slower: [Cell<f64>; 2],
+    /// whether about as much as the run may be spent
+    thorough: bool,
 }
 
 impl Budget {
-    /// A fifth of the run that a case asks for, by nominal costs, but half a second at least and five at most.
-    pub fn of(scene: &dyn Scene, problem: &Problem) -> Self {
+    /// Half a second, until the cost of the case's own run is known. A thorough one is a fifth of the run that a case
+    /// asks for by nominal costs, which comes to about what parachutes cost.
+    pub fn of(scene: &dyn Scene, problem: &Problem, thorough: bool) -> Self {
         let steps = problem.time.step.fixed().map_or(0.0, |step| (problem.time.end / step).ceil());
-        let run = steps * nominal_step(scene, &problem.method);
-        let own = (SHARE * run).min(MOST);
-        Budget { left: Cell::new(own.max(LEAST)), own }
+        let run = if thorough { steps * nominal_step(scene, &problem.method) } else { 0.0 };
+        Self::with((SHARE * run).clamp(LEAST, MOST), thorough)
     }
 
-    /// Takes off what half a second of this machine is less than nominally, where a force pass takes `times` as long as
-    /// it should; in steps of a factor of two, so that the clock has little part in what is decided.
+    fn with(all: f64, thorough: bool) -> Self {
+        let slower = [1.0, if thorough { 1.0 } else { IMPLICIT }].map(Cell::new);
+        Budget { left: Cell::new(all), all: Cell::new(all), slower, thorough }
+    }
+
+    /// Whether about as much as the run may be spent.
+    pub fn thorough(&self) -> bool {
+        self.thorough
+    }
+
+    /// Notes that a force pass takes `times` as long as it should.
     pub fn calibrate(&self, times: f64) {
-        let slower = times.log2().round().exp2().clamp(1.0, SLOWEST);
-        let spent = self.own.max(LEAST) - self.left();
-        self.left.set((LEAST / slower).max(self.own) - spent);
+        if !self.thorough {
+            let times = rounded(times.max(1.0));
+            self.slower[0].set(times);
+            self.slower[1].set(IMPLICIT * times);
+        } else if self.all.get() <= LEAST {
+            let most = LEAST / rounded(times).clamp(1.0, 0.5 * SLOWEST);
+            self.left.set(self.left.get() - (self.all.replace(most) - most));
+        }
+    }
+
+    /// [s] Nominal cost of what may be spent on a method, of these seconds.
+    pub fn nominal(&self, family: Family, seconds: f64) -> f64 {
+        seconds / self.slower[usize::from(family == Family::Implicit)].get()
+    }
+
+    /// Takes off what a piece of work cost that took `seconds` instead of `nominal` ones.
+    pub fn charge(&self, family: Family, nominal: f64, seconds: f64) {
+        let slower = &self.slower[usize::from(family == Family::Implicit)];
+        if !self.thorough && nominal > 0.0 && seconds > SURE {
+            slower.set(rounded(seconds / nominal));
+        }
+        self.spend(nominal * slower.get());
+    }
+
+    /// Makes the budget a fifth of a run that takes so long [s].
+    pub fn extend(&self, run: f64) {
+        if !self.thorough {
+            let all = rounded(SHARE * run).clamp(LEAST, MOST).max(self.all.get());
+            self.spend(self.all.replace(all) - all);
+        }
     }
 
     /// [s] What is left.
@@ -146,16 +192,35 @@ impl Budget {
     }
 }
 
+/// To a power of two, so that noise has little part in it.
+fn rounded(times: f64) -> f64 {
+    times.log2().round().exp2().clamp(1.0 / SLOWEST, SLOWEST)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn what_is_spent_is_not_spent_twice() {
-        let budget = Budget { left: Cell::new(1.0), own: 1.0 };
+        let budget = Budget::with(1.0, false);
         assert!(budget.affords(0.75) && !budget.affords(0.5) && budget.affords(0.25));
         budget.spend(1.0);
         assert!(budget.left() == 0.0 && budget.affords(0.0));
+    }
+
+    /// Work that takes five times its nominal cost is taken off four times, and the next is planned with that.
+    #[test]
+    fn a_slow_machine_spends_sooner() {
+        let budget = Budget::with(1.0, false);
+        budget.charge(Family::Explicit, 0.1, 0.5);
+        assert!((budget.left() - 0.6).abs() < 1e-12 && budget.nominal(Family::Explicit, 0.4) == 0.1);
+        budget.extend(10.0);
+        assert!((budget.left() - 1.6).abs() < 1e-12, "{}", budget.left());
+        let thorough = Budget::with(1.0, true);
+        thorough.charge(Family::Explicit, 0.1, 0.5);
+        thorough.extend(10.0);
+        assert_eq!(thorough.left(), 0.9);
     }
 
     /// A second pass at the same positions is cheaper than the first.

@@ -10,28 +10,25 @@
 //!
 //! What is made is decided by counted work, so that the same case gets the same answer on every machine.
 
+mod runs;
 mod words;
 
 use std::collections::BTreeMap;
-use std::sync::atomic::AtomicBool;
 
 use serde::Serialize;
 
 use super::estimate::Estimate;
 use super::nominal::NominalCosts;
-use super::sample::Sample;
 use super::{Candidate, ForecastSpec};
 use crate::analysis::critical::CriticalStep;
 use crate::beside::Beside;
-use crate::drive::Status;
-use crate::drive::clock::{FixedSteps, Step};
+use crate::drive::clock::Step;
 use crate::format_number::{figures, two_digits};
 use crate::frames::Distance;
 use crate::output::gauges::MeasuredQuantity;
-use crate::prepared_case::interval;
 use crate::verify::coarser;
-use crate::whole_run::{WholeRun, WholeRunSpec};
-use crate::worth::{Shrinks, Worth};
+use crate::whole_run::WholeRun;
+use crate::worth::Shrinks;
 
 /// [-] Share of the budget for the case's own run; those with longer steps get as much work each as it took.
 const OWN: f64 = 0.3;
@@ -39,17 +36,8 @@ const OWN: f64 = 0.3;
 const FINER_COST: f64 = 3.0;
 /// Fewest steps of a part of a run from which something is concluded.
 const FEWEST: u64 = 8;
-/// Methods that are tried beside the case's own, the cheapest by the step first.
-const OTHERS: [&str; 4] = ["velocity-verlet", "rk4", "dop853", "newmark"];
-/// Steps of the part that another method is tried with at first, and how often its step is halved at most.
-const COARSEST: f64 = 20.0;
-const HALVED: u32 = 5;
-/// [-] Another method is tried only where it may cost less than this share of the best so far.
-const CHEAPER: f64 = 0.8;
-/// How often the case's own step is halved, on paper, to reach the accuracy.
-const FINER: i32 = 10;
-/// Most units of work a step, as [`WholeRun::work`] counts it, where a method has made none.
-const UNITS: f64 = 6.0;
+/// [-] Shortest part of a run from which something is said of its numbers.
+const PART: f64 = 0.05;
 /// Prospects that are told.
 const TOLD: usize = 3;
 
@@ -63,7 +51,9 @@ pub enum KnownBy {
     Part,
     /// runs with longer steps
     LongerSteps,
-    /// no run: the cost follows from single steps and counts
+    /// not: the cost follows from steps along a coarse run
+    Steps,
+    /// not: the cost follows from single steps and counts
     Counts,
 }
 
@@ -124,8 +114,8 @@ pub struct Prospector<'s, 'a> {
     pub spec: &'s ForecastSpec<'a>,
     /// what work costs
     pub costs: NominalCosts,
-    /// [s] what writing results costs a run of so many steps
-    pub output: &'s dyn Fn(f64) -> f64,
+    /// [s] what start-up and writing results cost a run of so many steps
+    pub besides: &'s dyn Fn(f64) -> f64,
 }
 
 /// Why there are no prospects.
@@ -175,7 +165,8 @@ impl Prospector<'_, '_> {
         let ForecastSpec { problem, budget, .. } = *self.spec;
         let end = problem.time.end;
         let own_limit = candidate.limit.map_or(f64::INFINITY, |limit| limit.safe());
-        let most = OWN * budget.left();
+        let family = candidate.method.info.family;
+        let most = budget.nominal(family, OWN * budget.left());
         if most < self.costs.untried(&candidate.method, FEWEST as f64) {
             return Err(NoProspects::TooDear);
         }
@@ -184,12 +175,22 @@ impl Prospector<'_, '_> {
             return Err(NoProspects::Fails { why: format!("fails at t = {time:.3e} s: {}", own.note), instead: None });
         }
         let part = own.t_end;
+        let (whole, told_by) = self.course(candidate, &own);
+        if part < PART * end && !budget.thorough() {
+            let estimate = whole.with((self.besides)(whole.steps));
+            let found = Prospects::without_errors(self.spec, self.costs, told_by, estimate);
+            return Ok(Prospects { part: part / end, ..found });
+        }
         let stable = |step: Step| step.fixed().is_none_or(|h| h < own_limit && FEWEST as f64 * h <= part);
+        let beside = |times: f64| {
+            let left = if budget.thorough() { f64::INFINITY } else { budget.nominal(family, budget.left()) };
+            left.min(times * self.cost(&own))
+        };
         let mut longer: Vec<WholeRun> = Vec::new();
         for times in 1..=2 {
             let step = coarser(step, times);
             let wide = step.tolerance().is_some_and(|tolerance| tolerance.relative >= 1.0);
-            let run = if stable(step) && !wide { self.run(candidate, step, part, self.cost(&own)) } else { None };
+            let run = if stable(step) && !wide { self.run(candidate, step, part, beside(1.0)) } else { None };
             match run.filter(|run| run.t_end >= part && run.failed_at.is_none()) {
                 Some(run) => longer.push(run),
                 None => break,
@@ -197,7 +198,7 @@ impl Prospector<'_, '_> {
         }
         // Where no longer step runs, a shorter one says as much.
         let finer = match longer.is_empty() && budget.left() > 0.0 {
-            true => self.run(candidate, coarser(step, -1), part, FINER_COST * self.cost(&own)),
+            true => self.run(candidate, coarser(step, -1), part, beside(FINER_COST)),
             false => None,
         };
         let finer = finer.filter(|run| run.t_end >= part && run.failed_at.is_none());
@@ -209,7 +210,8 @@ impl Prospector<'_, '_> {
         let worths = Beside { coarser: [longer.first(), longer.get(1)], finer: finer.as_ref() };
         let worths = worths.worth(own.numbers(), shrinks, own.t_end / own.steps.max(1) as f64).quantities;
         let known_by = if part < end { KnownBy::Part } else { KnownBy::Run };
-        let this_case = self.prospect(candidate, &own, known_by, &|quantity| worths.get(&quantity.name)?.error);
+        let this_case =
+            self.prospect(candidate, (&own, whole), known_by, &|quantity| worths.get(&quantity.name)?.error);
         let mut all = vec![this_case.clone()];
         let error_of = |run: &WholeRun, quantity: &MeasuredQuantity| {
             let own_error = worths.get(&quantity.name)?.error?;
@@ -220,9 +222,10 @@ impl Prospector<'_, '_> {
             Some(off + own_error)
         };
         for run in &longer {
-            all.push(self.prospect(candidate, run, known_by, &|quantity| error_of(run, quantity)));
+            let estimate = like(run, &own, whole, self.whole(run));
+            all.push(self.prospect(candidate, (run, estimate), known_by, &|quantity| error_of(run, quantity)));
         }
-        all.extend(self.finer(candidate, &this_case, &own, shrinks, &worths));
+        all.extend(self.finer(candidate, &this_case, (&own, whole), shrinks, &worths));
         self.others(candidate.method.info.name, &own, &mut all, &error_of);
         let within = |prospect: &Prospect| prospect.worst.as_ref().is_some_and(|(_, share)| *share <= 1.0);
         let mut recommended: Vec<Prospect> = all.into_iter().filter(within).collect();
@@ -254,74 +257,14 @@ impl Prospector<'_, '_> {
         self.costs.cost(run.steps as f64, run.counters.into())
     }
 
-    /// Makes a run to `end` [s] or to so much nominal cost [s]; none if it cannot start.
-    fn run(&self, candidate: &Candidate, step: Step, end: f64, most: f64) -> Option<WholeRun> {
-        let ForecastSpec { scene, problem, budget, .. } = *self.spec;
-        let every = interval(problem, scene);
-        let spec = WholeRunSpec {
-            scene,
-            problem,
-            every,
-            end,
-            method: &candidate.method,
-            step,
-            frames: Some(every),
-            // A run in blocks of steps may come to no state that it could be resumed from.
-            most_work: (UNITS * most / self.costs.untried(&candidate.method, 1.0)).ceil().max(1.0) as u64,
-            enough: Some(&|steps, counters| self.costs.cost(steps, counters.into()) > most),
-            interrupt: &AtomicBool::new(false),
-        };
-        // Runs that were made before have passed events.
-        crate::scene::pass_events(scene, 0);
-        let mut run = spec.run().ok()?;
-        budget.spend(self.cost(&run));
-        log::debug!(
-            "tried {} {}: {} steps to t = {} s in {:.3} s, {:.3} s nominally",
-            candidate.method.info.name,
-            size(step),
-            run.steps,
-            figures(run.t_end, 4),
-            run.seconds,
-            self.cost(&run)
-        );
-        // A part is what was wanted.
-        if run.status == Status::Interrupted {
-            run.status = Status::Completed;
-        }
-        Some(run).filter(|run| run.steps > 0 || run.failed_at.is_some())
-    }
-
-    /// The whole run of which a part was made.
-    fn whole(&self, run: &WholeRun) -> Estimate {
-        let end = self.spec.problem.time.end;
-        let late = run.late;
-        let [steps, t, seconds] =
-            [(run.steps - late.steps) as f64, run.t_end - late.t, (run.seconds - late.seconds).max(0.0)];
-        let made =
-            Sample { steps: run.steps as f64, simulated: run.t_end, seconds: run.seconds, work: run.counters.into() };
-        let (all, more) = match run.step {
-            Step::Fixed(h) => {
-                let all = FixedSteps::new(h, end).count() as f64;
-                (all, (all - made.steps).max(0.0) * seconds / steps.max(1.0))
-            }
-            Step::Adaptive(_) => {
-                let left = (end - run.t_end).max(0.0);
-                (made.steps + left * steps / t, left * seconds / t)
-            }
-        };
-        let estimate = Estimate::from_one(&made, end, all.max(1.0));
-        if run.t_end >= end { estimate } else { Estimate { cpu_seconds: run.seconds + more, ..estimate } }
-    }
-
     fn prospect(
         &self,
         candidate: &Candidate,
-        run: &WholeRun,
+        (run, estimate): (&WholeRun, Estimate),
         known_by: KnownBy,
         error: &dyn Fn(&MeasuredQuantity) -> Option<f64>,
     ) -> Prospect {
-        let estimate = self.whole(run);
-        let estimate = estimate.with_output((self.output)(estimate.steps));
+        let estimate = estimate.with((self.besides)(estimate.steps));
         let (mut errors, mut worst, mut known) = (BTreeMap::new(), None, true);
         // A part of a run says nothing of its end, where other numbers are asked for too.
         let wanted = || run.quantities.iter().filter(|quantity| quantity.wanted);
@@ -356,77 +299,6 @@ impl Prospector<'_, '_> {
             estimate,
         }
     }
-
-    /// The case's own method with a shorter step, where its own is not within the accuracy.
-    fn finer(
-        &self,
-        candidate: &Candidate,
-        own: &Prospect,
-        run: &WholeRun,
-        shrinks: Shrinks,
-        worths: &BTreeMap<String, Worth>,
-    ) -> Option<Prospect> {
-        let (_, most) = own.worst.as_ref().filter(|(_, share)| *share > 1.0)?;
-        let times = (1..=FINER).find(|times| most / shrinks.by.powi(*times) <= 1.0)?;
-        let less = shrinks.by.powi(-times);
-        let finer = coarser(run.step, -times);
-        let error = |quantity: &MeasuredQuantity| Some(worths.get(&quantity.name)?.error? * less);
-        let found = self.prospect(candidate, run, KnownBy::LongerSteps, &error);
-        // Steps as long as those of the run, so many times more of them.
-        let more = match run.step {
-            Step::Fixed(_) => 2.0_f64.powi(times),
-            Step::Adaptive(_) => 10.0_f64.powf(f64::from(times) / f64::from(candidate.method.order() + 1)),
-        };
-        Some(Prospect {
-            step: finer.fixed(),
-            tolerance: finer.tolerance().map(|tolerance| tolerance.relative),
-            cpu_seconds: found.cpu_seconds * more,
-            nominal: found.nominal * more,
-            ..found
-        })
-    }
-
-    /// Other methods over the same part, as far as they may be cheaper than what is known.
-    fn others(
-        &self,
-        base: &str,
-        own: &WholeRun,
-        all: &mut Vec<Prospect>,
-        error: &dyn Fn(&WholeRun, &MeasuredQuantity) -> Option<f64>,
-    ) {
-        let ForecastSpec { problem, budget, .. } = *self.spec;
-        let (part, end) = (own.t_end, problem.time.end);
-        let known_by = if part < end { KnownBy::Part } else { KnownBy::Run };
-        for name in OTHERS.into_iter().filter(|name| *name != base) {
-            let Some(candidate) = self.candidate(name) else { continue };
-            let mut h = two_digits(candidate.step_limit().min(part / COARSEST).min(end));
-            for _ in 0..=HALVED {
-                let within = |of: &&Prospect| of.worst.as_ref().is_some_and(|(_, share)| *share <= 1.0);
-                let best = all.iter().filter(within).map(|of| of.nominal).fold(f64::INFINITY, f64::min);
-                let whole = self.costs.untried(&candidate.method, end / h);
-                // Beyond a run that is not within the accuracy only what it costs matters.
-                let dearest = CHEAPER * best.min(20.0 * all.first().map_or(f64::INFINITY, |own| own.nominal));
-                let most = (whole.min(dearest) * part / end).min(budget.left());
-                if h <= 0.0
-                    || h.is_nan()
-                    || whole > dearest
-                    || self.costs.untried(&candidate.method, part / h) > budget.left()
-                {
-                    break;
-                }
-                let made = self.run(candidate, Step::Fixed(h), part, 2.0 * most);
-                if let Some(run) = made.filter(|run| run.t_end >= part && run.failed_at.is_none()) {
-                    let found = self.prospect(candidate, &run, known_by, &|quantity| error(&run, quantity));
-                    let good = within(&&found);
-                    all.push(found);
-                    if good {
-                        break;
-                    }
-                }
-                h = two_digits(0.5 * h);
-            }
-        }
-    }
 }
 
 impl Candidate {
@@ -434,6 +306,13 @@ impl Candidate {
     fn step_limit(&self) -> f64 {
         self.limit.map_or(0.0, |limit| limit.safe())
     }
+}
+
+/// The whole run of which the same part was made as of another one, whose whole cost is known.
+fn like(run: &WholeRun, own: &WholeRun, whole: Estimate, alone: Estimate) -> Estimate {
+    let times = run.seconds / own.seconds.max(f64::MIN_POSITIVE);
+    let cpu_seconds = if own.seconds > 0.0 { whole.cpu_seconds * times } else { alone.cpu_seconds };
+    Estimate { cpu_seconds, ..alone }
 }
 
 /// [-] Of the motion, between two runs.
@@ -451,8 +330,8 @@ fn size(step: Step) -> String {
 }
 
 impl Prospects {
-    /// What is known from counts alone.
-    pub fn of_counts(spec: &ForecastSpec<'_>, costs: NominalCosts, estimate: Estimate) -> Self {
+    /// What is known where no run was long enough to say what its numbers are worth.
+    pub fn without_errors(spec: &ForecastSpec<'_>, costs: NominalCosts, known_by: KnownBy, estimate: Estimate) -> Self {
         let step = spec.problem.time.step;
         let this_case = Prospect {
             method: spec.problem.method.info.name,
@@ -460,7 +339,7 @@ impl Prospects {
             tolerance: step.tolerance().map(|tolerance| tolerance.relative),
             cpu_seconds: estimate.cpu_seconds,
             errors: BTreeMap::new(),
-            known_by: KnownBy::Counts,
+            known_by,
             worst: None,
             nominal: costs.cost(estimate.steps, estimate.work),
             estimate,

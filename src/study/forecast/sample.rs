@@ -41,6 +41,21 @@ impl Sample {
         self.steps / self.simulated
     }
 
+    /// The same of one step.
+    pub fn each(&self) -> Sample {
+        self.times(1.0 / self.steps.max(1.0))
+    }
+
+    /// So many times as much.
+    pub fn times(&self, times: f64) -> Sample {
+        Sample {
+            steps: self.steps * times,
+            simulated: self.simulated * times,
+            seconds: self.seconds * times,
+            work: self.work.times(times),
+        }
+    }
+
     /// The difference to `earlier`, both being sums since the start.
     fn since(&self, earlier: &Sample) -> Sample {
         Sample {
@@ -167,6 +182,39 @@ pub fn sample(
             Err(SampleError::OnTheWay { time: failure.time, from, cause: failure.cause })
         }
         _ => meter.sample().ok_or(SampleError::Nothing),
+    }
+}
+
+/// `counted` fixed steps from a state on the way of another run, after `settle` steps that are not counted: what is made
+/// is the same on every machine.
+///
+/// # Errors
+/// When they fail.
+pub fn sample_steps(
+    run: Experiment<'_>,
+    stepper: &mut Stepper<'_>,
+    settle: u64,
+    counted: u64,
+    at: &Snapshot,
+) -> Result<Sample, SampleError> {
+    let snapshot = begin(&run, stepper, at)?;
+    let from = snapshot.t;
+    let mut meter = Meter { clock: Stopwatch::default(), ..Meter::default() };
+    let outcome = run.run_with(stepper, Start::Snapshot(Box::new(snapshot)), None, &mut |event, _| {
+        match event {
+            Event::Boundary(run) if meter.made == settle => meter.mark(run.step, run.at.state.t, run.counters),
+            Event::Step(_) => meter.made += 1,
+            _ => {}
+        }
+        meter.made >= settle + counted
+    })?;
+    if let Some(failure) = outcome.failure {
+        return Err(SampleError::OnTheWay { time: failure.time, from, cause: failure.cause });
+    }
+    meter.mark(outcome.steps, outcome.t_end, outcome.counters);
+    match meter.marks[..] {
+        [first, last] => Ok(last.since(&first)),
+        _ => Err(SampleError::Nothing),
     }
 }
 

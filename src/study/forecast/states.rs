@@ -3,6 +3,7 @@
 
 use crate::drive::Snapshot;
 use crate::experiment::{Event, Experiment, Start};
+use crate::integrate::Counters;
 use crate::process::Stopwatch;
 
 /// States kept at most.
@@ -22,34 +23,41 @@ impl SampledStates {
     /// Makes a run until its end, its failure, or `budget` [s] of processor time, and writes nothing. Empty if the run
     /// cannot start.
     pub fn follow(run: Experiment<'_>, budget: f64) -> SampledStates {
-        let most = (MOST_BYTES / (48 * run.scene.n_dof()).max(1)).clamp(2, MOST);
-        let (mut states, mut every) = (Vec::<Snapshot>::new(), 1);
         let clock = Stopwatch::default();
         let deadline = clock.seconds() + budget;
-        let outcome = run.run(Start::Initial, None, &mut |event, _| match event {
-            Event::Boundary(run) => {
-                let due = |states: &[Snapshot], every| states.last().is_none_or(|last| run.step >= last.step + every);
-                if due(&states, every) && states.len() >= most {
-                    let mut even = false;
-                    states.retain(|_| {
-                        even = !even;
-                        even
-                    });
-                    every *= 2;
-                }
-                if due(&states, every) {
-                    states.push(run.snapshot());
-                }
-                false
+        // Reading the clock takes some time, compared with the smallest step.
+        Self::until(run, &mut |step, _| (step < 8 || step.is_multiple_of(8)) && clock.seconds() >= deadline)
+    }
+
+    /// The same until `enough` says so, which is given the steps and the work so far.
+    pub fn until(run: Experiment<'_>, enough: &mut dyn FnMut(u64, Counters) -> bool) -> SampledStates {
+        let most = (MOST_BYTES / (48 * run.scene.n_dof()).max(1)).clamp(2, MOST);
+        let (mut states, mut every) = (Vec::<Snapshot>::new(), 1);
+        let outcome = run.run(Start::Initial, None, &mut |event, _| {
+            let Event::Boundary(run) = event else { return false };
+            let due = |states: &[Snapshot], every| states.last().is_none_or(|last| run.step >= last.step + every);
+            if due(&states, every) && states.len() >= most {
+                let mut even = false;
+                states.retain(|_| {
+                    even = !even;
+                    even
+                });
+                every *= 2;
             }
-            // Reading the clock takes some time, compared with the smallest step.
-            Event::Step(step) => {
-                let look = step.step < 8 || step.step.is_multiple_of(8);
-                look && clock.seconds() >= deadline
+            if due(&states, every) {
+                states.push(run.snapshot());
             }
-            _ => false,
+            enough(run.step, run.counters)
         });
         SampledStates { states, reached: outcome.map_or(0.0, |outcome| outcome.t_end) }
+    }
+
+    /// At most `count` states after a time [s], evenly among those that were kept.
+    pub fn beyond(&self, t: f64, count: usize) -> Vec<&Snapshot> {
+        let later: Vec<&Snapshot> = self.states.iter().filter(|state| state.t > t).collect();
+        let every = later.len().div_ceil(count.max(1)).max(1);
+        // The last one stands for the rest of the run.
+        later.iter().rev().step_by(every).rev().copied().collect()
     }
 
     /// At most `count` states: for each of `count` equal parts of the run the one nearest to its middle, each once.

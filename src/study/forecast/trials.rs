@@ -222,7 +222,7 @@ impl<'a> Trials<'a> {
 }
 
 /// Whether `solve` looks for a critical step before such a run.
-pub(super) fn searches(scene: &dyn Scene, candidate: &Candidate, step: Step) -> bool {
+pub fn searches(scene: &dyn Scene, candidate: &Candidate, step: Step) -> bool {
     let _all_taut = AllTaut::of(scene);
     let plain = |h| plainly_stable(scene, scene.initial_state().as_ref(), &candidate.method, h).is_some();
     has_limit(&candidate.method) && !step.fixed().is_some_and(plain)

@@ -21,8 +21,9 @@ pub struct Lines {
 const NUMBERS: usize = 4;
 
 impl Prospects {
-    /// In words; `own` says whether the run that others were compared with is the case's.
-    pub fn lines(&self, own: bool, accuracy: &Accuracy) -> Lines {
+    /// In words; `own` says whether the run that others were compared with is the case's, `rests` whether it ends once
+    /// it is at rest.
+    pub fn lines(&self, own: bool, rests: bool, accuracy: &Accuracy) -> Lines {
         let Prospects { this_case, recommended, part, runs, .. } = self;
         let steps = if this_case.step.is_some() { "step" } else { "tolerance" };
         let mut numbers = this_case.described(accuracy);
@@ -55,20 +56,30 @@ impl Prospects {
         };
         Lines {
             own: format!(
-                "{}, {steps} {}: {} steps, about {}",
+                "{}, {steps} {}: {} steps, {} {}{}",
                 this_case.method,
                 this_case.size(),
                 figures(this_case.estimate.steps, 4),
-                seconds(this_case.cpu_seconds)
+                if rests { "at most about" } else { "about" },
+                seconds(this_case.cpu_seconds),
+                if rests { ", as it ends at rest" } else { "" }
             ),
             numbers: match numbers.is_empty() {
-                true => "their errors are not known: a part of the run would cost more than check may".to_owned(),
+                true => "errors not known, as check makes too little of the run; canopy-fem solve --verify finds them"
+                    .to_owned(),
                 false => numbers.join(", ") + &rest,
             },
             recommended: recommended.iter().map(said).collect(),
-            none: "no run is known to be; canopy-fem solve --within and tradeoff make longer ones".to_owned(),
+            none: match numbers.is_empty() {
+                true => {
+                    format!("not tried; canopy-fem check --within {accuracy} tries runs, solve --within makes them")
+                }
+                false => "no run is known to be; canopy-fem solve --within and tradeoff make longer ones".to_owned(),
+            },
             known: match self.this_case.known_by {
                 KnownBy::Counts => "from single steps and counts".to_owned(),
+                KnownBy::Steps => "from some of its steps, along a coarse run".to_owned(),
+                KnownBy::Part if runs.is_empty() => format!("from the first {} % of the run", figures(100.0 * part, 2)),
                 _ => format!("by {reached}"),
             },
         }

@@ -1,0 +1,141 @@
+//! The cost of a long implicit run, from a few of its own steps at states along a coarse run.
+//!
+//! A canopy that opens needs many iterations a step, and few once it descends, so a run costs no multiple of its
+//! beginning. Long steps of the case's own method are no way ahead: where they are solved at all, they cost as much as
+//! the run. Backward Euler with a wide tolerance, each step solved roughly, comes to the end for some hundred
+//! iterations. It is far from accurate, but it passes through every stage of the run.
+
+use super::ForecastSpec;
+use super::estimate::Estimate;
+use super::nominal::NominalCosts;
+use super::sample::{Sample, sample_steps};
+use super::states::SampledStates;
+use super::work::Work;
+use crate::drive::clock::{FixedSteps, Step, Tolerance};
+use crate::experiment::Experiment;
+use crate::integrate::Counters;
+use crate::integrate::implicit::SolverSpec;
+use crate::integrate::registry::{Family, MethodChoice};
+use crate::process::Stopwatch;
+use crate::scene::pass_events;
+use crate::whole_run::WholeRun;
+
+/// [-] Tolerance of the coarse run, relative and absolute, and of Newton's iteration in it.
+const ROUGH: Tolerance = Tolerance { relative: 0.9, absolute: 0.009 };
+const SOLVED: f64 = 0.03;
+/// States that steps are tried from.
+const STATES: usize = 8;
+/// Steps of a trial that are not counted, because they come from another method, and steps that are.
+const SETTLE: u64 = 6;
+const COUNTED: u64 = 6;
+
+/// What a step costs at a time.
+#[derive(Clone, Copy, Debug)]
+struct Pace {
+    /// [s]
+    t: f64,
+    /// of one step
+    step: Sample,
+}
+
+/// The whole run with fixed steps of `h` [s] of which `own` is the first part, on which `share` [-] of the budget may be
+/// spent. `None` where no step could be tried.
+pub(super) fn whole_run(
+    spec: &ForecastSpec<'_>,
+    costs: &NominalCosts,
+    method: &MethodChoice,
+    h: f64,
+    own: &WholeRun,
+    share: f64,
+) -> Option<Estimate> {
+    let ForecastSpec { scene, problem, budget, .. } = *spec;
+    let (end, clock) = (problem.time.end, Stopwatch::default());
+    let (began, most) = (clock.seconds(), budget.nominal(Family::Implicit, share * budget.left()));
+    let rough = MethodChoice::with_defaults("backward-euler").ok()?;
+    let mut solver: SolverSpec = problem.solver;
+    solver.newton.relative = solver.newton.relative.max(SOLVED);
+    pass_events(scene, 0);
+    let mut spent = 0.0;
+    let probe = Experiment::new(scene, &rough, solver, Step::Adaptive(ROUGH), end);
+    let mut enough = |steps: u64, counters: Counters| {
+        spent = costs.cost(steps as f64, counters.into());
+        spent > most
+    };
+    let way = SampledStates::until(probe, &mut enough);
+    let states = way.beyond(own.t_end, STATES);
+    let run = Experiment::new(scene, method, problem.solver, Step::Fixed(h), end);
+    let mut stepper = run.stepper().ok()?;
+    let mut paces = vec![Pace { t: own.t_end, step: late(own) }];
+    for state in &states {
+        pass_events(scene, 0);
+        let Ok(made) = sample_steps(run, &mut stepper, SETTLE, COUNTED, state) else { continue };
+        spent += costs.cost(made.steps, made.work);
+        let step = made.each();
+        log::debug!(
+            "a step at t = {:.4e} s costs {:.4e} s, {:.1} iterations",
+            state.t,
+            step.seconds,
+            step.work.newton_iterations
+        );
+        paces.push(Pace { t: state.t, step });
+    }
+    pass_events(scene, 0);
+    budget.charge(Family::Implicit, spent, clock.seconds() - began);
+    log::debug!(
+        "steps along a run to t = {:.4e} s: {:.3} s, {:.3} s nominally",
+        way.reached,
+        clock.seconds() - began,
+        spent
+    );
+    if paces.len() < 2 {
+        return None;
+    }
+    let steps = FixedSteps::new(h, end).count() as f64;
+    let made =
+        Sample { steps: own.steps as f64, simulated: own.t_end, seconds: own.seconds, work: own.counters.into() };
+    let left = mean(&paces, end).times((steps - made.steps).max(0.0));
+    let whole = Sample {
+        steps,
+        simulated: end,
+        seconds: made.seconds + left.seconds,
+        work: Work::each(|kind| kind(&made.work) + kind(&left.work)),
+    };
+    Some(Estimate::from_one(&whole, end, steps))
+}
+
+/// A step in the later part of a run that was made.
+fn late(own: &WholeRun) -> Sample {
+    let steps = (own.steps - own.late.steps).max(1) as f64;
+    let all = Sample { steps: own.steps as f64, work: own.counters.into(), ..Sample::default() }.each();
+    Sample { seconds: (own.seconds - own.late.seconds).max(0.0) / steps, ..all }
+}
+
+/// The mean from the first pace until `end` [s]: linear between them, and as the last beyond it.
+fn mean(paces: &[Pace], end: f64) -> Sample {
+    let from = paces.first().map_or(end, |pace| pace.t);
+    let weight = |i: usize| {
+        let before = if i == 0 { from } else { 0.5 * (paces[i - 1].t + paces[i].t) };
+        let after = if i + 1 == paces.len() { end } else { 0.5 * (paces[i].t + paces[i + 1].t) };
+        (after - before) / (end - from).max(f64::MIN_POSITIVE)
+    };
+    let sum = |of: &dyn Fn(&Sample) -> f64| paces.iter().enumerate().map(|(i, pace)| weight(i) * of(&pace.step)).sum();
+    Sample {
+        steps: 1.0,
+        simulated: 0.0,
+        seconds: sum(&|s| s.seconds),
+        work: Work::each(|kind| sum(&|s| kind(&s.work))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A pace that falls linearly, and stays: the area below it over the time.
+    #[test]
+    fn paces_are_weighed_by_the_time_around_them() {
+        let pace = |t: f64, seconds: f64| Pace { t, step: Sample { seconds, ..Sample::default() } };
+        let found = mean(&[pace(0.0, 5.0), pace(2.0, 1.0)], 10.0);
+        assert!((found.seconds - 1.4).abs() < 1e-12, "{found:?}");
+    }
+}
