@@ -161,6 +161,10 @@ enum Reader {
 fn reader(path: &Path) -> Result<Reader, MeshError> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let known = FORMATS.iter().find(|(endings, _)| endings.contains(&extension.as_str()));
+    #[cfg(feature = "vtk")]
+    if LISTS.contains(&extension.as_str()) {
+        return Ok(Reader::Alone(vtk::read_list));
+    }
     known.map(|(_, reader)| *reader).ok_or_else(|| {
         let reason = match extension.as_str() {
             "" => "the name has no extension that says its format".to_owned(),
@@ -202,6 +206,10 @@ const FORMATS: &[(&[&str], Reader)] = &[
     #[cfg(feature = "gltf")]
     (&["gltf", "glb"], Reader::WithOthers(gltf::read)),
 ];
+
+/// Endings of files that list others, which are refused with the names of those.
+#[cfg(feature = "vtk")]
+const LISTS: &[&str] = &["pvd", "pvtu", "pvtp", "vtm", "vtmb"];
 
 /// Most nodes and elements that statements of a file may make of others.
 const MOST_MADE: u64 = 300_000;
