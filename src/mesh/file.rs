@@ -17,10 +17,12 @@ pub struct MeshFile {
     /// Names of further files of the same mesh, such as one with the lines of a canopy. `merge` joins their nodes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub with: Vec<String>,
-    /// [-] Factor on all coordinates: 0.001 for a file in millimetres. 1 if not given.
-    #[serde(default = "one", skip_serializing_if = "is_one")]
-    pub scale: f64,
-    /// Which axis of the file points up. `z-up` if not given; with `y-up`, (x, y, z) of the file becomes (x, -z, y).
+    /// [-] Factor on all coordinates: 0.001 for a file in millimetres. If not given, 1, or what the unit in the header
+    /// of a .dxf file asks for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
+    /// Which axis of the file points up. If not given, `auto`: y for .gltf and .glb, z for others. With y up,
+    /// (x, y, z) of the file becomes (x, -z, y).
     #[serde(default, skip_serializing_if = "Axes::is_default")]
     pub axes: Axes,
     /// [m] Added to all coordinates, after `scale`; no move if not given.
@@ -40,6 +42,9 @@ pub struct MeshFile {
     /// Which diagonals of quads become edges. `one` if not given.
     #[serde(default, skip_serializing_if = "Diagonals::is_default")]
     pub diagonals: Diagonals,
+    /// Whether a file is refused if one of its faces crosses itself; such faces are left out if not given.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub strict: bool,
 }
 
 /// Which axis of a file points up.
@@ -48,8 +53,10 @@ pub struct MeshFile {
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Axes {
-    /// z, as here
+    /// As the format says: y for .gltf and .glb, z for others
     #[default]
+    Auto,
+    /// z, as here
     ZUp,
     /// y, as in many drawing programs
     YUp,
@@ -70,7 +77,7 @@ pub enum Diagonals {
 
 impl Axes {
     fn is_default(&self) -> bool {
-        *self == Axes::ZUp
+        *self == Axes::Auto
     }
 }
 
@@ -80,29 +87,21 @@ impl Diagonals {
     }
 }
 
-fn one() -> f64 {
-    1.0
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-fn is_one(scale: &f64) -> bool {
-    *scale == 1.0
-}
-
 fn is_origin(translate: &[f64; 3]) -> bool {
     *translate == [0.0; 3]
 }
 
 impl MeshFile {
     /// Names of its keys in a case.
-    pub(super) const KEYS: [&'static str; 9] =
-        ["file", "with", "scale", "axes", "translate", "edge", "merge", "orient", "diagonals"];
+    pub(super) const KEYS: [&'static str; 10] =
+        ["file", "with", "scale", "axes", "translate", "edge", "merge", "orient", "diagonals", "strict"];
 
     /// A file whose mesh is taken as it is.
     pub fn plain(file: impl Into<String>) -> Self {
         let (axes, diagonals) = (Axes::default(), Diagonals::default());
         let (file, with) = (file.into(), Vec::new());
-        Self { file, with, scale: 1.0, axes, translate: [0.0; 3], edge: None, merge: None, orient: false, diagonals }
+        let (scale, translate, edge, merge) = (None, [0.0; 3], None, None);
+        Self { file, with, scale, axes, translate, edge, merge, orient: false, diagonals, strict: false }
     }
 
     /// Reports every value out of range, without opening the file.
@@ -111,7 +110,9 @@ impl MeshFile {
         for (at, _) in with.chain([("/file".to_owned(), &self.file)]).filter(|(_, name)| name.is_empty()) {
             faults(&at, "\"\"".into(), "a file name".into(), "name a mesh file".into());
         }
-        check_length("", "scale", self.scale, faults);
+        if let Some(scale) = self.scale {
+            check_length("", "scale", scale, faults);
+        }
         if !self.translate.iter().all(|x| x.is_finite()) {
             let value = format!("{:?}", self.translate);
             faults("/translate", value, "three finite numbers".into(), "give lengths in metres".into());
@@ -138,16 +139,22 @@ impl MeshFile {
     /// Turns, scales and moves points [m], and turns and scales displacements [m].
     pub(super) fn place(&self, points: &mut [[f64; 3]], displacements: &mut [[f64; 3]]) {
         let turned = |[x, y, z]: [f64; 3]| match self.axes {
-            Axes::ZUp => [x, y, z],
-            Axes::YUp => [x, -z, y],
+            Axes::Auto | Axes::ZUp => [x, y, z],
+            Axes::YUp => y_up(x, y, z),
         };
-        if self.scale != 1.0 || self.axes != Axes::ZUp {
-            points.iter_mut().chain(displacements).for_each(|p| *p = turned(*p).map(|x| self.scale * x));
+        let scale = self.scale.unwrap_or(1.0);
+        if scale != 1.0 || self.axes == Axes::YUp {
+            points.iter_mut().chain(displacements).for_each(|p| *p = turned(*p).map(|x| scale * x));
         }
         if !is_origin(&self.translate) {
             points.iter_mut().for_each(|p| *p = std::array::from_fn(|k| p[k] + self.translate[k]));
         }
     }
+}
+
+/// The place of a point of a file whose y axis points up.
+pub(super) fn y_up(x: f64, y: f64, z: f64) -> [f64; 3] {
+    [x, -z, y]
 }
 
 /// [-] Share of the shortest edge within which nodes that no edge joins are taken to be meant as one.

@@ -63,8 +63,8 @@ pub fn counted(n: u64, one: &str, many: &str) -> String {
 }
 
 /// Items for a message: the first few, and their number.
-pub fn first_few(items: &[u32]) -> String {
-    let shown: Vec<String> = items.iter().take(5).map(u32::to_string).collect();
+pub fn first_few<T: ToString>(items: &[T]) -> String {
+    let shown: Vec<String> = items.iter().take(5).map(T::to_string).collect();
     let rest = if items.len() > 5 { format!(", … ({} in all)", items.len()) } else { String::new() };
     format!("{}{rest}", shown.join(", "))
 }

@@ -21,7 +21,7 @@ pub(super) const CELL_GROUP: &str = "group ";
 pub(super) const NODE_GROUP: &str = "node group ";
 
 /// [-] largest number of characters of a group's name
-const LONGEST_NAME: usize = 200;
+pub(super) const LONGEST_NAME: usize = 200;
 
 /// The members of a group; every list is ascending.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

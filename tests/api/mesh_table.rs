@@ -202,7 +202,7 @@ fn files_name_their_own_points_only() {
 #[test]
 fn meshes_are_scaled_turned_and_moved() {
     let plain = MeshFile::plain("obj-zup-mm.obj");
-    let file = MeshFile { scale: 1e-3, axes: Axes::YUp, translate: [1.0, 2.0, 3.0], ..plain };
+    let file = MeshFile { scale: Some(1e-3), axes: Axes::YUp, translate: [1.0, 2.0, 3.0], ..plain };
     let mesh = read(&file).mesh;
     assert_eq!(row(&Imported { mesh: mesh.clone(), notes: Vec::new(), repairs: Vec::new() }), square(&[]));
     assert_eq!((mesh.nodes[0], mesh.nodes[8]), ([1.0, 2.0, 3.0], [2.0, 2.0, 4.0]));
@@ -228,7 +228,7 @@ fn meshes_are_repaired() {
 /// The areas are those of the polygons; a circle has 72 chords.
 #[test]
 fn outlines_of_a_drawing_are_filled() {
-    let plain = MeshFile { scale: 1e-3, ..MeshFile::plain("gores-outlines.dxf") };
+    let plain = MeshFile { scale: Some(1e-3), ..MeshFile::plain("gores-outlines.dxf") };
     let lines = read(&plain);
     assert_eq!((row(&lines).triangles, row(&lines).lines), (0, 157));
     assert!(lines.notes.iter().any(|note| note.contains("--edge")), "{:?}", lines.notes);
@@ -335,7 +335,7 @@ fn data_beside_a_file_are_read() {
 #[test]
 fn bad_options_are_named() {
     for (file, key) in [
-        (MeshFile { scale: 0.0, ..MeshFile::plain("ply-asc.ply") }, "/scale"),
+        (MeshFile { scale: Some(0.0), ..MeshFile::plain("ply-asc.ply") }, "/scale"),
         (MeshFile { edge: Some(0.0), ..MeshFile::plain("ply-asc.ply") }, "/edge"),
         (MeshFile { merge: Some(-1.0), ..MeshFile::plain("ply-asc.ply") }, "/merge"),
         (MeshFile { translate: [f64::NAN, 0.0, 0.0], ..MeshFile::plain("ply-asc.ply") }, "/translate"),

@@ -27,14 +27,20 @@ impl Cells {
         notes.found.extend(unfilled);
         notes.asked.extend(filled);
         if self.lines.is_empty() && self.faces().len() == 0 {
-            return Err("holds no lines and no triangles".into());
+            return Err(["holds no lines and no triangles".to_owned()]
+                .into_iter()
+                .chain(self.notes)
+                .collect::<Vec<_>>()
+                .join("; "));
         }
+        self.check_members()?;
+        self.clean_names(&mut notes.found);
         if self.points.len() >= u32::MAX as usize || self.faces().len() >= u32::MAX as usize / 3 {
             return Err(format!("has {} nodes and {} faces, too many", self.points.len(), self.faces().len()));
         }
         let Renumbered { number, kept } = self.renumber(wanted, &mut notes)?;
         let nodes: Vec<[f64; 3]> = kept.iter().map(|point| self.points[*point as usize]).collect();
-        let pieces = self.cut(&nodes, &number, wanted.diagonals, &mut notes)?;
+        let pieces = self.cut(&nodes, &number, wanted, &mut notes)?;
         let FaceList { triangles, of_piece } = faces_once(&pieces, self.repeats_faces, &mut notes);
         let lines = self.lines.iter().map(|l| l.map(|point| number[point as usize])).chain(pieces.diagonals);
         let EdgeList { edges, of_line, seams } = edges(lines, &self.seam, &triangles, self.repeats_faces, &mut notes);
@@ -68,6 +74,7 @@ impl Cells {
         groups.retain(|_, group| *group != Group::default());
         let displacement = kept.iter().filter_map(|point| self.displacement.get(*point as usize).copied()).collect();
         notes.found.extend(self.remarks.iter().map(|(what, count)| format!("{count} {what}")));
+        notes.found.append(&mut self.notes);
         let mut mesh = Mesh { nodes, edges, triangles, seams, groups, displacement, ..Mesh::default() };
         if mesh.edges.is_empty() {
             return Err("holds no lines and no faces with an area".into());
@@ -134,12 +141,13 @@ impl Cells {
         &mut self,
         nodes: &[[f64; 3]],
         number: &[u32],
-        diagonals: Diagonals,
+        wanted: &MeshFile,
         notes: &mut Notes,
     ) -> Result<FacePieces, String> {
+        let diagonals = wanted.diagonals;
         let mut pieces = FacePieces::default();
         let (mut cutter, mut corners, mut places) = (Cutter::new(), Vec::new(), Vec::new());
-        let (mut quads, mut polygons, mut collapsed) = (0, 0, Vec::new());
+        let (mut quads, mut polygons, mut collapsed, mut crossed) = (0, 0, Vec::new(), Vec::new());
         for (face, points) in self.faces().enumerate() {
             corners.clear();
             corners.extend(points.iter().map(|point| number[*point as usize]));
@@ -154,10 +162,16 @@ impl Cells {
             }
             places.clear();
             places.extend(corners.iter().map(|node| Vector3::from(nodes[*node as usize])));
-            let cut = cutter.cut(&places).map_err(|_| {
-                let listed = points.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
-                format!("face {face} crosses itself: its corners, nodes {listed}, are not in order around it")
-            })?;
+            let Ok(cut) = cutter.cut(&places) else {
+                if wanted.strict || self.faces().len() == 1 {
+                    let listed = first_few(points);
+                    return Err(format!(
+                        "face {face} crosses itself: its corners, nodes {listed}, are not in order around it"
+                    ));
+                }
+                crossed.push(face as u32);
+                continue;
+            };
             let at = |t: [usize; 3]| t.map(|i| corners[i]);
             let made = pieces.triangles.len();
             match cut {
@@ -191,6 +205,14 @@ impl Cells {
         }
         if polygons > 0 {
             notes.found.push(format!("{polygons} faces of more than four corners were cut into triangles"));
+        }
+        if !crossed.is_empty() {
+            notes.found.push(format!(
+                "{} faces that cross themselves were left out: {}; their corners are not in order around them \
+                 (\"strict\" or --strict refuses them)",
+                crossed.len(),
+                first_few(&crossed)
+            ));
         }
         if !collapsed.is_empty() {
             collapsed.dedup();
@@ -271,16 +293,18 @@ struct FacePieces {
 impl FacePieces {
     /// Drops what has no area of the triangles from `first` on.
     fn drop_flat(&mut self, first: usize, nodes: &[[f64; 3]], face: usize, collapsed: &mut Vec<u32>) {
-        let mut at = first;
-        while let Some(corners) = self.triangles.get(at) {
+        let mut kept = first;
+        for at in first..self.triangles.len() {
+            let corners = self.triangles[at];
             // One whose area overflows is refused later.
             if flat(corners.map(|node| Vector3::from(nodes[node as usize]))).is_some_and(|[area, _]| area.is_finite()) {
-                self.triangles.remove(at);
                 collapsed.push(face as u32);
             } else {
-                at += 1;
+                self.triangles[kept] = corners;
+                kept += 1;
             }
         }
+        self.triangles.truncate(kept);
     }
 }
 
@@ -293,7 +317,10 @@ fn add_members(
 ) {
     for (member, number) in numbers.iter().enumerate() {
         for name in names.get(number).into_iter().flatten() {
-            add(groups.entry(name.clone()).or_default(), member);
+            if !groups.contains_key(name) {
+                groups.insert(name.clone(), Group::default());
+            }
+            groups.get_mut(name).into_iter().for_each(|group| add(group, member));
         }
     }
 }

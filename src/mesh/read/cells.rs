@@ -1,5 +1,7 @@
 //! Points, lines and faces, which all formats have. `assemble` makes the mesh of them.
 
+use super::MOST_MEMBERS;
+use crate::group::LONGEST_NAME;
 use std::collections::{BTreeMap, HashMap};
 
 /// A closed outline of a drawing.
@@ -25,6 +27,14 @@ pub(super) struct Cells {
     pub(super) outlines: Vec<Outline>,
     /// what the reader left out or changed: how often, and a sentence without its number
     pub remarks: BTreeMap<&'static str, usize>,
+    /// members of groups of points, counted as they are named
+    members: u64,
+    /// the unit of lengths that the file's header tells: its name and [m]
+    pub unit: Option<(&'static str, f64)>,
+    /// whether the format has its y axis up
+    pub y_is_up: bool,
+    /// sentences about what the reader left out or changed
+    pub notes: Vec<String>,
     /// number of the groups of each point, line and face; a list may end early: 0 = in no group
     pub(super) numbers: Numbers,
     /// for each such number, the names of its groups; of lines and faces, and of points
@@ -119,6 +129,7 @@ impl Cells {
         for (what, count) in other.remarks {
             *self.remarks.entry(what).or_default() += count;
         }
+        self.notes.extend(other.notes);
         self.repeats_faces |= other.repeats_faces;
         self.resolution = self.resolution.into_iter().chain(other.resolution).reduce(f64::max);
     }
@@ -181,7 +192,48 @@ impl Cells {
 
     /// Puts a point into groups.
     pub(super) fn name_point(&mut self, names: &[String], point: u64) {
-        names.iter().for_each(|name| self.named_points.entry(name.clone()).or_default().push(point));
+        self.members += names.len() as u64;
+        // Too many are refused at the end.
+        for name in names.iter().filter(|_| self.members <= MOST_MEMBERS) {
+            match self.named_points.get_mut(name) {
+                Some(points) => points.push(point),
+                None => drop(self.named_points.insert(name.clone(), vec![point])),
+            }
+        }
+    }
+
+    /// Refuses groups with far more members than there are cells.
+    pub(super) fn check_members(&self) -> Result<(), String> {
+        let of = |names: &BTreeMap<i64, Vec<String>>, numbers: &[i64]| -> u64 {
+            numbers.iter().filter(|number| **number != 0).map(|n| names.get(n).map_or(0, Vec::len) as u64).sum()
+        };
+        let cells = of(&self.cell_groups, &self.numbers.lines) + of(&self.cell_groups, &self.numbers.faces);
+        let members = self.members + cells + of(&self.point_groups, &self.numbers.points);
+        let most = MOST_MEMBERS + 4 * (self.lines.len() + self.ends.len() + self.points.len()) as u64;
+        if members > most { Err(format!("has groups of {members} members, more than {most}")) } else { Ok(()) }
+    }
+
+    /// Makes names that groups can have of those in the file.
+    pub(super) fn clean_names(&mut self, notes: &mut Vec<String>) {
+        let mut changed: Option<(String, String)> = None;
+        let mut clean = |name: &mut String| {
+            let plain = clean_name(name);
+            if plain != *name {
+                changed.get_or_insert_with(|| (name.chars().take(60).collect(), plain.chars().take(60).collect()));
+                *name = plain;
+            }
+        };
+        self.cell_groups.values_mut().chain(self.point_groups.values_mut()).flatten().for_each(&mut clean);
+        for (mut name, mut points) in std::mem::take(&mut self.named_points) {
+            clean(&mut name);
+            self.named_points.entry(name).or_default().append(&mut points);
+        }
+        if let Some((old, new)) = changed {
+            notes.push(format!(
+                "names of groups were changed: {old:?} is called \"{new}\"; a name has 1 to {LONGEST_NAME} characters, \
+                 without control characters, or blanks at its ends"
+            ));
+        }
     }
 
     /// Gives the points that were added since the last call their numbers of groups; missing ones are 0.
@@ -189,6 +241,12 @@ impl Cells {
         self.numbers.points.extend(numbers);
         self.numbers.points.resize(self.points.len(), 0);
     }
+}
+
+/// A name that a group can have.
+fn clean_name(name: &str) -> String {
+    let plain: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).take(LONGEST_NAME).collect();
+    if plain.trim().is_empty() { "unnamed".to_owned() } else { plain.trim().to_owned() }
 }
 
 /// [-] Share of the extent within which corners are one node. Programs that compute in single precision leave some

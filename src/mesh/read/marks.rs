@@ -1,5 +1,6 @@
 //! Arrays of whole numbers that mark parts of a mesh.
 
+use crate::group::LONGEST_NAME;
 use std::collections::BTreeSet;
 
 /// More different numbers than these are no parts.
@@ -20,6 +21,7 @@ impl Marks {
     /// Arrays with too many different numbers, or names of what programs count through, mark nothing.
     pub(super) fn new(arrays: Vec<(String, Vec<i64>)>) -> Self {
         let parts = arrays.into_iter().filter_map(|(name, numbers)| {
+            let name: String = name.chars().take(LONGEST_NAME).collect();
             let different: BTreeSet<i64> = numbers.iter().copied().collect();
             let counts = name.starts_with("vtk") || name.starts_with("Global") || name.starts_with("Original");
             let naming = if different.iter().all(|n| [0, 1].contains(n)) { Naming::Plain } else { Naming::Numbered };
@@ -28,10 +30,10 @@ impl Marks {
         Marks(parts.collect())
     }
 
-    /// The groups of a member: none for the number 0.
+    /// The groups of a member: none for the number 0 of an array of 0 and 1.
     pub(super) fn names(&self, member: usize) -> Vec<String> {
         let named = self.0.iter().filter_map(|(name, numbers, naming)| match (numbers.get(member)?, naming) {
-            (0, _) => None,
+            (0, Naming::Plain) => None,
             (_, Naming::Plain) => Some(name.clone()),
             (number, Naming::Numbered) => Some(format!("{name} {number}")),
         });

@@ -29,11 +29,13 @@ mod off;
 #[cfg(feature = "ply")]
 mod ply;
 mod polygon;
+mod statements;
 mod stl;
 mod text;
 #[cfg(feature = "vtk")]
 mod vtk;
 
+use super::file::{Axes, y_up};
 use super::{Mesh, MeshError, MeshFile};
 pub(super) use assemble::extent;
 use cells::Cells;
@@ -44,9 +46,8 @@ use std::path::Path;
 pub(super) const SEAM: &str = "seam";
 /// Name of the point array of a .vtu file with the displacement at the start.
 pub(super) const START_DISPLACEMENT: &str = "start_displacement";
-/// Whole numbers of a .ply file that mark no part: ends of edges, places and colours.
-pub(super) const PLY_NO_MARKS: [&str; 12] =
-    ["vertex1", "vertex2", "x", "y", "z", "red", "green", "blue", "alpha", "flags", "quality", "intensity"];
+/// Whole numbers of a .ply file that mark no part.
+pub(super) const PLY_NO_MARKS: [&str; 7] = ["red", "green", "blue", "alpha", "flags", "quality", "intensity"];
 
 /// A mesh read from a file, and what the reader changed.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,7 +82,7 @@ pub fn mesh_from_bytes(path: &Path, bytes: &[u8]) -> Result<Imported, MeshError>
 /// # Errors
 /// As [`mesh_from_bytes`].
 pub fn file_from_bytes(wanted: &MeshFile, path: &Path, bytes: &[u8]) -> Result<Imported, MeshError> {
-    finish(cells_of(path, reader(path)?, bytes, None)?, wanted, path)
+    finish(cells_of(wanted, path, bytes, None)?, wanted, path)
 }
 
 /// Reads files as one mesh, placed and repaired as `wanted`; messages name the first of them.
@@ -89,27 +90,33 @@ pub(super) fn read_file(wanted: &MeshFile, paths: &[&Path]) -> Result<Imported, 
     let mut all = Cells::default();
     for (number, path) in paths.iter().enumerate() {
         // A format that is not read is told before the file is opened.
-        let reader = reader(path)?;
+        reader(path)?;
         let fault = |error: std::io::Error| MeshError::File {
             path: path.to_path_buf(),
             reason: format!("cannot be read: {error}"),
         };
-        let cells = cells_of(path, reader, &crate::input_file::read(path).map_err(fault)?, path.parent())?;
+        let cells = cells_of(wanted, path, &crate::input_file::read(path).map_err(fault)?, path.parent())?;
         if number == 0 { all = cells } else { all.append(cells) }
     }
     finish(all, wanted, paths.first().copied().unwrap_or(Path::new("")))
 }
 
 /// Points and cells of a file; the cells name its own points only. `folder` is where files beside it lie.
-fn cells_of(path: &Path, reader: Reader, bytes: &[u8], folder: Option<&Path>) -> Result<Cells, MeshError> {
+fn cells_of(wanted: &MeshFile, path: &Path, bytes: &[u8], folder: Option<&Path>) -> Result<Cells, MeshError> {
+    let reader = reader(path)?;
     let read = || match reader {
         Reader::Alone(read) => read(bytes),
         Reader::WithOthers(read) => read(bytes, folder),
+        Reader::ByEdge(read) => read(bytes, wanted),
     };
     // A panic of a parsing library on a damaged file must not end the program.
     let cells = std::panic::catch_unwind(read)
         .unwrap_or_else(|_| Err("is damaged; the parser gave up on it. Write it anew".to_owned()));
-    let cells = cells.and_then(|cells| cells.check_points().map(|()| cells));
+    let cells = cells.and_then(|mut cells| {
+        cells.check_points()?;
+        cells.follow_header(wanted);
+        Ok(cells)
+    });
     cells.map_err(|reason| MeshError::File { path: path.to_owned(), reason })
 }
 
@@ -120,18 +127,46 @@ fn finish(cells: Cells, wanted: &MeshFile, path: &Path) -> Result<Imported, Mesh
     Ok(imported)
 }
 
+impl Cells {
+    /// Follows what the file itself says of its unit and its axes, unless the user says otherwise.
+    fn follow_header(&mut self, wanted: &MeshFile) {
+        if let Some((name, length)) = self.unit.take() {
+            match wanted.scale {
+                None if length != 1.0 => {
+                    self.points.as_flattened_mut().iter_mut().for_each(|x| *x *= length);
+                    self.notes.push(format!("its header gives lengths in {name}, so they were scaled by {length}"));
+                }
+                Some(scale) if (scale / length - 1.0).abs() > 1e-3 => self.notes.push(format!(
+                    "its header gives lengths in {name} ({length} m), but the scale that is asked for is {scale}"
+                )),
+                _ => {}
+            }
+        }
+        if std::mem::take(&mut self.y_is_up) && wanted.axes == Axes::Auto {
+            self.points.iter_mut().for_each(|p| *p = y_up(p[0], p[1], p[2]));
+            self.notes.push("its y axis, which is up in glTF, was turned up; \"z-up\" leaves it".to_owned());
+        }
+    }
+}
+
 /// What makes points and cells of the bytes of a file.
 #[derive(Clone, Copy)]
 enum Reader {
     Alone(fn(&[u8]) -> Result<Cells, String>),
     /// also of files in the folder that is given
     WithOthers(fn(&[u8], Option<&Path>) -> Result<Cells, String>),
+    /// curves by the length of edges that is wanted
+    ByEdge(fn(&[u8], &MeshFile) -> Result<Cells, String>),
 }
 
 /// The reader of a file's format.
 fn reader(path: &Path) -> Result<Reader, MeshError> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let known = FORMATS.iter().find(|(endings, _)| endings.contains(&extension.as_str()));
+    #[cfg(feature = "vtk")]
+    if LISTS.contains(&extension.as_str()) {
+        return Ok(Reader::Alone(vtk::read_list));
+    }
     known.map(|(_, reader)| *reader).ok_or_else(|| {
         let reason = match extension.as_str() {
             "" => "the name has no extension that says its format".to_owned(),
@@ -169,13 +204,19 @@ const FORMATS: &[(&[&str], Reader)] = &[
     (&["k", "key", "dyn"], Reader::Alone(keyword::read)),
     (&["bdf", "nas", "fem", "dat"], Reader::Alone(bdf::read)),
     (&["mdpa"], Reader::Alone(mdpa::read)),
-    (&["dxf"], Reader::Alone(dxf::read)),
+    (&["dxf"], Reader::ByEdge(dxf::read)),
     #[cfg(feature = "gltf")]
     (&["gltf", "glb"], Reader::WithOthers(gltf::read)),
 ];
 
-/// Most labels that ranges and sets of sets in a file may stand for.
-const MOST_LABELS: u64 = 50_000_000;
+/// Endings of files that list others, which are refused with the names of those.
+#[cfg(feature = "vtk")]
+const LISTS: &[&str] = &["pvd", "pvtu", "pvtp", "vtm", "vtmb"];
+
+/// Most nodes and elements that statements of a file may make of others.
+const MOST_MADE: u64 = 300_000;
+/// Most members that all groups of a file may have, beyond four for each cell.
+const MOST_MEMBERS: u64 = 10_000_000;
 
 /// The formats that are read, each by the endings of its names.
 pub fn formats() -> impl Iterator<Item = &'static [&'static str]> {

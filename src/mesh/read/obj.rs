@@ -5,6 +5,7 @@
 //! user's node numbers and divide the mesh.
 
 use super::cells::Cells;
+use super::statements::LeftOut;
 use super::text::text;
 
 pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
@@ -27,13 +28,52 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
     file.finish()
 }
 
+/// Records that mean nothing for a mesh.
+///
+/// Source: Wavefront, "Object Files (.obj)", appendix B1 of the Advanced Visualizer manual.
+const PASSED_OVER: [&str; 30] = [
+    "vt",
+    "vn",
+    "vp",
+    "s",
+    "mg",
+    "mtllib",
+    "usemap",
+    "maplib",
+    "lod",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "shadow_obj",
+    "trace_obj",
+    "cstype",
+    "deg",
+    "bmat",
+    "step",
+    "parm",
+    "trim",
+    "hole",
+    "scrv",
+    "sp",
+    "end",
+    "con",
+    "ctech",
+    "stech",
+    "res",
+    "csh",
+    "vs",
+];
+
 #[derive(Default)]
 struct File {
     cells: Cells,
+    left: LeftOut,
     /// line and vertex, counted from 1, of references to vertices that were not yet defined
     ahead: Vec<(usize, u64)>,
     /// names that stand at the moment: of the object, the groups and the material
     names: [Vec<String>; 3],
+    /// the groups that follow from them, each once, until a name changes
+    groups: Option<Vec<String>>,
 }
 
 impl File {
@@ -54,16 +94,22 @@ impl File {
                 self.name_cells();
             }
             Some("p") => {
+                let nodes = self.indices(number, words)?;
                 let groups = self.groups();
-                for node in self.indices(number, words)? {
+                for node in nodes {
                     self.cells.name_point(&groups, node);
                 }
+                self.groups = Some(groups);
             }
-            Some("g") => self.names[1] = words.filter(|name| *name != "default").map(str::to_owned).collect(),
+            Some("g") => {
+                (self.groups, self.names[1]) =
+                    (None, words.filter(|name| *name != "default").map(str::to_owned).collect())
+            }
             Some(of @ ("o" | "usemtl")) => {
                 let name = words.collect::<Vec<_>>().join(" ");
                 let names = &mut self.names[if of == "o" { 0 } else { 2 }];
                 *names = if name.is_empty() { Vec::new() } else { vec![name] };
+                self.groups = None;
             }
             Some("f" | "fo") => {
                 let nodes = self.indices(number, words)?;
@@ -73,13 +119,18 @@ impl File {
             Some("curv" | "curv2" | "surf") => {
                 self.cells.remark("curves and free-form surfaces were left out: export a mesh")
             }
+            Some("call") => return Err("call: its data are in another file; write the mesh into one file".to_owned()),
+            Some(other) if !PASSED_OVER.contains(&other) => self.left.add(other, number),
             _ => {}
         }
         Ok(())
     }
 
     /// The groups that stand at the moment, each once.
-    fn groups(&self) -> Vec<String> {
+    fn groups(&mut self) -> Vec<String> {
+        if let Some(groups) = self.groups.take() {
+            return groups;
+        }
         let mut names = self.names.concat();
         names.sort_unstable();
         names.dedup();
@@ -89,6 +140,7 @@ impl File {
     fn name_cells(&mut self) {
         let groups = self.groups();
         self.cells.name_cells(&groups);
+        self.groups = Some(groups);
     }
 
     /// Vertex numbers of `3`, `3/1`, `3//2` …; they count from 1, or from the latest vertex backwards if negative.
@@ -110,7 +162,8 @@ impl File {
     }
 
     /// Faces may come before their vertices, so vertex numbers can be checked only at the end of the file.
-    fn finish(self) -> Result<Cells, String> {
+    fn finish(mut self) -> Result<Cells, String> {
+        self.cells.notes.extend(self.left.note());
         let vertices = self.cells.points.len();
         match self.ahead.iter().find(|(_, vertex)| *vertex > vertices as u64) {
             Some((line, vertex)) => {

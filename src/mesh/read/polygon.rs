@@ -70,17 +70,27 @@ impl Cutter {
 }
 
 /// A convex quad is cut along its first diagonal. A concave one, and one with three corners in line, is cut along the
-/// diagonal whose triangles turn the same way and have an area.
+/// diagonal whose triangles turn the same way and have an area. A quad so warped that they do so along neither is seen
+/// along its vector area, in whose plane it is largest.
 fn quad([a, b, c, d]: [&Vector3<f64>; 4]) -> Result<Pieces, Crossed> {
     let normal = |p: &Vector3<f64>, q: &Vector3<f64>, r: &Vector3<f64>| (q - p).cross(&(r - p));
-    let first = normal(a, b, c).dot(&normal(a, c, d));
-    let second = normal(a, b, d).dot(&normal(b, c, d));
+    let halves = [[normal(a, b, c), normal(a, c, d)], [normal(a, b, d), normal(b, c, d)]];
+    let [first, second] = halves.map(|[p, q]| p.dot(&q));
     match (first > 0.0, second > 0.0) {
-        (true, both) => Ok(Pieces::Quad { first: true, both }),
-        (false, true) => Ok(Pieces::Quad { first: false, both: false }),
+        (true, both) => return Ok(Pieces::Quad { first: true, both }),
+        (false, true) => return Ok(Pieces::Quad { first: false, both: false }),
+        (false, false) => {}
+    }
+    let [p, q] = halves[0];
+    let seen = halves.map(|pair| pair.iter().all(|normal| normal.dot(&(p + q)) > 0.0));
+    match seen {
+        // The less folded of two.
+        [true, true] => Ok(Pieces::Quad { first: first >= second, both: false }),
+        [true, false] => Ok(Pieces::Quad { first: true, both: false }),
+        [false, true] => Ok(Pieces::Quad { first: false, both: false }),
         // Without any area it is dropped later, with its number.
-        (false, false) if first == 0.0 || second == 0.0 => Ok(Pieces::Quad { first: true, both: false }),
-        (false, false) => Err(Crossed),
+        [false, false] if first == 0.0 || second == 0.0 => Ok(Pieces::Quad { first: true, both: false }),
+        [false, false] => Err(Crossed),
     }
 }
 
@@ -107,6 +117,9 @@ mod tests {
         let [a, b, c, d] = arrow;
         assert_eq!(cut([b, c, d, a]), Ok(Pieces::Quad { first: false, both: false }));
         assert_eq!(cut([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]), Err(Crossed));
+        let folded = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.3], [0.0, 0.2, 2.0], [-1.0, 0.0, 0.3]].map(Vector3::from);
+        let along = Cutter::new().cut(&folded);
+        assert_eq!(along, Ok(Pieces::Quad { first: true, both: false }), "warped by more than a right angle");
         let in_line = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.0, 1.0]];
         assert_eq!(cut(in_line), Ok(Pieces::Quad { first: false, both: false }));
     }

@@ -13,10 +13,13 @@ const FACET: usize = 50;
 
 pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
     let counted = bytes.get(80..HEADER).and_then(|word| Some(u32::from_le_bytes(word.try_into().ok()?) as usize));
-    let fits = counted.and_then(|count| count.checked_mul(FACET)?.checked_add(HEADER)) == Some(bytes.len());
+    let size = counted.and_then(|count| count.checked_mul(FACET)?.checked_add(HEADER));
+    // Some programs end the file with a line of their own.
+    let beyond =
+        size.and_then(|size| bytes.get(size..)).filter(|beyond| beyond.trim_ascii().is_empty() && beyond.len() < FACET);
     let file = File { cells: Cells::of_corners(), known: HashMap::new() };
-    if fits {
-        return file.binary(&bytes[HEADER..]);
+    if let (Some(size), Some(_)) = (size, beyond) {
+        return file.binary(&bytes[HEADER..size]);
     }
     let text = text(bytes);
     if text.trim_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case("solid")) {
@@ -57,32 +60,44 @@ impl File {
         Ok(self.cells)
     }
 
+    /// Words, whatever lines they stand in; the name of a solid ends with its line, or where a facet begins.
     fn solids(mut self, text: &str) -> Result<Cells, String> {
         let (mut solids, mut names, mut corners) = (0, Vec::new(), Vec::new());
         for (number, line) in (1..).zip(text.lines()) {
-            let line = line.trim();
-            let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-            match word.to_ascii_lowercase().as_str() {
-                "solid" => {
-                    solids += 1;
-                    let name = rest.trim();
-                    names = vec![if name.is_empty() { format!("solid {solids}") } else { name.to_owned() }];
-                }
-                "vertex" => {
-                    let at =
-                        point(&mut rest.split_ascii_whitespace()).map_err(|why| format!("line {number}: {why}"))?;
-                    corners.push(self.corner(at));
-                }
-                "endfacet" => {
-                    if corners.len() != 3 {
-                        return Err(format!("line {number}: a facet has three corners, not {}", corners.len()));
+            let fault = |why: String| format!("line {number}: {why}");
+            let mut words = line.split_ascii_whitespace().peekable();
+            while let Some(word) = words.next() {
+                match word.to_ascii_lowercase().as_str() {
+                    begin @ ("solid" | "endsolid") => {
+                        let mut name = Vec::new();
+                        while let Some(word) = words.next_if(|word| !is_word(word)) {
+                            name.push(word);
+                        }
+                        if begin == "solid" {
+                            solids += 1;
+                            names = vec![if name.is_empty() { format!("solid {solids}") } else { name.join(" ") }];
+                        }
                     }
-                    self.cells.add_face(&corners);
-                    self.cells.name_cells(&names);
-                    corners.clear();
+                    "vertex" => {
+                        let at = point(&mut words).map_err(fault)?;
+                        corners.push(self.corner(at));
+                    }
+                    "endfacet" => {
+                        if corners.len() != 3 {
+                            return Err(fault(format!("a facet has three corners, not {}", corners.len())));
+                        }
+                        self.cells.add_face(&corners);
+                        self.cells.name_cells(&names);
+                        corners.clear();
+                    }
+                    // Its normal is not used.
+                    "facet" => {
+                        while words.next_if(|word| !is_word(word) || word.eq_ignore_ascii_case("normal")).is_some() {}
+                    }
+                    "outer" => drop(words.next_if(|word| word.eq_ignore_ascii_case("loop"))),
+                    "endloop" => {}
+                    other => return Err(fault(format!("\"{other}\" is not a word of STL"))),
                 }
-                "facet" | "outer" | "endloop" | "endsolid" | "" => {}
-                other => return Err(format!("line {number}: \"{other}\" is not a word of STL")),
             }
         }
         if !corners.is_empty() {
@@ -90,4 +105,11 @@ impl File {
         }
         Ok(self.cells)
     }
+}
+
+/// Whether a name ends before a word.
+fn is_word(word: &str) -> bool {
+    ["solid", "facet", "outer", "vertex", "endloop", "endfacet", "endsolid"]
+        .iter()
+        .any(|known| word.eq_ignore_ascii_case(known))
 }

@@ -29,3 +29,17 @@ pub(super) fn number<T: std::str::FromStr>(word: Option<&str>) -> Result<T, Stri
 pub(super) fn point<'a>(words: &mut impl Iterator<Item = &'a str>) -> Result<[f64; 3], String> {
     Ok([number(words.next())?, number(words.next())?, number(words.next())?])
 }
+
+/// A real number as Fortran writes it: `1.5-3` is 1.5e-3, and `1.D2` is 100.
+pub(super) fn real(word: &str) -> Result<f64, String> {
+    let plain = word.to_ascii_uppercase().replace('D', "E");
+    let sign = plain.char_indices().skip(1).find(|(at, c)| "+-".contains(*c) && !plain[..*at].ends_with('E'));
+    let text = sign.map_or(plain.clone(), |(at, _)| format!("{}E{}", &plain[..at], &plain[at..]));
+    text.parse().map_err(|_| format!("\"{word}\" is not a number"))
+}
+
+/// A whole number, which Fortran may write as `12.`.
+pub(super) fn label(word: &str) -> Result<u64, String> {
+    let plain = word.strip_suffix('.').unwrap_or(word);
+    plain.parse().map_err(|_| format!("\"{word}\" is not a number that is expected here"))
+}

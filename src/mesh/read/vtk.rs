@@ -3,42 +3,44 @@
 use super::cells::{Cells, IGNORED};
 use super::marks::Marks;
 use super::{SEAM, START_DISPLACEMENT};
-use crate::group::{CELL_GROUP, GROUP, KIND, NODE_GROUP};
-use crate::vtk::read::{named_array, piece_content, read_with_fields, whole_numbers};
+use crate::group::{CELL_GROUP, GROUP, KIND, LONGEST_NAME, NODE_GROUP};
+use crate::vtk::read::{Column, Numbers, Piece, files_of, named_array};
 use std::collections::BTreeMap;
-use std::ops::Range;
-use vtkio::model::{Attribute, CellType, DataSet, IOBuffer, PolyDataPiece, UnstructuredGridPiece, VertexNumbers};
+
+/// Refuses a file that lists others, with their names.
+pub(super) fn read_list(bytes: &[u8]) -> Result<Cells, String> {
+    let files = files_of(bytes);
+    let shown = files.iter().take(5).map(String::as_str).collect::<Vec<_>>().join(", ");
+    Err(match files.len() {
+        0 => "lists other files, but none by its name".to_owned(),
+        n => format!("lists {n} files and holds no mesh itself; name one of its files: {shown}"),
+    })
+}
 
 pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
     let mut cells = Cells::default();
-    let (data, fields) = read_with_fields(bytes)?;
-    for (name, numbers) in fields {
+    let data = crate::vtk::read::read(bytes, &[SEAM, START_DISPLACEMENT])?;
+    for (name, numbers) in data.fields {
         if let Some(group) = name.strip_prefix(CELL_GROUP) {
             add_names(&mut cells.cell_groups, group, numbers);
         } else if let Some(group) = name.strip_prefix(NODE_GROUP) {
             add_names(&mut cells.point_groups, group, numbers);
         }
     }
-    match data {
-        DataSet::UnstructuredGrid { pieces, .. } => {
-            for piece in pieces {
-                add_grid(piece_content(piece)?, &mut cells)?;
-            }
-        }
-        DataSet::PolyData { pieces, .. } => {
-            for piece in pieces {
-                add_poly(piece_content(piece)?, &mut cells)?;
-            }
-        }
-        _ => return Err("holds neither an unstructured grid nor polygons".into()),
+    for piece in data.pieces {
+        add_piece(piece, &mut cells)?;
     }
     Ok(cells)
 }
 
 /// Notes that members with one of these numbers belong to a group.
 fn add_names(names: &mut BTreeMap<i64, Vec<String>>, group: &str, numbers: Vec<i64>) {
+    let group: String = group.chars().take(LONGEST_NAME).collect();
     for number in numbers {
-        names.entry(number).or_default().push(group.to_owned());
+        let listed = names.entry(number).or_default();
+        if listed.last() != Some(&group) {
+            listed.push(group.clone());
+        }
     }
 }
 
@@ -50,14 +52,20 @@ enum Parts {
 
 impl Parts {
     /// `named` says that the file tells names, as ours do.
-    fn of(data: &[Attribute], named: bool) -> Self {
+    fn of(data: &[Column], named: bool) -> Self {
         if named {
             let numbers = named_array(data, GROUP).unwrap_or_default();
             return Parts::Numbers(numbers.into_iter().map(|number| number as i64).collect());
         }
-        let mut arrays = whole_numbers(data);
-        arrays.retain(|(name, _)| name != SEAM && name != KIND);
-        Parts::Marks(Marks::new(arrays))
+        let marks = data.iter().filter_map(|column| match &column.numbers {
+            Numbers::Whole(numbers)
+                if column.components == 1 && ![SEAM, KIND, GHOSTS].contains(&column.name.as_str()) =>
+            {
+                Some((column.name.clone(), numbers.clone()))
+            }
+            _ => None,
+        });
+        Parts::Marks(Marks::new(marks.collect()))
     }
 
     /// Puts the lines and faces that were added since the last call into the groups of a cell.
@@ -70,7 +78,7 @@ impl Parts {
 }
 
 /// Adds what the points of a piece have: their groups and the displacement at the start.
-fn add_point_data(data: &[Attribute], first: u64, cells: &mut Cells) -> Result<(), String> {
+fn add_point_data(data: &[Column], first: u64, cells: &mut Cells) -> Result<(), String> {
     match Parts::of(data, !cells.point_groups.is_empty()) {
         Parts::Numbers(numbers) => cells.number_points(numbers),
         Parts::Marks(marks) => {
@@ -89,85 +97,41 @@ fn add_point_data(data: &[Attribute], first: u64, cells: &mut Cells) -> Result<(
     }
 }
 
-/// Adds points; returns the number the first of them got.
-fn add_points(points: IOBuffer, cells: &mut Cells) -> Result<u64, String> {
+/// Name of the array that marks cells which other files or pieces hold, and cells that are hidden.
+const GHOSTS: &str = "vtkGhostType";
+/// Bits of such a cell: it is a double, or hidden.
+const GHOST: i64 = 1 | 32;
+
+fn add_piece(piece: Piece, cells: &mut Cells) -> Result<(), String> {
     let first = cells.points.len() as u64;
-    let values: Vec<f64> = points.cast_into().ok_or("has points that are no numbers")?;
-    if !values.len().is_multiple_of(3) {
-        return Err("has points without three coordinates".into());
-    }
-    cells.points.extend(values.chunks_exact(3).map(|p| [p[0], p[1], p[2]]));
-    Ok(first)
-}
-
-/// The nodes of cells, one after the other.
-#[derive(Default)]
-struct Lists {
-    nodes: Vec<u64>,
-    /// where the nodes of each cell are
-    ranges: Vec<Range<usize>>,
-}
-
-impl Lists {
-    fn iter(&self) -> impl ExactSizeIterator<Item = &[u64]> {
-        self.ranges.iter().map(|range| &self.nodes[range.clone()])
-    }
-}
-
-/// The cells' nodes; `first` is added to each.
-fn lists(numbers: VertexNumbers, first: u64) -> Result<Lists, String> {
-    let damaged = || "is damaged: its cells and their nodes do not fit together".to_owned();
-    let mut lists = Lists::default();
-    match numbers {
-        VertexNumbers::Legacy { vertices, .. } => {
-            lists.nodes = vertices.into_iter().map(u64::from).collect();
-            let mut from = 0;
-            while let Some(&count) = lists.nodes.get(from) {
-                let end = usize::try_from(count).ok().and_then(|count| count.checked_add(from)?.checked_add(1));
-                let end = end.filter(|end| *end <= lists.nodes.len()).ok_or_else(damaged)?;
-                lists.ranges.push(from + 1..end);
-                from = end;
-            }
-        }
-        VertexNumbers::XML { connectivity, offsets } => {
-            lists.nodes = connectivity;
-            let mut from = 0;
-            // Newer files begin with the offset 0, which would be a cell without nodes, so it is left out.
-            for to in offsets.into_iter().filter(|&to| to != 0) {
-                let to = usize::try_from(to).map_err(|_| damaged())?;
-                lists.nodes.get(from..to).ok_or_else(damaged)?;
-                lists.ranges.push(from..to);
-                from = to;
-            }
-        }
-    }
-    // Counts among them are not used any more.
-    for node in &mut lists.nodes {
-        *node = node.checked_add(first).ok_or_else(damaged)?;
-    }
-    Ok(lists)
-}
-
-fn add_grid(piece: UnstructuredGridPiece, cells: &mut Cells) -> Result<(), String> {
-    let first = add_points(piece.points, cells)?;
-    add_point_data(&piece.data.point, first, cells)?;
-    let parts = Parts::of(&piece.data.cell, !cells.cell_groups.is_empty());
-    let seam = named_array(&piece.data.cell, SEAM).unwrap_or_default();
-    let lists = lists(piece.cells.cell_verts, first)?;
-    if lists.ranges.len() != piece.cells.types.len() {
-        return Err(format!("has {} cells but {} cell types", lists.ranges.len(), piece.cells.types.len()));
-    }
-    for (i, (nodes, kind)) in lists.iter().zip(piece.cells.types).enumerate() {
+    cells.points.extend(&piece.points);
+    add_point_data(&piece.point_data, first, cells)?;
+    let parts = Parts::of(&piece.cell_data, !cells.cell_groups.is_empty());
+    let seam = named_array(&piece.cell_data, SEAM).unwrap_or_default();
+    let whole =
+        |name| piece.cell_data.iter().find(|column| column.name == name).map(|column| column.numbers.clone().whole());
+    let ghosts = whole(GHOSTS).unwrap_or_default();
+    // Older files tell how far a cell lies outside of the piece.
+    let levels = whole("vtkGhostLevels").unwrap_or_default();
+    let mut nodes = Vec::new();
+    for (i, (kind, points)) in piece.cells.iter().enumerate() {
         let on_seam = seam.get(i).is_some_and(|&s| s != 0.0);
-        match (kind, nodes) {
-            (CellType::Vertex | CellType::PolyVertex, _) => cells.remark(IGNORED),
-            (CellType::Line | CellType::PolyLine, _) => cells.add_line(nodes, on_seam),
-            (CellType::Triangle | CellType::Quad | CellType::Polygon, _) => cells.add_face(nodes),
-            (CellType::TriangleStrip, _) => cells.add_strip(nodes),
+        nodes.clear();
+        nodes.extend(points.iter().map(|point| point.saturating_add(first)));
+        if ghosts.get(i).is_some_and(|bits| bits & GHOST != 0) || levels.get(i).is_some_and(|level| *level > 0) {
+            cells.remark("ghost or hidden cells were left out");
+            continue;
+        }
+        match (kind, &nodes[..]) {
+            (0..=2, _) => cells.remark(IGNORED),
+            (3 | 4, nodes) => cells.add_line(nodes, on_seam),
+            (5 | 7 | 9, nodes) => cells.add_face(nodes),
+            (6, nodes) => cells.add_strip(nodes),
             // A pixel lists its corners row by row, not around.
-            (CellType::Pixel, &[a, b, c, d]) => cells.add_face(&[a, b, d, c]),
+            (8, &[a, b, c, d]) => cells.add_face(&[a, b, d, c]),
             _ => {
-                return Err(format!("cell {i} is a {kind:?}; only lines, triangles and quads of first order are read"));
+                let kind = type_name(kind);
+                return Err(format!("cell {i} is a {kind}; only lines, triangles and quads of first order are read"));
             }
         }
         parts.name_cell(i, cells);
@@ -175,24 +139,26 @@ fn add_grid(piece: UnstructuredGridPiece, cells: &mut Cells) -> Result<(), Strin
     Ok(())
 }
 
-fn add_poly(piece: PolyDataPiece, cells: &mut Cells) -> Result<(), String> {
-    let first = add_points(piece.points, cells)?;
-    add_point_data(&piece.data.point, first, cells)?;
-    let parts = Parts::of(&piece.data.cell, !cells.cell_groups.is_empty());
-    let seam = named_array(&piece.data.cell, SEAM).unwrap_or_default();
-    // Cells are counted through all four lists.
-    let mut cell = 0;
-    for (list, kind) in [piece.verts, piece.lines, piece.polys, piece.strips].into_iter().zip(0..) {
-        for nodes in list.map_or(Ok(Lists::default()), |numbers| lists(numbers, first))?.iter() {
-            match kind {
-                0 => cells.remark(IGNORED),
-                1 => cells.add_line(nodes, seam.get(cell).is_some_and(|&s| s != 0.0)),
-                2 => cells.add_face(nodes),
-                _ => cells.add_strip(nodes),
-            }
-            parts.name_cell(cell, cells);
-            cell += 1;
-        }
-    }
-    Ok(())
+/// VTK's name of a type of cells that is not read.
+fn type_name(kind: u8) -> String {
+    let known = match kind {
+        8 => "Pixel with other than four points",
+        10 => "Tetra",
+        11 => "Voxel",
+        12 => "Hexahedron",
+        13 => "Wedge",
+        14 => "Pyramid",
+        21 => "QuadraticEdge",
+        22 => "QuadraticTriangle",
+        23 => "QuadraticQuad",
+        24 => "QuadraticTetra",
+        25 => "QuadraticHexahedron",
+        42 => "Polyhedron",
+        69 => "LagrangeTriangle",
+        70 => "LagrangeQuadrilateral",
+        76 => "BezierTriangle",
+        77 => "BezierQuadrilateral",
+        other => return format!("cell of the type {other}"),
+    };
+    known.to_owned()
 }

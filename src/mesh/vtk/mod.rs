@@ -4,7 +4,6 @@
 
 mod cells;
 mod encode;
-mod inline_arrays;
 pub mod read;
 mod tags;
 mod vectored_write;

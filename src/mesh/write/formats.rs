@@ -20,7 +20,22 @@ pub(super) const PLY: NameRule = NameRule {
     allowed: plain,
     first: |c| c.is_ascii_alphabetic() || c == '_',
     taken: |name| {
-        let known = ["nx", "ny", "nz", "s", "t", "u", "v", "vertex_index", "vertex_indices", "confidence"];
+        let known = [
+            "x",
+            "y",
+            "z",
+            "nx",
+            "ny",
+            "nz",
+            "s",
+            "t",
+            "u",
+            "v",
+            "vertex_index",
+            "vertex_indices",
+            "vertex1",
+            "vertex2",
+        ];
         let counts = ["vtk", "Global", "Original"].iter().any(|word| name.starts_with(word));
         counts || known.contains(&name) || PLY_NO_MARKS.contains(&name)
     },

@@ -154,9 +154,9 @@ pub struct FileArgs {
     /// Further file of the same mesh, such as one with lines; may be given several times
     #[arg(long, value_name = "FILE")]
     pub with: Vec<PathBuf>,
-    /// Factor on all coordinates, e.g. 0.001 for a file in millimetres
-    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", allow_negative_numbers = true)]
-    pub scale: f64,
+    /// Factor on all coordinates, e.g. 0.001 for a file in millimetres; by the header of a .dxf if not given
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
+    pub scale: Option<f64>,
     /// Axis of the file that points up
     #[arg(long, value_enum, default_value_t)]
     pub axes: Axes,
@@ -175,6 +175,9 @@ pub struct FileArgs {
     /// Diagonals of quads that become edges
     #[arg(long, value_enum, default_value_t)]
     pub diagonals: Diagonals,
+    /// Refuse a file with a face that crosses itself, rather than leave the face out
+    #[arg(long)]
+    pub strict: bool,
 }
 
 impl FileArgs {
@@ -190,6 +193,7 @@ impl FileArgs {
             merge: self.merge,
             orient: self.orient,
             diagonals: self.diagonals,
+            strict: self.strict,
         };
         let Imported { mesh, notes, repairs } = file.read(Path::new("")).map_err(MeshCliError::Input)?;
         Ok((mesh, [repairs, notes].concat()))

@@ -7,11 +7,10 @@ use crate::output::files::{FRAMES, GAUGES, HISTORY, PROBES};
 use crate::output::folder::SUMMARY;
 use crate::output::rows::{GAUGES_HEADER, HISTORY_HEADER, HistoryRow, PROBES_HEADER};
 use crate::output::sanitize::file_stem;
-use crate::vtk::read::{named_array, piece_content, read as read_vtk};
+use crate::vtk::read::{Piece, named_array, read as read_vtk};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use vtkio::model::{DataSet, UnstructuredGridPiece};
 
 /// The data of a run for charts.
 #[derive(Clone, Debug, PartialEq)]
@@ -134,9 +133,9 @@ impl Run {
             let t = time.ok_or_else(|| bad(&self.folder.join(&list), format!("has no time of frame {i}")))?;
             let file = format!("{FRAMES}/{stem}_{i:06}.vtu");
             let frame = bytes(&self.folder, &file, "; it is in the list of frames")?;
-            let values = frame_piece(&frame).and_then(|piece| {
-                let on_points = named_array(&piece.data.point, array);
-                on_points.or_else(|| named_array(&piece.data.cell, array)).ok_or(format!("has no array \"{array}\""))
+            let values = frame_piece(&frame, array).and_then(|piece| {
+                let on_points = named_array(&piece.point_data, array);
+                on_points.or_else(|| named_array(&piece.cell_data, array)).ok_or(format!("has no array \"{array}\""))
             });
             found.push((t, measure(&values.map_err(|what| bad(&self.folder.join(&file), what))?)));
         }
@@ -262,9 +261,8 @@ fn place(run: &mut Run) -> Result<(), PlotError> {
     Ok(())
 }
 
-fn frame_piece(frame: &[u8]) -> Result<UnstructuredGridPiece, String> {
-    let DataSet::UnstructuredGrid { pieces, .. } = read_vtk(frame)? else { return Err("is no frame".to_owned()) };
-    piece_content(pieces.into_iter().next().ok_or("has no points")?)
+fn frame_piece(frame: &[u8], array: &str) -> Result<Piece, String> {
+    read_vtk(frame, &[array])?.pieces.into_iter().next().ok_or("has no points".to_owned())
 }
 
 /// [m] `[n_nodes]` Positions of nodes before the initial displacement, from a frame: its points minus its
@@ -273,9 +271,9 @@ fn frame_piece(frame: &[u8]) -> Result<UnstructuredGridPiece, String> {
 /// `probes.csv` has positions, and a run may begin displaced, so its first row is not enough. The case would be enough,
 /// but making its mesh again takes long and needs the mesh file at its place.
 fn reference_positions(frame: &[u8]) -> Result<Vec<[f64; 3]>, String> {
-    let piece = frame_piece(frame)?;
-    let points: Vec<f64> = piece.points.cast_into().ok_or("has points that are no numbers")?;
-    let displacement = named_array(&piece.data.point, "displacement").ok_or("has no array \"displacement\"")?;
+    let piece = frame_piece(frame, "displacement")?;
+    let points = piece.points.as_flattened();
+    let displacement = named_array(&piece.point_data, "displacement").ok_or("has no array \"displacement\"")?;
     let reference: Vec<f64> = points.iter().zip(&displacement).map(|(x, u)| x - u).collect();
     match reference.as_chunks() {
         (positions, []) if points.len() == displacement.len() => Ok(positions.to_vec()),

@@ -1,0 +1,169 @@
+//! The one reader of .vtu, .vtp and legacy .vtk, for meshes and for the frames of a run.
+//!
+//! Read by hand: `vtkio` reads neither raw nor compressed appended arrays, nor fields and types of numbers that VTK itself
+//! writes into legacy files, and it requests all memory that a damaged header asks for.
+
+mod layout;
+mod legacy;
+mod numbers;
+mod xml;
+
+pub use numbers::Numbers;
+
+/// A grid or polygons.
+#[derive(Clone, Debug, Default)]
+pub struct DataSet {
+    /// its parts, one after the other
+    pub pieces: Vec<Piece>,
+    /// arrays of whole numbers of the file as a whole, by name
+    pub fields: Vec<(String, Vec<i64>)>,
+}
+
+/// A part of a data set.
+#[derive(Clone, Debug, Default)]
+pub struct Piece {
+    /// [m] places
+    pub points: Vec<[f64; 3]>,
+    /// the cells, in order
+    pub cells: CellLists,
+    /// arrays with a row for each point
+    pub point_data: Vec<Column>,
+    /// arrays with a row for each cell
+    pub cell_data: Vec<Column>,
+}
+
+/// Cells by their points.
+#[derive(Clone, Debug, Default)]
+pub struct CellLists {
+    /// [-] numbers of points of all cells
+    pub points: Vec<u64>,
+    /// [-] where the points of each cell end
+    pub ends: Vec<usize>,
+    /// [-] VTK's number of the type of each cell
+    pub types: Vec<u8>,
+}
+
+impl CellLists {
+    /// The type and the points of each cell.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = (u8, &[u64])> {
+        (0..self.ends.len()).map(|cell| {
+            let begin = if cell == 0 { 0 } else { self.ends[cell - 1] };
+            (self.types[cell], &self.points[begin..self.ends[cell]])
+        })
+    }
+
+    /// Adds cells of one type, given by where the points of each end.
+    fn add(&mut self, points: Vec<i64>, ends: &[usize], kind: u8) -> Result<(), String> {
+        let first = self.points.len();
+        let mut last = 0;
+        for &end in ends {
+            if end < last || end > points.len() {
+                return Err(unfit());
+            }
+            last = end;
+            self.ends.push(first + end);
+            self.types.push(kind);
+        }
+        for point in points {
+            self.points.push(u64::try_from(point).map_err(|_| unfit())?);
+        }
+        Ok(())
+    }
+}
+
+fn unfit() -> String {
+    "is damaged: its cells and their nodes do not fit together".to_owned()
+}
+
+/// An array on points or cells.
+#[derive(Clone, Debug)]
+pub struct Column {
+    /// its name
+    pub name: String,
+    /// numbers of a row
+    pub components: usize,
+    /// row after row
+    pub numbers: Numbers,
+}
+
+/// The numbers of a named array, if it is there.
+pub fn named_array(columns: &[Column], name: &str) -> Option<Vec<f64>> {
+    columns.iter().find(|column| column.name == name).map(|column| column.numbers.clone().reals())
+}
+
+/// The content of a file: arrays of whole numbers with one a row, and those with the names that are asked for.
+///
+/// # Errors
+/// The fault of the file, as the end of a sentence that begins with its name.
+pub fn read(bytes: &[u8], names: &[&str]) -> Result<DataSet, String> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    if bytes.trim_ascii_start().starts_with(b"<") { xml::read(bytes, names) } else { legacy::read(bytes, names) }
+}
+
+/// Names of the files that a .pvd, .pvtu, .pvtp or .vtm file lists.
+pub fn files_of(bytes: &[u8]) -> Vec<String> {
+    xml::files_of(bytes)
+}
+
+/// Memory that numbers may take: a compressed file, or one whose arrays share their data, may ask for far more than it
+/// holds.
+struct Budget {
+    left: usize,
+    /// [byte] size of the file
+    file: usize,
+}
+
+/// [byte] numbers of any file, and for each of its bytes
+const ANY: usize = 32 << 20;
+const PER_BYTE: usize = 16;
+
+impl Budget {
+    fn of(file: usize) -> Self {
+        Budget { left: ANY + PER_BYTE * file, file }
+    }
+
+    /// Takes the memory of so many numbers.
+    fn take(&mut self, numbers: usize) -> Result<(), String> {
+        let left = numbers.checked_mul(8).and_then(|bytes| self.left.checked_sub(bytes));
+        self.left = left.ok_or_else(|| {
+            let [most, file] = [ANY + PER_BYTE * self.file, self.file].map(|n| n as f64 / 1e6);
+            format!(
+                "asks for more than {most:.0} MB of numbers in {file:.3} MB; save it uncompressed, with fewer arrays"
+            )
+        })?;
+        Ok(())
+    }
+}
+
+/// What a frame of a run says of its points, `[n_points][3]`.
+pub struct FramePoints {
+    /// [m] positions
+    pub positions: Vec<[f64; 3]>,
+    /// [m] displacements from the mesh as given, if they are there; perhaps in single precision
+    pub displacements: Option<Vec<[f64; 3]>>,
+    /// [m/s] velocities, if they are there
+    pub velocities: Option<Vec<[f64; 3]>>,
+}
+
+/// Reads the points of a frame.
+///
+/// # Errors
+/// Why this is no frame of one piece.
+pub fn frame_points(bytes: &[u8]) -> Result<FramePoints, String> {
+    let mut pieces = read(bytes, &["displacement", "velocity"])?.pieces.into_iter();
+    let (Some(piece), None) = (pieces.next(), pieces.next()) else {
+        return Err("does not hold exactly one piece".into());
+    };
+    let array = |name| named_array(&piece.point_data, name).map(|values| values.as_chunks().0.to_vec());
+    let (displacement, velocities) = (array("displacement"), array("velocity"));
+    let positions = piece.points;
+    for list in [&displacement, &velocities].into_iter().flatten() {
+        if list.len() != positions.len() {
+            return Err("is damaged: an array has not one vector per point".into());
+        }
+    }
+    if positions.iter().chain(velocities.iter().flatten()).flatten().any(|value| !value.is_finite()) {
+        return Err("has numbers that are not finite".into());
+    }
+    Ok(FramePoints { positions, displacements: displacement, velocities })
+}

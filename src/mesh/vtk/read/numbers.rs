@@ -1,0 +1,104 @@
+//! Arrays of numbers of VTK's files.
+
+use std::str::FromStr;
+
+/// Types of numbers, by their sizes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Type {
+    Signed(usize),
+    Unsigned(usize),
+    Single,
+    Double,
+}
+
+impl Type {
+    /// [byte] size of a number
+    pub(super) fn size(self) -> usize {
+        match self {
+            Type::Signed(size) | Type::Unsigned(size) => size,
+            Type::Single => 4,
+            Type::Double => 8,
+        }
+    }
+
+    pub(super) fn is_whole(self) -> bool {
+        matches!(self, Type::Signed(_) | Type::Unsigned(_))
+    }
+}
+
+/// The numbers of an array.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Numbers {
+    /// whole ones
+    Whole(Vec<i64>),
+    /// others
+    Real(Vec<f64>),
+}
+
+impl Numbers {
+    pub(super) fn of_bytes(bytes: &[u8], kind: Type, big_endian: bool) -> Self {
+        let size = kind.size();
+        let bits = |chunk: &[u8]| {
+            let mut word = [0; 8];
+            word[..size].copy_from_slice(chunk);
+            if big_endian {
+                word[..size].reverse();
+            }
+            u64::from_le_bytes(word)
+        };
+        let words = bytes.chunks_exact(size).map(bits);
+        match kind {
+            Type::Unsigned(_) => Numbers::Whole(words.map(|word| word as i64).collect()),
+            Type::Signed(_) => {
+                let unused = 64 - 8 * size as u32;
+                Numbers::Whole(words.map(|word| (word << unused) as i64 >> unused).collect())
+            }
+            Type::Single => Numbers::Real(words.map(|word| f64::from(f32::from_bits(word as u32))).collect()),
+            Type::Double => Numbers::Real(words.map(f64::from_bits).collect()),
+        }
+    }
+
+    /// Of words; at most so many.
+    pub(super) fn of_words<'a>(words: impl Iterator<Item = &'a str>, kind: Type, most: usize) -> Result<Self, String> {
+        fn all<'a, T: FromStr>(words: impl Iterator<Item = &'a str>, most: usize) -> Result<Vec<T>, String> {
+            let number = |word: &str| word.parse().map_err(|_| format!("has \"{word}\" where a number is expected"));
+            words.take(most.saturating_add(1)).map(number).collect()
+        }
+        let numbers =
+            if kind.is_whole() { Numbers::Whole(all(words, most)?) } else { Numbers::Real(all(words, most)?) };
+        if numbers.len() > most {
+            Err("is damaged: an array has more numbers than it should".to_owned())
+        } else {
+            Ok(numbers)
+        }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Numbers::Whole(list) => list.len(),
+            Numbers::Real(list) => list.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// As real numbers.
+    pub fn reals(self) -> Vec<f64> {
+        match self {
+            Numbers::Whole(list) => list.into_iter().map(|n| n as f64).collect(),
+            Numbers::Real(list) => list,
+        }
+    }
+
+    /// As whole numbers.
+    pub fn whole(self) -> Vec<i64> {
+        match self {
+            Numbers::Whole(list) => list,
+            Numbers::Real(list) => list.into_iter().map(|x| x as i64).collect(),
+        }
+    }
+}
