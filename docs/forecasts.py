@@ -106,20 +106,26 @@ def errors(cases: list[str]) -> None:
 
 
 def summed(compared: dict[str, list[tuple[str, float, float | None, float]]]) -> None:
-    """One row a case: how many numbers, and the worst."""
-    print("\n| case | numbers | not settled | median of true/stated | largest | of |\n|---|---|---|---|---|---|")
-    ratios = []
+    """One row a case, and one for those of the guide: how many numbers, and the worst; then those beyond 3 times."""
+    groups: dict[str, list[tuple[str, str, float | None, float]]] = {}
     for case, rows in compared.items():
-        own = sorted((true / stated if stated else 0.0, quantity) for quantity, _, stated, true in rows if stated is not None)
-        ratios += [ratio for ratio, _ in own]
-        (worst, which), middle = own[-1] if own else (0.0, ""), own[len(own) // 2][0] if own else 0.0
-        print(f"| {name(case)} | {len(rows)} | {len(rows) - len(own)} | {middle:.2f} | {worst:.2f} | {which} |")
-    below = [sum(ratio < most for ratio in ratios) for most in (1.0, 3.0, 10.0)]
-    middle = sorted(ratios)[len(ratios) // 2] if ratios else 0.0
+        group = groups.setdefault("cases of the guide" if "guide" in case else name(case), [])
+        group += [(name(case), quantity, stated, true) for quantity, _, stated, true in rows]
+    print("\n| case | numbers | not settled | median of true/stated | largest | of |\n|---|---|---|---|---|---|")
+    every = []
+    for group, rows in groups.items():
+        own = sorted((true / stated if stated else 0.0, quantity, case) for case, quantity, stated, true in rows if stated is not None)
+        every += own
+        (worst, which, _), middle = own[-1] if own else (0.0, "", ""), own[len(own) // 2][0] if own else 0.0
+        print(f"| {group} | {len(rows)} | {len(rows) - len(own)} | {middle:.2f} | {worst:.2f} | {which} |")
+    every.sort()
+    below = [sum(ratio < most for ratio, _, _ in every) for most in (1.0, 3.0, 10.0)]
     print(
-        f"\n{len(ratios)} numbers with a stated error: {below[0]} below it, {below[1]} below 3 times, {below[2]} below 10 times, "
-        f"median {middle:.2f}; {sum(map(len, compared.values())) - len(ratios)} not settled"
+        f"\n{len(every)} numbers with a stated error: {below[0]} below it, {below[1]} below 3 times, {below[2]} below 10 times, "
+        f"median {every[len(every) // 2][0] if every else 0.0:.2f}; {sum(map(len, compared.values())) - len(every)} not settled"
     )
+    beyond = [f"{case} {quantity} {ratio:.1f}" for ratio, quantity, case in every if ratio >= 3.0]
+    print(f"beyond 3 times: {', '.join(beyond) or 'none'}")
 
 
 def name(case: str) -> str:
