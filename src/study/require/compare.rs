@@ -44,7 +44,7 @@ pub struct Difference {
     pub value: Option<f64>,
     /// its value minus that of the full model, in its unit
     pub difference: Option<f64>,
-    /// [-] the same as a share of the value
+    /// [-] the same as a share of the value; none of a value that is 0 throughout
     pub share: Option<f64>,
     /// whether that is within the accuracy
     pub within: bool,
@@ -89,6 +89,7 @@ impl Comparison {
             let scale = number.value.map_or(1.0, |value| measure_of(value, number.largest));
             let difference = value.zip(number.value).map(|(value, full)| value - full);
             let share = difference.map(|difference| if difference == 0.0 { 0.0 } else { difference / scale });
+            let share = share.filter(|share| share.is_finite());
             let allowed = accuracy.allowed(&number.name, &number.unit, scale)?;
             let within = difference.is_some_and(|difference| difference.abs() <= allowed);
             Ok(Difference { name: number.name.clone(), value, difference, share, within })

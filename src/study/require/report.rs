@@ -131,7 +131,7 @@ impl RequireReport<'_> {
             one.differences.iter().filter(|difference| of(difference)).map(words).collect()
         };
         let enough = parts(&|of| of.within);
-        let (beyond, without) = (parts(&|of| !of.within && of.share.is_some()), parts(&|of| of.share.is_none()));
+        let (beyond, without) = (parts(&|of| !of.within && of.value.is_some()), parts(&|of| of.value.is_none()));
         (!enough.is_empty()).then(|| context! { enough, beyond, without, cost => cost(one) })
     }
 
