@@ -1,6 +1,6 @@
 //! Canopies that fill ring by ring in the case file: what is refused, and how runs of them behave.
 
-use crate::common::run::{Run, apart, case_of, changed, run, run_with};
+use crate::common::run::{Run, apart, case_of, changed, follow, run, run_with};
 use canopy_fem::case::Case;
 use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::drive::Status;
@@ -144,7 +144,8 @@ fn what_cannot_fill_is_not_built() {
             spec.displacement[node as usize] = [-from[0], -from[1], top - 1.0 - from[2]];
         }
     });
-    assert_eq!(closed, BuildError::ClosedMouth);
+    assert!(matches!(closed, BuildError::Rings { row: Some(5), .. }), "{closed}");
+    assert!(closed.to_string().contains("a mouth of no area at the start"), "{closed}");
 }
 
 /// Explicit, implicit and adaptive methods agree; the ledger closes.
@@ -290,4 +291,55 @@ fn air_from_behind_gives_no_pressure() {
         assert!(ran.outcome.status == Status::Completed, "{velocity}: {:?}", ran.outcome);
         assert!(ran.positions.as_flattened().iter().all(|x| x.is_finite()));
     }
+}
+
+/// A canopy of tight cloth without a vent fills, too.
+#[test]
+fn a_closed_vent_and_tight_cloth_fill() {
+    let law = format!("{FILLING}.law");
+    let sets = [
+        (law.as_str(), "null"),
+        ("system.network.mesh.parachute.vent_diameter", "null"),
+        ("time.step", "2e-3"),
+        ("time.end", "0.4"),
+    ];
+    let mut value = small();
+    if let Some(springs) = value["system"]["network"]["springs"].as_array_mut() {
+        springs.retain(|spring| !["vent", "vent-lines"].map(Value::from).contains(&spring["on"]["group"]));
+    }
+    let ran = run(&case_of(&value, &sets));
+    assert!(ran.outcome.status == Status::Completed, "{:?}", ran.outcome);
+    assert!(ran.outcome.energy_error < 1e-2, "{}", ran.outcome.energy_error);
+}
+
+/// [m] Mean distance of the skirt from the axis.
+fn skirt_radius(case: &Case, positions: &[[f64; 3]]) -> f64 {
+    let skirt = &network(case).canopies[0].skirt;
+    let sum: f64 = skirt.iter().map(|&i| positions[i as usize][0].hypot(positions[i as usize][1])).sum();
+    sum / skirt.len() as f64
+}
+
+/// A reefing line holds the mouth. When it is cut the mouth grows by the law: not faster than e^(V t/l), and not at
+/// once.
+#[test]
+fn a_cut_reefing_line_lets_the_mouth_grow() {
+    let cut = 0.3;
+    let mut value = small();
+    value["system"]["network"]["mesh"]["parachute"]["reefing"] = json!({"diameter": 0.5});
+    let reefing = json!({
+        "on": {"group": "reefing"}, "axial_rigidity": 4e3, "linear_density": 0.004, "slack": "tension-only",
+        "dashpot": {"axial": {"time": 1e-3}}, "rest_scale": {"table": [[0, 1], [cut, 1], [cut + 1e-3, 8]]}
+    });
+    if let Some(springs) = value["system"]["network"]["springs"].as_array_mut() {
+        springs.push(reefing);
+    }
+    let case = case_of(&value, &[("time.end", "1.2"), ("time.step", "2e-3")]);
+    let mut radii = Vec::new();
+    let outcome = follow(&case, |state| radii.push((state.t, skirt_radius(&case, state.positions))));
+    assert!(outcome.status == Status::Completed, "{outcome:?}");
+    let at = |t: f64| radii.iter().find(|(time, _)| *time >= t).map_or(f64::NAN, |(_, r)| *r);
+    let (reefed, open) = (at(cut), at(1.2));
+    println!("{reefed} {} {} {} {open}", at(cut + 0.02), at(cut + 0.05), at(cut + 0.1));
+    assert!((0.2..0.27).contains(&reefed) && open > 3.0 * reefed, "{reefed} {open}");
+    assert!(at(cut + 0.02) < 1.3 * reefed, "{}", at(cut + 0.02));
 }

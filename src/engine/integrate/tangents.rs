@@ -115,6 +115,8 @@ pub(super) enum TangentKind {
 #[derive(Default)]
 struct RankOnes {
     parts: Vec<RankOnePart>,
+    /// how many of them are not 0
+    used: usize,
     /// u and g by degree of freedom
     dofs: [Vec<f64>; 2],
 }
@@ -146,26 +148,35 @@ impl RankOnes {
         counters: &mut Counters,
     ) -> Result<(), LinearError> {
         self.parts.resize(count, RankOnePart::default());
-        for which in 0..self.parts.len() {
+        self.used = 0;
+        for which in 0..count {
             let [u, g] = &mut self.dofs;
             u.resize(system.n_dof(), 0.0);
             g.resize(system.n_dof(), 0.0);
             system.rank_one(which, at, w, u, g);
-            let (before, [part, ..]) = self.parts.split_at_mut(which) else { return Ok(()) };
+            let (before, [part, ..]) = self.parts.split_at_mut(self.used) else { return Ok(()) };
             let picked = |from: &[f64], to: &mut Vec<f64>| {
                 to.clear();
                 to.extend(dof.iter().map(|&dof| from[dof as usize]));
             };
-            picked(u, &mut part.z);
             picked(g, &mut part.g);
+            if part.g.iter().all(|g| *g == 0.0) {
+                continue;
+            }
+            picked(u, &mut part.z);
             factor.solve(&mut part.z, counters)?;
             before.iter().for_each(|earlier| earlier.correct(&mut part.z));
             part.divisor = 1.0 + dot(&part.g, &part.z);
             if part.divisor == 0.0 || !part.divisor.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
             }
+            self.used += 1;
         }
         Ok(())
+    }
+
+    fn correct(&self, y: &mut [f64]) {
+        self.parts.iter().take(self.used).for_each(|part| part.correct(y));
     }
 }
 
@@ -357,7 +368,7 @@ impl Tangents {
         interrupt::check()?;
         let solved = factor.solve(b, counters);
         let parts = if self.current == TangentKind::Exact { &self.rank_ones } else { &self.kept_parts };
-        parts.parts.iter().for_each(|part| part.correct(b));
+        parts.correct(b);
         solved
     }
 

@@ -279,13 +279,14 @@ impl Builder<'_> {
                     (Volume::Cloth(enclosure.clone()), stream.clone(), self.acting.terms.len());
                 self.acting.apparent.push(ApparentMass { nodes, volume, factor, stream, term });
             }
-            let mut axis = CanopyAxis { carrier: skirt.clone(), skirt, apex, confluence, stream: stream.clone() };
+            // The skirt's own speed swings while a canopy fills; the told filling of a schedule is one by its speed.
+            let carrier = if let CanopyAir::Filling(_) = canopy.air { skirt.clone() } else { confluence.clone() };
+            let axis = CanopyAxis { carrier, skirt, apex, confluence, stream: stream.clone() };
             let air = match &canopy.air {
                 CanopyAir::Coefficient => AirModel::Coefficient,
                 CanopyAir::Filling(stages) | CanopyAir::Point(stages) => AirModel::Filling(stages.as_slice().into()),
                 CanopyAir::Cavity(spec) => AirModel::Cavity(cavity(*spec, enclosure.clone(), &axis.skirt, x)?),
                 CanopyAir::Rings(spec) => {
-                    axis.carrier = axis.confluence.clone();
                     let rows: Vec<Vec<u32>> = spec.rows.iter().map(|row| nodes(row)).collect();
                     let data =
                         rings(spec, &rows, triangles, axis, Shapes { start, cut: reference }, canopy.nominal_area)?;

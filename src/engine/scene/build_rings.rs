@@ -21,7 +21,11 @@ pub(super) struct Shapes<'a> {
 const FLAT: f64 = 1e-9;
 
 const fn refused(reason: &'static str) -> BuildError {
-    BuildError::Rings { reason }
+    BuildError::Rings { row: None, reason }
+}
+
+const fn refused_at(row: usize, reason: &'static str) -> BuildError {
+    BuildError::Rings { row: Some(row), reason }
 }
 
 /// The law of a canopy with these triangles, whose normals point outwards, and rows, in internal numbers. Of a canopy
@@ -49,7 +53,7 @@ pub(super) fn rings(
         let [Some(a), Some(b), Some(c)] = found else { return Err(refused("has triangles beside its rows")) };
         let (first, end) = (a.min(b).min(c), a.max(b).max(c));
         if end != first + 1 {
-            return Err(refused("has triangles that do not lie between two neighbouring rows"));
+            return Err(refused_at(first, "has triangles that do not lie between two neighbouring rows"));
         }
         between[first].push(*nodes);
         bands.push((first / each) as u16);
@@ -60,7 +64,8 @@ pub(super) fn rings(
     for (row, faces) in between.iter_mut().enumerate() {
         let gap = faces.is_empty();
         if gap {
-            *faces = gap_between(&rows[row], &rows[row + 1])?;
+            *faces = gap_between(&rows[row], &rows[row + 1])
+                .ok_or_else(|| refused_at(row, "has a gap between two rows with different numbers of nodes"))?;
         }
         let size: f64 = faces.iter().map(area).sum();
         cloth[row / each] += size;
@@ -91,19 +96,26 @@ pub(super) fn rings(
 fn turned(rows: &[Vec<u32>], axis: &CanopyAxis, start: &[Vector3<f64>]) -> Result<Vec<Vec<u32>>, BuildError> {
     let x = NodeVectors::Nodes(start);
     let [.., skirt] = rows else { return Err(refused("needs rows of cloth")) };
-    let closed = |(i, row): (usize, &Vec<u32>)| row.len() > 2 || (i == 0 && row.len() == 1);
-    if rows.len() < 2 || !rows.iter().enumerate().all(closed) {
-        return Err(refused("needs at least two rows, each a loop of three nodes or more; the first may be an apex"));
+    let closed = |(i, row): &(usize, &Vec<u32>)| row.len() > 2 || (*i == 0 && row.len() == 1);
+    let loops = "needs at least two rows, each a loop of three nodes or more; the first may be an apex";
+    if rows.len() < 2 {
+        return Err(refused(loops));
+    }
+    if let Some((row, _)) = rows.iter().enumerate().find(|row| !closed(row)) {
+        return Err(refused_at(row, loops));
     }
     let [apex, confluence, middle] = [&axis.apex, &axis.confluence, skirt].map(|nodes| x.mean(nodes));
     let along = confluence - apex;
     let depth = (middle - apex).dot(&along);
     if (confluence - middle).dot(&along) <= 0.0 || depth < -FLAT * along.norm_squared() {
-        return Err(refused("needs a skirt between its apex and its confluence"));
+        let reason = "needs a skirt between its apex and its confluence at the start: the lines meet upstream of the cloth; \
+                      take the start stretched, or move the confluence";
+        return Err(refused_at(rows.len() - 1, reason));
     }
     let mouth = opening(skirt, start);
     if mouth == Vector3::zeros() {
-        return Err(BuildError::ClosedMouth);
+        let reason = "has a mouth of no area at the start: open the skirt, as by a start_radius";
+        return Err(refused_at(rows.len() - 1, reason));
     }
     let mut rows = rows.to_vec();
     if mouth.dot(&along) > 0.0 {
@@ -119,11 +131,11 @@ fn opening(row: &[u32], x: &[Vector3<f64>]) -> Vector3<f64> {
 }
 
 /// Faces that close a gap between two rows with as many nodes.
-fn gap_between(above: &[u32], below: &[u32]) -> Result<Vec<[u32; 3]>, BuildError> {
+fn gap_between(above: &[u32], below: &[u32]) -> Option<Vec<[u32; 3]>> {
     if above.len() != below.len() {
-        return Err(refused("has a gap between two rows with different numbers of nodes"));
+        return None;
     }
     let next = |i: usize| (i + 1) % above.len();
     let faces = |i: usize| [[above[i], below[i], below[next(i)]], [above[i], below[next(i)], above[next(i)]]];
-    Ok((0..above.len()).flat_map(faces).collect())
+    Some((0..above.len()).flat_map(faces).collect())
 }

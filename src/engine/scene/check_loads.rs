@@ -121,7 +121,7 @@ fn rings(spec: &RingsSpec) -> Result<(), BuildError> {
     let RingsSpec { outer_pressure_coefficient: outer, damping, geometric_porosity: open, .. } = *spec;
     let RingsSpec { slot_discharge: slots, vent_discharge: vent, .. } = *spec;
     finite("filling", &[outer, damping[0], damping[1], open, slots, vent])?;
-    let refused = |reason| Err(BuildError::Rings { reason });
+    let refused = |reason| Err(BuildError::Rings { row: None, reason });
     if outer >= 1.0 {
         return refused("needs a pressure coefficient below 1 outside");
     }

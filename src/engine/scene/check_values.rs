@@ -125,8 +125,10 @@ pub enum BuildError {
         reason: &'static str,
     },
     /// A canopy that cannot fill ring by ring.
-    #[error("a canopy that fills ring by ring {reason}")]
+    #[error("a canopy that fills ring by ring {reason}{}", at_row(*row))]
     Rings {
+        /// which row of its cloth, from the vent or apex (0) on
+        row: Option<usize>,
         /// what is wrong
         reason: &'static str,
     },
@@ -183,4 +185,8 @@ pub(super) fn times<T>(what: &'static str, table: &Series<T>) -> Result<(), Buil
         return refuse("has times that do not increase");
     }
     Ok(())
+}
+
+fn at_row(row: Option<usize>) -> String {
+    row.map(|row| format!(" (row {row}, counted from the vent or apex)")).unwrap_or_default()
 }

@@ -333,6 +333,38 @@ fn of_a_parachute() {
     }
 }
 
+/// A canopy that fills ring by ring, with fixed and with adaptive steps.
+#[test]
+fn of_a_canopy_that_fills() {
+    let groups = ["radials", "cloth", "vent-lines", "lines"];
+    let springs = groups.map(|group| {
+        json!({"on": {"group": group}, "axial_rigidity": 4e3, "slack": "tension-only",
+               "dashpot": {"axial": {"time": 1e-3}}})
+    });
+    let scene = json!({
+        "name": "tube",
+        "system": {"network": {
+            "mesh": {"parachute": {
+                "type": "flat-circular", "nominal_diameter": 3.0, "gores": 6, "vent_diameter": 0.2,
+                "radial_segments": 4, "lines": {"length": 2.5}, "start": "stretched"
+            }},
+            "mass": {"areal_density": 0.05, "points": [{"on": {"group": "payload"}, "mass": 12.0}]},
+            "springs": springs,
+            "gravity": [0, 0, -9.81],
+            "aero": {"canopy": {"on": {"group": "canopy"}, "filling": {
+                "law": {"permeable": {"a": 1.6e6, "b": 4.8e5, "thickness": 1e-4}}
+            }}},
+            "initial": {"velocity": [0, 0, -30.0]}
+        }},
+        "time": {"end": 0.08, "method": "newmark", "step": 2e-3},
+        "output": {"frames": {"every": 0.02}}
+    });
+    for (method, step) in [("newmark", "2e-3"), ("hht", "2e-3"), ("velocity-verlet", "2e-4"), ("rk4", "2e-4")] {
+        let case = case_of(&scene, &[("time.method", method), ("time.step", step)]);
+        assert_resumes(&case, [7, 31], &format!("{method} of a canopy that fills"));
+    }
+}
+
 /// Parameters, checkpoints of its own, and steps and frames that fall together or not at all.
 #[test]
 fn of_a_point() {

@@ -1,12 +1,12 @@
 //! The air along the axis of a canopy.
 //!
 //! ```text
-//! a = unit vector from the apex to the confluence,     L = their distance,      z = height of the skirt
-//! u = mean skirt velocity - wind(z),      V = a . u,      q = rho(z) V|V|/2
-//! dV/dv_skirt = a/n_s,     dV/dz_skirt = -a . dw/dz/n_s,     dV/dx_confluence = (I - a a^T) u/(L n_c)
+//! a = unit vector from the apex to the confluence,     L = their distance,      z = height of the carrier
+//! u = mean carrier velocity - wind(z),      V = a . u,      q = rho(z) V|V|/2
+//! dV/dv_carrier = a/n,     dV/dz_carrier = -a . dw/dz/n,     dV/dx_confluence = (I - a a^T) u/(L n_c)
 //! ```
-//! and the opposite at the apex. With some laws velocity, wind and height are those of the confluence instead of the
-//! skirt's.
+//! and the opposite at the apex. The carrier is the confluence, with a told drag area the skirt. The skirt's own speed
+//! swings while a canopy fills.
 
 use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::stream::{AirState, Stream};
@@ -23,7 +23,7 @@ pub struct CanopyAxis {
     pub apex: Vec<u32>,
     /// nodes where the lines meet
     pub confluence: Vec<u32>,
-    /// nodes whose velocity and height are meant by u and z: those of the skirt, or of the confluence
+    /// nodes whose velocity and height are meant by u and z: those of the confluence, or of the skirt
     pub carrier: Vec<u32>,
     /// the air around the canopy
     pub stream: Arc<Stream>,

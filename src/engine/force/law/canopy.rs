@@ -2,14 +2,15 @@
 //! cloth moves in the air that goes with the canopy.
 //!
 //! ```text
-//! V = speed of the skirt against the wind along the axis a (`axial_flow`)
+//! V = speed of the confluence against the wind along the axis a, or of the skirt where a schedule tells the filling
+//!     (`axial_flow`)
 //! r = wind + V a,     w = (v - r) . n     of a triangle with mean velocity v and unit normal n from inside to outside
 //! p = dCp (p_0 + kappa (V - w)|V - w|),     kappa = rho/2,     f_i = p S/3,     power = f . v
 //! ```
 //! Cloth that moves outwards meets less pressure: w takes energy from the breathing of a canopy, from its turning and
 //! from its motion across the axis. It is nothing in steady flight along the axis. p_0 is that of a `cavity`: what its
-//! pressure has beyond kappa V|V|. Without one it is 0. kappa, V, r and p_0 couple all nodes of the skirt, the apex and
-//! the confluence, or of the canopy, with all nodes of the canopy. The tangent is local but for a rank-one part of each
+//! pressure has beyond kappa V|V|. Without one it is 0. kappa, V, r and p_0 couple the nodes of the apex and
+//! the confluence, or of the skirt or the canopy, with all nodes of the canopy. The tangent is local but for a rank-one part of each
 //! of these numbers. With c = V - w
 //! ```text
 //! -df_i/dx_j = -1/3 [p I + 2 kappa dCp |c| S ((I - n n^T)(r - v))^T/A] dS/dx_j,     -df_i/dv_j = 2 kappa dCp |c| S n^T/9

@@ -63,6 +63,14 @@ pub struct RingsData {
     pub damping: [f64; 2],
 }
 
+/// The air at a state.
+struct CanopyState {
+    axial: AxialFlow,
+    flow: Flow,
+    /// dp \[Pa\] by band, D \[Pa s/m\], E \[Pa s^2/m^2\] and r \[m/s\]
+    numbers: SceneValues,
+}
+
 /// What the pressure on a triangle depends on besides itself.
 #[derive(Clone, Copy)]
 struct Meets<'a> {
@@ -112,10 +120,18 @@ impl RingsData {
         self.stations.bands()
     }
 
-    fn flow(&self, axial: AxialFlow, x: NodeVectors<'_>, v: NodeVectors<'_>) -> Flow {
+    fn air(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> CanopyState {
+        let axial = self.axis.flow(t, x, v);
+        let AxialFlow { axis, speed, dynamic_pressure: q, air, .. } = axial;
+        let (n, density) = (self.bands(), air.density[0]);
         let stations::Measured { rate, area, open, below } = self.stations.measure(x, v);
-        let (q, density) = (axial.dynamic_pressure, axial.air.density[0]);
-        Flow { bands: self.bands(), q, density, outer: self.outer, rate, area, open, below }
+        let flow = Flow { bands: n, q, density, outer: self.outer, rate, area, open, below };
+        let mut numbers = [0.0; MOST_NUMBERS];
+        numbers[..n].copy_from_slice(&flow.pressures(&self.passage)[..n]);
+        let along = air.wind[0] + speed * axis;
+        let [linear, quadratic] = self.damping.map(|k| k * density);
+        numbers[n..n + OTHERS].copy_from_slice(&[linear * speed.abs(), quadratic, along.x, along.y, along.z]);
+        CanopyState { axial, flow, numbers }
     }
 
     fn meetings<'a>(&'a self, at: NodeState<'a>, numbers: &'a [f64]) -> impl Iterator<Item = Meeting> + 'a {
@@ -124,15 +140,13 @@ impl RingsData {
         triangles.map(move |(&nodes, &band)| meets.at(band, AreaVector::new(at.x, nodes), mean(at.v, nodes)))
     }
 
-    fn numbers(&self, at: NodeState<'_>) -> SceneValues {
-        let mut numbers = [0.0; MOST_NUMBERS];
-        self.find(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v), &mut numbers);
-        numbers
+    fn air_at(&self, at: NodeState<'_>) -> CanopyState {
+        self.air(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v))
     }
 
     /// \[Pa\] The pressures on its triangles at a state.
     pub fn pressures(&self, at: NodeState<'_>) -> Vec<f64> {
-        self.meetings(at, &self.numbers(at)).map(|meeting| meeting.pressure).collect()
+        self.meetings(at, &self.air_at(at).numbers).map(|meeting| meeting.pressure).collect()
     }
 }
 
@@ -143,13 +157,8 @@ impl SceneNumbers for RingsData {
 
     /// dp [Pa] by band, D [Pa s/m], E [Pa s^2/m^2] and r [m/s]
     fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>, out: &mut SceneValues) {
-        let axial = self.axis.flow(t, x, v);
-        let n = self.bands();
-        out[..n].copy_from_slice(&self.flow(axial, x, v).pressures(&self.passage)[..n]);
-        let AxialFlow { axis, speed, air, .. } = axial;
-        let (along, density) = (air.wind[0] + speed * axis, air.density[0]);
-        let [linear, quadratic] = self.damping.map(|k| k * density);
-        out[n..n + OTHERS].copy_from_slice(&[linear * speed.abs(), quadratic, along.x, along.y, along.z]);
+        let count = self.count();
+        out[..count].copy_from_slice(&self.air(t, x, v).numbers[..count]);
     }
 }
 
@@ -202,7 +211,7 @@ impl ForceTerm for RingedCanopy {
     /// The symmetric form is the velocity part, as for any follower pressure.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         let data = self.kernel();
-        let numbers = data.numbers(at);
+        let numbers = data.air_at(at).numbers;
         for (meeting, &nodes) in data.meetings(at, &numbers).zip(data.triangles.iter()) {
             let Meeting { area, n, lag, pressure, slope, .. } = meeting;
             let dv = outer(area.s, n) * (w.c * slope / 9.0);
@@ -219,33 +228,38 @@ impl ForceTerm for RingedCanopy {
 
     fn rank_one(&self, which: usize, at: NodeState<'_>, w: Weights, RankOne { u, g }: RankOne<'_>) {
         let data = self.kernel();
-        let (n, numbers) = (data.bands(), data.numbers(at));
+        let n = data.bands();
+        let CanopyState { axial, flow, numbers } = data.air_at(at);
         u.fill(Vector3::zeros());
         g.fill(Vector3::zeros());
-        let meetings = data.meetings(at, &numbers).zip(data.bands.iter());
-        for ((meeting, &band), &nodes) in meetings.zip(data.triangles.iter()) {
+        if which < n {
+            let triangles = data.triangles.iter().zip(data.bands.iter());
+            for (&nodes, _) in triangles.filter(|(_, band)| usize::from(**band) == which) {
+                let force = AreaVector::new(at.x, nodes).s / 3.0;
+                nodes.into_iter().for_each(|node| u[node as usize] -= force);
+            }
+            return data.add_pressure_gradient(which, axial, &flow, at, &numbers, w, g);
+        }
+        for (meeting, &nodes) in data.meetings(at, &numbers).zip(data.triangles.iter()) {
             let Meeting { area, n: normal, outwards, slope, .. } = meeting;
-            let change = match which.checked_sub(n) {
-                None => f64::from(usize::from(band) == which),
-                Some(0) => -outwards,
-                Some(1) => -outwards * outwards.abs(),
-                Some(number) => slope * normal[number - 2],
+            let change = match which - n {
+                0 => -outwards,
+                1 => -outwards * outwards.abs(),
+                number => slope * normal[number - 2],
             };
             let force = area.s * (change / 3.0);
             nodes.into_iter().for_each(|node| u[node as usize] -= force);
         }
-        let axial = data.axis.flow(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
         let (density, speed) = (axial.air.density[0], axial.speed);
         let by_speed = |by: f64| Weights { m: 0.0, c: by * w.c, k: by * w.k };
-        match which.checked_sub(n) {
-            None => data.add_pressure_gradient(which, axial, at, &numbers, w, g),
-            Some(0) => {
+        match which - n {
+            0 => {
                 let [kd, _] = data.damping;
                 data.axis.add_speed_gradient(axial, by_speed(kd * density * speed.signum()), g);
                 data.axis.add_density_gradient(axial, w.k * kd * speed.abs(), g);
             }
-            Some(1) => data.axis.add_density_gradient(axial, w.k * data.damping[1], g),
-            Some(number) => data.axis.add_along_gradient(number - 2, axial, w, g),
+            1 => data.axis.add_density_gradient(axial, w.k * data.damping[1], g),
+            number => data.axis.add_along_gradient(number - 2, axial, w, g),
         }
     }
 
@@ -265,20 +279,20 @@ impl RingsData {
         &self,
         band: usize,
         axial: AxialFlow,
+        flow: &Flow,
         at: NodeState<'_>,
         numbers: &SceneValues,
         w: Weights,
         g: &mut [Vector3<f64>],
     ) {
-        let flow = self.flow(axial, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
         let mut dp = [0.0; MOST_BANDS];
         dp[..self.bands()].copy_from_slice(&numbers[..self.bands()]);
-        let by = flow.gradient(&self.passage, &dp, band);
+        let Some(by) = flow.gradient(&self.passage, &dp, band) else { return };
         let (density, speed) = (axial.air.density[0], axial.speed);
         let by_speed = by.q * density * speed.abs();
         self.axis.add_speed_gradient(axial, Weights { m: 0.0, c: by_speed * w.c, k: by_speed * w.k }, g);
         let by_density = by.density + by.q * 0.5 * speed * speed.abs();
         self.axis.add_density_gradient(axial, w.k * by_density, g);
-        self.stations.add_gradient([at.x, at.v], &by, w, g);
+        self.stations.add_gradient([at.x, at.v], &flow.area, &by, w, g);
     }
 }

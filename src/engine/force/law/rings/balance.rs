@@ -32,8 +32,9 @@ const STILL: f64 = 1.0;
 const FOUND: f64 = 1e-13;
 /// [-] The same where rounding stops the iteration.
 const NEARLY: f64 = 1e-10;
-/// Newton's iterations at most; most states take three to six.
-const ITERATIONS: usize = 20;
+/// Newton's iterations at most. Most states take three to six, a tube of porous cloth whose bands fold and open up to
+/// thirty.
+const ITERATIONS: usize = 100;
 /// [-] Least part of a step of Newton's that is tried.
 const LEAST_SHARE: f64 = 1e-2;
 /// [-] Half widths of corners, over E, on the way to those of 1.
@@ -295,10 +296,14 @@ impl Flow {
         false
     }
 
-    /// How the pressure on a band depends on everything, where the pressures are `dp` [Pa].
-    pub(in crate::force) fn gradient(&self, passage: &Passage, dp: &ByBand, band: usize) -> FlowGradient {
+    /// How the pressure on a band depends on everything, where the pressures are `dp` [Pa]; `None` where it does not,
+    /// because the cloth is folded.
+    pub(in crate::force) fn gradient(&self, passage: &Passage, dp: &ByBand, band: usize) -> Option<FlowGradient> {
         let (n, sign) = (self.bands, self.q.signum());
         let discs = self.discs(passage, dp, self.corner());
+        if discs.pressure[band].by == 0.0 {
+            return None;
+        }
         let heads = self.heads(&discs);
         let jacobian = self.jacobian(&discs, &heads);
         let mut transposed = [[0.0; MOST_BANDS + 1]; MOST_BANDS];
@@ -350,7 +355,7 @@ impl Flow {
         }
         by_corner -= by_heads;
         g.q += by_corner * self.q / (self.q * self.q + STILL * STILL);
-        g
+        Some(g)
     }
 }
 

@@ -140,22 +140,22 @@ impl Stations {
         (part * part * (3.0 - 2.0 * part), [(i, slope(beneath)), (j, -slope(above))])
     }
 
-    /// Adds c d/dv + k d/dx of a number that depends on them by `by`.
+    /// Adds c d/dv + k d/dx of a number that depends on them by `by`, where the rings have these areas [m^2].
     pub(super) fn add_gradient(
         &self,
         [x, v]: [&[Vector3<f64>]; 2],
+        area: &ByRing,
         by: &FlowGradient,
         w: Weights,
         g: &mut [Vector3<f64>],
     ) {
         let n = self.bands();
-        let Measured { area, .. } = self.measure(NodeVectors::Nodes(x), NodeVectors::Nodes(v));
         let mut by_area = by.area;
         for b in 0..n {
             for j in [b, b + 1] {
                 by_area[j] += 0.5 * by.open[b] * self.cloth[b] * self.share(j, area[j])[1];
             }
-            for (j, slope) in self.wider(b, &area).1 {
+            for (j, slope) in self.wider(b, area).1 {
                 by_area[j] += by.below[b] * slope;
             }
         }
@@ -232,3 +232,6 @@ fn add_fan_gradient(ring: &[u32], [x, v]: [&[Vector3<f64>]; 2], w: Weights, by: 
     shared /= ring.len() as f64;
     ring.iter().for_each(|&node| g[node as usize] += shared);
 }
+
+#[cfg(test)]
+mod tests;
