@@ -105,6 +105,11 @@ def errors(cases: list[str]) -> None:
     summed(compared)
 
 
+def of_stated(true: float, stated: float) -> float:
+    """[-] The true error over the stated one; 0 of 0 is none."""
+    return true / stated if stated else (0.0 if true == 0.0 else float("inf"))
+
+
 def summed(compared: dict[str, list[tuple[str, float, float | None, float]]]) -> None:
     """One row a case, and one for those of the guide: how many numbers, and the worst; then those beyond 3 times."""
     groups: dict[str, list[tuple[str, str, float | None, float]]] = {}
@@ -114,7 +119,7 @@ def summed(compared: dict[str, list[tuple[str, float, float | None, float]]]) ->
     print("\n| case | numbers | not settled | median of true/stated | largest | of |\n|---|---|---|---|---|---|")
     every = []
     for group, rows in groups.items():
-        own = sorted((true / stated if stated else 0.0, quantity, case) for case, quantity, stated, true in rows if stated is not None)
+        own = sorted((of_stated(true, stated), quantity, case) for case, quantity, stated, true in rows if stated is not None)
         every += own
         (worst, which, _), middle = own[-1] if own else (0.0, "", ""), own[len(own) // 2][0] if own else 0.0
         print(f"| {group} | {len(rows)} | {len(rows) - len(own)} | {middle:.2f} | {worst:.2f} | {which} |")
