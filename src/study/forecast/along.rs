@@ -8,7 +8,7 @@
 use super::ForecastSpec;
 use super::estimate::Estimate;
 use super::nominal::NominalCosts;
-use super::sample::{Sample, sample_steps};
+use super::sample::{Sample, sample_steps, settled};
 use super::states::SampledStates;
 use super::work::Work;
 use crate::drive::clock::{FixedSteps, Step, Tolerance};
@@ -23,11 +23,16 @@ use crate::whole_run::WholeRun;
 /// [-] Tolerance of the coarse run, relative and absolute, and of Newton's iteration in it.
 const ROUGH: Tolerance = Tolerance { relative: 0.9, absolute: 0.009 };
 const SOLVED: f64 = 0.03;
-/// States that steps are tried from.
+/// States that steps are tried from at most.
 const STATES: usize = 8;
-/// Steps of a trial that are not counted, because they come from another method, and steps that are.
-const SETTLE: u64 = 6;
-const COUNTED: u64 = 6;
+/// Steps of backward Euler after which a rough state is at rest in its stiff motions, steps of the case's own method
+/// that are not counted, because they come from another one, and steps that are.
+const DAMPED: u64 = 6;
+const SETTLE: u64 = 2;
+const COUNTED: u64 = 4;
+/// [-] Share of the budget for the coarse run, and for the trials besides it.
+const COARSE: f64 = 0.25;
+const TRIALS: f64 = 0.35;
 
 /// What a step costs at a time.
 #[derive(Clone, Copy, Debug)]
@@ -38,19 +43,18 @@ struct Pace {
     step: Sample,
 }
 
-/// The whole run with fixed steps of `h` [s] of which `own` is the first part, on which `share` [-] of the budget may be
-/// spent. `None` where no step could be tried.
+/// The whole run with fixed steps of `h` [s] of which `own` is the first part. `None` where no step could be tried.
 pub(super) fn whole_run(
     spec: &ForecastSpec<'_>,
     costs: &NominalCosts,
     method: &MethodChoice,
     h: f64,
     own: &WholeRun,
-    share: f64,
 ) -> Option<Estimate> {
     let ForecastSpec { scene, problem, budget, .. } = *spec;
     let (end, clock) = (problem.time.end, Stopwatch::default());
-    let (began, most) = (clock.seconds(), budget.nominal(Family::Implicit, share * budget.left()));
+    let began = clock.seconds();
+    let [most, trials] = [COARSE, TRIALS].map(|share| budget.nominal(Family::Implicit, share * budget.left()));
     let rough = MethodChoice::with_defaults("backward-euler").ok()?;
     let mut solver: SolverSpec = problem.solver;
     solver.newton.relative = solver.newton.relative.max(SOLVED);
@@ -63,22 +67,28 @@ pub(super) fn whole_run(
     };
     let way = SampledStates::until(probe, &mut enough);
     let states = way.beyond(own.t_end, STATES);
-    let run = Experiment::new(scene, method, problem.solver, Step::Fixed(h), end);
-    let mut stepper = run.stepper().ok()?;
+    let fixed = |method| Experiment::new(scene, method, problem.solver, Step::Fixed(h), end);
+    let [damping, run] = [fixed(&rough), fixed(method)];
+    let [mut damper, mut stepper] = [damping.stepper().ok()?, run.stepper().ok()?];
     let mut paces = vec![Pace { t: own.t_end, step: late(own) }];
-    for state in &states {
+    let mut tried = 0.0;
+    for state in in_halves(&states) {
+        if tried > trials {
+            break;
+        }
         pass_events(scene, 0);
-        let Ok(made) = sample_steps(run, &mut stepper, SETTLE, COUNTED, state) else { continue };
-        spent += costs.cost(made.steps, made.work);
+        let Ok((at, damped)) = settled(damping, &mut damper, DAMPED, state) else { continue };
+        tried += costs.cost(damped.steps, damped.work);
+        pass_events(scene, 0);
+        let Ok(made) = sample_steps(run, &mut stepper, SETTLE, COUNTED, &at) else { continue };
+        tried += costs.cost(made.steps, made.work);
         let step = made.each();
-        log::debug!(
-            "a step at t = {:.4e} s costs {:.4e} s, {:.1} iterations",
-            state.t,
-            step.seconds,
-            step.work.newton_iterations
-        );
-        paces.push(Pace { t: state.t, step });
+        let [seconds, iterations] = [step.seconds, step.work.newton_iterations];
+        log::debug!("a step at t = {:.4e} s: {seconds:.4e} s, {iterations:.1} iterations", at.t);
+        paces.push(Pace { t: at.t, step });
     }
+    paces.sort_by(|a, b| a.t.total_cmp(&b.t));
+    spent += tried;
     pass_events(scene, 0);
     budget.charge(Family::Implicit, spent, clock.seconds() - began);
     log::debug!(
@@ -101,6 +111,18 @@ pub(super) fn whole_run(
         work: Work::each(|kind| kind(&made.work) + kind(&left.work)),
     };
     Some(Estimate::from_one(&whole, end, steps))
+}
+
+/// The last one, then those in the middle of what is left: where trials end early, they still stand for the whole run.
+fn in_halves<T: Copy>(all: &[T]) -> Vec<T> {
+    let (mut every, mut order) = (all.len().next_power_of_two(), Vec::new());
+    while every > 0 {
+        let new = |back: &usize| back.is_multiple_of(every) && (*back == 0 || !back.is_multiple_of(2 * every));
+        let first = every == all.len().next_power_of_two();
+        order.extend((0..all.len()).filter(new).filter(|back| *back != 0 || first));
+        every /= 2;
+    }
+    order.into_iter().filter_map(|back| all.iter().rev().nth(back).copied()).collect()
 }
 
 /// A step in the later part of a run that was made.
@@ -130,6 +152,13 @@ fn mean(paces: &[Pace], end: f64) -> Sample {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn states_are_visited_in_halves() {
+        assert_eq!(in_halves(&[0, 1, 2, 3, 4]), [4, 0, 2, 3, 1]);
+        assert_eq!(in_halves(&[7]), [7]);
+        assert!(in_halves::<u8>(&[]).is_empty());
+    }
 
     /// A pace that falls linearly, and stays: the area below it over the time.
     #[test]

@@ -29,9 +29,6 @@ const CHEAPER: f64 = 0.8;
 const FINER: i32 = 10;
 /// Most units of work a step, as [`WholeRun::work`] counts it, where a method has made none.
 const UNITS: f64 = 6.0;
-/// [-] Share of the budget for a coarse run, from which steps are tried.
-const COARSE: f64 = 0.2;
-
 impl Prospector<'_, '_> {
     /// Makes a run to `end` [s] or to so much nominal cost [s]; none if it cannot start.
     pub(super) fn run(&self, candidate: &Candidate, step: Step, end: f64, most: f64) -> Option<WholeRun> {
@@ -81,7 +78,7 @@ impl Prospector<'_, '_> {
             return (simple, KnownBy::Part);
         };
         budget.extend(simple.cpu_seconds);
-        along::whole_run(self.spec, &self.costs, &candidate.method, h, run, COARSE)
+        along::whole_run(self.spec, &self.costs, &candidate.method, h, run)
             .map_or((simple, KnownBy::Part), |told| (told, KnownBy::Steps))
     }
 
