@@ -30,6 +30,8 @@ const STATES: usize = 8;
 const DAMPED: u64 = 6;
 const SETTLE: u64 = 2;
 const COUNTED: u64 = 4;
+/// Iterations a step beyond which a rough state is taken to be still far from the motion of the case's own method.
+const FAR: f64 = 8.0;
 /// [-] Share of the budget for the coarse run, and for the trials besides it.
 const COARSE: f64 = 0.25;
 const TRIALS: f64 = 0.35;
@@ -87,6 +89,10 @@ pub(super) fn whole_run(
         log::debug!("a step at t = {:.4e} s: {seconds:.4e} s, {iterations:.1} iterations", at.t);
         paces.push(Pace { t: at.t, step });
     }
+    let near = |pace: &Pace| pace.t <= own.t_end || pace.step.work.newton_iterations <= FAR;
+    if paces.iter().filter(|pace| near(pace)).count() > 2 {
+        paces.retain(near);
+    }
     paces.sort_by(|a, b| a.t.total_cmp(&b.t));
     spent += tried;
     pass_events(scene, 0);
@@ -132,21 +138,27 @@ fn late(own: &WholeRun) -> Sample {
     Sample { seconds: (own.seconds - own.late.seconds).max(0.0) / steps, ..all }
 }
 
-/// The mean from the first pace until `end` [s]: linear between them, and as the last beyond it.
+/// The mean from the first pace until `end` [s]: a number falls or grows by equal shares in equal times between two
+/// paces, and stays as in the last beyond it.
 fn mean(paces: &[Pace], end: f64) -> Sample {
     let from = paces.first().map_or(end, |pace| pace.t);
-    let weight = |i: usize| {
-        let before = if i == 0 { from } else { 0.5 * (paces[i - 1].t + paces[i].t) };
-        let after = if i + 1 == paces.len() { end } else { 0.5 * (paces[i].t + paces[i + 1].t) };
-        (after - before) / (end - from).max(f64::MIN_POSITIVE)
+    let sum = |of: &dyn Fn(&Sample) -> f64| {
+        let between = |pair: &[Pace]| (pair[1].t - pair[0].t) * logarithmic(of(&pair[0].step), of(&pair[1].step));
+        let last = paces.last().map_or(0.0, |last| (end - last.t) * of(&last.step));
+        (paces.windows(2).map(between).sum::<f64>() + last) / (end - from).max(f64::MIN_POSITIVE)
     };
-    let sum = |of: &dyn Fn(&Sample) -> f64| paces.iter().enumerate().map(|(i, pace)| weight(i) * of(&pace.step)).sum();
     Sample {
         steps: 1.0,
         simulated: 0.0,
         seconds: sum(&|s| s.seconds),
         work: Work::each(|kind| sum(&|s| kind(&s.work))),
     }
+}
+
+/// The logarithmic mean of two numbers; the mean where one of them is 0.
+fn logarithmic(a: f64, b: f64) -> f64 {
+    let ratio = b / a;
+    if a <= 0.0 || b <= 0.0 || (ratio - 1.0).abs() < 1e-6 { 0.5 * (a + b) } else { (b - a) / ratio.ln() }
 }
 
 #[cfg(test)]
@@ -160,11 +172,12 @@ mod tests {
         assert!(in_halves::<u8>(&[]).is_empty());
     }
 
-    /// A pace that falls linearly, and stays: the area below it over the time.
+    /// A pace that falls to a half in 2 s, and stays: the area below it over the time.
     #[test]
     fn paces_are_weighed_by_the_time_around_them() {
         let pace = |t: f64, seconds: f64| Pace { t, step: Sample { seconds, ..Sample::default() } };
-        let found = mean(&[pace(0.0, 5.0), pace(2.0, 1.0)], 10.0);
-        assert!((found.seconds - 1.4).abs() < 1e-12, "{found:?}");
+        let found = mean(&[pace(0.0, 2.0), pace(2.0, 1.0)], 10.0);
+        let falling = 2.0 / 2.0_f64.ln();
+        assert!((found.seconds - (falling + 8.0) / 10.0).abs() < 1e-12, "{found:?}");
     }
 }

@@ -34,6 +34,9 @@ impl Prospector<'_, '_> {
     pub(super) fn run(&self, candidate: &Candidate, step: Step, end: f64, most: f64) -> Option<WholeRun> {
         let ForecastSpec { scene, problem, budget, .. } = *self.spec;
         let every = interval(problem, scene);
+        // Of the case's whole run, more than half of which is made, the rest is made too.
+        let whole = end >= problem.time.end && candidate.method.info.name == problem.method.info.name;
+        let half = step.fixed().filter(|_| whole).map_or(f64::INFINITY, |h| 0.5 * end / h);
         let spec = WholeRunSpec {
             scene,
             problem,
@@ -43,8 +46,11 @@ impl Prospector<'_, '_> {
             step,
             frames: true,
             // A run in blocks of steps may come to no state that it could be resumed from.
-            most_work: (UNITS * most / self.costs.untried(&candidate.method, 1.0)).ceil().max(1.0) as u64,
-            enough: Some(&|steps, counters| self.costs.cost(steps, counters.into()) > most),
+            most_work: (2.0 * UNITS * most / self.costs.untried(&candidate.method, 1.0)).ceil().max(1.0) as u64,
+            enough: Some(&|steps, counters| {
+                let cost = self.costs.cost(steps, counters.into());
+                cost > 2.0 * most || cost > most && steps < half
+            }),
             interrupt: &AtomicBool::new(false),
         };
         // Runs that were made before have passed events.
