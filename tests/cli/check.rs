@@ -414,3 +414,21 @@ fn the_critical_step_after_an_event_is_told() {
     assert_eq!(number(&later, "from"), 0.4);
     assert!((number(&later, "critical_step") / expected - 1.0).abs() < 0.02, "{later}");
 }
+
+/// The gauge of a rule of springs is named by its group alone, and with another number of the rule.
+#[test]
+fn a_quantity_of_lines_needs_no_number_of_its_rule() {
+    let bench = Bench::new();
+    let case = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/cases/parachute/c9-drop.json");
+    let value = |name: &str| {
+        let quantity = format!("{name}.tension.peak");
+        let more = ["--end", "0.01", "--quantity", &quantity, "--out", "out", "--force", "--quiet"];
+        let ended = bench.run(&[&["solve", case], &more[..]].concat());
+        assert_eq!(ended.code, Some(0), "{name}: {}", ended.stderr);
+        number(&bench.results().summary()["quantities"][&quantity], "value")
+    };
+    let exact = value("springs[5] lines");
+    assert!(exact > 0.0 && value("lines") == exact && value("springs[2] lines") == exact);
+    let ended = bench.run(&["check", case, "--quantity", "rope.tension.peak"]);
+    assert!(ended.code == Some(2) && ended.stderr.contains("gauge \"rope\""), "{}", ended.stderr);
+}

@@ -8,7 +8,7 @@
 use super::ForecastSpec;
 use super::estimate::Estimate;
 use super::nominal::NominalCosts;
-use super::sample::{Sample, sample_steps};
+use super::sample::{Sample, sample_steps, settled};
 use super::states::SampledStates;
 use super::work::Work;
 use crate::drive::clock::{FixedSteps, Step, Tolerance};
@@ -23,11 +23,18 @@ use crate::whole_run::WholeRun;
 /// [-] Tolerance of the coarse run, relative and absolute, and of Newton's iteration in it.
 const ROUGH: Tolerance = Tolerance { relative: 0.9, absolute: 0.009 };
 const SOLVED: f64 = 0.03;
-/// States that steps are tried from.
+/// States that steps are tried from at most.
 const STATES: usize = 8;
-/// Steps of a trial that are not counted, because they come from another method, and steps that are.
-const SETTLE: u64 = 6;
-const COUNTED: u64 = 6;
+/// Steps of backward Euler after which a rough state is at rest in its stiff motions, steps of the case's own method
+/// that are not counted, because they come from another one, and steps that are.
+const DAMPED: u64 = 6;
+const SETTLE: u64 = 2;
+const COUNTED: u64 = 4;
+/// Iterations a step beyond which a rough state is taken to be still far from the motion of the case's own method.
+const FAR: f64 = 8.0;
+/// [-] Share of the budget for the coarse run, and for the trials besides it.
+const COARSE: f64 = 0.25;
+const TRIALS: f64 = 0.35;
 
 /// What a step costs at a time.
 #[derive(Clone, Copy, Debug)]
@@ -38,19 +45,18 @@ struct Pace {
     step: Sample,
 }
 
-/// The whole run with fixed steps of `h` [s] of which `own` is the first part, on which `share` [-] of the budget may be
-/// spent. `None` where no step could be tried.
+/// The whole run with fixed steps of `h` [s] of which `own` is the first part. `None` where no step could be tried.
 pub(super) fn whole_run(
     spec: &ForecastSpec<'_>,
     costs: &NominalCosts,
     method: &MethodChoice,
     h: f64,
     own: &WholeRun,
-    share: f64,
 ) -> Option<Estimate> {
     let ForecastSpec { scene, problem, budget, .. } = *spec;
     let (end, clock) = (problem.time.end, Stopwatch::default());
-    let (began, most) = (clock.seconds(), budget.nominal(Family::Implicit, share * budget.left()));
+    let began = clock.seconds();
+    let [most, trials] = [COARSE, TRIALS].map(|share| budget.nominal(Family::Implicit, share * budget.left()));
     let rough = MethodChoice::with_defaults("backward-euler").ok()?;
     let mut solver: SolverSpec = problem.solver;
     solver.newton.relative = solver.newton.relative.max(SOLVED);
@@ -63,22 +69,32 @@ pub(super) fn whole_run(
     };
     let way = SampledStates::until(probe, &mut enough);
     let states = way.beyond(own.t_end, STATES);
-    let run = Experiment::new(scene, method, problem.solver, Step::Fixed(h), end);
-    let mut stepper = run.stepper().ok()?;
+    let fixed = |method| Experiment::new(scene, method, problem.solver, Step::Fixed(h), end);
+    let [damping, run] = [fixed(&rough), fixed(method)];
+    let [mut damper, mut stepper] = [damping.stepper().ok()?, run.stepper().ok()?];
     let mut paces = vec![Pace { t: own.t_end, step: late(own) }];
-    for state in &states {
+    let mut tried = 0.0;
+    for state in in_halves(&states) {
+        if tried > trials {
+            break;
+        }
         pass_events(scene, 0);
-        let Ok(made) = sample_steps(run, &mut stepper, SETTLE, COUNTED, state) else { continue };
-        spent += costs.cost(made.steps, made.work);
+        let Ok((at, damped)) = settled(damping, &mut damper, DAMPED, state) else { continue };
+        tried += costs.cost(damped.steps, damped.work);
+        pass_events(scene, 0);
+        let Ok(made) = sample_steps(run, &mut stepper, SETTLE, COUNTED, &at) else { continue };
+        tried += costs.cost(made.steps, made.work);
         let step = made.each();
-        log::debug!(
-            "a step at t = {:.4e} s costs {:.4e} s, {:.1} iterations",
-            state.t,
-            step.seconds,
-            step.work.newton_iterations
-        );
-        paces.push(Pace { t: state.t, step });
+        let [seconds, iterations] = [step.seconds, step.work.newton_iterations];
+        log::debug!("a step at t = {:.4e} s: {seconds:.4e} s, {iterations:.1} iterations", at.t);
+        paces.push(Pace { t: at.t, step });
     }
+    let near = |pace: &Pace| pace.t <= own.t_end || pace.step.work.newton_iterations <= FAR;
+    if paces.iter().filter(|pace| near(pace)).count() > 2 {
+        paces.retain(near);
+    }
+    paces.sort_by(|a, b| a.t.total_cmp(&b.t));
+    spent += tried;
     pass_events(scene, 0);
     budget.charge(Family::Implicit, spent, clock.seconds() - began);
     log::debug!(
@@ -103,6 +119,18 @@ pub(super) fn whole_run(
     Some(Estimate::from_one(&whole, end, steps))
 }
 
+/// The last one, then those in the middle of what is left: where trials end early, they still stand for the whole run.
+fn in_halves<T: Copy>(all: &[T]) -> Vec<T> {
+    let (mut every, mut order) = (all.len().next_power_of_two(), Vec::new());
+    while every > 0 {
+        let new = |back: &usize| back.is_multiple_of(every) && (*back == 0 || !back.is_multiple_of(2 * every));
+        let first = every == all.len().next_power_of_two();
+        order.extend((0..all.len()).filter(new).filter(|back| *back != 0 || first));
+        every /= 2;
+    }
+    order.into_iter().filter_map(|back| all.iter().rev().nth(back).copied()).collect()
+}
+
 /// A step in the later part of a run that was made.
 fn late(own: &WholeRun) -> Sample {
     let steps = (own.steps - own.late.steps).max(1) as f64;
@@ -110,15 +138,15 @@ fn late(own: &WholeRun) -> Sample {
     Sample { seconds: (own.seconds - own.late.seconds).max(0.0) / steps, ..all }
 }
 
-/// The mean from the first pace until `end` [s]: linear between them, and as the last beyond it.
+/// The mean from the first pace until `end` [s]: a number falls or grows by equal shares in equal times between two
+/// paces, and stays as in the last beyond it.
 fn mean(paces: &[Pace], end: f64) -> Sample {
     let from = paces.first().map_or(end, |pace| pace.t);
-    let weight = |i: usize| {
-        let before = if i == 0 { from } else { 0.5 * (paces[i - 1].t + paces[i].t) };
-        let after = if i + 1 == paces.len() { end } else { 0.5 * (paces[i].t + paces[i + 1].t) };
-        (after - before) / (end - from).max(f64::MIN_POSITIVE)
+    let sum = |of: &dyn Fn(&Sample) -> f64| {
+        let between = |pair: &[Pace]| (pair[1].t - pair[0].t) * logarithmic(of(&pair[0].step), of(&pair[1].step));
+        let last = paces.last().map_or(0.0, |last| (end - last.t) * of(&last.step));
+        (paces.windows(2).map(between).sum::<f64>() + last) / (end - from).max(f64::MIN_POSITIVE)
     };
-    let sum = |of: &dyn Fn(&Sample) -> f64| paces.iter().enumerate().map(|(i, pace)| weight(i) * of(&pace.step)).sum();
     Sample {
         steps: 1.0,
         simulated: 0.0,
@@ -127,15 +155,29 @@ fn mean(paces: &[Pace], end: f64) -> Sample {
     }
 }
 
+/// The logarithmic mean of two numbers; the mean where one of them is 0.
+fn logarithmic(a: f64, b: f64) -> f64 {
+    let ratio = b / a;
+    if a <= 0.0 || b <= 0.0 || (ratio - 1.0).abs() < 1e-6 { 0.5 * (a + b) } else { (b - a) / ratio.ln() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A pace that falls linearly, and stays: the area below it over the time.
+    #[test]
+    fn states_are_visited_in_halves() {
+        assert_eq!(in_halves(&[0, 1, 2, 3, 4]), [4, 0, 2, 3, 1]);
+        assert_eq!(in_halves(&[7]), [7]);
+        assert!(in_halves::<u8>(&[]).is_empty());
+    }
+
+    /// A pace that falls to a half in 2 s, and stays: the area below it over the time.
     #[test]
     fn paces_are_weighed_by_the_time_around_them() {
         let pace = |t: f64, seconds: f64| Pace { t, step: Sample { seconds, ..Sample::default() } };
-        let found = mean(&[pace(0.0, 5.0), pace(2.0, 1.0)], 10.0);
-        assert!((found.seconds - 1.4).abs() < 1e-12, "{found:?}");
+        let found = mean(&[pace(0.0, 2.0), pace(2.0, 1.0)], 10.0);
+        let falling = 2.0 / 2.0_f64.ln();
+        assert!((found.seconds - (falling + 8.0) / 10.0).abs() < 1e-12, "{found:?}");
     }
 }

@@ -14,8 +14,8 @@ use crate::vtk::write::{Array, Cells, Snapshot, Values, VtuWriter};
 
 /// [s] spent on measuring a frame and a row each.
 const BUDGET: f64 = 2e-3;
-/// [s] What making, renaming and listing a file takes the system (501 frames of a single mass: 0.1 to 0.25 s).
-const FILE: f64 = 3e-4;
+/// [s] What making, renaming and listing a file takes the system (501 frames of a single mass: 0.05 to 0.25 s).
+const FILE: f64 = 1.5e-4;
 /// [s] What handing a row to the writing thread and its share of a write take (10,000 rows: 0.03 to 0.08 s).
 const ROW: f64 = 4e-6;
 

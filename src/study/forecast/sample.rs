@@ -185,6 +185,35 @@ pub fn sample(
     }
 }
 
+/// The state `steps` fixed steps after one on the way of another run.
+///
+/// # Errors
+/// When they fail.
+pub fn settled(
+    run: Experiment<'_>,
+    stepper: &mut Stepper<'_>,
+    steps: u64,
+    at: &Snapshot,
+) -> Result<(Snapshot, Sample), SampleError> {
+    let snapshot = begin(&run, stepper, at)?;
+    let (from, clock, mut made, mut found) = (snapshot.t, Stopwatch::default(), 0, None);
+    let before = clock.seconds();
+    let outcome = run.run_with(stepper, Start::Snapshot(Box::new(snapshot)), None, &mut |event, _| {
+        match event {
+            Event::Boundary(run) if made == steps => found = Some(run.snapshot()),
+            Event::Step(_) => made += 1,
+            _ => {}
+        }
+        made >= steps && found.is_some()
+    })?;
+    if let Some(failure) = outcome.failure {
+        return Err(SampleError::OnTheWay { time: failure.time, from, cause: failure.cause });
+    }
+    let work = outcome.counters.into();
+    let sample = Sample { steps: made as f64, simulated: 0.0, seconds: clock.seconds() - before, work };
+    found.map(|found| (found, sample)).ok_or(SampleError::Nothing)
+}
+
 /// `counted` fixed steps from a state on the way of another run, after `settle` steps that are not counted: what is made
 /// is the same on every machine.
 ///

@@ -252,12 +252,28 @@ fn find(gauges: &mut Gauges, spec: &GaugesSpec<'_>, name: &QuantityName) -> Resu
     }
 }
 
-/// The channel of a gauge that a word means.
+/// The channel of a gauge that a word means. The gauge of a rule of springs on a group, `springs[5] lines`, is found by
+/// its group too, and under another number: a variant of a case may have fewer rules.
 fn channel(channels: &[Channel], gauge: &str, column: &str) -> Option<usize> {
-    let first = channels.iter().position(|channel| channel.name == gauge)?;
-    let own = channels.iter().skip(first).take_while(|channel| channel.name == gauge);
+    let exact = channels.iter().position(|channel| channel.name == gauge);
+    let first = exact.or_else(|| only_with_group(channels, group_of(gauge)))?;
+    let name = &channels.get(first)?.name;
+    let own = channels.iter().skip(first).take_while(|channel| channel.name == *name);
     let columns: Vec<Column> = own.map(|channel| channel.quantity).collect();
     Some(first + column_of(&columns, column)?)
+}
+
+/// `lines` of `springs[5] lines`, and any other name itself.
+fn group_of(gauge: &str) -> &str {
+    gauge.strip_prefix("springs[").and_then(|rest| rest.split_once("] ")).map_or(gauge, |(_, group)| group)
+}
+
+/// The first channel of the only gauge of a rule of springs on this group.
+fn only_with_group(channels: &[Channel], group: &str) -> Option<usize> {
+    let fits = |channel: &Channel| channel.name != group && group_of(&channel.name) == group;
+    let first = channels.iter().position(fits)?;
+    let alone = channels.iter().all(|channel| !fits(channel) || channel.name == channels[first].name);
+    alone.then_some(first)
 }
 
 fn unknown(gauges: &Gauges, spec: &GaugesSpec<'_>, name: &QuantityName, missing: String) -> UnknownQuantity {

@@ -29,14 +29,14 @@ const CHEAPER: f64 = 0.8;
 const FINER: i32 = 10;
 /// Most units of work a step, as [`WholeRun::work`] counts it, where a method has made none.
 const UNITS: f64 = 6.0;
-/// [-] Share of the budget for a coarse run, from which steps are tried.
-const COARSE: f64 = 0.2;
-
 impl Prospector<'_, '_> {
     /// Makes a run to `end` [s] or to so much nominal cost [s]; none if it cannot start.
     pub(super) fn run(&self, candidate: &Candidate, step: Step, end: f64, most: f64) -> Option<WholeRun> {
         let ForecastSpec { scene, problem, budget, .. } = *self.spec;
         let every = interval(problem, scene);
+        // Of the case's whole run, more than half of which is made, the rest is made too.
+        let whole = end >= problem.time.end && candidate.method.info.name == problem.method.info.name;
+        let half = step.fixed().filter(|_| whole).map_or(f64::INFINITY, |h| 0.5 * end / h);
         let spec = WholeRunSpec {
             scene,
             problem,
@@ -46,8 +46,11 @@ impl Prospector<'_, '_> {
             step,
             frames: Some(every),
             // A run in blocks of steps may come to no state that it could be resumed from.
-            most_work: (UNITS * most / self.costs.untried(&candidate.method, 1.0)).ceil().max(1.0) as u64,
-            enough: Some(&|steps, counters| self.costs.cost(steps, counters.into()) > most),
+            most_work: (2.0 * UNITS * most / self.costs.untried(&candidate.method, 1.0)).ceil().max(1.0) as u64,
+            enough: Some(&|steps, counters| {
+                let cost = self.costs.cost(steps, counters.into());
+                cost > 2.0 * most || cost > most && steps < half
+            }),
             interrupt: &AtomicBool::new(false),
         };
         // Runs that were made before have passed events.
@@ -81,7 +84,7 @@ impl Prospector<'_, '_> {
             return (simple, KnownBy::Part);
         };
         budget.extend(simple.cpu_seconds);
-        along::whole_run(self.spec, &self.costs, &candidate.method, h, run, COARSE)
+        along::whole_run(self.spec, &self.costs, &candidate.method, h, run)
             .map_or((simple, KnownBy::Part), |told| (told, KnownBy::Steps))
     }
 
