@@ -319,13 +319,12 @@ fn skirt_radius(case: &Case, positions: &[[f64; 3]]) -> f64 {
     sum / skirt.len() as f64
 }
 
-/// A reefing line holds the mouth. When it is cut the mouth grows by the law: not faster than e^(V t/l), and not at
-/// once.
+/// A reefing line holds the mouth. When it is cut the mouth grows with the air that it takes, not at once.
 #[test]
 fn a_cut_reefing_line_lets_the_mouth_grow() {
-    let cut = 0.3;
+    let cut = 0.6;
     let mut value = small();
-    value["system"]["network"]["mesh"]["parachute"]["reefing"] = json!({"diameter": 0.5});
+    value["system"]["network"]["mesh"]["parachute"]["reefing"] = json!({"diameter": 0.3});
     let reefing = json!({
         "on": {"group": "reefing"}, "axial_rigidity": 4e3, "linear_density": 0.004, "slack": "tension-only",
         "dashpot": {"axial": {"time": 1e-3}}, "rest_scale": {"table": [[0, 1], [cut, 1], [cut + 1e-3, 8]]}
@@ -337,9 +336,9 @@ fn a_cut_reefing_line_lets_the_mouth_grow() {
     let mut radii = Vec::new();
     let outcome = follow(&case, |state| radii.push((state.t, skirt_radius(&case, state.positions))));
     assert!(outcome.status == Status::Completed, "{outcome:?}");
-    let at = |t: f64| radii.iter().find(|(time, _)| *time >= t).map_or(f64::NAN, |(_, r)| *r);
-    let (reefed, open) = (at(cut), at(1.2));
-    println!("{reefed} {} {} {} {open}", at(cut + 0.02), at(cut + 0.05), at(cut + 0.1));
-    assert!((0.2..0.27).contains(&reefed) && open > 3.0 * reefed, "{reefed} {open}");
-    assert!(at(cut + 0.02) < 1.3 * reefed, "{}", at(cut + 0.02));
+    let at = |t: f64| radii.iter().find(|(time, _)| *time >= t - 1e-9).map_or(f64::NAN, |(_, r)| *r);
+    let (reefed, soon, later, open) = (at(cut), at(cut + 0.02), at(cut + 0.05), at(1.2));
+    println!("{reefed} {soon} {later} {open}");
+    assert!((0.14..0.17).contains(&reefed) && open > 6.0 * reefed, "{reefed} {open}");
+    assert!(soon < 1.5 * reefed && later < 2.2 * reefed, "{reefed} {soon} {later}");
 }

@@ -4,8 +4,9 @@ use serde::Serialize;
 
 /// The air in a canopy: a pressure along the normals of its triangles.
 ///
-/// V is the axial air speed: the mean velocity of the skirt's nodes minus the wind there, along the axis from the
-/// middle of the apex nodes to the middle of the confluence nodes; q = rho V|V|/2.
+/// V is the axial air speed: the mean velocity of the confluence's nodes, or of the skirt's where stages tell the drag
+/// area, minus the wind there, along the axis from the middle of the apex nodes to the middle of the confluence nodes;
+/// q = rho V|V|/2.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CanopySpec {
     /// triangles, ascending; neighbours turn the same way. None of a canopy that is a point
