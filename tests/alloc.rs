@@ -1,8 +1,12 @@
+//! Memory: of mesh files that ask for far more than they hold, and of steps.
+//!
 //! No allocation in a step after warm-up: explicit schemes, Kang, and Newton with Cholesky or conjugate gradients. LU
 //! allocates inside the library.
 //!
 //! A plain `main` without the test harness, whose own thread allocates beside the measurement.
 
+#[path = "alloc/bombs.rs"]
+mod bombs;
 mod common;
 
 use canopy_fem::drive::clock::{Step, Tolerance};
@@ -211,6 +215,7 @@ fn adaptive_blocks(scene: &Network, method: &str) -> u64 {
 }
 
 fn main() {
+    bombs::defuse();
     let _profiler = dhat::Profiler::builder().testing().build();
     let (calm, windy, large, heavy) = (scene(false), scene(true), sheet(70), heavy_canopy());
     let full = (Strategy::Full, LinearChoice::Auto);

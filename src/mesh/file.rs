@@ -17,12 +17,12 @@ pub struct MeshFile {
     /// Names of further files of the same mesh, such as one with the lines of a canopy. `merge` joins their nodes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub with: Vec<String>,
-    /// [-] Factor on all coordinates: 0.001 for a file in millimetres. If not given, 1, or what the unit in the header
-    /// of a .dxf file asks for.
+    /// [-] Factor on all coordinates: 0.001 for a file in millimetres. 1 if not given, but a .dxf file whose header tells
+    /// a unit is scaled to metres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
-    /// Which axis of the file points up. If not given, `auto`: y for .gltf and .glb, z for others. With y up,
-    /// (x, y, z) of the file becomes (x, -z, y).
+    /// Which axis of the file points up. `auto` if not given: y for .gltf and .glb, z for others. With y up, (x, y, z) of
+    /// the file becomes (x, -z, y).
     #[serde(default, skip_serializing_if = "Axes::is_default")]
     pub axes: Axes,
     /// [m] Added to all coordinates, after `scale`; no move if not given.
@@ -42,7 +42,7 @@ pub struct MeshFile {
     /// Which diagonals of quads become edges. `one` if not given.
     #[serde(default, skip_serializing_if = "Diagonals::is_default")]
     pub diagonals: Diagonals,
-    /// Whether a file is refused if one of its faces crosses itself; such faces are left out if not given.
+    /// Whether a file with a face that crosses itself is refused. Without it, such faces are left out with a warning.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub strict: bool,
 }

@@ -21,6 +21,7 @@ mod linear;
 mod mesh;
 mod mesh_files;
 mod mesh_groups;
+mod mesh_statements;
 mod mesh_table;
 mod mesh_written;
 mod modes;

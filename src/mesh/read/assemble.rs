@@ -3,12 +3,12 @@
 use super::Imported;
 use super::cells::Cells;
 use super::merge::joined;
+use super::once::{EdgeList, FaceList, edges, faces_once};
 use super::polygon::{Cutter, Pieces};
 use crate::check::flat;
 use crate::file::{Diagonals, MeshFile};
 use crate::format_number::first_few;
-use crate::tuples::{earliest, sorted};
-use crate::{Group, Groups, Mesh, MeshError, orient, topology};
+use crate::{Group, Groups, Mesh, MeshError, orient};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -262,15 +262,15 @@ pub(crate) fn extent(points: &[[f64; 3]]) -> f64 {
 
 /// Sentences about what became of the file.
 #[derive(Default)]
-struct Notes {
+pub(super) struct Notes {
     /// what was left out or changed
-    found: Vec<String>,
+    pub found: Vec<String>,
     /// what was done because it was asked for
-    asked: Vec<String>,
+    pub asked: Vec<String>,
 }
 
 /// Number of a point that is no node.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// How points become nodes.
 struct Renumbered {
@@ -282,10 +282,10 @@ struct Renumbered {
 
 /// Faces cut into triangles.
 #[derive(Default)]
-struct FacePieces {
-    triangles: Vec<[u32; 3]>,
+pub(super) struct FacePieces {
+    pub triangles: Vec<[u32; 3]>,
     /// the face of each triangle
-    of_face: Vec<u32>,
+    pub of_face: Vec<u32>,
     /// the second diagonals of quads
     diagonals: Vec<[u32; 2]>,
 }
@@ -323,94 +323,4 @@ fn add_members(
             groups.get_mut(name).into_iter().for_each(|group| add(group, member));
         }
     }
-}
-
-/// The triangles of a mesh.
-struct FaceList {
-    triangles: Vec<[u32; 3]>,
-    /// the triangle of each piece of a face
-    of_piece: Vec<u32>,
-}
-
-/// The triangles in file order, each once. `means_groups` says that a face is listed once for each of its groups.
-fn faces_once(pieces: &FacePieces, means_groups: bool, notes: &mut Notes) -> FaceList {
-    let count = pieces.triangles.len();
-    let mut list = FaceList { triangles: Vec::with_capacity(count), of_piece: Vec::with_capacity(count) };
-    let mut again = Vec::new();
-    let keys: Vec<[u32; 3]> = pieces.triangles.iter().map(|triangle| sorted(*triangle)).collect();
-    for (piece, first) in earliest(&keys).into_iter().enumerate() {
-        if first as usize == piece {
-            list.of_piece.push(list.triangles.len() as u32);
-            list.triangles.push(pieces.triangles[piece]);
-        } else {
-            list.of_piece.push(list.of_piece[first as usize]);
-            again.push(pieces.of_face[piece]);
-        }
-    }
-    if !again.is_empty() && !means_groups {
-        again.dedup();
-        notes.found.push(format!(
-            "{} faces with the nodes of an earlier one were dropped: {}",
-            again.len(),
-            first_few(&again)
-        ));
-    }
-    list
-}
-
-/// The edges of a mesh.
-struct EdgeList {
-    /// lines in file order, each once, then the triangles' other edges
-    edges: Vec<[u32; 2]>,
-    /// the edge of each line; `None` if its ends are one node
-    of_line: Vec<Option<u32>>,
-    /// edges on seams, ascending
-    seams: Vec<u32>,
-}
-
-fn edges(
-    lines: impl Iterator<Item = [u32; 2]>,
-    seam: &[bool],
-    triangles: &[[u32; 3]],
-    means_groups: bool,
-    notes: &mut Notes,
-) -> EdgeList {
-    let mut list = EdgeList { edges: Vec::new(), of_line: Vec::new(), seams: Vec::new() };
-    let (mut points, mut repeated) = (0, 0);
-    let lines: Vec<[u32; 2]> = lines.collect();
-    let mut keys: Vec<[u32; 2]> = lines.iter().map(|line| sorted(*line)).collect();
-    for (number, (line, first)) in lines.into_iter().zip(earliest(&keys)).enumerate() {
-        if line[0] == line[1] {
-            points += 1;
-            list.of_line.push(None);
-            continue;
-        }
-        let edge = if first as usize == number {
-            list.edges.push(line);
-            list.edges.len() as u32 - 1
-        } else {
-            repeated += 1;
-            list.of_line[first as usize].unwrap_or(NONE)
-        };
-        list.of_line.push(Some(edge));
-        if seam.get(number) == Some(&true) {
-            list.seams.push(edge);
-        }
-    }
-    // Both are in ascending order.
-    keys.sort_unstable();
-    let mut listed = keys.into_iter().peekable();
-    list.edges.extend(topology::unique_edges(triangles).into_iter().filter(|side| {
-        while listed.next_if(|line| line < side).is_some() {}
-        listed.peek() != Some(side)
-    }));
-    list.seams.sort_unstable();
-    list.seams.dedup();
-    if points > 0 {
-        notes.found.push(format!("{points} lines whose ends are one node were dropped"));
-    }
-    if repeated > 0 && !means_groups {
-        notes.found.push(format!("{repeated} repeated lines were dropped"));
-    }
-    list
 }

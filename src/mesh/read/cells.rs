@@ -129,6 +129,7 @@ impl Cells {
         for (what, count) in other.remarks {
             *self.remarks.entry(what).or_default() += count;
         }
+        self.members += other.members;
         self.notes.extend(other.notes);
         self.repeats_faces |= other.repeats_faces;
         self.resolution = self.resolution.into_iter().chain(other.resolution).reduce(f64::max);
@@ -194,7 +195,8 @@ impl Cells {
     pub(super) fn name_point(&mut self, names: &[String], point: u64) {
         self.members += names.len() as u64;
         // Too many are refused at the end.
-        for name in names.iter().filter(|_| self.members <= MOST_MEMBERS) {
+        let most = MOST_MEMBERS + 4 * self.points.len() as u64;
+        for name in names.iter().filter(|_| self.members <= most) {
             match self.named_points.get_mut(name) {
                 Some(points) => points.push(point),
                 None => drop(self.named_points.insert(name.clone(), vec![point])),

@@ -26,6 +26,7 @@ mod merge;
 mod msh;
 mod obj;
 mod off;
+mod once;
 #[cfg(feature = "ply")]
 mod ply;
 mod polygon;
@@ -216,7 +217,7 @@ const LISTS: &[&str] = &["pvd", "pvtu", "pvtp", "vtm", "vtmb"];
 /// Most nodes and elements that statements of a file may make of others.
 const MOST_MADE: u64 = 300_000;
 /// Most members that all groups of a file may have, beyond four for each cell.
-const MOST_MEMBERS: u64 = 10_000_000;
+const MOST_MEMBERS: u64 = 3_000_000;
 
 /// The formats that are read, each by the endings of its names.
 pub fn formats() -> impl Iterator<Item = &'static [&'static str]> {

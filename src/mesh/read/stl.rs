@@ -70,7 +70,8 @@ impl File {
                 match word.to_ascii_lowercase().as_str() {
                     begin @ ("solid" | "endsolid") => {
                         let mut name = Vec::new();
-                        while let Some(word) = words.next_if(|word| !is_word(word)) {
+                        let next = if begin == "solid" { "facet" } else { "solid" };
+                        while let Some(word) = words.next_if(|word| !word.eq_ignore_ascii_case(next)) {
                             name.push(word);
                         }
                         if begin == "solid" {
@@ -91,9 +92,7 @@ impl File {
                         corners.clear();
                     }
                     // Its normal is not used.
-                    "facet" => {
-                        while words.next_if(|word| !is_word(word) || word.eq_ignore_ascii_case("normal")).is_some() {}
-                    }
+                    "facet" => while words.next_if(|word| !word.eq_ignore_ascii_case("outer")).is_some() {},
                     "outer" => drop(words.next_if(|word| word.eq_ignore_ascii_case("loop"))),
                     "endloop" => {}
                     other => return Err(fault(format!("\"{other}\" is not a word of STL"))),
@@ -105,11 +104,4 @@ impl File {
         }
         Ok(self.cells)
     }
-}
-
-/// Whether a name ends before a word.
-fn is_word(word: &str) -> bool {
-    ["solid", "facet", "outer", "vertex", "endloop", "endfacet", "endsolid"]
-        .iter()
-        .any(|known| word.eq_ignore_ascii_case(known))
 }

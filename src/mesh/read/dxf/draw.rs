@@ -2,7 +2,7 @@
 
 use super::curves::{arc, ellipse, spline};
 use super::entity::Entity;
-use super::{File, Open};
+use super::{File, MOST_CURVED, Open};
 use nalgebra::{Matrix3, Vector3};
 
 pub(super) struct Polyline {
@@ -66,7 +66,7 @@ impl<'a> File<'a> {
                 let axes = entity.axes()?;
                 let points: Vec<u64> = places.iter().map(|place| self.point(in_space(axes.as_ref(), *place))).collect();
                 let bulges = lwpolyline_bulges(entity)?;
-                self.outline(&points, &places, axes.as_ref(), &bulges, (entity.whole(70)? & CLOSED != 0, layer));
+                self.outline(&points, &places, axes.as_ref(), &bulges, (entity.whole(70)? & CLOSED != 0, layer))?;
             }
             "CIRCLE" | "ARC" => {
                 let ([x, y, z], radius) = (entity.point(10)?, entity.real(40)?);
@@ -78,15 +78,16 @@ impl<'a> File<'a> {
                 let points = places.map(|place| self.point(in_space(axes.as_ref(), place)));
                 // An arc turns to the left; a circle is two half ones.
                 let bulge = ((to - from).rem_euclid(360.0).to_radians() / 4.0).tan();
-                self.outline(&points, &places, axes.as_ref(), &[bulge; 2], (!arc, layer));
+                self.outline(&points, &places, axes.as_ref(), &[bulge; 2], (!arc, layer))?;
             }
             "ELLIPSE" | "SPLINE" => {
                 let of_ellipse = entity.kind == "ELLIPSE";
                 let (places, closed) =
                     if of_ellipse { ellipse(entity, self.chord)? } else { spline(entity, self.chord)? };
+                self.count_curved(places.len())?;
                 let points: Vec<u64> = places.iter().map(|place| self.point(*place)).collect();
                 self.cells.remark(if of_ellipse { ELLIPSES } else { SPLINES });
-                self.outline(&points, &places, None, &[], (closed, layer));
+                self.outline(&points, &places, None, &[], (closed, layer))?;
             }
             "MESH" => self.mesh(entity, &layer)?,
             "POLYLINE" => {
@@ -164,13 +165,15 @@ impl<'a> File<'a> {
         axes: Option<&Matrix3<f64>>,
         bulges: &[f64],
         (closed, layer): (bool, Vec<String>),
-    ) {
+    ) -> Result<(), String> {
         let mut all = Vec::with_capacity(points.len());
         for (at, &point) in points.iter().enumerate() {
             all.push(point);
             let next = places.get(at + 1).or(places.first().filter(|_| closed));
             if let (Some(next), Some(&bulge)) = (next, bulges.get(at).filter(|bulge| **bulge != 0.0)) {
-                for place in arc([places[at], *next], bulge, self.chord) {
+                let between = arc([places[at], *next], bulge, self.chord);
+                self.count_curved(between.len())?;
+                for place in between {
                     all.push(self.point(in_space(axes, place)));
                 }
                 self.cells.remark("arcs were divided into chords of at most 5 degrees");
@@ -186,6 +189,16 @@ impl<'a> File<'a> {
         } else {
             self.open.push(Open { points: all, layer });
         }
+        Ok(())
+    }
+
+    /// Counts points on curves.
+    fn count_curved(&mut self, count: usize) -> Result<(), String> {
+        self.curved += count;
+        if self.curved > MOST_CURVED {
+            return Err(format!("its curves have more than {MOST_CURVED} points; take a longer \"edge\", or fewer of them"));
+        }
+        Ok(())
     }
 
     pub(super) fn end_polyline(&mut self) -> Result<(), String> {
@@ -214,7 +227,7 @@ impl<'a> File<'a> {
             }
         } else {
             let closed = line.flags & CLOSED != 0;
-            self.outline(&line.points, &line.places, line.axes.as_ref(), &line.bulges, (closed, line.layer));
+            self.outline(&line.points, &line.places, line.axes.as_ref(), &line.bulges, (closed, line.layer))?;
             return Ok(());
         }
         self.cells.name_cells(&line.layer);

@@ -80,6 +80,8 @@ const ENTITIES: Statements = Statements {
     ],
 };
 
+/// Most points that curves may have.
+const MOST_CURVED: usize = 500_000;
 /// Blocks in blocks, at most.
 const DEEPEST: usize = 16;
 /// Most values that the entities of inserted blocks may have.
@@ -197,6 +199,8 @@ struct File<'a> {
     /// layers of the open inserts, which entities on layer 0 get
     layers: Vec<&'a str>,
     inserted: usize,
+    /// points on curves
+    curved: usize,
     left: LeftOut,
 }
 

@@ -249,7 +249,10 @@ impl Decoder<'_> {
     /// The points of cells, and where those of each end.
     fn lists(&mut self, piece: &PieceArrays<'_>, of: &str, count: usize) -> Result<(Vec<i64>, Vec<usize>), String> {
         let find = |name: &str| piece.arrays.iter().find(|(section, array)| *section == of && array.name == name);
-        let Some((_, offsets)) = find("offsets").filter(|_| count > 0) else { return Ok(Default::default()) };
+        if count == 0 {
+            return Ok(Default::default());
+        }
+        let (_, offsets) = find("offsets").ok_or_else(unfit)?;
         // Newer files may begin with the offset 0.
         let offsets = self.numbers(offsets, Some(count + 1))?.whole();
         let ends = offsets.into_iter().filter(|end| *end != 0).map(usize::try_from);
