@@ -32,6 +32,8 @@ const SETTLE: u64 = 2;
 const COUNTED: u64 = 4;
 /// Iterations a step beyond which a rough state is taken to be still far from the motion of the case's own method.
 const FAR: f64 = 8.0;
+/// Iterations of a step of a trial at most.
+const MOST: u32 = 12;
 /// [-] Share of the budget for the coarse run, and for the trials besides it.
 const COARSE: f64 = 0.25;
 const TRIALS: f64 = 0.35;
@@ -69,7 +71,10 @@ pub(super) fn whole_run(
     };
     let way = SampledStates::until(probe, &mut enough);
     let states = way.beyond(own.t_end, STATES);
-    let fixed = |method| Experiment::new(scene, method, problem.solver, Step::Fixed(h), end);
+    // A rough state far from any motion is given up soon.
+    let mut quick = problem.solver;
+    quick.newton.max_iterations = quick.newton.max_iterations.min(MOST);
+    let fixed = |method| Experiment::new(scene, method, quick, Step::Fixed(h), end);
     let [damping, run] = [fixed(&rough), fixed(method)];
     let [mut damper, mut stepper] = [damping.stepper().ok()?, run.stepper().ok()?];
     let mut paces = vec![Pace { t: own.t_end, step: late(own) }];
