@@ -183,11 +183,12 @@ impl Cells {
         if names.is_empty() {
             return 0;
         }
-        let next = self.numbers_of.len() as i64 + 1;
-        let number = *self.numbers_of.entry(names.to_vec()).or_insert(next);
-        if number == next {
-            self.cell_groups.insert(number, names.to_vec());
+        if let Some(number) = self.numbers_of.get(names) {
+            return *number;
         }
+        let number = self.numbers_of.len() as i64 + 1;
+        self.numbers_of.insert(names.to_vec(), number);
+        self.cell_groups.insert(number, names.to_vec());
         number
     }
 

@@ -117,7 +117,7 @@ mod tests {
         let [a, b, c, d] = arrow;
         assert_eq!(cut([b, c, d, a]), Ok(Pieces::Quad { first: false, both: false }));
         assert_eq!(cut([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]), Err(Crossed));
-        let folded = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.3], [0.0, 0.2, 2.0], [-1.0, 0.0, 0.3]].map(Vector3::from);
+        let folded = [[0.0, 0.0, 0.0], [1.0, 0.0, 3.0], [1.0, 1.0, 0.0], [0.0, 1.0, 3.0]].map(Vector3::from);
         let along = Cutter::new().cut(&folded);
         assert_eq!(along, Ok(Pieces::Quad { first: true, both: false }), "warped by more than a right angle");
         let in_line = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.0, 1.0]];

@@ -68,15 +68,18 @@ pub(super) struct LeftOut(BTreeMap<String, (usize, usize)>);
 
 /// Most names that a note lists.
 const MOST_NAMES: usize = 10;
+/// Most characters of a name that are shown.
+const LONGEST: usize = 60;
 /// Most different names that are counted.
 const MOST_COUNTED: usize = 1000;
 
 impl LeftOut {
     pub(super) fn add(&mut self, name: &str, line: usize) {
-        if let Some((count, _)) = self.0.get_mut(name) {
+        let name: String = name.chars().take(LONGEST).collect();
+        if let Some((count, _)) = self.0.get_mut(&name) {
             *count += 1;
         } else if self.0.len() < MOST_COUNTED {
-            self.0.insert(name.chars().take(40).collect(), (1, line));
+            self.0.insert(name, (1, line));
         }
     }
 

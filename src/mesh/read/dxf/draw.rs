@@ -196,7 +196,9 @@ impl<'a> File<'a> {
     fn count_curved(&mut self, count: usize) -> Result<(), String> {
         self.curved += count;
         if self.curved > MOST_CURVED {
-            return Err(format!("its curves have more than {MOST_CURVED} points; take a longer \"edge\", or fewer of them"));
+            return Err(format!(
+                "its curves have more than {MOST_CURVED} points; take a longer \"edge\", or fewer of them"
+            ));
         }
         Ok(())
     }
