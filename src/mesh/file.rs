@@ -17,12 +17,12 @@ pub struct MeshFile {
     /// Names of further files of the same mesh, such as one with the lines of a canopy. `merge` joins their nodes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub with: Vec<String>,
-    /// [-] Factor on all coordinates: 0.001 for a file in millimetres. 1 if not given, but a .dxf file whose header tells
-    /// a unit is scaled to metres.
+    /// [-] Factor on all coordinates: 0.001 for a file in millimetres. 1 if not given, but a .dxf file whose header
+    /// tells a unit is scaled to metres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
-    /// Which axis of the file points up. `auto` if not given: y for .gltf and .glb, z for others. With y up, (x, y, z) of
-    /// the file becomes (x, -z, y).
+    /// Which axis of the file points up. `auto` if not given: y for .gltf and .glb, z for others. With y up, (x, y, z)
+    /// of the file becomes (x, -z, y).
     #[serde(default, skip_serializing_if = "Axes::is_default")]
     pub axes: Axes,
     /// [m] Added to all coordinates, after `scale`; no move if not given.

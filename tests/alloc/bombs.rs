@@ -1,5 +1,5 @@
-//! Mesh files that ask for far more memory or work than they hold: each is refused, or read, within fifty times its size
-//! and 100 MB, and within ten seconds.
+//! Mesh files that ask for far more memory or work than they hold: each is refused, or read, within fifty times its
+//! size and 100 MB, and within ten seconds.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;

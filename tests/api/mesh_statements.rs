@@ -1,5 +1,5 @@
-//! The statements by which the formats of meshes place, move, join, include, repeat and make nodes, elements and sets, as
-//! their manuals list them, each in a small file: read right, refused by its name, or left out with a note.
+//! The statements by which the formats of meshes place, move, join, include, repeat and make nodes, elements and sets,
+//! as their manuals list them, each in a small file: read right, refused by its name, or left out with a note.
 
 use canopy_fem::mesh::MeshFile;
 use canopy_fem::mesh::read::{Imported, file_from_bytes};

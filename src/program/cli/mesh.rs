@@ -38,7 +38,8 @@ pub enum MeshCommand {
     Chain(ChainArgs),
     /// Make a rigged parachute: canopy, lines, riser and payload, as named groups
     Parachute(Box<ParachuteArgs>),
-    /// Read a mesh file, repair it if asked, and write it as .vtu, .vtp, .msh, .obj, .ply, .stl, .inp, .bdf, .mdpa or .glb
+    /// Read a mesh file, repair it if asked, and write it as .vtu, .vtp, .msh, .obj, .ply, .stl, .inp, .bdf, .mdpa or
+    /// .glb
     #[command(after_long_help = format!("Reads {}.", endings()))]
     Convert(ConvertArgs),
     /// Print counts, boundary loops and quality of a mesh file

@@ -9,7 +9,8 @@ use std::path::PathBuf;
 /// The output of a generated mesh.
 #[derive(Clone, Debug, Args)]
 pub struct OutputArgs {
-    /// File to write, .vtu, .vtp, .msh, .obj, .ply, .stl, .inp, .bdf, .mdpa or .glb; without it, the command only describes the mesh
+    /// File to write, .vtu, .vtp, .msh, .obj, .ply, .stl, .inp, .bdf, .mdpa or .glb; without it, the command only
+    /// describes the mesh
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Replace the file if it exists

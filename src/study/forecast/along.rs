@@ -30,7 +30,8 @@ const STATES: usize = 8;
 const DAMPED: u64 = 6;
 const SETTLE: u64 = 2;
 const COUNTED: u64 = 4;
-/// Iterations a step beyond which a rough state is taken to be still far from the motion of the case's own method.
+/// Iterations a step, or twice those of the steps at the start, beyond which a rough state is taken to be still far
+/// from the motion of the case's own method.
 const FAR: f64 = 8.0;
 /// Iterations of a step of a trial at most.
 const MOST: u32 = 12;
@@ -94,7 +95,8 @@ pub(super) fn whole_run(
         log::debug!("a step at t = {:.4e} s: {seconds:.4e} s, {iterations:.1} iterations", at.t);
         paces.push(Pace { t: at.t, step });
     }
-    let near = |pace: &Pace| pace.t <= own.t_end || pace.step.work.newton_iterations <= FAR;
+    let far = FAR.max(2.0 * late(own).work.newton_iterations);
+    let near = |pace: &Pace| pace.t <= own.t_end || pace.step.work.newton_iterations <= far;
     if paces.iter().filter(|pace| near(pace)).count() > 2 {
         paces.retain(near);
     }

@@ -20,7 +20,8 @@ const LEAST: f64 = 0.4;
 const MOST: f64 = 5.0;
 /// [-] Most that a machine is taken to be slower than nominally.
 const SLOWEST: f64 = 16.0;
-/// [-] Implicit steps cost this many times their nominal costs, until some were made (parachutes of the assets: 2 to 3).
+/// [-] Implicit steps cost this many times their nominal costs, until some were made (parachutes of the assets: 2 to
+/// 3).
 const IMPLICIT: f64 = 2.0;
 /// [s] Shortest work from which it is concluded how slow the machine is.
 const SURE: f64 = 5e-3;

@@ -214,8 +214,8 @@ pub fn settled(
     found.map(|found| (found, sample)).ok_or(SampleError::Nothing)
 }
 
-/// `counted` fixed steps from a state on the way of another run, after `settle` steps that are not counted: what is made
-/// is the same on every machine.
+/// `counted` fixed steps from a state on the way of another run, after `settle` steps that are not counted: what is
+/// made is the same on every machine.
 ///
 /// # Errors
 /// When they fail.

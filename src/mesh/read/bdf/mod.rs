@@ -1,5 +1,5 @@
-//! Nastran .bdf, .dat and .nas: GRID, and elements that are lines, triangles and quads, in small, large and free fields.
-//! Properties are groups.
+//! Nastran .bdf, .dat and .nas: GRID, and elements that are lines, triangles and quads, in small, large and free
+//! fields. Properties are groups.
 
 mod statements;
 

@@ -1,6 +1,6 @@
-//! Drawing exchange .dxf in text: faces, lines, polylines (open, closed, meshes of faces, grids), arcs, ellipses, splines,
-//! meshes, and blocks where they are inserted. Closed ones are outlines, also those of lines and arcs end to end. Layers
-//! are groups. Corners at one place become one node.
+//! Drawing exchange .dxf in text: faces, lines, polylines (open, closed, meshes of faces, grids), arcs, ellipses,
+//! splines, meshes, and blocks where they are inserted. Closed ones are outlines, also those of lines and arcs end to
+//! end. Layers are groups. Corners at one place become one node.
 //!
 //! Source: Autodesk, "DXF Reference". Read by hand: the crate `dxf` brings decoders of pictures and a calendar along.
 

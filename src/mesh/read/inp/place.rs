@@ -74,8 +74,8 @@ fn axes(first: Vector3<f64>, in_plane: Vector3<f64>) -> Option<Matrix3<f64>> {
     Some(Matrix3::from_columns(&[x, z.cross(&x), z]))
 }
 
-/// Moves a point as the data lines of `*INSTANCE` say: first along a vector, then about an axis through two points by an
-/// angle [deg].
+/// Moves a point as the data lines of `*INSTANCE` say: first along a vector, then about an axis through two points by
+/// an angle [deg].
 pub(super) fn moved(numbers: &[f64]) -> Result<impl Fn([f64; 3]) -> [f64; 3] + use<>, String> {
     let vector = |from: usize| numbers.get(from..from + 3).map(Vector3::from_column_slice);
     let shift = Translation3::from(vector(0).unwrap_or_default());

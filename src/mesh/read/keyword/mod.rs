@@ -1,5 +1,5 @@
-//! LS-DYNA .k: *NODE, *ELEMENT_SHELL, _BEAM, _DISCRETE and _SEATBELT, *PART and sets of nodes, elements and parts. Parts
-//! and sets are groups, by their titles, else by their numbers.
+//! LS-DYNA .k: *NODE, *ELEMENT_SHELL, _BEAM, _DISCRETE and _SEATBELT, *PART and sets of nodes, elements and parts.
+//! Parts and sets are groups, by their titles, else by their numbers.
 
 mod cards;
 mod statements;

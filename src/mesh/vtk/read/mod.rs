@@ -1,7 +1,7 @@
 //! The one reader of .vtu, .vtp and legacy .vtk, for meshes and for the frames of a run.
 //!
-//! Read by hand: `vtkio` reads neither raw nor compressed appended arrays, nor fields and types of numbers that VTK itself
-//! writes into legacy files, and it requests all memory that a damaged header asks for.
+//! Read by hand: `vtkio` reads neither raw nor compressed appended arrays, nor fields and types of numbers that VTK
+//! itself writes into legacy files, and it requests all memory that a damaged header asks for.
 
 mod layout;
 mod legacy;

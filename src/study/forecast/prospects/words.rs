@@ -70,9 +70,12 @@ impl Prospects {
                 false => numbers.join(", ") + &rest,
             },
             recommended: recommended.iter().map(said).collect(),
-            none: match numbers.is_empty() {
+            none: match numbers.is_empty() && runs.is_empty() {
                 true => {
-                    format!("not tried; canopy-fem check --within {accuracy} tries runs, solve --within makes them")
+                    let typed = accuracy.to_string().replace(' ', "");
+                    format!(
+                        "not tried; canopy-fem check --within {typed} tries runs, solve --within {typed} makes them"
+                    )
                 }
                 false => "no run is known to be; canopy-fem solve --within and tradeoff make longer ones".to_owned(),
             },
