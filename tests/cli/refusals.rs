@@ -94,9 +94,10 @@ fn names_no_mesh_is_written_to_are_status_2() {
     let bench = Bench::new();
     std::fs::write(bench.path("there.obj"), "mine").expect("a file");
     let annulus = ["mesh", "annulus", "--inner", "0.1", "--outer", "1", "--nodes", "60", "--output"];
-    for (output, words) in
-        [("net.zip", "ends in .vtu, .vtp, .msh, .obj, .ply or .stl"), ("there.obj", "exists already")]
-    {
+    for (output, words) in [
+        ("net.zip", "ends in .vtu, .vtp, .msh, .obj, .ply, .stl, .inp, .bdf, .mdpa or .glb"),
+        ("there.obj", "exists already"),
+    ] {
         let ended = bench.run(&[&annulus[..], &[output]].concat());
         assert_eq!(ended.code, Some(2), "{output}: {}", ended.stderr);
         assert!(ended.stderr.contains(output) && ended.stderr.contains(words), "{}", ended.stderr);

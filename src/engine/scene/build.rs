@@ -279,8 +279,10 @@ impl Builder<'_> {
                     (Volume::Cloth(enclosure.clone()), stream.clone(), self.acting.terms.len());
                 self.acting.apparent.push(ApparentMass { nodes, volume, factor, stream, term });
             }
-            // The skirt's own speed swings while a canopy fills; the told filling of a schedule is one by its speed.
-            let carrier = if let CanopyAir::Filling(_) = canopy.air { skirt.clone() } else { confluence.clone() };
+            // The skirt's own speed swings while a canopy fills by a balance of its air. With `table` and `schedule` lines
+            // may be slack, as in a cluster that is released, and confluence and canopy go their own ways.
+            let fills = matches!(canopy.air, CanopyAir::Cavity(_) | CanopyAir::Rings(_));
+            let carrier = if fills { confluence.clone() } else { skirt.clone() };
             let axis = CanopyAxis { carrier, skirt, apex, confluence, stream: stream.clone() };
             let air = match &canopy.air {
                 CanopyAir::Coefficient => AirModel::Coefficient,

@@ -100,7 +100,8 @@ fn add_point_data(data: &[Column], first: u64, cells: &mut Cells) -> Result<(), 
 /// Name of the array that marks cells which other files or pieces hold, and cells that are hidden.
 const GHOSTS: &str = "vtkGhostType";
 /// Bits of such a cell: it is a double, or hidden.
-const GHOST: i64 = 1 | 32;
+const DOUBLE: i64 = 1;
+const HIDDEN: i64 = 32;
 
 fn add_piece(piece: Piece, cells: &mut Cells) -> Result<(), String> {
     let first = cells.points.len() as u64;
@@ -118,7 +119,9 @@ fn add_piece(piece: Piece, cells: &mut Cells) -> Result<(), String> {
         let on_seam = seam.get(i).is_some_and(|&s| s != 0.0);
         nodes.clear();
         nodes.extend(points.iter().map(|point| point.saturating_add(first)));
-        if ghosts.get(i).is_some_and(|bits| bits & GHOST != 0) || levels.get(i).is_some_and(|level| *level > 0) {
+        // Frames hide the lines on the sides of triangles, which are edges none the less.
+        let left_out = if matches!(kind, 3 | 4) { DOUBLE } else { DOUBLE | HIDDEN };
+        if ghosts.get(i).is_some_and(|bits| bits & left_out != 0) || levels.get(i).is_some_and(|level| *level > 0) {
             cells.remark("ghost or hidden cells were left out");
             continue;
         }

@@ -2,8 +2,7 @@
 //! cloth moves in the air that goes with the canopy.
 //!
 //! ```text
-//! V = speed of the confluence against the wind along the axis a, or of the skirt where a schedule tells the filling
-//!     (`axial_flow`)
+//! V = speed of the skirt against the wind along the axis a, with a `cavity` that of the confluence (`axial_flow`)
 //! r = wind + V a,     w = (v - r) . n     of a triangle with mean velocity v and unit normal n from inside to outside
 //! p = dCp (p_0 + kappa (V - w)|V - w|),     kappa = rho/2,     f_i = p S/3,     power = f . v
 //! ```

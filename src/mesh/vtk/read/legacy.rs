@@ -15,14 +15,14 @@ pub(super) fn read(bytes: &[u8], names: &[&str]) -> Result<DataSet, String> {
     let mut file = Reader { bytes, at: 0, binary: false, names, budget: Budget::of(bytes.len()) };
     let version = file.line().unwrap_or_default();
     if !version.to_ascii_lowercase().starts_with("# vtk datafile") {
-        return Err("is no VTK file: it begins neither with \"<\" nor with \"# vtk DataFile Version\"".to_owned());
+        return Err("is not a VTK file: it begins neither with \"<\" nor with \"# vtk DataFile Version\"".to_owned());
     }
     // The title, which may be empty, or in any encoding.
     file.line();
     file.binary = match file.line().unwrap_or_default().trim().to_ascii_uppercase().as_str() {
         "ASCII" => false,
         "BINARY" => true,
-        other => return Err(format!("is no VTK file: \"{other}\" is neither ASCII nor BINARY")),
+        other => return Err(format!("is not a VTK file: \"{other}\" is neither ASCII nor BINARY")),
     };
     file.sections()
 }

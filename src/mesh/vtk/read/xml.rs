@@ -119,7 +119,7 @@ pub(super) fn read(bytes: &[u8], names: &[&str]) -> Result<DataSet, String> {
             _ => {}
         }
     }
-    let root = root.ok_or("is no VTK file: it has no <VTKFile>")?;
+    let root = root.ok_or("is not a VTK file: it has no <VTKFile>")?;
     let kind = root.attribute("type").unwrap_or_default();
     let cells = match kind {
         "UnstructuredGrid" => grid_cells,
@@ -127,6 +127,7 @@ pub(super) fn read(bytes: &[u8], names: &[&str]) -> Result<DataSet, String> {
         _ if kind.starts_with('P') || kind.starts_with("vtk") || kind == "Collection" => {
             return Err(format!("lists other files ({kind}); {}", name_one(&files_of(bytes))));
         }
+        "" => return Err("is not a VTK file: its <VTKFile> has no type".to_owned()),
         other => return Err(format!("holds neither an unstructured grid nor polygons, but {other}")),
     };
     let layout = Layout::of(|key| root.attribute(key))?;
