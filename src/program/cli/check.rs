@@ -20,9 +20,11 @@ use crate::mesh::parachute::ParachuteParameters;
 use crate::model::abilities::SpringDamping;
 use crate::model::state::State;
 use crate::model::stop::Stop;
+use crate::output::largest::LargestValues;
 use crate::process::{Stopwatch, cpu_seconds};
 use crate::scene::{Scene, pass_events, place_of};
 use crate::simulation::{build_scene, check_solver, doubts_at_start};
+use crate::study::StudyError;
 use crate::study::accuracy::Accuracy;
 use crate::study::forecast::memory::Baseline;
 use crate::study::forecast::nominal::Budget;
@@ -53,6 +55,9 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let scene = &*scene;
     let canopies = describe_canopies(scene, &filled);
     check_solver(&problem, scene, &source)?;
+    // A quantity that is not there is a fault, even where no run is made that could measure it.
+    LargestValues::new(scene, &problem.output, problem.time.end, None)
+        .map_err(|why| StudyError::Usage(why.to_string()))?;
     describe_terms(&mut tables, scene);
     describe_method(&mut tables, &problem);
     let state = scene.initial_state();

@@ -16,6 +16,8 @@ use crate::solve::LinearStats;
 const SHARE: f64 = 0.2;
 /// [s] Smallest budget: with what is measured before any run, half a second.
 const LEAST: f64 = 0.4;
+/// [s] The same of a thorough one: a run of a few tenths of a second is made as a whole.
+const LEAST_THOROUGH: f64 = 1.0;
 /// [s] Largest budget: nobody waits for hours to hear that a run takes days.
 const MOST: f64 = 5.0;
 /// [-] Most that a machine is taken to be slower than nominally.
@@ -119,7 +121,8 @@ impl Budget {
     pub fn of(scene: &dyn Scene, problem: &Problem, thorough: bool) -> Self {
         let steps = problem.time.step.fixed().map_or(0.0, |step| (problem.time.end / step).ceil());
         let run = if thorough { steps * nominal_step(scene, &problem.method) } else { 0.0 };
-        Self::with((SHARE * run).clamp(LEAST, MOST), thorough)
+        let least = if thorough { LEAST_THOROUGH } else { LEAST };
+        Self::with((SHARE * run).clamp(least, MOST), thorough)
     }
 
     fn with(all: f64, thorough: bool) -> Self {
