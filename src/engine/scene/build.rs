@@ -279,8 +279,8 @@ impl Builder<'_> {
                     (Volume::Cloth(enclosure.clone()), stream.clone(), self.acting.terms.len());
                 self.acting.apparent.push(ApparentMass { nodes, volume, factor, stream, term });
             }
-            // The skirt's own speed swings while a canopy fills by a balance of its air. With `table` and `schedule` lines
-            // may be slack, as in a cluster that is released, and confluence and canopy go their own ways.
+            // The skirt's own speed swings while a canopy fills by a balance of its air. With `table` and `schedule`
+            // lines may be slack, as in a cluster that is released, and confluence and canopy go their own ways.
             let fills = matches!(canopy.air, CanopyAir::Cavity(_) | CanopyAir::Rings(_));
             let carrier = if fills { confluence.clone() } else { skirt.clone() };
             let axis = CanopyAxis { carrier, skirt, apex, confluence, stream: stream.clone() };

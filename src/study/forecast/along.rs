@@ -30,8 +30,7 @@ const STATES: usize = 8;
 const DAMPED: u64 = 6;
 const SETTLE: u64 = 2;
 const COUNTED: u64 = 4;
-/// Iterations a step, or twice those of the steps at the start, beyond which a rough state is taken to be still far
-/// from the motion of the case's own method.
+/// Iterations a step beyond which a rough state is taken to be still far from the motion of the case's own method.
 const FAR: f64 = 8.0;
 /// Iterations of a step of a trial at most.
 const MOST: u32 = 12;
@@ -95,9 +94,9 @@ pub(super) fn whole_run(
         log::debug!("a step at t = {:.4e} s: {seconds:.4e} s, {iterations:.1} iterations", at.t);
         paces.push(Pace { t: at.t, step });
     }
-    let far = FAR.max(2.0 * late(own).work.newton_iterations);
-    let near = |pace: &Pace| pace.t <= own.t_end || pace.step.work.newton_iterations <= far;
-    if paces.iter().filter(|pace| near(pace)).count() > 2 {
+    let near = |pace: &Pace| pace.t <= own.t_end || pace.step.work.newton_iterations <= FAR;
+    let settled = paces.iter().filter(|pace| near(pace)).count() > 2;
+    if settled {
         paces.retain(near);
     }
     paces.sort_by(|a, b| a.t.total_cmp(&b.t));
@@ -123,7 +122,8 @@ pub(super) fn whole_run(
         seconds: made.seconds + left.seconds,
         work: Work::each(|kind| kind(&made.work) + kind(&left.work)),
     };
-    Some(Estimate::from_one(&whole, end, steps))
+    // Steps from rough states need more iterations than those of the run itself.
+    Some(Estimate { doubtful: !settled, ..Estimate::from_one(&whole, end, steps) })
 }
 
 /// The last one, then those in the middle of what is left: where trials end early, they still stand for the whole run.

@@ -28,7 +28,7 @@ pub struct Estimate {
     /// what it rests on
     pub basis: Basis,
     /// whether it may be wrong by more than a few times: adaptive steps that change along the run, which was not made
-    /// to its end
+    /// to its end, or fixed steps that were tried from rough states alone, which cost more
     pub doubtful: bool,
     /// [-] accepted steps to the end
     pub steps: f64,

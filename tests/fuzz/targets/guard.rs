@@ -6,7 +6,7 @@ use std::panic::{set_hook, take_hook};
 pub fn install() {
     let abort = take_hook();
     set_hook(Box::new(move |info| {
-        let parsers = ["/vtkio-", "/ply-rs-bw-", "/gltf-", "/lzma-rs-", "/lz4_flex-"];
+        let parsers = ["/gltf-", "/lzma-rs-", "/lz4_flex-"];
         let library = info.location().is_some_and(|at| parsers.iter().any(|parser| at.file().contains(parser)));
         if !library {
             abort(info);

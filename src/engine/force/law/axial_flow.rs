@@ -5,8 +5,8 @@
 //! u = mean carrier velocity - wind(z),      V = a . u,      q = rho(z) V|V|/2
 //! dV/dv_carrier = a/n,     dV/dz_carrier = -a . dw/dz/n,     dV/dx_confluence = (I - a a^T) u/(L n_c)
 //! ```
-//! and the opposite at the apex. The carrier is the skirt, and the confluence where a balance of the air fills the canopy:
-//! the skirt's own speed swings then.
+//! and the opposite at the apex. The carrier is the skirt, and the confluence where a balance of the air fills the
+//! canopy: the skirt's own speed swings then.
 
 use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::stream::{AirState, Stream};

@@ -73,9 +73,9 @@ impl<T: JsonSchema> JsonSchema for OneOrSeveral<T> {
 /// The air in a canopy: a pressure from inside to outside along the normals of its triangles, dp = q dCp with
 /// q = rho V |V|/2, or that of a balance of the air inside. V is the axial air speed: the mean velocity of the skirt
 /// minus the wind there (with `cavity` and `filling` that of the confluence), along the axis from the apex to the
-/// confluence of the lines. Cloth that moves outwards at the normal speed w in the air that goes with the canopy meets less of it, by
-/// rho/2 (V |V| - (V - w) |V - w|) dCp: this damps the breathing of the canopy, its turning and its motion across the
-/// axis, and is nothing in steady flight.
+/// confluence of the lines. Cloth that moves outwards at the normal speed w in the air that goes with the canopy meets
+/// less of it, by rho/2 (V |V| - (V - w) |V - w|) dCp: this damps the breathing of the canopy, its turning and its
+/// motion across the axis, and is nothing in steady flight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Canopy {

@@ -26,6 +26,7 @@ impl Prospects {
     pub fn lines(&self, own: bool, rests: bool, accuracy: &Accuracy) -> Lines {
         let Prospects { this_case, recommended, part, runs, .. } = self;
         let steps = if this_case.step.is_some() { "step" } else { "tolerance" };
+        let rough = this_case.known_by == KnownBy::Steps && this_case.estimate.doubtful;
         let mut numbers = this_case.described(accuracy);
         let unknown = this_case.errors.len() - numbers.len();
         let more = numbers.len().saturating_sub(NUMBERS);
@@ -60,7 +61,7 @@ impl Prospects {
                 this_case.method,
                 this_case.size(),
                 figures(this_case.estimate.steps, 4),
-                if rests { "at most about" } else { "about" },
+                if rests || rough { "at most about" } else { "about" },
                 seconds(this_case.cpu_seconds),
                 if rests { ", as it ends at rest" } else { "" }
             ),
