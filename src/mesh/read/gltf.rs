@@ -11,6 +11,7 @@ use base64::engine::general_purpose::STANDARD;
 use gltf::mesh::Mode;
 use nalgebra::{Matrix4, Point3};
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::{Component, Path, PathBuf};
 
 /// Nodes in nodes, at most; files have a tenth of it.
@@ -203,13 +204,13 @@ impl Reader {
         known: &mut HashMap<usize, [usize; 2]>,
     ) -> Result<(), String> {
         let positions = primitive.get(&gltf::Semantic::Positions).ok_or("has a mesh without positions")?;
-        if !known.contains_key(&positions.index()) {
+        if let Entry::Vacant(entry) = known.entry(positions.index()) {
             self.count(positions.count())?;
             let reader = primitive.reader(|buffer| self.buffers.get(buffer.index()).map(Vec::as_slice));
             let places: Vec<[f32; 3]> = reader.read_positions().ok_or("has a mesh without positions")?.collect();
             let moved =
                 |p: [f32; 3]| -> [f64; 3] { placed.transform_point(&Point3::from(p.map(f64::from))).coords.into() };
-            known.insert(positions.index(), [self.cells.points.len(), places.len()]);
+            entry.insert([self.cells.points.len(), places.len()]);
             self.cells.points.extend(places.into_iter().map(moved));
         }
         let [first, count] = known[&positions.index()].map(|n| n as u64);

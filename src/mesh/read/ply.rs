@@ -160,6 +160,18 @@ enum Format {
     Big,
 }
 
+impl Format {
+    /// As the header calls it.
+    fn of(word: &str) -> Result<Self, String> {
+        match word {
+            "ascii" => Ok(Format::Text),
+            "binary_little_endian" => Ok(Format::Little),
+            "binary_big_endian" => Ok(Format::Big),
+            other => Err(format!("\"{other}\" is no format of PLY")),
+        }
+    }
+}
+
 struct File<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -176,12 +188,7 @@ impl File<'_> {
                 ["ply"] if at == 1 => Ok(()),
                 _ if at == 1 => return Err("is not a PLY file: its first line is not \"ply\"".to_owned()),
                 ["end_header"] => return Ok(elements),
-                ["format", format, _] => match format {
-                    "ascii" => Ok(self.format = Format::Text),
-                    "binary_little_endian" => Ok(self.format = Format::Little),
-                    "binary_big_endian" => Ok(self.format = Format::Big),
-                    other => Err(format!("\"{other}\" is no format of PLY")),
-                },
+                ["format", format, _] => Format::of(format).map(|format| self.format = format),
                 [] | ["comment" | "obj_info", ..] => Ok(()),
                 ["element", name, count] => number(Some(count)).map(|count| {
                     elements.push(Element { name: name.to_owned(), count, line: at, properties: Vec::new() });

@@ -4,7 +4,7 @@
 //! 1. The case's own run is made, whole or its first part, and the same with longer steps and with other methods
 //!    ([`prospects`]). All of it is to cost a fifth of the run, or half a second. If an accuracy or all methods are
 //!    asked for, it may cost about as much as the run.
-//! 2. What is left of a long implicit run is told from its own steps along a coarse run ([`along`]). Where less than a
+//! 2. What is left of a long implicit run is told from its own steps along a coarse run (`along`). Where less than a
 //!    twentieth of the run is affordable, nothing is said of its numbers.
 //! 3. A run of which too few steps are affordable is predicted from the cost of a force pass and of a tangent
 //!    ([`cost`]), and from single steps (`trials`); nothing is known of its errors then.

@@ -31,7 +31,7 @@ use crate::force::{Copies, ForceTerm, NodeState, RankOne, TangentForm, TangentSi
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
 pub(crate) use balance::Passage;
-use balance::{Flow, MOST_BANDS};
+use balance::{Flow, FlowGradient, MOST_BANDS};
 use nalgebra::{Matrix3, Vector3};
 pub(crate) use stations::Stations;
 use std::sync::Arc;
@@ -238,7 +238,10 @@ impl ForceTerm for RingedCanopy {
                 let force = AreaVector::new(at.x, nodes).s / 3.0;
                 nodes.into_iter().for_each(|node| u[node as usize] -= force);
             }
-            return data.add_pressure_gradient(which, axial, &flow, at, &numbers, w, g);
+            let mut dp = [0.0; MOST_BANDS];
+            dp[..n].copy_from_slice(&numbers[..n]);
+            let gradient = flow.gradient(&data.passage, &dp, which);
+            return gradient.map_or((), |by| data.add_pressure_gradient(&by, axial, &flow, at, w, g));
         }
         for (meeting, &nodes) in data.meetings(at, &numbers).zip(data.triangles.iter()) {
             let Meeting { area, n: normal, outwards, slope, .. } = meeting;
@@ -274,25 +277,21 @@ impl ForceTerm for RingedCanopy {
 }
 
 impl RingsData {
-    /// Adds c d(dp_b)/dv + k d(dp_b)/dx.
+    /// Adds c d(dp_b)/dv + k d(dp_b)/dx, `by` the gradient of dp_b.
     fn add_pressure_gradient(
         &self,
-        band: usize,
+        by: &FlowGradient,
         axial: AxialFlow,
         flow: &Flow,
         at: NodeState<'_>,
-        numbers: &SceneValues,
         w: Weights,
         g: &mut [Vector3<f64>],
     ) {
-        let mut dp = [0.0; MOST_BANDS];
-        dp[..self.bands()].copy_from_slice(&numbers[..self.bands()]);
-        let Some(by) = flow.gradient(&self.passage, &dp, band) else { return };
         let (density, speed) = (axial.air.density[0], axial.speed);
         let by_speed = by.q * density * speed.abs();
         self.axis.add_speed_gradient(axial, Weights { m: 0.0, c: by_speed * w.c, k: by_speed * w.k }, g);
         let by_density = by.density + by.q * 0.5 * speed * speed.abs();
         self.axis.add_density_gradient(axial, w.k * by_density, g);
-        self.stations.add_gradient([at.x, at.v], &flow.area, &by, w, g);
+        self.stations.add_gradient([at.x, at.v], &flow.area, by, w, g);
     }
 }

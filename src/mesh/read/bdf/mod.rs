@@ -120,7 +120,7 @@ impl File {
         let basic = |at: usize| ["", "0"].contains(&field(at));
         if let Some((count, from)) = nodes_of(name) {
             // A spring or damper with one end at the ground.
-            if count == 2 && from.into_iter().any(|at| basic(at)) {
+            if count == 2 && from.into_iter().any(&basic) {
                 self.all.cells.remark(IGNORED);
                 return Ok(());
             }

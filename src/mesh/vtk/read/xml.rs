@@ -237,7 +237,7 @@ impl Decoder<'_> {
         for ((of, rows), columns) in rows.into_iter().zip([&mut made.point_data, &mut made.cell_data]) {
             for (_, array) in piece.arrays.iter().filter(|(section, _)| *section == of) {
                 let marks = array.components == 1 && array.kind.is_some_and(Type::is_whole);
-                if !marks && !(names.contains(&array.name.as_ref()) && array.kind.is_some()) {
+                if !(marks || names.contains(&array.name.as_ref()) && array.kind.is_some()) {
                     continue;
                 }
                 let numbers = self.numbers(array, Some(rows.saturating_mul(array.components)))?;
