@@ -130,4 +130,4 @@ def test_files_are_repaired_as_a_case_says(tmp_path):
     with pytest.raises(cf.CaseError, match="scale"):
         cf.mesh.read(path, scale=-1.0)
     assert sail.write(tmp_path / "sail.vtu") == []
-    assert "groups" in sail.write(tmp_path / "sail.stl")[0]
+    assert "1 group" in sail.write(tmp_path / "sail.stl")[0]
