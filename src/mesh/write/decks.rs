@@ -45,9 +45,9 @@ fn nodes(group: &Group) -> Vec<usize> {
     group.nodes.iter().map(|&node| node as usize + 1).collect()
 }
 
-/// A label and the labels of its nodes, with a comma between.
-fn connected(label: usize, corners: &[u32]) -> String {
-    corners.iter().fold(label.to_string(), |text, node| format!("{text}, {}", u64::from(*node) + 1))
+/// The labels of some nodes, with `between` between them.
+fn joined(corners: &[u32], between: &str) -> String {
+    corners.iter().map(|node| (u64::from(*node) + 1).to_string()).collect::<Vec<_>>().join(between)
 }
 
 /// Shells S3 and trusses T3D2; groups are sets of elements and of nodes. After the Abaqus keywords reference.
@@ -61,13 +61,13 @@ pub(super) fn inp_text(mesh: &Mesh, names: &[String]) -> String {
         text.push_str("*ELEMENT, TYPE=S3\n");
     }
     for (label, corners) in (1..).zip(&mesh.triangles) {
-        let _ = writeln!(text, "{}", connected(label, corners));
+        let _ = writeln!(text, "{label}, {}", joined(corners, ", "));
     }
     if !bars.edges.is_empty() {
         text.push_str("*ELEMENT, TYPE=T3D2\n");
     }
     for (edge, label) in &bars.label {
-        let _ = writeln!(text, "{}", connected(*label, &mesh.edges[*edge as usize]));
+        let _ = writeln!(text, "{label}, {}", joined(&mesh.edges[*edge as usize], ", "));
     }
     for (name, group) in names.iter().zip(mesh.groups.values()) {
         for (word, labels) in [("ELSET", bars.elements(group)), ("NSET", nodes(group))] {
@@ -125,11 +125,11 @@ pub(super) fn bdf_text(mesh: &Mesh) -> (String, Vec<String>) {
     }
     for (label, (groups, corners)) in (1..).zip(of_triangle.iter().zip(&mesh.triangles)) {
         let property = properties.get(&(3, groups.as_slice())).copied().unwrap_or_default();
-        let _ = writeln!(text, "CTRIA3,{label},{property},{}", joined(corners));
+        let _ = writeln!(text, "CTRIA3,{label},{property},{}", joined(corners, ","));
     }
     for (edge, label) in &bars.label {
         let property = properties.get(&(2, of_edge[*edge as usize].as_slice())).copied().unwrap_or_default();
-        let _ = writeln!(text, "CROD,{label},{property},{}", joined(&mesh.edges[*edge as usize]));
+        let _ = writeln!(text, "CROD,{label},{property},{}", joined(&mesh.edges[*edge as usize], ","));
     }
     for (number, (_, (_, group))) in (1_usize..).zip(with_nodes()) {
         let labels = nodes(group);
@@ -150,10 +150,6 @@ pub(super) fn bdf_text(mesh: &Mesh) -> (String, Vec<String>) {
     let rounded = (rounded > 0).then(|| format!(".bdf rounds {rounded} coordinates to nine digits"));
     let told: Vec<String> = told.chain(rounded).collect();
     (text, told)
-}
-
-fn joined(corners: &[u32]) -> String {
-    corners.iter().map(|node| (u64::from(*node) + 1).to_string()).collect::<Vec<_>>().join(",")
 }
 
 /// A number in sixteen columns.
@@ -177,7 +173,7 @@ pub(super) fn mdpa_text(mesh: &Mesh, names: &[String]) -> String {
     let mut element = |kind: &str, elements: &mut dyn Iterator<Item = (usize, &[u32])>| {
         let _ = writeln!(text, "\nBegin Elements {kind}");
         for (label, corners) in elements {
-            let _ = writeln!(text, "{label} 0 {}", joined(corners).replace(',', " "));
+            let _ = writeln!(text, "{label} 0 {}", joined(corners, " "));
         }
         text.push_str("End Elements\n");
     };

@@ -33,9 +33,9 @@ pub(super) fn glb(mesh: &Mesh) -> Result<Vec<u8>, String> {
 
 /// Groups of cells beyond those that a part can name.
 pub(super) fn unnamed(mesh: &Mesh) -> usize {
-    let (triangles, bars) = cells_by_groups(mesh);
-    let counts = triangles.keys().chain(bars.keys()).map(|groups| groups.len().saturating_sub(NAMED));
-    counts.max().unwrap_or(0)
+    let triangles = groups_of(mesh, mesh.triangles.len(), |group| &group.triangles);
+    let edges = groups_of(mesh, mesh.edges.len(), |group| &group.edges);
+    triangles.iter().chain(&edges).map(|groups| groups.len().saturating_sub(NAMED)).max().unwrap_or(0)
 }
 
 /// Triangles and lines by the groups that they are in.
