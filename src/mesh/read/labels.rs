@@ -1,6 +1,7 @@
 //! Nodes and elements that are known by labels, in sets with names: what the input of finite-element programs has.
 
 use super::cells::Cells;
+use super::statements::LeftOut;
 use super::{MOST_MADE, MOST_MEMBERS};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -174,8 +175,8 @@ impl Labelled {
         Ok(())
     }
 
-    /// The cells, once all nodes are known.
-    pub(super) fn finish(mut self) -> Result<Cells, String> {
+    /// The cells, once all nodes are known, with a note of the statements that were left out.
+    pub(super) fn finish(mut self, left: &LeftOut) -> Result<Cells, String> {
         let mut visits = 0;
         let mut known: Vec<(u64, u32)> = self.elements.iter().map(|element| element.label).zip(0..).collect();
         known.sort_unstable();
@@ -228,6 +229,7 @@ impl Labelled {
                 self.cells.name_point(std::slice::from_ref(name), u64::from(*point));
             }
         }
+        self.cells.notes.extend(left.note());
         Ok(self.cells)
     }
 }

@@ -66,9 +66,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
     }
     // A sub model part also lists the nodes of its elements; further ones are a group of nodes.
     file.all.nodes_repeat_elements = true;
-    let mut cells = file.all.finish()?;
-    cells.notes.extend(file.left.note());
-    Ok(cells)
+    file.all.finish(&file.left)
 }
 
 #[derive(Default)]

@@ -34,9 +34,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
     if file.all.cells.points.is_empty() {
         return Err("has no GRID entry".to_owned());
     }
-    let mut cells = file.all.finish()?;
-    cells.notes.extend(file.left.note());
-    Ok(cells)
+    file.all.finish(&file.left)
 }
 
 #[derive(Default)]

@@ -367,9 +367,7 @@ impl File {
         if self.all.cells.points.is_empty() {
             return Err("has no *NODE section".to_owned());
         }
-        let mut cells = self.all.finish()?;
-        cells.notes.extend(self.left.note());
-        Ok(cells)
+        self.all.finish(&self.left)
     }
 }
 

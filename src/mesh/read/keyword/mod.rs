@@ -285,8 +285,6 @@ impl File {
                 set_of(&mut self.all.element_sets, set).push(own);
             }
         }
-        let mut cells = self.all.finish()?;
-        cells.notes.extend(self.left.note());
-        Ok(cells)
+        self.all.finish(&self.left)
     }
 }
