@@ -55,6 +55,7 @@ fn canopy(apparent_mass: Option<f64>) -> Vec<CanopySpec> {
         confluence,
         air: CanopyAir::Coefficient,
         apparent_mass,
+        inflow_loss: None,
         nominal_area: 1.0,
     }]
 }

@@ -67,7 +67,7 @@ pub enum WarningCode {
     MeshFile,
     /// A part without supports, while other parts have supports.
     NoSupport,
-    /// A reefing line that is not cut when the canopy begins its last stage.
+    /// A reefing line that is not cut when the canopy begins its last stage, or whose cut no air slows.
     ReefingLine,
     /// Coordinates so far from the origin that their rounding changes the strains of the springs.
     RoundedCoordinates,

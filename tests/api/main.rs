@@ -17,6 +17,7 @@ mod door;
 mod examples;
 mod filling;
 mod globalised;
+mod inflow;
 mod linear;
 mod mesh;
 mod mesh_files;

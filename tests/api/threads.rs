@@ -55,6 +55,7 @@ fn sheet() -> NetworkSpec {
         confluence: vec![4900, 17],
         air: CanopyAir::Coefficient,
         apparent_mass: None,
+        inflow_loss: None,
         nominal_area: 1.0,
     }];
     spec.line_drag = vec![LineDragSpec { edges: (0..4000).collect(), diameter: 0.01, coefficient: 1.1 }];

@@ -2,7 +2,7 @@
 //! and air above the standard atmosphere.
 
 use crate::format_number::figures;
-use crate::model::spec::{AtmosphereSpec, CanopySpec, ClothSpec, FillingSpec, NetworkSpec, SpringGroup};
+use crate::model::spec::{AtmosphereSpec, CanopyAir, CanopySpec, ClothSpec, FillingSpec, NetworkSpec, SpringGroup};
 use crate::warning::{Warning, WarningCode};
 use std::collections::BTreeSet;
 use std::fmt;
@@ -129,10 +129,12 @@ pub struct ReefingLine {
     pub cut: Option<f64>,
     /// [s] when the last of several stages begins
     pub stage: Option<f64>,
+    /// whether these agree, but the air does not slow the opening after the cut
+    pub snaps: bool,
 }
 
-/// Finds reefing lines that are never cut and do not grow, and those whose cut is not the start of the last stage:
-/// edges of the group `reefing` with springs, between nodes of the skirt.
+/// Finds reefing lines that are never cut and do not grow, those whose cut is not the start of the last stage, and
+/// those whose cut no air slows: edges of the group `reefing` with springs, between nodes of the skirt.
 pub fn reefing_lines(spec: &NetworkSpec) -> Vec<ReefingLine> {
     let Some(lines) = spec.mesh.groups.get("reefing") else { return Vec::new() };
     let of_canopy = |(i, canopy): (usize, &CanopySpec)| {
@@ -158,16 +160,23 @@ pub fn reefing_lines(spec: &NetworkSpec) -> Vec<ReefingLine> {
             (Some(cut), Some(stage)) => (cut - stage).abs() <= APART * cut,
             (Some(_), None) => canopy.air.stages().is_empty(),
         };
-        (!fits).then(|| ReefingLine { canopy: name(spec, i), cut, stage })
+        let balanced = matches!(canopy.air, CanopyAir::Cavity(_) | CanopyAir::Rings(_) | CanopyAir::Point(_));
+        let snaps = fits && cut.is_some() && !balanced && canopy.inflow_loss.is_none();
+        (snaps || !fits).then(|| ReefingLine { canopy: name(spec, i), cut, stage, snaps })
     };
     spec.canopies.iter().enumerate().filter_map(of_canopy).collect()
 }
 
 impl fmt::Display for ReefingLine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ReefingLine { canopy, cut, stage } = self;
+        let ReefingLine { canopy, cut, stage, snaps } = self;
         let [cut, stage] = [cut, stage].map(|t| t.map(|t| figures(t, 6)));
         match (cut, stage) {
+            (Some(cut), _) if *snaps => write!(
+                f,
+                "the reefing line of {canopy} is cut at {cut} s, and no air slows the opening: the cloth snaps open within some \
+                 hundredths of a second, and the lines feel a jerk that no measured canopy has; give the canopy \"inflow_loss\": 1"
+            ),
             (None, None) => write!(f, "the reefing line of {canopy} is never cut: give its springs a \"cut\""),
             (None, Some(stage)) => write!(
                 f,

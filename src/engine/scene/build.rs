@@ -26,6 +26,7 @@ use crate::force::law::drag::{LineDrag, LineDragData, NodeDrag, NodeDragData};
 use crate::force::law::enclosure::Enclosure;
 use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::law::gravity::Gravity;
+use crate::force::law::inflow::InflowLoss;
 use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
 use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
 use crate::force::law::rings::RingedCanopy;
@@ -36,8 +37,8 @@ use crate::force::law::triangle::AreaVector;
 use crate::force::schedule::threads::Threads;
 use crate::mesh::unit_vector::unit_vector;
 use crate::model::spec::{
-    CanopyAir, CanopySpec, CavitySpec, DashpotKind, FillingSpec, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind,
-    Series, SpringGroup, StreamSpec, ascending, support_velocity,
+    CanopyAir, CanopySpec, DashpotKind, FillingSpec, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, Series,
+    SpringGroup, StreamSpec, ascending, support_velocity,
 };
 use crate::startup::{Phase, timed};
 use nalgebra::Vector3;
@@ -110,20 +111,15 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     Ok(Network::new(built, acting, spec.mesh, threads))
 }
 
-/// The cavity of a canopy, whose mouth must be open at the start.
-fn cavity(
-    spec: CavitySpec,
-    enclosure: Arc<Enclosure>,
-    skirt: &[u32],
-    x: NodeVectors<'_>,
-) -> Result<Cavity, BuildError> {
+/// Which rim of a canopy is its mouth, which must be open at the start.
+fn mouth(enclosure: &Enclosure, skirt: &[u32], x: NodeVectors<'_>) -> Result<usize, BuildError> {
     let of_skirt = |rim: &usize| enclosure.rims()[*rim].iter().any(|node| skirt.contains(node));
     let rims: Vec<usize> = (0..enclosure.rims().len()).filter(of_skirt).collect();
     let [mouth] = rims[..] else { return Err(BuildError::Mouth { loops: rims.len() }) };
     if enclosure.opening(mouth, x) == Vector3::zeros() {
         return Err(BuildError::ClosedMouth);
     }
-    Ok(Cavity { enclosure, mouth, spec })
+    Ok(mouth)
 }
 
 /// [m/s] Velocity of every node at t = 0, `[n_nodes][3]`; empty if all stand still.
@@ -287,7 +283,10 @@ impl Builder<'_> {
             let air = match &canopy.air {
                 CanopyAir::Coefficient => AirModel::Coefficient,
                 CanopyAir::Filling(stages) | CanopyAir::Point(stages) => AirModel::Filling(stages.as_slice().into()),
-                CanopyAir::Cavity(spec) => AirModel::Cavity(cavity(*spec, enclosure.clone(), &axis.skirt, x)?),
+                CanopyAir::Cavity(spec) => {
+                    let mouth = mouth(&enclosure, &axis.skirt, x)?;
+                    AirModel::Cavity(Cavity { enclosure: enclosure.clone(), mouth, spec: *spec })
+                }
                 CanopyAir::Rings(spec) => {
                     let rows: Vec<Vec<u32>> = spec.rows.iter().map(|row| nodes(row)).collect();
                     let data =
@@ -299,7 +298,11 @@ impl Builder<'_> {
                     continue;
                 }
             };
-            let data = CanopyData { triangles, pressure_coefficient, axis, air };
+            let loss = |coefficient| -> Result<_, BuildError> {
+                Ok(InflowLoss { enclosure: enclosure.clone(), mouth: mouth(&enclosure, &axis.skirt, x)?, coefficient })
+            };
+            let inflow = canopy.inflow_loss.map(loss).transpose()?;
+            let data = CanopyData { triangles, pressure_coefficient, axis, air, inflow };
             let law = CanopyLaw::Canopy(data.clone());
             self.show_canopy(CanopyShape::new(law, enclosure, canopy.nominal_area));
             self.show_pressure(AirLaw::Canopy(data.clone()));

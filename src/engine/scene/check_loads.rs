@@ -68,6 +68,7 @@ fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
         length("pressure coefficients of a canopy", canopy.pressure_coefficient.len(), canopy.triangles.len())?;
         finite("pressure coefficient", &canopy.pressure_coefficient)?;
         finite("apparent mass", canopy.apparent_mass.as_slice())?;
+        finite("inflow loss", canopy.inflow_loss.as_slice())?;
         match &canopy.air {
             CanopyAir::Coefficient => {}
             CanopyAir::Filling(stages) | CanopyAir::Point(stages) if stages.is_empty() => {

@@ -106,14 +106,16 @@ pub enum BuildError {
         /// skirt, apex or confluence
         what: &'static str,
     },
-    /// The skirt of a cavity is not on exactly one closed loop of the canopy's boundary.
-    #[error("a cavity needs one closed loop of the boundary with the nodes of the skirt; there are {loops}")]
+    /// The skirt of a canopy with a balance or a loss at its mouth is not on one closed loop of its boundary.
+    #[error(
+        "the mouth of a canopy needs one closed loop of the boundary with the nodes of the skirt; there are {loops}"
+    )]
     Mouth {
         /// how many loops have some of its nodes
         loops: usize,
     },
-    /// The mouth of a cavity has no area at the start.
-    #[error("the mouth of a cavity has no area at the start")]
+    /// The mouth of such a canopy has no area at the start.
+    #[error("the mouth of the canopy has no area at the start")]
     ClosedMouth,
     /// A canopy whose drag area grows in no stage.
     #[error("a canopy that fills needs at least one stage")]

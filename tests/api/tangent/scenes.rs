@@ -74,6 +74,7 @@ fn canopy() -> Vec<CanopySpec> {
         confluence,
         air: CanopyAir::Coefficient,
         apparent_mass: None,
+        inflow_loss: None,
         nominal_area: 1.0,
     }]
 }
@@ -83,6 +84,11 @@ fn filling_canopy() -> Vec<CanopySpec> {
     let stage = |drag_area, start| FillingSpec { drag_area, start, duration: 9.0, exponent: 2.0 };
     let filling = vec![stage(2.5, -4.0), stage(7.0, -1.0)];
     canopy().into_iter().map(|one| CanopySpec { air: CanopyAir::Filling(filling.clone()), ..one }).collect()
+}
+
+/// One of these with a loss at its mouth.
+fn losing(canopies: Vec<CanopySpec>) -> Vec<CanopySpec> {
+    canopies.into_iter().map(|one| CanopySpec { inflow_loss: Some(1.3), ..one }).collect()
 }
 
 /// The same with a balance at its mouth.
@@ -110,6 +116,8 @@ pub fn uneven_scenes() -> Vec<(&'static str, NetworkSpec)> {
     vec![
         ("canopy in uneven air", air(NetworkSpec { canopies: canopy(), ..patch() })),
         ("filling canopy in uneven air", air(NetworkSpec { canopies: filling_canopy(), ..patch() })),
+        ("canopy with an inflow loss in uneven air", air(NetworkSpec { canopies: losing(canopy()), ..patch() })),
+        ("filling canopy with an inflow loss", air(NetworkSpec { canopies: losing(filling_canopy()), ..patch() })),
         ("cavity of tight cloth in uneven air", air(NetworkSpec { canopies: cavity(None), ..patch() })),
         ("cavity of porous cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([3.0, 0.8])), ..patch() })),
         ("cavity of viscous cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([12.0, 0.0])), ..patch() })),
@@ -193,6 +201,7 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
     list.push(("nodal forces", NetworkSpec { forces, ..patch() }));
     let air = |spec: NetworkSpec| NetworkSpec { stream: Some(stream()), ..spec };
     list.push(("canopy", air(NetworkSpec { canopies: canopy(), ..patch() })));
+    list.push(("inflow loss", air(NetworkSpec { canopies: losing(canopy()), ..patch() })));
     list.push(("cavity", air(NetworkSpec { canopies: cavity(Some([3.0, 0.8])), ..patch() })));
     list.push(("line drag", air(NetworkSpec { line_drag: line_drag(), ..patch() })));
     list.push(("node drag", air(NetworkSpec { node_drag: node_drag(), ..patch() })));

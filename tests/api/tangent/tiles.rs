@@ -62,6 +62,7 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
             confluence: copy(&one.confluence, c),
             air: one.air.clone(),
             apparent_mass: one.apparent_mass,
+            inflow_loss: one.inflow_loss,
             nominal_area: one.nominal_area,
         })
     });

@@ -72,6 +72,7 @@ fn canopies_whose_numbers_do_not_fit_are_warned_of() {
             "reefing-line",
             "its schedule has one stage",
         ),
+        (reefed(json!(1.0), stages(1.0)), "reefing-line", "is cut at 1 s, and no air slows the opening"),
         (isa(85e3, 200.0), "thin-air", "may rise, as high as 87040 m"),
     ] {
         let (codes, texts) = warnings(&case);
@@ -83,7 +84,7 @@ fn canopies_whose_numbers_do_not_fit_are_warned_of() {
         schedule(json!({"drag_coefficient": 0.75, "filling_constant": 8})),
         schedule(json!({"drag_area": 9.4, "filling_time": 15})),
         slow(3.0),
-        reefed(json!(1.0), stages(1.0)),
+        with(&reefed(json!(1.0), stages(1.0)), &[(&format!("{N}/aero/canopy/inflow_loss"), json!(1))]),
         isa(80e3, -20.0),
     ] {
         let (codes, texts) = warnings(&case);

@@ -7,8 +7,8 @@
 //! p = dCp (p_0 + kappa (V - w)|V - w|),     kappa = rho/2,     f_i = p S/3,     power = f . v
 //! ```
 //! Cloth that moves outwards meets less pressure: w takes energy from the breathing of a canopy, from its turning and
-//! from its motion across the axis. It is nothing in steady flight along the axis. p_0 is that of a `cavity`: what its
-//! pressure has beyond kappa V|V|. Without one it is 0. kappa, V, r and p_0 couple the nodes of the apex and the
+//! from its motion across the axis. It is nothing in steady flight along the axis. p_0 is that of a `cavity`, what its
+//! pressure has beyond kappa V|V|, or a loss at the mouth (`inflow`). Else it is 0. kappa, V, r and p_0 couple the nodes of the apex and the
 //! confluence, or of the skirt or the canopy, with all nodes of the canopy. The tangent is local but for a rank-one
 //! part of each of these numbers. With c = V - w
 //! ```text
@@ -28,6 +28,7 @@ use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
 use crate::force::kernel::triangle_pairs::{PressureForce, PressureLaw};
 use crate::force::law::axial_flow::{AxialFlow, CanopyAxis};
 use crate::force::law::cavity::Cavity;
+use crate::force::law::inflow::InflowLoss;
 use crate::force::law::triangle::{AreaVector, THIRD, mean};
 use crate::force::{Copies, ForceTerm, NodeState, RankOne, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
@@ -51,6 +52,8 @@ pub struct CanopyData {
     pub axis: CanopyAxis,
     /// what sets the pressure
     pub air: AirModel,
+    /// loss of pressure by the air that enters; none with a cavity, which has a balance of its own
+    pub inflow: Option<InflowLoss>,
 }
 
 /// What sets the pressure in a canopy, as [`CanopyAir`](crate::model::spec::CanopyAir) says.
@@ -137,9 +140,9 @@ impl CanopyData {
 
 impl SceneNumbers for CanopyData {
     fn count(&self) -> usize {
-        match self.air {
-            AirModel::Coefficient | AirModel::Filling(_) => 5,
-            AirModel::Cavity(_) => 6,
+        match (&self.air, &self.inflow) {
+            (AirModel::Coefficient | AirModel::Filling(_), None) => 5,
+            _ => 6,
         }
     }
 
@@ -148,9 +151,10 @@ impl SceneNumbers for CanopyData {
         let flow = self.axis.flow(t, x, v);
         let AxialFlow { axis, speed, air, .. } = flow;
         let along = air.wind[0] + speed * axis;
+        let loss = self.inflow.as_ref().map_or(0.0, |inflow| inflow.pressure(air.density[0], x, v));
         let (share, excess) = match &self.air {
-            AirModel::Coefficient => (1.0, 0.0),
-            AirModel::Filling(stages) => (FillingSpec::area_at(stages, t) / -self.opening(x).dot(&axis), 0.0),
+            AirModel::Coefficient => (1.0, loss),
+            AirModel::Filling(stages) => (FillingSpec::area_at(stages, t) / -self.opening(x).dot(&axis), loss),
             AirModel::Cavity(cavity) => (1.0, cavity.excess(&self.triangles, flow, x, v)),
         };
         let numbers = [0.5 * air.density[0] * share, speed, along.x, along.y, along.z, excess];
@@ -259,7 +263,11 @@ impl ForceTerm for Canopy {
             (1, _) => data.axis.add_speed_gradient(flow, w, g),
             (2..5, _) => data.axis.add_along_gradient(which - 2, flow, w, g),
             (_, AirModel::Cavity(cavity)) => cavity.add_excess_gradient(&data.triangles, &data.axis, at, w, g),
-            (_, AirModel::Coefficient | AirModel::Filling(_)) => {}
+            (_, AirModel::Coefficient | AirModel::Filling(_)) => {
+                if let Some(inflow) = &data.inflow {
+                    inflow.add_gradient(&data.axis, flow, at, w, g);
+                }
+            }
         }
     }
 

@@ -23,6 +23,9 @@ pub struct CanopySpec {
     pub air: CanopyAir,
     /// [-] k of the air that the canopy takes along, k rho times its volume
     pub apparent_mass: Option<f64>,
+    /// [-] k, > 0, of the pressure k rho u|u|/2 that a canopy with a coefficient or with stages loses while its volume
+    /// grows by u times the area of its mouth
+    pub inflow_loss: Option<f64>,
     /// [m^2] S0 of cloth, gaps and vents, for coefficients in results and warnings
     pub nominal_area: f64,
 }

@@ -35,6 +35,11 @@ pub(super) fn canopy(
         let hint = "cavity and filling have a law of their own, for table the cloth makes no difference";
         faults.add_value(&at.key("law"), "a law without a schedule", "only beside schedule", Some(hint.to_owned()));
     }
+    if canopy.inflow_loss.is_some() && (canopy.cavity.is_some() || canopy.filling.is_some()) {
+        let hint = "cavity and filling balance the air that enters by themselves: leave it out";
+        let allowed = "only beside table and schedule";
+        faults.add_value(&at.key("inflow_loss"), "a loss beside a balance", allowed, Some(hint.to_owned()));
+    }
     let geometry = geometry?;
     if !triangles(at, "a canopy", geometry, TriangleUse::Areas, faults) {
         return None;
@@ -60,8 +65,20 @@ pub(super) fn canopy(
     };
     (faults.count() == before).then_some(())?;
     let canopy::Canopy { skirt, apex, confluence, nominal_area, .. } = found;
-    let apparent_mass = canopy.apparent_mass.filter(|factor| *factor > 0.0);
-    Some(CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, air, apparent_mass, nominal_area })
+    let [apparent_mass, inflow_loss] =
+        [canopy.apparent_mass, canopy.inflow_loss].map(|factor| factor.filter(|factor| *factor > 0.0));
+    let parts = CanopySpec {
+        triangles,
+        pressure_coefficient,
+        skirt,
+        apex,
+        confluence,
+        air,
+        apparent_mass,
+        inflow_loss,
+        nominal_area,
+    };
+    Some(parts)
 }
 
 /// What sets the pressure in a canopy, as the case gives it.
@@ -76,7 +93,18 @@ enum Pressure<'a> {
 /// The one way in which a canopy gives its pressure.
 fn pressure<'a>(at: &Pointer, canopy: &'a Canopy, faults: &mut Faults<'_>) -> Option<Pressure<'a>> {
     // Without `..`, so that a new key is a way too or is named here as none.
-    let Canopy { table, schedule, cavity, filling, law: _, on: _, apparent_mass: _, confluence: _, skirt: _ } = canopy;
+    let Canopy {
+        table,
+        schedule,
+        cavity,
+        filling,
+        law: _,
+        on: _,
+        apparent_mass: _,
+        inflow_loss: _,
+        confluence: _,
+        skirt: _,
+    } = canopy;
     let table = table.as_ref().map(|table| match &table.pressure_coefficient {
         PressureCoefficient::Constant(c) => Some(vec![[0.0, *c]]),
         PressureCoefficient::Rows(rows) => coefficient_rows(&at.key("table").key("pressure_coefficient"), rows, faults),

@@ -187,6 +187,7 @@ fn canopy(full: &CanopySpec) -> CanopySpec {
         confluence: vec![0],
         air: CanopyAir::Point(full.air.stages().to_vec()),
         apparent_mass: full.apparent_mass,
+        inflow_loss: None,
         nominal_area: full.nominal_area,
     }
 }

@@ -110,6 +110,14 @@ pub struct Canopy {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub apparent_mass: Option<f64>,
+    /// [-] Loss coefficient k of the air that enters. Only beside `table` and `schedule`, which without it let a canopy
+    /// take a new shape within hundredths of a second, as when a reefing line is cut. A canopy whose volume grows at
+    /// dVol/dt has k rho u |u|/2 less pressure, times the coefficient of a `table`, with u = dVol/dt/A_m and the area
+    /// of its mouth A_m; one that closes has more. 1 is the head of the air in the mouth. Nothing in steady flight. No
+    /// loss if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0))]
+    pub inflow_loss: Option<f64>,
     /// The nodes where the lines meet; if not given, those of the mesh's group `confluence`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confluence: Option<NodeSelection>,
