@@ -194,10 +194,15 @@ impl BoxTree {
         }
     }
 
-    /// Calls `visit` for all things whose boxes overlap a box.
-    pub fn within(&self, bounds: &Bounds, mut visit: impl FnMut(u32)) {
+    /// Calls `visit` for all things whose boxes overlap a box. Ends early when `looks`, the number of boxes that may be
+    /// looked at, is used up.
+    pub fn within(&self, bounds: &Bounds, looks: &mut u64, mut visit: impl FnMut(u32)) {
         let mut stack = vec![0];
         while let Some(node) = stack.pop() {
+            if *looks == 0 {
+                return;
+            }
+            *looks -= 1;
             if !self.nodes[node].overlaps(bounds) {
                 continue;
             }
@@ -240,7 +245,7 @@ mod tests {
                 assert_eq!(found, right, "{n}");
                 let place = Bounds { low: [-1.5; 3], high: [0.5; 3] };
                 let mut inside = Vec::new();
-                tree.within(&place, |item| inside.push(item as usize));
+                tree.within(&place, &mut u64::MAX.clone(), |item| inside.push(item as usize));
                 inside.sort_unstable();
                 let right: Vec<usize> = (0..n).filter(|i| moved[*i].overlaps(&place)).collect();
                 assert_eq!(inside, right, "{n}");
