@@ -5,7 +5,7 @@
 //! sides lead apart, or a strip of cloth, which has the cloth inside.
 
 use super::rim::{Rim, RimEdge};
-use super::{Cloth, GAP, LOOKS};
+use super::{COINCIDENT, Cloth, GAP, LOOKS};
 use crate::box_tree::{Bounds, BoxTree};
 use crate::hanging::HangingNode;
 use nalgebra::Vector3;
@@ -23,6 +23,8 @@ const SAME_SIDE: f64 = 0.5;
 const NOTCH: f64 = 0.03;
 /// [rad] Angle at which both sides lead away from a corner that only comes near.
 const CORNER: f64 = 0.3;
+/// [-] Farthest node of the other side over the widest gap: both sides may also be shifted along each other.
+const ASKEW: f64 = 1.5;
 /// [-] Distance over the length of an edge within which a node lies on it.
 const ON_EDGE: f64 = 1e-4;
 
@@ -85,7 +87,7 @@ pub(super) fn find(cloth: &Cloth<'_>, rim: &Rim) -> Found {
         best
     };
     let all: Vec<Option<Nearest>> = (0..rim.edges.len()).map(&mut nearest).collect();
-    let mut found = Found::default();
+    let (mut found, mut askew) = (Found::default(), Vec::new());
     for (start, near) in all.iter().enumerate() {
         let Some(near) = near.filter(|near| near.away <= near.most && !leads_apart(rim, &all, start, near)) else {
             continue;
@@ -94,12 +96,21 @@ pub(super) fn find(cloth: &Cloth<'_>, rim: &Rim) -> Found {
         let away = |end: u32| (mesh.point(end) - mesh.point(node)).norm();
         let [a, b] = edge.ends;
         let end = if away(b) < away(a) { b } else { a };
-        if away(end) <= near.most {
+        if away(end) <= ASKEW * near.most {
             found.pairs.push([node, end]);
+            askew.push((Beside { node, edge: edge.ends, away: near.away }, away(end) > 2.0 * near.away));
         } else if near.away > ON_EDGE * edge.length {
             // Nodes on the edge itself are hanging nodes.
             found.beside.push(Beside { node, edge: edge.ends, away: near.away });
         }
+    }
+    // Where most nodes face edges, those that are farther from a node than from its edge were not made for it either.
+    if found.beside.len() > found.pairs.len() {
+        let coincident = COINCIDENT * cloth.extent;
+        let not_meant = |beside: &Beside, far: bool| far && beside.away > coincident;
+        let mut kept = askew.iter().map(|(beside, far)| !not_meant(beside, *far));
+        found.pairs.retain(|_| kept.next().unwrap_or(true));
+        found.beside.extend(askew.iter().filter(|(beside, far)| not_meant(beside, *far)).map(|(beside, _)| *beside));
     }
     let paired: HashSet<u32> = found.pairs.as_flattened().iter().copied().collect();
     found.beside.retain(|beside| !paired.contains(&beside.node));

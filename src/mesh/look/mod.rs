@@ -41,23 +41,18 @@ pub fn look(mesh: &Mesh, topology: &Topology, near: &[[u32; 2]]) -> Look {
     let cloth = Cloth::new(mesh, topology);
     let rim = Rim::new(&cloth);
     let found = gaps::find(&cloth, &rim);
-    let on = on_cloth::find(&cloth, &rim);
-    let mut pairs = [near, &found.pairs, &on.line_ends].concat();
     let mut hanging = hanging_nodes(mesh, topology);
+    let on = on_cloth::find(&cloth, &rim, &hanging);
+    let mut pairs = [near, &found.pairs, &on.line_ends].concat();
     // A node near the end of the edge is joined to that end.
-    hanging.retain(|one| match gaps::end_beside(&cloth, one) {
-        Some(end) => {
-            pairs.push([one.node, end]);
-            false
-        }
-        None => true,
+    hanging.retain(|one| {
+        let end = gaps::end_beside(&cloth, one);
+        pairs.extend(end.map(|end| [one.node, end]));
+        end.is_none()
     });
-    let code = WarningCode::HangingNode;
-    let mut others: Vec<Warning> = describe(&hanging).map(|text| Warning::new(code, text)).into_iter().collect();
-    hanging.iter().for_each(|one| pairs.retain(|pair| !pair.contains(&one.node)));
-    others.extend(on.warnings);
-    others.extend(pieces::stray(&cloth));
-    others.extend(pieces::holes(&cloth, &found));
+    let told = describe(&hanging).map(|text| Warning::new(WarningCode::HangingNode, text));
+    let pieces = [pieces::stray(&cloth), pieces::holes(&cloth, &found)];
+    let others = told.into_iter().chain(on.warnings).chain(pieces.into_iter().flatten()).collect();
     Look { gaps: Gaps::new(mesh, &pairs, &found.beside), others }
 }
 

@@ -3,6 +3,7 @@
 use super::rim::Rim;
 use super::{Cloth, GAP, LOOKS};
 use crate::box_tree::{Bounds, BoxTree};
+use crate::hanging::HangingNode;
 use crate::warning::{Warning, WarningCode};
 use nalgebra::Vector3;
 
@@ -22,9 +23,12 @@ pub(super) struct Found {
 }
 
 /// Finds ends of lines on cloth that does not have them, and triangles on triangles.
-pub(super) fn find(cloth: &Cloth<'_>, rim: &Rim) -> Found {
+///
+/// Those among the hanging nodes, ascending, are told there.
+pub(super) fn find(cloth: &Cloth<'_>, rim: &Rim, hanging: &[HangingNode]) -> Found {
     let mut found = Found::default();
-    let ends = loose_ends(cloth);
+    let mut ends = loose_ends(cloth);
+    ends.retain(|end| hanging.binary_search_by_key(end, |one| one.node).is_err());
     let mut on: Vec<(u32, u32, f64)> = Vec::new();
     let points: Vec<Vector3<f64>> = ends.iter().map(|node| cloth.mesh.point(*node)).collect();
     let reach = GAP * cloth.extent;
@@ -37,13 +41,13 @@ pub(super) fn find(cloth: &Cloth<'_>, rim: &Rim) -> Found {
     on.sort_by(|a, b| a.0.cmp(&b.0).then(a.2.total_cmp(&b.2)).then(a.1.cmp(&b.1)));
     on.dedup_by_key(|one| one.0);
     let mut beside = Vec::new();
-    for (node, triangle, away) in on {
+    for (node, triangle, _) in on {
         let from = |corner: u32| (cloth.mesh.point(corner) - cloth.mesh.point(node)).norm();
         let corners = cloth.mesh.triangles[triangle as usize];
         let nearest = corners.into_iter().min_by(|a, b| from(*a).total_cmp(&from(*b)));
         match nearest.filter(|corner| from(*corner) <= reach) {
             Some(corner) => found.line_ends.push([corner, node]),
-            None => beside.push((node, triangle, away)),
+            None => beside.push((node, triangle)),
         }
     }
     found.warnings.extend(told(&beside));
@@ -102,8 +106,8 @@ fn place(x: Vector3<f64>, [a, b, c]: [Vector3<f64>; 3]) -> ([f64; 3], f64) {
     ([1.0 - v - w, v, w], (x - a).dot(&normal) / square.sqrt())
 }
 
-fn told(beside: &[(u32, u32, f64)]) -> Option<Warning> {
-    let &(node, triangle, _) = beside.first()?;
+fn told(beside: &[(u32, u32)]) -> Option<Warning> {
+    let &(node, triangle) = beside.first()?;
     let more = if beside.len() > 1 { format!(" (the first of {} such ends)", beside.len()) } else { String::new() };
     let text = format!(
         "the line that ends at node {node} ends on triangle {triangle}{more}, away from its corners, so it is not joined to the \

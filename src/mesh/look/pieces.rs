@@ -11,9 +11,12 @@ use std::collections::{BTreeMap, HashSet};
 const FEW: usize = 10;
 /// Triangles of the largest sheet for each of a stray piece, at least.
 const LARGE: usize = 50;
-/// Nodes around the hole that one missing face leaves, and those around a missing node; with the largest extent over that
-/// of the sheet.
-const HOLES: [(usize, f64); 2] = [(4, 0.15), (8, 0.05)];
+/// Nodes around the hole that a missing face or node leaves, at most.
+const AROUND: usize = 6;
+/// [-] Largest extent of such a hole over that of the cloth.
+const OF_CLOTH: f64 = 0.15;
+/// Nodes of the longest rim for each of a small hole, at least: vents of coarse canopies have few nodes too.
+const OF_RIM: usize = 4;
 
 /// A few triangles that nothing connects to a large sheet.
 pub(super) fn stray(cloth: &Cloth<'_>) -> Option<Warning> {
@@ -47,8 +50,10 @@ pub(super) fn holes(cloth: &Cloth<'_>, gaps: &gaps::Found) -> Option<Warning> {
     let mesh = cloth.mesh;
     let open: HashSet<u32> =
         gaps.pairs.as_flattened().iter().copied().chain(gaps.beside.iter().map(|one| one.node)).collect();
+    let longest = cloth.topology.loops().iter().map(|rim| rim.nodes.len()).max()?;
     let small = |hole: &&BoundaryLoop| {
-        let size = HOLES.iter().any(|(nodes, share)| hole.nodes.len() <= *nodes && hole.extent <= share * cloth.extent);
+        let few = hole.nodes.len() <= AROUND && OF_RIM * hole.nodes.len() <= longest;
+        let size = few && hole.extent <= OF_CLOTH * cloth.extent;
         hole.closed && !hole.outer && size && !hole.nodes.iter().any(|node| open.contains(node))
     };
     let found: Vec<&BoundaryLoop> = cloth.topology.loops().iter().filter(small).collect();
@@ -57,11 +62,9 @@ pub(super) fn holes(cloth: &Cloth<'_>, gaps: &gaps::Found) -> Option<Warning> {
     let largest = found.iter().map(|hole| hole.extent).fold(0.0, f64::max);
     let [x, y, z] = mesh.nodes[node as usize].map(|x| figures(x, 5));
     let text = format!(
-        "the cloth has {} of {} to {} nodes, at most {} m across, such as at node {node}, ({x}, {y}, {z}): faces may be missing \
-         there; fill them, unless the holes are meant",
+        "the cloth has {} of few nodes, at most {} m across, such as at node {node}, ({x}, {y}, {z}): faces may be missing there; \
+         fill them, unless the holes are meant",
         counted(found.len() as u64, "small hole", "small holes"),
-        found.iter().map(|hole| hole.nodes.len()).min().unwrap_or(0),
-        found.iter().map(|hole| hole.nodes.len()).max().unwrap_or(0),
         figures(largest, 3)
     );
     Some(Warning::new(WarningCode::SmallHole, text))

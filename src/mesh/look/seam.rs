@@ -4,7 +4,7 @@ use super::COINCIDENT;
 use super::gaps::Beside;
 use crate::Mesh;
 use crate::components::components;
-use crate::format_number::figures;
+use crate::format_number::{counted, figures};
 use crate::read::{extent, joined};
 use crate::warning::{Warning, WarningCode};
 
@@ -94,7 +94,8 @@ impl Gaps {
             }
             None => "give both sides the same nodes".to_owned(),
         };
-        Some(format!("{} nodes lie {place}: {advice}", self.nodes))
+        let nodes = counted(self.nodes as u64, "node lies", "nodes lie");
+        Some(format!("{nodes} {place}: {advice}"))
     }
 
     fn of_edges(&self) -> Option<String> {
@@ -108,9 +109,9 @@ impl Gaps {
             }
         };
         Some(format!(
-            "the cloth is open along a seam: {} nodes lie at most {:.1e} beside an edge that does not have them, such as node \
+            "the cloth is open along a seam: {} at most {:.1e} beside an edge without being joined to it, such as node \
              {node}{place} beside the edge {a}-{b}: give both sides the same nodes, since \"merge\" joins nodes only",
-            self.beside.len(),
+            counted(self.beside.len() as u64, "node lies", "nodes lie"),
             two_digits_up(away)
         ))
     }

@@ -116,7 +116,8 @@ fn doubts(source: &MeshSource, mesh: &Mesh, topology: &Topology) -> Vec<Warning>
     let Look { gaps, others } = look(mesh, topology, &[]);
     let extent = Bounds::of(&mesh.nodes).extent();
     let code = if extent > 1.0 { WarningCode::LargeExtent } else { WarningCode::SmallExtent };
-    let size = units(extent).map(|text| Warning::new(code, text));
+    // Lists of a case have no "scale".
+    let size = units(extent).filter(|_| matches!(source, MeshSource::File(_))).map(|text| Warning::new(code, text));
     gaps.warning().into_iter().chain(others).chain(size).collect()
 }
 
