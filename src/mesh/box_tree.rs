@@ -197,17 +197,18 @@ impl BoxTree {
     /// Calls `visit` for all things whose boxes overlap a box. Ends early when `looks`, the number of boxes that may be
     /// looked at, is used up.
     pub fn within(&self, bounds: &Bounds, looks: &mut u64, mut visit: impl FnMut(u32)) {
-        let mut stack = vec![0];
-        while let Some(node) = stack.pop() {
-            if *looks == 0 {
-                return;
-            }
+        // Each level leaves one node more, and there are at most 32.
+        let (mut stack, mut waiting) = ([0; 64], 1);
+        while waiting > 0 && *looks > 0 {
+            waiting -= 1;
+            let node: usize = stack[waiting];
             *looks -= 1;
             if !self.nodes[node].overlaps(bounds) {
                 continue;
             }
             if node + 1 < self.leaves() {
-                stack.extend([2 * node + 2, 2 * node + 1]);
+                (stack[waiting], stack[waiting + 1]) = (2 * node + 2, 2 * node + 1);
+                waiting += 2;
                 continue;
             }
             let leaf = node + 1 - self.leaves();

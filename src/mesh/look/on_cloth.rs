@@ -129,15 +129,19 @@ fn overlaps(cloth: &Cloth<'_>, rim: &Rim) -> Option<Warning> {
     let mut pairs: Vec<[u32; 2]> = Vec::new();
     for ([a, b], triangles) in cloth.topology.sides() {
         let [from, along] = [mesh.point(a), mesh.point(b) - mesh.point(a)];
-        let inward = |triangle: u32| {
-            let apex = mesh.triangles[triangle as usize].into_iter().find(|node| ![a, b].contains(node));
-            let up = mesh.point(apex.unwrap_or(a)) - from;
-            up - along * (up.dot(&along) / along.norm_squared())
+        let square = along.norm_squared();
+        // To the corner across the edge.
+        let up = |triangle: u32| {
+            let corners = mesh.triangles[triangle as usize];
+            mesh.point(corners.into_iter().find(|node| *node != a && *node != b).unwrap_or(a)) - from
         };
+        // Of the parts of both that are square to the edge, times its length squared.
+        let dot = |u: Vector3<f64>, v: Vector3<f64>| u.dot(&v) * square - u.dot(&along) * v.dot(&along);
         for (i, s) in triangles.iter().enumerate() {
             for t in triangles.iter().skip(i + 1).take(8) {
-                let [u, v] = [*s, *t].map(inward);
-                if u.dot(&v) > FLAT * (u.norm_squared() * v.norm_squared()).sqrt() {
+                let [u, v] = [*s, *t].map(up);
+                let cosine = dot(u, v);
+                if cosine > 0.0 && cosine > FLAT * (dot(u, u) * dot(v, v)).sqrt() {
                     pairs.push([*s, *t]);
                 }
             }

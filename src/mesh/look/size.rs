@@ -51,9 +51,10 @@ pub fn canopy_along_y(mesh: &Mesh, topology: &Topology) -> bool {
     let cloth = Cloth::new(mesh, topology);
     let mean = |nodes: &[u32]| nodes.iter().map(|n| mesh.point(*n)).sum::<Vector3<f64>>() / nodes.len() as f64;
     let of_cloth: Vec<u32> = (0..mesh.nodes.len() as u32).filter(|node| cloth.of_triangle[*node as usize]).collect();
-    let beside: Vec<u32> = (0..mesh.nodes.len() as u32).filter(|node| !cloth.of_triangle[*node as usize]).collect();
-    let mut ends: Vec<u32> =
-        cloth.lines().flat_map(|(_, pair)| pair).filter(|n| cloth.of_triangle[*n as usize]).collect();
+    let (mut ends, mut beside): (Vec<u32>, Vec<u32>) =
+        cloth.lines().flat_map(|(_, pair)| pair).partition(|node| cloth.of_triangle[*node as usize]);
+    beside.sort_unstable();
+    beside.dedup();
     ends.sort_unstable();
     ends.dedup();
     let centre = mean(&of_cloth);

@@ -71,7 +71,7 @@ fn gores_that_are_apart_are_joined_as_told() {
 /// Neither a short edge elsewhere, nor one in the seam, hides a gap.
 #[test]
 fn a_short_edge_hides_no_gap() {
-    let right = |v: f64| if v == 0.1 { 1e-3 } else { v };
+    let right = |v: f64| if v == 0.1 { 0.01 } else { v };
     let mesh = together([
         sheet([10, 10], |u, v| [u, right(v), 0.0]),
         sheet([10, 10], |u, v| [1.002 + u, right(v), 0.0]),
@@ -257,9 +257,14 @@ fn units_and_axes_are_guessed() {
         let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(|n| kept[n as usize])).collect();
         Mesh { edges: unique_edges(&triangles), triangles, ..mesh }
     };
+    let mut rigged = dome(&|[x, y, z]| [x, z, -y]);
+    rigged.nodes.push([0.0, -3.0, 0.0]);
+    let confluence = rigged.nodes.len() as u32 - 1;
+    rigged.edges.extend([18, 60, 140].map(|node| [node, confluence]));
     let along_y = |mesh: &Mesh| canopy_along_y(mesh, &Topology::new(mesh).expect("a mesh"));
     assert!(!along_y(&dome(&|x| x)));
     assert!(along_y(&dome(&|[x, y, z]| [x, z, -y])));
+    assert!(along_y(&rigged));
     assert!(!along_y(&dome(&|[x, y, z]| [z, x, y])));
     assert!(!along_y(&together([sheet([6, 6], |u, v| [u, 0.0, v])])));
     assert!(!along_y(&together([sheet([6, 6], flat)])));
