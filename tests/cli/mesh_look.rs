@@ -1,4 +1,4 @@
-//! What a mesh of a file or of a case shows: told by `mesh inspect`, by `check` and by `solve`; nothing of sound meshes.
+//! What a mesh of a file or a case shows: told by `mesh inspect`, by `check` and by `solve`; nothing of sound meshes.
 
 use crate::bench::Bench;
 use canopy_fem::mesh::look::{canopy_along_y, look, units};

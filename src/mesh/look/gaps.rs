@@ -1,6 +1,6 @@
 //! Gaps between edges of cloth that run along each other, as along a seam that was not joined.
 //!
-//! A gap is narrow against the cloth and against its own edges, and the cloth goes on at its other side. So none is what
+//! A gap is narrow against the cloth and its own edges, and the cloth goes on at its other side. So no gap is what
 //! two layers leave between them, a slot that is as wide as its edges are long, a notch or the end of a slit, whose
 //! sides lead apart, or a strip of cloth, which has the cloth inside.
 

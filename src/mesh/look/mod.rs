@@ -1,4 +1,4 @@
-//! A look at a mesh that somebody else made: what lets a simulation run, but on cloth that is not the one that is meant.
+//! A look at a mesh that somebody else made: what lets a simulation run, but on other cloth than the one that is meant.
 //! Generated meshes are right by construction and need none. O(n log n), and mostly O(n): the sheet is passed through a
 //! few times, and only its rim is searched.
 
