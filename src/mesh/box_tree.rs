@@ -194,15 +194,21 @@ impl BoxTree {
         }
     }
 
-    /// Calls `visit` for all things whose boxes overlap a box.
-    pub fn within(&self, bounds: &Bounds, mut visit: impl FnMut(u32)) {
-        let mut stack = vec![0];
-        while let Some(node) = stack.pop() {
+    /// Calls `visit` for all things whose boxes overlap a box. Ends early when `looks`, the number of boxes that may be
+    /// looked at, is used up.
+    pub fn within(&self, bounds: &Bounds, looks: &mut u64, mut visit: impl FnMut(u32)) {
+        // Each level leaves one node more, and there are at most 32.
+        let (mut stack, mut waiting) = ([0; 64], 1);
+        while waiting > 0 && *looks > 0 {
+            waiting -= 1;
+            let node: usize = stack[waiting];
+            *looks -= 1;
             if !self.nodes[node].overlaps(bounds) {
                 continue;
             }
             if node + 1 < self.leaves() {
-                stack.extend([2 * node + 2, 2 * node + 1]);
+                (stack[waiting], stack[waiting + 1]) = (2 * node + 2, 2 * node + 1);
+                waiting += 2;
                 continue;
             }
             let leaf = node + 1 - self.leaves();
@@ -240,7 +246,7 @@ mod tests {
                 assert_eq!(found, right, "{n}");
                 let place = Bounds { low: [-1.5; 3], high: [0.5; 3] };
                 let mut inside = Vec::new();
-                tree.within(&place, |item| inside.push(item as usize));
+                tree.within(&place, &mut u64::MAX.clone(), |item| inside.push(item as usize));
                 inside.sort_unstable();
                 let right: Vec<usize> = (0..n).filter(|i| moved[*i].overlaps(&place)).collect();
                 assert_eq!(inside, right, "{n}");

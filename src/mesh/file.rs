@@ -1,6 +1,7 @@
 //! A mesh file, and how its mesh is placed and repaired.
 
-use super::read::{self, Imported, extent, joined};
+use super::look::{Look, Y_IS_UP, canopy_along_y, look, near_nodes, units};
+use super::read::{self, Imported, extent};
 use super::source::{FaultSink, check_length, first_fault};
 use super::{Mesh, MeshError, Topology};
 use serde::{Deserialize, Serialize};
@@ -157,37 +158,15 @@ pub(super) fn y_up(x: f64, y: f64, z: f64) -> [f64; 3] {
     [x, -z, y]
 }
 
-/// [-] Share of the shortest edge within which nodes that no edge joins are taken to be meant as one.
-const SAME: f64 = 0.1;
-/// [m] Extent beyond which lengths are taken to be millimetres.
-const LARGE: f64 = 100.0;
-
 /// What may be wrong with a mesh, and the option that mends it.
 pub fn repairs(mesh: &Mesh, topology: &Topology) -> Vec<String> {
-    let mut advice = Vec::new();
-    let place = |node: u32| nalgebra::Vector3::from(mesh.nodes[node as usize]);
-    let shortest = mesh.edges.iter().map(|&[a, b]| (place(a) - place(b)).norm()).fold(f64::INFINITY, f64::min);
-    let near = (0_u32..).zip(joined(&mesh.nodes, SAME * shortest)).filter(|(node, kept)| node != kept);
-    let gaps: Vec<f64> = near.map(|(node, kept)| (place(node) - place(kept)).norm()).collect();
-    if let Some(widest) = gaps.iter().copied().reduce(f64::max) {
-        let count = gaps.len();
-        // Two digits, rounded up.
-        let (place, distance) = match widest > 0.0 {
-            true => (format!("at most {widest:.1e} from another"), format!("{:.1e}", 1.05 * widest)),
-            false => ("at the place of another".to_owned(), "0".to_owned()),
-        };
-        advice.push(format!(
-            "{count} nodes lie {place} without being joined: --merge {distance} (after --scale), or \"merge\" in a case"
-        ));
-    }
+    let Look { gaps, others } = look(mesh, topology, &near_nodes(mesh, topology));
+    let mut advice: Vec<String> = gaps.text().into_iter().collect();
     if let Err(error) = topology.check_orientation(mesh) {
         advice.push(format!("{error}, or turn all alike: --orient, or \"orient\" in a case"));
     }
-    let extent = extent(&mesh.nodes);
-    if extent > LARGE {
-        advice.push(format!(
-            "it is {extent:.0} m across; if these are millimetres: --scale 0.001, or \"scale\" in a case"
-        ));
-    }
+    advice.extend(units(extent(&mesh.nodes)));
+    advice.extend(canopy_along_y(mesh, topology).then(|| Y_IS_UP.to_owned()));
+    advice.extend(others.into_iter().map(|warning| warning.text));
     advice
 }

@@ -6,6 +6,9 @@ use super::{Mesh, Topology};
 /// [-] Distance over the length of an edge within which a node lies on it: mesh files round to few digits.
 const WITHIN: f64 = 1e-4;
 
+/// Boxes that the search may look at for each node and edge, in the mean: a heap of edges at one place ends it early.
+const LOOKS: u64 = 400;
+
 /// A node between the ends of an edge that only one triangle has, and that without the node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HangingNode {
@@ -33,10 +36,11 @@ pub fn hanging_nodes(mesh: &Mesh, topology: &Topology) -> Vec<HangingNode> {
         let inside = WITHIN * length < place && place < (1.0 - WITHIN) * length;
         inside && (mesh.point(node) - start - along * (place / length)).norm() < WITHIN * length
     };
+    let mut looks = LOOKS * (mesh.nodes.len() + edges.len()) as u64;
     let mut found = Vec::new();
     for (node, x) in (0..).zip(&mesh.nodes) {
         let mut first = None;
-        tree.within(&Bounds::of([x]), |number| {
+        tree.within(&Bounds::of([x]), &mut looks, |number| {
             let (edge, triangle) = edges[number as usize];
             let belongs = mesh.triangles[triangle as usize].contains(&node);
             if !belongs && lies_on(node, edge) && first.is_none_or(|first| number < first) {

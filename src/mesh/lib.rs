@@ -30,6 +30,7 @@ mod hilbert;
 pub mod input_file;
 pub mod interrupt;
 mod layout;
+pub mod look;
 mod loops;
 mod orient;
 pub mod parachute;

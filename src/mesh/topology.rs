@@ -103,6 +103,16 @@ impl Topology {
         }
     }
 
+    /// Triangles that have both nodes, ascending.
+    pub fn triangles_at(&self, pair: [u32; 2]) -> &[u32] {
+        self.sides.find(pair).map_or(&[], |side| self.sides.at(side))
+    }
+
+    /// Edges of the triangles, the smaller node first, with their triangles, both ascending.
+    pub(crate) fn sides(&self) -> impl Iterator<Item = ([u32; 2], &[u32])> {
+        self.sides.nodes.iter().enumerate().map(|(side, nodes)| (*nodes, self.sides.at(side)))
+    }
+
     /// Edges of one triangle, the smaller node first, with that triangle; ascending.
     pub fn boundary_edges(&self) -> impl Iterator<Item = ([u32; 2], u32)> {
         let sides = self.sides.nodes.iter().enumerate().map(|(side, nodes)| (*nodes, self.sides.at(side)));

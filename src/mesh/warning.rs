@@ -67,14 +67,22 @@ pub enum WarningCode {
     MeshFile,
     /// A part without supports, while other parts have supports.
     NoSupport,
+    /// Triangles that lie on other triangles of the same sheet.
+    OverlappingTriangles,
     /// A reefing line that is not cut when the canopy begins its last stage, or whose cut no air slows.
     ReefingLine,
     /// Coordinates so far from the origin that their rounding changes the strains of the springs.
     RoundedCoordinates,
+    /// Cloth that is open along a seam.
+    SeamGap,
     /// A pulse of a table, or a gust, shorter than a few steps.
     ShortPulse,
     /// A step that is stable only as long as springs that are slack at the start stay so.
     SlackSprings,
+    /// A mesh of a few centimetres or less in place of a canopy.
+    SmallExtent,
+    /// A small hole in cloth, like a face that was left out.
+    SmallHole,
     /// A step above the critical one, at the start or later.
     StepAboveCritical,
     /// A step longer than the run.
@@ -83,6 +91,8 @@ pub enum WarningCode {
     StepDashpot,
     /// Cloth that is strained more than cloth bears.
     StrainedCloth,
+    /// A few triangles beside a large sheet that nothing connects to it.
+    StrayTriangles,
     /// A speed above that of sound.
     SupersonicSpeed,
     /// Heights above those of the standard atmosphere.
@@ -96,6 +106,8 @@ pub enum WarningCode {
     UnselectedEdges,
     /// A spring rule without any edge.
     UnusedRule,
+    /// A mesh file whose y axis points up.
+    UpAxis,
     /// Wind in the plane of the triangles.
     WindInPlane,
 }

@@ -15,6 +15,7 @@ mod initial_from;
 mod mass_scaling;
 mod matrices;
 mod mesh;
+mod mesh_look;
 mod parachutes;
 mod plot;
 mod point;

@@ -7,7 +7,6 @@ pub mod coincident;
 pub mod crossing;
 pub mod damping;
 pub mod edges;
-pub mod hanging;
 pub mod parts;
 pub mod units;
 
@@ -23,7 +22,6 @@ pub fn network(spec: &NetworkSpec, topology: &Topology, step: Option<f64>) -> Ve
     warnings.extend(parts::unsupported(&parts).map(Warning::from));
     warnings.extend(parts::loose_lines(spec, &parts).map(Warning::from));
     warnings.extend(coincident::coincident(spec).map(Warning::from));
-    warnings.extend(hanging::hanging(&spec.mesh, topology));
     warnings.extend(crossing::at_start(spec));
     warnings.extend(air::wind_in_plane(spec).map(Warning::from));
     warnings.extend(air::closing(spec).map(Warning::from));

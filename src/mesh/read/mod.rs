@@ -33,6 +33,7 @@ mod polygon;
 mod statements;
 mod stl;
 mod text;
+mod unit;
 #[cfg(feature = "vtk")]
 mod vtk;
 
@@ -115,7 +116,13 @@ fn cells_of(wanted: &MeshFile, path: &Path, bytes: &[u8], folder: Option<&Path>)
         .unwrap_or_else(|_| Err("is damaged; the parser gave up on it. Write it anew".to_owned()));
     let cells = cells.and_then(|mut cells| {
         cells.check_points()?;
+        let named = unit::of_comments(bytes).filter(|_| cells.unit.is_none());
         cells.follow_header(wanted);
+        if let Some((name, length)) = named.filter(|(_, length)| *length != 1.0 && wanted.scale.is_none()) {
+            cells
+                .notes
+                .push(format!("a comment gives its lengths in {name}: --scale {length}, or \"scale\" in a case"));
+        }
         Ok(cells)
     });
     cells.map_err(|reason| MeshError::File { path: path.to_owned(), reason })

@@ -4,7 +4,9 @@ use super::mesh_json::to_json;
 use super::mesh_output::doubts;
 pub use super::mesh_output::{MeshCliError, OutputArgs};
 use super::parachute::ParachuteArgs;
+use crate::format_number::figures;
 use crate::mesh::annulus::{AnnulusParameters, DiscParameters};
+use crate::mesh::box_tree::Bounds;
 use crate::mesh::canopy::Canopy;
 use crate::mesh::chain::ChainParameters;
 use crate::mesh::file::{Axes, Diagonals};
@@ -12,7 +14,7 @@ use crate::mesh::group::describe_groups;
 use crate::mesh::read::{Imported, endings};
 use crate::mesh::rectangle::{RectangleParameters, RectanglePattern};
 use crate::mesh::write::write_mesh;
-use crate::mesh::{EdgeKind, Mesh, MeshFile, MeshSource, Quality, Topology};
+use crate::mesh::{BoundaryLoop, EdgeKind, Mesh, MeshFile, MeshSource, Quality, Topology};
 use clap::{Args, Subcommand, ValueEnum};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -293,6 +295,28 @@ fn write(mesh: &Mesh, path: &Path, replace: bool) -> Result<String, MeshCliError
     Ok(format!("{notes}written to {}\n", path.display()))
 }
 
+/// Most loops that have a line of their own.
+const LOOPS: usize = 10;
+
+/// A line for each of the first loops, and one for the rest.
+fn loops(all: &[BoundaryLoop]) -> Vec<String> {
+    let told = |l: &BoundaryLoop| {
+        let kind = if l.outer { "outer" } else { "inner" };
+        let open = if l.closed { "" } else { ", not closed" };
+        let nodes = l.nodes.len();
+        format!("{kind} loop   {nodes} nodes, length {:.6} m, extent {:.6} m{open}", l.length, l.extent)
+    };
+    let mut lines: Vec<String> = all.iter().take(LOOPS).map(told).collect();
+    let rest = all.get(LOOPS..).unwrap_or_default();
+    if !rest.is_empty() {
+        let outer = rest.iter().filter(|l| l.outer).count();
+        let length: f64 = rest.iter().map(|l| l.length).sum();
+        let inner = rest.len() - outer;
+        lines.push(format!("more loops   {outer} outer, {inner} inner, length {length:.6} m in all"));
+    }
+    lines
+}
+
 /// Counts, loops, quality, histogram, and faults that matter for a simulation.
 fn describe(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliError> {
     let topology = Topology::new(mesh).map_err(MeshCliError::Input)?;
@@ -311,16 +335,10 @@ fn describe(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliError> {
         format!("triangles    {}", mesh.triangles.len()),
         format!("components   {}, Euler characteristic {}", quality.components, quality.euler_characteristic),
     ];
-    for l in topology.loops() {
-        let kind = if l.outer { "outer" } else { "inner" };
-        let open = if l.closed { "" } else { ", not closed" };
-        lines.push(format!(
-            "{kind} loop   {} nodes, length {:.6} m, extent {:.6} m{open}",
-            l.nodes.len(),
-            l.length,
-            l.extent
-        ));
-    }
+    let Bounds { low, high } = Bounds::of(&mesh.nodes);
+    let side = |k: usize| format!("{} {} to {} m", ["x", "y", "z"][k], figures(low[k], 7), figures(high[k], 7));
+    lines.push(format!("box          {}", [0, 1, 2].map(side).join(", ")));
+    lines.extend(loops(topology.loops()));
     lines.push(format!(
         "edge length  {:.6} to {:.6} m, mean {:.6} m",
         quality.min_edge, quality.max_edge, quality.mean_edge

@@ -1,6 +1,7 @@
 //! What `mesh inspect --json` prints: the same as the text, for programs.
 
 use super::mesh_output::{MeshCliError, doubts};
+use crate::mesh::box_tree::Bounds;
 use crate::mesh::canopy::Canopy;
 use crate::mesh::{EdgeKind, Mesh, Quality, Topology};
 use serde_json::{Value, json};
@@ -21,6 +22,7 @@ pub(super) fn to_json(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliEr
         });
         (name, value)
     });
+    let Bounds { low, high } = Bounds::of(&mesh.nodes);
     let canopies: BTreeMap<String, Value> = Canopy::of_groups(mesh)
         .into_iter()
         .filter_map(|(name, canopy)| Some((name, json!(canopy.ok()?.sizes()))))
@@ -37,6 +39,7 @@ pub(super) fn to_json(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliEr
         "triangles": mesh.triangles.len(),
         "components": quality.components,
         "euler_characteristic": quality.euler_characteristic,
+        "box": {"low": low, "high": high},
         "loops": loops.collect::<Vec<_>>(),
         "edge_length": {"min": quality.min_edge, "max": quality.max_edge, "mean": quality.mean_edge},
         "angle": {"min": quality.min_angle, "max": quality.max_angle, "mean_smallest": quality.mean_min_angle},

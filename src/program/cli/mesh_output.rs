@@ -2,7 +2,7 @@
 
 use crate::mesh::canopy::Canopy;
 use crate::mesh::file::repairs;
-use crate::mesh::{Mesh, MeshError, Topology, hanging};
+use crate::mesh::{Mesh, MeshError, Topology};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -51,6 +51,5 @@ pub(super) fn doubts(mesh: &Mesh, topology: &Topology, notes: &[String]) -> Vec<
         canopies.values().filter_map(|found| Some(found.as_ref().err()?.to_string())).collect();
     canopy.dedup();
     let sheet = sheet.into_iter().map(|error| error.to_string());
-    let hanging = hanging::describe(&hanging::hanging_nodes(mesh, topology));
-    notes.iter().cloned().chain(sheet).chain(canopy).chain(repairs(mesh, topology)).chain(hanging).collect()
+    notes.iter().cloned().chain(sheet).chain(canopy).chain(repairs(mesh, topology)).collect()
 }

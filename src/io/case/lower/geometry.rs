@@ -8,11 +8,14 @@ use nalgebra::Vector3;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::format_number::figures;
+use crate::mesh::box_tree::Bounds;
+use crate::mesh::file::Axes;
+use crate::mesh::look::{Look, Y_IS_UP, canopy_along_y, look, units};
 use crate::mesh::read::Imported;
 use crate::mesh::source::MeshSource;
 use crate::mesh::{Mesh, MeshError, Topology};
 use crate::startup::{Phase, timed};
-use crate::warning::WarningCode;
+use crate::warning::{Warning, WarningCode};
 
 /// A mesh and its topology.
 #[derive(Debug)]
@@ -21,6 +24,10 @@ pub(crate) struct Geometry {
     source: MeshSource,
     /// what the reader of a mesh file changed
     notes: Vec<String>,
+    /// what its mesh shows, if it was not generated
+    doubts: Vec<Warning>,
+    /// whether the y axis of its file seems to point up
+    y_is_up: bool,
     /// the mesh as given
     pub mesh: Mesh,
     /// boundary loops and the triangles at every edge
@@ -47,7 +54,21 @@ impl Geometry {
         }
         let area = mesh.triangles.iter().map(|&[a, b, c]| 0.5 * (at(b) - at(a)).cross(&(at(c) - at(a))).norm());
         let area = area.collect();
-        Ok(Self { source: source.clone(), notes, mesh, topology, length, unstretched, area })
+        let doubts = doubts(source, &mesh, &topology);
+        let y_is_up =
+            matches!(source, MeshSource::File(file) if file.axes == Axes::Auto) && canopy_along_y(&mesh, &topology);
+        Ok(Self { source: source.clone(), notes, doubts, y_is_up, mesh, topology, length, unstretched, area })
+    }
+
+    /// Warnings about the mesh for a scene with this gravity [m/s^2].
+    pub(crate) fn y_is_up(&self, gravity: Option<[f64; 3]>) -> Option<Warning> {
+        let along_z = gravity.is_some_and(|[x, y, z]| z.abs() > x.hypot(y));
+        (self.y_is_up && along_z).then(|| Warning::new(WarningCode::UpAxis, Y_IS_UP))
+    }
+
+    /// Whether the extent of the mesh has a warning.
+    pub(crate) fn extent_is_told(&self) -> bool {
+        self.doubts.iter().any(|doubt| doubt.code == WarningCode::LargeExtent)
     }
 
     /// [m] Rest length of the edges of a generated parachute's reefing line.
@@ -85,6 +106,19 @@ impl Geometry {
         let &[a, b] = self.mesh.edges.get(edge as usize)?;
         Some((place(a)? - place(b)?).norm())
     }
+}
+
+/// What a mesh shows that was not generated here.
+fn doubts(source: &MeshSource, mesh: &Mesh, topology: &Topology) -> Vec<Warning> {
+    if !matches!(source, MeshSource::File(_) | MeshSource::Explicit(_)) || mesh.triangles.is_empty() {
+        return Vec::new();
+    }
+    let Look { gaps, others } = look(mesh, topology, &[]);
+    let extent = Bounds::of(&mesh.nodes).extent();
+    let code = if extent > 1.0 { WarningCode::LargeExtent } else { WarningCode::SmallExtent };
+    // Lists of a case have no "scale".
+    let size = units(extent).filter(|_| matches!(source, MeshSource::File(_))).map(|text| Warning::new(code, text));
+    gaps.warning().into_iter().chain(others).chain(size).collect()
 }
 
 /// Checks the mesh section and makes or reads the mesh, unless `known` came from the same section.
@@ -133,6 +167,7 @@ fn tell_notes(at: &Pointer, geometry: &Geometry, faults: &mut Faults<'_>) {
     for note in &geometry.notes {
         faults.warn(WarningCode::MeshFile, format!("{}: {note}", at.key("file")));
     }
+    geometry.doubts.iter().for_each(|doubt| faults.warn(doubt.code, format!("{at}: {}", doubt.text)));
 }
 
 /// Adds the fault of a mesh that cannot be made, at the key that requests it.

@@ -16,7 +16,7 @@ use crate::format_number::first_few;
 use crate::mesh::Topology;
 use crate::model::spec::{NetworkSpec, RayleighSpec, Series, support_velocity};
 use crate::preflight;
-use crate::warning::WarningCode;
+use crate::warning::{Warning, WarningCode};
 use std::path::Path;
 
 /// Checks and builds a network, or a point in its place, and then the network that it stands for; files are found from
@@ -107,7 +107,9 @@ pub(super) fn network(
     }
     let step = step.and_then(Step::fixed);
     let warn = |spec: &NetworkSpec, topology: &Topology, faults: &mut Faults<'_>| {
-        preflight::network(spec, topology, step).into_iter().for_each(|warning| faults.pass_on(warning));
+        let told = |warning: &Warning| warning.code == WarningCode::LargeExtent && geometry.extent_is_told();
+        let found = preflight::network(spec, topology, step).into_iter().filter(|warning| !told(warning));
+        found.chain(geometry.y_is_up(spec.gravity)).for_each(|warning| faults.pass_on(warning));
     };
     let Some(NetworkModel::Point) = network.model else {
         warn(&spec, &geometry.topology, faults);
