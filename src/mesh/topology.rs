@@ -2,7 +2,9 @@
 
 use super::components::components;
 use super::loops::{self, BoundaryLoop};
-use super::sides::Sides;
+pub(crate) use super::sides::unique_edges;
+use super::sides::{NOT_A_SIDE, Sides};
+use super::tuples::{repeated, sorted};
 use super::{Mesh, MeshError};
 
 /// The position of an edge in the sheet.
@@ -14,11 +16,6 @@ pub enum EdgeKind {
     Boundary,
     /// two triangles, or more where sheets are joined along a line
     Interior,
-}
-
-/// All edges of some triangles, each once, the smaller node first, in ascending order.
-pub(crate) fn unique_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
-    Sides::new(triangles).nodes
 }
 
 /// Adjacency and boundary of a mesh.
@@ -35,8 +32,6 @@ pub struct Topology {
     inner_nodes: Vec<u32>,
 }
 
-const NOT_A_SIDE: u32 = u32::MAX;
-
 impl Topology {
     /// Finds adjacency and boundary loops of a mesh.
     ///
@@ -44,12 +39,16 @@ impl Topology {
     /// Edges or triangles that name a missing node or a node twice, or the same edge or triangle listed twice
     /// (see [`Mesh::check`]).
     pub fn new(mesh: &Mesh) -> Result<Self, MeshError> {
-        mesh.check()?;
+        mesh.check_numbers()?;
         let sides = Sides::new(&mesh.triangles);
-        let side = |&edge: &[u32; 2]| sides.find(edge).map_or(NOT_A_SIDE, |s| s as u32);
-        let side_of_edge: Vec<u32> = mesh.edges.iter().map(side).collect();
-        let across = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]]);
-        let component = components(mesh.nodes.len(), mesh.edges.iter().copied().chain(across));
+        let side_of_edge = sides.of_edges(&mesh.edges);
+        let lines =
+            mesh.edges.iter().zip(&side_of_edge).filter(|(_, side)| **side == NOT_A_SIDE).map(|(line, _)| *line);
+        if sides.has_repeats(&mesh.triangles, &side_of_edge) || !repeated(lines.clone().map(sorted)).is_empty() {
+            mesh.check()?;
+        }
+        mesh.check_shapes()?;
+        let component = components(mesh.nodes.len(), sides.nodes.iter().copied().chain(lines));
         let components = component.iter().enumerate().filter(|&(node, &name)| node as u32 == name).count();
         let loops = loops::find(mesh, &sides, &component);
         let nodes_of = |wanted: &dyn Fn(&BoundaryLoop) -> bool| {

@@ -35,6 +35,15 @@ fn add(element: &Element, records: &Records, cells: &mut Cells) -> Result<(), St
     let is_mark = |at: &usize| element.properties[*at].is_mark(&element.name);
     let marks = (0..element.properties.len()).filter(is_mark);
     let marks = Marks::new(marks.map(|at| (element.properties[at].name.clone(), records.column(at))).collect());
+    // Neighbours in the file are mostly in the same groups.
+    let alike = if marks.is_empty() { Vec::new() } else { marks.first_alike(records.count) };
+    let (mut names, mut latest) = (Vec::new(), None);
+    let mut names_of = |at: usize| {
+        if let Some(first) = alike.get(at).filter(|first| latest != Some(**first)) {
+            (names, latest) = (marks.names(*first as usize), Some(*first));
+        }
+        names.clone()
+    };
     match element.name.as_str() {
         "vertex" => {
             let [Some(x), Some(y), Some(z)] = ["x", "y", "z"].map(column) else {
@@ -42,26 +51,28 @@ fn add(element: &Element, records: &Records, cells: &mut Cells) -> Result<(), St
             };
             for (at, row) in records.rows().enumerate() {
                 cells.points.push([row[x], row[y], row[z]]);
-                cells.name_point(&marks.names(at), at as u64);
+                cells.name_point(&names_of(at), at as u64);
             }
         }
         "face" | "edge" => {
             let ends = ["vertex1", "vertex2"].map(column);
+            let mut corners: Vec<u64> = Vec::new();
             for (at, row) in records.rows().enumerate() {
-                let corners = match ends {
+                let listed = match ends {
                     [Some(a), Some(b)] => &[row[a], row[b]][..],
                     _ => records.corners(at),
                 };
-                if corners.iter().any(|corner| *corner < 0.0) {
+                if listed.iter().any(|corner| *corner < 0.0) {
                     return Err(format!("{} {at} has a negative number of a vertex", element.name));
                 }
-                let corners: Vec<u64> = corners.iter().map(|corner| *corner as u64).collect();
+                corners.clear();
+                corners.extend(listed.iter().map(|corner| *corner as u64));
                 match corners.len() {
                     0 | 1 => cells.remark(IGNORED),
                     2 => cells.add_line(&corners, false),
                     _ => cells.add_face(&corners),
                 }
-                cells.name_cells(&marks.names(at));
+                cells.name_cells(&names_of(at));
             }
         }
         _ => {}

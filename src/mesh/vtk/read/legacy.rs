@@ -47,7 +47,7 @@ enum Rows {
 /// Cells of one list: their points, and where those of each end.
 type List = (Vec<i64>, Vec<usize>);
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
     fn sections(&mut self) -> Result<DataSet, String> {
         let (mut data, mut piece) = (DataSet::default(), Piece::default());
         let mut lists: [List; 4] = Default::default();
@@ -106,14 +106,14 @@ impl Reader<'_> {
         let types = std::mem::take(&mut piece.cells.types);
         let mut cells = CellLists::default();
         if let Some((points, ends)) = grid {
-            cells.add(points, &ends, 0)?;
-            if types.len() != ends.len() {
-                return Err(format!("has {} cells but {} cell types", ends.len(), types.len()));
+            cells.add(points, ends, 0)?;
+            if types.len() != cells.ends.len() {
+                return Err(format!("has {} cells but {} cell types", cells.ends.len(), types.len()));
             }
             cells.types = types;
         }
         for ((points, ends), (_, _, kind)) in lists.into_iter().zip(LISTS) {
-            cells.add(points, &ends, kind)?;
+            cells.add(points, ends, kind)?;
         }
         piece.cells = cells;
         data.pieces.push(piece);
@@ -253,7 +253,7 @@ impl Reader<'_> {
     }
 
     /// The bytes of so many numbers, in binary.
-    fn take(&mut self, bytes: Option<usize>) -> Result<&[u8], String> {
+    fn take(&mut self, bytes: Option<usize>) -> Result<&'a [u8], String> {
         let taken = bytes.and_then(|bytes| self.bytes.get(self.at..)?.get(..bytes));
         let taken = taken.ok_or("is cut off: an array is longer than the rest of the file")?;
         self.at += taken.len();
@@ -275,9 +275,9 @@ impl Reader<'_> {
             return Err("has text where numbers are expected".to_owned());
         };
         if self.binary {
-            let bytes = self.take(count.checked_mul(kind.size()))?.to_vec();
+            let bytes = self.take(count.checked_mul(kind.size()))?;
             self.budget.take(count)?;
-            return Ok(Numbers::of_bytes(&bytes, kind, true));
+            return Ok(Numbers::of_bytes(bytes, kind, true));
         }
         self.check_words(count)?;
         self.budget.take(count)?;
