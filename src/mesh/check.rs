@@ -121,15 +121,24 @@ impl Mesh {
 }
 
 /// Area [m^2] and longest edge [m] of a triangle without a normal; `None` if it has one.
-pub(super) fn flat([a, b, c]: [Vector3<f64>; 3]) -> Option<[f64; 2]> {
-    let (u, v, w) = (b - a, c - a, c - b);
+#[inline]
+pub(super) fn flat(corners: [Vector3<f64>; 3]) -> Option<[f64; 2]> {
+    let [u, v, w] = edges(&corners);
     // Far from the limit and from overflow, squares tell as much as their roots.
     let longest_squared = u.norm_squared().max(v.norm_squared()).max(w.norm_squared());
     let twice_squared = u.cross(&v).norm_squared();
     let in_range = f64::MIN_POSITIVE < twice_squared && twice_squared < f64::MAX;
-    if in_range && twice_squared > FAR * longest_squared * longest_squared {
-        return None;
-    }
+    if in_range && twice_squared > FAR * longest_squared * longest_squared { None } else { flat_by_roots(&corners) }
+}
+
+#[inline]
+fn edges([a, b, c]: &[Vector3<f64>; 3]) -> [Vector3<f64>; 3] {
+    [b - a, c - a, c - b]
+}
+
+#[cold]
+fn flat_by_roots(corners: &[Vector3<f64>; 3]) -> Option<[f64; 2]> {
+    let [u, v, w] = edges(corners);
     let longest = u.norm().max(v.norm()).max(w.norm());
     let area = 0.5 * u.cross(&v).norm();
     // In this form an overflow to NaN or infinity is a fault too.

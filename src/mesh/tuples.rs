@@ -28,25 +28,41 @@ pub(super) fn in_order<const N: usize>(
     }
     // The other nodes of each tuple, and its number.
     let mut rest = vec![[0; N]; count];
-    for (mut tuple, number) in tuples.zip(0..) {
+    for (tuple, number) in tuples.zip(0..) {
         let slot = &mut next[tuple[0] as usize];
-        tuple[0] = number;
-        tuple.rotate_left(1);
-        rest[*slot as usize] = tuple;
+        let entry = &mut rest[*slot as usize];
+        entry[..N - 1].copy_from_slice(&tuple[1..]);
+        entry[N - 1] = number;
         *slot += 1;
     }
-    let key = |entry: &[u32; N]| entry.iter().fold(0_u128, |key, word| key << 32 | u128::from(*word));
     let mut begin = 0;
     for (node, end) in (0..).zip(&next[..nodes]) {
         let entries = &mut rest[begin..*end as usize];
-        entries.sort_unstable_by_key(key);
         begin = *end as usize;
+        sort(entries);
         for entry in entries {
-            let number = entry[N - 1];
-            entry.rotate_right(1);
-            entry[0] = node;
-            visit(*entry, number);
+            let mut tuple = [node; N];
+            tuple[1..].copy_from_slice(&entry[..N - 1]);
+            visit(tuple, entry[N - 1]);
         }
+    }
+}
+
+/// Sorts entries, which are mostly few: a call for each node takes longer than the sorting.
+fn sort<const N: usize>(entries: &mut [[u32; N]]) {
+    const FEW: usize = 16;
+    let key = |entry: &[u32; N]| entry.iter().fold(0_u128, |key, word| key << 32 | u128::from(*word));
+    if entries.len() > FEW {
+        entries.sort_unstable_by_key(key);
+        return;
+    }
+    for i in 1..entries.len() {
+        let (entry, mut at) = (entries[i], i);
+        while at > 0 && key(&entries[at - 1]) > key(&entry) {
+            entries[at] = entries[at - 1];
+            at -= 1;
+        }
+        entries[at] = entry;
     }
 }
 

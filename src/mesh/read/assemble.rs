@@ -45,7 +45,11 @@ impl Cells {
         };
         let mut pieces = self.cut(&nodes, &number, wanted, &mut notes)?;
         let faces = faces_once(&mut pieces, self.repeats_faces, &mut notes);
-        let lines = self.lines.iter().map(|l| l.map(|point| number[point as usize])).chain(pieces.diagonals);
+        let lines = self
+            .lines
+            .iter()
+            .map(|l| l.map(|point| number[point as usize]))
+            .chain(std::mem::take(&mut pieces.diagonals));
         let EdgeList { edges, of_line, seams } =
             edges(lines, &self.seam, &faces.triangles, self.repeats_faces, &mut notes);
         let mut groups = Groups::new();
@@ -93,6 +97,11 @@ impl Cells {
             let (turned, twisted) = orient::turn_alike(&mut mesh);
             notes.asked.extend(turned);
             notes.found.extend(twisted);
+        }
+        // Edges and triangles were listed once, and the shapes of triangles were looked at.
+        mesh.check_numbers().map_err(|error| error.to_string())?;
+        if pieces.overflow || !of_line.is_empty() {
+            mesh.check_shapes().map_err(|error| error.to_string())?;
         }
         Ok(Imported { mesh, notes: notes.found, repairs: notes.asked })
     }
@@ -305,6 +314,8 @@ pub(super) struct FacePieces {
     pub of_face: Vec<u32>,
     /// the second diagonals of quads
     diagonals: Vec<[u32; 2]>,
+    /// whether the area of a triangle is not finite
+    overflow: bool,
 }
 
 impl FacePieces {
@@ -314,9 +325,11 @@ impl FacePieces {
         for at in first..self.triangles.len() {
             let corners = self.triangles[at];
             // One whose area overflows is refused later.
-            if flat(corners.map(|node| Vector3::from(nodes[node as usize]))).is_some_and(|[area, _]| area.is_finite()) {
+            let flat = flat(corners.map(|node| Vector3::from(nodes[node as usize])));
+            if flat.is_some_and(|[area, _]| area.is_finite()) {
                 collapsed.push(face as u32);
             } else {
+                self.overflow |= flat.is_some();
                 self.triangles[kept] = corners;
                 kept += 1;
             }

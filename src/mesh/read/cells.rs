@@ -182,13 +182,11 @@ impl Cells {
     }
 
     /// Gives the faces that were added since the last call a number of groups each; missing ones are 0.
-    pub(super) fn number_faces(&mut self, numbers: Vec<i64>) {
-        if self.numbers.faces.is_empty() {
-            self.numbers.faces = numbers
-        } else {
-            self.numbers.faces.extend(numbers)
+    pub(super) fn number_faces(&mut self, mut numbers: Vec<i64>) {
+        if !numbers.is_empty() {
+            self.numbers.faces.append(&mut numbers);
+            self.number_cells(0);
         }
-        self.number_cells(0);
     }
 
     /// Puts the lines and faces that were added since the last call into groups.

@@ -77,6 +77,9 @@ pub(super) struct Table {
     heads: Vec<u32>,
     /// each number, and the place of the one before it in its list
     items: Vec<[u32; 2]>,
+    /// a bit for each of [`Table::BITS`] times as many keys: whether one of them has numbers. They stay in the caches
+    /// where the lists do not.
+    used: Vec<u64>,
     /// differs from table to table, so that no file can put all into one list
     seed: u64,
 }
@@ -85,29 +88,38 @@ pub(super) struct Table {
 const END: u32 = u32::MAX;
 
 impl Table {
+    const BITS: usize = 16;
+
     /// A table that is fast up to about so many items.
     pub(super) fn for_items(count: usize) -> Self {
         let seed = RandomState::new().hash_one(count) | 1;
-        Table { heads: vec![END; count.next_power_of_two()], items: Vec::new(), seed }
+        let lists = count.next_power_of_two();
+        let used = vec![0; (Self::BITS * lists).div_ceil(64)];
+        Table { heads: vec![END; lists], items: Vec::new(), used, seed }
     }
 
-    fn list(&self, key: [u64; 3]) -> usize {
+    /// The list of a key, and its bit.
+    fn list(&self, key: [u64; 3]) -> (usize, usize) {
         let mixed = |all: u64, word: u64| {
             let product = u128::from(all ^ word) * u128::from(self.seed);
             product as u64 ^ (product >> 64) as u64
         };
-        mixed(key.into_iter().fold(self.seed >> 32, mixed), 0x9e37_79b9_7f4a_7c15) as usize & (self.heads.len() - 1)
+        let mix = mixed(key.into_iter().fold(self.seed >> 32, mixed), 0x9e37_79b9_7f4a_7c15) as usize;
+        (mix & (self.heads.len() - 1), mix & (64 * self.used.len() - 1))
     }
 
     pub(super) fn insert(&mut self, key: [u64; 3], item: u32) {
-        let list = self.list(key);
+        let (list, bit) = self.list(key);
         self.items.push([item, self.heads[list]]);
         self.heads[list] = self.items.len() as u32 - 1;
+        self.used[bit / 64] |= 1 << (bit % 64);
     }
 
     /// The numbers of a key, the latest first, among others.
     pub(super) fn items(&self, key: [u64; 3]) -> impl Iterator<Item = u32> {
-        let mut at = self.heads[self.list(key)];
+        let (list, bit) = self.list(key);
+        let is_used = self.used[bit / 64] >> (bit % 64) & 1 == 1;
+        let mut at = if is_used { self.heads[list] } else { END };
         std::iter::from_fn(move || {
             let [item, before] = *self.items.get(at as usize)?;
             at = before;

@@ -37,6 +37,26 @@ fn each<const N: usize, T>(bytes: &[u8], big_endian: bool, number: impl Fn([u8; 
     }
 }
 
+/// Places, three numbers each; `None` if numbers are left over.
+pub(super) fn places(bytes: &[u8], kind: Type, big_endian: bool) -> Option<Vec<[f64; 3]>> {
+    fn of<const N: usize>(bytes: &[u8], big_endian: bool, number: impl Fn([u8; N]) -> f64) -> Option<Vec<[f64; 3]>> {
+        let turned = |word: [u8; N]| if big_endian { std::array::from_fn(|i| word[N - 1 - i]) } else { word };
+        let (threes, []) = bytes.as_chunks().0.as_chunks::<3>() else { return None };
+        Some(threes.iter().map(|three| three.map(|word| number(turned(word)))).collect())
+    }
+    match kind {
+        Type::Double => of(bytes, big_endian, f64::from_le_bytes),
+        Type::Single => of(bytes, big_endian, |b| f32::from_le_bytes(b).into()),
+        _ => places_of(&Numbers::of_bytes(bytes, kind, big_endian).reals()),
+    }
+}
+
+/// The same for numbers.
+pub(super) fn places_of(numbers: &[f64]) -> Option<Vec<[f64; 3]>> {
+    let (threes, []) = numbers.as_chunks() else { return None };
+    Some(threes.to_vec())
+}
+
 /// The numbers of an array.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Numbers {

@@ -3,7 +3,7 @@
 //! Source: "VTK XML file formats", <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
 use super::layout::{Layout, Section, damaged};
-use super::numbers::{Numbers, Type};
+use super::numbers::{Numbers, Type, places, places_of};
 use super::{Budget, CellLists, Column, DataSet, Piece, unfit};
 use std::borrow::Cow;
 use std::io::BufRead as _;
@@ -203,9 +203,18 @@ struct Decoder<'a> {
     budget: Budget,
 }
 
-impl Decoder<'_> {
-    /// The numbers of an array; with `most`, not more than so many.
-    fn numbers(&mut self, array: &Array<'_>, most: Option<usize>) -> Result<Numbers, String> {
+/// An array, whose bytes are not numbers yet.
+enum Decoded<'a> {
+    Numbers(Numbers),
+    Bytes(Cow<'a, [u8]>, Type),
+}
+
+impl<'a> Decoder<'a> {
+    /// An array; with `most`, not more than so many numbers.
+    fn decoded<'b>(&mut self, array: &Array<'b>, most: Option<usize>) -> Result<Decoded<'b>, String>
+    where
+        'a: 'b,
+    {
         let kind = array.kind.ok_or_else(|| format!("has no numbers in its array \"{}\"", array.name))?;
         let most = most.unwrap_or(self.budget.left / 8).min(self.budget.left / 8 + 1);
         let section = match array.data {
@@ -213,9 +222,9 @@ impl Decoder<'_> {
                 let text = std::str::from_utf8(text).map_err(|_| "has an array that is not text")?;
                 let numbers = Numbers::of_words(text.split_ascii_whitespace(), kind, most)?;
                 self.budget.take(numbers.len())?;
-                return Ok(numbers);
+                return Ok(Decoded::Numbers(numbers));
             }
-            Data::Inline([]) => return Ok(Numbers::of_bytes(&[], kind, false)),
+            Data::Inline([]) => return Ok(Decoded::Numbers(Numbers::of_bytes(&[], kind, false))),
             Data::Inline(bytes) => Section { bytes, base64: true },
             Data::Appended(offset) => {
                 let section = self.appended.ok_or_else(damaged)?;
@@ -224,18 +233,40 @@ impl Decoder<'_> {
         };
         let bytes = self.layout.decode(section, most.saturating_mul(kind.size()))?;
         self.budget.take(bytes.len() / kind.size())?;
-        Ok(Numbers::of_bytes(&bytes, kind, self.layout.big_endian))
+        Ok(Decoded::Bytes(bytes, kind))
+    }
+
+    fn numbers(&mut self, array: &Array<'_>, most: Option<usize>) -> Result<Numbers, String> {
+        Ok(match self.decoded(array, most)? {
+            Decoded::Numbers(numbers) => numbers,
+            Decoded::Bytes(bytes, kind) => Numbers::of_bytes(&bytes, kind, self.layout.big_endian),
+        })
+    }
+
+    /// Three numbers a point.
+    fn places(&mut self, array: &Array<'_>, points: usize) -> Result<Vec<[f64; 3]>, String> {
+        let made = match self.decoded(array, Some(points.saturating_mul(3)))? {
+            Decoded::Numbers(numbers) => places_of(&numbers.reals()),
+            Decoded::Bytes(bytes, kind) => places(&bytes, kind, self.layout.big_endian),
+        };
+        made.ok_or_else(|| "has points without three coordinates".to_owned())
+    }
+
+    /// Types of cells.
+    fn types(&mut self, array: &Array<'_>, count: usize) -> Result<Vec<u8>, String> {
+        let whole = match self.decoded(array, Some(count))? {
+            Decoded::Bytes(bytes, Type::Unsigned(1)) => return Ok(bytes.into_owned()),
+            Decoded::Bytes(bytes, kind) => Numbers::of_bytes(&bytes, kind, self.layout.big_endian).whole(),
+            Decoded::Numbers(numbers) => numbers.whole(),
+        };
+        Ok(whole.into_iter().map(|kind| u8::try_from(kind).unwrap_or(u8::MAX)).collect())
     }
 
     fn piece(&mut self, piece: &PieceArrays<'_>, cells: CellsOf, names: &[&str]) -> Result<Piece, String> {
         let points = piece.tag.count("NumberOfPoints")?;
         let mut made = Piece::default();
         if let Some((_, array)) = piece.arrays.iter().find(|(section, _)| *section == "Points") {
-            let numbers = self.numbers(array, Some(points.saturating_mul(3)))?.reals();
-            let (places, []) = numbers.as_chunks() else {
-                return Err("has points without three coordinates".to_owned());
-            };
-            made.points = places.to_vec();
+            made.points = self.places(array, points)?;
         }
         if made.points.len() != points {
             return Err(format!("is damaged: it has {} of {points} points", made.points.len()));
@@ -285,11 +316,10 @@ fn grid_cells(file: &mut Decoder<'_>, piece: &PieceArrays<'_>) -> Result<CellLis
     if count > 0 {
         let types = piece.arrays.iter().find(|(section, array)| *section == "Cells" && array.name == "types");
         let (_, types) = types.ok_or_else(unfit)?;
-        let types = file.numbers(types, Some(count))?.whole();
-        if types.len() != count {
-            return Err(format!("has {count} cells but {} cell types", types.len()));
+        cells.types = file.types(types, count)?;
+        if cells.types.len() != count {
+            return Err(format!("has {count} cells but {} cell types", cells.types.len()));
         }
-        cells.types = types.into_iter().map(|kind| u8::try_from(kind).unwrap_or(u8::MAX)).collect();
     }
     Ok(cells)
 }
