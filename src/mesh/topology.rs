@@ -32,6 +32,11 @@ pub struct Topology {
     inner_nodes: Vec<u32>,
 }
 
+/// The edges of a mesh that no triangle has.
+fn lines_of<'a>(mesh: &'a Mesh, side_of_edge: &'a [u32]) -> impl Iterator<Item = [u32; 2]> + Clone {
+    mesh.edges.iter().zip(side_of_edge).filter(|(_, side)| **side == NOT_A_SIDE).map(|(line, _)| *line)
+}
+
 impl Topology {
     /// Finds adjacency and boundary loops of a mesh.
     ///
@@ -42,12 +47,23 @@ impl Topology {
         mesh.check_numbers()?;
         let sides = Sides::new(&mesh.triangles);
         let side_of_edge = sides.of_edges(&mesh.edges);
-        let lines =
-            mesh.edges.iter().zip(&side_of_edge).filter(|(_, side)| **side == NOT_A_SIDE).map(|(line, _)| *line);
-        if sides.has_repeats(&mesh.triangles, &side_of_edge) || !repeated(lines.clone().map(sorted)).is_empty() {
+        let repeats = !repeated(lines_of(mesh, &side_of_edge).map(sorted)).is_empty();
+        if repeats || sides.has_repeats(&mesh.triangles, &side_of_edge) {
             mesh.check()?;
         }
         mesh.check_shapes()?;
+        Ok(Self::of_sides(mesh, sides, side_of_edge))
+    }
+
+    /// The same for a mesh that has passed [`Mesh::check`], as those of files have; it panics for numbers out of range.
+    pub fn of_checked(mesh: &Mesh) -> Self {
+        let sides = Sides::new(&mesh.triangles);
+        let side_of_edge = sides.of_edges(&mesh.edges);
+        Self::of_sides(mesh, sides, side_of_edge)
+    }
+
+    fn of_sides(mesh: &Mesh, sides: Sides, side_of_edge: Vec<u32>) -> Self {
+        let lines = lines_of(mesh, &side_of_edge);
         let component = components(mesh.nodes.len(), sides.nodes.iter().copied().chain(lines));
         let components = component.iter().enumerate().filter(|&(node, &name)| node as u32 == name).count();
         let loops = loops::find(mesh, &sides, &component);
@@ -62,7 +78,7 @@ impl Topology {
             (nodes_of(&|_| true), nodes_of(&|l| l.outer), nodes_of(&|l| !l.outer));
         let lines = side_of_edge.iter().filter(|&&s| s == NOT_A_SIDE).count();
         let euler = mesh.nodes.len() as i64 - (sides.nodes.len() + lines) as i64 + mesh.triangles.len() as i64;
-        Ok(Self { sides, side_of_edge, loops, components, euler, boundary_nodes, outer_nodes, inner_nodes })
+        Self { sides, side_of_edge, loops, components, euler, boundary_nodes, outer_nodes, inner_nodes }
     }
 
     /// All nodes on boundary loops, ascending.

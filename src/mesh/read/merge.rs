@@ -45,7 +45,7 @@ struct Cells {
 impl Cells {
     fn along(&self, x: f64) -> u64 {
         // The half keeps what lies in a plane of coordinates away from the sides of cells.
-        let cell = if self.size > 0.0 { (x / self.size + 0.5).floor() } else { x };
+        let cell = if self.size > 0.0 { floor(x / self.size + 0.5) } else { x };
         // Adding zero turns -0 into 0.
         (cell + 0.0).to_bits()
     }
@@ -68,6 +68,18 @@ impl Cells {
                 }
             }
         }
+    }
+}
+
+/// The largest whole number that is not above a number: without a call, which `f64::floor` is on many machines.
+fn floor(x: f64) -> f64 {
+    const WHOLE: f64 = (1_u64 << 52) as f64;
+    let cut = x as i64 as f64;
+    match x.abs() < WHOLE {
+        true if cut > x => cut - 1.0,
+        true => cut,
+        // It has no other digits, or is no number.
+        false => x,
     }
 }
 
