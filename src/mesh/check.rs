@@ -1,11 +1,13 @@
 //! Conditions that every mesh must satisfy before a simulation uses it.
 
-use super::tuples::{ascending, sorted};
+use super::tuples::{repeated, sorted};
 use super::{Mesh, MeshError};
 use nalgebra::Vector3;
 
 /// [-] area over squared longest edge below which a triangle counts as degenerate; its normal is then mostly rounding.
 const LEAST_FLATNESS: f64 = 1e-10;
+/// [-] squared normal over the fourth power of the longest edge that is certainly enough: 25 times the least one
+const FAR: f64 = 100.0 * LEAST_FLATNESS * LEAST_FLATNESS;
 
 impl Mesh {
     /// Position of a node.
@@ -27,6 +29,13 @@ impl Mesh {
     /// # Errors
     /// The first fault found, with its numbers.
     pub fn check(&self) -> Result<(), MeshError> {
+        self.check_numbers()?;
+        self.check_duplicates()?;
+        self.check_shapes()
+    }
+
+    /// All but repeated and degenerate edges and triangles.
+    pub(crate) fn check_numbers(&self) -> Result<(), MeshError> {
         self.check_sizes()?;
         if let Some(node) = self.nodes.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
             return Err(MeshError::NotFinite { node });
@@ -39,9 +48,7 @@ impl Mesh {
         }
         self.check_seams()?;
         self.check_groups()?;
-        self.check_displacement()?;
-        self.check_duplicates()?;
-        self.check_shapes()
+        self.check_displacement()
     }
 
     fn check_sizes(&self) -> Result<(), MeshError> {
@@ -97,7 +104,8 @@ impl Mesh {
         }
     }
 
-    fn check_shapes(&self) -> Result<(), MeshError> {
+    /// Edges without length and triangles without a normal.
+    pub(crate) fn check_shapes(&self) -> Result<(), MeshError> {
         for (edge, &[a, b]) in self.edges.iter().enumerate() {
             if self.point(a) == self.point(b) {
                 return Err(MeshError::ZeroLengthEdge { edge, a, b });
@@ -113,8 +121,24 @@ impl Mesh {
 }
 
 /// Area [m^2] and longest edge [m] of a triangle without a normal; `None` if it has one.
-pub(super) fn flat([a, b, c]: [Vector3<f64>; 3]) -> Option<[f64; 2]> {
-    let (u, v, w) = (b - a, c - a, c - b);
+#[inline]
+pub(super) fn flat(corners: [Vector3<f64>; 3]) -> Option<[f64; 2]> {
+    let [u, v, w] = edges(&corners);
+    // Far from the limit and from overflow, squares tell as much as their roots.
+    let longest_squared = u.norm_squared().max(v.norm_squared()).max(w.norm_squared());
+    let twice_squared = u.cross(&v).norm_squared();
+    let in_range = f64::MIN_POSITIVE < twice_squared && twice_squared < f64::MAX;
+    if in_range && twice_squared > FAR * longest_squared * longest_squared { None } else { flat_by_roots(&corners) }
+}
+
+#[inline]
+fn edges([a, b, c]: &[Vector3<f64>; 3]) -> [Vector3<f64>; 3] {
+    [b - a, c - a, c - b]
+}
+
+#[cold]
+fn flat_by_roots(corners: &[Vector3<f64>; 3]) -> Option<[f64; 2]> {
+    let [u, v, w] = edges(corners);
     let longest = u.norm().max(v.norm()).max(w.norm());
     let area = 0.5 * u.cross(&v).norm();
     // In this form an overflow to NaN or infinity is a fault too.
@@ -124,8 +148,6 @@ pub(super) fn flat([a, b, c]: [Vector3<f64>; 3]) -> Option<[f64; 2]> {
 
 /// The first item (in list order) that has the same nodes as an earlier one.
 fn first_duplicate<const N: usize>(items: &[[u32; N]]) -> Option<(usize, usize)> {
-    let keys: Vec<_> = items.iter().map(|item| sorted(*item)).collect();
-    let order = ascending(&keys);
-    let pairs = order.windows(2).map(|pair| (pair[0] as usize, pair[1] as usize));
-    pairs.filter(|(first, second)| keys[*first] == keys[*second]).min_by_key(|&(_, second)| second)
+    let again = repeated(items.iter().map(|item| sorted(*item)));
+    again.into_iter().min().map(|[number, first]| (first as usize, number as usize))
 }

@@ -2,7 +2,9 @@
 
 use super::components::components;
 use super::loops::{self, BoundaryLoop};
-use super::sides::Sides;
+pub(crate) use super::sides::unique_edges;
+use super::sides::{NOT_A_SIDE, Sides};
+use super::tuples::{repeated, sorted};
 use super::{Mesh, MeshError};
 
 /// The position of an edge in the sheet.
@@ -14,11 +16,6 @@ pub enum EdgeKind {
     Boundary,
     /// two triangles, or more where sheets are joined along a line
     Interior,
-}
-
-/// All edges of some triangles, each once, the smaller node first, in ascending order.
-pub(crate) fn unique_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
-    Sides::new(triangles).nodes
 }
 
 /// Adjacency and boundary of a mesh.
@@ -35,7 +32,10 @@ pub struct Topology {
     inner_nodes: Vec<u32>,
 }
 
-const NOT_A_SIDE: u32 = u32::MAX;
+/// The edges of a mesh that no triangle has.
+fn lines_of<'a>(mesh: &'a Mesh, side_of_edge: &'a [u32]) -> impl Iterator<Item = [u32; 2]> + Clone {
+    mesh.edges.iter().zip(side_of_edge).filter(|(_, side)| **side == NOT_A_SIDE).map(|(line, _)| *line)
+}
 
 impl Topology {
     /// Finds adjacency and boundary loops of a mesh.
@@ -44,12 +44,27 @@ impl Topology {
     /// Edges or triangles that name a missing node or a node twice, or the same edge or triangle listed twice
     /// (see [`Mesh::check`]).
     pub fn new(mesh: &Mesh) -> Result<Self, MeshError> {
-        mesh.check()?;
+        mesh.check_numbers()?;
         let sides = Sides::new(&mesh.triangles);
-        let side = |&edge: &[u32; 2]| sides.find(edge).map_or(NOT_A_SIDE, |s| s as u32);
-        let side_of_edge: Vec<u32> = mesh.edges.iter().map(side).collect();
-        let across = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]]);
-        let component = components(mesh.nodes.len(), mesh.edges.iter().copied().chain(across));
+        let side_of_edge = sides.of_edges(&mesh.edges);
+        let repeats = !repeated(lines_of(mesh, &side_of_edge).map(sorted)).is_empty();
+        if repeats || sides.has_repeats(&mesh.triangles, &side_of_edge) {
+            mesh.check()?;
+        }
+        mesh.check_shapes()?;
+        Ok(Self::of_sides(mesh, sides, side_of_edge))
+    }
+
+    /// The same for a mesh that has passed [`Mesh::check`], as those of files have; it panics for numbers out of range.
+    pub fn of_checked(mesh: &Mesh) -> Self {
+        let sides = Sides::new(&mesh.triangles);
+        let side_of_edge = sides.of_edges(&mesh.edges);
+        Self::of_sides(mesh, sides, side_of_edge)
+    }
+
+    fn of_sides(mesh: &Mesh, sides: Sides, side_of_edge: Vec<u32>) -> Self {
+        let lines = lines_of(mesh, &side_of_edge);
+        let component = components(mesh.nodes.len(), sides.nodes.iter().copied().chain(lines));
         let components = component.iter().enumerate().filter(|&(node, &name)| node as u32 == name).count();
         let loops = loops::find(mesh, &sides, &component);
         let nodes_of = |wanted: &dyn Fn(&BoundaryLoop) -> bool| {
@@ -63,7 +78,7 @@ impl Topology {
             (nodes_of(&|_| true), nodes_of(&|l| l.outer), nodes_of(&|l| !l.outer));
         let lines = side_of_edge.iter().filter(|&&s| s == NOT_A_SIDE).count();
         let euler = mesh.nodes.len() as i64 - (sides.nodes.len() + lines) as i64 + mesh.triangles.len() as i64;
-        Ok(Self { sides, side_of_edge, loops, components, euler, boundary_nodes, outer_nodes, inner_nodes })
+        Self { sides, side_of_edge, loops, components, euler, boundary_nodes, outer_nodes, inner_nodes }
     }
 
     /// All nodes on boundary loops, ascending.

@@ -1,45 +1,87 @@
 //! Tuples of nodes in ascending order, and those that are listed again.
 
-/// The numbers of tuples in ascending order of the tuples, the smaller number first among equal ones.
+/// Calls `visit` with all tuples and their numbers: in ascending order of the tuples, the smaller number first among
+/// equal ones.
 ///
 /// Tuples are put together by their first node, then sorted within. Nodes are mostly numbered along the mesh, so this
 /// stays in the caches where a hash table or one large sort does not.
-pub(super) fn ascending<const N: usize>(tuples: &[[u32; N]]) -> Vec<u32> {
-    let first = |tuple: &[u32; N]| tuple.first().map_or(0, |node| *node as usize);
-    let mut order: Vec<u32> = (0..tuples.len() as u32).collect();
-    let by_tuple = |number: &u32| (tuples[*number as usize], *number);
-    let nodes = tuples.iter().map(first).max().map_or(0, |most| most + 1);
+pub(super) fn in_order<const N: usize>(
+    tuples: impl Iterator<Item = [u32; N]> + Clone,
+    mut visit: impl FnMut([u32; N], u32),
+) {
+    let (mut count, mut nodes) = (0_usize, 0_usize);
+    for tuple in tuples.clone() {
+        (count, nodes) = (count + 1, nodes.max(tuple[0] as usize + 1));
+    }
     // Few tuples with large numbers of nodes need no list of all nodes.
-    if nodes > 8 * tuples.len() + 64 {
-        order.sort_unstable_by_key(by_tuple);
-        return order;
+    if nodes > 8 * count + 64 {
+        let mut all: Vec<([u32; N], u32)> = tuples.zip(0..).collect();
+        all.sort_unstable();
+        all.into_iter().for_each(|(tuple, number)| visit(tuple, number));
+        return;
     }
-    let mut start = vec![0_u32; nodes + 1];
-    tuples.iter().for_each(|tuple| start[first(tuple) + 1] += 1);
+    // Where the tuples of each node begin, one place further: filling the places moves them to where they end.
+    let mut next = vec![0_u32; nodes + 1];
+    tuples.clone().for_each(|tuple| next[tuple[0] as usize + 1] += 1);
     for node in 0..nodes {
-        start[node + 1] += start[node];
+        next[node + 1] += next[node];
     }
-    let mut next = start.clone();
-    for (number, tuple) in (0..).zip(tuples) {
-        let slot = &mut next[first(tuple)];
-        order[*slot as usize] = number;
+    // The other nodes of each tuple, and its number.
+    let mut rest = vec![[0; N]; count];
+    for (tuple, number) in tuples.zip(0..) {
+        let slot = &mut next[tuple[0] as usize];
+        let entry = &mut rest[*slot as usize];
+        entry[..N - 1].copy_from_slice(&tuple[1..]);
+        entry[N - 1] = number;
         *slot += 1;
     }
-    for range in start.windows(2) {
-        order[range[0] as usize..range[1] as usize].sort_unstable_by_key(by_tuple);
+    let mut begin = 0;
+    for (node, end) in (0..).zip(&next[..nodes]) {
+        let entries = &mut rest[begin..*end as usize];
+        begin = *end as usize;
+        sort(entries);
+        for entry in entries {
+            let mut tuple = [node; N];
+            tuple[1..].copy_from_slice(&entry[..N - 1]);
+            visit(tuple, entry[N - 1]);
+        }
     }
-    order
+}
+
+/// Sorts entries, which are mostly few: a call for each node takes longer than the sorting.
+fn sort<const N: usize>(entries: &mut [[u32; N]]) {
+    const FEW: usize = 16;
+    let key = |entry: &[u32; N]| entry.iter().fold(0_u128, |key, word| key << 32 | u128::from(*word));
+    if entries.len() > FEW {
+        entries.sort_unstable_by_key(key);
+        return;
+    }
+    for i in 1..entries.len() {
+        let (entry, mut at) = (entries[i], i);
+        while at > 0 && key(&entries[at - 1]) > key(&entry) {
+            entries[at] = entries[at - 1];
+            at -= 1;
+        }
+        entries[at] = entry;
+    }
+}
+
+/// For each tuple that equals an earlier one its number, and that of the earliest one; in no order of theirs.
+pub(super) fn repeated<const N: usize>(tuples: impl Iterator<Item = [u32; N]> + Clone) -> Vec<[u32; 2]> {
+    let mut again = Vec::new();
+    let mut current: Option<([u32; N], u32)> = None;
+    in_order(tuples, |tuple, number| match current {
+        Some((same, first)) if same == tuple => again.push([number, first]),
+        _ => current = Some((tuple, number)),
+    });
+    again
 }
 
 /// For each tuple the number of the earliest one that equals it.
 pub(super) fn earliest<const N: usize>(tuples: &[[u32; N]]) -> Vec<u32> {
-    let mut earliest = vec![0; tuples.len()];
-    let mut current: Option<u32> = None;
-    for number in ascending(tuples) {
-        let same = current.filter(|first| tuples[*first as usize] == tuples[number as usize]);
-        let first = same.unwrap_or(number);
+    let mut earliest: Vec<u32> = (0..tuples.len() as u32).collect();
+    for [number, first] in repeated(tuples.iter().copied()) {
         earliest[number as usize] = first;
-        current = Some(first);
     }
     earliest
 }
@@ -66,7 +108,12 @@ mod tests {
             let tuples: Vec<[u32; 2]> = (0..count).map(|_| [random(), random()]).collect();
             let mut order: Vec<u32> = (0..count).collect();
             order.sort_by_key(|number| tuples[*number as usize]);
-            assert_eq!(ascending(&tuples), order);
+            let mut found = Vec::new();
+            in_order(tuples.iter().copied(), |tuple, number| {
+                assert_eq!(tuple, tuples[number as usize]);
+                found.push(number);
+            });
+            assert_eq!(found, order);
             let first = |tuple| tuples.iter().position(|other| other == tuple).map(|at| at as u32);
             let expected: Option<Vec<u32>> = tuples.iter().map(first).collect();
             assert_eq!(Some(earliest(&tuples)), expected);

@@ -3,7 +3,7 @@
 use super::Imported;
 use super::cells::Cells;
 use super::merge::joined;
-use super::once::{EdgeList, FaceList, edges, faces_once};
+use super::once::{EdgeList, edges, faces_once};
 use super::polygon::{Cutter, Pieces};
 use crate::check::flat;
 use crate::file::{Diagonals, MeshFile};
@@ -39,31 +39,38 @@ impl Cells {
             return Err(format!("has {} nodes and {} faces, too many", self.points.len(), self.faces().len()));
         }
         let Renumbered { number, kept } = self.renumber(wanted, &mut notes)?;
-        let nodes: Vec<[f64; 3]> = kept.iter().map(|point| self.points[*point as usize]).collect();
-        let pieces = self.cut(&nodes, &number, wanted, &mut notes)?;
-        let FaceList { triangles, of_piece } = faces_once(&pieces, self.repeats_faces, &mut notes);
-        let lines = self.lines.iter().map(|l| l.map(|point| number[point as usize])).chain(pieces.diagonals);
-        let EdgeList { edges, of_line, seams } = edges(lines, &self.seam, &triangles, self.repeats_faces, &mut notes);
+        let nodes = match kept.len() == self.points.len() {
+            true => std::mem::take(&mut self.points),
+            false => kept.iter().map(|point| self.points[*point as usize]).collect(),
+        };
+        let mut pieces = self.cut(&nodes, &number, wanted, &mut notes)?;
+        let faces = faces_once(&mut pieces, self.repeats_faces, &mut notes);
+        let lines = self
+            .lines
+            .iter()
+            .map(|l| l.map(|point| number[point as usize]))
+            .chain(std::mem::take(&mut pieces.diagonals));
+        let EdgeList { edges, of_line, seams } =
+            edges(lines, &self.seam, &faces.triangles, self.repeats_faces, &mut notes);
         let mut groups = Groups::new();
         if of_line.len() > self.lines.len() {
             let diagonals = of_line[self.lines.len()..].iter().flatten().copied();
             groups.insert(DIAGONALS.to_owned(), Group::of_edges(diagonals));
         }
         let names = [&self.point_groups, &self.cell_groups];
-        add_members(&mut groups, names[0], &self.numbers.points, |group, point| {
-            group.nodes.extend(number.get(point).filter(|node| **node != NONE));
+        add_members(&mut groups, names[0], self.numbers.points.iter().copied(), |group, point| {
+            group.nodes.extend(number.get(point as usize).filter(|node| **node != NONE));
         });
         for (name, points) in &self.named_points {
             let points = points.iter().filter_map(|point| number.get(*point as usize));
             groups.entry(name.clone()).or_default().nodes.extend(points.filter(|node| **node != NONE));
         }
-        add_members(&mut groups, names[1], &self.numbers.lines, |group, line| {
-            group.edges.extend(of_line.get(line).copied().flatten());
+        add_members(&mut groups, names[1], self.numbers.lines.iter().copied(), |group, line| {
+            group.edges.extend(of_line.get(line as usize).copied().flatten());
         });
-        let numbers: Vec<i64> =
-            pieces.of_face.iter().map(|face| self.numbers.faces.get(*face as usize).copied().unwrap_or(0)).collect();
-        add_members(&mut groups, names[1], &numbers, |group, piece| {
-            group.triangles.extend(of_piece.get(piece));
+        let number_of = |face: &u32| self.numbers.faces.get(*face as usize).copied().unwrap_or(0);
+        add_members(&mut groups, names[1], pieces.of_face.iter().map(number_of), |group, piece| {
+            group.triangles.push(faces.of_piece(piece));
         });
         for group in groups.values_mut() {
             for list in [&mut group.nodes, &mut group.edges, &mut group.triangles] {
@@ -75,6 +82,7 @@ impl Cells {
         let displacement = kept.iter().filter_map(|point| self.displacement.get(*point as usize).copied()).collect();
         notes.found.extend(self.remarks.iter().map(|(what, count)| format!("{count} {what}")));
         notes.found.append(&mut self.notes);
+        let triangles = faces.triangles;
         let mut mesh = Mesh { nodes, edges, triangles, seams, groups, displacement, ..Mesh::default() };
         if mesh.edges.is_empty() {
             return Err("holds no lines and no faces with an area".into());
@@ -89,6 +97,11 @@ impl Cells {
             let (turned, twisted) = orient::turn_alike(&mut mesh);
             notes.asked.extend(turned);
             notes.found.extend(twisted);
+        }
+        // Edges and triangles were listed once, and the shapes of triangles were looked at.
+        mesh.check_numbers().map_err(|error| error.to_string())?;
+        if pieces.overflow || !of_line.is_empty() {
+            mesh.check_shapes().map_err(|error| error.to_string())?;
         }
         Ok(Imported { mesh, notes: notes.found, repairs: notes.asked })
     }
@@ -148,7 +161,20 @@ impl Cells {
         let mut pieces = FacePieces::default();
         let (mut cutter, mut corners, mut places) = (Cutter::new(), Vec::new(), Vec::new());
         let (mut quads, mut polygons, mut collapsed, mut crossed) = (0, 0, Vec::new(), Vec::new());
+        pieces.triangles.reserve(self.faces().len());
+        pieces.of_face.reserve(self.faces().len());
         for (face, points) in self.faces().enumerate() {
+            if let &[a, b, c] = points {
+                let triangle = [a, b, c].map(|point| number[point as usize]);
+                if triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0] {
+                    let made = pieces.triangles.len();
+                    pieces.triangles.push(triangle);
+                    pieces.of_face.push(face as u32);
+                    pieces.drop_flat(made, nodes, face, &mut collapsed);
+                    pieces.of_face.truncate(pieces.triangles.len());
+                    continue;
+                }
+            }
             corners.clear();
             corners.extend(points.iter().map(|point| number[*point as usize]));
             // Programs write a triangle as a quad with a corner twice.
@@ -288,6 +314,8 @@ pub(super) struct FacePieces {
     pub of_face: Vec<u32>,
     /// the second diagonals of quads
     diagonals: Vec<[u32; 2]>,
+    /// whether the area of a triangle is not finite
+    overflow: bool,
 }
 
 impl FacePieces {
@@ -297,9 +325,11 @@ impl FacePieces {
         for at in first..self.triangles.len() {
             let corners = self.triangles[at];
             // One whose area overflows is refused later.
-            if flat(corners.map(|node| Vector3::from(nodes[node as usize]))).is_some_and(|[area, _]| area.is_finite()) {
+            let flat = flat(corners.map(|node| Vector3::from(nodes[node as usize])));
+            if flat.is_some_and(|[area, _]| area.is_finite()) {
                 collapsed.push(face as u32);
             } else {
+                self.overflow |= flat.is_some();
                 self.triangles[kept] = corners;
                 kept += 1;
             }
@@ -312,15 +342,22 @@ impl FacePieces {
 fn add_members(
     groups: &mut Groups,
     names: &BTreeMap<i64, Vec<String>>,
-    numbers: &[i64],
-    add: impl Fn(&mut Group, usize),
+    numbers: impl Iterator<Item = i64>,
+    add: impl Fn(&mut Group, u32),
 ) {
-    for (member, number) in numbers.iter().enumerate() {
-        for name in names.get(number).into_iter().flatten() {
-            if !groups.contains_key(name) {
-                groups.insert(name.clone(), Group::default());
-            }
-            groups.get_mut(name).into_iter().for_each(|group| add(group, member));
+    let mut members: BTreeMap<i64, Vec<u32>> = names.keys().map(|number| (*number, Vec::new())).collect();
+    if members.is_empty() {
+        return;
+    }
+    for (number, member) in numbers.zip(0..) {
+        if let Some(list) = members.get_mut(&number) {
+            list.push(member);
+        }
+    }
+    for (number, members) in members.into_iter().filter(|(_, members)| !members.is_empty()) {
+        for name in names.get(&number).into_iter().flatten() {
+            let group = groups.entry(name.clone()).or_default();
+            members.iter().for_each(|member| add(group, *member));
         }
     }
 }

@@ -41,6 +41,8 @@ pub(super) struct Cells {
     pub cell_groups: BTreeMap<i64, Vec<String>>,
     /// number of each set of groups that [`Cells::name_cells`] was given
     numbers_of: HashMap<Vec<String>, i64>,
+    /// the latest of them
+    latest: (Vec<String>, i64),
     pub point_groups: BTreeMap<i64, Vec<String>>,
     /// points in groups by the name of the group, beside those with numbers
     pub named_points: BTreeMap<String, Vec<u64>>,
@@ -79,6 +81,19 @@ impl Cells {
     pub(super) fn add_face(&mut self, corners: &[u64]) {
         self.corners.extend_from_slice(corners);
         self.ends.push(self.corners.len());
+    }
+
+    /// Adds faces with their corners in order around them, face after face, and where those of each end.
+    pub(super) fn add_faces(&mut self, mut corners: Vec<u64>, mut ends: Vec<usize>) {
+        corners.truncate(ends.last().copied().unwrap_or(0));
+        if self.ends.is_empty() {
+            (self.corners, self.ends) = (corners, ends);
+        } else {
+            let first = self.corners.len();
+            ends.iter_mut().for_each(|end| *end += first);
+            self.corners.append(&mut corners);
+            self.ends.append(&mut ends);
+        }
     }
 
     /// Adds a strip of triangles, of which every second one turns the other way.
@@ -166,6 +181,14 @@ impl Cells {
         self.numbers.faces.resize(self.ends.len(), number);
     }
 
+    /// Gives the faces that were added since the last call a number of groups each; missing ones are 0.
+    pub(super) fn number_faces(&mut self, mut numbers: Vec<i64>) {
+        if !numbers.is_empty() {
+            self.numbers.faces.append(&mut numbers);
+            self.number_cells(0);
+        }
+    }
+
     /// Puts the lines and faces that were added since the last call into groups.
     pub(super) fn name_cells(&mut self, names: &[String]) {
         let number = self.number_of(names);
@@ -179,16 +202,21 @@ impl Cells {
     }
 
     /// The number of a set of groups.
-    fn number_of(&mut self, names: &[String]) -> i64 {
+    pub(super) fn number_of(&mut self, names: &[String]) -> i64 {
         if names.is_empty() {
             return 0;
         }
-        if let Some(number) = self.numbers_of.get(names) {
-            return *number;
+        // Neighbours in a file are mostly in the same groups.
+        if self.latest.0 == names {
+            return self.latest.1;
         }
-        let number = self.numbers_of.len() as i64 + 1;
-        self.numbers_of.insert(names.to_vec(), number);
-        self.cell_groups.insert(number, names.to_vec());
+        let next = self.numbers_of.len() as i64 + 1;
+        let number = self.numbers_of.get(names).copied().unwrap_or(next);
+        if number == next {
+            self.numbers_of.insert(names.to_vec(), number);
+            self.cell_groups.insert(number, names.to_vec());
+        }
+        self.latest = (names.to_vec(), number);
         number
     }
 
@@ -208,7 +236,8 @@ impl Cells {
     /// Refuses groups with far more members than there are cells.
     pub(super) fn check_members(&self) -> Result<(), String> {
         let of = |names: &BTreeMap<i64, Vec<String>>, numbers: &[i64]| -> u64 {
-            numbers.iter().filter(|number| **number != 0).map(|n| names.get(n).map_or(0, Vec::len) as u64).sum()
+            let alike = numbers.chunk_by(|a, b| a == b).filter(|alike| alike[0] != 0);
+            alike.map(|alike| (alike.len() * names.get(&alike[0]).map_or(0, Vec::len)) as u64).sum()
         };
         let cells = of(&self.cell_groups, &self.numbers.lines) + of(&self.cell_groups, &self.numbers.faces);
         let members = self.members + cells + of(&self.point_groups, &self.numbers.points);

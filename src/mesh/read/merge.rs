@@ -1,74 +1,142 @@
 //! Joins nodes that lie at one place.
 
 use nalgebra::Vector3;
-use std::collections::HashMap;
+use std::hash::{BuildHasher, RandomState};
 
 /// For each point its own number, or that of the earlier point that it is joined to: the nearest one that is kept and
 /// at most `distance` [m] away, the earliest of several. Joined points are never farther than that from the kept one.
 pub(crate) fn joined(points: &[[f64; 3]], distance: f64) -> Vec<u32> {
-    let mut grid = Grid { cell: 2.0 * distance, cells: HashMap::new(), next: Vec::with_capacity(points.len()) };
-    let mut kept = Vec::with_capacity(points.len());
-    for (number, point) in points.iter().enumerate() {
-        let near = grid.near(points, Vector3::from(*point), distance);
-        match near {
-            Some(earlier) => {
-                grid.next.push(NONE);
-                kept.push(earlier);
-            }
-            None => {
-                grid.keep(number as u32, point);
-                kept.push(number as u32);
-            }
-        }
-    }
-    kept
-}
-
-const NONE: u32 = u32::MAX;
-
-/// The points that are kept, in cells of twice the distance, so that what is near a point lies in eight of them.
-struct Grid {
-    /// [m] edge of a cell
-    cell: f64,
-    /// the latest point of each cell
-    cells: HashMap<[u64; 3], u32>,
-    /// the point before each in its cell
-    next: Vec<u32>,
-}
-
-impl Grid {
-    /// A cell by its lower corner; without a distance every place is a cell of its own.
-    fn key(&self, point: &[f64; 3]) -> [f64; 3] {
-        if self.cell > 0.0 { point.map(|x| (x / self.cell).floor() + 0.0) } else { point.map(|x| x + 0.0) }
-    }
-
-    fn keep(&mut self, number: u32, point: &[f64; 3]) {
-        let key = self.key(point).map(f64::to_bits);
-        self.next.push(self.cells.insert(key, number).unwrap_or(NONE));
-    }
-
-    fn near(&self, points: &[[f64; 3]], point: Vector3<f64>, distance: f64) -> Option<u32> {
-        let home = self.key(&point.into());
-        // The nearer neighbour along each axis.
-        let beside: [f64; 3] = std::array::from_fn(|k| if point[k] / self.cell - home[k] < 0.5 { -1.0 } else { 1.0 });
+    let cells = Cells { distance, size: CELL * distance };
+    let mut kept = Table::for_items(points.len());
+    let mut of_point = Vec::with_capacity(points.len());
+    for (point, number) in points.iter().zip(0..) {
+        // The distance of the best so far, and its number.
         let mut best: Option<(f64, u32)> = None;
-        for corner in 0..if self.cell > 0.0 { 8 } else { 1 } {
-            // A point at the same place is the only one there.
-            if best.is_some_and(|(away, _)| away == 0.0) {
-                break;
-            }
-            let step = |k: usize| if corner >> k & 1 == 1 { beside[k] } else { 0.0 };
-            let key: [u64; 3] = std::array::from_fn(|k| (home[k] + step(k) + 0.0).to_bits());
-            let mut at = self.cells.get(&key).copied().unwrap_or(NONE);
-            while let Some(other) = points.get(at as usize).filter(|_| at != NONE) {
-                let away = (Vector3::from(*other) - point).norm();
-                if away <= distance && best.is_none_or(|best| (away, at) < best) {
-                    best = Some((away, at));
+        cells.around(point, |key| {
+            for other in kept.items(key) {
+                let place = &points[other as usize];
+                let away = (Vector3::from(*place) - Vector3::from(*point)).norm();
+                let near = if distance > 0.0 { away <= distance } else { place == point };
+                if near && best.is_none_or(|best| (away, other) < best) {
+                    best = Some((away, other));
                 }
-                at = self.next.get(at as usize).copied().unwrap_or(NONE);
+            }
+        });
+        if best.is_none() {
+            kept.insert(cells.home(point), number);
+        }
+        of_point.push(best.map_or(number, |(_, earlier)| earlier));
+    }
+    of_point
+}
+
+/// [-] Edge of a cell over the distance within which points are joined. A larger one holds more points, a smaller one
+/// has more neighbours to be looked into.
+const CELL: f64 = 4.3;
+
+/// Cells of space.
+struct Cells {
+    /// [m] within which neighbours are wanted
+    distance: f64,
+    /// [m] edge; without one every place is a cell of its own
+    size: f64,
+}
+
+impl Cells {
+    fn along(&self, x: f64) -> u64 {
+        // The half keeps what lies in a plane of coordinates away from the sides of cells.
+        let cell = if self.size > 0.0 { floor(x / self.size + 0.5) } else { x };
+        // Adding zero turns -0 into 0.
+        (cell + 0.0).to_bits()
+    }
+
+    fn home(&self, point: &[f64; 3]) -> [u64; 3] {
+        point.map(|x| self.along(x))
+    }
+
+    /// Calls `visit` with each cell that may hold a point near this one.
+    fn around(&self, point: &[f64; 3], mut visit: impl FnMut([u64; 3])) {
+        // More than the rounding of a distance.
+        let reach = self.distance * (1.0 + 1e-9);
+        let low = point.map(|x| self.along(x - reach));
+        let high = point.map(|x| self.along(x + reach));
+        let choices = |k: usize| if low[k] == high[k] { 1 } else { 2 };
+        for x in &[low[0], high[0]][..choices(0)] {
+            for y in &[low[1], high[1]][..choices(1)] {
+                for z in &[low[2], high[2]][..choices(2)] {
+                    visit([*x, *y, *z]);
+                }
             }
         }
-        best.map(|(_, number)| number)
+    }
+}
+
+/// The largest whole number that is not above a number: without a call, which `f64::floor` is on many machines.
+fn floor(x: f64) -> f64 {
+    const WHOLE: f64 = (1_u64 << 52) as f64;
+    let cut = x as i64 as f64;
+    match x.abs() < WHOLE {
+        true if cut > x => cut - 1.0,
+        true => cut,
+        // It has no other digits, or is no number.
+        false => x,
+    }
+}
+
+/// Numbers in lists by keys. Keys are not kept: a list may have numbers of other keys too.
+pub(super) struct Table {
+    /// the latest number of each list; their number is a power of two
+    heads: Vec<u32>,
+    /// each number, and the place of the one before it in its list
+    items: Vec<[u32; 2]>,
+    /// a bit for each of [`Table::BITS`] times as many keys: whether one of them has numbers. They stay in the caches
+    /// where the lists do not.
+    used: Vec<u64>,
+    /// differs from table to table, so that no file can put all into one list
+    seed: u64,
+}
+
+/// No place.
+const END: u32 = u32::MAX;
+
+impl Table {
+    const BITS: usize = 16;
+
+    /// A table that is fast up to about so many items.
+    pub(super) fn for_items(count: usize) -> Self {
+        let seed = RandomState::new().hash_one(count) | 1;
+        let lists = count.next_power_of_two();
+        let used = vec![0; (Self::BITS * lists).div_ceil(64)];
+        Table { heads: vec![END; lists], items: Vec::new(), used, seed }
+    }
+
+    /// The list of a key, and its bit.
+    fn list(&self, key: [u64; 3]) -> (usize, usize) {
+        let mixed = |all: u64, word: u64| {
+            let product = u128::from(all ^ word) * u128::from(self.seed);
+            product as u64 ^ (product >> 64) as u64
+        };
+        let mix = mixed(key.into_iter().fold(self.seed >> 32, mixed), 0x9e37_79b9_7f4a_7c15) as usize;
+        (mix & (self.heads.len() - 1), mix & (64 * self.used.len() - 1))
+    }
+
+    pub(super) fn insert(&mut self, key: [u64; 3], item: u32) {
+        let (list, bit) = self.list(key);
+        self.items.push([item, self.heads[list]]);
+        self.heads[list] = self.items.len() as u32 - 1;
+        self.used[bit / 64] |= 1 << (bit % 64);
+    }
+
+    /// The numbers of a key, the latest first, among others.
+    pub(super) fn items(&self, key: [u64; 3]) -> impl Iterator<Item = u32> {
+        let (list, bit) = self.list(key);
+        let is_used = self.used[bit / 64] >> (bit % 64) & 1 == 1;
+        let mut at = if is_used { self.heads[list] } else { END };
+        std::iter::from_fn(move || {
+            let [item, before] = *self.items.get(at as usize)?;
+            at = before;
+            Some(item)
+        })
     }
 }
 

@@ -3,39 +3,52 @@
 use super::assemble::{FacePieces, NONE, Notes};
 use crate::format_number::first_few;
 use crate::topology;
-use crate::tuples::{earliest, sorted};
+use crate::tuples::{earliest, repeated, sorted};
 
 /// The triangles of a mesh.
 pub(super) struct FaceList {
     pub triangles: Vec<[u32; 3]>,
-    /// the triangle of each piece of a face
-    pub of_piece: Vec<u32>,
+    /// the triangle of each piece of a face; empty if each piece is the triangle of its number
+    of_piece: Vec<u32>,
+}
+
+impl FaceList {
+    /// The triangle of a piece of a face.
+    pub(super) fn of_piece(&self, piece: u32) -> u32 {
+        self.of_piece.get(piece as usize).copied().unwrap_or(piece)
+    }
 }
 
 /// The triangles in file order, each once. `means_groups` says that a face is listed once for each of its groups.
-pub(super) fn faces_once(pieces: &FacePieces, means_groups: bool, notes: &mut Notes) -> FaceList {
-    let count = pieces.triangles.len();
-    let mut list = FaceList { triangles: Vec::with_capacity(count), of_piece: Vec::with_capacity(count) };
-    let mut again = Vec::new();
-    let keys: Vec<[u32; 3]> = pieces.triangles.iter().map(|triangle| sorted(*triangle)).collect();
-    for (piece, first) in earliest(&keys).into_iter().enumerate() {
-        if first as usize == piece {
-            list.of_piece.push(list.triangles.len() as u32);
-            list.triangles.push(pieces.triangles[piece]);
+pub(super) fn faces_once(pieces: &mut FacePieces, means_groups: bool, notes: &mut Notes) -> FaceList {
+    let mut triangles = std::mem::take(&mut pieces.triangles);
+    let mut again = repeated(triangles.iter().map(|triangle| sorted(*triangle)));
+    if again.is_empty() {
+        return FaceList { triangles, of_piece: Vec::new() };
+    }
+    again.sort_unstable();
+    let mut of_piece = Vec::with_capacity(triangles.len());
+    let (mut kept, mut next) = (0, again.iter().peekable());
+    for piece in 0..triangles.len() {
+        if let Some([_, first]) = next.next_if(|[number, _]| *number as usize == piece) {
+            of_piece.push(of_piece[*first as usize]);
         } else {
-            list.of_piece.push(list.of_piece[first as usize]);
-            again.push(pieces.of_face[piece]);
+            of_piece.push(kept);
+            triangles[kept as usize] = triangles[piece];
+            kept += 1;
         }
     }
-    if !again.is_empty() && !means_groups {
-        again.dedup();
+    triangles.truncate(kept as usize);
+    if !means_groups {
+        let mut faces: Vec<u32> = again.iter().map(|[piece, _]| pieces.of_face[*piece as usize]).collect();
+        faces.dedup();
         notes.found.push(format!(
             "{} faces with the nodes of an earlier one were dropped: {}",
-            again.len(),
-            first_few(&again)
+            faces.len(),
+            first_few(&faces)
         ));
     }
-    list
+    FaceList { triangles, of_piece }
 }
 
 /// The edges of a mesh.
@@ -80,10 +93,16 @@ pub(super) fn edges(
     // Both are in ascending order.
     keys.sort_unstable();
     let mut listed = keys.into_iter().peekable();
-    list.edges.extend(topology::unique_edges(triangles).into_iter().filter(|side| {
-        while listed.next_if(|line| line < side).is_some() {}
-        listed.peek() != Some(side)
-    }));
+    let mut sides = topology::unique_edges(triangles);
+    if list.edges.is_empty() {
+        list.edges = sides;
+    } else {
+        sides.retain(|side| {
+            while listed.next_if(|line| line < side).is_some() {}
+            listed.peek() != Some(side)
+        });
+        list.edges.append(&mut sides);
+    }
     list.seams.sort_unstable();
     list.seams.dedup();
     if points > 0 {

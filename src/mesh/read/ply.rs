@@ -35,6 +35,15 @@ fn add(element: &Element, records: &Records, cells: &mut Cells) -> Result<(), St
     let is_mark = |at: &usize| element.properties[*at].is_mark(&element.name);
     let marks = (0..element.properties.len()).filter(is_mark);
     let marks = Marks::new(marks.map(|at| (element.properties[at].name.clone(), records.column(at))).collect());
+    // Neighbours in the file are mostly in the same groups.
+    let alike = if marks.is_empty() { Vec::new() } else { marks.first_alike(records.count) };
+    let (mut names, mut latest) = (Vec::new(), None);
+    let mut names_of = |at: usize| {
+        if let Some(first) = alike.get(at).filter(|first| latest != Some(**first)) {
+            (names, latest) = (marks.names(*first as usize), Some(*first));
+        }
+        names.clone()
+    };
     match element.name.as_str() {
         "vertex" => {
             let [Some(x), Some(y), Some(z)] = ["x", "y", "z"].map(column) else {
@@ -42,26 +51,33 @@ fn add(element: &Element, records: &Records, cells: &mut Cells) -> Result<(), St
             };
             for (at, row) in records.rows().enumerate() {
                 cells.points.push([row[x], row[y], row[z]]);
-                cells.name_point(&marks.names(at), at as u64);
+                cells.name_point(&names_of(at), at as u64);
             }
         }
         "face" | "edge" => {
             let ends = ["vertex1", "vertex2"].map(column);
+            let mut corners: Vec<u64> = Vec::new();
+            if !marks.is_empty() {
+                cells.number_cells(0);
+            }
             for (at, row) in records.rows().enumerate() {
-                let corners = match ends {
+                let listed = match ends {
                     [Some(a), Some(b)] => &[row[a], row[b]][..],
                     _ => records.corners(at),
                 };
-                if corners.iter().any(|corner| *corner < 0.0) {
+                if listed.iter().any(|corner| *corner < 0.0) {
                     return Err(format!("{} {at} has a negative number of a vertex", element.name));
                 }
-                let corners: Vec<u64> = corners.iter().map(|corner| *corner as u64).collect();
+                corners.clear();
+                corners.extend(listed.iter().map(|corner| *corner as u64));
                 match corners.len() {
                     0 | 1 => cells.remark(IGNORED),
                     2 => cells.add_line(&corners, false),
                     _ => cells.add_face(&corners),
                 }
-                cells.name_cells(&marks.names(at));
+                if !marks.is_empty() {
+                    cells.name_cells(&names_of(at));
+                }
             }
         }
         _ => {}
@@ -260,20 +276,26 @@ impl File<'_> {
             let word = std::str::from_utf8(&rest[begin..begin + length]).map_err(|_| "has a number that is no text")?;
             return number(Some(word));
         }
-        let mut word = [0; 8];
-        word[..kind.size].copy_from_slice(rest.get(..kind.size).ok_or_else(cut_off)?);
-        self.at += kind.size;
+        let (number, size) = match kind.size {
+            1 => (self.binary(rest, |b| if kind.signed { i8::from_le_bytes(b).into() } else { b[0].into() }), 1),
+            2 if kind.signed => (self.binary(rest, |b| i16::from_le_bytes(b).into()), 2),
+            2 => (self.binary(rest, |b| u16::from_le_bytes(b).into()), 2),
+            4 if !kind.whole => (self.binary(rest, |b| f32::from_le_bytes(b).into()), 4),
+            4 if kind.signed => (self.binary(rest, |b| i32::from_le_bytes(b).into()), 4),
+            4 => (self.binary(rest, |b| u32::from_le_bytes(b).into()), 4),
+            _ => (self.binary(rest, f64::from_le_bytes), 8),
+        };
+        self.at += size;
+        number.ok_or_else(cut_off)
+    }
+
+    /// A number of `N` bytes.
+    fn binary<const N: usize>(&self, rest: &[u8], number: impl Fn([u8; N]) -> f64) -> Option<f64> {
+        let mut word = *rest.first_chunk()?;
         if let Format::Big = self.format {
-            word[..kind.size].reverse();
+            word.reverse();
         }
-        let bits = u64::from_le_bytes(word);
-        let unused = 64 - 8 * kind.size as u32;
-        Ok(match (kind.whole, kind.signed) {
-            (true, true) => ((bits << unused) as i64 >> unused) as f64,
-            (true, false) => bits as f64,
-            _ if kind.size == 4 => f64::from(f32::from_bits(bits as u32)),
-            _ => f64::from_bits(bits),
-        })
+        Some(number(word))
     }
 }
 

@@ -4,8 +4,8 @@
 //! with "solid".
 
 use super::cells::Cells;
+use super::merge::Table;
 use super::text::{point, text};
-use std::collections::HashMap;
 
 /// [byte] header with the number of facets, and a facet
 const HEADER: usize = 84;
@@ -17,7 +17,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
     // Some programs end the file with a line of their own.
     let beyond =
         size.and_then(|size| bytes.get(size..)).filter(|beyond| beyond.trim_ascii().is_empty() && beyond.len() < FACET);
-    let file = File { cells: Cells::of_corners(), known: HashMap::new() };
+    let file = File { cells: Cells::of_corners(), known: Table::for_items(bytes.len() / FACET) };
     if let (Some(size), Some(_)) = (size, beyond) {
         return file.binary(&bytes[HEADER..size]);
     }
@@ -37,17 +37,22 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
 struct File {
     cells: Cells,
     /// points by their coordinates
-    known: HashMap<[u64; 3], u64>,
+    known: Table,
 }
 
 impl File {
     fn corner(&mut self, point: [f64; 3]) -> u64 {
         // Adding zero turns -0 into 0, which is the same place.
         let point = point.map(|x| x + 0.0);
-        *self.known.entry(point.map(f64::to_bits)).or_insert_with(|| {
-            self.cells.points.push(point);
-            self.cells.points.len() as u64 - 1
-        })
+        let key = point.map(f64::to_bits);
+        let points = &mut self.cells.points;
+        let known = self.known.items(key).find(|number| points[*number as usize].map(f64::to_bits) == key);
+        let number = known.unwrap_or_else(|| {
+            points.push(point);
+            self.known.insert(key, points.len() as u32 - 1);
+            points.len() as u32 - 1
+        });
+        u64::from(number)
     }
 
     fn binary(mut self, facets: &[u8]) -> Result<Cells, String> {

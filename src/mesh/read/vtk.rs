@@ -5,7 +5,7 @@ use super::marks::Marks;
 use super::{SEAM, START_DISPLACEMENT};
 use crate::group::{CELL_GROUP, GROUP, KIND, LONGEST_NAME, NODE_GROUP};
 use crate::vtk::read::{Column, Numbers, Piece, files_of, named_array};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Refuses a file that lists others, with their names.
 pub(super) fn read_list(bytes: &[u8]) -> Result<Cells, String> {
@@ -68,12 +68,19 @@ impl Parts {
         Parts::Marks(Marks::new(marks.collect()))
     }
 
-    /// Puts the lines and faces that were added since the last call into the groups of a cell.
-    fn name_cell(&self, cell: usize, cells: &mut Cells) {
-        match self {
-            Parts::Numbers(numbers) => cells.number_cells(numbers.get(cell).copied().unwrap_or(0)),
-            Parts::Marks(marks) => cells.name_cells(&marks.names(cell)),
-        }
+    /// The number of the groups of each cell; missing ones are 0. Names are made for those that `is_wanted` only.
+    fn numbers(self, count: usize, is_wanted: impl Fn(usize) -> bool, cells: &mut Cells) -> Vec<i64> {
+        let marks = match self {
+            Parts::Numbers(numbers) => return numbers,
+            Parts::Marks(marks) if marks.is_empty() => return Vec::new(),
+            Parts::Marks(marks) => marks,
+        };
+        let mut known = HashMap::new();
+        let mut number = |cell: usize, alike: u32| match is_wanted(cell) {
+            true => *known.entry(alike).or_insert_with(|| cells.number_of(&marks.names(cell))),
+            false => 0,
+        };
+        marks.first_alike(count).into_iter().enumerate().map(|(cell, alike)| number(cell, alike)).collect()
     }
 }
 
@@ -81,9 +88,14 @@ impl Parts {
 fn add_point_data(data: &[Column], first: u64, cells: &mut Cells) -> Result<(), String> {
     match Parts::of(data, !cells.point_groups.is_empty()) {
         Parts::Numbers(numbers) => cells.number_points(numbers),
+        Parts::Marks(marks) if marks.is_empty() => {}
         Parts::Marks(marks) => {
-            for point in first..cells.points.len() as u64 {
-                cells.name_point(&marks.names((point - first) as usize), point);
+            let (mut names, mut latest) = (Vec::new(), None);
+            for (point, alike) in (first..).zip(marks.first_alike(cells.points.len() - first as usize)) {
+                if latest != Some(alike) {
+                    (names, latest) = (marks.names(alike as usize), Some(alike));
+                }
+                cells.name_point(&names, point);
             }
         }
     }
@@ -105,23 +117,38 @@ const HIDDEN: i64 = 32;
 
 fn add_piece(piece: Piece, cells: &mut Cells) -> Result<(), String> {
     let first = cells.points.len() as u64;
-    cells.points.extend(&piece.points);
+    if first == 0 {
+        cells.points = piece.points
+    } else {
+        cells.points.extend(&piece.points)
+    }
     add_point_data(&piece.point_data, first, cells)?;
-    let parts = Parts::of(&piece.cell_data, !cells.cell_groups.is_empty());
     let seam = named_array(&piece.cell_data, SEAM).unwrap_or_default();
     let whole =
         |name| piece.cell_data.iter().find(|column| column.name == name).map(|column| column.numbers.clone().whole());
     let ghosts = whole(GHOSTS).unwrap_or_default();
     // Older files tell how far a cell lies outside of the piece.
     let levels = whole("vtkGhostLevels").unwrap_or_default();
+    let types = &piece.cells.types;
+    let is_left_out = |cell: usize| {
+        // Frames hide the lines on the sides of triangles, which are edges none the less.
+        let bits = if matches!(types[cell], 3 | 4) { DOUBLE } else { DOUBLE | HIDDEN };
+        ghosts.get(cell).is_some_and(|ghost| ghost & bits != 0) || levels.get(cell).is_some_and(|level| *level > 0)
+    };
+    let parts = Parts::of(&piece.cell_data, !cells.cell_groups.is_empty());
+    let numbers = parts.numbers(types.len(), |cell| !is_left_out(cell), cells);
+    let only_faces = types.iter().all(|kind| matches!(kind, 5 | 7 | 9));
+    if first == 0 && only_faces && ghosts.is_empty() && levels.is_empty() {
+        cells.add_faces(piece.cells.points, piece.cells.ends);
+        cells.number_faces(numbers);
+        return Ok(());
+    }
     let mut nodes = Vec::new();
     for (i, (kind, points)) in piece.cells.iter().enumerate() {
         let on_seam = seam.get(i).is_some_and(|&s| s != 0.0);
         nodes.clear();
         nodes.extend(points.iter().map(|point| point.saturating_add(first)));
-        // Frames hide the lines on the sides of triangles, which are edges none the less.
-        let left_out = if matches!(kind, 3 | 4) { DOUBLE } else { DOUBLE | HIDDEN };
-        if ghosts.get(i).is_some_and(|bits| bits & left_out != 0) || levels.get(i).is_some_and(|level| *level > 0) {
+        if is_left_out(i) {
             cells.remark("ghost or hidden cells were left out");
             continue;
         }
@@ -137,7 +164,7 @@ fn add_piece(piece: Piece, cells: &mut Cells) -> Result<(), String> {
                 return Err(format!("cell {i} is a {kind}; only lines, triangles and quads of first order are read"));
             }
         }
-        parts.name_cell(i, cells);
+        cells.number_cells(numbers.get(i).copied().unwrap_or(0));
     }
     Ok(())
 }

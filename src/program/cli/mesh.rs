@@ -267,11 +267,12 @@ pub fn run(args: &MeshArgs) -> Result<String, MeshCliError> {
         }
         MeshCommand::Convert(a) => {
             let (mesh, notes) = a.mesh.read()?;
-            Ok(describe(&mesh, &notes)? + &write(&mesh, &a.output, a.force)?)
+            Ok(describe(&mesh, &Topology::of_checked(&mesh), &notes) + &write(&mesh, &a.output, a.force)?)
         }
         MeshCommand::Inspect(a) => {
             let (mesh, notes) = a.mesh.read()?;
-            if a.json { to_json(&mesh, &notes) } else { describe(&mesh, &notes) }
+            let topology = Topology::of_checked(&mesh);
+            Ok(if a.json { to_json(&mesh, &topology, &notes) } else { describe(&mesh, &topology, &notes) })
         }
     }
 }
@@ -282,7 +283,8 @@ fn make(source: &MeshSource, output: &OutputArgs) -> Result<String, MeshCliError
 
 /// Describes a mesh, and writes it if a file is named.
 fn finish(mesh: &Mesh, output: &OutputArgs) -> Result<String, MeshCliError> {
-    let text = describe(mesh, &[])?;
+    let topology = Topology::new(mesh).map_err(MeshCliError::Input)?;
+    let text = describe(mesh, &topology, &[]);
     match &output.output {
         Some(path) => Ok(text + &write(mesh, path, output.force)?),
         None => Ok(text),
@@ -318,9 +320,8 @@ fn loops(all: &[BoundaryLoop]) -> Vec<String> {
 }
 
 /// Counts, loops, quality, histogram, and faults that matter for a simulation.
-fn describe(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliError> {
-    let topology = Topology::new(mesh).map_err(MeshCliError::Input)?;
-    let quality = Quality::with_topology(mesh, &topology);
+fn describe(mesh: &Mesh, topology: &Topology, notes: &[String]) -> String {
+    let quality = Quality::with_topology(mesh, topology);
     let count = |kind| (0..mesh.edges.len()).filter(|&e| topology.edge_kind(e) == kind).count();
     let mut lines = vec![
         format!("nodes        {}", mesh.nodes.len()),
@@ -360,9 +361,9 @@ fn describe(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliError> {
         lines.push("angle histogram (degrees, count)".to_owned());
     }
     let mut text = lines.join("\n") + "\n" + &quality.histogram_text();
-    for note in doubts(mesh, &topology, notes) {
+    for note in doubts(mesh, topology, notes) {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "note: {note}");
     }
-    Ok(text)
+    text
 }

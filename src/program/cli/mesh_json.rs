@@ -1,6 +1,6 @@
 //! What `mesh inspect --json` prints: the same as the text, for programs.
 
-use super::mesh_output::{MeshCliError, doubts};
+use super::mesh_output::doubts;
 use crate::mesh::box_tree::Bounds;
 use crate::mesh::canopy::Canopy;
 use crate::mesh::{EdgeKind, Mesh, Quality, Topology};
@@ -8,9 +8,8 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 /// JSON text that ends with a line break. Lengths are in metres, angles in degrees; null where a mesh has none.
-pub(super) fn to_json(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliError> {
-    let topology = Topology::new(mesh).map_err(MeshCliError::Input)?;
-    let quality = Quality::with_topology(mesh, &topology);
+pub(super) fn to_json(mesh: &Mesh, topology: &Topology, notes: &[String]) -> String {
+    let quality = Quality::with_topology(mesh, topology);
     let count = |kind| (0..mesh.edges.len()).filter(|&e| topology.edge_kind(e) == kind).count();
     let loops = topology.loops().iter().map(|l| {
         json!({"outer": l.outer, "closed": l.closed, "nodes": l.nodes.len(), "length": l.length, "extent": l.extent})
@@ -48,8 +47,8 @@ pub(super) fn to_json(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliEr
         "area": {"all": quality.total_area, "min": quality.min_area},
         "groups": groups.collect::<BTreeMap<_, _>>(),
         "canopies": canopies,
-        "notes": doubts(mesh, &topology, notes),
+        "notes": doubts(mesh, topology, notes),
     });
     // Printing a value cannot fail.
-    Ok(serde_json::to_string_pretty(&value).unwrap_or_else(|_| value.to_string()) + "\n")
+    serde_json::to_string_pretty(&value).unwrap_or_else(|_| value.to_string()) + "\n"
 }

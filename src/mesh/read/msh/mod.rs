@@ -15,11 +15,49 @@ use std::collections::HashMap;
 /// Name of the section of nodes that tell their places on curves and surfaces too.
 const PARAMETRIC: &str = "ParametricNodes";
 
+/// The point of each node tag.
+#[derive(Default)]
+struct Index {
+    /// by tag, [`Index::NONE`] where there is none
+    near: Vec<u32>,
+    /// of tags far beyond the number of nodes
+    far: HashMap<u64, u32>,
+}
+
+impl Index {
+    const NONE: u32 = u32::MAX;
+    /// Tags up to this many times the number of nodes listed so far, and some more, have a place of their own.
+    const DENSE: u64 = 4;
+    const ANY: u64 = 1 << 16;
+
+    fn get(&self, tag: u64) -> Option<u64> {
+        let near = usize::try_from(tag).ok().and_then(|tag| self.near.get(tag)).filter(|point| **point != Self::NONE);
+        near.or_else(|| if self.far.is_empty() { None } else { self.far.get(&tag) }).copied().map(u64::from)
+    }
+
+    /// Notes the next point; false if the tag is known already.
+    fn insert(&mut self, tag: u64, point: u32) -> bool {
+        if self.get(tag).is_some() {
+            return false;
+        }
+        if tag > Self::DENSE * u64::from(point) + Self::ANY {
+            self.far.insert(tag, point);
+            return true;
+        }
+        let at = tag as usize;
+        if at >= self.near.len() {
+            self.near.resize(at + 1, Self::NONE);
+        }
+        self.near[at] = point;
+        true
+    }
+}
+
 /// Cells and the index of every node tag.
 #[derive(Default)]
 struct Reader {
     cells: Cells,
-    index: HashMap<u64, u64>,
+    index: Index,
     /// names of physical groups by dimension and number
     names: HashMap<(i32, i32), String>,
     /// physical groups of the entities of version 4, by dimension and tag
@@ -102,7 +140,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
 
 impl Reader {
     fn add_node(&mut self, tag: u64, point: [f64; 3]) -> Result<(), String> {
-        if self.index.insert(tag, self.cells.points.len() as u64).is_some() {
+        if !self.index.insert(tag, self.cells.points.len() as u32) {
             return Err(format!("node {tag} is listed twice"));
         }
         self.cells.points.push(point);
@@ -140,6 +178,8 @@ impl Reader {
     fn elements_2(&mut self, body: &[u8], binary: bool) -> Result<(), String> {
         let (count, mut from) = Numbers::counted(body, binary)?;
         let mut done = 0;
+        // Neighbours in the file are mostly in the same group.
+        let (mut groups, mut latest) = (Vec::new(), None);
         while done < count {
             // In text each element tells its type; in binary a block of them.
             let first = if binary { 0 } else { from.tag()? };
@@ -157,7 +197,9 @@ impl Reader {
                     let tag = from.int()?;
                     physical = if i == 0 { tag } else { physical };
                 }
-                let groups = self.named(dimension(kind), &[physical]);
+                if latest != Some((kind, physical)) {
+                    (groups, latest) = (self.named(dimension(kind), &[physical]), Some((kind, physical)));
+                }
                 self.element(kind, &groups, || from.tag())?;
                 done += 1;
             }
@@ -294,7 +336,7 @@ impl Reader {
         let mut nodes = [0; 4];
         for node in &mut nodes[..count] {
             let tag = tag()?;
-            let known = self.index.get(&tag).copied();
+            let known = self.index.get(tag);
             *node = known.ok_or_else(|| format!("an element names node {tag}, which is not listed"))?;
         }
         match kind {

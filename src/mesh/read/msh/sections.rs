@@ -1,6 +1,7 @@
 //! Sections of a file, and the numbers in them.
 
 use std::borrow::Cow;
+use std::io::BufRead as _;
 
 /// A section: its name without the sign, and what stands between its lines.
 pub(super) struct Sections<'a>(Vec<(&'a str, &'a [u8])>);
@@ -15,13 +16,13 @@ fn line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
 fn find(bytes: &[u8], mark: &[u8]) -> Option<usize> {
     let mut from = 0;
     // The first byte is rare, so that this is fast where whole windows would not be.
-    while let Some(at) = bytes.get(from..)?.iter().position(|byte| *byte == mark[0]) {
-        if bytes[from + at..].starts_with(mark) {
-            return Some(from + at);
+    loop {
+        let passed = bytes.get(from..)?.skip_until(mark[0]).ok().filter(|passed| *passed > 0)?;
+        from += passed;
+        if bytes[from - 1..].starts_with(mark) {
+            return Some(from - 1);
         }
-        from += at + 1;
     }
-    None
 }
 
 impl<'a> Sections<'a> {

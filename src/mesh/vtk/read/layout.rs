@@ -105,24 +105,30 @@ impl Layout {
     }
 
     /// The data of an array: at most so many bytes, or it is damaged.
-    pub(super) fn decode(&self, section: Section<'_>, most: usize) -> Result<Vec<u8>, String> {
+    pub(super) fn decode<'a>(&self, section: Section<'a>, most: usize) -> Result<Cow<'a, [u8]>, String> {
         let data = match self.packing {
-            Some(packing) => self.unpacked(packing, section, most),
+            Some(packing) => self.unpacked(packing, section, most).map(Cow::Owned),
             None => self.plain(section, most),
         };
         data.ok_or_else(damaged)
     }
 
     /// The length in bytes, then the bytes. In base64 the length may be a text of its own.
-    fn plain(&self, section: Section<'_>, most: usize) -> Option<Vec<u8>> {
+    fn plain<'a>(&self, section: Section<'a>, most: usize) -> Option<Cow<'a, [u8]>> {
         let length = *self.numbers(section, 1)?.first().filter(|length| **length <= most)?;
         let (_, after) = section.take(self.word)?;
         let alone = section.base64 && section.bytes.get(..self.word.div_ceil(3) * 4)?.contains(&b'=');
         if alone && length > 0 {
-            return Some(after.take(length)?.0.into_owned());
+            return Some(after.take(length)?.0);
         }
         let (all, _) = section.take(self.word.checked_add(length)?)?;
-        all.get(self.word..).map(<[u8]>::to_vec)
+        Some(match all {
+            Cow::Borrowed(all) => Cow::Borrowed(all.get(self.word..)?),
+            Cow::Owned(mut all) => {
+                all.drain(..self.word.min(all.len()));
+                Cow::Owned(all)
+            }
+        })
     }
 
     /// The number of blocks, their size, the size of a last partial one, the packed size of each; then the blocks.

@@ -3,7 +3,7 @@
 //! Source: "VTK file formats", <https://docs.vtk.org/en/latest/vtk_file_formats/vtk_legacy_file_format.html>, and
 //! `vtkDataReader.cxx` for what stands in files beyond it: METADATA, FIELD anywhere, types of numbers, and strings.
 
-use super::numbers::{Numbers, Type};
+use super::numbers::{Numbers, Type, places, places_of};
 use super::{Budget, CellLists, Column, DataSet, Piece, unfit};
 
 /// Lists of cells of polygons, in the order in which cells are counted: their names in legacy and in XML files, and the
@@ -47,7 +47,7 @@ enum Rows {
 /// Cells of one list: their points, and where those of each end.
 type List = (Vec<i64>, Vec<usize>);
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
     fn sections(&mut self) -> Result<DataSet, String> {
         let (mut data, mut piece) = (DataSet::default(), Piece::default());
         let mut lists: [List; 4] = Default::default();
@@ -81,8 +81,7 @@ impl Reader<'_> {
                 }
                 "POINTS" => {
                     let kind = kind_of(words.get(2).copied().unwrap_or_default())?;
-                    let numbers = self.numbers(count(1)?.saturating_mul(3), kind)?.reals();
-                    piece.points = numbers.as_chunks().0.to_vec();
+                    piece.points = self.places(count(1)?.saturating_mul(3), kind)?;
                 }
                 "CELLS" => grid = Some(self.cells(count(1)?, count(2)?)?),
                 _ if list.is_some() => lists[list.unwrap_or(0)] = self.cells(count(1)?, count(2)?)?,
@@ -106,14 +105,14 @@ impl Reader<'_> {
         let types = std::mem::take(&mut piece.cells.types);
         let mut cells = CellLists::default();
         if let Some((points, ends)) = grid {
-            cells.add(points, &ends, 0)?;
-            if types.len() != ends.len() {
-                return Err(format!("has {} cells but {} cell types", ends.len(), types.len()));
+            cells.add(points, ends, 0)?;
+            if types.len() != cells.ends.len() {
+                return Err(format!("has {} cells but {} cell types", cells.ends.len(), types.len()));
             }
             cells.types = types;
         }
         for ((points, ends), (_, _, kind)) in lists.into_iter().zip(LISTS) {
-            cells.add(points, &ends, kind)?;
+            cells.add(points, ends, kind)?;
         }
         piece.cells = cells;
         data.pieces.push(piece);
@@ -212,17 +211,14 @@ impl Reader<'_> {
             return Ok((points, ends.collect::<Result<_, _>>().map_err(|_| unfit())?));
         }
         self.at = here;
-        let numbers = self.numbers(size, Kind::Number(Type::Signed(4)))?.whole();
-        let (mut points, mut ends) = (Vec::with_capacity(size.saturating_sub(count)), Vec::with_capacity(count));
-        let mut rest = &numbers[..];
-        while let [length, after @ ..] = rest {
-            let (own, next) =
-                usize::try_from(*length).ok().and_then(|n| after.split_at_checked(n)).ok_or_else(unfit)?;
-            points.extend_from_slice(own);
-            ends.push(points.len());
-            rest = next;
-        }
-        if ends.len() == count { Ok((points, ends)) } else { Err(unfit()) }
+        let list = if self.binary {
+            let words = self.take(size.checked_mul(4))?.as_chunks().0;
+            self.budget.take(size)?;
+            split(words.iter().map(|word| i32::from_be_bytes(*word).into()), count)
+        } else {
+            split(self.numbers(size, Kind::Number(Type::Signed(4)))?.whole().into_iter(), count)
+        };
+        list.ok_or_else(unfit)
     }
 
     /// The next line, with its bytes as Latin-1, without its end.
@@ -253,7 +249,7 @@ impl Reader<'_> {
     }
 
     /// The bytes of so many numbers, in binary.
-    fn take(&mut self, bytes: Option<usize>) -> Result<&[u8], String> {
+    fn take(&mut self, bytes: Option<usize>) -> Result<&'a [u8], String> {
         let taken = bytes.and_then(|bytes| self.bytes.get(self.at..)?.get(..bytes));
         let taken = taken.ok_or("is cut off: an array is longer than the rest of the file")?;
         self.at += taken.len();
@@ -275,9 +271,9 @@ impl Reader<'_> {
             return Err("has text where numbers are expected".to_owned());
         };
         if self.binary {
-            let bytes = self.take(count.checked_mul(kind.size()))?.to_vec();
+            let bytes = self.take(count.checked_mul(kind.size()))?;
             self.budget.take(count)?;
-            return Ok(Numbers::of_bytes(&bytes, kind, true));
+            return Ok(Numbers::of_bytes(bytes, kind, true));
         }
         self.check_words(count)?;
         self.budget.take(count)?;
@@ -293,6 +289,19 @@ impl Reader<'_> {
             }
         }
         Ok(if kind.is_whole() { Numbers::Whole(whole) } else { Numbers::Real(words) })
+    }
+
+    /// Places of so many numbers.
+    fn places(&mut self, count: usize, kind: Kind) -> Result<Vec<[f64; 3]>, String> {
+        let made = match kind {
+            Kind::Number(kind) if self.binary => {
+                let bytes = self.take(count.checked_mul(kind.size()))?;
+                self.budget.take(count)?;
+                places(bytes, kind, true)
+            }
+            kind => places_of(&self.numbers(count, kind)?.reals()),
+        };
+        made.ok_or_else(unfit)
     }
 
     /// Passes over an array.
@@ -328,6 +337,18 @@ impl Reader<'_> {
         }
         Ok(())
     }
+}
+
+/// So many cells of numbers in which the number of points of each stands before them.
+fn split(mut numbers: impl ExactSizeIterator<Item = i64>, count: usize) -> Option<List> {
+    let size = numbers.len();
+    let (mut points, mut ends) = (Vec::with_capacity(size.saturating_sub(count)), Vec::with_capacity(count.min(size)));
+    while let Some(length) = numbers.next() {
+        let length = usize::try_from(length).ok().filter(|length| *length <= numbers.len())?;
+        points.extend(numbers.by_ref().take(length));
+        ends.push(points.len());
+    }
+    (ends.len() == count).then_some((points, ends))
 }
 
 /// What an array holds.

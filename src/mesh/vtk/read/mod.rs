@@ -53,20 +53,22 @@ impl CellLists {
     }
 
     /// Adds cells of one type, given by where the points of each end.
-    fn add(&mut self, points: Vec<i64>, ends: &[usize], kind: u8) -> Result<(), String> {
+    fn add(&mut self, points: Vec<i64>, mut ends: Vec<usize>, kind: u8) -> Result<(), String> {
+        let ascend = ends.is_sorted() && ends.last().is_none_or(|end| *end <= points.len());
+        if !ascend || points.iter().any(|point| *point < 0) {
+            return Err(unfit());
+        }
         let first = self.points.len();
-        let mut last = 0;
-        for &end in ends {
-            if end < last || end > points.len() {
-                return Err(unfit());
-            }
-            last = end;
-            self.ends.push(first + end);
-            self.types.push(kind);
+        // In place where these are the first.
+        let mut points: Vec<u64> = points.into_iter().map(i64::cast_unsigned).collect();
+        if first == 0 && self.ends.is_empty() {
+            (self.points, self.ends) = (points, ends);
+        } else {
+            self.points.append(&mut points);
+            ends.iter_mut().for_each(|end| *end += first);
+            self.ends.append(&mut ends);
         }
-        for point in points {
-            self.points.push(u64::try_from(point).map_err(|_| unfit())?);
-        }
+        self.types.resize(self.ends.len(), kind);
         Ok(())
     }
 }

@@ -26,6 +26,37 @@ impl Type {
     }
 }
 
+/// The numbers of `N` bytes each.
+fn each<const N: usize, T>(bytes: &[u8], big_endian: bool, number: impl Fn([u8; N]) -> T) -> Vec<T> {
+    let words = bytes.as_chunks().0.iter();
+    let turned = |word: &[u8; N]| std::array::from_fn(|i| word[N - 1 - i]);
+    if big_endian {
+        words.map(|word| number(turned(word))).collect()
+    } else {
+        words.map(|word| number(*word)).collect()
+    }
+}
+
+/// Places, three numbers each; `None` if numbers are left over.
+pub(super) fn places(bytes: &[u8], kind: Type, big_endian: bool) -> Option<Vec<[f64; 3]>> {
+    fn of<const N: usize>(bytes: &[u8], big_endian: bool, number: impl Fn([u8; N]) -> f64) -> Option<Vec<[f64; 3]>> {
+        let turned = |word: [u8; N]| if big_endian { std::array::from_fn(|i| word[N - 1 - i]) } else { word };
+        let (threes, []) = bytes.as_chunks().0.as_chunks::<3>() else { return None };
+        Some(threes.iter().map(|three| three.map(|word| number(turned(word)))).collect())
+    }
+    match kind {
+        Type::Double => of(bytes, big_endian, f64::from_le_bytes),
+        Type::Single => of(bytes, big_endian, |b| f32::from_le_bytes(b).into()),
+        _ => places_of(&Numbers::of_bytes(bytes, kind, big_endian).reals()),
+    }
+}
+
+/// The same for numbers.
+pub(super) fn places_of(numbers: &[f64]) -> Option<Vec<[f64; 3]>> {
+    let (threes, []) = numbers.as_chunks() else { return None };
+    Some(threes.to_vec())
+}
+
 /// The numbers of an array.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Numbers {
@@ -37,24 +68,16 @@ pub enum Numbers {
 
 impl Numbers {
     pub(super) fn of_bytes(bytes: &[u8], kind: Type, big_endian: bool) -> Self {
-        let size = kind.size();
-        let bits = |chunk: &[u8]| {
-            let mut word = [0; 8];
-            word[..size].copy_from_slice(chunk);
-            if big_endian {
-                word[..size].reverse();
-            }
-            u64::from_le_bytes(word)
-        };
-        let words = bytes.chunks_exact(size).map(bits);
         match kind {
-            Type::Unsigned(_) => Numbers::Whole(words.map(|word| word as i64).collect()),
-            Type::Signed(_) => {
-                let unused = 64 - 8 * size as u32;
-                Numbers::Whole(words.map(|word| (word << unused) as i64 >> unused).collect())
-            }
-            Type::Single => Numbers::Real(words.map(|word| f64::from(f32::from_bits(word as u32))).collect()),
-            Type::Double => Numbers::Real(words.map(f64::from_bits).collect()),
+            Type::Signed(1) => Numbers::Whole(each(bytes, big_endian, |b| i8::from_le_bytes(b).into())),
+            Type::Signed(2) => Numbers::Whole(each(bytes, big_endian, |b| i16::from_le_bytes(b).into())),
+            Type::Signed(4) => Numbers::Whole(each(bytes, big_endian, |b| i32::from_le_bytes(b).into())),
+            Type::Unsigned(1) => Numbers::Whole(each(bytes, big_endian, |b| u8::from_le_bytes(b).into())),
+            Type::Unsigned(2) => Numbers::Whole(each(bytes, big_endian, |b| u16::from_le_bytes(b).into())),
+            Type::Unsigned(4) => Numbers::Whole(each(bytes, big_endian, |b| u32::from_le_bytes(b).into())),
+            Type::Signed(_) | Type::Unsigned(_) => Numbers::Whole(each(bytes, big_endian, i64::from_le_bytes)),
+            Type::Single => Numbers::Real(each(bytes, big_endian, |b| f32::from_le_bytes(b).into())),
+            Type::Double => Numbers::Real(each(bytes, big_endian, f64::from_le_bytes)),
         }
     }
 

@@ -3,9 +3,10 @@
 //! Source: "VTK XML file formats", <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
 use super::layout::{Layout, Section, damaged};
-use super::numbers::{Numbers, Type};
+use super::numbers::{Numbers, Type, places, places_of};
 use super::{Budget, CellLists, Column, DataSet, Piece, unfit};
 use std::borrow::Cow;
+use std::io::BufRead as _;
 
 /// A tag with its attributes, and where it ends.
 struct Tag<'a> {
@@ -51,6 +52,13 @@ impl<'a> Tag<'a> {
     }
 }
 
+/// Where a byte stands next.
+fn find(bytes: &[u8], byte: u8, from: usize) -> Option<usize> {
+    // Faster than a look at each byte.
+    let passed = (&bytes[from..]).skip_until(byte).ok()?;
+    (from + passed).checked_sub(1).filter(|at| *at >= from && bytes[*at] == byte)
+}
+
 /// The text of an XML attribute.
 fn from_xml(text: &str) -> Cow<'_, str> {
     if !text.contains('&') {
@@ -86,7 +94,7 @@ pub(super) fn read(bytes: &[u8], names: &[&str]) -> Result<DataSet, String> {
     let mut fields = Vec::new();
     let mut pieces: Vec<PieceArrays<'_>> = Vec::new();
     let mut appended: Option<Section<'_>> = None;
-    while let Some(begin) = bytes[at..].iter().position(|byte| *byte == b'<').map(|next| at + next) {
+    while let Some(begin) = find(bytes, b'<', at) {
         if bytes[begin..].starts_with(b"<!--") {
             let end = bytes[begin..].windows(3).position(|three| three == b"-->");
             at = begin + end.ok_or("is cut off: a comment does not end")? + 3;
@@ -151,7 +159,7 @@ fn array<'a>(bytes: &'a [u8], tag: &Tag<'a>) -> Result<(Array<'a>, usize), Strin
         // Tags within it, such as the range of its numbers, are passed over.
         let mut depth = 0;
         loop {
-            let next = bytes[end..].iter().position(|byte| *byte == b'<').map(|next| end + next);
+            let next = find(bytes, b'<', end);
             let next = next.ok_or("is cut off: an array does not end")?;
             let between = bytes[end..next].trim_ascii();
             if depth == 0 && text.is_empty() {
@@ -195,9 +203,18 @@ struct Decoder<'a> {
     budget: Budget,
 }
 
-impl Decoder<'_> {
-    /// The numbers of an array; with `most`, not more than so many.
-    fn numbers(&mut self, array: &Array<'_>, most: Option<usize>) -> Result<Numbers, String> {
+/// An array, whose bytes are not numbers yet.
+enum Decoded<'a> {
+    Numbers(Numbers),
+    Bytes(Cow<'a, [u8]>, Type),
+}
+
+impl<'a> Decoder<'a> {
+    /// An array; with `most`, not more than so many numbers.
+    fn decoded<'b>(&mut self, array: &Array<'b>, most: Option<usize>) -> Result<Decoded<'b>, String>
+    where
+        'a: 'b,
+    {
         let kind = array.kind.ok_or_else(|| format!("has no numbers in its array \"{}\"", array.name))?;
         let most = most.unwrap_or(self.budget.left / 8).min(self.budget.left / 8 + 1);
         let section = match array.data {
@@ -205,9 +222,9 @@ impl Decoder<'_> {
                 let text = std::str::from_utf8(text).map_err(|_| "has an array that is not text")?;
                 let numbers = Numbers::of_words(text.split_ascii_whitespace(), kind, most)?;
                 self.budget.take(numbers.len())?;
-                return Ok(numbers);
+                return Ok(Decoded::Numbers(numbers));
             }
-            Data::Inline([]) => return Ok(Numbers::of_bytes(&[], kind, false)),
+            Data::Inline([]) => return Ok(Decoded::Numbers(Numbers::of_bytes(&[], kind, false))),
             Data::Inline(bytes) => Section { bytes, base64: true },
             Data::Appended(offset) => {
                 let section = self.appended.ok_or_else(damaged)?;
@@ -216,18 +233,40 @@ impl Decoder<'_> {
         };
         let bytes = self.layout.decode(section, most.saturating_mul(kind.size()))?;
         self.budget.take(bytes.len() / kind.size())?;
-        Ok(Numbers::of_bytes(&bytes, kind, self.layout.big_endian))
+        Ok(Decoded::Bytes(bytes, kind))
+    }
+
+    fn numbers(&mut self, array: &Array<'_>, most: Option<usize>) -> Result<Numbers, String> {
+        Ok(match self.decoded(array, most)? {
+            Decoded::Numbers(numbers) => numbers,
+            Decoded::Bytes(bytes, kind) => Numbers::of_bytes(&bytes, kind, self.layout.big_endian),
+        })
+    }
+
+    /// Three numbers a point.
+    fn places(&mut self, array: &Array<'_>, points: usize) -> Result<Vec<[f64; 3]>, String> {
+        let made = match self.decoded(array, Some(points.saturating_mul(3)))? {
+            Decoded::Numbers(numbers) => places_of(&numbers.reals()),
+            Decoded::Bytes(bytes, kind) => places(&bytes, kind, self.layout.big_endian),
+        };
+        made.ok_or_else(|| "has points without three coordinates".to_owned())
+    }
+
+    /// Types of cells.
+    fn types(&mut self, array: &Array<'_>, count: usize) -> Result<Vec<u8>, String> {
+        let whole = match self.decoded(array, Some(count))? {
+            Decoded::Bytes(bytes, Type::Unsigned(1)) => return Ok(bytes.into_owned()),
+            Decoded::Bytes(bytes, kind) => Numbers::of_bytes(&bytes, kind, self.layout.big_endian).whole(),
+            Decoded::Numbers(numbers) => numbers.whole(),
+        };
+        Ok(whole.into_iter().map(|kind| u8::try_from(kind).unwrap_or(u8::MAX)).collect())
     }
 
     fn piece(&mut self, piece: &PieceArrays<'_>, cells: CellsOf, names: &[&str]) -> Result<Piece, String> {
         let points = piece.tag.count("NumberOfPoints")?;
         let mut made = Piece::default();
         if let Some((_, array)) = piece.arrays.iter().find(|(section, _)| *section == "Points") {
-            let numbers = self.numbers(array, Some(points.saturating_mul(3)))?.reals();
-            let (places, []) = numbers.as_chunks() else {
-                return Err("has points without three coordinates".to_owned());
-            };
-            made.points = places.to_vec();
+            made.points = self.places(array, points)?;
         }
         if made.points.len() != points {
             return Err(format!("is damaged: it has {} of {points} points", made.points.len()));
@@ -273,15 +312,14 @@ fn grid_cells(file: &mut Decoder<'_>, piece: &PieceArrays<'_>) -> Result<CellLis
     let count = piece.tag.count("NumberOfCells")?;
     let (points, ends) = file.lists(piece, "Cells", count)?;
     let mut cells = CellLists::default();
-    cells.add(points, &ends, 0)?;
+    cells.add(points, ends, 0)?;
     if count > 0 {
         let types = piece.arrays.iter().find(|(section, array)| *section == "Cells" && array.name == "types");
         let (_, types) = types.ok_or_else(unfit)?;
-        let types = file.numbers(types, Some(count))?.whole();
-        if types.len() != count {
-            return Err(format!("has {count} cells but {} cell types", types.len()));
+        cells.types = file.types(types, count)?;
+        if cells.types.len() != count {
+            return Err(format!("has {count} cells but {} cell types", cells.types.len()));
         }
-        cells.types = types.into_iter().map(|kind| u8::try_from(kind).unwrap_or(u8::MAX)).collect();
     }
     Ok(cells)
 }
@@ -291,7 +329,7 @@ fn poly_cells(file: &mut Decoder<'_>, piece: &PieceArrays<'_>) -> Result<CellLis
     for (section, kind) in super::legacy::LISTS.iter().map(|(_, section, kind)| (*section, *kind)) {
         let count = piece.tag.count(&format!("NumberOf{section}"))?;
         let (points, ends) = file.lists(piece, section, count)?;
-        cells.add(points, &ends, kind)?;
+        cells.add(points, ends, kind)?;
     }
     Ok(cells)
 }
@@ -300,7 +338,7 @@ fn poly_cells(file: &mut Decoder<'_>, piece: &PieceArrays<'_>) -> Result<CellLis
 pub(super) fn files_of(bytes: &[u8]) -> Vec<String> {
     let mut names = Vec::new();
     let mut at = 0;
-    while let Some(begin) = bytes[at..].iter().position(|byte| *byte == b'<').map(|next| at + next) {
+    while let Some(begin) = find(bytes, b'<', at) {
         let Some(tag) = Tag::at(bytes, begin) else { break };
         at = tag.end;
         let name = tag.attribute("file").or_else(|| tag.attribute("Source"));
