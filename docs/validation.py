@@ -339,8 +339,9 @@ FORMS = {
     "ribbon, slots 0.20, 2 verticals":
         (dict(type="ribbon", rings=8, slot_porosity=0.20, verticals=2, gore_segments=3), (0.45, 0.50), 0.67),
     "ribbon, cone of 20 degrees, slots 0.20":
-        (dict(type="ribbon", rings=8, slot_porosity=0.20, cone_angle=0.349), (0.50, 0.55), 0.70),
-    "ringsail, slots 0.07": (dict(type="ringsail", rings=8, sails=5, slot_porosity=0.07, fullness=0.1, gore_segments=2), (0.75, 0.85), 0.69),
+        (dict(type="ribbon", rings=8, slot_porosity=0.20, cone_angle=0.349, verticals=1, gore_segments=2), (0.50, 0.55), None),
+    "ringsail, slots 0.07":
+        (dict(type="ringsail", rings=8, sails=5, slot_porosity=0.07, fullness=0.1, gore_segments=2), (0.75, 0.85), None),
     "square, corners cut at 0.08": (dict(type="square", corner_cut=0.08), None, None),
     "triangular, corners cut at 0.12": (dict(type="triangular", corner_cut=0.12, gores=27), None, None),
 }

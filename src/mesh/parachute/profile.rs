@@ -83,8 +83,7 @@ impl Curve {
                 (apothem < radius).then(|| Self::Arc { radius, from: (apothem / radius).asin() })
             }
             Self::Ellipse { centre, axes, angles: [from, to] } => {
-                // A vent may be where the ellipse begins, but for rounding.
-                let from = ((apothem - centre) / axes[0]).clamp(-1.0, 1.0).asin().max(from);
+                let from = ((apothem - centre) / axes[0]).asin().max(from);
                 (from < to).then_some(Self::Ellipse { centre, axes, angles: [from, to] })
             }
         }
@@ -177,9 +176,11 @@ impl Profile {
         if pieces.iter().any(|piece| piece.curve.length() <= 0.0 || narrows(piece)) {
             return Err(no_ring_left(p));
         }
-        let (pieces, [r, z]) = after_vent(pieces, vent).ok_or_else(|| too_much_vent(p))?;
-        // The tip of a gore is a flat triangle from the apex to the vent; a vent that is pulled down is level.
-        let before = if p.kind == CanopyType::Toroidal { r } else { r.hypot(z) };
+        let (pieces, before) = match p.kind {
+            // It begins at its vent, which is level.
+            CanopyType::Toroidal => (pieces, vent),
+            _ => after_vent(pieces, vent).ok_or_else(|| too_much_vent(p))?,
+        };
         let counts = share_rows(p, &pieces)?;
         let first = pieces.first().map_or([0.0; 2], |piece| piece.curve.at(0.0));
         let mut rows = vec![Row { apothem: vent, height: first[1], after_gap: false }];
@@ -282,12 +283,13 @@ fn pieces(p: &ParachuteParameters, scale: Scale, vent: f64) -> Vec<Piece> {
     }
 }
 
-/// The pieces outside the vent, and where they begin [m].
-fn after_vent(mut pieces: Vec<Piece>, vent: f64) -> Option<(Vec<Piece>, [f64; 2])> {
+/// The pieces outside the vent, and the length of the centre line inside it [m].
+fn after_vent(mut pieces: Vec<Piece>, vent: f64) -> Option<(Vec<Piece>, f64)> {
     let first = pieces.first_mut()?;
     first.curve = first.curve.beyond(vent)?;
-    let begin = first.curve.at(0.0);
-    Some((pieces, begin))
+    // The tip of a gore is a flat triangle from the apex to the vent.
+    let [r, z] = first.curve.at(0.0);
+    Some((pieces, r.hypot(z)))
 }
 
 /// The number of rows of each piece: one for a gap, and `radial_segments` shared over the cloth by length, at least one

@@ -1,6 +1,7 @@
 //! Closed forms of the patterns that are not cones: ellipsoids, rings, parts of spheres, ribbons, polygons.
 
 use super::*;
+use canopy_fem::mesh::parachute::StartShape;
 
 fn sizes(kind: &str, more: Value) -> ParachuteSizes {
     parameters(kind, more).sizes().expect("sizes")
@@ -256,4 +257,49 @@ fn bad_forms_are_refused() {
     assert!(wide.is_err_and(|error| error.to_string().contains("/parachute/vent_diameter")));
     let open = json!({"rings": 30, "sails": 2, "slot_porosity": 0.49, "fullness": 0.1, "vent_diameter": 5.5, "radial_segments": 30});
     assert!(parameters("ringsail", open).build().is_err_and(|error| error.to_string().contains("/slot_porosity")));
+}
+
+/// Each form opens from line stretch by the balance of the air at its rings: 15 steps, finite, falling as a whole.
+#[test]
+fn forms_fill_ring_by_ring() {
+    let forms = ["Ribbon", "Ringsail", "Elliptical", "Toroidal", "Square", "Triangular"];
+    let all = types().into_iter().filter(|p| forms.contains(&format!("{:?}", p.kind).as_str()));
+    for mut p in all.map(|p| ParachuteParameters { gores: 12, radial_segments: 6, start: StartShape::Stretched, ..p }) {
+        // Shorter ones draw the apex below the skirt, where there is no tube of air.
+        p.inner_lines.iter_mut().for_each(|inner| inner.length = Some(9.0));
+        p.centre_line.iter_mut().for_each(|line| line.length = 9.0);
+        let mesh = built(&p);
+        assert_eq!(mesh.rows.len(), 7 + p.rings.map_or(0, |rings| rings - 1), "{:?}", p.kind);
+        let time = json!({"end": 0.015, "method": "backward-euler", "step": 0.001});
+        let case = stretched::drop_of(&p, &mesh, &json!({"filling": {}}), 45.0, &time);
+        let case = crate::common::run::case_of(&case, &[]);
+        let mut simulation = Simulation::from_case(case.problem(), 1).expect("a scene");
+        simulation.run_until(0.015).unwrap_or_else(|error| panic!("{p:?}: {error}"));
+        assert!(simulation.positions().iter().all(|x| x.iter().all(|c| c.is_finite())), "{p:?}");
+        let payload = group(&mesh, "payload").nodes[0];
+        let fallen = simulation.positions()[payload as usize][2] - mesh.nodes[payload as usize][2];
+        assert!((fallen + 0.675).abs() < 0.04, "{p:?}: it fell {fallen} m in 0.015 s at 45 m/s");
+    }
+}
+
+/// Flat rings of ribbons have Taylor's shape; cones, domes, rings and pulled-down apexes have none.
+#[test]
+fn only_flat_round_forms_start_inflated() {
+    let ribbon = |more: Value| {
+        let mut all = json!({"rings": 6, "slot_porosity": 0.2, "start": "inflated"});
+        more.as_object().expect("an object").iter().for_each(|(key, value)| all[key] = value.clone());
+        parameters("ribbon", all)
+    };
+    assert!(!built(&ribbon(json!({}))).displacement.is_empty());
+    let sail = json!({"rings": 6, "sails": 4, "slot_porosity": 0.08, "fullness": 0.1, "start": "inflated"});
+    for (p, words) in [
+        (ribbon(json!({"cone_angle": 0.35})), "stretches the gores"),
+        (parameters("ringsail", sail), "stretches the gores"),
+        (parameters("elliptical", json!({"height_ratio": 0.7, "start": "inflated"})), "stretches the gores"),
+        (parameters("toroidal", json!({"inner_lines": {}, "start": "inflated"})), "closed at its apex"),
+        (parameters("triangular", json!({"gores": 27, "start": "inflated"})), "a round canopy"),
+    ] {
+        let refused = p.build().map(|_| ()).expect_err("no such shape").to_string();
+        assert!(refused.contains("/parachute/start") && refused.contains(words), "{:?}: {refused}", p.kind);
+    }
 }

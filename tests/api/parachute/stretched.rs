@@ -226,7 +226,7 @@ fn lines_are_as_long_as_told() {
 }
 
 /// A drop of 90.7 kg at a speed [m/s] with such a canopy and a law of its air.
-fn drop_of(p: &ParachuteParameters, mesh: &Mesh, law: &Value, speed: f64, time: &Value) -> Value {
+pub(super) fn drop_of(p: &ParachuteParameters, mesh: &Mesh, law: &Value, speed: f64, time: &Value) -> Value {
     let tape = |name: &str| {
         json!({"on": {"group": name}, "axial_rigidity": 8000, "linear_density": 0.006, "slack": "tension-only",
             "dashpot": {"axial": {"time": 1e-3}}})
