@@ -11,6 +11,7 @@ mod check;
 mod cruciform;
 mod kind;
 mod outline;
+mod parts;
 mod payload;
 mod place;
 mod profile;
@@ -22,6 +23,9 @@ mod taylor;
 use super::{Mesh, MeshError};
 use assembly::Assembly;
 pub use kind::CanopyType;
+pub use parts::{
+    ClusterParameters, InnerLineParameters, LineParameters, PayloadParameters, ReefingParameters, StartShape,
+};
 use profile::Profile;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -37,8 +41,8 @@ const LEAST_HEIGHT: f64 = 1e-3;
 ///
 /// Groups: `canopy` (triangles), `cloth` (all their edges), `radials`, `skirt` and `vent` (edges among those of the
 /// cloth, and the radials also across gaps; skirt and vent also select the nodes of their rows), `rims` (edges along
-/// gaps), `verticals` (edges, also across gaps), `vent-lines`, `lines`, `inner-lines`, `centre-line`, `riser`, `reefing`,
-/// `slings` and `payload-bars` (edges), `apex`, `confluence` and `payload` (nodes).
+/// gaps), `verticals` (edges, also across gaps), `vent-lines`, `lines`, `inner-lines`, `centre-line`, `riser`,
+/// `reefing`, `slings` and `payload-bars` (edges), `apex`, `confluence` and `payload` (nodes).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -49,8 +53,8 @@ pub struct ParachuteParameters {
     /// [m] nominal diameter D0, the diameter of a circle with the area of cloth, slots and vent
     #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub nominal_diameter: f64,
-    /// [-] number of gores, which is that of the lines; even with vent lines, a multiple of 4 for a cruciform canopy and a
-    /// square, of 3 for a triangle
+    /// [-] number of gores, which is that of the lines; even with vent lines, a multiple of 4 for a cruciform canopy
+    /// and a square, of 3 for a triangle
     #[cfg_attr(feature = "schema", schemars(range(min = 3)))]
     pub gores: usize,
     /// [m] diameter of the circle through the vent's corners; no vent if absent. The vent takes at most half of the
@@ -91,32 +95,34 @@ pub struct ParachuteParameters {
     /// [-] area of the slots between these over the nominal area
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slot_porosity: Option<f64>,
-    /// [-] number of tapes across the ribbons in each gore, beside the radials; `gore_segments` is a multiple of one more.
-    /// They meet at the apex as the gores do, where real ones are parallel. None if absent
+    /// [-] number of tapes across the ribbons in each gore, beside the radials; `gore_segments` is a multiple of one
+    /// more. They meet at the apex as the gores do, where real ones are parallel. None if absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verticals: Option<usize>,
-    /// [-] number of the rings of a ringsail, from the skirt, that are sails: 2 or more. Slots are above them, and gaps of a
-    /// tenth of a slot's width between them
+    /// [-] number of the rings of a ringsail, from the skirt, that are sails: 2 or more. Slots are above them, and gaps
+    /// of a tenth of a slot's width between them
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sails: Option<usize>,
-    /// [-] length of a sail's lower edge over the width of the gore there, less 1, above 0 and below 1. It falls to 0 at the
-    /// sail's upper edge and the skirt's sail has none. The mesh shows the gore: edges have the longer lengths without
-    /// tension, which a case whose mesh is a file must give in its spring rules, and membranes of triangles ignore
+    /// [-] length of a sail's lower edge over the width of the gore there, less 1, above 0 and below 1. It falls to 0
+    /// at the sail's upper edge and the skirt's sail has none. The mesh shows the gore: edges have the longer lengths
+    /// without tension, which a case whose mesh is a file must give in its spring rules, and membranes of triangles
+    /// ignore
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fullness: Option<f64>,
     /// [rad] part of the sphere on which a ringsail is cut, from its apex to the skirt as seen from its centre; pi/3 if
     /// absent, which is a quarter of the sphere's area
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cap_angle: Option<f64>,
-    /// [-] height of the crest above the skirt over the radius of the skirt, of an elliptical or toroidal canopy, above 0
-    /// and below 2; if absent, the cross section of a toroidal one is half a circle
+    /// [-] height of the crest above the skirt over the radius of the skirt, of an elliptical or toroidal canopy, above
+    /// 0 and below 2; if absent, the cross section of a toroidal one is half a circle
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_ratio: Option<f64>,
-    /// [-] depth of a toroidal canopy's vent below the crest over that of the skirt, above 0 and below 2: 1 is level with the
-    /// skirt, more below it; 1 if absent
+    /// [-] depth of a toroidal canopy's vent below the crest over that of the skirt, above 0 and below 2: 1 is level
+    /// with the skirt, more below it; 1 if absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pull_down: Option<f64>,
-    /// [-] part of a side at which a square's or triangle's corners are cut off, above 0 and below 0.5; not cut if absent
+    /// [-] part of a side at which a square's or triangle's corners are cut off, above 0 and below 0.5; not cut if
+    /// absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub corner_cut: Option<f64>,
     /// [-] diameter of the disc over D0; `disk`, `gap` and `band` are scaled together to give the nominal area; 0.72 if
@@ -141,8 +147,8 @@ pub struct ParachuteParameters {
     /// Lines from the vent's corners to the confluence, as annular canopies have them; none if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inner_lines: Option<InnerLineParameters>,
-    /// A line from the confluence up to the apex of a canopy of gores without a vent, which pulls it down; none if absent.
-    /// Its length is that without tension; in a case whose mesh is a file the spring rule must give it.
+    /// A line from the confluence up to the apex of a canopy of gores without a vent, which pulls it down; none if
+    /// absent. Its length is that without tension; in a case whose mesh is a file the spring rule must give it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub centre_line: Option<LineParameters>,
     /// A line from the confluence down to the payload; the payload is at the confluence if absent.
@@ -176,102 +182,6 @@ pub struct ParachuteParameters {
     pub at: Option<[f64; 3]>,
 }
 
-/// Straight lines of equal segments.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct LineParameters {
-    /// [m] length
-    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
-    pub length: f64,
-    /// [-] number of edges of each line; 1 if absent
-    #[serde(default = "one")]
-    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
-    pub segments: usize,
-}
-
-/// Lines from the vent to the confluence.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct InnerLineParameters {
-    /// [m] unstretched length; that of `lines` if absent. Then the pressure on a ring between vent and skirt points
-    /// away from the confluence; shorter lines turn it inwards, so that the canopy closes, and longer ones let the
-    /// vent rise. In a case whose mesh is a file the spring rule must give it
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
-    pub length: Option<f64>,
-    /// [-] number of edges of each line; 1 if absent
-    #[serde(default = "one")]
-    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
-    pub segments: usize,
-}
-
-/// A rigid payload: four particles of a quarter of its mass each, which have its centre and its moments of inertia.
-///
-/// Its size is given by exactly one of `box` and `radii_of_gyration`. The particles are at the corners (+++), (+--),
-/// (-+-) and (--+) of a box around the centre, six edges (`payload-bars`) join them, and four edges (`slings`) lead
-/// from the end of the riser to them. Their masses come from `mass.points` with the group `payload`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct PayloadParameters {
-    /// [m] edges of a box of even density along x, y and z
-    #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
-    pub sides: Option<[f64; 3]>,
-    /// [m] radii of gyration sqrt(I/m) about x, y and z through the centre; each square below the sum of the others
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub radii_of_gyration: Option<[f64; 3]>,
-    /// [m] distance from the end of the riser down to the centre, more than the half height of the particles
-    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
-    pub below_riser: f64,
-}
-
-/// Equal parachutes that share the end of their risers (or their confluence), leaning outwards so far that they do not
-/// touch at the start. Each group holds the parts of all of them; those of the first alone are in `canopy-1`,
-/// `skirt-1`, and so on. Nothing keeps canopies from passing through each other but springs on the edges of the group
-/// `spacers`, from the apex of each to those of its neighbours; they can stand for the air and the contact that hold
-/// canopies apart.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct ClusterParameters {
-    /// [-] number of parachutes
-    #[cfg_attr(feature = "schema", schemars(range(min = 2, max = 20)))]
-    pub canopies: usize,
-}
-
-/// A reefing line: a ring of edges from line to line along the skirt. A spring rule for the group `reefing` gives it
-/// stiffness; without one no line acts, and the diameter is that of the start `inflated` alone. The rest length of
-/// each edge is pi times the diameter over the number of gores, unless the rule gives another. In a case whose mesh is
-/// a file the rule must give it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct ReefingParameters {
-    /// [m] length of the reefing line over pi; with the start `inflated` the skirt starts at this size, with
-    /// `stretched` no wider
-    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
-    pub diameter: f64,
-}
-
-/// The shape at the start. Masses and rest lengths are those of the pattern in any shape.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum StartShape {
-    /// The pattern as it is cut, above straight lines.
-    #[default]
-    Flat,
-    /// The shape of Taylor (1919) under an even pressure: no stress across the gores, whose cloth is slack there. For
-    /// patterns that are wide enough everywhere: flat ones, and the extended skirt.
-    Inflated,
-    /// The tube of line stretch: a narrow folded canopy along the axis, whose skirt has the radius `start_radius`, on
-    /// straight lines. Arc lengths along the gores are those of the pattern, and nothing is stretched. For every
-    /// pattern. Inner lines draw the vent down into the tube.
-    Stretched,
-}
-
 fn one() -> usize {
     1
 }
@@ -285,8 +195,8 @@ pub struct ParachuteSizes {
     pub cloth_area: f64,
     /// [m] constructed diameter: of the circle inside the skirt, as constructed
     pub constructed_diameter: f64,
-    /// [m] length of the gore's centre line from the apex to the skirt; of a strip of a cruciform canopy; from the centre to
-    /// a side of a square or triangle
+    /// [m] length of the gore's centre line from the apex to the skirt; of a strip of a cruciform canopy; from the
+    /// centre to a side of a square or triangle
     pub gore_length: f64,
 }
 
@@ -394,8 +304,9 @@ impl ParachuteParameters {
         inner.or(self.centre_line.map(|line| line.length))
     }
 
-    /// [m] Unstretched lengths of edges that the flat mesh shows longer or shorter: lines of a cruciform canopy, a square
-    /// and a triangle, whose corners are not equally far from the confluence, inner lines, a centre line, and sails.
+    /// [m] Unstretched lengths of edges that the flat mesh shows longer or shorter: lines of a cruciform canopy, a
+    /// square and a triangle, whose corners are not equally far from the confluence, inner lines, a centre line, and
+    /// sails.
     pub fn line_lengths(&self, mesh: &Mesh) -> Vec<(u32, f64)> {
         let uneven = self.kind == CanopyType::Cruciform || outline::sides(self.kind).is_some();
         let lines = self.lines.filter(|_| uneven);

@@ -123,8 +123,8 @@ impl<'a> Sheet<'a> {
     }
 
     /// The nodes of the apex and the arc length over the sheet by node, from 0 there to 1 at the skirt, whose loop is
-    /// `around`. The apex is the middle of the vent on which the node is that is farthest from the skirt; else the first
-    /// of the rows, where they are known, or that node.
+    /// `around`. The apex is the middle of the vent on which the node is that is farthest from the skirt; else the
+    /// first of the rows, where they are known, or that node.
     pub(super) fn arc_lengths(&self, skirt: &[u32], around: &[u32]) -> Result<(Vec<u32>, Vec<f64>), CanopyError> {
         let from_skirt = self.distances(&skirt.iter().map(|&node| (node, 0.0)).collect::<Vec<_>>());
         let nodes = || (0_u32..).zip(&self.has).filter(|(_, has)| **has).map(|(node, _)| node);

@@ -45,8 +45,8 @@ pub enum CanopyType {
     /// Ribbons around a disc, or around a cone of the angle `cone_angle`, with slots between them; needs `rings` and
     /// `slot_porosity`. Tapes cross them, `verticals` in each gore.
     Ribbon,
-    /// Rings and sails on a part of a sphere; needs `rings`, `sails`, `slot_porosity` and `fullness`. The crown has slots;
-    /// sails are wider than their gores at their lower edges, so that crescents open there.
+    /// Rings and sails on a part of a sphere; needs `rings`, `sails`, `slot_porosity` and `fullness`. The crown has
+    /// slots; sails are wider than their gores at their lower edges, so that crescents open there.
     Ringsail,
     /// A flat disc, a gap and a cylinder: `disk`, `gap` and `band`.
     DiskGapBand,

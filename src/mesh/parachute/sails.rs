@@ -15,7 +15,8 @@ struct Place {
 }
 
 impl Assembly {
-    /// Names the tapes that cross the ribbons and the slots between them, `verticals` in each gore, evenly spaced there.
+    /// Names the tapes that cross the ribbons and the slots between them, `verticals` in each gore, evenly spaced
+    /// there.
     pub(super) fn add_verticals(&mut self, p: &ParachuteParameters) {
         let strips = p.verticals.unwrap_or(0) + 1;
         let at = |row: &[u32], gore: usize, tape: usize| {

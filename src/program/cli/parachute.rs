@@ -10,8 +10,8 @@ use clap::Args;
 /// Arguments of `mesh parachute`; the parameters are those of `mesh.parachute` in a case file.
 #[derive(Clone, Debug, Args)]
 pub struct ParachuteArgs {
-    /// flat-circular, conical, biconical, triconical, hemispherical, extended-skirt, annular, cruciform, ringslot, ribbon,
-    /// ringsail, disk-gap-band, elliptical, toroidal, square or triangular
+    /// flat-circular, conical, biconical, triconical, hemispherical, extended-skirt, annular, cruciform, ringslot,
+    /// ribbon, ringsail, disk-gap-band, elliptical, toroidal, square or triangular
     #[arg(long = "type", value_parser = word::<CanopyType>)]
     pub kind: CanopyType,
     /// [m] Nominal diameter D0

@@ -1,14 +1,16 @@
 //! Closed forms of the patterns that are not cones: ellipsoids, rings, parts of spheres, ribbons, polygons.
 
 use super::*;
+use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::mesh::parachute::StartShape;
 
 fn sizes(kind: &str, more: Value) -> ParachuteSizes {
     parameters(kind, more).sizes().expect("sizes")
 }
 
-/// Half an oblate spheroid of half axes a and b: pi a^2 (1 + (1 - e^2)/e atanh(e)), e^2 = 1 - b^2/a^2. The upper half of
-/// a torus: 2 pi^2 times both radii, beside the vent. With two heights, each quarter of an ellipse is a part of its own.
+/// Half an oblate spheroid of half axes a and b: pi a^2 (1 + (1 - e^2)/e atanh(e)), e^2 = 1 - b^2/a^2. The upper half
+/// of a torus: 2 pi^2 times both radii, beside the vent. With two heights, each quarter of an ellipse is a part of its
+/// own.
 #[test]
 fn ellipsoids_and_rings_have_their_areas() {
     let fine = |mut more: Value| {
@@ -151,6 +153,14 @@ fn sails_are_wider_than_their_gores() {
     }
     let radials = &group(&mesh, "radials").edges;
     assert!(radials.iter().all(|edge| !told.contains_key(edge)));
+    // A case takes them as lengths without tension.
+    let time = json!({"end": 0.1, "method": "newmark", "step": 0.01});
+    let law = json!({"table": {"pressure_coefficient": 1.7}});
+    let case = crate::common::run::case_of(&stretched::drop_of(&p, &mesh, &law, 6.0, &time), &[]);
+    let SystemSpec::Network(spec) = &case.problem().system else { panic!("a network") };
+    for (edge, rest) in spec.springs[0].edges.iter().zip(&spec.springs[0].rest_length) {
+        close(*rest, told.get(edge).copied().unwrap_or_else(|| length(&mesh, *edge)), 1e-14, "rest length");
+    }
     let plain = json!({"rings": 5, "sails": 3, "slot_porosity": 0.08, "fullness": 1e-12, "radial_segments": 10, "gore_segments": 3});
     let plain = parameters("ringsail", plain);
     assert_eq!(built(&plain), mesh, "the mesh shows the gore");
