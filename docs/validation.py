@@ -305,13 +305,15 @@ def held(keys, stream=7.0):
     case["name"] = keys["type"]
     pattern.pop("start_radius")
     pattern.update({"start": "flat", "lines": {"length": D0, "segments": 3}} | keys)
-    if keys["type"] == "cruciform":
+    if keys["type"] in ("cruciform", "square", "triangular"):
         pattern.pop("vent_diameter")
     hold(network, stream)
     network["aero"]["canopy"] = even(1.7)
     lines = next(rule for rule in network["springs"] if rule["on"]["group"] == "lines")
     drop, add = {"annular": (["vent-lines"], ["inner-lines"]), "cruciform": (["vent", "vent-lines"], []),
-                 "ringslot": ([], ["rims"]), "disk-gap-band": ([], ["rims"])}.get(keys["type"], ([], []))
+                 "ringslot": ([], ["rims"]), "disk-gap-band": ([], ["rims"]), "ribbon": ([], ["rims", "verticals"]),
+                 "ringsail": ([], ["rims"]), "toroidal": (["vent-lines"], ["inner-lines"]), "square": (["vent", "vent-lines"], []),
+                 "triangular": (["vent", "vent-lines"], [])}.get(keys["type"], ([], []))
     network["springs"] = [rule for rule in network["springs"] if rule["on"]["group"] not in drop]
     network["springs"] += [copy.deepcopy(lines) | {"on": {"group": group}} for group in add]
     case["time"] = {"end": 6.0, "method": "backward-euler", "step": 5e-3}
@@ -330,16 +332,30 @@ FORMS = {
     "disk-gap-band": (dict(type="disk-gap-band", lines={"length": 1.7 * D0, "segments": 3}), (0.52, 0.58), 0.65),
     "annular, vent 0.4 D0, inner lines as long as lines":
         (dict(type="annular", vent_diameter=0.4 * D0, inner_lines={"length": D0}), (0.85, 0.95), 0.94),
+    # The maker's Cd of 1.5 to 1.6 on the skirt's circle, which is S0/1.615 at this height.
+    "elliptical, height 0.7": (dict(type="elliptical", height_ratio=0.7), (0.93, 0.99), None),
+    "toroidal, vent 0.15 D0, inner lines as long as lines":
+        (dict(type="toroidal", vent_diameter=0.15 * D0, inner_lines={"length": D0}), None, None),
+    "ribbon, slots 0.20, 2 verticals":
+        (dict(type="ribbon", rings=8, slot_porosity=0.20, verticals=2, gore_segments=3), (0.45, 0.50), 0.67),
+    "ribbon, cone of 20 degrees, slots 0.20":
+        (dict(type="ribbon", rings=8, slot_porosity=0.20, cone_angle=0.349, verticals=1, gore_segments=2), (0.50, 0.55), None),
+    "ringsail, slots 0.07":
+        (dict(type="ringsail", rings=8, sails=5, slot_porosity=0.07, fullness=0.1, gore_segments=2), (0.75, 0.85), None),
+    "square, corners cut at 0.08": (dict(type="square", corner_cut=0.08), None, None),
+    "triangular, corners cut at 0.12": (dict(type="triangular", corner_cut=0.12, gores=27), None, None),
 }
+# Sources of forms that are not in Knacke's tables as they were read.
+READ_ELSEWHERE = {"disk-gap-band": "not verified", "elliptical, height 0.7": "maker, by OpenRocket's data file"}
 
 
 def forms():
     """CD0 and Dp/D0 by type, at one pressure coefficient for all."""
     rows = []
     for (name, (_, cd, dp)), flight in zip(FORMS.items(), pool.map(fly, [held(keys) for keys, *_ in FORMS.values()])):
-        source = "not verified" if name == "disk-gap-band" else "Knacke"
-        rows.append(Row(f"{name}: CD0", cd, flight and flight.steady(flight.drag), 2, source))
-        rows.append(Row(f"{name}: Dp/D0", dp, flight and flight.steady(flight.width), 2, source))
+        source = lambda measured: READ_ELSEWHERE.get(name, "Knacke") if measured else ""
+        rows.append(Row(f"{name}: CD0", cd, flight and flight.steady(flight.drag), 2, source(cd)))
+        rows.append(Row(f"{name}: Dp/D0", dp, flight and flight.steady(flight.width), 2, source(dp)))
     return rows, {}
 
 

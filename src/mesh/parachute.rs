@@ -10,15 +10,22 @@ mod assembly;
 mod check;
 mod cruciform;
 mod kind;
+mod outline;
+mod parts;
 mod payload;
 mod place;
 mod profile;
+mod sails;
+mod slots;
 mod stretched;
 mod taylor;
 
 use super::{Mesh, MeshError};
 use assembly::Assembly;
 pub use kind::CanopyType;
+pub use parts::{
+    ClusterParameters, InnerLineParameters, LineParameters, PayloadParameters, ReefingParameters, StartShape,
+};
 use profile::Profile;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -34,8 +41,8 @@ const LEAST_HEIGHT: f64 = 1e-3;
 ///
 /// Groups: `canopy` (triangles), `cloth` (all their edges), `radials`, `skirt` and `vent` (edges among those of the
 /// cloth, and the radials also across gaps; skirt and vent also select the nodes of their rows), `rims` (edges along
-/// gaps), `vent-lines`, `lines`, `inner-lines`, `riser`, `reefing`, `slings` and `payload-bars` (edges), `apex`,
-/// `confluence` and `payload` (nodes).
+/// gaps), `verticals` (edges, also across gaps), `vent-lines`, `lines`, `inner-lines`, `centre-line`, `riser`,
+/// `reefing`, `slings` and `payload-bars` (edges), `apex`, `confluence` and `payload` (nodes).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -47,6 +54,7 @@ pub struct ParachuteParameters {
     #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub nominal_diameter: f64,
     /// [-] number of gores, which is that of the lines; even with vent lines, a multiple of 4 for a cruciform canopy
+    /// and a square, of 3 for a triangle
     #[cfg_attr(feature = "schema", schemars(range(min = 3)))]
     pub gores: usize,
     /// [m] diameter of the circle through the vent's corners; no vent if absent. The vent takes at most half of the
@@ -62,7 +70,7 @@ pub struct ParachuteParameters {
     #[serde(default = "one")]
     #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub gore_segments: usize,
-    /// [rad] angle of a cone's surface below the horizontal
+    /// [rad] angle of a cone's surface below the horizontal; also of a ribbon canopy, which is flat without it
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cone_angle: Option<f64>,
     /// [rad] angles of two or three cones, from the apex outwards
@@ -81,12 +89,42 @@ pub struct ParachuteParameters {
     /// [-] width over length of the strips of a cruciform canopy; 1/3 if absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arm_ratio: Option<f64>,
-    /// [-] number of rings of a ringslot canopy
+    /// [-] number of rings of a ringslot canopy or a ringsail with its sails, of ribbons of a ribbon canopy
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rings: Option<usize>,
-    /// [-] area of the slots of a ringslot canopy over the nominal area
+    /// [-] area of the slots between these over the nominal area
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slot_porosity: Option<f64>,
+    /// [-] number of tapes across the ribbons in each gore, beside the radials; `gore_segments` is a multiple of one
+    /// more. They meet at the apex as the gores do, where real ones are parallel. None if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verticals: Option<usize>,
+    /// [-] number of the rings of a ringsail, from the skirt, that are sails: 2 or more. Slots are above them, and gaps
+    /// of a tenth of a slot's width between them
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sails: Option<usize>,
+    /// [-] length of a sail's lower edge over the width of the gore there, less 1, above 0 and below 1. It falls to 0
+    /// at the sail's upper edge and the skirt's sail has none. The mesh shows the gore: edges have the longer lengths
+    /// without tension, which a case whose mesh is a file must give in its spring rules, and membranes of triangles
+    /// ignore
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fullness: Option<f64>,
+    /// [rad] part of the sphere on which a ringsail is cut, from its apex to the skirt as seen from its centre; pi/3 if
+    /// absent, which is a quarter of the sphere's area
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cap_angle: Option<f64>,
+    /// [-] height of the crest above the skirt over the radius of the skirt, of an elliptical or toroidal canopy, above
+    /// 0 and below 2; if absent, the cross section of a toroidal one is half a circle
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_ratio: Option<f64>,
+    /// [-] depth of a toroidal canopy's vent below the crest over that of the skirt, above 0 and below 2: 1 is level
+    /// with the skirt, more below it; 1 if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pull_down: Option<f64>,
+    /// [-] part of a side at which a square's or triangle's corners are cut off, above 0 and below 0.5; not cut if
+    /// absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub corner_cut: Option<f64>,
     /// [-] diameter of the disc over D0; `disk`, `gap` and `band` are scaled together to give the nominal area; 0.72 if
     /// absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -98,7 +136,7 @@ pub struct ParachuteParameters {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub band: Option<f64>,
     /// Whether n/2 lines cross the vent, each from corner to corner without a node between; if absent, with a vent
-    /// except that of type `annular`.
+    /// except that of types `annular`, `toroidal`, `square` and `triangular`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vent_lines: Option<bool>,
     /// Suspension lines from the skirt to the confluence; without them there is only the canopy. All have this length
@@ -109,6 +147,10 @@ pub struct ParachuteParameters {
     /// Lines from the vent's corners to the confluence, as annular canopies have them; none if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inner_lines: Option<InnerLineParameters>,
+    /// A line from the confluence up to the apex of a canopy of gores without a vent, which pulls it down; none if
+    /// absent. Its length is that without tension; in a case whose mesh is a file the spring rule must give it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub centre_line: Option<LineParameters>,
     /// A line from the confluence down to the payload; the payload is at the confluence if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub riser: Option<LineParameters>,
@@ -140,102 +182,6 @@ pub struct ParachuteParameters {
     pub at: Option<[f64; 3]>,
 }
 
-/// Straight lines of equal segments.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct LineParameters {
-    /// [m] length
-    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
-    pub length: f64,
-    /// [-] number of edges of each line; 1 if absent
-    #[serde(default = "one")]
-    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
-    pub segments: usize,
-}
-
-/// Lines from the vent to the confluence.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct InnerLineParameters {
-    /// [m] unstretched length; that of `lines` if absent. Then the pressure on a ring between vent and skirt points
-    /// away from the confluence; shorter lines turn it inwards, so that the canopy closes, and longer ones let the
-    /// vent rise. In a case whose mesh is a file the spring rule must give it
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
-    pub length: Option<f64>,
-    /// [-] number of edges of each line; 1 if absent
-    #[serde(default = "one")]
-    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
-    pub segments: usize,
-}
-
-/// A rigid payload: four particles of a quarter of its mass each, which have its centre and its moments of inertia.
-///
-/// Its size is given by exactly one of `box` and `radii_of_gyration`. The particles are at the corners (+++), (+--),
-/// (-+-) and (--+) of a box around the centre, six edges (`payload-bars`) join them, and four edges (`slings`) lead
-/// from the end of the riser to them. Their masses come from `mass.points` with the group `payload`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct PayloadParameters {
-    /// [m] edges of a box of even density along x, y and z
-    #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
-    pub sides: Option<[f64; 3]>,
-    /// [m] radii of gyration sqrt(I/m) about x, y and z through the centre; each square below the sum of the others
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub radii_of_gyration: Option<[f64; 3]>,
-    /// [m] distance from the end of the riser down to the centre, more than the half height of the particles
-    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
-    pub below_riser: f64,
-}
-
-/// Equal parachutes that share the end of their risers (or their confluence), leaning outwards so far that they do not
-/// touch at the start. Each group holds the parts of all of them; those of the first alone are in `canopy-1`,
-/// `skirt-1`, and so on. Nothing keeps canopies from passing through each other but springs on the edges of the group
-/// `spacers`, from the apex of each to those of its neighbours; they can stand for the air and the contact that hold
-/// canopies apart.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct ClusterParameters {
-    /// [-] number of parachutes
-    #[cfg_attr(feature = "schema", schemars(range(min = 2, max = 20)))]
-    pub canopies: usize,
-}
-
-/// A reefing line: a ring of edges from line to line along the skirt. A spring rule for the group `reefing` gives it
-/// stiffness; without one no line acts, and the diameter is that of the start `inflated` alone. The rest length of
-/// each edge is pi times the diameter over the number of gores, unless the rule gives another. In a case whose mesh is
-/// a file the rule must give it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct ReefingParameters {
-    /// [m] length of the reefing line over pi; with the start `inflated` the skirt starts at this size, with
-    /// `stretched` no wider
-    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
-    pub diameter: f64,
-}
-
-/// The shape at the start. Masses and rest lengths are those of the pattern in any shape.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum StartShape {
-    /// The pattern as it is cut, above straight lines.
-    #[default]
-    Flat,
-    /// The shape of Taylor (1919) under an even pressure: no stress across the gores, whose cloth is slack there. For
-    /// patterns that are wide enough everywhere: flat ones, and the extended skirt.
-    Inflated,
-    /// The tube of line stretch: a narrow folded canopy along the axis, whose skirt has the radius `start_radius`, on
-    /// straight lines. Arc lengths along the gores are those of the pattern, and nothing is stretched. For every
-    /// pattern. Inner lines draw the vent down into the tube.
-    Stretched,
-}
-
 fn one() -> usize {
     1
 }
@@ -249,13 +195,16 @@ pub struct ParachuteSizes {
     pub cloth_area: f64,
     /// [m] constructed diameter: of the circle inside the skirt, as constructed
     pub constructed_diameter: f64,
-    /// [m] length of the gore's centre line from the apex to the skirt; of a strip of a cruciform canopy
+    /// [m] length of the gore's centre line from the apex to the skirt; of a strip of a cruciform canopy; from the
+    /// centre to a side of a square or triangle
     pub gore_length: f64,
 }
 
 impl ParachuteParameters {
     fn has_vent_lines(&self) -> bool {
-        self.vent_diameter.is_some() && self.vent_lines.unwrap_or(self.kind != CanopyType::Annular)
+        use CanopyType::{Annular, Square, Toroidal, Triangular};
+        let without = matches!(self.kind, Annular | Toroidal | Square | Triangular);
+        self.vent_diameter.is_some() && self.vent_lines.unwrap_or(!without)
     }
 
     /// The sizes of the pattern; the parameters must have passed [`ParachuteParameters::check`].
@@ -294,7 +243,10 @@ impl ParachuteParameters {
         if let Some(LineParameters { length, .. }) = self.lines {
             lines.push(("lines", format!("{} of {length:.6} m ({:.4} D0)", self.gores, length / d0)));
         }
-        if let Some(length) = self.inner_length() {
+        if let Some(LineParameters { length, .. }) = self.centre_line {
+            lines.push(("centre line", format!("{length:.6} m ({:.4} D0)", length / d0)));
+        }
+        if let Some(length) = self.inner_length().filter(|_| self.inner_lines.is_some()) {
             lines.push(("inner lines", format!("{} of {length:.6} m ({:.4} D0)", self.gores, length / d0)));
         }
         if let Some(ReefingParameters { diameter }) = self.reefing {
@@ -321,6 +273,7 @@ impl ParachuteParameters {
             CanopyType::Cruciform => cruciform::Cross::of(self).add_to(&mut parts),
             _ => parts.add_gores(self, &Profile::of(self)?),
         }
+        parts.add_verticals(self);
         if let Some(lines) = self.lines {
             parts.add_rig(self, lines)?;
         }
@@ -345,23 +298,28 @@ impl ParachuteParameters {
 }
 
 impl ParachuteParameters {
-    /// [m] Unstretched length of the inner lines; `None` without any.
+    /// [m] Unstretched length of the inner lines or the centre line; `None` without any.
     fn inner_length(&self) -> Option<f64> {
-        self.inner_lines.zip(self.lines).map(|(inner, lines)| inner.length.unwrap_or(lines.length))
+        let inner = self.inner_lines.zip(self.lines).map(|(inner, lines)| inner.length.unwrap_or(lines.length));
+        inner.or(self.centre_line.map(|line| line.length))
     }
 
-    /// [m] Unstretched lengths of edges of lines that the flat mesh shows longer or shorter: lines of a cruciform
-    /// canopy, whose corners are not equally far from the confluence, and inner lines.
+    /// [m] Unstretched lengths of edges that the flat mesh shows longer or shorter: lines of a cruciform canopy, a
+    /// square and a triangle, whose corners are not equally far from the confluence, inner lines, a centre line, and
+    /// sails.
     pub fn line_lengths(&self, mesh: &Mesh) -> Vec<(u32, f64)> {
-        let lines = self.lines.filter(|_| self.kind == CanopyType::Cruciform);
+        let uneven = self.kind == CanopyType::Cruciform || outline::sides(self.kind).is_some();
+        let lines = self.lines.filter(|_| uneven);
         let lines = lines.map(|lines| ("lines", lines.length, lines.segments));
         let inner = self.inner_lines.zip(self.inner_length());
         let inner = inner.map(|(inner, length)| ("inner-lines", length, inner.segments));
+        let centre = self.centre_line.map(|line| ("centre-line", line.length, line.segments));
         let of = |(name, length, segments): (&str, f64, usize)| {
             let edges = mesh.groups.get(name).map(|group| group.edges.clone()).unwrap_or_default();
             edges.into_iter().map(move |edge| (edge, length / segments as f64)).collect::<Vec<_>>()
         };
-        lines.into_iter().chain(inner).flat_map(of).collect()
+        let of_lines = lines.into_iter().chain(inner).chain(centre).flat_map(of);
+        of_lines.chain(sails::full_lengths(self, mesh)).collect()
     }
 
     /// [m] Rest length of each edge of the reefing line.

@@ -1,5 +1,6 @@
 //! Parachutes: areas and lengths of the pattern, groups, Taylor's shape as a start, and what is refused.
 
+mod forms;
 mod refused;
 mod stretched;
 
@@ -46,7 +47,28 @@ fn types() -> Vec<ParachuteParameters> {
         parameters("cruciform", json!({"vent_diameter": null, "gore_segments": 3})),
         parameters("ringslot", json!({"rings": 4, "slot_porosity": 0.15})),
         parameters("disk-gap-band", json!({"lines": {"length": 14.5, "segments": 3}})),
+        parameters("ribbon", json!({"rings": 6, "slot_porosity": 0.2, "verticals": 1})),
+        parameters("ribbon", json!({"rings": 5, "slot_porosity": 0.2, "cone_angle": 0.35})),
+        parameters("ringsail", json!({"rings": 6, "sails": 4, "slot_porosity": 0.08, "fullness": 0.1})),
+        parameters("elliptical", json!({"height_ratio": 0.7})),
+        parameters(
+            "elliptical",
+            json!({"height_ratio": 0.7, "vent_diameter": null, "centre_line": {"length": 7.0, "segments": 2}}),
+        ),
+        parameters("toroidal", json!({"vent_diameter": 1.2, "inner_lines": {"segments": 3}})),
+        parameters(
+            "toroidal",
+            json!({"vent_diameter": 1.2, "height_ratio": 0.5, "pull_down": 1.3, "inner_lines": {"length": 9.0}}),
+        ),
+        parameters("square", json!({"inner_lines": {"length": 7.0}, "corner_cut": 0.1})),
+        parameters("square", json!({"vent_diameter": null, "centre_line": {"length": 7.0}})),
+        parameters("triangular", json!({"gores": 27, "vent_diameter": null, "corner_cut": 0.15})),
     ]
+}
+
+/// Whether a canopy's skirt is a circle.
+fn is_round(p: &ParachuteParameters) -> bool {
+    !["Square", "Triangular"].contains(&format!("{:?}", p.kind).as_str())
 }
 
 fn built(p: &ParachuteParameters) -> Mesh {
@@ -149,7 +171,8 @@ fn lines_have_their_lengths() {
         assert_eq!(of.len(), p.gores * lines.segments, "{:?}", p.kind);
         let longest = of.iter().copied().fold(0.0, f64::max) * lines.segments as f64;
         close(longest, lines.length, 1e-12, "lines");
-        close(of.iter().sum(), lines.length * p.gores as f64, if longest > 0.0 { 0.05 } else { 0.0 }, "all lines");
+        // The flat mesh shows lines from the middle of sides shorter.
+        close(of.iter().sum(), lines.length * p.gores as f64, if is_round(&p) { 0.05 } else { 0.25 }, "all lines");
         if mesh.groups.contains_key("vent-lines") {
             let vent = &group(&mesh, "vent-lines").edges;
             assert_eq!(vent.len(), p.gores / 2);
@@ -197,8 +220,10 @@ fn a_mesh_shows_the_nominal_area() {
         let (mesh, sizes) = (built(&p), p.sizes().expect("sizes"));
         let canopy = sole_canopy(&mesh).unwrap_or_else(|e| panic!("{:?}: {e}", p.kind));
         close(canopy.cloth_area, sizes.cloth_area, 1e-12, "cloth");
-        let slope = ["Conical", "Biconical", "Triconical", "Hemispherical"].contains(&format!("{:?}", p.kind).as_str());
-        close(canopy.nominal_area, sizes.nominal_area, if slope { 1e-3 } else { 1e-12 }, &format!("{:?}", p.kind));
+        let kind = format!("{:?}", p.kind);
+        let sloping = ["Conical", "Biconical", "Triconical", "Hemispherical", "Ribbon", "Ringsail", "Elliptical"];
+        let slope = sloping.contains(&kind.as_str());
+        close(canopy.nominal_area, sizes.nominal_area, if slope { 1e-3 } else { 1e-12 }, &kind);
     }
     let cluster = built(&parameters(
         "ringslot",
@@ -254,18 +279,23 @@ fn canopies_are_sound_surfaces() {
         assert!(topology.loops().iter().all(|l| l.closed), "{kind:?}");
         let canopy = sole_canopy(&mesh).unwrap_or_else(|e| panic!("{kind:?}: {e}"));
         let axis = canopy.axis(&|node| point(&mesh, node)).expect("an axis").normalize();
-        assert!((axis + Vector::z()).norm() < 1e-15, "{kind:?}: {axis:?}");
+        assert!((axis + Vector::z()).norm() < if is_round(&p) { 1e-15 } else { 1e-13 }, "{kind:?}: {axis:?}");
         let bands = 1 + mesh.groups.get("rims").map_or(0, |_| topology.loops().len() / 2 - 1);
         let loops = topology.loops().len();
         assert_eq!(loops, bands + bands - usize::from(p.vent_diameter.is_none()), "{kind:?}");
         // Nodes, edges and triangles of the canopy alone: 2 for a sphere less one for each loop, per band; then each
         // line joins two parts by one edge.
         let vent_lines = mesh.groups.get("vent-lines").map_or(0, |g| g.edges.len());
-        let over_gaps = (bands - 1) * p.gores;
+        let over_gaps = (bands - 1) * p.gores * (1 + p.verticals.unwrap_or(0));
         let canopy_only = 2 * bands as i64 - loops as i64;
         let inner_lines = p.inner_lines.map_or(0, |_| p.gores);
-        let rig = 1 - (p.gores + vent_lines + over_gaps + inner_lines) as i64;
+        let centre_line = usize::from(p.centre_line.is_some());
+        let rig = 1 - (p.gores + vent_lines + over_gaps + inner_lines + centre_line) as i64;
         assert_eq!(topology.euler_characteristic(), canopy_only + rig, "{kind:?}");
+        if format!("{kind:?}") == "Toroidal" {
+            // The inside is a ring.
+            continue;
+        }
         // Inside the canopy; one whose skirt is drawn in is a flat bag.
         let bag = p.skirt_angle.is_some_and(|angle| angle > 0.5 * PI);
         let top = mesh.nodes.iter().map(|x| x[2]).fold(0.0, f64::max);

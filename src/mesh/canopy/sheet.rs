@@ -123,7 +123,8 @@ impl<'a> Sheet<'a> {
     }
 
     /// The nodes of the apex and the arc length over the sheet by node, from 0 there to 1 at the skirt, whose loop is
-    /// `around`. The apex is the middle of the vent, or the node that is farthest from the skirt.
+    /// `around`. The apex is the middle of the vent on which the node is that is farthest from the skirt; else the
+    /// first of the rows, where they are known, or that node.
     pub(super) fn arc_lengths(&self, skirt: &[u32], around: &[u32]) -> Result<(Vec<u32>, Vec<f64>), CanopyError> {
         let from_skirt = self.distances(&skirt.iter().map(|&node| (node, 0.0)).collect::<Vec<_>>());
         let nodes = || (0_u32..).zip(&self.has).filter(|(_, has)| **has).map(|(node, _)| node);
@@ -134,7 +135,9 @@ impl<'a> Sheet<'a> {
         let farthest = nodes().max_by(|a, b| far(a).total_cmp(&far(b)).then(b.cmp(a))).unwrap_or_default();
         let vent = self.topology.loops().iter().map(|l| &l.nodes).find(|nodes| nodes.contains(&farthest));
         let vent = vent.filter(|nodes| !nodes.iter().any(|node| around.contains(node)));
-        let apex = vent.cloned().unwrap_or_else(|| vec![farthest]);
+        // Along edges another node than the apex of a triangle may be farther.
+        let row = self.whole.rows.iter().find(|row| row.iter().all(|node| self.has(*node)));
+        let apex = vent.or(row).cloned().unwrap_or_else(|| vec![farthest]);
         let middle = self.middle(&apex);
         let from: Vec<(u32, f64)> = apex.iter().map(|&node| (node, (self.point(node) - middle).norm())).collect();
         let from_apex = self.distances(&from);

@@ -1,12 +1,12 @@
 //! The parts of a parachute put together: nodes, triangles, named edges.
 
+use super::outline;
 use super::profile::Profile;
 use super::taylor::{Meridian, SkirtHold};
 use super::{CanopyType, LEAST_HEIGHT, LineParameters, ParachuteParameters, reefed_radius};
 use crate::{Group, Groups, Mesh, MeshError, topology};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, HashMap};
-use std::f64::consts::{PI, TAU};
 
 /// [-] part by which a row of the inflated shape may be wider than the pattern, for patterns of many small steps
 const WIDER: f64 = 1e-3;
@@ -21,7 +21,7 @@ pub(super) struct Assembly {
     pub node_groups: BTreeMap<&'static str, Vec<u32>>,
     /// nodes at which lines begin, counter-clockwise
     pub corners: Vec<u32>,
-    /// nodes at which inner lines begin, counter-clockwise; empty without a vent
+    /// nodes at which inner lines begin, counter-clockwise; the apex of a centre line; empty if there is neither
     pub vent_corners: Vec<u32>,
     /// rows of gores, from the vent or apex to the skirt
     pub rows: Vec<Vec<u32>>,
@@ -35,7 +35,7 @@ pub(super) struct Assembly {
     tip: f64,
     /// nodes of each line from the corner to the confluence, ends included
     pub lines: Vec<Vec<u32>>,
-    /// the same of the inner lines
+    /// the same of the inner lines and the centre line
     inner_lines: Vec<Vec<u32>>,
     displacement: Vec<[f64; 3]>,
 }
@@ -65,13 +65,8 @@ impl Assembly {
     pub(super) fn add_gores(&mut self, p: &ParachuteParameters, profile: &Profile) {
         let (n, across) = (p.gores, p.gore_segments);
         self.apex = Vector3::z() * profile.apex_height;
-        // The radials run along the corners, which are farther from the axis than the gores' centre lines.
-        let to_corner = 1.0 / (PI / n as f64).cos();
         for row in &profile.rows {
-            let corner = |gore: usize| {
-                let (sin, cos) = (TAU * (gore % n) as f64 / n as f64).sin_cos();
-                Vector3::new(row.apothem * to_corner * cos, row.apothem * to_corner * sin, row.height)
-            };
+            let corner = |gore: usize| profile.corner(row, gore);
             let nodes = if row.apothem == 0.0 {
                 vec![self.add_node(corner(0))]
             } else {
@@ -93,9 +88,11 @@ impl Assembly {
         self.node_groups.insert("skirt", outer);
         let inner = self.rows[first].clone();
         if inner.len() == 1 {
+            self.vent_corners = p.centre_line.iter().flat_map(|_| inner.clone()).collect();
             self.node_groups.insert("apex", inner);
         } else {
-            self.tip = (profile.rows[0].apothem * to_corner).hypot(profile.apex_height - profile.rows[0].height);
+            let row = profile.rows[0];
+            self.tip = profile.corner(&row, 0).xy().norm().hypot(profile.apex_height - row.height);
             self.add_ring("vent", first);
             self.vent_corners = inner.iter().copied().step_by(across).collect();
             if p.has_vent_lines() {
@@ -175,9 +172,10 @@ impl Assembly {
             let nodes = self.add_line("lines", [corner, confluence], lines.segments);
             self.lines.push(nodes);
         }
-        if let Some(inner) = p.inner_lines {
+        let inner = p.inner_lines.map(|inner| ("inner-lines", inner.segments));
+        if let Some((name, segments)) = inner.or(p.centre_line.map(|line| ("centre-line", line.segments))) {
             for corner in self.vent_corners.clone() {
-                let nodes = self.add_line("inner-lines", [corner, confluence], inner.segments);
+                let nodes = self.add_line(name, [corner, confluence], segments);
                 self.inner_lines.push(nodes);
             }
         }
@@ -210,11 +208,17 @@ impl Assembly {
             allowed,
             hint: "start \"flat\": the constructed shape of such a canopy is near its inflated one".to_owned(),
         };
-        if p.kind == CanopyType::Annular {
+        if matches!(p.kind, CanopyType::Annular | CanopyType::Toroidal) {
             return Err(refuse("a canopy that is closed at its apex or by vent lines".to_owned()));
+        }
+        if outline::sides(p.kind).is_some() {
+            return Err(refuse("a round canopy".to_owned()));
         }
         if p.inner_lines.is_some() {
             return Err(refuse("a canopy without inner lines, which hold its vent down".to_owned()));
+        }
+        if p.centre_line.is_some() {
+            return Err(refuse("a canopy without a centre line, which holds its apex down".to_owned()));
         }
         let arcs = self.arcs();
         let Some(&at) = arcs.last() else {

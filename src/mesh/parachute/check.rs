@@ -1,6 +1,6 @@
 //! What a parachute can be asked for.
 
-use super::{InnerLineParameters, LineParameters, MOST, MOST_VENT, ParachuteParameters, StartShape, place};
+use super::{CanopyType, InnerLineParameters, LineParameters, MOST, MOST_VENT, ParachuteParameters, StartShape, place};
 use crate::source::{FaultSink, MAX_NODES, check_count, check_length};
 
 impl ParachuteParameters {
@@ -14,7 +14,8 @@ impl ParachuteParameters {
         let of_canopy = self.gores.saturating_mul(self.gore_segments).saturating_mul(rows);
         let segments =
             self.lines.map_or(0, |lines| lines.segments) + self.inner_lines.map_or(0, |lines| lines.segments);
-        let of_lines = self.gores.saturating_mul(segments);
+        let of_centre = self.centre_line.map_or(0, |line| line.segments);
+        let of_lines = self.gores.saturating_mul(segments).saturating_add(of_centre);
         let nodes = of_canopy.saturating_add(of_lines).saturating_mul(self.cluster.map_or(1, |c| c.canopies));
         if nodes > MAX_NODES {
             let value = format!("about {nodes} nodes");
@@ -22,7 +23,7 @@ impl ParachuteParameters {
         }
         self.check_kind(at, faults);
         self.check_vent(at, faults);
-        for (key, lines) in [("lines", self.lines), ("riser", self.riser)] {
+        for (key, lines) in [("lines", self.lines), ("riser", self.riser), ("centre_line", self.centre_line)] {
             if let Some(LineParameters { length, segments }) = lines {
                 let at = format!("{at}/{key}");
                 check_length(&at, "length", length, faults);
@@ -32,6 +33,7 @@ impl ParachuteParameters {
         if let Some(inner) = self.inner_lines {
             self.check_inner_lines(&format!("{at}/inner_lines"), inner, faults);
         }
+        self.check_centre_line(at, faults);
         if let Some(cluster) = self.cluster {
             check_count(&format!("{at}/cluster"), "canopies", cluster.canopies, [2, 20], faults);
         }
@@ -98,6 +100,23 @@ impl ParachuteParameters {
             let value = if vent { "without lines" } else { "without a vent" };
             let hint = "give `vent_diameter` and `lines`, or leave it out".to_owned();
             faults(at, value.into(), "only from a vent to the confluence of lines".into(), hint);
+        }
+    }
+
+    fn check_centre_line(&self, at: &str, faults: FaultSink<'_>) {
+        if self.centre_line.is_none() {
+            return;
+        }
+        let refused = match (self.vent_diameter, self.lines) {
+            _ if self.kind == CanopyType::Cruciform => Some("a cruciform canopy"),
+            (Some(_), _) => Some("with a vent"),
+            (None, None) => Some("without lines"),
+            (None, Some(_)) => None,
+        };
+        if let Some(value) = refused {
+            let hint = "a vent is held by `inner_lines`; else leave it out".to_owned();
+            let allowed = "only from the apex of gores to the confluence of lines".to_owned();
+            faults(&format!("{at}/centre_line"), value.into(), allowed, hint);
         }
     }
 

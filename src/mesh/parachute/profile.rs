@@ -4,13 +4,16 @@
 //! centre line from the axis) and the height z; its width is 2 r tan(pi/n). With n gores the trapezoids between two
 //! rows have the area n tan(pi/n) (r1 + r2) ds, ds being the distance of the rows along the centre line.
 
-use super::ParachuteParameters;
 use super::kind::CanopyType;
+use super::{ParachuteParameters, outline, slots};
 use crate::MeshError;
-use std::f64::consts::{FRAC_PI_2, PI};
+use nalgebra::Vector3;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// [-] relative error of the nominal area at which the size of a canopy counts as found
 const AREA_TOLERANCE: f64 = 1e-15;
+/// [-] chords by which the length of an ellipse is measured, which shares out rows alone
+const CHORDS: usize = 64;
 
 /// A row of nodes across a gore.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,11 +28,14 @@ pub(super) struct Row {
 
 /// The curve of a part of the centre line, from the apex outwards; radii and heights [m] in the pattern's own frame.
 #[derive(Clone, Copy, Debug)]
-enum Curve {
+pub(super) enum Curve {
     /// a straight line between two points (r, z)
     Straight([[f64; 2]; 2]),
     /// a circle of this radius from an angle to its widest place, the angle being 0 at the apex [m, rad]
     Arc { radius: f64, from: f64 },
+    /// an ellipse about a place at the distance `centre` from the axis, with half axes across and along that axis,
+    /// between two eccentric angles, which are 0 at its top; the top is at the height 0 [m, rad]
+    Ellipse { centre: f64, axes: [f64; 2], angles: [f64; 2] },
 }
 
 impl Curve {
@@ -37,10 +43,18 @@ impl Curve {
         match self {
             Self::Straight([from, to]) => (to[0] - from[0]).hypot(to[1] - from[1]),
             Self::Arc { radius, from } => radius * (FRAC_PI_2 - from),
+            Self::Ellipse { .. } => {
+                let place = |i: usize| self.at(i as f64 / CHORDS as f64);
+                let chord = |i: usize| {
+                    let [from, to] = [place(i), place(i + 1)];
+                    (to[0] - from[0]).hypot(to[1] - from[1])
+                };
+                (0..CHORDS).map(chord).sum()
+            }
         }
     }
 
-    /// The point at a part of its length.
+    /// The point at a part of its length, of an ellipse at a part of its angle.
     fn at(self, part: f64) -> [f64; 2] {
         match self {
             Self::Straight([from, to]) => [0, 1].map(|c| (1.0 - part) * from[c] + part * to[c]),
@@ -49,6 +63,10 @@ impl Curve {
             Self::Arc { radius, from } => {
                 let (sin, cos) = (from + (FRAC_PI_2 - from) * part).sin_cos();
                 [radius * sin, radius * cos - radius]
+            }
+            Self::Ellipse { centre, axes, angles } => {
+                let (sin, cos) = ((1.0 - part) * angles[0] + part * angles[1]).sin_cos();
+                [centre + axes[0] * sin, axes[1] * cos - axes[1]]
             }
         }
     }
@@ -64,15 +82,28 @@ impl Curve {
             Self::Arc { radius, .. } => {
                 (apothem < radius).then(|| Self::Arc { radius, from: (apothem / radius).asin() })
             }
+            Self::Ellipse { centre, axes, angles: [from, to] } => {
+                let from = ((apothem - centre) / axes[0]).asin().max(from);
+                (from < to).then_some(Self::Ellipse { centre, axes, angles: [from, to] })
+            }
         }
     }
 }
 
 /// A part of the centre line, of cloth or open.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
-    curve: Curve,
-    cloth: bool,
+pub(super) struct Piece {
+    pub curve: Curve,
+    pub cloth: bool,
+}
+
+/// What the areas of a pattern determine.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scale {
+    /// [m] apothem of a flat pattern's skirt, length of a conical one; radius of a sphere
+    pub size: f64,
+    /// [rad] angle of the widest slots of a ringsail, seen from the centre of its sphere
+    pub slot: f64,
 }
 
 /// The rows of a canopy, from the vent or the apex to the skirt.
@@ -84,42 +115,72 @@ pub(super) struct Profile {
     pub nominal_area: f64,
     /// [m^2] cloth
     pub cloth_area: f64,
+    /// [m^2] gaps
+    slot_area: f64,
     /// [m] height of the pattern's apex above the skirt; a vent is cut out below it
     pub apex_height: f64,
     /// [m] length of the gore's centre line from the apex to the skirt
     pub gore_length: f64,
+    /// corners of a row of apothem 1, counter-clockwise; of a regular polygon of gores if absent
+    outline: Option<Vec<[f64; 2]>>,
+    gores: usize,
 }
 
 impl Profile {
+    /// [m] The corner of a row at the beginning of a gore.
+    pub(super) fn corner(&self, row: &Row, gore: usize) -> Vector3<f64> {
+        let n = self.gores;
+        if let Some(&[x, y]) = self.outline.as_ref().and_then(|outline| outline.get(gore % n)) {
+            return Vector3::new(row.apothem * x, row.apothem * y, row.height);
+        }
+        // The radials run along the corners, which are farther from the axis than the gores' centre lines.
+        let to_corner = 1.0 / (PI / n as f64).cos();
+        let (sin, cos) = (TAU * (gore % n) as f64 / n as f64).sin_cos();
+        Vector3::new(row.apothem * to_corner * cos, row.apothem * to_corner * sin, row.height)
+    }
+
     /// The profile whose nominal area is that of the nominal diameter.
     ///
     /// # Errors
     /// A vent or a gap that leaves no cloth, and too few rows.
     pub(super) fn of(p: &ParachuteParameters) -> Result<Self, MeshError> {
         let wanted = 0.25 * PI * p.nominal_diameter * p.nominal_diameter;
-        let mut size = 0.5 * p.nominal_diameter;
+        let mut scale = Scale { size: 0.5 * p.nominal_diameter, slot: slots::first_guess(p) };
         // The area is nearly the square of the size, but for the shape of a curved profile near its vent.
         for _ in 0..100 {
-            let found = Self::of_size(p, size)?.nominal_area;
-            size *= (wanted / found).sqrt();
-            if (found / wanted - 1.0).abs() < AREA_TOLERANCE {
+            let profile = Self::of_scale(p, scale)?;
+            let found = profile.nominal_area;
+            scale.size *= (wanted / found).sqrt();
+            let porosity = p.slot_porosity.filter(|_| p.kind == CanopyType::Ringsail);
+            let slots = porosity.map_or(1.0, |porosity| porosity * found / profile.slot_area);
+            scale.slot *= slots;
+            if (found / wanted - 1.0).abs() < AREA_TOLERANCE && (slots - 1.0).abs() < 10.0 * AREA_TOLERANCE {
                 break;
             }
         }
-        Self::of_size(p, size)
+        Self::of_scale(p, scale)
     }
 
-    /// The profile of a pattern of this size [m].
-    fn of_size(p: &ParachuteParameters, size: f64) -> Result<Self, MeshError> {
-        let vent = 0.5 * p.vent_diameter.unwrap_or(0.0) * (PI / p.gores as f64).cos();
-        let pieces = pieces(p, size, vent);
+    /// The profile of a pattern of this scale.
+    fn of_scale(p: &ParachuteParameters, scale: Scale) -> Result<Self, MeshError> {
+        let outline = outline::of(p);
+        let to_vent = outline.as_deref().map_or((PI / p.gores as f64).cos(), outline::apothem);
+        let vent = 0.5 * p.vent_diameter.unwrap_or(0.0) * to_vent;
+        if p.kind == CanopyType::Toroidal && vent >= scale.size {
+            return Err(too_much_vent(p));
+        }
+        let pieces = pieces(p, scale, vent);
         // Only the skirt of an extended canopy may be drawn in; else a ring has no width left.
         let narrows =
             |piece: &Piece| p.kind != CanopyType::ExtendedSkirt && piece.curve.at(1.0)[0] < piece.curve.at(0.0)[0];
         if pieces.iter().any(|piece| piece.curve.length() <= 0.0 || narrows(piece)) {
             return Err(no_ring_left(p));
         }
-        let (pieces, before) = after_vent(pieces, vent).ok_or_else(|| too_much_vent(p))?;
+        let (pieces, before) = match p.kind {
+            // It begins at its vent, which is level.
+            CanopyType::Toroidal => (pieces, vent),
+            _ => after_vent(pieces, vent).ok_or_else(|| too_much_vent(p))?,
+        };
         let counts = share_rows(p, &pieces)?;
         let first = pieces.first().map_or([0.0; 2], |piece| piece.curve.at(0.0));
         let mut rows = vec![Row { apothem: vent, height: first[1], after_gap: false }];
@@ -131,19 +192,21 @@ impl Profile {
         }
         let skirt = rows.last().map_or(0.0, |row| row.height);
         rows.iter_mut().for_each(|row| row.height -= skirt);
-        let width = p.gores as f64 * (PI / p.gores as f64).tan();
+        let width = outline.as_deref().map_or(p.gores as f64 * (PI / p.gores as f64).tan(), outline::area);
         let band = |pair: &[Row]| {
             let step = (pair[1].apothem - pair[0].apothem).hypot(pair[1].height - pair[0].height);
             (width * (pair[0].apothem + pair[1].apothem) * step, step)
         };
         let (mut nominal_area, mut cloth_area, mut gore_length) = (width * vent * before, 0.0, before);
+        let mut slot_area = 0.0;
         for pair in rows.windows(2) {
             let (area, step) = band(pair);
             nominal_area += area;
             gore_length += step;
-            cloth_area += if pair[1].after_gap { 0.0 } else { area };
+            *(if pair[1].after_gap { &mut slot_area } else { &mut cloth_area }) += area;
         }
-        Ok(Self { rows, nominal_area, cloth_area, apex_height: -skirt, gore_length })
+        let apex_height = if p.kind == CanopyType::Toroidal { rows[0].height } else { -skirt };
+        Ok(Self { rows, nominal_area, cloth_area, slot_area, apex_height, gore_length, outline, gores: p.gores })
     }
 }
 
@@ -166,7 +229,8 @@ fn too_much_vent(p: &ParachuteParameters) -> MeshError {
 }
 
 /// The pieces of a type's centre line, from the apex; `vent` [m] is the apothem of the vent.
-fn pieces(p: &ParachuteParameters, size: f64, vent: f64) -> Vec<Piece> {
+fn pieces(p: &ParachuteParameters, scale: Scale, vent: f64) -> Vec<Piece> {
+    let size = scale.size;
     let straight = |corners: &[[f64; 2]]| -> Vec<Piece> {
         corners.windows(2).map(|pair| Piece { curve: Curve::Straight([pair[0], pair[1]]), cloth: true }).collect()
     };
@@ -182,14 +246,32 @@ fn pieces(p: &ParachuteParameters, size: f64, vent: f64) -> Vec<Piece> {
         straight(&corners)
     };
     match p.kind {
-        CanopyType::FlatCircular | CanopyType::Annular | CanopyType::Cruciform => straight(&[[0.0, 0.0], [size, 0.0]]),
+        CanopyType::FlatCircular
+        | CanopyType::Annular
+        | CanopyType::Cruciform
+        | CanopyType::Square
+        | CanopyType::Triangular => straight(&[[0.0, 0.0], [size, 0.0]]),
         CanopyType::Conical => cones(&[p.cone_angle.unwrap_or(0.0)], &[]),
         CanopyType::Biconical | CanopyType::Triconical => {
             cones(p.cone_angles.as_deref().unwrap_or_default(), &p.cone_breaks())
         }
         CanopyType::Hemispherical => vec![Piece { curve: Curve::Arc { radius: size, from: 0.0 }, cloth: true }],
         CanopyType::ExtendedSkirt => straight(&[[0.0, 0.0], [size, 0.0], p.extended_skirt(size)]),
-        CanopyType::Ringslot => ringslot(p, size, vent),
+        CanopyType::Elliptical => {
+            let axes = [size, size * p.height_ratio.unwrap_or(1.0)];
+            vec![Piece { curve: Curve::Ellipse { centre: 0.0, axes, angles: [0.0, FRAC_PI_2] }, cloth: true }]
+        }
+        CanopyType::Toroidal => {
+            let half = 0.5 * (size - vent);
+            let height = p.height_ratio.map_or(half, |ratio| ratio * size);
+            let quarter = |height: f64, angles| {
+                let curve = Curve::Ellipse { centre: 0.5 * (size + vent), axes: [half, height], angles };
+                Piece { curve, cloth: true }
+            };
+            vec![quarter(height * p.pull_down(), [-FRAC_PI_2, 0.0]), quarter(height, [0.0, FRAC_PI_2])]
+        }
+        CanopyType::Ringslot | CanopyType::Ribbon => slots::on_cone(p, size, vent),
+        CanopyType::Ringsail => slots::on_sphere(p, scale, vent),
         CanopyType::DiskGapBand => {
             let [disk, gap, band] = p.disk_gap_band();
             let unit = size / (0.5 * disk);
@@ -199,28 +281,6 @@ fn pieces(p: &ParachuteParameters, size: f64, vent: f64) -> Vec<Piece> {
             pieces
         }
     }
-}
-
-/// Rings of equal width, with slots of equal width between them. The slots' area is the porosity times the nominal
-/// area: with m slots of width g, apothem h of the skirt and h_v of the vent it is n tan(pi/n) g m (h + h_v).
-fn ringslot(p: &ParachuteParameters, size: f64, vent: f64) -> Vec<Piece> {
-    let rings = p.rings.unwrap_or(1).max(1);
-    let slots = (rings - 1) as f64;
-    let gap = if rings > 1 { p.slot_porosity.unwrap_or(0.0) * size * size / (slots * (size + vent)) } else { 0.0 };
-    let ring = (size - vent - slots * gap) / rings as f64;
-    let mut pieces = Vec::new();
-    let mut at = vent;
-    for i in 0..rings {
-        // The first ring begins at the apex here: the part inside the vent is cut off with that of other types.
-        let from = if i == 0 { 0.0 } else { at };
-        let to = if i + 1 == rings { size } else { at + ring };
-        pieces.push(Piece { curve: Curve::Straight([[from, 0.0], [to, 0.0]]), cloth: true });
-        if i + 1 < rings {
-            pieces.push(Piece { curve: Curve::Straight([[to, 0.0], [to + gap, 0.0]]), cloth: false });
-        }
-        at = to + gap;
-    }
-    pieces
 }
 
 /// The pieces outside the vent, and the length of the centre line inside it [m].

@@ -11,7 +11,7 @@
 //! reaches the vent's place.
 
 use super::assembly::Assembly;
-use super::{CanopyType, LineParameters, ParachuteParameters, reefed_radius};
+use super::{CanopyType, LineParameters, ParachuteParameters, outline, reefed_radius};
 use crate::{MeshError, topology};
 use nalgebra::Vector3;
 
@@ -66,7 +66,7 @@ impl Assembly {
         let r0 = (wanted * p.nominal_diameter).min(ring);
         let tube = match p.kind {
             CanopyType::Cruciform => self.tube_of_squares(own, r0),
-            _ => self.tube_of_rows(r0),
+            _ => self.tube_of_rows(r0, outline::sides(p.kind).is_none()),
         };
         let heights = self.heights(p, lines, &tube);
         let mut moved = self.nodes.clone();
@@ -82,22 +82,33 @@ impl Assembly {
         match p.kind {
             // The ends of the arms are the mouth of a cross.
             CanopyType::Cruciform => self.mouth / std::f64::consts::TAU,
-            _ => self.corners.iter().map(|&node| self.at(node).xy().norm()).fold(0.0, f64::max),
+            // On a circle inside its sides no edge of the skirt is longer.
+            _ if outline::sides(p.kind).is_some() => self.distances_of(&self.corners).fold(f64::INFINITY, f64::min),
+            _ => self.distances_of(&self.corners).fold(0.0, f64::max),
         }
     }
 
+    /// [m] Distances of nodes from the axis.
+    fn distances_of(&self, nodes: &[u32]) -> impl Iterator<Item = f64> {
+        nodes.iter().map(|&node| self.at(node).xy().norm())
+    }
+
     /// The tube of a canopy of gores. Each column of nodes keeps its own arc lengths, so that the middle of a gore,
-    /// which is nearer to the apex than its seams, is higher than these.
-    fn tube_of_rows(&self, r0: f64) -> Tube {
+    /// which is nearer to the apex than its seams, is higher than these. Rows that are not round become circles inside
+    /// their sides, and the middle of a side is higher than its ends.
+    fn tube_of_rows(&self, r0: f64, round: bool) -> Tube {
         let arcs = self.arcs();
         let whole = arcs.last().copied().unwrap_or_default();
         let mut places = vec![Vector3::zeros(); self.rows.iter().map(Vec::len).sum()];
         let mut above: Option<&Vec<u32>> = None;
         for (row, &arc) in self.rows.iter().zip(&arcs) {
-            let pattern = self.at(row[0]).xy().norm();
-            let scale = if pattern > 0.0 { radius(pattern, r0, arc, whole) / pattern } else { 0.0 };
+            let nearest = || self.distances_of(row).fold(f64::INFINITY, f64::min);
+            let pattern = if round { self.at(row[0]).xy().norm() } else { nearest() };
+            let r = radius(pattern, r0, arc, whole);
+            let scale = if pattern > 0.0 { r / pattern } else { 0.0 };
             for (i, &node) in row.iter().enumerate() {
-                let across = scale * self.at(node).xy();
+                let place = self.at(node).xy();
+                let across = if round || pattern == 0.0 { scale * place } else { r * place.normalize() };
                 let (from, length) = match above.map(|above| above[i % above.len()]) {
                     Some(before) => (places[before as usize], (self.at(node) - self.at(before)).norm()),
                     None => (Vector3::zeros(), (self.at(node) - self.apex).norm()),
@@ -144,7 +155,13 @@ impl Assembly {
     /// The height [m] of a node by its depth [m] in the tube: lines are taut, and inner lines too where they are short
     /// enough to draw the vent down.
     fn heights(&self, p: &ParachuteParameters, lines: LineParameters, tube: &Tube) -> impl Fn(f64) -> f64 + use<> {
-        let [skirt, whole] = self.corners.first().map_or([0.0; 2], |&corner| tube.at(corner));
+        let mut corners = self.corners.iter().map(|&corner| tube.at(corner));
+        let taut = match outline::sides(p.kind) {
+            // The lines at the highest corners are taut first.
+            Some(_) => corners.min_by(|a, b| a[1].total_cmp(&b[1])),
+            None => corners.next(),
+        };
+        let [skirt, whole] = taut.unwrap_or_default();
         let confluence = self.lines.first().and_then(|line| line.last()).map_or(0.0, |&node| self.at(node).z);
         let mut above = rise(lines.length, skirt);
         let mut turn = f64::INFINITY;

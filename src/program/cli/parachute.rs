@@ -10,8 +10,8 @@ use clap::Args;
 /// Arguments of `mesh parachute`; the parameters are those of `mesh.parachute` in a case file.
 #[derive(Clone, Debug, Args)]
 pub struct ParachuteArgs {
-    /// flat-circular, conical, biconical, triconical, hemispherical, extended-skirt, annular, cruciform, ringslot or
-    /// disk-gap-band
+    /// flat-circular, conical, biconical, triconical, hemispherical, extended-skirt, annular, cruciform, ringslot,
+    /// ribbon, ringsail, disk-gap-band, elliptical, toroidal, square or triangular
     #[arg(long = "type", value_parser = word::<CanopyType>)]
     pub kind: CanopyType,
     /// [m] Nominal diameter D0
@@ -47,12 +47,33 @@ pub struct ParachuteArgs {
     /// Width over length of the strips of a cruciform canopy
     #[arg(long)]
     pub arm_ratio: Option<f64>,
-    /// Number of rings of a ringslot canopy
+    /// Number of rings of a ringslot canopy or a ringsail, of ribbons of a ribbon canopy
     #[arg(long)]
     pub rings: Option<usize>,
-    /// Area of the slots of a ringslot canopy over the nominal area
+    /// Area of the slots between these over the nominal area
     #[arg(long)]
     pub slot_porosity: Option<f64>,
+    /// Number of tapes across the ribbons in each gore
+    #[arg(long)]
+    pub verticals: Option<usize>,
+    /// Number of the rings of a ringsail that are sails
+    #[arg(long)]
+    pub sails: Option<usize>,
+    /// Length of a sail's lower edge over the width of the gore there, less 1
+    #[arg(long)]
+    pub fullness: Option<f64>,
+    /// [rad] Part of the sphere on which a ringsail is cut; pi/3 if absent
+    #[arg(long)]
+    pub cap_angle: Option<f64>,
+    /// Height of an elliptical or toroidal canopy's crest above the skirt over the skirt's radius
+    #[arg(long)]
+    pub height_ratio: Option<f64>,
+    /// Depth of a toroidal canopy's vent below the crest over that of the skirt; 1 if absent
+    #[arg(long)]
+    pub pull_down: Option<f64>,
+    /// Part of a side at which a square's or triangle's corners are cut off
+    #[arg(long)]
+    pub corner_cut: Option<f64>,
     /// Diameter of the disc of a disk-gap-band canopy over D0
     #[arg(long)]
     pub disk: Option<f64>,
@@ -77,6 +98,12 @@ pub struct ParachuteArgs {
     /// [m] Length of each of these lines; that of the suspension lines if absent
     #[arg(long, requires = "inner_line_segments")]
     pub inner_line_length: Option<f64>,
+    /// [m] Length of a line from the confluence to the apex, which pulls it down
+    #[arg(long, requires = "lines")]
+    pub centre_line: Option<f64>,
+    /// Edges of this line
+    #[arg(long, default_value_t = 1, requires = "centre_line")]
+    pub centre_line_segments: usize,
     /// [m] Length of the riser
     #[arg(long)]
     pub riser: Option<f64>,
@@ -139,6 +166,14 @@ impl ParachuteArgs {
             arm_ratio: self.arm_ratio,
             rings: self.rings,
             slot_porosity: self.slot_porosity,
+            verticals: self.verticals,
+            sails: self.sails,
+            fullness: self.fullness,
+            cap_angle: self.cap_angle,
+            height_ratio: self.height_ratio,
+            pull_down: self.pull_down,
+            corner_cut: self.corner_cut,
+            centre_line: line(self.centre_line, self.centre_line_segments),
             disk: self.disk,
             gap: self.gap,
             band: self.band,

@@ -1,0 +1,99 @@
+//! The parts of a parachute beside its canopy, as they are asked for.
+
+use serde::{Deserialize, Serialize};
+
+/// Straight lines of equal segments.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct LineParameters {
+    /// [m] length
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    pub length: f64,
+    /// [-] number of edges of each line; 1 if absent
+    #[serde(default = "super::one")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
+    pub segments: usize,
+}
+
+/// Lines from the vent to the confluence.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct InnerLineParameters {
+    /// [m] unstretched length; that of `lines` if absent. Then the pressure on a ring between vent and skirt points
+    /// away from the confluence; shorter lines turn it inwards, so that the canopy closes, and longer ones let the
+    /// vent rise. In a case whose mesh is a file the spring rule must give it
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    pub length: Option<f64>,
+    /// [-] number of edges of each line; 1 if absent
+    #[serde(default = "super::one")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
+    pub segments: usize,
+}
+
+/// A rigid payload: four particles of a quarter of its mass each, which have its centre and its moments of inertia.
+///
+/// Its size is given by exactly one of `box` and `radii_of_gyration`. The particles are at the corners (+++), (+--),
+/// (-+-) and (--+) of a box around the centre, six edges (`payload-bars`) join them, and four edges (`slings`) lead
+/// from the end of the riser to them. Their masses come from `mass.points` with the group `payload`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct PayloadParameters {
+    /// [m] edges of a box of even density along x, y and z
+    #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
+    pub sides: Option<[f64; 3]>,
+    /// [m] radii of gyration sqrt(I/m) about x, y and z through the centre; each square below the sum of the others
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radii_of_gyration: Option<[f64; 3]>,
+    /// [m] distance from the end of the riser down to the centre, more than the half height of the particles
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    pub below_riser: f64,
+}
+
+/// Equal parachutes that share the end of their risers (or their confluence), leaning outwards so far that they do not
+/// touch at the start. Each group holds the parts of all of them; those of the first alone are in `canopy-1`,
+/// `skirt-1`, and so on. Nothing keeps canopies from passing through each other but springs on the edges of the group
+/// `spacers`, from the apex of each to those of its neighbours; they can stand for the air and the contact that hold
+/// canopies apart.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ClusterParameters {
+    /// [-] number of parachutes
+    #[cfg_attr(feature = "schema", schemars(range(min = 2, max = 20)))]
+    pub canopies: usize,
+}
+
+/// A reefing line: a ring of edges from line to line along the skirt. A spring rule for the group `reefing` gives it
+/// stiffness; without one no line acts, and the diameter is that of the start `inflated` alone. The rest length of
+/// each edge is pi times the diameter over the number of gores, unless the rule gives another. In a case whose mesh is
+/// a file the rule must give it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ReefingParameters {
+    /// [m] length of the reefing line over pi; with the start `inflated` the skirt starts at this size, with
+    /// `stretched` no wider
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    pub diameter: f64,
+}
+
+/// The shape at the start. Masses and rest lengths are those of the pattern in any shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum StartShape {
+    /// The pattern as it is cut, above straight lines.
+    #[default]
+    Flat,
+    /// The shape of Taylor (1919) under an even pressure: no stress across the gores, whose cloth is slack there. For
+    /// patterns that are wide enough everywhere: flat ones, and the extended skirt.
+    Inflated,
+    /// The tube of line stretch: a narrow folded canopy along the axis, whose skirt has the radius `start_radius`, on
+    /// straight lines. Arc lengths along the gores are those of the pattern, and nothing is stretched. For every
+    /// pattern. Inner lines draw the vent down into the tube.
+    Stretched,
+}
