@@ -1,6 +1,6 @@
 //! What a parachute can be asked for.
 
-use super::{InnerLineParameters, LineParameters, MOST, MOST_VENT, ParachuteParameters, StartShape, place};
+use super::{CanopyType, InnerLineParameters, LineParameters, MOST, MOST_VENT, ParachuteParameters, StartShape, place};
 use crate::source::{FaultSink, MAX_NODES, check_count, check_length};
 
 impl ParachuteParameters {
@@ -22,6 +22,10 @@ impl ParachuteParameters {
         }
         self.check_kind(at, faults);
         self.check_vent(at, faults);
+        if self.coarsen && self.kind == CanopyType::Cruciform {
+            let hint = "leave it out, or change the type".to_owned();
+            faults(&format!("{at}/coarsen"), "true".into(), "only with a canopy of gores".into(), hint);
+        }
         for (key, lines) in [("lines", self.lines), ("riser", self.riser)] {
             if let Some(LineParameters { length, segments }) = lines {
                 let at = format!("{at}/{key}");
