@@ -139,7 +139,7 @@ fn strengths(spec: &NetworkSpec) -> Vec<GaugeSpec> {
         counts.dedup();
         let of_count = |count: f64| {
             let members = group.edges.iter().zip(&strands).filter(|(_, strands)| **strands == count);
-            let name = if count == 1.0 { name.clone() } else { format!("{name}, {} strands", figures(count, 3)) };
+            let name = if count == 1.0 { name.clone() } else { format!("{name} ({} strands)", figures(count, 3)) };
             gauge(name, members.map(|(edge, _)| *edge).collect(), count)
         };
         Some(counts.into_iter().map(of_count).collect())
