@@ -29,7 +29,7 @@ pub struct ParachuteArgs {
     /// Edges across a gore
     #[arg(long, default_value_t = 1)]
     pub gore_segments: usize,
-    /// Fewer edges in rows towards the apex; an edge of radials and vent lines may then stand for several tapes or lines
+    /// Fewer edges in rows towards the apex; an edge of radials or vent lines may then stand for several
     #[arg(long)]
     pub coarsen: bool,
     /// [rad] Angle of a cone's surface below the horizontal

@@ -5,7 +5,8 @@ use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::mesh::Quality;
 use std::collections::BTreeSet;
 
-/// A canopy with so many edges across a gore that cells at the skirt are at most 1.8 times as wide as the mean row is high.
+/// A canopy with so many edges across a gore that cells at the skirt are at most 1.8 times as wide as rows are high on
+/// average.
 fn coarsened(kind: &str, gores: usize, more: &Value) -> ParachuteParameters {
     let of = |across: usize| {
         let given = json!({"gores": gores, "gore_segments": across, "coarsen": true, "lines": {"length": 14.5}});
