@@ -66,8 +66,8 @@ pub struct ParachuteParameters {
     #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub gore_segments: usize,
     /// Whether rows have fewer edges towards the apex, where gores are narrow: first columns of a gore become one, then
-    /// gores. `gore_segments` counts at the skirt. Areas stay exact; an edge of `radials` and `vent-lines` may stand for
-    /// several tapes or lines, whose stiffness, mass and strength a spring rule of the group multiplies. Not of a
+    /// gores. `gore_segments` counts at the skirt. Areas stay exact; an edge of `radials` and `vent-lines` may stand
+    /// for several tapes or lines, whose stiffness, mass and strength a spring rule of the group multiplies. Not of a
     /// cruciform canopy. In a case whose mesh is a file the spring rules must give it
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub coarsen: bool,
