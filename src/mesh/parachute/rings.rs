@@ -186,7 +186,7 @@ impl<'a> Gores<'a> {
             }
             if at == first + 1 {
                 let [b, c] = [below(first), below(at)];
-                triangles.extend(match self.to_centre(i, inner.columns[k], next) {
+                triangles.extend(match self.towards_centre(i, inner.columns[k], next) {
                     true => [[a, b, d], [b, c, d]],
                     false => [[a, b, c], [a, c, d]],
                 });
@@ -208,7 +208,7 @@ impl<'a> Gores<'a> {
 
     /// Whether the diagonal of a cell is that towards the centre of the gore. Diagonals mirror each other about it;
     /// those on it take turns from row to row.
-    fn to_centre(&self, i: usize, from: usize, to: usize) -> bool {
+    fn towards_centre(&self, i: usize, from: usize, to: usize) -> bool {
         let twice = if to - from > self.across { self.across } else { 2 * (from % self.across) + to - from };
         match twice.cmp(&self.across) {
             Ordering::Less => true,
