@@ -71,6 +71,7 @@ class Parachute(TypedDict, total=False):
     vent_diameter: float | None
     radial_segments: int
     gore_segments: int
+    coarsen: bool
     cone_angle: float | None
     cone_angles: Sequence[float] | None
     cone_breaks: Sequence[float] | None

@@ -52,6 +52,8 @@ pub mod vtk;
 pub mod warning;
 pub mod write;
 
+use std::collections::BTreeMap;
+
 pub use crossing::{Crossing, CrossingFinder};
 pub use error::MeshError;
 pub use file::MeshFile;
@@ -60,6 +62,9 @@ pub use loops::BoundaryLoop;
 pub use quality::Quality;
 pub use source::MeshSource;
 pub use topology::{EdgeKind, Topology};
+
+/// [-] How many tapes or lines an edge stands for, by the group's name and the edge's number, where it is not one.
+pub type Strands = BTreeMap<String, BTreeMap<u32, f64>>;
 
 /// A surface or line mesh in three dimensions.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
@@ -84,4 +89,7 @@ pub struct Mesh {
     /// Empty if they are not known, as in files.
     #[serde(skip)]
     pub rows: Vec<Vec<u32>>,
+    /// [-] Tapes and lines that stand side by side, as in coarsened gores; empty if they are not known, as in files.
+    #[serde(skip)]
+    pub strands: Strands,
 }

@@ -15,11 +15,13 @@ mod parts;
 mod payload;
 mod place;
 mod profile;
+mod rings;
 mod sails;
 mod slots;
 mod stretched;
 mod taylor;
 
+use super::format_number::figures;
 use super::{Mesh, MeshError};
 use assembly::Assembly;
 pub use kind::CanopyType;
@@ -28,6 +30,7 @@ pub use parts::{
 };
 use profile::Profile;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// [-] largest number of gores and of segments of any part
@@ -70,6 +73,12 @@ pub struct ParachuteParameters {
     #[serde(default = "one")]
     #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub gore_segments: usize,
+    /// Whether rows have fewer edges towards the apex, where gores are narrow: first columns of a gore become one, then
+    /// gores. `gore_segments` counts at the skirt. Areas stay exact; an edge of `radials` and `vent-lines` may stand
+    /// for several tapes or lines, whose stiffness, mass and strength a spring rule of the group multiplies. Of round
+    /// canopies of gores without sails and verticals. In a case whose mesh is a file the spring rules must give it
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub coarsen: bool,
     /// [rad] angle of a cone's surface below the horizontal; also of a ribbon canopy, which is flat without it
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cone_angle: Option<f64>,
@@ -259,6 +268,10 @@ impl ParachuteParameters {
         let cloth = mesh.groups.get("cloth").map(|group| group.edges.as_slice()).unwrap_or_default();
         let ends = cloth.iter().filter_map(|&edge| mesh.edges.get(edge as usize));
         let longest = ends.map(|&[a, b]| (mesh.point(a) - mesh.point(b)).norm()).fold(0.0, f64::max);
+        if let Some(most) = mesh.strands.values().flat_map(BTreeMap::values).copied().reduce(f64::max) {
+            let text = format!("an edge of radials or vent lines stands for up to {}", figures(most, 3));
+            lines.push(("strands", text));
+        }
         lines.push(("fineness", format!("longest edge of the cloth {longest:.6} m ({:.4} D0)", longest / d0)));
         Ok(lines)
     }

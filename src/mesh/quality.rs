@@ -114,7 +114,7 @@ impl Quality {
 }
 
 /// Angles [deg] at the corners of a triangle.
-fn angles(corners: [Vector3<f64>; 3]) -> [f64; 3] {
+pub(crate) fn angles(corners: [Vector3<f64>; 3]) -> [f64; 3] {
     std::array::from_fn(|i| {
         let (u, v) = (corners[(i + 1) % 3] - corners[i], corners[(i + 2) % 3] - corners[i]);
         // The arc tangent is accurate at small and large angles, the arc cosine is not.

@@ -1,5 +1,6 @@
 //! Parachutes: areas and lengths of the pattern, groups, Taylor's shape as a start, and what is refused.
 
+mod coarsened;
 mod forms;
 mod refused;
 mod stretched;

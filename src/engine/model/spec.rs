@@ -109,8 +109,10 @@ impl SpringGroup {
 pub struct StrengthSpec {
     /// what reports call them
     pub name: String,
-    /// [N] of each spring
+    /// [N] of each spring, or of each of its strands
     pub strength: f64,
+    /// [-] tapes or lines that a spring stands for, one number a spring; one each if there is none
+    pub strands: Option<Vec<f64>>,
 }
 
 /// A continuous isotropic sheet in place of springs.

@@ -2,9 +2,10 @@
 
 use super::outline;
 use super::profile::Profile;
+use super::rings::{End, Gores, Tape};
 use super::taylor::{Meridian, SkirtHold};
 use super::{CanopyType, LEAST_HEIGHT, LineParameters, ParachuteParameters, reefed_radius};
-use crate::{Group, Groups, Mesh, MeshError, topology};
+use crate::{Group, Groups, Mesh, MeshError, Strands, topology};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, HashMap};
 
@@ -18,6 +19,8 @@ pub(super) struct Assembly {
     pub triangles: Vec<[u32; 3]>,
     /// edges by the name of their group; those of triangles too
     pub edges: Vec<(&'static str, [u32; 2])>,
+    /// [-] how many tapes or lines an edge of a group stands for, if not one
+    strands: Vec<(&'static str, [u32; 2], f64)>,
     pub node_groups: BTreeMap<&'static str, Vec<u32>>,
     /// nodes at which lines begin, counter-clockwise
     pub corners: Vec<u32>,
@@ -25,6 +28,8 @@ pub(super) struct Assembly {
     pub vent_corners: Vec<u32>,
     /// rows of gores, from the vent or apex to the skirt
     pub rows: Vec<Vec<u32>>,
+    /// columns of the nodes of each row, counted from the first radial
+    pub columns: Vec<Vec<usize>>,
     /// rings of a cross, from its centre to the ends of its arms
     pub squares: Vec<Square>,
     /// [m] width of the four ends of a cross
@@ -63,41 +68,41 @@ impl Assembly {
 
     /// Adds a canopy of gores.
     pub(super) fn add_gores(&mut self, p: &ParachuteParameters, profile: &Profile) {
-        let (n, across) = (p.gores, p.gore_segments);
         self.apex = Vector3::z() * profile.apex_height;
-        for row in &profile.rows {
-            let corner = |gore: usize| profile.corner(row, gore);
-            let nodes = if row.apothem == 0.0 {
-                vec![self.add_node(corner(0))]
-            } else {
-                let places = (0..n * across).map(|i| {
-                    let part = (i % across) as f64 / across as f64;
-                    (1.0 - part) * corner(i / across) + part * corner(i / across + 1)
-                });
-                places.collect::<Vec<_>>().into_iter().map(|place| self.add_node(place)).collect()
-            };
+        let gores = Gores::of(p, profile);
+        let rings = gores.rings();
+        for ring in &rings {
+            let nodes = ring.columns.iter().map(|column| self.add_node(gores.place(ring, *column))).collect();
             self.rows.push(nodes);
         }
-        for (i, pair) in profile.rows.windows(2).enumerate() {
-            self.add_band(i, across, !pair[1].after_gap);
+        let (tapes, at_vent) = gores.tapes(&rings);
+        for (i, tapes) in tapes.iter().enumerate() {
+            for &Tape { ends: [inner, outer], strands } in tapes {
+                self.add_strands("radials", [self.rows[i][inner], self.rows[i + 1][outer]], strands);
+            }
+            if !profile.rows[i + 1].after_gap {
+                let node = |(outer, at): End| self.rows[i + usize::from(outer)][at];
+                let triangles = gores.triangles(i, &rings[i], &rings[i + 1]);
+                self.triangles.extend(triangles.into_iter().map(|corners| corners.map(node)));
+            }
         }
         let [first, last] = [0, self.rows.len() - 1];
         let outer = self.rows[last].clone();
         self.add_ring("skirt", last);
-        self.corners = outer.iter().copied().step_by(across).collect();
+        self.corners = outer.iter().copied().step_by(p.gore_segments).collect();
         self.node_groups.insert("skirt", outer);
         let inner = self.rows[first].clone();
         if inner.len() == 1 {
             self.vent_corners = p.centre_line.iter().flat_map(|_| inner.clone()).collect();
             self.node_groups.insert("apex", inner);
         } else {
-            let row = profile.rows[0];
-            self.tip = profile.corner(&row, 0).xy().norm().hypot(profile.apex_height - row.height);
+            self.tip = self.at(inner[0]).xy().norm().hypot(profile.apex_height - rings[first].height);
             self.add_ring("vent", first);
-            self.vent_corners = inner.iter().copied().step_by(across).collect();
+            let corners: Vec<(u32, f64)> = inner.iter().copied().zip(at_vent).filter(|(_, n)| *n > 0.0).collect();
+            self.vent_corners = corners.iter().map(|(node, _)| *node).collect();
             if p.has_vent_lines() {
-                let opposite = self.vent_corners.iter().zip(self.vent_corners.iter().skip(n / 2));
-                self.edges.extend(opposite.map(|(&a, &b)| ("vent-lines", [a, b])));
+                let opposite = corners.iter().zip(corners.iter().skip(corners.len() / 2));
+                opposite.for_each(|(&(a, strands), &(b, _))| self.add_strands("vent-lines", [a, b], strands));
             }
             self.node_groups.insert("vent", inner);
         }
@@ -105,28 +110,14 @@ impl Assembly {
             self.add_ring("rims", i - 1);
             self.add_ring("rims", i);
         }
+        self.columns = rings.into_iter().map(|ring| ring.columns).collect();
     }
 
-    /// Radials and cloth between row `i` and the next one.
-    fn add_band(&mut self, i: usize, across: usize, cloth: bool) {
-        let (inner, outer) = (&self.rows[i], &self.rows[i + 1]);
-        let node = |row: &[u32], at: usize| row[at % row.len()];
-        for at in (0..outer.len()).step_by(across) {
-            self.edges.push(("radials", [node(inner, at), node(outer, at)]));
-        }
-        for at in (0..outer.len()).filter(|_| cloth) {
-            let [a, b, c, d] = [node(inner, at), node(outer, at), node(outer, at + 1), node(inner, at + 1)];
-            // Diagonals mirror each other about the centre of the gore; those on it take turns from row to row.
-            let to_centre = match (2 * (at % across) + 1).cmp(&across) {
-                std::cmp::Ordering::Less => true,
-                std::cmp::Ordering::Equal => i.is_multiple_of(2),
-                std::cmp::Ordering::Greater => false,
-            };
-            match (inner.len(), to_centre) {
-                (1, _) => self.triangles.push([a, b, c]),
-                (_, true) => self.triangles.extend([[a, b, d], [b, c, d]]),
-                (_, false) => self.triangles.extend([[a, b, c], [a, c, d]]),
-            }
+    /// Adds an edge that stands for so many tapes or lines.
+    fn add_strands(&mut self, name: &'static str, ends: [u32; 2], strands: f64) {
+        self.edges.push((name, ends));
+        if strands != 1.0 {
+            self.strands.push((name, ends, strands));
         }
     }
 
@@ -296,6 +287,11 @@ impl Assembly {
             });
             members.entry(name).or_default().push(edge);
         }
+        let mut strands = Strands::new();
+        for (name, pair, count) in self.strands {
+            let edge = known.get(&key(pair)).copied();
+            strands.entry(name.to_owned()).or_default().extend(edge.map(|edge| (edge, count)));
+        }
         let mut groups: Groups =
             members.into_iter().map(|(name, edges)| (name.to_owned(), Group::of_edges(edges))).collect();
         for (name, nodes) in self.node_groups {
@@ -306,6 +302,6 @@ impl Assembly {
         groups.insert("canopy".to_owned(), Group { triangles, ..Group::default() });
         let nodes = self.nodes.into_iter().map(Into::into).collect();
         let Assembly { triangles, displacement, rows, .. } = self;
-        Mesh { nodes, edges, triangles, groups, displacement, rows, ..Mesh::default() }
+        Mesh { nodes, edges, triangles, groups, displacement, rows, strands, ..Mesh::default() }
     }
 }

@@ -1,6 +1,8 @@
 //! What a parachute can be asked for.
 
-use super::{CanopyType, InnerLineParameters, LineParameters, MOST, MOST_VENT, ParachuteParameters, StartShape, place};
+use super::{
+    CanopyType, InnerLineParameters, LineParameters, MOST, MOST_VENT, ParachuteParameters, StartShape, outline, place,
+};
 use crate::source::{FaultSink, MAX_NODES, check_count, check_length};
 
 impl ParachuteParameters {
@@ -23,6 +25,16 @@ impl ParachuteParameters {
         }
         self.check_kind(at, faults);
         self.check_vent(at, faults);
+        let strips = matches!(self.kind, CanopyType::Cruciform | CanopyType::Ringsail) || self.verticals.is_some();
+        if self.coarsen && (strips || outline::sides(self.kind).is_some()) {
+            let hint = "leave it out, or change the type".to_owned();
+            faults(
+                &format!("{at}/coarsen"),
+                "true".into(),
+                "only with a round canopy of gores without sails and verticals".into(),
+                hint,
+            );
+        }
         for (key, lines) in [("lines", self.lines), ("riser", self.riser), ("centre_line", self.centre_line)] {
             if let Some(LineParameters { length, segments }) = lines {
                 let at = format!("{at}/{key}");

@@ -4,6 +4,7 @@ use super::{ClusterParameters, ParachuteParameters, PayloadParameters};
 use crate::source::{FaultSink, check_length};
 use crate::{Group, Groups, Mesh, MeshError};
 use nalgebra::{Rotation3, Unit, Vector3};
+use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
 /// [-] angle between canopies of a cluster over the one at which they touch
@@ -162,6 +163,11 @@ fn add_copy(all: &mut Mesh, one: &Mesh, end: u32, number: usize, turned: &dyn Fn
     all.edges.extend(one.edges.iter().map(|pair| pair.map(node)));
     all.triangles.extend(one.triangles.iter().map(|corners| corners.map(node)));
     all.rows.extend(one.rows.iter().map(|row| row.iter().map(|&i| node(i)).collect()));
+    for (name, strands) in &one.strands {
+        let copy: BTreeMap<u32, f64> = strands.iter().map(|(edge, count)| (edges + edge, *count)).collect();
+        all.strands.entry(name.clone()).or_default().extend(&copy);
+        all.strands.insert(format!("{name}-{}", number + 1), copy);
+    }
     let mut copied = Groups::new();
     for (name, group) in &one.groups {
         let mut nodes: Vec<u32> = group.nodes.iter().map(|&i| node(i)).collect();

@@ -127,16 +127,21 @@ pub(super) struct Profile {
 }
 
 impl Profile {
-    /// [m] The corner of a row at the beginning of a gore.
-    pub(super) fn corner(&self, row: &Row, gore: usize) -> Vector3<f64> {
+    /// [-] Distance of the corners of a row from the axis over its apothem: the radials run along the corners, which are
+    /// farther from the axis than the gores' centre lines. 1 where the canopy is not round.
+    pub(super) fn to_corner(&self) -> f64 {
+        if self.outline.is_some() { 1.0 } else { 1.0 / (PI / self.gores as f64).cos() }
+    }
+
+    /// [m] The corner at the beginning of a gore of a row with this distance of its corners, or of its sides if it is
+    /// not round, and this height.
+    pub(super) fn corner(&self, radius: f64, height: f64, gore: usize) -> Vector3<f64> {
         let n = self.gores;
         if let Some(&[x, y]) = self.outline.as_ref().and_then(|outline| outline.get(gore % n)) {
-            return Vector3::new(row.apothem * x, row.apothem * y, row.height);
+            return Vector3::new(radius * x, radius * y, height);
         }
-        // The radials run along the corners, which are farther from the axis than the gores' centre lines.
-        let to_corner = 1.0 / (PI / n as f64).cos();
         let (sin, cos) = (TAU * (gore % n) as f64 / n as f64).sin_cos();
-        Vector3::new(row.apothem * to_corner * cos, row.apothem * to_corner * sin, row.height)
+        Vector3::new(radius * cos, radius * sin, height)
     }
 
     /// The profile whose nominal area is that of the nominal diameter.

@@ -74,7 +74,8 @@ pub(super) fn full_lengths(p: &ParachuteParameters, mesh: &Mesh) -> Vec<(u32, f6
         let [across_a, across_b] = across_gore(a, b)?;
         let width = |place: Place| {
             let row = &profile.rows[place.row % rows];
-            (profile.corner(row, 1) - profile.corner(row, 0)).norm()
+            let corner = |gore| profile.corner(row.apothem * profile.to_corner(), row.height, gore);
+            (corner(1) - corner(0)).norm()
         };
         // Coordinates across the gore from its middle, on the gore and on the wider cloth.
         let [on_gore_a, on_gore_b] = [(a, across_a), (b, across_b)].map(|(place, part)| (part - 0.5) * width(place));

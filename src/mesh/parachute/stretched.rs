@@ -100,25 +100,45 @@ impl Assembly {
         let arcs = self.arcs();
         let whole = arcs.last().copied().unwrap_or_default();
         let mut places = vec![Vector3::zeros(); self.rows.iter().map(Vec::len).sum()];
-        let mut above: Option<&Vec<u32>> = None;
-        for (row, &arc) in self.rows.iter().zip(&arcs) {
+        for (i, (row, &arc)) in self.rows.iter().zip(&arcs).enumerate() {
             let nearest = || self.distances_of(row).fold(f64::INFINITY, f64::min);
             let pattern = if round { self.at(row[0]).xy().norm() } else { nearest() };
             let r = radius(pattern, r0, arc, whole);
             let scale = if pattern > 0.0 { r / pattern } else { 0.0 };
-            for (i, &node) in row.iter().enumerate() {
+            for (&node, &column) in row.iter().zip(&self.columns[i]) {
                 let place = self.at(node).xy();
                 let across = if round || pattern == 0.0 { scale * place } else { r * place.normalize() };
-                let (from, length) = match above.map(|above| above[i % above.len()]) {
-                    Some(before) => (places[before as usize], (self.at(node) - self.at(before)).norm()),
-                    None => (Vector3::zeros(), (self.at(node) - self.apex).norm()),
+                let ends = i.checked_sub(1).map(|above| self.column_of(above, column)).unwrap_or_default();
+                let mean = |at: &dyn Fn(u32) -> Vector3<f64>| -> Vector3<f64> {
+                    ends.iter().map(|&(node, part)| part * at(node)).sum()
                 };
+                let (from, length) = match ends.len() {
+                    0 => (Vector3::zeros(), (self.at(node) - self.apex).norm()),
+                    _ => (mean(&|node| places[node as usize]), (self.at(node) - mean(&|node| self.at(node))).norm()),
+                };
+                if ends.len() > 1 && self.columns[i - 1].len() < self.corners.len() {
+                    // A radial that ends here is as long as the others.
+                    places[node as usize] = Vector3::new(across.x, across.y, places[row[0] as usize].z);
+                    continue;
+                }
                 let depth = from.z + rise(length, (across - from.xy()).norm());
                 places[node as usize] = Vector3::new(across.x, across.y, depth);
             }
-            above = Some(row);
         }
         Tube { places }
+    }
+
+    /// The nodes of a row in a column, or beside it, each with its share.
+    fn column_of(&self, row: usize, column: usize) -> Vec<(u32, f64)> {
+        let (nodes, columns) = (&self.rows[row], &self.columns[row]);
+        let last = columns.partition_point(|at| *at <= column) - 1;
+        if columns[last] == column || columns.len() == 1 {
+            return vec![(nodes[last], 1.0)];
+        }
+        let all = self.columns.last().map_or(0, Vec::len);
+        let end = columns.get(last + 1).copied().unwrap_or(all);
+        let part = (column - columns[last]) as f64 / (end - columns[last]) as f64;
+        vec![(nodes[last], 1.0 - part), (nodes[(last + 1) % nodes.len()], part)]
     }
 
     /// The tube of a cross: squares around its centre, then the rows of its arms, are the rings. Each ring has one

@@ -29,6 +29,9 @@ pub struct ParachuteArgs {
     /// Edges across a gore
     #[arg(long, default_value_t = 1)]
     pub gore_segments: usize,
+    /// Fewer edges in rows towards the apex; an edge of radials or vent lines may then stand for several
+    #[arg(long)]
+    pub coarsen: bool,
     /// [rad] Angle of a cone's surface below the horizontal
     #[arg(long)]
     pub cone_angle: Option<f64>,
@@ -158,6 +161,7 @@ impl ParachuteArgs {
             vent_diameter: self.vent_diameter,
             radial_segments: self.radial_segments,
             gore_segments: self.gore_segments,
+            coarsen: self.coarsen,
             cone_angle: self.cone_angle,
             cone_angles: self.cone_angles.clone(),
             cone_breaks: self.cone_breaks.clone(),

@@ -41,6 +41,12 @@ impl SpringValues {
             SpringValues::PerEdge(values) => SpringValues::PerEdge(values.iter().map(|value| f(*value)).collect()),
         }
     }
+
+    /// The values times a factor for each spring.
+    #[must_use]
+    pub fn times(&self, factors: &[f64]) -> Self {
+        self.of(factors.len()).zip(factors).map(|(value, factor)| value * factor).collect()
+    }
 }
 
 impl Default for SpringValues {

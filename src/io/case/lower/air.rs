@@ -9,6 +9,7 @@ use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Aero, Atmosphere, Drag, ExponentialAtmosphere, OneOrSeveral};
 use crate::model::spec::{AirSpec, AtmosphereSpec, CanopySpec, LineDragSpec, NodeDragSpec, StreamSpec};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What the section gives.
@@ -133,8 +134,20 @@ fn drag(at: &Pointer, drag: &Drag, geometry: Option<&Geometry>, flow: &mut Flow,
             };
             let flags = geometry.and_then(|geometry| select::edges(&at.key("on"), &on, geometry, faults));
             let Some(flags) = flags else { return };
-            let edges = (0_u32..).zip(flags).filter(|(_, selected)| *selected).map(|(edge, _)| edge).collect();
-            flow.line_drag.push(LineDragSpec { edges, diameter, coefficient });
+            let edges: Vec<u32> =
+                (0_u32..).zip(flags).filter(|(_, selected)| *selected).map(|(edge, _)| edge).collect();
+            // Lines side by side are as wide as all of them.
+            let mut by_strands: BTreeMap<u64, Vec<u32>> = BTreeMap::new();
+            let strands = geometry.and_then(|geometry| geometry.strands(&on, &edges));
+            for (i, edge) in edges.into_iter().enumerate() {
+                let strands = strands.as_ref().map_or(1.0, |strands| strands[i]);
+                by_strands.entry(strands.to_bits()).or_default().push(edge);
+            }
+            flow.line_drag.extend(by_strands.into_iter().map(|(strands, edges)| LineDragSpec {
+                edges,
+                diameter: f64::from_bits(strands) * diameter,
+                coefficient,
+            }));
         }
         (None, None, Some(area)) => {
             let Some(on) = drag.on.nodes() else {

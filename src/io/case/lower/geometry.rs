@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
+use crate::case::schema::EdgeSelection;
 use crate::format_number::figures;
 use crate::mesh::box_tree::Bounds;
 use crate::mesh::file::Axes;
@@ -86,6 +87,13 @@ impl Geometry {
         let area: f64 = triangles.filter_map(|&t| self.area.get(t as usize)).sum();
         let length = self.length.get(edge).copied().unwrap_or(f64::NAN);
         et * area / (length * length)
+    }
+
+    /// [-] How many tapes or lines each of these edges of a group stands for; `None` where each is one.
+    pub(super) fn strands(&self, on: &EdgeSelection, edges: &[u32]) -> Option<Vec<f64>> {
+        let EdgeSelection::Group(name) = on else { return None };
+        let strands = self.mesh.strands.get(name)?;
+        Some(edges.iter().map(|edge| strands.get(edge).copied().unwrap_or(1.0)).collect())
     }
 
     /// Number of nodes.

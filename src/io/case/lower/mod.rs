@@ -34,6 +34,7 @@ use super::diagnostics::Faults;
 use super::pointer::Pointer;
 use super::schema::{CaseFile, System};
 use super::spec::{GaugeOf, GaugeSpec, Problem, SystemSpec};
+use crate::format_number::figures;
 use crate::model::gauge::SpringGauge;
 use crate::model::spec::{NetworkSpec, PendulumSpec, SpringGroup, StrengthSpec};
 use crate::preflight;
@@ -123,15 +124,27 @@ pub(crate) fn build(
     Some((problem, geometry))
 }
 
-/// Gauges for the springs with a strength.
+/// Gauges for the springs with a strength; those that stand for several strands have gauges of their own.
 fn strengths(spec: &NetworkSpec) -> Vec<GaugeSpec> {
-    let gauge = |(rule, group): (usize, &SpringGroup)| {
-        let StrengthSpec { name, strength } = group.strength.clone()?;
-        let (of, edges) = (SpringGauge::Tension, group.edges.clone());
-        let of = GaugeOf::Springs { of, edges, rule: Some(rule), strength: Some(strength) };
-        Some(GaugeSpec { name, of, every: 1 })
+    let gauges = |(rule, group): (usize, &SpringGroup)| {
+        let StrengthSpec { name, strength, strands } = group.strength.clone()?;
+        let gauge = move |name: String, edges: Vec<u32>, strands: f64| {
+            let strength = Some(strands * strength);
+            let of = GaugeOf::Springs { of: SpringGauge::Tension, edges, rule: Some(rule), strength };
+            GaugeSpec { name, of, every: 1 }
+        };
+        let Some(strands) = strands else { return Some(vec![gauge(name, group.edges.clone(), 1.0)]) };
+        let mut counts = strands.clone();
+        counts.sort_by(f64::total_cmp);
+        counts.dedup();
+        let of_count = |count: f64| {
+            let members = group.edges.iter().zip(&strands).filter(|(_, strands)| **strands == count);
+            let name = if count == 1.0 { name.clone() } else { format!("{name} ({} strands)", figures(count, 3)) };
+            gauge(name, members.map(|(edge, _)| *edge).collect(), count)
+        };
+        Some(counts.into_iter().map(of_count).collect())
     };
-    spec.springs.iter().enumerate().filter_map(gauge).collect()
+    spec.springs.iter().enumerate().filter_map(gauges).flatten().collect()
 }
 
 /// A name that is usable in a file name, a table and a title.

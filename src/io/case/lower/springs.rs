@@ -11,7 +11,7 @@ use crate::case::pointer::Pointer;
 use crate::case::schema::{EdgeSelection, Factor, FactorTable, Membrane, SlackRule, SpringRule};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
-use crate::model::spec::{ElasticLaw, MembraneSpec, Series, SheetSpec, Slack, SpringGroup, StrengthSpec};
+use crate::model::spec::{ElasticLaw, MembraneSpec, Series, SheetSpec, Slack, SpringGroup, SpringValues, StrengthSpec};
 use crate::warning::WarningCode;
 
 /// What springs are made from.
@@ -44,14 +44,21 @@ pub(super) fn springs(
         geometry = geometry.filter(|_| faults.readable(&at.key("on")));
         let Some(geometry) = geometry else { continue };
         let Some(edges) = claim(&at, rule, geometry, &mut claimed, faults) else { continue };
+        // A sheet is one, whatever tapes are on it.
+        let strands = geometry.strands(&rule.on, &edges).filter(|_| rule.membrane.is_none());
         if let Some(density) = rule.linear_density.filter(|d| *d > 0.0) {
-            add_mass(density, &edges, geometry, mass);
+            let densities = SpringValues::Uniform(density);
+            let densities = strands.as_deref().map_or(densities.clone(), |strands| densities.times(strands));
+            add_mass(&densities, &edges, geometry, mass);
         }
         // Before the values, so that faults of both are reported at once.
         let rest_length = rest_lengths(&at, rule, &edges, geometry, faults);
         if let (Some(values), Some(rest_length)) = (values, rest_length)
             && !edges.is_empty()
-            && let Some(group) = group(&at, RuleEdges { rule, values, edges, rest_length, step }, geometry, faults)
+            && let Some(group) = {
+                let strands = strands.as_deref();
+                group(&at, RuleEdges { rule, values, edges, rest_length, strands, step }, geometry, faults)
+            }
         {
             let name = || match &rule.on {
                 EdgeSelection::Group(group) => format!("springs[{i}] {group}"),
@@ -60,7 +67,7 @@ pub(super) fn springs(
             groups.push(SpringGroup {
                 cut: rule.cut,
                 rest_scale: factor,
-                strength: rule.strength.map(|strength| StrengthSpec { name: name(), strength }),
+                strength: rule.strength.map(|strength| StrengthSpec { name: name(), strength, strands }),
                 sheet: rule.membrane.map(|Membrane { modulus, thickness }| SheetSpec { modulus, thickness }),
                 ..group
             });
@@ -151,17 +158,20 @@ struct RuleEdges<'a> {
     edges: Vec<u32>,
     /// [m] one per edge
     rest_length: Vec<f64>,
+    /// [-] tapes or lines that each edge stands for; `None` where it is one
+    strands: Option<&'a [f64]>,
     /// the steps of the run, if known
     step: Option<Step>,
 }
 
 fn group(at: &Pointer, members: RuleEdges<'_>, geometry: &Geometry, faults: &mut Faults<'_>) -> Option<SpringGroup> {
-    let RuleEdges { rule, values, edges, rest_length, step } = members;
+    let RuleEdges { rule, values, edges, rest_length, strands, step } = members;
     let stiffness = values.stiffness.of_edges(at, &edges, &rest_length, geometry, faults)?;
+    let stiffness = strands.map_or(stiffness.clone(), |strands| stiffness.times(strands));
     let dashpot = match rule.dashpot {
         None => None,
         Some(rule) => {
-            let springs = Springs { stiffness: &stiffness, rest: &rest_length, step };
+            let springs = Springs { stiffness: &stiffness, rest: &rest_length, strands, step };
             Some(dashpot(&at.key("dashpot"), rule, &springs, faults)?)
         }
     };
@@ -169,9 +179,9 @@ fn group(at: &Pointer, members: RuleEdges<'_>, geometry: &Geometry, faults: &mut
     Some(SpringGroup { edges, stiffness, rest_length, law, slack, dashpot, ..SpringGroup::default() })
 }
 
-/// Adds half of an edge's mass to each of its ends; `total` [kg] `[n_nodes]`.
-fn add_mass(density: f64, edges: &[u32], geometry: &Geometry, total: &mut [f64]) {
-    for &edge in edges {
+/// Adds half of an edge's mass to each of its ends; `densities` [kg/m], `total` [kg] `[n_nodes]`.
+fn add_mass(densities: &SpringValues, edges: &[u32], geometry: &Geometry, total: &mut [f64]) {
+    for (&edge, density) in edges.iter().zip(densities.of(edges.len())) {
         let length = geometry.unstretched.get(edge as usize).copied().unwrap_or_default();
         for &node in geometry.mesh.edges.get(edge as usize).into_iter().flatten() {
             mass::add(total, node, 0.5 * density * length);

@@ -173,11 +173,12 @@ pub(super) fn dashpot(
         Dashpot::Relative(rule) => (DashpotKind::Relative, "relative", rule),
     };
     let at = at.key(key);
-    let Springs { stiffness, rest, step } = springs;
+    let Springs { stiffness, rest, strands, step } = springs;
+    let of_strands = |one: SpringValues| strands.map_or(one.clone(), |strands| one.times(strands));
     let coefficient = match rule {
-        DashpotRule::Coefficient(c) => SpringValues::Uniform(c),
+        DashpotRule::Coefficient(c) => of_strands(SpringValues::Uniform(c)),
         DashpotRule::Time(tau) => stiffness.map(|k| k * tau),
-        DashpotRule::PerStrain(c) => rest.iter().map(|l0| c / l0).collect(),
+        DashpotRule::PerStrain(c) => of_strands(rest.iter().map(|l0| c / l0).collect()),
         DashpotRule::Step => {
             // If the times are missing, there is a fault at /time already.
             let Step::Fixed(h) = (*step)? else {
@@ -206,6 +207,8 @@ pub(super) struct Springs<'a> {
     pub stiffness: &'a SpringValues,
     /// [m] one per edge
     pub rest: &'a [f64],
+    /// [-] tapes or lines that each edge stands for, which the stiffness has already; `None` where it is one
+    pub strands: Option<&'a [f64]>,
     /// the steps of the run, if known and valid
     pub step: Option<Step>,
 }
