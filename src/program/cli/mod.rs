@@ -30,6 +30,7 @@ mod terminal;
 pub mod tradeoff;
 mod verbose;
 pub mod view;
+mod view_live;
 mod worth;
 
 pub use args::{Args, Command};

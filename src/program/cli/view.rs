@@ -2,6 +2,7 @@
 
 use super::CliError;
 use super::terminal::complain;
+use super::view_live::serve;
 use crate::output::atomic::{Durability, replace};
 use crate::plot::PlotError;
 use crate::study::view::{Recording, page};
@@ -13,7 +14,8 @@ pub const PAGE: &str = "view.html";
 pub const EXAMPLES: &str = "\
 Examples:
   canopy-fem view out/c9-filling                            writes out/c9-filling/view.html
-  canopy-fem view out/c9-filling out/c9-drop --out out      two runs beside each other";
+  canopy-fem view out/c9-filling out/c9-drop --out out      two runs beside each other
+  canopy-fem view out/c9-filling --live                     a run that goes on, at http://127.0.0.1:...";
 
 /// `view`.
 #[derive(Clone, Debug, clap::Args)]
@@ -24,12 +26,25 @@ pub struct ViewArgs {
     /// Folder for view.html [default: the run's folder; for two runs, the current folder]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Write no file: serve the page of a run that goes on to browsers of this machine, until Ctrl-C; it shows new
+    /// frames by itself
+    #[arg(long, conflicts_with = "out")]
+    pub live: bool,
+    /// Port of --live [default: a free one]
+    #[arg(long, requires = "live", default_value_t = 0, hide_default_value = true, value_name = "PORT")]
+    pub port: u16,
     /// No warnings, no name of the file
     #[arg(long, short)]
     pub quiet: bool,
 }
 
 pub(super) fn run(args: &ViewArgs) -> Result<String, CliError> {
+    if args.live {
+        let [only] = args.runs.as_slice() else {
+            return Err(PlotError::NotThere("--live shows one run; give one folder".to_owned()).into());
+        };
+        return serve(only, args.port).map(|()| String::new());
+    }
     let runs: Vec<Recording> = args.runs.iter().map(|run| Recording::open(run)).collect::<Result<_, _>>()?;
     let folder = match (&args.out, runs.as_slice()) {
         (Some(out), _) => out.as_path(),

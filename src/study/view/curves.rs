@@ -3,7 +3,7 @@
 use super::page::encoded;
 use crate::model::gauge::{CANOPY_QUANTITIES, CROSSINGS, GaugeKind, GaugeQuantity, PeakRule, Quantity};
 use crate::output::files::{GAUGES, HISTORY};
-use crate::output::rows::{GAUGES_HEADER, HISTORY_HEADER, HistoryRow};
+use crate::output::rows::{HISTORY_HEADER, HistoryRow};
 use crate::plot::PlotError;
 use crate::plot::decimate::thin;
 use crate::plot::results::{GaugePath, read_gauges, units};

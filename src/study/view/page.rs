@@ -184,7 +184,8 @@ impl Frames {
             ));
         }
         if self.dropped > 0 {
-            notes.push(format!("{} frames are left out: they have positions that are not finite.", self.dropped));
+            let [are, they] = if self.dropped == 1 { ["frame is", "it has"] } else { ["frames are", "they have"] };
+            notes.push(format!("{} {are} left out: {they} positions that are not finite.", self.dropped));
         }
         notes
     }

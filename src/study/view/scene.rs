@@ -38,8 +38,8 @@ pub(super) enum Place {
 /// All that colours can show, in the order of the menu.
 pub(super) const FIELDS: [Field; 5] = [
     Field { array: "stress_1", name: "stress", unit: "Pa", on: Place::Triangles },
-    Field { array: "tension", name: "tension", unit: "N", on: Place::Cells },
     Field { array: "pressure", name: "pressure", unit: "Pa", on: Place::Triangles },
+    Field { array: "tension", name: "tension", unit: "N", on: Place::Cells },
     Field { array: "velocity", name: "speed", unit: "m/s", on: Place::Nodes },
     Field { array: "strain", name: "strain", unit: "-", on: Place::Cells },
 ];

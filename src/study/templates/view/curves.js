@@ -59,7 +59,7 @@ function chartOf(within, runs, key, span, seek) {
     svg("path", { class: `line run-${run}`, d: path }, drawing);
     const peak = curve.peak;
     svg("circle", { class: `peak run-${run}`, cx: x(peak[0]), cy: y(peak[1]), r: 3.5 }, drawing);
-    const told = element("button", caption, `peak ${figures(peak[1])} at ${figures(peak[0])} s`, { class: `key-${run}` });
+    const told = element("button", caption, `${runs.length > 1 ? runs[run].name + ": " : ""}peak ${figures(peak[1])} at ${figures(peak[0])} s`, { class: `key-${run}` });
     told.addEventListener("click", () => seek(peak[0]));
   });
   const now = element("span", caption, "", { class: "now" });

@@ -5,7 +5,7 @@ const LONGEST = 12; // [s] that all frames take at first
 const POLL = 1000; // [ms] between two questions to the server of a run that goes on
 const at = (id) => document.getElementById(id);
 const runs = await Promise.all(JSON.parse(at("runs").textContent).map(opened));
-const state = { t: 0, playing: false, rate: 1, field: "", frameRange: false, follow: true, off: new Set(), curves: [], loaded: [] };
+const state = { t: 0, playing: false, rate: 1, field: "", span: "most", range: {}, follow: true, off: new Set(), curves: [], loaded: [] };
 const camera = newCamera();
 let span, pictures, bounds, cursors = [], dirty = true;
 
@@ -17,8 +17,7 @@ function measure() {
     let reach = 0;
     for (const frame of run.frames) {
       const end = frame.low.map((x, i) => x + 65535 * frame.step[i]);
-      // The farthest corner of the box of the frame from the mean of its nodes.
-      reach = Math.max(reach, Math.hypot(...frame.centre.map((c, i) => Math.max(c - frame.low[i], end[i] - c))));
+      reach = Math.max(reach, Math.hypot(...frame.step) * 65535 / 2);
       for (let i = 0; i < 3; i++) { low[i] = Math.min(low[i], frame.low[i]); high[i] = Math.max(high[i], end[i]); }
     }
     const middle = low.map((x, i) => (x + high[i]) / 2);
@@ -83,7 +82,10 @@ function fillGroups() {
 }
 
 function show() {
-  pictures.forEach((picture, i) => picture && picture.show(listsOf(runs[i])));
+  runs.forEach((run, i) => {
+    run.lists = listsOf(run);
+    if (pictures[i]) { pictures[i].show(run.lists); }
+  });
   dirty = true;
 }
 
@@ -100,11 +102,48 @@ function fillFields() {
   at("field").value = state.field;
 }
 
+// What the colours span: the values that are shown, of all frames or of the present one.
 function colourRange() {
-  return runs.reduce((seen, run) => {
-    const frames = state.frameRange ? [run.frames[frameAt(run, state.t)]] : run.frames;
-    return joined(seen, rangeOf(run, state.field, frames));
-  }, null);
+  if (state.span === "frame") {
+    return runs.reduce((seen, run) => joined(seen, shownRange([run], [run.frames[frameAt(run, state.t)]], 0)), null);
+  }
+  const key = [state.field, state.span, [...state.off], runs.map((run) => run.frames.length)].join();
+  if (state.range.key !== key) {
+    state.range = { key, value: shownRange(runs, null, state.span === "most" ? 0.02 : 0) };
+  }
+  return state.range.value;
+}
+
+// The least and the largest value that is shown in some frames, or in all. A share of the values may lie above.
+function shownRange(of, frames, above) {
+  const list = [];
+  let range = null;
+  for (const run of of) {
+    const at = run.fields.findIndex((field) => field.name === state.field);
+    if (at < 0) { continue; }
+    const all = frames || run.frames, every = Math.ceil(all.length / 100);
+    const on = run.fields[at].on, shown = run.lists;
+    const numbers = on === "nodes" ? null : [...strided(shown.triangles, 6, 1), ...(on === "cells" ? strided(shown.lines, 3, 2) : [])];
+    for (let i = 0; i < all.length; i += every) {
+      const own = all[i].ranges[at], codes = all[i].values[at], seen = new Uint32Array(255);
+      if (!own) { continue; }
+      if (numbers) { for (const cell of numbers) { if (codes[cell] < 255) { seen[codes[cell]]++; } } }
+      else { for (const code of codes) { if (code < 255) { seen[code]++; } } }
+      seen.forEach((count, code) => { if (count) { list.push([own[0] + (own[1] - own[0]) * (code / 254) ** 3, count]); } });
+    }
+  }
+  for (const [value] of list) { range = joined(range, [value, value]); }
+  if (!range || !above || !(range[1] > range[0])) { return range; }
+  list.sort((a, b) => b[0] - a[0]);
+  let left = above * list.reduce((sum, [, count]) => sum + count, 0);
+  const top = list.find(([, count]) => (left -= count) < 0);
+  return top && top[0] > range[0] ? [range[0], top[0]] : range;
+}
+
+function strided(list, by, from) {
+  const found = [];
+  for (let i = from; i < list.length; i += by) { found.push(list[i]); }
+  return found;
 }
 
 function drawBar(range) {
@@ -117,9 +156,11 @@ function drawBar(range) {
   const colours = MAP.map((c) => `rgb(${c.join(",")})`).join(",");
   element("div", at("bar"), undefined, { class: "map", style: `background: linear-gradient(to right, ${colours}); print-color-adjust: exact; -webkit-print-color-adjust: exact` });
   const places = element("div", at("bar"), undefined, { class: "ticks" }), spread = range[1] - range[0];
-  const inner = ticks(range[0], range[1], 4).filter((v) => spread > 0 && v - range[0] > 0.12 * spread && range[1] - v > 0.12 * spread);
+  // No number runs into those at the ends.
+  const room = Math.max(0.1, 75 / Math.max(places.clientWidth, 1));
+  const inner = ticks(range[0], range[1], 4).filter((v) => spread > 0 && Math.min(v - range[0], range[1] - v) > room * spread);
   for (const v of [range[0], ...inner, range[1]]) {
-    element("span", places, figures(v, 3), { style: `left: ${spread > 0 ? 100 * (v - range[0]) / spread : 0}%` });
+    element("span", places, (v === range[1] && state.span === "most" ? "≥ " : "") + figures(v, 3), { style: `left: ${spread > 0 ? 100 * (v - range[0]) / spread : 0}%` });
   }
 }
 
@@ -133,7 +174,7 @@ function draw() {
     told.push(number);
     if (!picture || !dirty && state.loaded[i] === key) { return; }
     if (state.loaded[i] !== key) { picture.load(frame, field); state.loaded[i] = key; }
-    const target = state.follow ? frame.centre : bounds[i].middle;
+    const target = state.follow ? frame.low.map((x, k) => x + 32767.5 * frame.step[k]) : bounds[i].middle;
     const radius = Math.max(...bounds.map((b) => (state.follow ? b.reach : b.whole)));
     picture.draw(frame, field, range, target, radius, camera);
   });
@@ -248,9 +289,10 @@ function start() {
   if ((span[1] - span[0]) <= LONGEST && (span[1] - span[0]) >= 4) { state.rate = 1; }
   at("rate").value = state.rate;
   state.curves = firstKeys(runs);
-  refresh();
+  at("switches").open = innerWidth > 820;
   fillGroups();
   show();
+  refresh();
   listen();
 }
 
@@ -272,7 +314,7 @@ function listen() {
   at("on").addEventListener("click", () => step(1));
   at("time").addEventListener("input", (event) => { play(false); seek(Number(event.target.value)); });
   at("field").addEventListener("change", (event) => { state.field = event.target.value; dirty = true; soon(); });
-  at("span").addEventListener("change", (event) => { state.frameRange = event.target.value === "frame"; dirty = true; soon(); });
+  at("span").addEventListener("change", (event) => { state.span = event.target.value; dirty = true; soon(); });
   at("rate").addEventListener("change", (event) => { state.rate = Number(event.target.value); });
   at("follow").addEventListener("change", (event) => { state.follow = event.target.checked; dirty = true; soon(); });
   at("reset").addEventListener("click", reset);

@@ -11,13 +11,13 @@ uniform vec3 origin, codeStep;
 uniform mat4 view, lens;
 uniform int valued;      // 0 nothing, 1 nodes, 2 cells
 uniform int valuedCells;
-uniform vec2 scale;      // share of the map = x + y code
+uniform vec2 scale;      // share of the map = x + y (code / 254)^3
 ivec2 texel(uint i) { return ivec2(int(i % ${WIDE}u), int(i / ${WIDE}u)); }
 vec4 seen(uint node) { return view * vec4(origin + codeStep * vec3(texelFetch(positions, texel(node), 0).rgb), 1.0); }
 float share(uint node, uint cell) {
   if (valued == 0 || valued == 2 && int(cell) >= valuedCells) { return -9.0; }
   uint code = texelFetch(values, texel(valued == 1 ? node : cell), 0).r;
-  return code == 255u ? -9.0 : clamp(scale.x + scale.y * float(code), 0.0, 1.0);
+  return code == 255u ? -9.0 : clamp(scale.x + scale.y * pow(float(code) / 254.0, 3.0), 0.0, 1.0);
 }`;
 const COLOURED = `
 uniform sampler2D map;
@@ -33,7 +33,7 @@ precision highp float;${COLOURED}
 in vec3 at; in float shown; out vec4 drawn;
 void main() {
   vec3 normal = normalize(cross(dFdx(at), dFdy(at)));
-  float light = 0.62 + 0.38 * abs(dot(normal, normalize(vec3(0.45, 0.35, 0.82))));
+  float light = 0.72 + 0.28 * abs(dot(normal, normalize(vec3(0.45, 0.35, 0.82))));
   drawn = vec4(colour(shown) * light, 1.0);
 }`],
   lines: [`${SHARED}
@@ -144,7 +144,7 @@ function pictureOf(canvas, run) {
       const { view, lens } = matricesOf(camera, radius, w / h);
       const own = field >= 0 && frame.ranges[field], on = own ? run.fields[field].on : null;
       const spread = range ? range[1] - range[0] : 0;
-      const scale = !own ? [0, 0] : spread > 0 ? [(own[0] - range[0]) / spread, (own[1] - own[0]) / 254 / spread] : [0.5, 0];
+      const scale = !own ? [0, 0] : spread > 0 ? [(own[0] - range[0]) / spread, (own[1] - own[0]) / spread] : [0.5, 0];
       const use = (name, plain, width, coloured) => {
         const { made, at } = programs[name];
         gl.useProgram(made);
