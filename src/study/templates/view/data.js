@@ -77,6 +77,12 @@ function rangeOf(run, name, frames) {
   return frames.reduce((seen, frame) => joined(seen, at < 0 ? null : frame.ranges[at]), null);
 }
 
+// The cube root of a value is x + y code.
+function rootsOf(range) {
+  const [first, last] = range.map(Math.cbrt);
+  return [first, (last - first) / 254];
+}
+
 function joined(a, b) {
   if (!a || !b) { return a || b; }
   return [Math.min(a[0], b[0]), Math.max(a[1], b[1])];

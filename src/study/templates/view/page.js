@@ -109,13 +109,13 @@ function colourRange() {
   }
   const key = [state.field, state.span, [...state.off], runs.map((run) => run.frames.length)].join();
   if (state.range.key !== key) {
-    state.range = { key, value: shownRange(runs, null, state.span === "most" ? 0.02 : 0) };
+    state.range = { key, value: shownRange(runs, null, state.span === "most" ? 0.01 : 0) };
   }
   return state.range.value;
 }
 
-// The least and the largest value that is shown in some frames, or in all. A share of the values may lie above.
-function shownRange(of, frames, above) {
+// The least and the largest value that is shown in some frames, or in all. A share of the values may lie beyond each.
+function shownRange(of, frames, beyond) {
   const list = [];
   let range = null;
   for (const run of of) {
@@ -127,17 +127,21 @@ function shownRange(of, frames, above) {
     for (let i = 0; i < all.length; i += every) {
       const own = all[i].ranges[at], codes = all[i].values[at], seen = new Uint32Array(255);
       if (!own) { continue; }
+      const [first, by] = rootsOf(own);
       if (numbers) { for (const cell of numbers) { if (codes[cell] < 255) { seen[codes[cell]]++; } } }
       else { for (const code of codes) { if (code < 255) { seen[code]++; } } }
-      seen.forEach((count, code) => { if (count) { list.push([own[0] + (own[1] - own[0]) * (code / 254) ** 3, count]); } });
+      seen.forEach((count, code) => { if (count) { list.push([(first + by * code) ** 3, count]); } });
     }
   }
   for (const [value] of list) { range = joined(range, [value, value]); }
-  if (!range || !above || !(range[1] > range[0])) { return range; }
-  list.sort((a, b) => b[0] - a[0]);
-  let left = above * list.reduce((sum, [, count]) => sum + count, 0);
-  const top = list.find(([, count]) => (left -= count) < 0);
-  return top && top[0] > range[0] ? [range[0], top[0]] : range;
+  if (!range || !beyond) { return range; }
+  const most = beyond * list.reduce((sum, [, count]) => sum + count, 0);
+  const end = () => { let left = most; return list.find(([, count]) => (left -= count) < 0)[0]; };
+  list.sort((a, b) => a[0] - b[0]);
+  const low = end();
+  list.reverse();
+  const high = end();
+  return high > low ? [low, high] : range;
 }
 
 function strided(list, by, from) {
@@ -160,7 +164,8 @@ function drawBar(range) {
   const room = Math.max(0.1, 75 / Math.max(places.clientWidth, 1));
   const inner = ticks(range[0], range[1], 4).filter((v) => spread > 0 && Math.min(v - range[0], range[1] - v) > room * spread);
   for (const v of [range[0], ...inner, range[1]]) {
-    element("span", places, (v === range[1] && state.span === "most" ? "≥ " : "") + figures(v, 3), { style: `left: ${spread > 0 ? 100 * (v - range[0]) / spread : 0}%` });
+    const beyond = state.span === "most" ? { [range[0]]: "≤ ", [range[1]]: "≥ " }[v] || "" : "";
+    element("span", places, beyond + figures(v, 3), { style: `left: ${spread > 0 ? 100 * (v - range[0]) / spread : 0}%` });
   }
 }
 

@@ -11,13 +11,15 @@ uniform vec3 origin, codeStep;
 uniform mat4 view, lens;
 uniform int valued;      // 0 nothing, 1 nodes, 2 cells
 uniform int valuedCells;
-uniform vec2 scale;      // share of the map = x + y (code / 254)^3
+uniform vec2 roots;      // cube root of a value = x + y code
+uniform vec2 scale;      // share of the map = x + y value
 ivec2 texel(uint i) { return ivec2(int(i % ${WIDE}u), int(i / ${WIDE}u)); }
 vec4 seen(uint node) { return view * vec4(origin + codeStep * vec3(texelFetch(positions, texel(node), 0).rgb), 1.0); }
 float share(uint node, uint cell) {
   if (valued == 0 || valued == 2 && int(cell) >= valuedCells) { return -9.0; }
   uint code = texelFetch(values, texel(valued == 1 ? node : cell), 0).r;
-  return code == 255u ? -9.0 : clamp(scale.x + scale.y * pow(float(code) / 254.0, 3.0), 0.0, 1.0);
+  float root = roots.x + roots.y * float(code);
+  return code == 255u ? -9.0 : clamp(scale.x + scale.y * root * root * root, 0.0, 1.0);
 }`;
 const COLOURED = `
 uniform sampler2D map;
@@ -144,7 +146,7 @@ function pictureOf(canvas, run) {
       const { view, lens } = matricesOf(camera, radius, w / h);
       const own = field >= 0 && frame.ranges[field], on = own ? run.fields[field].on : null;
       const spread = range ? range[1] - range[0] : 0;
-      const scale = !own ? [0, 0] : spread > 0 ? [(own[0] - range[0]) / spread, (own[1] - own[0]) / spread] : [0.5, 0];
+      const scale = !own ? [0, 0] : spread > 0 ? [-range[0] / spread, 1 / spread] : [0.5, 0], roots = own ? rootsOf(own) : [0, 0];
       const use = (name, plain, width, coloured) => {
         const { made, at } = programs[name];
         gl.useProgram(made);
@@ -158,6 +160,7 @@ function pictureOf(canvas, run) {
         gl.uniform1i(at.valued, !coloured || !on ? 0 : on === "nodes" ? 1 : 2);
         gl.uniform1i(at.valuedCells, on === "triangles" ? run.triangles : run.cells);
         gl.uniform2fv(at.scale, scale);
+        gl.uniform2fv(at.roots, roots);
         gl.uniform4fv(at.plain, plain);
         if (at.size) { gl.uniform2f(at.size, w, h); }
         if (at.width) { gl.uniform1f(at.width, width * ratio); }
