@@ -33,13 +33,13 @@ press("ArrowRight"); await settle(); seen.clocks.push(clock.textContent);
 press("End"); await settle(); seen.clocks.push(clock.textContent);
 press(" "); await settle(); seen.plays = document.getElementById("play").getAttribute("aria-pressed"); press(" ");
 press("Home"); await settle();
+seen.bar = document.getElementById("bar").textContent;
 const whole = picture().drawn;
 document.querySelectorAll("#groups button").forEach((button) => { if (button.getAttribute("aria-pressed") === "true") { button.click(); } });
 await settle();
 seen.hidden = [whole, picture().drawn];
 seen.charts = document.querySelectorAll("#charts figure").length;
 seen.peaks = document.querySelectorAll("#charts circle.peak").length;
-seen.bar = document.getElementById("bar").textContent;
 seen.fields = [...document.getElementById("field").options].map((option) => option.textContent);
 const before = performance.now();
 for (let i = 0; i < 50; i++) { view.seek(view.runs[0].frames[i % view.runs[0].frames.length].t); }

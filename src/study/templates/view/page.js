@@ -87,6 +87,7 @@ function show() {
     if (pictures[i]) { pictures[i].show(run.lists); }
   });
   dirty = true;
+  soon();
 }
 
 // Fields that differ somewhere; a field that is the same everywhere has nothing to tell.
