@@ -95,6 +95,8 @@ function fillFields() {
   const named = new Map(runs.flatMap((run) => run.fields.map((field) => [field.name, field])));
   const range = (name) => runs.reduce((seen, run) => joined(seen, rangeOf(run, name, run.frames)), null);
   const fields = [...named.values()].filter((field) => { const r = range(field.name); return r && r[1] > r[0]; });
+  // A menu that is open stays open while frames come in.
+  if (unchanged("field", fields.map((field) => field.name))) { return; }
   const before = state.field;
   at("field").replaceChildren();
   for (const field of fields) { element("option", at("field"), field.unit === "-" ? field.name : `${field.name} [${field.unit}]`, { value: field.name }); }
@@ -232,7 +234,15 @@ function drawCharts() {
   soon();
 }
 
+// Whether the children of an element were made from the same names before.
+function unchanged(id, names) {
+  const before = at(id).dataset.names;
+  at(id).dataset.names = names.join("\n");
+  return before === at(id).dataset.names;
+}
+
 function fillCurves() {
+  if (unchanged("list", keysOf(runs).map((curve) => curve.key))) { return; }
   at("list").replaceChildren();
   at("list").classList.toggle("none", keysOf(runs).length === 0);
   for (const { key } of keysOf(runs)) {
