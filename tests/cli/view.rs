@@ -1,5 +1,5 @@
-//! The page of a run: what it holds against the frames and gauges of the run, how large it is, what is refused, and what
-//! a browser shows of it.
+//! The page of a run: what it holds against the frames and gauges of the run, how large it is, what is refused, and
+//! what a browser shows of it.
 
 mod browser;
 mod data;

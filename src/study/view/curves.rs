@@ -15,6 +15,14 @@ use std::path::Path;
 
 /// Points of a curve on the page.
 const MOST: usize = 2000;
+/// A column of the history with its name and unit.
+type OfScene = (&'static str, &'static str, fn(&HistoryRow) -> f64);
+/// What is shown of the scene as a whole.
+const OF_SCENE: [OfScene; 3] = [
+    ("largest speed", "m/s", |row| row.max_speed),
+    ("kinetic energy", "J", |row| row.ledger.kinetic),
+    ("elastic energy", "J", |row| row.ledger.elastic),
+];
 /// Gauges whose columns are known by their names before a summary tells their units.
 const GAUGED: [GaugeQuantity; 8] = [
     GaugeQuantity::Tension,
@@ -69,12 +77,7 @@ impl Curves {
             gauges.into_iter().map(|of| (reported(&of), of)).map(|(a, b)| (b, a)).collect();
         if let Some(text) = whole_lines(&folder.join(HISTORY))? {
             let history: Vec<HistoryRow> = rows(&folder.join(HISTORY), &text, HISTORY_HEADER)?;
-            let of_scene: [(&str, &str, fn(&HistoryRow) -> f64); 3] = [
-                ("largest speed", "m/s", |row| row.max_speed),
-                ("kinetic energy", "J", |row| row.ledger.kinetic),
-                ("elastic energy", "J", |row| row.ledger.elastic),
-            ];
-            for (quantity, unit, of) in of_scene {
+            for (quantity, unit, of) in OF_SCENE {
                 let values = history.iter().map(|row| (row.t, of(row))).collect();
                 let path = GaugePath { name: String::new(), quantity: quantity.into(), unit: unit.into(), values };
                 curves.push((path, !any));

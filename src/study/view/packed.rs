@@ -1,9 +1,9 @@
 //! A frame in a few bytes: 16 bits for each coordinate, 8 for each value.
 //!
-//! A coordinate is `low + step code`, with the box of the frame divided into 65535 steps along each axis. So it is off
-//! by half a step at most. Of a value the cube root is divided, into 254 steps from the least to the largest of the
-//! frame: a riser has a hundred times the tension of cloth, which would be left with two or three even steps. So a value
-//! is off by 0.8 % of that range at most, and by far less if it is small.
+//! A coordinate is `low + step code`, with the box of the frame divided into 65535 steps along each axis. So it is
+//! off by half a step at most. Of a value the cube root is divided, into 254 steps from the least to the largest of
+//! the frame: a riser has a hundred times the tension of cloth, which would be left with two or three even steps. So a
+//! value is off by 0.8 % of that range at most, and by far less if it is small.
 
 use super::scene::{Field, Place, Scene};
 use crate::vtk::read::{named_array, read};

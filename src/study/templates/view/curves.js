@@ -24,7 +24,8 @@ function keysOf(runs) {
 }
 
 function firstKeys(runs) {
-  const all = keysOf(runs), told = all.filter((curve) => curve.first);
+  // A curve that is 0 throughout has nothing to tell.
+  const all = keysOf(runs).filter((curve) => curve.peak && curve.peak[1] !== 0), told = all.filter((curve) => curve.first);
   return (told.length ? told : all).slice(0, FIRST).map((curve) => curve.key);
 }
 

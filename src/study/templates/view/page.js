@@ -54,7 +54,8 @@ function listsOf(run) {
 function classify(run) {
   const surface = new Set(), line = new Set(), count = new Map();
   for (let cell = 0; cell < run.cells; cell++) {
-    if (cell < run.triangles) { surface.add(run.cellClasses[cell]); } else if (!run.sides[cell]) { line.add(run.cellClasses[cell]); }
+    if (cell < run.triangles) { surface.add(run.cellClasses[cell]); }
+    else if (cell < run.triangles + run.edges && !run.sides[cell]) { line.add(run.cellClasses[cell]); }
   }
   for (const kind of run.nodeClasses) { count.set(kind, (count.get(kind) || 0) + 1); }
   for (const group of run.groups) {
@@ -258,9 +259,9 @@ function fillCurves() {
 
 function tell() {
   const words = runs.map((run) => {
-    const parts = [[run.nodes, "nodes"], [run.triangles, "triangles"], [run.edges, "edges"]].filter(([n]) => n);
+    const parts = [[run.nodes, "node"], [run.triangles, "triangle"], [run.edges, "edge"]].filter(([n]) => n);
     const method = [run.method, run.status.replace("-", " ") || "no summary yet"].filter((word) => word).join(", ");
-    return `${runs.length > 1 ? run.name + ": " : ""}${method}; ${parts.map(([n, what]) => `${n.toLocaleString("en")} ${what}`).join(", ")}`;
+    return `${runs.length > 1 ? run.name + ": " : ""}${method}; ${parts.map(([n, what]) => `${n.toLocaleString("en")} ${what}${n > 1 ? "s" : ""}`).join(", ")}`;
   });
   at("state").textContent = words.join(" · ");
   at("notes").replaceChildren();
@@ -306,6 +307,7 @@ function start() {
   at("rate").value = state.rate;
   state.curves = firstKeys(runs);
   at("switches").open = innerWidth > 820;
+  at("switches").hidden = runs.every((run) => run.groups.length + run.ungrouped.length === 0);
   fillGroups();
   show();
   refresh();
