@@ -8,6 +8,7 @@ import html
 import json
 import os
 import shutil
+import subprocess
 import tempfile
 import warnings as python_warnings
 import weakref
@@ -23,11 +24,12 @@ from . import _core
 from .case import Case, as_case
 from .errors import CanopyError, CaseWarning, Diverged
 from .simulation import teller
+from .studies import program
 
 if TYPE_CHECKING:
     from .typed import CaseSource, Table
 
-__all__ = ["CaseWarning", "Quantity", "Result", "load", "run", "static"]
+__all__ = ["CaseWarning", "Page", "Quantity", "Result", "load", "run", "static"]
 
 
 class Quantity(NamedTuple):
@@ -172,6 +174,25 @@ def load(folder: str | os.PathLike[str]) -> Result:
     """
     path = Path(os.fspath(folder))
     return Result(path, json.loads((path / "summary.json").read_text(encoding="utf-8")))
+
+
+class Page:
+    """A page for a browser that needs nothing else; a notebook displays it."""
+
+    __slots__ = ("height", "html")
+
+    html: str
+    """its text, to be written into a file"""
+    height: int
+    """[px] in a notebook"""
+
+    def __init__(self, html: str, height: int) -> None:
+        self.html = html
+        self.height = height
+
+    def _repr_html_(self) -> str:
+        style = f"width: 100%; height: {self.height}px; border: 0"
+        return f'<iframe srcdoc="{html.escape(self.html)}" style="{style}"></iframe>'
 
 
 class Result:
@@ -326,6 +347,22 @@ class Result:
         import pyvista
 
         return pyvista.read(self.frame(t))
+
+    def show(self, height: int = 760) -> Page:
+        """The run in 3D with its gauges, as the page of ``canopy-fem view``; a notebook displays it.
+
+        Args:
+            height: [px] of the page in a notebook.
+
+        Raises:
+            CanopyError: the program is not there, or the run has no frames that can be shown.
+        """
+        with tempfile.TemporaryDirectory() as folder:
+            command = [str(program()), "view", str(self.folder), "--out", folder, "--quiet"]
+            ended = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
+            if ended.returncode != 0:
+                raise CanopyError(ended.stderr.strip().removeprefix("error: "))
+            return Page((Path(folder) / "view.html").read_text(encoding="utf-8"), height)
 
     def plot(self, axes: Any = None) -> Any:
         """Draws the energies over time with matplotlib; the axes.

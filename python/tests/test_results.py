@@ -186,3 +186,15 @@ def test_other_packages(small):
     matplotlib.use("Agg")
     axes = result.plot()
     assert axes.get_ylabel() == "energy [J]" and len(axes.lines) >= 3
+
+
+def test_page_of_a_run(tmp_path):
+    result = cf.run(cloth(), tmp_path / "out")
+    page = result.show(height=500)
+    assert page.html.startswith("<!DOCTYPE html>") and not (tmp_path / "out" / "view.html").exists()
+    shown = page._repr_html_()
+    assert shown.startswith("<iframe srcdoc=") and "height: 500px" in shown and "<canvas" not in shown
+    for frame in (tmp_path / "out" / "frames").iterdir():
+        frame.unlink()
+    with pytest.raises(cf.CanopyError, match="is not there"):
+        result.show()

@@ -47,6 +47,7 @@ pub mod store;
 pub mod sweep;
 pub mod template;
 pub mod verify;
+pub mod view;
 pub mod whole_run;
 pub mod worth;
 

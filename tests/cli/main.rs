@@ -30,4 +30,5 @@ mod statics;
 mod stiffening;
 mod study;
 mod until_rest;
+mod view;
 mod worth;

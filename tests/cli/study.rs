@@ -2,7 +2,7 @@
 
 mod hyperqueue;
 mod models;
-mod page;
+pub(crate) mod page;
 mod quantities;
 mod refusals;
 mod require;

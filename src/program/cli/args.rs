@@ -10,6 +10,7 @@ use super::stability::StabilityArgs;
 use super::static_::StaticArgs;
 use super::sweep::SweepArgs;
 use super::tradeoff::TradeoffArgs;
+use super::view::ViewArgs;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
@@ -111,6 +112,14 @@ pub enum Command {
     /// earlier one is dashed.
     #[command(after_help = super::plot::EXAMPLES)]
     Plot(PlotArgs),
+    /// Make a page that shows a run in 3D, with its gauges; or two runs beside each other
+    ///
+    /// Writes view.html, replacing an earlier one, and prints its name. The page needs a browser and nothing else: it
+    /// plays and turns the scene, colours it by tension, stress, pressure, strain or speed, as far as its frames hold
+    /// them, switches groups, and shows gauges with a cursor. A run that goes on or was killed is shown as far as it
+    /// went.
+    #[command(after_help = super::view::EXAMPLES)]
+    View(ViewArgs),
     /// Make, convert or inspect a mesh
     Mesh(MeshArgs),
     /// List the methods with order and stability

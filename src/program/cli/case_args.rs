@@ -118,6 +118,9 @@ pub struct SolveArgs {
     /// Continue after a divergence until a value is not finite
     #[arg(long)]
     pub keep_going: bool,
+    /// At the end, write the page of `canopy-fem view` into the folder: the run in 3D, for a browser
+    #[arg(long)]
+    pub view: bool,
     /// Write M, C and K at t = 0 as MatrixMarket files into DIR before solving
     #[arg(long, value_name = "DIR")]
     pub dump_matrices: Option<PathBuf>,

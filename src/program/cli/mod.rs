@@ -29,6 +29,8 @@ pub mod sweep;
 mod terminal;
 pub mod tradeoff;
 mod verbose;
+pub mod view;
+mod view_live;
 mod worth;
 
 pub use args::{Args, Command};
@@ -84,6 +86,7 @@ fn dispatch(command: &Command) -> Result<CommandOutput, CliError> {
         Command::Sweep(args) => sweep::run(args),
         Command::Require(args) => require::run(args),
         Command::Plot(args) => plot::run(args).map(done),
+        Command::View(args) => view::run(args).map(done),
         Command::Methods(args) => Ok(done(methods::run(args))),
         Command::Schema => Ok(done(schema::run() + "\n")),
         Command::Init(args) => Ok(done(init::run(args)?)),

@@ -15,8 +15,10 @@ use crate::output::csv::write_fault;
 use crate::output::folder::SUMMARY;
 use crate::output::sanitize::file_stem;
 use crate::output::summary::Summary;
+use crate::plot::PlotError;
 use crate::simulation::{EarlierResults, RecordSettings, RecordWatch, record_watched};
 use crate::startup::{Phase, StartupTimer, timed};
+use crate::study::view::Recording;
 use crate::warning::Warning;
 use std::path::{Path, PathBuf};
 
@@ -32,7 +34,8 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(&name)));
     if let Some(summary) = args.resume.then(|| finished_run(&out, problem)).flatten() {
         problem.warnings.iter().for_each(warned);
-        let text = printed(args, &summary, &out, || already_done(&summary, &name, &out))?;
+        let view = view(args, &out)?;
+        let text = printed(args, &summary, &out, || already_done(&summary, &name, &out) + &view)?;
         return Ok(CommandOutput { text, code: 0 });
     }
     let settings = RecordSettings {
@@ -78,7 +81,8 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     if let Some(failure) = &outcome.failure {
         complain(&describe(failure, outcome.status));
     }
-    let text = printed(args, &recorded.summary, &out, || report(&name, &recorded, &errors, &out))?;
+    let view = view(args, &out)?;
+    let text = printed(args, &recorded.summary, &out, || report(&name, &recorded, &errors, &out) + &view)?;
     let code = match outcome.status {
         Status::Completed => 0,
         // The summary has its failure, with the cause as far as it is known.
@@ -87,6 +91,25 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
         Status::Interrupted => 130,
     };
     Ok(CommandOutput { text, code })
+}
+
+/// Writes the page of the run, if it is asked for; its line of the report. A run that ended before its first frame has
+/// none, which is a warning.
+fn view(args: &SolveArgs, out: &Path) -> Result<String, CliError> {
+    if !args.view {
+        return Ok(String::new());
+    }
+    match Recording::open(out) {
+        Ok(recording) => {
+            let page = super::view::write(&[recording], out, args.print.quiet)?;
+            Ok(format!("  view            {}\n", page.display()))
+        }
+        Err(PlotError::NotThere(why)) => {
+            complain(&format!("warning: --view: {why}"));
+            Ok(String::new())
+        }
+        Err(error) => Err(error.into()),
+    }
 }
 
 /// What goes to standard output: the summary as it is in the file, the report, or nothing.

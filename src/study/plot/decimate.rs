@@ -3,7 +3,7 @@
 //! Coordinates are shares of the frame, which is the unit square.
 
 /// A point in the frame, horizontal and vertical.
-pub(super) type UnitPoint = (f64, f64);
+pub(crate) type UnitPoint = (f64, f64);
 
 /// A point of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,7 +82,7 @@ fn segment(from: UnitPoint, to: UnitPoint) -> Option<(UnitPoint, UnitPoint)> {
 /// both ends. For a curve over time these are the first, last, smallest and largest (M4: Jugel, Jerzak, Hackenbroich &
 /// Markl 2014). Its sections are equally wide in the picture, also where the axis is logarithmic; those of a line that
 /// turns back have equal numbers of points.
-pub(super) fn thin(points: &[UnitPoint], most: usize) -> Vec<UnitPoint> {
+pub(crate) fn thin(points: &[UnitPoint], most: usize) -> Vec<UnitPoint> {
     if points.len() <= most {
         return points.to_vec();
     }

@@ -12,7 +12,7 @@ pub mod chart;
 mod columns;
 pub mod convert;
 mod curve;
-mod decimate;
+pub(crate) mod decimate;
 mod difference;
 mod error;
 pub mod layout;
@@ -23,7 +23,7 @@ mod panel;
 pub mod picture;
 pub mod results;
 mod series;
-mod table;
+pub(crate) mod table;
 mod trajectory;
 pub mod view;
 

@@ -196,7 +196,7 @@ fn read_summary(folder: &Path) -> Result<Run, PlotError> {
 }
 
 /// The quantities of gauges with their units, from the peaks of a summary; still without values.
-fn units(summary: &Value) -> Vec<GaugePath> {
+pub(crate) fn units(summary: &Value) -> Vec<GaugePath> {
     let peaks = summary.get("peaks").and_then(Value::as_array).into_iter().flatten();
     let gauge = |peak: &Value| {
         let word = |key: &str| peak.get(key).and_then(Value::as_str).unwrap_or_default().to_owned();
@@ -206,7 +206,7 @@ fn units(summary: &Value) -> Vec<GaugePath> {
 }
 
 /// Reads `gauges.csv` into the quantities of the summary, and those that it does not know.
-fn read_gauges(path: &Path, text: &str, gauges: &mut Vec<GaugePath>) -> Result<(), PlotError> {
+pub(crate) fn read_gauges(path: &Path, text: &str, gauges: &mut Vec<GaugePath>) -> Result<(), PlotError> {
     let key = |gauge: &GaugePath| (gauge.name.clone(), gauge.quantity.clone());
     let mut known: HashMap<(String, String), usize> = gauges.iter().map(key).zip(0..).collect();
     for (t, name, quantity, value) in rows::<(f64, String, String, f64)>(path, text, GAUGES_HEADER)? {

@@ -9,7 +9,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// Another header, a row of another length, a cell of another type, or a file that was cut off.
-pub(super) fn rows<T: DeserializeOwned>(path: &Path, text: &str, header: &str) -> Result<Vec<T>, PlotError> {
+pub(crate) fn rows<T: DeserializeOwned>(path: &Path, text: &str, header: &str) -> Result<Vec<T>, PlotError> {
     let fault = |position: Option<&Position>, what: String| {
         let line = position.map(|position| position.line() as usize);
         PlotError::BadFile { path: path.to_owned(), line, what }

@@ -64,7 +64,7 @@ window.onload = function () {{
 }
 
 /// A browser without a window, if there is one: CANOPY_FEM_BROWSER names another.
-fn browser() -> Option<PathBuf> {
+pub(crate) fn browser() -> Option<PathBuf> {
     let named = std::env::var_os("CANOPY_FEM_BROWSER").map(PathBuf::from);
     let all = ["chromium", "chromium-browser", "google-chrome"].map(PathBuf::from);
     named
