@@ -40,6 +40,7 @@ pub mod random;
 pub mod read;
 pub mod rectangle;
 pub(crate) mod sdf;
+pub mod sew;
 mod sides;
 pub mod source;
 pub mod startup;
@@ -83,4 +84,8 @@ pub struct Mesh {
     /// Empty if they are not known, as in files.
     #[serde(skip)]
     pub rows: Vec<Vec<u32>>,
+    /// What triangles and edges of sewn pieces are as they are cut; masses and rest lengths follow from these, and not
+    /// from `nodes`. `None` for others.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cut: Option<sew::Cut>,
 }

@@ -31,6 +31,7 @@ mod output;
 mod overlap;
 mod parachute;
 mod readme;
+mod sew;
 mod simulation;
 mod stability;
 mod step_block;
