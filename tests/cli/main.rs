@@ -23,6 +23,7 @@ mod refusals;
 mod report;
 mod results;
 mod resume;
+mod sewn;
 mod shell;
 mod stability;
 mod statics;

@@ -6,7 +6,7 @@ use nalgebra::{Vector2, Vector3};
 /// [deg] Turn of an outline from which there is a corner.
 pub(super) const CORNER: f64 = 45.0;
 /// [deg] Turn from which a point stays when sides are divided.
-const KINK: f64 = 10.0;
+const KINK: f64 = 2.0;
 /// [-] Share of the size of an outline within which a line is on it.
 const ON_IT: f64 = 1e-3;
 /// [-] Difference of the lengths of two sides of a gore.

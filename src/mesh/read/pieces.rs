@@ -35,7 +35,7 @@ impl Cells {
             let drawn = !self.outlines.is_empty() || seams.iter().any(|seam| seam.gores.is_some());
             return if drawn { Err(SewError::Unfilled) } else { Ok(sewing) };
         };
-        let (mut pieces, rest) = self.pieces();
+        let (mut pieces, rest, mut drawn) = self.pieces();
         let used = self.name_by_lines(seams, &mut pieces)?;
         for seam in seams {
             match (&seam.edges, &seam.gores) {
@@ -50,20 +50,23 @@ impl Cells {
         }
         divide_alike(&mut pieces, seams, &sewing, edge);
         self.outlines = rest;
+        drawn.extend(self.lines.iter().zip(&used).filter(|(_, used)| **used).flat_map(|(line, _)| *line));
         self.drop_lines(&used);
+        self.drop_points(drawn);
         for piece in &pieces {
             self.draw(piece, edge);
         }
         Ok(sewing)
     }
 
-    /// The outlines with an area, and the others.
-    fn pieces(&mut self) -> (Vec<Piece>, Vec<Outline>) {
+    /// The outlines with an area, the others, and the points that are drawn for the former.
+    fn pieces(&mut self) -> (Vec<Piece>, Vec<Outline>, Vec<u64>) {
         let distance = self.resolution.unwrap_or(0.0) * super::extent(&self.points);
-        let (mut pieces, mut rest) = (Vec::new(), Vec::new());
+        let (mut pieces, mut rest, mut drawn) = (Vec::new(), Vec::new(), Vec::new());
         for outline in std::mem::take(&mut self.outlines) {
             match Sheet::of(&outline, &self.points, distance) {
                 Some(sheet) => {
+                    drawn.extend(&outline.points);
                     let layers = self.cell_groups.get(&sheet.number).cloned().unwrap_or_default();
                     let places = sheet.points.iter().map(|point| Vector3::from(self.points[*point as usize]));
                     pieces.push(Piece::of(&sheet, layers, places));
@@ -71,7 +74,7 @@ impl Cells {
                 None => rest.push(outline),
             }
         }
-        (pieces, rest)
+        (pieces, rest, drawn)
     }
 
     /// Makes sides of open lines that run along outlines; returns whether each line was used.
@@ -259,6 +262,15 @@ impl Cells {
         keep(&mut self.lines, stays);
         keep(&mut self.seam, stays);
         keep(&mut self.numbers.lines, stays);
+    }
+
+    /// Drops points, but for those that a line or a face uses.
+    fn drop_points(&mut self, drawn: Vec<u64>) {
+        let mut stays = vec![true; self.points.len()];
+        drawn.into_iter().for_each(|point| stays[point as usize] = false);
+        self.used_points().for_each(|point| stays[point as usize] = true);
+        self.outlines.iter().flat_map(|outline| &outline.points).for_each(|point| stays[*point as usize] = true);
+        self.keep_points(&stays);
     }
 
     /// Adds a piece as an outline, and its sides as lines in groups.

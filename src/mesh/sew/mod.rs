@@ -5,6 +5,7 @@
 //! `read/pieces`.
 
 mod chain;
+mod ears;
 mod error;
 mod fit;
 mod join;
@@ -134,6 +135,7 @@ pub struct Cut {
 /// Sides that are no chains of boundary edges, that do not fit each other, or pieces that cannot be placed.
 pub(super) fn sew(mesh: &mut Mesh, seams: &[Seam], sewing: &Sewing) -> Result<Vec<String>, SewError> {
     let stitches = chain::stitches(mesh, seams, sewing)?;
+    ears::turn_edges(mesh, &stitches);
     let placed = place::place(mesh, &stitches)?;
     let mut notes = stitches.iter().filter_map(Stitch::eased).collect::<Vec<_>>();
     let open = placed.gap(&stitches);

@@ -15,6 +15,9 @@ use std::f64::consts::TAU;
 /// [-] Difference of two parts of a seam that are one.
 const SAME: f64 = 1e-9;
 
+/// [-] Slope below which a ring is level: less is the rounding of a drawing.
+const LEVEL: f64 = 1e-4;
+
 /// The ends of the seams of a ring.
 pub(super) struct Ring {
     /// one node of the upper end of each seam, in their order around the axis
@@ -165,8 +168,7 @@ impl Shape {
             let along = panels.iter().map(step).sum::<f64>() / count;
             let outwards = apothem * (radius[i] - radius[i - 1]);
             let down = (along * along - outwards * outwards).max(0.0).sqrt();
-            // What is left of two equal squares is rounding.
-            let down = if down < 1e-7 * along { 0.0 } else { down };
+            let down = if down < LEVEL * along { 0.0 } else { down };
             height.push(height[i - 1] - down);
         }
         let lowest = height[height.len() - 1];
