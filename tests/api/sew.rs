@@ -49,6 +49,13 @@ fn strain(mesh: &Mesh) -> f64 {
     mesh.edges.iter().zip(flat).map(|(edge, flat)| (placed(*edge) / flat - 1.0).abs()).fold(0.0, f64::max)
 }
 
+/// [-] Largest stretch of an edge over its flat length.
+fn stretch(mesh: &Mesh) -> f64 {
+    let placed = |[a, b]: [u32; 2]| (mesh.point(a) - mesh.point(b)).norm();
+    let flat = (0..).map(|edge| mesh.cut_length(edge).unwrap_or(f64::NAN));
+    mesh.edges.iter().zip(flat).map(|(edge, flat)| placed(*edge) / flat - 1.0).fold(0.0, f64::max)
+}
+
 /// Area, seams and skirt are those of the pattern, whichever rows its mesh has; the start is bent and not stretched.
 #[test]
 fn gores_become_the_canopy_of_their_pattern() {
@@ -56,12 +63,12 @@ fn gores_become_the_canopy_of_their_pattern() {
         ("flat-circular", json!({}), 1e-9),
         ("flat-circular", json!({"vent_diameter": 0.8}), 1e-9),
         ("conical", json!({"cone_angle": 0.4, "vent_diameter": 0.8}), 1e-9),
-        ("biconical", json!({"cone_angles": [0.3, 0.9], "cone_breaks": [0.5], "gores": 24}), 0.02),
+        ("biconical", json!({"cone_angles": [0.3, 0.9], "cone_breaks": [0.5], "gores": 24}), 0.05),
         ("hemispherical", json!({"vent_diameter": 0.6}), 0.02),
         ("hemispherical", json!({"gores": 28, "radial_segments": 20}), 0.02),
-        ("extended-skirt", json!({}), 0.02),
+        ("extended-skirt", json!({}), 0.3),
     ];
-    for (kind, more, stretched) in cases {
+    for (kind, more, shortened) in cases {
         let cut = pattern(kind, more);
         let gores = cut.rows[1].len();
         let layers: Vec<String> = (1..=gores).map(|i| format!("gore-{i}")).collect();
@@ -75,7 +82,9 @@ fn gores_become_the_canopy_of_their_pattern() {
         topology.check_manifold().and_then(|()| topology.check_orientation(&mesh)).expect("a sheet");
         let holes = usize::from(cut.groups.contains_key("vent"));
         assert_eq!([topology.components(), topology.loops().len()], [1, 1 + holes], "{kind}");
-        assert!(strain(&mesh) < stretched, "{kind}: {}", strain(&mesh));
+        // Edges across a fold are chords, shorter than the cloth.
+        assert!(strain(&mesh) < shortened, "{kind}: {}", strain(&mesh));
+        assert!(stretch(&mesh) < 1e-6, "{kind}: {}", stretch(&mesh));
         // As a generated one it stands on z = 0 with its apex up, and its normals point outwards.
         let [low, high] = [f64::min, f64::max].map(|pick| mesh.nodes.iter().map(|p| p[2]).fold(0.0, pick));
         let height = cut.nodes.iter().map(|p| p[2]).fold(0.0, f64::max);

@@ -13,6 +13,7 @@
 mod assemble;
 mod bdf;
 mod cells;
+mod divide;
 mod dxf;
 mod fill;
 #[cfg(feature = "gltf")]
