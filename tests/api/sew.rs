@@ -69,13 +69,15 @@ fn gores_become_the_canopy_of_their_pattern() {
         ("extended-skirt", json!({}), 0.3),
     ];
     for (kind, more, shortened) in cases {
+        // Curved sides become chords.
+        let tolerance = if shortened < 1e-6 { 1e-9 } else { 2e-3 };
         let cut = pattern(kind, more);
         let gores = cut.rows[1].len();
         let layers: Vec<String> = (1..=gores).map(|i| format!("gore-{i}")).collect();
         let mesh = sewn(&side_by_side(&gore(&cut), gores), 0.3, json!([{"gores": layers}]));
-        near(group(&mesh, "canopy").area(&mesh), group(&cut, "canopy").area(&cut), 5e-4, "area");
+        near(group(&mesh, "canopy").area(&mesh), group(&cut, "canopy").area(&cut), tolerance, "area");
         for name in ["radials", "skirt"] {
-            near(group(&mesh, name).length(&mesh), group(&cut, name).length(&cut), 5e-4, name);
+            near(group(&mesh, name).length(&mesh), group(&cut, name).length(&cut), tolerance, name);
         }
         assert_eq!(mesh.groups.contains_key("vent"), cut.groups.contains_key("vent"), "{kind}");
         let topology = Topology::new(&mesh).expect("a topology");
@@ -91,7 +93,7 @@ fn gores_become_the_canopy_of_their_pattern() {
         assert!(low > -1e-3 && (high - height).abs() < 0.01 * height.max(0.1), "{kind}: {low} {high} for {height}");
         let found = Canopy::of_groups(&mesh).remove("canopy").expect("a canopy").expect("a sound one");
         let wanted = Canopy::of_groups(&cut).remove("canopy").expect("a canopy").expect("a sound one");
-        near(found.nominal_area, wanted.nominal_area, 5e-4, "S0");
+        near(found.nominal_area, wanted.nominal_area, tolerance, "S0");
         let volume = |mesh: &Mesh| -> f64 {
             mesh.triangles.iter().map(|t| t.map(|node| mesh.point(node))).map(|[a, b, c]| a.cross(&b).dot(&c)).sum()
         };

@@ -89,6 +89,6 @@ fn seams_are_given_to_commands_and_refused_in_their_place() {
     std::fs::write(bench.path("case.json"), faulty.to_string()).expect("written");
     let ended = bench.run(&["solve", "case.json", "--out", "out"]);
     assert_eq!(ended.code, Some(2), "{}", ended.stderr);
-    assert!(ended.stderr.contains("system.network.mesh.sew"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("/system/network/mesh/sew"), "{}", ended.stderr);
     assert!(ended.stderr.contains("there are gore-1"), "{}", ended.stderr);
 }

@@ -9,8 +9,8 @@ const PARALLEL: f64 = 1e-6;
 /// Most sides that are tested against each other; the filling of more finds crossings too.
 const MOST_TESTED: usize = 5000;
 
-/// The polygon, counter-clockwise, whose sides are moved inwards; side i leads from point i to the next one. Points keep
-/// their order.
+/// The polygon, counter-clockwise, whose sides are moved inwards; side i leads from point i to the next one. Points
+/// keep their order.
 ///
 /// # Errors
 /// The number of the side that cannot be moved, and why.

@@ -192,8 +192,8 @@ impl Piece {
         std::iter::once(0.0).chain(kinks.map(|(_, part)| *part)).chain([1.0]).collect()
     }
 
-    /// The sides of a gore: that which leads to its upper end and that which leads down; then the others.
-    pub(super) fn gore_sides(&self) -> Option<([[usize; 2]; 2], Vec<[usize; 2]>)> {
+    /// The sides of a gore.
+    pub(super) fn gore_sides(&self) -> Option<GoreSides> {
         let sides = self.sides();
         let lengths: Vec<f64> = sides.iter().map(|side| Run::of(self.run(*side)).length).collect();
         let n = sides.len();
@@ -204,7 +204,7 @@ impl Piece {
         match n {
             3 => {
                 let (_, up) = least(1, 3)?;
-                Some(([sides[up], sides[(up + 1) % 3]], vec![sides[(up + 2) % 3]]))
+                Some(GoreSides { seams: [sides[up], sides[(up + 1) % 3]], others: vec![sides[(up + 2) % 3]] })
             }
             4 => {
                 let (_, first) = least(2, 2)?;
@@ -215,7 +215,10 @@ impl Piece {
                 // The upper end is the shorter one of the others.
                 let upper_is_next = lengths[first + 1] < lengths[(first + 3) % 4];
                 let up = if upper_is_next { first } else { first + 2 };
-                Some(([sides[up], sides[(up + 2) % 4]], vec![sides[(up + 1) % 4], sides[(up + 3) % 4]]))
+                Some(GoreSides {
+                    seams: [sides[up], sides[(up + 2) % 4]],
+                    others: vec![sides[(up + 1) % 4], sides[(up + 3) % 4]],
+                })
             }
             _ => None,
         }
@@ -236,6 +239,14 @@ impl Piece {
             (self.plane.space(p) - place).norm() <= near && inside(p)
         })
     }
+}
+
+/// The sides of a gore, each from one point to another one.
+pub(super) struct GoreSides {
+    /// the one that leads to its upper end, and the one that leads down
+    pub seams: [[usize; 2]; 2],
+    /// skirt and vent
+    pub others: Vec<[usize; 2]>,
 }
 
 /// A line through points.

@@ -4,7 +4,7 @@ use super::cells::{Cells, Outline};
 use super::divide::{divide, divide_alike};
 use super::fill::Sheet;
 use super::offset::inset;
-use super::piece::{CORNER, Piece, Run, Span};
+use super::piece::{CORNER, GoreSides, Piece, Run, Span};
 use crate::MeshFile;
 use crate::sew::{Seam, SewError, Sewing};
 use nalgebra::Vector3;
@@ -183,7 +183,7 @@ impl Cells {
                 return Err(SewError::NoOutline { name: layer.clone(), known });
             }
             for (number, &p) in gores.iter().enumerate() {
-                let Some(([up, down], others)) = pieces[p].gore_sides() else {
+                let Some(GoreSides { seams: [up, down], others }) = pieces[p].gore_sides() else {
                     return Err(no_gore(layer, number + 1, &pieces[p]));
                 };
                 drawn.push((p, [up, down], others));

@@ -31,8 +31,8 @@ const COPIES: [usize; 2] = [1, 10_000];
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Seam {
-    /// Names of the two sides. A side is a group of edges on the boundary of a piece. In a drawing it is a layer of open
-    /// lines along an outline, or a side of an outline by its number: `front.2` is the second one of the layer
+    /// Names of the two sides. A side is a group of edges on the boundary of a piece. In a drawing it is a layer of
+    /// open lines along an outline, or a side of an outline by its number: `front.2` is the second one of the layer
     /// `front`, counter-clockwise from the first corner that is drawn. The same name twice stands for the two sides
     /// that have it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
