@@ -1,7 +1,7 @@
 //! Pieces of cloth that are cut flat and apart, joined along their seams.
 //!
 //! The nodes of both sides of a seam become one. Rest shapes stay those of the flat pieces ([`Cut`]); the pieces are
-//! placed in space so that their seams meet: see [`place`]. Sides and allowances of drawn outlines are found before, in
+//! placed in space so that their seams meet (`place`). Sides and allowances of drawn outlines are found before, in
 //! `read/pieces`.
 
 mod chain;
