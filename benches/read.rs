@@ -200,6 +200,7 @@ fn inspect(path: &Path) -> String {
         orient: false,
         diagonals: Diagonals::One,
         strict: false,
+        sew: None,
     };
     let command = MeshCommand::Inspect(InspectArgs { mesh, json: false });
     run(&MeshArgs { command }).unwrap_or_else(|fault| panic!("{}: {fault}", path.display()))

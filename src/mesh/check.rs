@@ -15,10 +15,18 @@ impl Mesh {
         Vector3::from(self.nodes[node as usize])
     }
 
-    /// [m^2] Area of a triangle.
-    pub(crate) fn area(&self, [a, b, c]: &[u32; 3]) -> f64 {
-        let from = self.point(*a);
-        0.5 * (self.point(*b) - from).cross(&(self.point(*c) - from)).norm()
+    /// [m] Corners of a triangle as it is cut: in its flat piece if it was sewn, else where its nodes are.
+    pub fn cut_corners(&self, triangle: u32) -> Option<[Vector3<f64>; 3]> {
+        let nodes = self.triangles.get(triangle as usize)?;
+        let sewn = self.cut.as_ref().and_then(|cut| cut.triangles.get(triangle as usize));
+        Some(sewn.map_or_else(|| nodes.map(|node| self.point(node)), |corners| corners.map(Vector3::from)))
+    }
+
+    /// [m] Length of an edge as it is cut.
+    pub fn cut_length(&self, edge: u32) -> Option<f64> {
+        let &[a, b] = self.edges.get(edge as usize)?;
+        let sewn = self.cut.as_ref().and_then(|cut| cut.lengths.get(edge as usize));
+        Some(sewn.copied().unwrap_or_else(|| (self.point(a) - self.point(b)).norm()))
     }
 
     /// Checks the conditions of every simulation: numbers in range, finite positions, no repeated or degenerate edge or
@@ -48,7 +56,8 @@ impl Mesh {
         }
         self.check_seams()?;
         self.check_groups()?;
-        self.check_displacement()
+        self.check_displacement()?;
+        self.check_cut()
     }
 
     fn check_sizes(&self) -> Result<(), MeshError> {
@@ -89,6 +98,16 @@ impl Mesh {
         }
         match self.displacement.iter().position(|u| !u.iter().all(|c| c.is_finite())) {
             Some(node) => Err(MeshError::NotFinite { node }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_cut(&self) -> Result<(), MeshError> {
+        let Some(cut) = &self.cut else { return Ok(()) };
+        let wrong =
+            [("triangle", cut.triangles.len(), self.triangles.len()), ("edge", cut.lengths.len(), self.edges.len())];
+        match wrong.into_iter().find(|(_, found, wanted)| found != wanted) {
+            Some((what, found, wanted)) => Err(MeshError::Cut { what, found, wanted }),
             None => Ok(()),
         }
     }

@@ -198,6 +198,19 @@ pub enum MeshError {
         /// nodes in the mesh
         nodes: usize,
     },
+    /// The lists of what is cut have other lengths than those of the mesh.
+    #[error("cut shapes of {found} {what}s for {wanted} {what}s; give one for each or none")]
+    Cut {
+        /// `edge` or `triangle`
+        what: &'static str,
+        /// shapes in the list
+        found: usize,
+        /// how many there are
+        wanted: usize,
+    },
+    /// Pieces cannot be sewn.
+    #[error("the pieces cannot be sewn: {0}")]
+    Sew(#[from] crate::sew::SewError),
     /// A group has a bad name or bad members.
     #[error("group \"{name}\": {reason}")]
     Group {

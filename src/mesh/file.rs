@@ -2,12 +2,13 @@
 
 use super::look::{Look, Y_IS_UP, canopy_along_y, look, near_nodes, units};
 use super::read::{self, Imported, extent};
+use super::sew::{Seam, check_seams};
 use super::source::{FaultSink, check_length, first_fault};
 use super::{Mesh, MeshError, Topology};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// A mesh file, and how its mesh is placed and repaired: in the order axes, scale, translate, edge, merge, orient.
+/// A mesh file, and how its mesh is placed and repaired: in the order axes, scale, edge, merge, orient, sew, translate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -46,6 +47,10 @@ pub struct MeshFile {
     /// Whether a file with a face that crosses itself is refused. Without it, such faces are left out with a warning.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub strict: bool,
+    /// Seams along which flat pieces are sewn, as the gores of a drawing. Masses and rest lengths stay those of the
+    /// flat pieces, which start where their seams meet. The mesh then has the edges of all seams as `seams`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sew: Vec<Seam>,
 }
 
 /// Which axis of a file points up.
@@ -94,15 +99,16 @@ fn is_origin(translate: &[f64; 3]) -> bool {
 
 impl MeshFile {
     /// Names of its keys in a case.
-    pub(super) const KEYS: [&'static str; 10] =
-        ["file", "with", "scale", "axes", "translate", "edge", "merge", "orient", "diagonals", "strict"];
+    pub(super) const KEYS: [&'static str; 11] =
+        ["file", "with", "scale", "axes", "translate", "edge", "merge", "orient", "diagonals", "strict", "sew"];
 
     /// A file whose mesh is taken as it is.
     pub fn plain(file: impl Into<String>) -> Self {
         let (axes, diagonals) = (Axes::default(), Diagonals::default());
         let (file, with) = (file.into(), Vec::new());
         let (scale, translate, edge, merge) = (None, [0.0; 3], None, None);
-        Self { file, with, scale, axes, translate, edge, merge, orient: false, diagonals, strict: false }
+        let sew = Vec::new();
+        Self { file, with, scale, axes, translate, edge, merge, orient: false, diagonals, strict: false, sew }
     }
 
     /// Reports every value out of range, without opening the file.
@@ -125,6 +131,7 @@ impl MeshFile {
             let hint = "give a length in metres, far below that of the shortest edge";
             faults("/merge", distance.to_string(), "finite and 0 or more".into(), hint.into());
         }
+        check_seams(&self.sew, faults);
     }
 
     /// Reads the file and makes its mesh; `base` is the folder that a relative path counts from.
@@ -137,7 +144,7 @@ impl MeshFile {
         read::read_file(self, &paths.iter().map(|path| path.as_path()).collect::<Vec<_>>())
     }
 
-    /// Turns, scales and moves points [m], and turns and scales displacements [m].
+    /// Turns, scales and moves points [m], and turns and scales displacements [m]. What is sewn is moved afterwards.
     pub(super) fn place(&self, points: &mut [[f64; 3]], displacements: &mut [[f64; 3]]) {
         let turned = |[x, y, z]: [f64; 3]| match self.axes {
             Axes::Auto | Axes::ZUp => [x, y, z],
@@ -147,6 +154,13 @@ impl MeshFile {
         if scale != 1.0 || self.axes == Axes::YUp {
             points.iter_mut().chain(displacements).for_each(|p| *p = turned(*p).map(|x| scale * x));
         }
+        if self.sew.is_empty() {
+            self.translate(points);
+        }
+    }
+
+    /// Moves points [m].
+    pub(super) fn translate(&self, points: &mut [[f64; 3]]) {
         if !is_origin(&self.translate) {
             points.iter_mut().for_each(|p| *p = std::array::from_fn(|k| p[k] + self.translate[k]));
         }

@@ -74,13 +74,13 @@ impl Group {
 
     /// [m] Length of the edges that it lists.
     pub fn length(&self, mesh: &Mesh) -> f64 {
-        let ends = self.edges.iter().filter_map(|&e| mesh.edges.get(e as usize));
-        ends.map(|&[a, b]| (mesh.point(a) - mesh.point(b)).norm()).sum()
+        self.edges.iter().filter_map(|&edge| mesh.cut_length(edge)).sum()
     }
 
     /// [m^2] Area of the triangles that it lists.
     pub fn area(&self, mesh: &Mesh) -> f64 {
-        self.triangles.iter().filter_map(|&t| mesh.triangles.get(t as usize)).map(|t| mesh.area(t)).sum()
+        let corners = self.triangles.iter().filter_map(|&triangle| mesh.cut_corners(triangle));
+        corners.map(|[a, b, c]| 0.5 * (b - a).cross(&(c - a)).norm()).sum()
     }
 
     /// Its members in words: "12 nodes, 24 edges".

@@ -41,6 +41,7 @@ pub mod random;
 pub mod read;
 pub mod rectangle;
 pub(crate) mod sdf;
+pub mod sew;
 mod sides;
 pub mod source;
 pub mod startup;
@@ -92,4 +93,8 @@ pub struct Mesh {
     /// [-] Tapes and lines that stand side by side, as in coarsened gores; empty if they are not known, as in files.
     #[serde(skip)]
     pub strands: Strands,
+    /// What triangles and edges of sewn pieces are as they are cut; masses and rest lengths follow from these, and not
+    /// from `nodes`. `None` for others.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cut: Option<sew::Cut>,
 }

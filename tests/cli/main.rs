@@ -24,6 +24,7 @@ mod refusals;
 mod report;
 mod results;
 mod resume;
+mod sewn;
 mod shell;
 mod stability;
 mod statics;

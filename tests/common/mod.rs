@@ -1,6 +1,7 @@
 //! Shared by the integration tests: small networks as plain specifications, and a random source without state.
 #![allow(dead_code)] // every test binary uses its own part
 
+pub mod gores;
 pub mod parachute;
 pub mod polynomials;
 pub mod read_vtu;

@@ -78,7 +78,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let mut builder = Builder { spec: &spec, numbering: &numbering, acting, membranes: Vec::new() };
     builder.springs_and_dashpots();
     bars.iter().for_each(|bars| builder.bars(bars));
-    builder.membranes(&reference)?;
+    builder.membranes()?;
     builder.bending(AtRest { x: &reference, fixed: &fixed })?;
     builder.gravity(&mass, &start);
     builder.base(&fixed, &mass);

@@ -22,7 +22,11 @@ pub(super) struct MembraneBatch {
 
 impl MembraneBatch {
     /// In scaled axes: see [`crate::force::law::tension_field`].
-    fn new(spec: &MembraneSpec, corners: impl Fn(u32) -> [u32; 3], rest: &[Vector3<f64>]) -> Result<Self, BuildError> {
+    fn new(
+        spec: &MembraneSpec,
+        corners: impl Fn(u32) -> [u32; 3],
+        cut: impl Fn(u32) -> Option<[Vector3<f64>; 3]>,
+    ) -> Result<Self, BuildError> {
         let [one, two] = spec.modulus;
         let sheet = Sheet {
             poisson: spec.poisson * (two / one).sqrt(),
@@ -33,8 +37,8 @@ impl MembraneBatch {
         let mut list: Vec<(u32, [u32; 3])> = spec.triangles.iter().map(|&t| (t, corners(t))).collect();
         list.sort_unstable_by_key(|(_, t)| (t[0].min(t[1]).min(t[2]), *t));
         let mut shapes = Vec::with_capacity(list.len());
-        for (triangle, corners) in &list {
-            let [a, b, c] = corners.map(|node| rest[node as usize]);
+        for (triangle, _) in &list {
+            let [a, b, c] = cut(*triangle).ok_or(BuildError::RestShape { triangle: *triangle })?;
             let warp = spec.warp.map_or(b - a, Vector3::from);
             let shape = RestShape::new([b - a, c - a], warp, scale);
             shapes.push(shape.ok_or(BuildError::RestShape { triangle: *triangle })?);
@@ -47,10 +51,10 @@ impl MembraneBatch {
 }
 
 impl Builder<'_> {
-    pub(super) fn membranes(&mut self, rest: &[Vector3<f64>]) -> Result<(), BuildError> {
+    pub(super) fn membranes(&mut self) -> Result<(), BuildError> {
         for spec in &self.spec.membranes {
             let corners = |t: u32| self.spec.mesh.triangles[t as usize].map(|i| self.node(i));
-            let batch = MembraneBatch::new(spec, corners, rest)?;
+            let batch = MembraneBatch::new(spec, corners, |t| self.spec.mesh.cut_corners(t))?;
             self.acting.add(Added::term(Membrane::new(batch.data.clone())));
             self.membranes.push(batch);
         }

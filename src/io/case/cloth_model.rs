@@ -124,12 +124,12 @@ fn as_net(spec: &mut NetworkSpec, geometry: &Geometry) -> Result<(), ClothModelE
             ..SpringGroup::default()
         };
         let mut stiffness = Vec::new();
-        for (edge, &length) in geometry.length.iter().enumerate() {
+        for edge in 0..geometry.length.len() {
             let k = geometry.net_stiffness(along * sheet.thickness, edge, |t| sides[t as usize].is_some());
             if k > 0.0 {
                 group.edges.push(edge as u32);
                 stiffness.push(k);
-                group.rest_length.push(length);
+                group.rest_length.extend(geometry.mesh.cut_length(edge as u32));
                 let triangles = geometry.topology.edge_triangles(edge);
                 triangles.iter().for_each(|&t| sides[t as usize] = sides[t as usize].map(|sides| sides + 1));
             }
@@ -207,7 +207,7 @@ impl Sheet {
 fn of_group(group: &SpringGroup, of: SheetSpec, geometry: &Geometry) -> Result<Sheet, ClothModelError> {
     let only = |what, hint| Err(ClothModelError::OnlySprings { what, hint });
     let as_meshed =
-        |(&edge, &rest): (&u32, &f64)| geometry.length.get(edge as usize).is_some_and(|length| same(*length, rest));
+        |(&edge, &rest): (&u32, &f64)| geometry.mesh.cut_length(edge).is_some_and(|length| same(length, rest));
     if !group.edges.iter().zip(&group.rest_length).all(as_meshed) {
         return only("rest lengths other than those of the mesh", "stretch the cloth by its supports or loads");
     }

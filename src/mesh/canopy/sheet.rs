@@ -3,7 +3,7 @@
 use super::CanopyError;
 use crate::adjacency::row_starts;
 use crate::topology::unique_edges;
-use crate::{BoundaryLoop, Mesh, MeshError, Topology};
+use crate::{BoundaryLoop, Group, Mesh, MeshError, Topology};
 use nalgebra::Vector3;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap, HashMap};
@@ -12,6 +12,8 @@ use std::collections::{BTreeMap, BinaryHeap, HashMap};
 pub(super) struct Sheet<'a> {
     /// the mesh that they are part of
     whole: &'a Mesh,
+    /// [m^2] area of its triangles
+    area: f64,
     /// the triangles alone, with all nodes
     mesh: Mesh,
     topology: Topology,
@@ -46,7 +48,8 @@ impl<'a> Sheet<'a> {
                 *sides.entry([from.min(to), from.max(to)]).or_insert(0) += 1;
             }
         }
-        Ok(Sheet { whole, mesh, topology, sides, has })
+        let area = Group { triangles: triangles.to_vec(), ..Group::default() }.area(whole);
+        Ok(Sheet { whole, area, mesh, topology, sides, has })
     }
 
     /// Whether a triangle has this node.
@@ -151,7 +154,7 @@ impl<'a> Sheet<'a> {
 
     /// [m^2] Area of the triangles.
     pub(super) fn cloth_area(&self) -> f64 {
-        self.mesh.triangles.iter().map(|corners| self.mesh.area(corners)).sum()
+        self.area
     }
 
     /// [m] The longest side of a triangle.

@@ -16,12 +16,11 @@ use std::collections::BTreeMap;
 const DIAGONALS: &str = "diagonals";
 
 impl Cells {
-    /// Makes the mesh.
+    /// Makes the mesh of points that are placed.
     ///
     /// # Errors
     /// Why there is none, as the end of a sentence that begins with the file's name.
     pub(super) fn into_mesh(mut self, wanted: &MeshFile) -> Result<Imported, String> {
-        wanted.place(&mut self.points, &mut self.displacement);
         let mut notes = Notes::default();
         let [unfilled, filled] = self.fill_outlines(wanted.edge, self.apart(wanted).unwrap_or(0.0))?;
         notes.found.extend(unfilled);

@@ -161,6 +161,27 @@ impl Cells {
         self.lines.as_flattened().iter().chain(&self.corners).copied()
     }
 
+    /// Drops the points that do not stay; no line, face or outline uses these.
+    pub(super) fn keep_points(&mut self, stays: &[bool]) {
+        let number: Vec<u64> =
+            stays.iter().scan(0, |next, stays| Some(std::mem::replace(next, *next + u64::from(*stays)))).collect();
+        let stay = |point: u64| stays.get(point as usize).copied().unwrap_or(true);
+        fn keep<T>(list: &mut Vec<T>, stay: impl Fn(u64) -> bool) {
+            let mut point = 0..;
+            list.retain(|_| point.next().is_some_and(&stay));
+        }
+        keep(&mut self.points, stay);
+        keep(&mut self.displacement, stay);
+        keep(&mut self.numbers.points, stay);
+        let of_outlines = self.outlines.iter_mut().flat_map(|outline| &mut outline.points);
+        let of_groups = self.named_points.values_mut().flat_map(|points| {
+            points.retain(|point| stay(*point));
+            points
+        });
+        let of_cells = self.lines.as_flattened_mut().iter_mut().chain(&mut self.corners);
+        of_cells.chain(of_outlines).chain(of_groups).for_each(|point| *point = number[*point as usize]);
+    }
+
     /// Checks that lines and faces name points that are there.
     pub(super) fn check_points(&self) -> Result<(), String> {
         let count = self.points.len();

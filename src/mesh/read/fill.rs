@@ -134,10 +134,10 @@ impl Cells {
 }
 
 /// An outline in its plane.
-struct Sheet {
-    points: Vec<u64>,
-    number: i64,
-    plane: Plane,
+pub(super) struct Sheet {
+    pub points: Vec<u64>,
+    pub number: i64,
+    pub plane: Plane,
     /// [m] its corners
     places: Vec<Vector3<f64>>,
     /// [m^2]
@@ -146,18 +146,19 @@ struct Sheet {
     span: [Vector3<f64>; 2],
 }
 
-struct Plane {
-    origin: Vector3<f64>,
-    axes: [Vector3<f64>; 2],
+#[derive(Clone, Copy)]
+pub(super) struct Plane {
+    pub origin: Vector3<f64>,
+    pub axes: [Vector3<f64>; 2],
     normal: Vector3<f64>,
 }
 
 impl Plane {
-    fn flat(&self, place: Vector3<f64>) -> Vector2<f64> {
+    pub(super) fn flat(&self, place: Vector3<f64>) -> Vector2<f64> {
         Vector2::from(self.axes.map(|axis| axis.dot(&(place - self.origin))))
     }
 
-    fn space(&self, place: Vector2<f64>) -> Vector3<f64> {
+    pub(super) fn space(&self, place: Vector2<f64>) -> Vector3<f64> {
         self.origin + place.x * self.axes[0] + place.y * self.axes[1]
     }
 }
@@ -165,7 +166,7 @@ impl Plane {
 impl Sheet {
     /// `None` for an outline without area, or one that is not flat. The normal points up, so that all sheets of a
     /// drawing have the same side up.
-    fn of(outline: &Outline, points: &[[f64; 3]], distance: f64) -> Option<Sheet> {
+    pub(super) fn of(outline: &Outline, points: &[[f64; 3]], distance: f64) -> Option<Sheet> {
         let place = |point: u64| Vector3::from(points[point as usize]);
         let mut kept = outline.points.clone();
         kept.dedup_by(|a, b| (place(*a) - place(*b)).norm() <= distance);

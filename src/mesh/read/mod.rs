@@ -13,6 +13,7 @@
 mod assemble;
 mod bdf;
 mod cells;
+mod divide;
 mod dxf;
 mod fill;
 #[cfg(feature = "gltf")]
@@ -26,7 +27,10 @@ mod merge;
 mod msh;
 mod obj;
 mod off;
+mod offset;
 mod once;
+mod piece;
+mod pieces;
 #[cfg(feature = "ply")]
 mod ply;
 mod polygon;
@@ -38,6 +42,7 @@ mod unit;
 mod vtk;
 
 use super::file::{Axes, y_up};
+use super::sew::sew;
 use super::{Mesh, MeshError, MeshFile};
 pub(super) use assemble::extent;
 use cells::Cells;
@@ -128,8 +133,17 @@ fn cells_of(wanted: &MeshFile, path: &Path, bytes: &[u8], folder: Option<&Path>)
     cells.map_err(|reason| MeshError::File { path: path.to_owned(), reason })
 }
 
-fn finish(cells: Cells, wanted: &MeshFile, path: &Path) -> Result<Imported, MeshError> {
-    cells.into_mesh(wanted).map_err(|reason| MeshError::File { path: path.to_owned(), reason })
+fn finish(mut cells: Cells, wanted: &MeshFile, path: &Path) -> Result<Imported, MeshError> {
+    let fault = |reason: String| MeshError::File { path: path.to_owned(), reason };
+    wanted.place(&mut cells.points, &mut cells.displacement);
+    let sewing = if wanted.sew.is_empty() { None } else { Some(cells.lay_out(wanted)?) };
+    let mut imported = cells.into_mesh(wanted).map_err(fault)?;
+    if let Some(sewing) = sewing {
+        imported.repairs.extend(sew(&mut imported.mesh, &wanted.sew, &sewing)?);
+        wanted.translate(&mut imported.mesh.nodes);
+        imported.mesh.check().map_err(|error| fault(error.to_string()))?;
+    }
+    Ok(imported)
 }
 
 impl Cells {

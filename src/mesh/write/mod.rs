@@ -84,6 +84,7 @@ fn lost(mesh: &Mesh, ending: &str) -> Vec<String> {
         parts.push((mesh.seams.len(), "edge", " on seams"));
         parts.push((mesh.displacement.len(), "displacement", " at the start"));
     }
+    parts.push((mesh.cut.as_ref().map_or(0, |cut| cut.triangles.len()), "triangle", " as cut flat, of sewn pieces"));
     match ending {
         "stl" => parts.extend([(members::lines(mesh).len(), "line", ""), (mesh.groups.len(), "group", "")]),
         #[cfg(feature = "gltf")]

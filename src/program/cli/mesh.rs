@@ -13,6 +13,7 @@ use crate::mesh::file::{Axes, Diagonals};
 use crate::mesh::group::describe_groups;
 use crate::mesh::read::{Imported, endings};
 use crate::mesh::rectangle::{RectangleParameters, RectanglePattern};
+use crate::mesh::sew::Seam;
 use crate::mesh::write::write_mesh;
 use crate::mesh::{BoundaryLoop, EdgeKind, Mesh, MeshFile, MeshSource, Quality, Topology};
 use clap::{Args, Subcommand, ValueEnum};
@@ -181,6 +182,17 @@ pub struct FileArgs {
     /// Refuse a file with a face that crosses itself, rather than leave the face out
     #[arg(long)]
     pub strict: bool,
+    /// Seams of flat pieces, as a case has them: '[{"gores": ["LAYER"], "copies": 12}]'
+    #[arg(long, value_parser = seams, value_name = "JSON")]
+    pub sew: Option<Seams>,
+}
+
+/// Seams as JSON.
+#[derive(Clone, Debug)]
+pub struct Seams(Vec<Seam>);
+
+fn seams(text: &str) -> Result<Seams, String> {
+    serde_json::from_str(text).map(Seams).map_err(|error| error.to_string())
 }
 
 impl FileArgs {
@@ -197,6 +209,7 @@ impl FileArgs {
             orient: self.orient,
             diagonals: self.diagonals,
             strict: self.strict,
+            sew: self.sew.clone().map(|Seams(list)| list).unwrap_or_default(),
         };
         let Imported { mesh, notes, repairs } = file.read(Path::new("")).map_err(MeshCliError::Input)?;
         Ok((mesh, [repairs, notes].concat()))

@@ -35,9 +35,10 @@ pub(crate) struct Geometry {
     pub topology: Topology,
     /// [m] length of every edge on the mesh as given
     pub length: Vec<f64>,
-    /// [m] length of every edge without tension: that on the mesh, but for lines of a parachute that are told
+    /// [m] length of every edge without tension: that on the mesh, but for sewn pieces, which are cut flat, and lines
+    /// of a parachute that are told
     pub unstretched: Vec<f64>,
-    /// [m^2] area of every triangle on the mesh as given
+    /// [m^2] area of every triangle on the mesh as given, or as cut flat
     pub area: Vec<f64>,
 }
 
@@ -47,14 +48,17 @@ impl Geometry {
         let topology = Topology::new(&mesh)?;
         let at = |node: u32| mesh.nodes.get(node as usize).map_or(Vector3::repeat(f64::NAN), |p| Vector3::from(*p));
         let length: Vec<f64> = mesh.edges.iter().map(|&[a, b]| (at(a) - at(b)).norm()).collect();
-        let mut unstretched = length.clone();
+        let mut unstretched: Vec<f64> = match &mesh.cut {
+            Some(cut) => cut.lengths.clone(),
+            None => length.clone(),
+        };
         if let MeshSource::Parachute(parachute) = source {
             for (edge, told) in parachute.line_lengths(&mesh) {
                 unstretched[edge as usize] = told;
             }
         }
-        let area = mesh.triangles.iter().map(|&[a, b, c]| 0.5 * (at(b) - at(a)).cross(&(at(c) - at(a))).norm());
-        let area = area.collect();
+        let area = |t| mesh.cut_corners(t).map_or(f64::NAN, |[a, b, c]| 0.5 * (b - a).cross(&(c - a)).norm());
+        let area = (0..mesh.triangles.len() as u32).map(area).collect();
         let doubts = doubts(source, &mesh, &topology);
         let y_is_up =
             matches!(source, MeshSource::File(file) if file.axes == Axes::Auto) && canopy_along_y(&mesh, &topology);
@@ -85,7 +89,7 @@ impl Geometry {
     pub(crate) fn net_stiffness(&self, et: f64, edge: usize, of_sheet: impl Fn(u32) -> bool) -> f64 {
         let triangles = self.topology.edge_triangles(edge).iter().filter(|&&t| of_sheet(t));
         let area: f64 = triangles.filter_map(|&t| self.area.get(t as usize)).sum();
-        let length = self.length.get(edge).copied().unwrap_or(f64::NAN);
+        let length = self.unstretched.get(edge).copied().unwrap_or(f64::NAN);
         et * area / (length * length)
     }
 
@@ -193,6 +197,7 @@ fn refuse(at: &Pointer, source: &MeshSource, error: MeshError, faults: &mut Faul
         MeshError::Parameter { pointer, value, allowed, hint } => {
             faults.add_value(&at.below(&pointer), value, allowed, Some(with_unit(source, hint)));
         }
+        MeshError::Sew(error) => faults.add_hint(&at.key("sew"), "pieces that can be sewn", error.to_string()),
         error @ MeshError::File { .. } => {
             faults.add_hint(&at.key(key), "a mesh file that can be read", error.to_string());
         }
