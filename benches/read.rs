@@ -1,10 +1,10 @@
-//! Reading of mesh files: a wavy sheet of a million nodes in every format that other programs read too, in binary and in
-//! text.
+//! Reading of mesh files: a wavy sheet of a million nodes in every format that other programs read too, in binary and
+//! in text.
 //!
 //! ```text
 //! cargo bench -p canopy-fem-benches --bench read                                  # a minute
-//! cargo bench -p canopy-fem-benches --bench read -- --python python3 --rounds 5   # VTK and Gmsh beside it, if python3 has vtk and gmsh
-//! cargo bench -p canopy-fem-benches --bench read -- --folder shapes               # all files of a folder in place of the sheet
+//! cargo bench -p canopy-fem-benches --bench read -- --python python3 --rounds 5   # VTK and Gmsh beside it
+//! cargo bench -p canopy-fem-benches --bench read -- --folder shapes               # all files of a folder
 //! ```
 //! Processor time of all threads, the least of the rounds, in which all readers take turns. "read" is the mesh with its
 //! edges, groups and checks; "inspect" is `canopy-fem mesh inspect`, which reads too. Of VTK and Gmsh it is the reading

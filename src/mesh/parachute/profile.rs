@@ -127,8 +127,8 @@ pub(super) struct Profile {
 }
 
 impl Profile {
-    /// [-] Distance of the corners of a row from the axis over its apothem: the radials run along the corners, which are
-    /// farther from the axis than the gores' centre lines. 1 where the canopy is not round.
+    /// [-] Distance of the corners of a row from the axis over its apothem: the radials run along the corners, which
+    /// are farther from the axis than the gores' centre lines. 1 where the canopy is not round.
     pub(super) fn to_corner(&self) -> f64 {
         if self.outline.is_some() { 1.0 } else { 1.0 / (PI / self.gores as f64).cos() }
     }

@@ -83,7 +83,7 @@ fn check(p: &ParachuteParameters) -> Quality {
     }
 
     let key = |a: u32, b: u32| [a.min(b), a.max(b)];
-    let sides: BTreeSet<[u32; 2]> = cloth.iter().map(|&edge| mesh.edges[edge as usize].into()).collect();
+    let sides: BTreeSet<[u32; 2]> = cloth.iter().map(|&edge| mesh.edges[edge as usize]).collect();
     let sides: BTreeSet<[u32; 2]> = sides.iter().map(|&[a, b]| key(a, b)).collect();
     let lengths: Vec<usize> = mesh.rows.iter().map(Vec::len).collect();
     assert!(lengths.is_sorted(), "{name}: {lengths:?}");

@@ -8,9 +8,9 @@
 //! ```
 //! Cloth that moves outwards meets less pressure: w takes energy from the breathing of a canopy, from its turning and
 //! from its motion across the axis. It is nothing in steady flight along the axis. p_0 is that of a `cavity`, what its
-//! pressure has beyond kappa V|V|, or a loss at the mouth (`inflow`). Else it is 0. kappa, V, r and p_0 couple the nodes of the apex and the
-//! confluence, or of the skirt or the canopy, with all nodes of the canopy. The tangent is local but for a rank-one
-//! part of each of these numbers. With c = V - w
+//! pressure has beyond kappa V|V|, or a loss at the mouth (`inflow`). Else it is 0. kappa, V, r and p_0 couple the
+//! nodes of the apex and the confluence, or of the skirt or the canopy, with all nodes of the canopy. The tangent is
+//! local but for a rank-one part of each of these numbers. With c = V - w
 //! ```text
 //! -df_i/dx_j = -1/3 [p I + 2 kappa dCp |c| S ((I - n n^T)(r - v))^T/A] dS/dx_j,     -df_i/dv_j = 2 kappa dCp |c| S n^T/9
 //! -df_i/dkappa = -dCp c|c| S/3,     -df_i/dV = -2 kappa dCp |c| S/3,     -df_i/dr = -2 kappa dCp |c| S n^T/3
