@@ -51,10 +51,15 @@ pub(super) fn holes(cloth: &Cloth<'_>, gaps: &gaps::Found) -> Option<Warning> {
     let open: HashSet<u32> =
         gaps.pairs.as_flattened().iter().copied().chain(gaps.beside.iter().map(|one| one.node)).collect();
     let longest = cloth.topology.loops().iter().map(|rim| rim.nodes.len()).max()?;
+    // Who gives a hole a name means it; a group of most nodes names no hole.
+    let named = |hole: &BoundaryLoop| {
+        let mut groups = mesh.groups.values().filter(|group| 2 * group.nodes.len() < mesh.nodes.len());
+        groups.any(|group| hole.nodes.iter().all(|node| group.nodes.binary_search(node).is_ok()))
+    };
     let small = |hole: &&BoundaryLoop| {
         let few = hole.nodes.len() <= AROUND && OF_RIM * hole.nodes.len() <= longest;
         let size = few && hole.extent <= OF_CLOTH * cloth.extent;
-        hole.closed && !hole.outer && size && !hole.nodes.iter().any(|node| open.contains(node))
+        hole.closed && !hole.outer && size && !hole.nodes.iter().any(|node| open.contains(node)) && !named(hole)
     };
     let found: Vec<&BoundaryLoop> = cloth.topology.loops().iter().filter(small).collect();
     let first = found.first()?;
