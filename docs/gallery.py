@@ -11,13 +11,15 @@ nodes are at that time, so nothing is moved by the displacement.
 """
 
 import argparse
+import json
 import re
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
+import validation
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
@@ -33,6 +35,8 @@ class Picture:
     png: Path
     # [s] the nearest frames are drawn
     times: list
+    # further runs, of which the last frames are drawn, each with its name
+    beside: list = field(default_factory=list)
     colour: str = "gores"
     # [degrees] of the camera around z, and above the horizontal
     azimuth: float = 60.0
@@ -217,7 +221,10 @@ def draw(picture):
     """Draws frames of a run side by side."""
     known = frames(picture.run)
     chosen = [min(known, key=lambda frame: abs(frame[0] - t)) for t in picture.times or [known[-1][0]]]
-    grids = [(t, read(path)) for t, path in chosen]
+    chosen = [(f"t = {t:g} s", path) for t, path in chosen]
+    if picture.beside:
+        chosen = [(run.name, frames(run)[-1][1]) for run in [picture.run, *picture.beside]]
+    grids = [(label, read(path)) for label, path in chosen]
     parts = [cells(grid) for _, grid in grids]
     size = max(max(b[1] - b[0], b[3] - b[2], b[5] - b[4]) for b in (grid.GetBounds() for _, grid in grids)) * 1.08
     numbers = [n for (_, grid), (triangles, _) in zip(grids, parts) for n in values(grid, triangles, picture.colour) or []]
@@ -226,7 +233,7 @@ def draw(picture):
     window.SetOffScreenRendering(1)
     window.SetMultiSamples(8)
     window.SetSize(picture.width * len(grids), picture.height)
-    for place, ((t, grid), (triangles, edges)) in enumerate(zip(grids, parts)):
+    for place, ((words, grid), (triangles, edges)) in enumerate(zip(grids, parts)):
         renderer = vtk.vtkRenderer()
         renderer.SetViewport(place / len(grids), 0, (place + 1) / len(grids), 1)
         renderer.SetBackground(0.88, 0.93, 0.98)
@@ -237,7 +244,7 @@ def draw(picture):
         for node in members(grid, "payload", cell_data=False):
             renderer.AddActor(ball(grid.GetPoint(node), 0.02 * size))
         label = vtk.vtkTextActor()
-        label.SetInput(f"t = {t:g} s")
+        label.SetInput(words)
         label.GetTextProperty().SetFontSize(18)
         label.GetTextProperty().SetColor(0.1, 0.1, 0.2)
         label.SetPosition(10, 10)
@@ -274,6 +281,7 @@ GALLERY = [
     ("g12-reefed", f"{CASES}/parachute/g12-reefed.json", dict(times=[0, 3, 5, 20], zoom=1.0)),
     ("cluster", f"{CASES}/parachute/cluster.json", dict(times=[0, 3, 10], elevation=-5, azimuth=90)),
     ("dgb-aspire", f"{CASES}/parachute/dgb-aspire.json", dict(times=[0, 1.5], elevation=20)),
+    ("gores-sewn", f"{OWN}/gores-sewn.json", dict(times=[0, 0.3], elevation=10, height=320)),
     ("cloth", f"{CASES}/cloth-k1000.json", dict(times=[0.1, 0.3, 2], colour="speed", elevation=25, height=300)),
 ]
 
@@ -288,6 +296,22 @@ def gallery():
             run = Path(folder) / name
             subprocess.run([program, "solve", ROOT / case, "--out", run, "--quiet"], check=True)
             draw(Picture(run=run, png=PICTURES / f"{name}.png", **how))
+        first, *others = [flown(Path(folder), program, name) for name in TYPES]
+        draw(Picture(run=first, beside=others, png=PICTURES / "types.png", times=[], width=230, height=360, zoom=0.9))
+
+
+# Types that are drawn beside each other, as docs/validation.py holds them in a stream.
+TYPES = ["elliptical", "toroidal", "ribbon", "ringsail", "square", "triangular"]
+
+
+def flown(folder, program, name):
+    """A run of the first of these forms after 2 s."""
+    case = validation.held(next(keys for keys, *_ in validation.FORMS.values() if keys["type"] == name))
+    case["time"]["end"] = 2.0
+    case["output"] = {"frames": {"every": 2.0}}
+    (folder / f"{name}.json").write_text(json.dumps(case))
+    subprocess.run([program, "solve", folder / f"{name}.json", "--out", folder / name, "--quiet"], check=True)
+    return folder / name
 
 
 def main():
