@@ -214,6 +214,48 @@ fn a_pillow_of_two_pieces() {
     assert!(strain(&mesh) < 1e-3, "{}", strain(&mesh));
 }
 
+/// Sewn by `reverse`, side to the same side, they lie on each other a little apart too.
+#[test]
+fn a_pillow_sewn_in_reverse_starts_open() {
+    let drawing = [rectangle("front", [0.0, 0.0], [0.6, 0.4]), rectangle("back", [1.0, 0.0], [0.6, 0.4])];
+    let seams = |reverse: bool| -> Value {
+        let seam = |k: usize| json!({"edges": [format!("front.{k}"), format!("back.{k}")], "reverse": reverse});
+        json!([1, 2, 3, 4].map(seam))
+    };
+    let mesh = sewn(&drawing, 0.05, seams(true));
+    let height = |name: &str| {
+        let nodes = group(&mesh, name).select_nodes(&mesh);
+        nodes.iter().map(|node| mesh.point(*node).z).sum::<f64>() / nodes.len() as f64
+    };
+    assert!(height("front") > 5e-4 && height("back") < -5e-4, "{} {}", height("front"), height("back"));
+    let error = refusal(&drawing, seams(false));
+    assert!(error.contains("is sewn to itself by the seams around it"), "{error}");
+}
+
+/// Outlines that are no gores are left out with a note; a seam line inside a cut line is no hole.
+#[test]
+fn what_is_no_gore_is_left_out() {
+    let one = gore(&pattern("hemispherical", json!({"vent_diameter": 0.6})));
+    let all = side_by_side(&one, 3);
+    let chosen = json!([{"gores": ["gore-2"], "copies": 12}]);
+    let alone = sewn(&all[1..2], 0.3, chosen.clone());
+    let left = sew(&all, 0.3, chosen.clone()).expect("sewn");
+    assert_eq!(group(&left.mesh, "radials").edges.len(), group(&alone, "radials").edges.len());
+    let area = |mesh: &Mesh| group(mesh, "canopy").area(mesh);
+    near(area(&left.mesh), area(&alone), 1e-9, "area");
+    let notes = left.notes.join("; ");
+    assert!(notes.contains("2 outlines that are no gores were left out, on layers: gore-1, gore-3"), "{notes}");
+    let middle = |axis: usize| {
+        let points = &all[1].points;
+        points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64
+    };
+    let centre = [middle(0), middle(1)];
+    let shrunk = all[1].points.iter().map(|point| [0, 1].map(|c| centre[c] + 0.95 * (point[c] - centre[c]))).collect();
+    let inner = Polyline { points: shrunk, ..all[1].clone() };
+    let error = refusal(&[all[1].clone(), inner], chosen);
+    assert!(error.contains("would be a hole"), "{error}");
+}
+
 /// Panels of a tube, and pieces that close no ring.
 #[test]
 fn tubes_and_rows_of_panels() {
@@ -314,6 +356,7 @@ fn rules_are_checked() {
         (json!([{"edges": ["a", "b"], "allowance": -1.0}]), "/sew/0/allowance"),
         (json!([{"edges": ["a", "b"], "copies": 3}]), "/sew/0/copies"),
         (json!([{"gores": ["a"], "copies": 0}]), "/sew/0/copies"),
+        (json!([{"gores": ["a", "b", "a"]}]), "/sew/0/gores/2"),
         (json!([{"gores": ["a"], "reverse": true}]), "/sew/0/reverse"),
         (json!([{"gores": ["a"]}, {"edges": ["a", "b"]}]), "/sew/0/gores"),
     ] {

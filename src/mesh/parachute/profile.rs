@@ -163,7 +163,13 @@ impl Profile {
                 break;
             }
         }
-        Self::of_scale(p, scale)
+        let profile = Self::of_scale(p, scale)?;
+        // A dome that grows with its vent may shrink below it.
+        let narrow = |[first, last]: [&Row; 2]| first.apothem >= last.apothem;
+        match profile.rows.first().zip(profile.rows.last()) {
+            Some((first, last)) if narrow([first, last]) => Err(too_much_vent(p)),
+            _ => Ok(profile),
+        }
     }
 
     /// The profile of a pattern of this scale.

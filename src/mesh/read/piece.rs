@@ -47,6 +47,12 @@ impl Piece {
         Piece { layers, number: sheet.number, plane: sheet.plane, points, spans: Vec::new() }
     }
 
+    /// [m^2] Area inside the outline.
+    pub(super) fn area(&self) -> f64 {
+        let next = self.points.iter().cycle().skip(1);
+        0.5 * self.points.iter().zip(next).map(|(a, b)| a.perp(b)).sum::<f64>().abs()
+    }
+
     /// [m] Arc length at each point, and of the whole outline.
     fn arcs(&self) -> Vec<f64> {
         let next = self.points.iter().cycle().skip(1);

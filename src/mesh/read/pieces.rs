@@ -6,12 +6,16 @@ use super::fill::Sheet;
 use super::offset::inset;
 use super::piece::{CORNER, GoreSides, Piece, Run, Span};
 use crate::MeshFile;
+use crate::format_number::counted;
 use crate::sew::{Seam, SewError, Sewing};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// [-] Room between copies of an outline over its width.
 const ROOM: f64 = 0.1;
+
+/// [-] Area of a hole over that of its gore above which both are outlines of one gore.
+const MOST_HOLE: f64 = 0.5;
 
 /// A line that names a side: its number, the piece, and from where to where it runs [m].
 type Drawn = (usize, usize, [f64; 2]);
@@ -170,6 +174,7 @@ impl Cells {
         sewing: &mut Sewing,
     ) -> Result<(), SewError> {
         let mut drawn = Vec::new();
+        let mut known: BTreeSet<usize> = BTreeSet::new();
         for layer in layers {
             let on_layer = |p: &usize| pieces[*p].layers.contains(layer);
             let all: Vec<usize> = (0..pieces.len()).filter(on_layer).collect();
@@ -186,18 +191,32 @@ impl Cells {
                 let Some(GoreSides { seams: [up, down], others }) = pieces[p].gore_sides() else {
                     return Err(no_gore(layer, number + 1, &pieces[p]));
                 };
-                drawn.push((p, [up, down], others));
+                let inside = (0..pieces.len()).filter(|q| *q != p && pieces[p].holds(&pieces[*q]));
+                for hole in inside.chain([p]) {
+                    let share = pieces[hole].area() / pieces[p].area();
+                    if hole != p && share > MOST_HOLE {
+                        return Err(SewError::TwoOutlines { layer: layer.clone(), percent: 100.0 * share });
+                    }
+                    known.insert(hole);
+                }
+                drawn.push((layer, p, [up, down], others));
             }
         }
+        self.leave_out(pieces, &known);
+        // The pieces that stay keep their order.
+        drawn.iter_mut().for_each(|(_, p, ..)| *p = known.range(..*p).count());
         let copies = seam.copies.unwrap_or(1);
         let count = drawn.len() * copies;
         if count < 3 {
             return Err(SewError::FewGores { found: count });
         }
-        let name = |gore: usize, side: &str| format!("sewn gore {} {side}", gore % count + 1);
+        let name = |gore: usize, side: &str| {
+            let (layer, ..) = &drawn[gore % count % drawn.len()];
+            format!("gore {} of layer {layer}, {side}", gore % count + 1)
+        };
         let mut next = None;
         for gore in 0..count {
-            let (first, [up, down], others) = &drawn[gore % drawn.len()];
+            let (_, first, [up, down], others) = &drawn[gore % drawn.len()];
             let p = if gore < drawn.len() { *first } else { self.copy(*first, &mut next, pieces) };
             let side = |side: &str, [from, to]: [usize; 2], allowance: f64| Span {
                 name: name(gore, side),
@@ -221,6 +240,20 @@ impl Cells {
             sewing.sides.push(([name(gore, "right"), name(gore + 1, "left")], 0));
         }
         Ok(())
+    }
+
+    /// Leaves out pieces that no gore is, and that are no holes of gores.
+    fn leave_out(&mut self, pieces: &mut Vec<Piece>, known: &BTreeSet<usize>) {
+        let others: Vec<usize> = (0..pieces.len()).filter(|p| !known.contains(p)).collect();
+        if others.is_empty() {
+            return;
+        }
+        let layers: BTreeSet<&str> = others.iter().flat_map(|p| &pieces[*p].layers).map(String::as_str).collect();
+        let layers = layers.into_iter().collect::<Vec<_>>().join(", ");
+        let count = counted(others.len() as u64, "outline that is no gore was", "outlines that are no gores were");
+        self.notes.push(format!("{count} left out, on layers: {layers}; name them in \"gores\" to sew them"));
+        let mut p = 0..;
+        pieces.retain(|_| p.next().is_some_and(|p| known.contains(&p)));
     }
 
     /// Copies an outline and what lies in it to where there is room; returns the number of the copy. `next` is the

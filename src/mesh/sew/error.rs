@@ -23,6 +23,26 @@ pub enum SewError {
         /// layers with outlines
         known: String,
     },
+    /// An outline that would be a hole of most of a gore.
+    #[error(
+        "a gore of layer \"{layer}\" has an outline inside it with {percent:.0} % of its area, which would be a hole; draw \
+         the cut line and give \"allowance\", or draw the seam line alone"
+    )]
+    TwoOutlines {
+        /// layer of the outer one
+        layer: String,
+        /// [%] of the area of the outer one
+        percent: f64,
+    },
+    /// Both ends of an edge meet.
+    #[error(
+        "side \"{name}\" is sewn to itself by the seams around it, which run the wrong way round: sew the sides that \
+         meet when one piece is laid on the other, or change \"reverse\""
+    )]
+    Collapsed {
+        /// the side
+        name: String,
+    },
     /// Fewer than three gores go around no axis.
     #[error("{found} gores do not go around an axis: draw 3 or more, or use them several times by \"copies\"")]
     FewGores {
@@ -131,7 +151,10 @@ pub enum SewError {
         nodes: [usize; 2],
     },
     /// Both sides are on the same piece.
-    #[error("sides \"{first}\" and \"{second}\" are on the same piece; cut it into two or more pieces")]
+    #[error(
+        "sides \"{first}\" and \"{second}\" are on the same piece; draw outlines apart, so that they do not touch, or cut \
+         the piece in two"
+    )]
     OntoItself {
         /// one side
         first: String,

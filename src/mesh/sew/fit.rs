@@ -18,7 +18,7 @@ pub(super) fn fit(mesh: &Mesh, pieces: &Pieces, part: &[&Stitch], placed: &mut P
     let normal = |piece: u32| normals.get(&piece).copied().unwrap_or(Vector3::z());
     let first = part.iter().flat_map(|stitch| &stitch.sides).map(|side| side.piece).min().unwrap_or_default();
     let mut moved = BTreeMap::from([(first, Isometry3::<f64>::identity())]);
-    let mut lifted = HashSet::new();
+    let mut lifted: BTreeMap<u32, Vector3<f64>> = BTreeMap::new();
     // Each round places at least one of the pieces, which hang together.
     while let Some((before, next)) = part.iter().find_map(|stitch| neighbours(stitch, &moved)) {
         let motion = moved[&before];
@@ -40,7 +40,8 @@ pub(super) fn fit(mesh: &Mesh, pieces: &Pieces, part: &[&Stitch], placed: &mut P
         let up = motion * normal(before);
         let motion = best(&pairs, [sign * up, normal(next)]);
         if (motion * normal(next)).dot(&up) * sign < 0.0 {
-            lifted.extend([before, next]);
+            lifted.entry(before).or_insert(up);
+            lifted.insert(next, -up);
         }
         moved.insert(next, motion);
     }
@@ -48,8 +49,7 @@ pub(super) fn fit(mesh: &Mesh, pieces: &Pieces, part: &[&Stitch], placed: &mut P
     let edges = part.iter().map(|stitch| stitch.sides[0].nodes.len() - 1).sum::<usize>();
     let length: f64 = part.iter().map(|stitch| stitch.sides[0].length).sum();
     for (piece, motion) in moved {
-        let lift = if lifted.contains(&piece) { LIFT * length / edges as f64 } else { 0.0 };
-        let up = motion * normal(piece) * lift;
+        let up = lifted.get(&piece).map_or(Vector3::zeros(), |up| up * (LIFT * length / edges as f64));
         for &node in pieces.of_piece(piece) {
             let apart = if on_seams.contains(&node) { Vector3::zeros() } else { up };
             placed.at[node as usize] = moved_by(motion, mesh.point(node)) + apart;

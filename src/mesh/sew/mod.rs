@@ -82,6 +82,11 @@ impl Seam {
                 check_length(at, key, width, faults);
             }
         }
+        let layers = self.gores.as_deref().unwrap_or_default();
+        if let Some(i) = (1..layers.len()).find(|&i| layers[..i].contains(&layers[i])) {
+            let hint = "name each layer once; \"copies\" uses its outlines several times".to_owned();
+            faults(&format!("{at}/gores/{i}"), format!("\"{}\" again", layers[i]), "each layer once".into(), hint);
+        }
         if let Some(copies) = self.copies {
             check_count(at, "copies", copies, COPIES, faults);
         }
@@ -140,6 +145,14 @@ pub(super) fn sew(mesh: &mut Mesh, seams: &[Seam], sewing: &Sewing) -> Result<Ve
     let mut notes = stitches.iter().filter_map(Stitch::eased).collect::<Vec<_>>();
     let open = placed.gap(&stitches);
     let joined = join::join(mesh, seams, &stitches, &placed);
+    let collapses = |pair: &[u32]| {
+        let [a, b] = [0, 1].map(|i| mesh.point(joined.node[pair[i] as usize]));
+        a == b
+    };
+    let sides = || stitches.iter().flat_map(|stitch| &stitch.sides);
+    if let Some(side) = sides().find(|side| side.nodes.windows(2).any(collapses)) {
+        return Err(SewError::Collapsed { name: side.name.clone() });
+    }
     sewing.made.iter().for_each(|name| drop(mesh.groups.remove(name)));
     let (pieces, length) = (placed.pieces, mesh.cut.as_ref().map_or(0.0, |cut| cut.length(&mesh.seams)));
     notes.insert(0, format!("{pieces} pieces were sewn along {} seams of {length:.6} m", stitches.len()));

@@ -263,6 +263,9 @@ fn bad_forms_are_refused() {
         let hit = faults.iter().find(|(place, text)| place == at && text.contains(words));
         assert!(hit.is_some(), "{kind} {more}: no \"{words}\" at {at} in {faults:?}");
     }
+    let steep = json!({"nominal_diameter": 8.0, "height_ratio": 1.9, "vent_diameter": 4.6});
+    let steep = parameters("elliptical", steep).build();
+    assert!(steep.is_err_and(|error| error.to_string().contains("/parachute/vent_diameter")));
     let wide = parameters("toroidal", json!({"vent_diameter": 5.9, "height_ratio": 1.9, "inner_lines": {}})).build();
     assert!(wide.is_err_and(|error| error.to_string().contains("/parachute/vent_diameter")));
     let open = json!({"rings": 30, "sails": 2, "slot_porosity": 0.49, "fullness": 0.1, "vent_diameter": 5.5, "radial_segments": 30});
