@@ -205,8 +205,13 @@ pub fn page(runs: &[Recording], live: bool) -> Result<(String, Vec<String>), Stu
         return Err(PlotError::NotThere(what).into());
     }
     loop {
-        let views: Vec<View> =
+        let mut views: Vec<View> =
             runs.iter().zip(&frames).map(|(run, frames)| frames.view(run)).collect::<Result<_, _>>()?;
+        // Runs of one case are told apart by their folders.
+        let same = |run: &Recording| runs.iter().filter(|other| other.name == run.name).count() > 1;
+        for (view, run) in views.iter_mut().zip(runs).filter(|(_, run)| same(run)) {
+            view.name = format!("{}, {}", run.name, run.folder.display());
+        }
         let text = filled(&views, live)?;
         let longest = frames.iter_mut().max_by_key(|frames| frames.packed.len() * frames.scene.frame_bytes());
         match longest.filter(|longest| text.len() > LARGEST_PAGE && longest.packed.len() > 2) {

@@ -41,6 +41,8 @@ function chartOf(within, runs, key, span, seek) {
   for (const curve of curves.filter((c) => c)) {
     for (let i = 1; i < 2 * curve.points; i += 2) { low = Math.min(low, curve.values[i]); high = Math.max(high, curve.values[i]); }
   }
+  // Zero belongs to a curve that comes near it.
+  if (low > 0 && low < 0.3 * high) { low = 0; }
   if (!(high > low)) { const at = Number.isFinite(low) ? low : 0, by = Math.abs(at) || 1; [low, high] = [at - by, at + by]; }
   const x = (t) => box.left + (t - span[0]) / (span[1] - span[0] || 1) * (box.right - box.left);
   const y = (v) => box.bottom - (v - low) / (high - low) * (box.bottom - box.top);

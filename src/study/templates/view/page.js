@@ -11,7 +11,9 @@ let span, pictures, bounds, cursors = [], dirty = true;
 
 function measure() {
   const first = runs.map((run) => run.frames[0].t), last = runs.map((run) => run.frames[run.frames.length - 1].t);
-  span = [Math.min(...first), Math.max(...last)];
+  // Gauges of a run that goes on, or was killed, are ahead of its frames.
+  const ends = runs.flatMap((run) => run.curves.filter((curve) => curve.points).map((curve) => curve.values[2 * curve.points - 2]));
+  span = [Math.min(...first), Math.max(...last, ...ends)];
   bounds = runs.map((run) => {
     const [low, high] = [[0, 1, 2].map(() => Infinity), [0, 1, 2].map(() => -Infinity)];
     let reach = 0;
