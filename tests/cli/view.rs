@@ -64,6 +64,14 @@ fn pages_of_solve_and_of_two_runs() {
     let names: Vec<&str> = both.iter().filter_map(|run| run["name"].as_str()).collect();
     assert_eq!(names, ["sail", "calm"]);
     assert_eq!(both.iter().map(data::frame_count).collect::<Vec<_>>(), [11, 5]);
+    // Runs of one case have the names of their folders, and few frames are told.
+    let ended = bench.run(&["solve", "sail.json", "--out", "short", "--end", "0.1", "--quiet"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let ended = bench.run(&["view", "out", "short", "--out", "both"]);
+    assert!(ended.stderr.contains("The run wrote 2 frames; \"output.frames\""), "{}", ended.stderr);
+    let both = data::runs(&fs::read_to_string(bench.path("both/view.html")).expect("a page"));
+    let names: Vec<&str> = both.iter().filter_map(|run| run["name"].as_str()).collect();
+    assert_eq!(names, ["sail, out", "sail, short"]);
 }
 
 /// A run that was killed has no summary: it is shown as far as it went, and the page says so.
@@ -81,11 +89,21 @@ fn runs_that_were_killed_and_frames_that_are_not_finite() {
     assert_eq!(data::frame_count(&runs[0]), 11);
     // The unit of a gauge is known without a summary.
     assert_eq!(runs[0]["part"]["curves"]["heads"][0]["unit"], "N");
-    data::spoil_point(&bench.path("out/frames/sail_000004.vtu"));
+    data::spoil_point(&bench.path("out/frames/sail_000004.vtu"), f64::NAN);
     let ended = bench.run(&["view", "out"]);
     assert!(ended.stderr.contains("1 frame is left out: it has positions that are not finite"), "{}", ended.stderr);
     let runs = data::runs(&fs::read_to_string(bench.path("out/view.html")).expect("a page"));
     assert_eq!(data::frame_count(&runs[0]), 10);
+    // A scene that has blown up would leave the others a dot.
+    data::spoil_point(&bench.path("out/frames/sail_000007.vtu"), 1e7);
+    let ended = bench.run(&["view", "out"]);
+    assert!(
+        ended.stderr.contains("1 frame is left out, in which the scene is 1000 times as large"),
+        "{}",
+        ended.stderr
+    );
+    let runs = data::runs(&fs::read_to_string(bench.path("out/view.html")).expect("a page"));
+    assert_eq!(data::frame_count(&runs[0]), 9);
 }
 
 /// What cannot be shown is refused with a word on what was looked for.

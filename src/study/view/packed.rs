@@ -38,6 +38,11 @@ pub(super) struct PackedFrame {
 }
 
 impl PackedFrame {
+    /// [m] The longest side of its box.
+    pub(super) fn extent(&self) -> f64 {
+        self.head.step.iter().fold(0.0, |most: f64, step| most.max(step * STEPS))
+    }
+
     /// Packs a frame of a scene; `None` if it has a position that is not finite.
     ///
     /// # Errors

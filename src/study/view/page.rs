@@ -70,6 +70,11 @@ pub struct Part {
     curves: Curves,
 }
 
+/// [-] Extent of a scene over that of its first frame above which it has blown up.
+const BLOWN_UP: f64 = 1000.0;
+/// Frames below which there is hardly anything to play.
+const FEW: usize = 5;
+
 /// What a page is filled with.
 #[derive(Serialize)]
 struct Context<'a> {
@@ -89,6 +94,12 @@ pub(super) fn encoded(bytes: &[u8]) -> String {
     STANDARD.encode(packed)
 }
 
+/// Whether a frame shows a scene that is far larger than in the first one.
+fn blown_up(before: &[PackedFrame], frame: &PackedFrame) -> bool {
+    let first = before.first().map_or(0.0, PackedFrame::extent);
+    first > 0.0 && frame.extent() > BLOWN_UP * first
+}
+
 /// Frames of a run in memory.
 struct Frames {
     scene: Scene,
@@ -97,6 +108,8 @@ struct Frames {
     stride: usize,
     /// frames without finite positions
     dropped: usize,
+    /// frames of a scene that has blown up
+    apart: usize,
     next: usize,
 }
 
@@ -117,15 +130,16 @@ impl Frames {
         if numbers.last().is_some_and(|last| last + 1 < end) {
             numbers.push(end - 1);
         }
-        let (mut packed, mut dropped) = (Vec::new(), 0);
+        let (mut packed, mut dropped, mut apart): (Vec<PackedFrame>, _, _) = (Vec::new(), 0, 0);
         for at in numbers {
             let (t, file) = &run.frames[at];
             match PackedFrame::new(&scene, *t, &run.bytes(file)?).map_err(|what| bad(at, what))? {
+                Some(frame) if blown_up(&packed, &frame) => apart += 1,
                 Some(frame) => packed.push(frame),
                 None => dropped += 1,
             }
         }
-        Ok(Frames { scene, packed, stride, dropped, next: end })
+        Ok(Frames { scene, packed, stride, dropped, apart, next: end })
     }
 
     /// Leaves out every second frame, but not the last.
@@ -186,6 +200,16 @@ impl Frames {
         if self.dropped > 0 {
             let [are, they] = if self.dropped == 1 { ["frame is", "it has"] } else { ["frames are", "they have"] };
             notes.push(format!("{} {are} left out: {they} positions that are not finite.", self.dropped));
+        }
+        if self.apart > 0 {
+            let are = if self.apart == 1 { "frame is" } else { "frames are" };
+            notes.push(format!(
+                "{} {are} left out, in which the scene is {BLOWN_UP} times as large as at first.",
+                self.apart
+            ));
+        }
+        if run.word("/status").is_some() && run.frames.len() < FEW {
+            notes.push(format!("The run wrote {} frames; \"output.frames\" of its case gives more.", run.frames.len()));
         }
         notes
     }

@@ -21,8 +21,8 @@ pub(super) fn frame_count(run: &Value) -> usize {
     run["part"]["frames"].as_array().expect("frames").len()
 }
 
-/// Makes a coordinate of a frame NaN.
-pub(super) fn spoil_point(frame: &Path) {
+/// Changes a coordinate of a frame.
+pub(super) fn spoil_point(frame: &Path, coordinate: f64) {
     let mut bytes = fs::read(frame).expect("a frame");
     let head = String::from_utf8_lossy(&bytes).into_owned();
     let tag = head.lines().find(|line| line.contains("Name=\"Points\"")).expect("points");
@@ -31,7 +31,7 @@ pub(super) fn spoil_point(frame: &Path) {
     let mark = b"<AppendedData";
     let section = bytes.windows(mark.len()).position(|window| window == mark).expect("appended data");
     let begin = section + bytes[section..].iter().position(|byte| *byte == b'_').expect("a mark") + 1 + offset + 8;
-    bytes[begin..begin + 8].copy_from_slice(&f64::NAN.to_le_bytes());
+    bytes[begin..begin + 8].copy_from_slice(&coordinate.to_le_bytes());
     fs::write(frame, bytes).expect("written");
 }
 

@@ -26,6 +26,9 @@ function keysOf(runs) {
 function firstKeys(runs) {
   // A curve that is 0 throughout has nothing to tell.
   const all = keysOf(runs).filter((curve) => curve.peak && curve.peak[1] !== 0), told = all.filter((curve) => curve.first);
+  // The opening load is what people look for.
+  const later = (curve) => (curve.quantity === "drag" ? 0 : 1);
+  told.sort((a, b) => later(a) - later(b));
   return (told.length ? told : all).slice(0, FIRST).map((curve) => curve.key);
 }
 

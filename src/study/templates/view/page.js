@@ -115,7 +115,7 @@ function colourRange() {
   }
   const key = [state.field, state.span, [...state.off], runs.map((run) => run.frames.length)].join();
   if (state.range.key !== key) {
-    state.range = { key, value: shownRange(runs, null, state.span === "most" ? 0.01 : 0) };
+    state.range = { key, value: shownRange(runs, null, state.span === "most" ? 0.002 : 0) };
   }
   return state.range.value;
 }
