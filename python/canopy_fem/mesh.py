@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -75,13 +75,14 @@ def parachute(**parameters: Unpack[Parachute]) -> Mesh:
 def read(
     path: str | os.PathLike[str],
     *more: str | os.PathLike[str],
-    scale: float = 1.0,
-    axes: str = "z-up",
+    scale: float | None = None,
+    axes: str = "auto",
     translate: Sequence[float] = (0.0, 0.0, 0.0),
     edge: float | None = None,
     merge: float | None = None,
     orient: bool = False,
     diagonals: str = "one",
+    sew: Sequence[Mapping[str, Any]] = (),
 ) -> Mesh:
     """Reads a mesh file: VTK, Gmsh, OBJ, STL, PLY, OFF, Abaqus, LS-DYNA, Nastran, Kratos, DXF or glTF.
 
@@ -90,20 +91,22 @@ def read(
     Args:
         path: the file; its ending tells the format.
         more: further files of the same mesh, such as one with the lines of a canopy.
-        scale: [-] factor on all coordinates, 0.001 for millimetres.
-        axes: "z-up", or "y-up" for files whose y axis points up: (x, y, z) becomes (x, -z, y).
+        scale: [-] factor on all coordinates, 0.001 for millimetres; None follows a .dxf that states its unit.
+        axes: "auto", "z-up", or "y-up" for files whose y axis points up: (x, y, z) becomes (x, -z, y). "auto" turns glTF.
         translate: [m] (3,), added after scale.
         edge: [m] closed polylines of a .dxf are filled with triangles of about this edge length; None leaves lines.
         merge: [m] nodes at most this far apart are joined; None joins none.
         orient: whether triangles are turned so that all normals of a part are on one side.
         diagonals: "one" or "both" diagonals of quads become edges.
+        sew: seams along which flat pieces are joined, as in a case: [{"gores": ["gore-1"], "copies": 12}].
 
     Raises:
         OSError: a file that cannot be read, or is no mesh.
         CaseError: an option out of range.
     """
-    options = {"scale": scale, "axes": axes, "translate": list(translate)}
-    options |= {"edge": edge, "merge": merge, "orient": orient}
+    options = {"axes": axes, "translate": list(translate), "edge": edge, "merge": merge, "orient": orient}
+    options |= {} if scale is None else {"scale": scale}
+    options |= {"sew": [dict(seam) for seam in sew]} if sew else {}
     section = {"file": os.fspath(path), "with": [os.fspath(other) for other in more], **options, "diagonals": diagonals}
     return _core.generate(json.dumps(section), Path(""))
 

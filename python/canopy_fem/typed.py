@@ -80,12 +80,20 @@ class Parachute(TypedDict, total=False):
     arm_ratio: float | None
     rings: int | None
     slot_porosity: float | None
+    sails: int | None
+    verticals: int | None
+    fullness: float | None
+    cap_angle: float | None
+    height_ratio: float | None
+    pull_down: float | None
+    corner_cut: float | None
     disk: float | None
     gap: float | None
     band: float | None
     vent_lines: bool | None
     lines: Mapping[str, Any] | None
     inner_lines: Mapping[str, Any] | None
+    centre_line: Mapping[str, Any] | None
     riser: Mapping[str, Any] | None
     payload: Mapping[str, Any] | None
     cluster: Mapping[str, Any] | None

@@ -131,3 +131,20 @@ def test_files_are_repaired_as_a_case_says(tmp_path):
         cf.mesh.read(path, scale=-1.0)
     assert sail.write(tmp_path / "sail.vtu") == []
     assert "1 group" in sail.write(tmp_path / "sail.stl")[0]
+
+
+def test_flat_pieces_are_sewn(tmp_path):
+    """Two squares of a drawing become one sheet along a side of each."""
+    lines = ["0", "SECTION", "2", "ENTITIES"]
+    for layer, left in (("a", 0.0), ("b", 2.0)):
+        lines += ["0", "LWPOLYLINE", "8", layer, "90", "4", "70", "1"]
+        for x, y in ((0, 0), (1, 0), (1, 1), (0, 1)):
+            lines += ["10", str(left + x), "20", str(float(y))]
+    path = tmp_path / "two.dxf"
+    path.write_text("\n".join([*lines, "0", "ENDSEC", "0", "EOF", ""]))
+    apart = cf.mesh.read(path, edge=0.5)
+    sewn = cf.mesh.read(path, edge=0.5, sew=[{"edges": ["a.2", "b.4"]}])
+    assert len(sewn.nodes) < len(apart.nodes)
+    assert len(sewn.groups["seams"]["edges"]) >= 2
+    with pytest.raises(OSError, match="a.1"):
+        cf.mesh.read(path, edge=0.5, sew=[{"edges": ["a.2", "b.9"]}])
