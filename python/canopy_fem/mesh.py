@@ -92,7 +92,7 @@ def read(
         path: the file; its ending tells the format.
         more: further files of the same mesh, such as one with the lines of a canopy.
         scale: [-] factor on all coordinates, 0.001 for millimetres; None follows a .dxf that states its unit.
-        axes: "auto", which turns glTF, "z-up", or "y-up" for files whose y axis points up: (x, y, z) becomes (x, -z, y).
+        axes: "y-up" for files whose y axis points up: (x, y, z) becomes (x, -z, y); "z-up"; "auto" turns glTF alone.
         translate: [m] (3,), added after scale.
         edge: [m] closed polylines of a .dxf are filled with triangles of about this edge length; None leaves lines.
         merge: [m] nodes at most this far apart are joined; None joins none.
