@@ -143,8 +143,8 @@ def test_flat_pieces_are_sewn(tmp_path):
     path = tmp_path / "two.dxf"
     path.write_text("\n".join([*lines, "0", "ENDSEC", "0", "EOF", ""]))
     apart = cf.mesh.read(path, edge=0.5)
-    sewn = cf.mesh.read(path, edge=0.5, sew=[{"edges": ["a.2", "b.4"]}])
+    sewn = cf.mesh.read(path, edge=0.5, sew=[{"edges": ["a.2", "b.4"], "name": "hem"}])
     assert len(sewn.nodes) < len(apart.nodes)
-    assert len(sewn.groups["seams"]["edges"]) >= 2
+    assert len(sewn.groups["hem"]["edges"]) >= 2
     with pytest.raises(OSError, match="a.1"):
         cf.mesh.read(path, edge=0.5, sew=[{"edges": ["a.2", "b.9"]}])
