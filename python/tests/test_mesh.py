@@ -146,5 +146,5 @@ def test_flat_pieces_are_sewn(tmp_path):
     sewn = cf.mesh.read(path, edge=0.5, sew=[{"edges": ["a.2", "b.4"], "name": "hem"}])
     assert len(sewn.nodes) < len(apart.nodes)
     assert len(sewn.groups["hem"]["edges"]) >= 2
-    with pytest.raises(OSError, match="a.1"):
+    with pytest.raises(cf.CaseError, match="a.1"):
         cf.mesh.read(path, edge=0.5, sew=[{"edges": ["a.2", "b.9"]}])
