@@ -104,9 +104,17 @@ def read(
         OSError: a file that cannot be read, or is no mesh.
         CaseError: an option out of range.
     """
-    options = {"axes": axes, "translate": list(translate), "edge": edge, "merge": merge, "orient": orient}
-    options |= {} if scale is None else {"scale": scale}
-    options |= {"sew": [dict(seam) for seam in sew]} if sew else {}
+    options: dict[str, Any] = {
+        "axes": axes,
+        "translate": list(translate),
+        "edge": edge,
+        "merge": merge,
+        "orient": orient,
+    }
+    if scale is not None:
+        options["scale"] = scale
+    if sew:
+        options["sew"] = [dict(seam) for seam in sew]
     section = {"file": os.fspath(path), "with": [os.fspath(other) for other in more], **options, "diagonals": diagonals}
     return _core.generate(json.dumps(section), Path(""))
 
