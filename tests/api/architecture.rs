@@ -67,9 +67,6 @@ fn folders_of_a_crate_name_only_what_is_below_them() {
 fn nothing_a_user_can_cause_panics_by_design() {
     for folder in ["engine", "io", "mesh", "program", "study"] {
         for (path, text) in sources(folder) {
-            if path.ends_with("tests.rs") {
-                continue;
-            }
             let in_tests = |line: &str| line.starts_with("#[cfg(") && line.contains("test");
             for (number, line) in code(&text).take_while(|(_, line)| !in_tests(line)) {
                 for word in [".unwrap()", ".expect(", "panic!(", "todo!(", "unimplemented!(", "unreachable!("] {

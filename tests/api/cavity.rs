@@ -1,9 +1,8 @@
 //! Cavities in the case file: what is refused, and how runs of them behave.
 
 use crate::common::parachute::Parachute;
-use crate::common::run::{apart, case_of, changed, run, run_with};
+use crate::common::run::{apart, case_of, changed, network, run, run_with};
 use canopy_fem::case::Case;
-use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::drive::Status;
 use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::gauge::CANOPY_QUANTITIES;
@@ -28,13 +27,6 @@ fn filling(parachute: &Parachute) -> Value {
     let start = parachute.stretched(0.05 * parachute.nominal_diameter);
     network["initial"]["displacement"] = json!(parachute.displaced_to(&start));
     case
-}
-
-fn network(case: &Case) -> NetworkSpec {
-    match &case.problem().system {
-        SystemSpec::Network(spec) => (**spec).clone(),
-        SystemSpec::Pendulum(_) => panic!("a network"),
-    }
 }
 
 #[test]

@@ -1,8 +1,7 @@
 //! Canopies that fill ring by ring in the case file: what is refused, and how runs of them behave.
 
-use crate::common::run::{Run, apart, case_of, changed, follow, run, run_with};
+use crate::common::run::{Run, apart, case_of, changed, follow, network, run, run_with};
 use canopy_fem::case::Case;
-use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::drive::Status;
 use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::spec::{CanopyAir, ClothSpec, NetworkSpec, RingsSpec};
@@ -51,13 +50,6 @@ fn small() -> Value {
         }},
         "time": {"end": 0.3, "method": "newmark", "step": 1e-3}
     })
-}
-
-fn network(case: &Case) -> NetworkSpec {
-    match &case.problem().system {
-        SystemSpec::Network(spec) => (**spec).clone(),
-        SystemSpec::Pendulum(_) => panic!("a network"),
-    }
 }
 
 #[test]

@@ -2,14 +2,12 @@
 //! line does.
 
 use crate::common::parachute::Parachute;
-use crate::common::run::{apart, case_of, changed, follow, run};
+use crate::common::run::{apart, case_of, changed, follow, network, run};
 use canopy_fem::case::Case;
-use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::drive::Status;
 use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::gauge::CANOPY_QUANTITIES;
 use canopy_fem::model::observables::Observables;
-use canopy_fem::model::spec::NetworkSpec;
 use canopy_fem::model::system::System;
 use canopy_fem::scene::{BuildError, build_network};
 use serde_json::{Value, json};
@@ -27,13 +25,6 @@ fn tube() -> Value {
     let start = SMALL.stretched(RADIUS);
     case["system"]["network"]["initial"]["displacement"] = json!(SMALL.displaced_to(&start));
     case
-}
-
-fn network(case: &Case) -> NetworkSpec {
-    match &case.problem().system {
-        SystemSpec::Network(spec) => (**spec).clone(),
-        SystemSpec::Pendulum(_) => panic!("a network"),
-    }
 }
 
 /// A canopy that grows by s x, so that Vol' = 3 s Vol, has -k rho u|u|/2 more pressure, times the coefficient of a

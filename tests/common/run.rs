@@ -1,10 +1,12 @@
 //! Cases run through the library the way the program runs them, with what passes by kept.
 
 use canopy_fem::case::Case;
+use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::drive::Outcome;
 use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer, Point};
 use canopy_fem::model::forces::Role;
 use canopy_fem::model::observables::MembranePicture;
+use canopy_fem::model::spec::NetworkSpec;
 use canopy_fem::model::state::State;
 use canopy_fem::model::stop::Stop;
 use canopy_fem::scene::Scene;
@@ -12,6 +14,14 @@ use canopy_fem::simulation::{self, FollowSpec, FollowedState, bind, build_scene}
 use canopy_fem::statics::{self, StaticSpec};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+
+/// The specification of the network of a case.
+pub fn network(case: &Case) -> NetworkSpec {
+    match &case.problem().system {
+        SystemSpec::Network(spec) => (**spec).clone(),
+        SystemSpec::Pendulum(_) => panic!("a network"),
+    }
+}
 
 /// A case from memory; `sets` are what `--set` would replace.
 pub fn case_of(json: &serde_json::Value, sets: &[(&str, &str)]) -> Case {

@@ -25,8 +25,14 @@ fn together(parts: impl IntoIterator<Item = Parts>) -> Mesh {
     Mesh { edges: unique_edges(&triangles), nodes, triangles, ..Mesh::default() }
 }
 
+fn topology(mesh: &Mesh) -> Topology {
+    let found = mesh.check();
+    assert!(found.is_ok(), "{found:?}");
+    Topology::of_checked(mesh)
+}
+
 fn of(mesh: &Mesh) -> Look {
-    look(mesh, &Topology::new(mesh).expect("a mesh"), &[])
+    look(mesh, &topology(mesh), &[])
 }
 
 /// All that is told, by code.
@@ -58,9 +64,9 @@ fn gores_that_are_apart_are_joined_as_told() {
         let mesh = gores(4.0 * share, [6, 6]);
         let gaps = of(&mesh).gaps;
         assert_eq!(gaps.nodes, 84, "{share}");
-        let (_, away) = gaps.widest.expect("a pair");
+        let (_, away) = gaps.widest.unwrap_or_default();
         assert!((away / (8.0 * share * (TAU / 24.0).sin()) - 1.0).abs() < 1e-6, "{away}");
-        let (distance, closed) = gaps.merge.expect("a distance");
+        let (distance, closed) = gaps.merge.unwrap_or_default();
         let kept = crate::read::joined(&mesh.nodes, distance);
         let joined = (0_u32..).zip(&kept).filter(|(node, kept)| node != *kept).count();
         assert_eq!((joined, closed), (84, 0), "{share}: {distance}");
@@ -79,7 +85,7 @@ fn a_short_edge_hides_no_gap() {
     ]);
     let gaps = of(&mesh).gaps;
     assert_eq!(gaps.nodes, 11);
-    assert!(gaps.text().expect("a text").contains("--merge 2.1e-3"), "{:?}", gaps.text());
+    assert!(gaps.text().unwrap_or_default().contains("--merge 2.1e-3"), "{:?}", gaps.text());
 }
 
 /// Seams whose sides have nodes of their own are told as such, curved or straight, however narrow.
@@ -90,7 +96,7 @@ fn sides_with_other_nodes_are_open() {
         let upper = sheet([17, 6], |u, v| [u, curve(u) + away + v, 0.0]);
         let curved = together([sheet([12, 6], |u, v| [u, curve(u) - 1.0 + v, 0.0]), upper]);
         for mesh in [curved, gores(away, [6, 9])] {
-            let text = of(&mesh).gaps.text().expect("a text");
+            let text = of(&mesh).gaps.text().unwrap_or_default();
             assert!(
                 text.contains("the cloth is open along a seam") && text.contains("merge\" joins nodes only"),
                 "{text}"
@@ -262,7 +268,7 @@ fn units_and_axes_are_guessed() {
     let confluence = rigged.nodes.len() as u32 - 1;
     let ends = [23, 119, 215].map(|triangle| rigged.triangles[triangle][0]);
     rigged.edges.extend(ends.map(|node| [node, confluence]));
-    let along_y = |mesh: &Mesh| canopy_along_y(mesh, &Topology::new(mesh).expect("a mesh"));
+    let along_y = |mesh: &Mesh| canopy_along_y(mesh, &topology(mesh));
     assert!(!along_y(&dome(&|x| x)));
     assert!(along_y(&dome(&|[x, y, z]| [x, z, -y])));
     assert!(along_y(&rigged));
