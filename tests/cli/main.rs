@@ -27,6 +27,7 @@ mod resume;
 mod sewn;
 mod shell;
 mod stability;
+mod stages;
 mod statics;
 mod stiffening;
 mod study;

@@ -288,6 +288,9 @@ pub const DRAG: Quantity = Quantity::of("drag", "N").in_report(ReportLine::Drag)
 /// [-] Projected diameter over D0.
 pub const PROJECTED_RATIO: Quantity =
     Quantity::of("projected_ratio", "-").in_report(ReportLine::Ratio { symbol: "Dp/D0", of: "" });
+/// [-] Drag over the dynamic pressure and S0.
+pub const DRAG_COEFFICIENT: Quantity =
+    Quantity::signed("drag_coefficient", "-").in_report(ReportLine::Ratio { symbol: "CD0", of: " on S0" });
 /// \[deg\] Angle between the axis of a canopy and its motion through the air.
 pub const ANGLE_OF_ATTACK: Quantity = Quantity::of("angle_of_attack", "deg");
 
@@ -303,6 +306,6 @@ pub const CANOPY_QUANTITIES: [Quantity; 11] = [
     DRAG,
     Quantity::signed("pressure", "Pa"),
     PROJECTED_RATIO,
-    Quantity::signed("drag_coefficient", "-").in_report(ReportLine::Ratio { symbol: "CD0", of: " on S0" }),
+    DRAG_COEFFICIENT,
     ANGLE_OF_ATTACK,
 ];

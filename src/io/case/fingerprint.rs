@@ -88,6 +88,8 @@ impl Fingerprint {
             probes,
             gauges,
             quantities,
+            // They follow from the system.
+            stages: _,
             history_every,
             history_derived,
             checkpoint_every: _,

@@ -139,6 +139,8 @@ pub struct OutputSpec {
     pub gauges: Vec<GaugeSpec>,
     /// quantities that are asked for; empty: those of the report
     pub quantities: Vec<QuantityName>,
+    /// the stages of the run
+    pub stages: StagesSpec,
     /// how often `history.csv` has a row
     pub history_every: RowEvery,
     /// whether it is the default, which follows from the length of the run
@@ -147,6 +149,24 @@ pub struct OutputSpec {
     pub checkpoint_every: Option<f64>,
     /// how frames are written
     pub format: VtuFormat,
+}
+
+/// The stages of a run, as far as they are known before it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StagesSpec {
+    /// where they begin, ascending; the first is the start of the run. Empty without events and canopies
+    pub starts: Vec<StageStart>,
+    /// nodes of the payload, whose height is told; empty if it is not known
+    pub payload: Vec<u32>,
+}
+
+/// The start of a stage of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StageStart {
+    /// [s] when
+    pub t: f64,
+    /// what begins there, such as `opening` or `disreef 1`
+    pub name: String,
 }
 
 /// How often `history.csv` has a row, beside the first and the last state.

@@ -5,11 +5,12 @@ mod quantities;
 
 use super::quantity::UnknownQuantity;
 use super::schedule::RowSchedule;
+use super::stages::{StageReport, Stages, StagesSoFar};
 use super::statistics::SeriesSoFar;
-use crate::case::spec::{GaugeSpec, OutputSpec, ProbeSpec, RowEvery};
+use crate::case::spec::{GaugeSpec, OutputSpec, ProbeSpec, RowEvery, StagesSpec};
 use crate::drive::max_displacement::Displacement;
 use crate::drive::observer::{AcceptedStep, Energies};
-use crate::model::gauge::{CANOPY_QUANTITIES, Quantity, ReportLine, TENSION_MAX};
+use crate::model::gauge::{CANOPY_QUANTITIES, NodeGauge, Quantity, ReportLine, TENSION_MAX};
 use crate::model::observables::Observables;
 use crate::model::point::Point;
 use crate::model::quantity::QuantityName;
@@ -34,6 +35,7 @@ pub struct Channel {
 pub struct GaugesSoFar {
     channels: Vec<SeriesSoFar>,
     quantities: quantities::QuantitiesSoFar,
+    stages: StagesSoFar,
 }
 
 /// The largest value of a quantity of a gauge, for `summary.json`.
@@ -93,6 +95,8 @@ pub struct GaugesSpec<'a> {
     pub probes: &'a [ProbeSpec],
     /// quantities that are asked for
     pub quantities: &'a [QuantityName],
+    /// the stages of the run
+    pub stages: &'a StagesSpec,
     /// interval of the rows of canopies
     pub history: RowEvery,
     /// [s] end of the run
@@ -102,8 +106,8 @@ pub struct GaugesSpec<'a> {
 impl<'a> GaugesSpec<'a> {
     /// The gauges and quantities of a case in a run to `end` [s].
     pub fn of(output: &'a OutputSpec, end: f64) -> Self {
-        let OutputSpec { gauges, probes, quantities, history_every, .. } = output;
-        GaugesSpec { gauges, probes, quantities, history: *history_every, end }
+        let OutputSpec { gauges, probes, quantities, stages, history_every, .. } = output;
+        GaugesSpec { gauges, probes, quantities, stages, history: *history_every, end }
     }
 }
 
@@ -127,6 +131,7 @@ pub(super) struct Gauges {
     /// gauges and channels that are shown; the others are there for quantities
     shown: [usize; 2],
     quantities: Quantities,
+    stages: Stages,
     every_step: bool,
     /// the rows at which a canopy without any gauge is measured
     sampled: Option<RowSchedule>,
@@ -149,6 +154,7 @@ impl Gauges {
             values: Vec::new(),
             shown: [0; 2],
             quantities: Quantities::default(),
+            stages: Stages::default(),
             every_step: false,
             sampled: None,
             end: spec.end,
@@ -157,13 +163,18 @@ impl Gauges {
             let (columns, places, strength) = Places::of(picture, of);
             made.add(name, strength, columns, places, RowSchedule::Steps((*every).max(1)));
         }
+        let mut of_canopies = Vec::with_capacity(canopies);
         for canopy in 0..canopies {
+            of_canopies.push(made.channels.len());
             let name = if canopies == 1 { "canopy".to_owned() } else { format!("canopy {canopy}") };
             made.add(&name, None, &CANOPY_QUANTITIES, Places::Canopy(canopy), RowSchedule::of(spec.history));
         }
         made.shown = [made.gauges.len(), made.channels.len()];
         made.quantities = Quantities::find(&mut made, spec, canopies)?;
         made.every_step = !spec.gauges.is_empty() || made.gauges.len() > made.shown[0];
+        let StagesSpec { starts, payload } = spec.stages;
+        let height = made.height(payload, canopies);
+        made.stages = Stages::new(starts, made.channels(), of_canopies, height);
         made.sampled = (!made.every_step && canopies > 0).then(|| RowSchedule::of(spec.history));
         Ok(made)
     }
@@ -180,6 +191,16 @@ impl Gauges {
         self.gauges.push(Gauge { places, rows, channels, written: f64::NAN });
     }
 
+    /// Adds a gauge of the payload's position, and returns the channel of its height.
+    fn height(&mut self, payload: &[u32], canopies: usize) -> Option<usize> {
+        if payload.is_empty() || canopies == 0 {
+            return None;
+        }
+        let (of, first) = (NodeGauge::POSITION, self.channels.len());
+        self.add("payload", None, of.columns.all(), Places::Nodes(of, payload.to_vec()), RowSchedule::Steps(1));
+        Some(first + 2)
+    }
+
     /// Whether no step has to be measured.
     pub(super) fn is_empty(&self) -> bool {
         self.gauges.is_empty()
@@ -192,7 +213,8 @@ impl Gauges {
 
     /// What a checkpoint keeps.
     pub(super) fn kept(&self) -> GaugesSoFar {
-        GaugesSoFar { channels: self.series.clone(), quantities: self.quantities.so_far.clone() }
+        let (quantities, stages) = (self.quantities.so_far.clone(), self.stages.so_far.clone());
+        GaugesSoFar { channels: self.series.clone(), quantities, stages }
     }
 
     /// Takes up what a checkpoint kept.
@@ -201,6 +223,7 @@ impl Gauges {
             self.series.copy_from_slice(&kept.channels);
         }
         self.quantities.take_up(&kept.quantities);
+        self.stages.take_up(&kept.stages);
     }
 
     /// Skips the rows up to `t` [s].
@@ -302,6 +325,7 @@ impl Gauges {
             self.quantities.catch(quantities::Source::Channel(number), series, t, value);
             series.note(t, value, channel.quantity.peak, self.end);
         }
+        self.stages.note(t, &self.values);
     }
 
     /// The peaks so far.
@@ -326,6 +350,11 @@ impl Gauges {
             }
         };
         peaks.map(peak).collect()
+    }
+
+    /// The stages so far.
+    pub(super) fn stages(&self) -> Vec<StageReport> {
+        self.stages.reports(self.channels(), &self.series, self.end)
     }
 
     /// The quantities so far.

@@ -30,6 +30,7 @@ pub mod rows;
 pub mod sanitize;
 pub mod schedule;
 pub mod space;
+pub mod stages;
 pub mod statistics;
 pub mod summary;
 pub mod writer;

@@ -11,6 +11,7 @@ use super::request::{check, files_spec};
 use super::rows::HistoryRow;
 use super::schedule::CheckpointSchedule;
 use super::schedule::{FrameDue, RowSchedule, Schedule, TimeInStep, tolerance};
+use super::stages::StageReport;
 use super::writer::{Message, ResultWriter};
 use crate::case::spec::RowEvery;
 use crate::drive::observer::{
@@ -145,6 +146,11 @@ impl<'a> Recorder<'a> {
     /// The largest values that gauges have measured.
     pub fn peaks(&self) -> Vec<Peak> {
         self.gauges.peaks()
+    }
+
+    /// What the gauges reached in each stage of the run.
+    pub fn stages(&self) -> Vec<StageReport> {
+        self.gauges.stages()
     }
 
     /// The quantities of the run.

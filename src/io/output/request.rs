@@ -8,7 +8,7 @@ use super::gauges::{Gauges, GaugesSpec};
 use super::quantity::UnknownQuantity;
 use super::resume::ResumeError;
 use super::sanitize::file_stem;
-use crate::case::spec::{CrossingSearch, GaugeOf, GaugeSpec, ProbeSpec, Problem, RowEvery};
+use crate::case::spec::{CrossingSearch, GaugeOf, GaugeSpec, ProbeSpec, Problem, RowEvery, StagesSpec};
 use crate::drive::observer::ObserveError;
 use crate::model::observables::Observables;
 use crate::model::quantity::QuantityName;
@@ -40,6 +40,8 @@ pub struct RecorderSpec {
     pub gauges: Vec<GaugeSpec>,
     /// quantities that are asked for; empty: those of the report
     pub quantities: Vec<QuantityName>,
+    /// the stages of the run
+    pub stages: StagesSpec,
     /// interval of the history rows
     pub history_every: RowEvery,
     /// encoding of the frames' arrays
@@ -49,8 +51,8 @@ pub struct RecorderSpec {
 impl RecorderSpec {
     /// What is measured, with the rows of canopies `history` apart.
     pub(super) fn gauges(&self, history: RowEvery) -> GaugesSpec<'_> {
-        let RecorderSpec { gauges, probes, quantities, end, .. } = self;
-        GaugesSpec { gauges, probes, quantities, history, end: *end }
+        let RecorderSpec { gauges, probes, quantities, stages, end, .. } = self;
+        GaugesSpec { gauges, probes, quantities, stages, history, end: *end }
     }
 
     /// The request of a case, for a folder.
@@ -67,6 +69,7 @@ impl RecorderSpec {
             probes: output.probes.clone(),
             gauges: output.gauges.clone(),
             quantities: output.quantities.clone(),
+            stages: output.stages.clone(),
             history_every: output.history_every,
             format: output.format,
         }

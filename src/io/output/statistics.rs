@@ -57,12 +57,12 @@ impl Default for SeriesSoFar {
     }
 }
 
-/// [s] When the last part of a run to `end` [s] begins.
-fn late_from(end: f64) -> f64 {
-    (1.0 - LAST_PART) * end
-}
-
 impl SeriesSoFar {
+    /// [s] When the last part of a run to `end` [s] begins.
+    pub(super) fn late_from(end: f64) -> f64 {
+        (1.0 - LAST_PART) * end
+    }
+
     /// Adds the value at `t` [s] of a run to `end` [s], by the trapezoidal rule. A value that is not finite is left
     /// out.
     pub fn note(&mut self, t: f64, value: f64, rule: PeakRule, end: f64) {
@@ -85,7 +85,7 @@ impl SeriesSoFar {
         if self.first.is_nan() {
             self.first = t;
         }
-        let begins = late_from(end);
+        let begins = Self::late_from(end);
         if t > self.t {
             let mean = |from: f64| 0.5 * (self.at(from, t, value) + value) * (t - from);
             let late = if t > begins { mean(self.t.max(begins)) } else { 0.0 };
@@ -115,7 +115,7 @@ impl SeriesSoFar {
 
     /// Mean over the last tenth of a run to `end` [s]; NaN for a run that did not come so far.
     pub fn late_mean(&self, end: f64) -> f64 {
-        let begins = late_from(end).max(self.first);
+        let begins = Self::late_from(end).max(self.first);
         if self.t > begins { self.integrals[1] / (self.t - begins) } else { f64::NAN }
     }
 
@@ -140,7 +140,7 @@ impl SeriesSoFar {
     /// Whether it changed by less than 1 % over the last tenth of a run to `end` [s].
     pub fn is_steady(&self, end: f64) -> bool {
         let [from, late] = self.late;
-        from >= late_from(end) && (self.last - late).abs() <= STEADY * self.last.abs()
+        from >= Self::late_from(end) && (self.last - late).abs() <= STEADY * self.last.abs()
     }
 }
 

@@ -10,6 +10,7 @@ use super::crossings::CrossingReport;
 use super::csv::write_fault;
 use super::gauges::{MeasuredQuantity, Peak};
 use super::quantity::QuantityReports;
+use super::stages::StageReport;
 use crate::analysis::growing::GrowingMotion;
 use crate::case::spec::Problem;
 use crate::drive::observer::{Energies, ObserveError};
@@ -147,6 +148,9 @@ pub struct Summary {
     /// largest values of the gauges; not given without gauges
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub peaks: Vec<Peak>,
+    /// what the gauges reached in each stage; not given without canopies and events
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<StageReport>,
     /// the numbers of the report and those that are asked for, by name; not given for an equilibrium
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub quantities: QuantityReports,
@@ -201,6 +205,7 @@ impl Summary {
             final_ledger: outcome.ledger,
             mass_scaling: None,
             peaks: Vec::new(),
+            stages: Vec::new(),
             quantities: QuantityReports::new(),
             crossings: None,
             groups: BTreeMap::new(),

@@ -266,6 +266,7 @@ impl Prepared<'_> {
             resumed_from,
             case_digest,
             peaks: recorder.peaks(),
+            stages: recorder.stages(),
             crossings: recorder.crossings().cloned(),
             groups: self.groups.clone(),
             startup: self.timer.read(),

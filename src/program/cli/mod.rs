@@ -23,6 +23,7 @@ pub mod schema;
 mod shell;
 mod solve;
 pub mod stability;
+mod stages;
 mod static_;
 mod study;
 pub mod sweep;

@@ -1,6 +1,7 @@
 //! The report of `canopy-fem solve` on a finished run, and what it says of a failed one.
 
 use super::progress::LONG_START;
+use super::stages;
 use super::terminal::coloured;
 use crate::analysis::warnings::worth;
 use crate::drive::max_displacement::Displacement;
@@ -120,6 +121,7 @@ fn describe_motion(text: &mut String, recorded: &Recorded, step: f64) {
     let distance = if error.is_some() { with_error(*distance, error) } else { format!("{distance:.6}") };
     let _ = writeln!(text, "  displacement    {distance} m at the end, the largest, of node {node}");
     summary.peaks.iter().filter_map(peak).for_each(|line| text.push_str(&line));
+    text.push_str(&stages::lines(&summary.stages));
 }
 
 /// What the energy error says of a run. Whether energy was lost or made is told by the account at the end, so it is

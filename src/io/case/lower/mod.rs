@@ -20,6 +20,7 @@ mod point;
 mod rings;
 mod select;
 mod springs;
+mod stages;
 mod stiffness;
 mod supports;
 mod surface;
@@ -106,6 +107,12 @@ pub(crate) fn build(
     let output = output.map(|mut output| {
         output.gauges.extend(strengths);
         output.quantities = quantities;
+        if let (Some(SystemSpec::Network(spec)), System::Network(network), Some(timing)) =
+            (&system, &file.system, &timing)
+        {
+            let geometry = geometry.as_deref().filter(|_| whole.is_none());
+            output.stages = stages::stages(network, spec, geometry, timing.spec.end);
+        }
         output
     });
     let timing = timing?;

@@ -7,7 +7,7 @@ use super::select::{self, NodeSet};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Every, Field, Gauge, Output, Probe};
-use crate::case::spec::{GaugeOf, GaugeSpec, OutputSpec, ProbeSpec, RowEvery, TimeSpec};
+use crate::case::spec::{GaugeOf, GaugeSpec, OutputSpec, ProbeSpec, RowEvery, StagesSpec, TimeSpec};
 use crate::model::gauge::NodeQuantity;
 use crate::model::gauge::{GaugeKind, NodeGauge, SpringGauge};
 use crate::model::spec::SpringGroup;
@@ -49,6 +49,7 @@ pub(super) fn output(
         probes,
         gauges,
         quantities: Vec::new(),
+        stages: StagesSpec::default(),
         checkpoint_every: section.checkpoint.map(|c| c.every),
         format: VtuFormat { compression: section.compression, precision: section.precision, ..VtuFormat::default() },
         history_derived: history.is_none(),
