@@ -41,6 +41,7 @@ fn spec(dir: &Path) -> RecorderSpec {
         ],
         gauges: Vec::new(),
         quantities: Vec::new(),
+        stages: canopy_fem::case::spec::StagesSpec::default(),
         history_every: RowEvery::Steps(1),
         format: VtuFormat::default(),
     }

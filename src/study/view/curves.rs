@@ -4,11 +4,12 @@ use super::page::encoded;
 use crate::model::gauge::{CANOPY_QUANTITIES, CROSSINGS, GaugeKind, GaugeQuantity, PeakRule, Quantity};
 use crate::output::files::{GAUGES, HISTORY};
 use crate::output::rows::{HISTORY_HEADER, HistoryRow};
+use crate::output::stages::{StagePeak, StageReport};
 use crate::plot::PlotError;
 use crate::plot::decimate::thin;
 use crate::plot::results::{GaugePath, read_gauges, units};
 use crate::plot::table::rows;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -57,8 +58,19 @@ pub(super) struct CurveHead {
     pub points: usize,
     /// time [s] and value of its peak
     pub peak: Option<[f64; 2]>,
+    /// peaks of the stages of the run, but for the one that is the peak of the whole run
+    pub stages: Vec<StageMark>,
     /// whether it is shown without being asked for: what the report of a run tells of gauges
     pub first: bool,
+}
+
+/// The peak of a curve in a stage of the run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct StageMark {
+    /// name of the stage
+    pub name: String,
+    /// time [s] and value
+    pub at: [f64; 2],
 }
 
 impl Curves {
@@ -83,12 +95,24 @@ impl Curves {
                 curves.push((path, !any));
             }
         }
-        Ok(packed(&curves))
+        let stages = summary.and_then(|summary| Vec::deserialize(summary.get("stages")?).ok()).unwrap_or_default();
+        Ok(packed(&curves, &stages))
     }
 }
 
+/// The peaks of a gauge in the stages of a run, of which 0 is none.
+fn marks(stages: &[StageReport], gauge: &GaugePath, of_run: Option<[f64; 2]>) -> Vec<StageMark> {
+    let mark = |stage: &StageReport| {
+        let own = |peak: &&StagePeak| peak.name == gauge.name && peak.quantity == gauge.quantity;
+        let peak = stage.peaks.iter().find(own)?;
+        Some(StageMark { name: stage.name.clone(), at: [peak.t?, peak.value] })
+    };
+    let told = |mark: &StageMark| mark.at[1] != 0.0 && of_run.is_none_or(|peak| peak[0] != mark.at[0]);
+    stages.iter().filter_map(mark).filter(told).collect()
+}
+
 /// The curves with the bytes of their points.
-fn packed(curves: &[(GaugePath, bool)]) -> Curves {
+fn packed(curves: &[(GaugePath, bool)], stages: &[StageReport]) -> Curves {
     let (mut heads, mut bytes) = (Vec::new(), Vec::new());
     for (path, first) in curves {
         let finite: Vec<(f64, f64)> =
@@ -100,13 +124,14 @@ fn packed(curves: &[(GaugePath, bool)]) -> Curves {
         let signed = known.is_some_and(|column| column.peak == PeakRule::LargestMagnitude);
         let size = |(_, value): &(f64, f64)| if signed { value.abs() } else { *value };
         // The first of equal ones.
-        let peak = finite.iter().rev().max_by(|a, b| size(a).total_cmp(&size(b)));
+        let peak = finite.iter().rev().max_by(|a, b| size(a).total_cmp(&size(b))).map(|(t, value)| [*t, *value]);
         heads.push(CurveHead {
             name: path.name.clone(),
             quantity: path.quantity.replace('_', " "),
             unit: unit.replace("^2", "²").replace("^3", "³"),
             points: kept.len(),
-            peak: peak.map(|(t, value)| [*t, *value]),
+            peak,
+            stages: marks(stages, path, peak),
             first: *first,
         });
     }

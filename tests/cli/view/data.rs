@@ -172,3 +172,36 @@ fn large_scenes() {
     assert_eq!(frames[frames.len() - 1]["t"], 0.799);
     assert!(ended.stderr.contains("of 800 frames is shown, so that the page stays small"), "{}", ended.stderr);
 }
+
+/// The peaks of the stages of a run are on its curves, but for the one that is the peak of the whole run.
+#[test]
+fn peaks_of_stages_are_marked() {
+    let bench = bench();
+    let gauge = r#"output.gauges=[{"name": "pole", "on": {"ids": [0, 3]}, "of": "reaction"}]"#;
+    let ended = bench.solve(&["--set", gauge, "--set", "system.network.supports.0.until=0.6"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let (run, summary) = (runs(&page(&bench, &["out"])).remove(0), bench.results().summary());
+    let heads = run["part"]["curves"]["heads"].as_array().expect("curves").clone();
+    let head = heads.iter().find(|head| head["quantity"] == "reaction total").expect("a curve");
+    let peak = |stage: &Value| {
+        let all = stage["peaks"].as_array().expect("peaks");
+        let own = all.iter().find(|peak| peak["quantity"] == "reaction_total").expect("a peak");
+        [number(&own["t"]), number(&own["value"])]
+    };
+    let stages = summary["stages"].as_array().expect("stages");
+    assert_eq!([&stages[0]["name"], &stages[1]["name"]], ["start", "release 1"]);
+    // Nothing reacts after the release: the peak of the run is that of the first stage, and the other one is 0.
+    assert_eq!(head["peak"], serde_json::json!(peak(&stages[0])));
+    assert_eq!(peak(&stages[1])[1], 0.0);
+    assert_eq!(head["stages"], serde_json::json!([]));
+
+    let ended = bench.solve(&["--force", "--set", gauge, "--set", "system.network.springs.0.cut=0.6"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let (run, summary) = (runs(&page(&bench, &["out"])).remove(0), bench.results().summary());
+    let heads = run["part"]["curves"]["heads"].as_array().expect("curves").clone();
+    let head = heads.iter().find(|head| head["quantity"] == "reaction total").expect("a curve");
+    let both: Vec<[f64; 2]> = summary["stages"].as_array().expect("stages").iter().map(peak).collect();
+    let smaller = both.iter().position(|peak| head["peak"] != serde_json::json!(peak)).expect("a smaller one");
+    assert_eq!(head["stages"][0]["at"], serde_json::json!(both[smaller]));
+    assert_eq!(head["stages"].as_array().expect("a list").len(), 1);
+}

@@ -67,6 +67,11 @@ function chartOf(within, runs, key, span, seek) {
     svg("circle", { class: `peak run-${run}`, cx: x(peak[0]), cy: y(peak[1]), r: 3.5 }, drawing);
     const told = element("button", caption, `${runs.length > 1 ? runs[run].name + ": " : ""}peak ${figures(peak[1])} at ${figures(peak[0])} s`, { class: `key-${run}` });
     told.addEventListener("click", () => seek(peak[0]));
+    for (const { name, at } of curve.stages) {
+      svg("circle", { class: `peak run-${run}`, cx: x(at[0]), cy: y(at[1]), r: 2.5 }, drawing);
+      const stage = element("button", caption, `${name}: ${figures(at[1])} at ${figures(at[0])} s`, { class: `key-${run}` });
+      stage.addEventListener("click", () => seek(at[0]));
+    }
   });
   const now = element("span", caption, "", { class: "now" });
   const cursor = svg("line", { class: "cursor", y1: box.top, y2: box.bottom }, drawing);
