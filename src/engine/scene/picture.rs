@@ -150,6 +150,17 @@ impl Springs for Network {
         }
     }
 
+    fn rest_lengths(&self, t: f64, out: &mut [f64]) {
+        out.fill(f64::NAN);
+        for batch in &self.acting.springs {
+            let scale = batch.data.rest_scale_at(t);
+            for (rest, &edge) in batch.data.rest_length.iter().zip(batch.edges.iter()) {
+                // NaN stands for "no spring yet", which min ignores.
+                out[edge as usize] = out[edge as usize].min(scale * rest);
+            }
+        }
+    }
+
     fn fastest_spring(&self, dof: usize) -> Option<u32> {
         let node = (dof / 3) as u32;
         let mut fastest: Option<(f64, u32)> = None;

@@ -12,6 +12,7 @@ use crate::model::forces::Role;
 use crate::model::stop::Stop;
 use crate::output::crossings::CrossingReport;
 use crate::output::folder::{ResultFolder, SUMMARY};
+use crate::output::frame::Fields;
 use crate::output::modes::write_modes;
 use crate::output::recorder::{Recorder, RecorderSpec};
 use crate::output::summary::{EquilibriumReport, Summary};
@@ -98,7 +99,10 @@ pub fn record_static_watched(
     check_solver(problem, &*scene, case.source())?;
     let replace = how.earlier == EarlierResults::Replace;
     let folder = ResultFolder::prepare(how.out, &problem.name, replace)?;
-    let spec = RecorderSpec { frames_every: None, ..RecorderSpec::of(problem, folder.dir()) };
+    let spec = RecorderSpec::of(problem, folder.dir());
+    // What `initial.keep` of a further run takes up.
+    let fields = Fields { tension: true, rest_length: true, ..spec.fields };
+    let spec = RecorderSpec { frames_every: None, fields, ..spec };
     let mut recorder = Recorder::new(&*scene, &spec)?;
     let newton = problem.solver.newton;
     let asked = StaticSpec {
