@@ -32,6 +32,9 @@ pub trait Springs {
     /// The springs on some edges (ascending), of one rule or of all.
     fn springs_on(&self, edges: &[u32], rule: Option<usize>) -> Vec<SpringPlace>;
 
+    /// The edge of a spring.
+    fn edge_of(&self, spring: SpringPlace) -> Option<u32>;
+
     /// [N] Tension of a spring with its axial dashpot.
     fn spring_tension(&self, at: StateRef<'_>, spring: SpringPlace) -> f64;
 

@@ -132,6 +132,10 @@ impl Springs for Network {
         places.collect()
     }
 
+    fn edge_of(&self, SpringPlace { rule, number }: SpringPlace) -> Option<u32> {
+        self.acting.springs.get(rule as usize)?.edges.get(number as usize).copied()
+    }
+
     fn spring_tension(&self, at: StateRef<'_>, SpringPlace { rule, number }: SpringPlace) -> f64 {
         let Some(batch) = self.acting.springs.get(rule as usize) else { return f64::NAN };
         if batch.cut.get() {

@@ -97,7 +97,9 @@ impl FrameSize {
         let Fields { force, reaction, .. } = self.fields;
         let vectors = 2 + usize::from(force) + usize::from(reaction);
         let membranes = size_of::<MembranePicture>() * self.membranes();
-        size_of::<f64>() * (3 * vectors * self.nodes + 2 * self.springs() + self.lengths() + self.faces()) + membranes + self.flags()
+        size_of::<f64>() * (3 * vectors * self.nodes + 2 * self.springs() + self.lengths() + self.faces())
+            + membranes
+            + self.flags()
     }
 
     /// Length of the array on triangles.

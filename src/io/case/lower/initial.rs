@@ -1,9 +1,9 @@
 //! Initial displacement and velocity.
 
 use super::geometry::Geometry;
+use super::prestress::Prestress;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use super::prestress::Prestress;
 use crate::case::schema::{FrameFile, Initial, InitialFrom, Keep, Vectors};
 use crate::drive::Status;
 use crate::format_number::{figures, first_few};

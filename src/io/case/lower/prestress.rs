@@ -48,9 +48,7 @@ impl Prestress {
         match stiffness {
             Stiffness::Uniform(k) => k * self.length[edge as usize],
             Stiffness::Axial(ea) => ea,
-            Stiffness::Membrane(et) => {
-                geometry.net_stiffness(et, edge as usize, |_| true) * self.length[edge as usize]
-            }
+            Stiffness::Membrane(et) => geometry.net_stiffness(et, edge as usize, |_| true) * self.length[edge as usize],
         }
     }
 
@@ -64,7 +62,7 @@ impl Prestress {
         let rest = |&edge: &u32| {
             let (length, tension) = (self.length[edge as usize], self.tension[edge as usize]);
             if tension.abs() <= NO_TENSION * largest {
-                return Ok(idle(law.slack, length, before(edge)));
+                return Ok(without_tension(law.slack, length, before(edge)));
             }
             let one = self.rigidity_of(law.stiffness, edge, geometry);
             law.rest_length(length, tension * one / self.rigidity[edge as usize], one).ok_or(edge)
@@ -76,7 +74,7 @@ impl Prestress {
 }
 
 /// [m] Rest length of a spring without tension: that of before where it is slack with it, else its length.
-fn idle(slack: Slack, length: f64, before: Option<f64>) -> f64 {
+fn without_tension(slack: Slack, length: f64, before: Option<f64>) -> f64 {
     let stays = |rest: &f64| match slack {
         Slack::TensionOnly => length <= *rest,
         Slack::DeadZone { eps } => length - rest <= eps,

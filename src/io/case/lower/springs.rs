@@ -224,7 +224,8 @@ fn group(
         Ok(kept) => kept,
         Err(bad) if rule.rest_length.is_none() && !matches!(rule.rest_scale, Some(Factor::Constant(_))) => {
             let value = format!("a law that does not have the tensions kept on edges {}", first_few(&bad));
-            let hint = "give these edges a rule whose springs carry them: stiff enough, and in compression where they push";
+            let hint =
+                "give these edges a rule whose springs carry them: stiff enough, and in compression where they push";
             faults.add_value(at, value, "springs that can carry what initial.keep says", Some(hint.to_owned()));
             return None;
         }

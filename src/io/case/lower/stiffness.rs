@@ -49,12 +49,7 @@ pub(super) fn stiffness(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>
             Some(Stiffness::Membrane(m.modulus * m.thickness))
         }
         (None, None, None) => {
-            faults.add_value(
-                at,
-                "a spring rule without stiffness",
-                ONE_STIFFNESS,
-                None,
-            );
+            faults.add_value(at, "a spring rule without stiffness", ONE_STIFFNESS, None);
             None
         }
         _ => {

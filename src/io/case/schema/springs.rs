@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::select::EdgeSelection;
 use super::per_node::PerEdge;
+use super::select::EdgeSelection;
 use super::table::Factor;
 
 /// Springs on some edges. An edge that no rule selects has no spring. A rule for a group adds its springs to all edges

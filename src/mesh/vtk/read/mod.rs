@@ -164,8 +164,13 @@ pub struct FrameLines {
 /// Why this is no frame of one piece.
 pub fn frame_lines(bytes: &[u8]) -> Result<FrameLines, String> {
     let piece = only_piece(bytes, &["tension", "rest_length"])?;
-    let lines: Vec<(usize, [u64; 2])> =
-        piece.cells.iter().map(|(_, ends)| ends).enumerate().filter_map(|(i, ends)| Some((i, ends.try_into().ok()?))).collect();
+    let lines: Vec<(usize, [u64; 2])> = piece
+        .cells
+        .iter()
+        .map(|(_, ends)| ends)
+        .enumerate()
+        .filter_map(|(i, ends)| Some((i, ends.try_into().ok()?)))
+        .collect();
     let array = |name| {
         let values = named_array(&piece.cell_data, name)?;
         lines.iter().map(|(cell, _)| values.get(*cell).copied()).collect::<Option<Vec<f64>>>()
