@@ -211,14 +211,17 @@ def springs(grid, name):
     made.GetMapper().ScalarVisibilityOn()
     made.GetMapper().SetLookupTable(table)
     made.GetMapper().SetScalarRange(*scalars.GetRange())
+    # Sides of triangles are drawn over them.
+    made.GetMapper().SetResolveCoincidentTopologyToPolygonOffset()
+    made.GetMapper().SetRelativeCoincidentTopologyLineOffsetParameters(0, -20)
     bar = vtk.vtkScalarBarActor()
     bar.SetLookupTable(table)
     bar.SetTitle(UNITS.get(name, name))
     bar.SetNumberOfLabels(4)
     bar.SetLabelFormat("%.3g")
     bar.SetOrientationToHorizontal()
-    bar.SetPosition(0.2, 0.82)
-    bar.SetPosition2(0.6, 0.16)
+    bar.SetPosition(0.2, 0.85)
+    bar.SetPosition2(0.6, 0.14)
     for text in (bar.GetTitleTextProperty(), bar.GetLabelTextProperty()):
         text.SetColor(0.1, 0.1, 0.2)
         text.ShadowOff()
@@ -328,7 +331,7 @@ GALLERY = [
     ("dgb-aspire", f"{CASES}/parachute/dgb-aspire.json", dict(times=[0, 1.5], elevation=20)),
     ("gores-sewn", f"{OWN}/gores-sewn.json", dict(times=[0, 0.3], elevation=10, height=320)),
     ("saddle-net", f"{CASES}/saddle-net.json",
-     dict(command="static --at 1", times=[], colour="plain", lines="tension", azimuth=40, elevation=25, width=640, height=400, zoom=1.1)),
+     dict(command="static --at 1", times=[], colour="plain", lines="tension", azimuth=70, elevation=35, width=640, height=420)),
     ("cloth", f"{CASES}/cloth-k1000.json", dict(times=[0.1, 0.3, 2], colour="speed", elevation=25, height=300)),
 ]
 
