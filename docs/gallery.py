@@ -3,10 +3,12 @@
 
     docs/gallery.py draw out/c9-drop c9.png --times 0 0.4 0.8 8     frames of a run, side by side
     docs/gallery.py draw out/rim rim.png --colour pressure --azimuth 30 --elevation 20
+    docs/gallery.py draw out/snow net.png --colour plain --lines tension --elevation 25
     docs/gallery.py all                                             runs the cases of the guide's gallery and draws them
 
 Triangles are coloured by `--colour`: `gores` (by turns, for canopies with a group `radials`), `plain`, `speed`, `pressure`
-(or any other array of the triangles or nodes). Lines are edges that belong to no triangle. Points of a frame are where the
+(or any other array of the triangles or nodes). Lines are edges that belong to no triangle; with `--lines` all that have a spring,
+coloured by an array, with a bar that says from where to where. Points of a frame are where the
 nodes are at that time, so nothing is moved by the displacement.
 """
 
@@ -38,6 +40,8 @@ class Picture:
     # further runs, of which the last frames are drawn, each with its name
     beside: list = field(default_factory=list)
     colour: str = "gores"
+    # array of the springs
+    lines: str | None = None
     # [degrees] of the camera around z, and above the horizontal
     azimuth: float = 60.0
     elevation: float = -12.0
@@ -188,6 +192,46 @@ def cloth(grid, triangles, colour, limits):
     return made
 
 
+def springs(grid, name):
+    """The edges with a spring, coloured by an array, and the bar of its colours."""
+    rest, array = (grid.GetCellData().GetArray(key) for key in ("rest_length", name))
+    if rest is None or array is None:
+        sys.exit(f"frames have no arrays 'rest_length' and {name!r}; `canopy-fem static` writes them")
+    chosen = [k for k in range(grid.GetNumberOfCells()) if rest.GetTuple1(k) >= 0]
+    data = mesh(grid, [(k, [grid.GetCell(k).GetPointId(0), grid.GetCell(k).GetPointId(1)]) for k in chosen])
+    scalars = vtk.vtkDoubleArray()
+    for k in chosen:
+        scalars.InsertNextValue(array.GetTuple1(k))
+    data.GetCellData().SetScalars(scalars)
+    table = vtk.vtkLookupTable()
+    table.SetHueRange(0.62, 0.0)
+    table.SetSaturationRange(0.75, 0.85)
+    table.Build()
+    made = actor(data, LINES, line_width=4)
+    made.GetMapper().ScalarVisibilityOn()
+    made.GetMapper().SetLookupTable(table)
+    made.GetMapper().SetScalarRange(*scalars.GetRange())
+    # Sides of triangles are drawn over them.
+    made.GetMapper().SetResolveCoincidentTopologyToPolygonOffset()
+    made.GetMapper().SetRelativeCoincidentTopologyLineOffsetParameters(0, -20)
+    bar = vtk.vtkScalarBarActor()
+    bar.SetLookupTable(table)
+    bar.SetTitle(UNITS.get(name, name))
+    bar.SetNumberOfLabels(4)
+    bar.SetLabelFormat("%.3g")
+    bar.SetOrientationToHorizontal()
+    bar.SetPosition(0.2, 0.85)
+    bar.SetPosition2(0.6, 0.14)
+    for text in (bar.GetTitleTextProperty(), bar.GetLabelTextProperty()):
+        text.SetColor(0.1, 0.1, 0.2)
+        text.ShadowOff()
+        text.ItalicOff()
+    return made, bar
+
+
+UNITS = {"tension": "tension [N]", "strain": "strain [-]", "rest_length": "rest length [m]"}
+
+
 def ball(centre, radius):
     """A payload."""
     sphere = vtk.vtkSphereSource()
@@ -239,7 +283,11 @@ def draw(picture):
         renderer.SetBackground(0.88, 0.93, 0.98)
         if triangles:
             renderer.AddActor(cloth(grid, triangles, picture.colour, limits))
-        if edges:
+        if picture.lines:
+            made, bar = springs(grid, picture.lines)
+            renderer.AddActor(made)
+            renderer.AddViewProp(bar)
+        elif edges:
             renderer.AddActor(actor(mesh(grid, edges), LINES))
         for node in members(grid, "payload", cell_data=False):
             renderer.AddActor(ball(grid.GetPoint(node), 0.02 * size))
@@ -282,6 +330,8 @@ GALLERY = [
     ("cluster", f"{CASES}/parachute/cluster.json", dict(times=[0, 3, 10], elevation=-5, azimuth=90)),
     ("dgb-aspire", f"{CASES}/parachute/dgb-aspire.json", dict(times=[0, 1.5], elevation=20)),
     ("gores-sewn", f"{OWN}/gores-sewn.json", dict(times=[0, 0.3], elevation=10, height=320)),
+    ("saddle-net", f"{CASES}/saddle-net.json",
+     dict(command="static --at 1", times=[], colour="plain", lines="tension", azimuth=70, elevation=35, width=640, height=420)),
     ("cloth", f"{CASES}/cloth-k1000.json", dict(times=[0.1, 0.3, 2], colour="speed", elevation=25, height=300)),
 ]
 
@@ -294,7 +344,8 @@ def gallery():
     with tempfile.TemporaryDirectory() as folder:
         for name, case, how in GALLERY:
             run = Path(folder) / name
-            subprocess.run([program, "solve", ROOT / case, "--out", run, "--quiet"], check=True)
+            command = how.pop("command", "solve").split()
+            subprocess.run([program, *command, ROOT / case, "--out", run, "--quiet"], check=True)
             draw(Picture(run=run, png=PICTURES / f"{name}.png", **how))
         first, *others = [flown(Path(folder), program, name) for name in TYPES]
         draw(Picture(run=first, beside=others, png=PICTURES / "types.png", times=[], width=230, height=360, zoom=0.9))
@@ -323,6 +374,7 @@ def main():
     one.add_argument("png", type=Path, help="picture to write")
     one.add_argument("--times", type=float, nargs="+", default=[], help="[s] times of the frames; the last one if not given")
     one.add_argument("--colour", default="gores", help="gores, plain, speed, pressure, or an array of the frames")
+    one.add_argument("--lines", help="tension, or another array of the springs, which are then drawn by it")
     one.add_argument("--azimuth", type=float, default=60.0, help="[degrees] of the camera around z")
     one.add_argument("--elevation", type=float, default=-12.0, help="[degrees] of the camera above the horizontal")
     one.add_argument("--width", type=int, default=300, help="[px] of one frame")

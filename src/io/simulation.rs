@@ -73,7 +73,9 @@ pub use crate::scene::{ForceDerivative, Load, NodalForce};
 pub use builder::{NetworkBuilder, SpringLaw};
 pub use derivative::{DerivativeError, derivative_error};
 pub use doubts::{check_solver, doubts_at_end, doubts_at_start};
-pub use equilibrium::{RecordedStatic, StaticSettings, record_static, record_static_watched};
+pub use equilibrium::{
+    RecordedStatic, StaticSettings, record_static, record_static_watched, static_spec, warnings_at_rest,
+};
 pub use error::{SetupError, SimulationError};
 pub use follow::{FollowSpec, FollowedState, follow};
 pub use record::{

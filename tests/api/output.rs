@@ -21,6 +21,7 @@ const ALL: Fields = Fields {
     reaction: true,
     tension: true,
     strain: true,
+    rest_length: false,
     pressure: false,
     membrane: false,
     crossing: false,

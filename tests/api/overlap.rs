@@ -53,7 +53,8 @@ fn eventful() -> NetworkSpec {
     let held: Vec<u32> = (0..).zip(&spec.fixed).filter(|(_, fixed)| fixed[0]).map(|(node, _)| node).collect();
     spec.releases = vec![ReleaseSpec { t: 0.0213, nodes: vec![(held[0], [true; 3])] }];
     let rise = series(vec![(0.0, [0.0; 3]), (0.0153, [0.0, 0.0, 0.01]), (0.04, [0.0; 3])]);
-    spec.motions = vec![MotionSpec { nodes: vec![(held[1], [false, false, true])], displacement: rise }];
+    let nodes = vec![(held[1], [false, false, true])];
+    spec.motions = vec![MotionSpec { nodes, displacement: rise, settlement: [0.0; 3] }];
     spec.forces[0].factor = Some(series(vec![(0.0, 0.0), (0.0104, 3.0), (0.0109, 1.0)]));
     let factor = Some(series(vec![(0.0051, 0.0), (0.0053, 1.0), (0.0057, 0.2)]));
     let triangles: Vec<u32> = (0..spec.mesh.triangles.len() as u32).collect();

@@ -230,6 +230,7 @@ fn frames_have_the_size_that_was_foretold() {
             reaction: has("reaction"),
             tension: has("tension"),
             strain: has("strain"),
+            rest_length: has("rest-length"),
             pressure: has("pressure"),
             membrane: false,
             crossing: true,

@@ -16,6 +16,7 @@ mod mass_scaling;
 mod matrices;
 mod mesh;
 mod mesh_look;
+mod nets;
 mod parachutes;
 mod plot;
 mod point;

@@ -175,7 +175,7 @@ impl Run<'_> {
         log::info!("t = {:.6e} s: event {passed} of {} passed", state.from.state.t, events.event_times().len());
         state.passed = passed;
         let changed = if events.pass_events(passed) { Changed::Phase } else { Changed::Motion };
-        events.put_supports(&mut state.from.state);
+        events.put_supports(&mut state.from.state, 1.0);
         state.refresh(scene, stepper, changed)?;
         // What a program changes next is no part of the event.
         state.before_change = None;

@@ -32,12 +32,18 @@ pub trait Springs {
     /// The springs on some edges (ascending), of one rule or of all.
     fn springs_on(&self, edges: &[u32], rule: Option<usize>) -> Vec<SpringPlace>;
 
+    /// The edge of a spring.
+    fn edge_of(&self, spring: SpringPlace) -> Option<u32>;
+
     /// [N] Tension of a spring with its axial dashpot.
     fn spring_tension(&self, at: StateRef<'_>, spring: SpringPlace) -> f64;
 
     /// Adds to the elastic tension [N] of every edge `[n_edges]` the force of the dashpot along it, if it has one.
     /// Forces between its ends that also have other directions are not included.
     fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]);
+
+    /// [m] Rest length at time `t` [s] of the spring on every edge `[n_edges]`, of several the shortest; NaN without.
+    fn rest_lengths(&self, t: f64, out: &mut [f64]);
 
     /// The spring with the largest stiffness over the masses at its ends, at the node of a degree of freedom.
     fn fastest_spring(&self, dof: usize) -> Option<u32>;
@@ -118,7 +124,7 @@ pub trait Events {
     /// then.
     fn settled_after(&self, end: f64) -> f64;
 
-    /// Puts what supports move where it is at the time of a state, with the velocity that it then has. Returns whether
-    /// they move anything.
-    fn put_supports(&self, state: &mut State) -> bool;
+    /// Puts what supports move where it is at the time of a state, with the velocity that it then has. `share` [-] of
+    /// the displacement is applied: 1 but for steps of a load. Returns whether they move anything.
+    fn put_supports(&self, state: &mut State, share: f64) -> bool;
 }

@@ -58,9 +58,10 @@ fn masses(spec: &NetworkSpec) -> Result<(), BuildError> {
 
 /// Motions, rest lengths over time, and the base.
 fn tables(spec: &NetworkSpec) -> Result<(), BuildError> {
-    for MotionSpec { nodes, displacement } in &spec.motions {
+    for MotionSpec { nodes, displacement, settlement } in &spec.motions {
         times("motion", displacement)?;
         vectors("motion", &displacement.value)?;
+        vectors("settlement", std::slice::from_ref(settlement))?;
         if displacement.at(0.0) != [0.0; 3] {
             return Err(BuildError::Table { what: "motion", reason: "does not begin at 0" });
         }

@@ -33,7 +33,7 @@ impl Controls for Network {
         let held = v.iter_mut().zip(self.phase().fixed.as_flattened()).filter(|(_, held)| **held);
         held.for_each(|(v, _)| *v = 0.0);
         let mut state = State { t, x, v };
-        self.put_moved(&mut state);
+        self.put_moved(&mut state, 1.0);
         Some(state)
     }
 }

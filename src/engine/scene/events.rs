@@ -183,7 +183,7 @@ impl Events for Network {
         begun.fold(0.0, |last: f64, [_, until]| last.max(until.min(end)))
     }
 
-    fn put_supports(&self, state: &mut State) -> bool {
-        self.put_moved(state)
+    fn put_supports(&self, state: &mut State, share: f64) -> bool {
+        self.put_moved(state, share)
     }
 }

@@ -1,4 +1,6 @@
-//! Supports that move: x(t) = x(0) + u(t) with a displacement u that is linear between the rows of a table.
+//! Supports that move: x(t) = x(0) + u(t) with a displacement u that is linear between the rows of a table. One that has
+//! settled does so from the start: x(t) = X + s + u(t), with a settlement s from where the mesh and the initial
+//! displacement put it.
 //!
 //! So a support has a constant velocity between two rows, and every scheme carries it along exactly: at held degrees
 //! of freedom M^-1 is 0, and a step adds h v. At a row the velocity jumps, which is an event of the scene: the driver
@@ -22,6 +24,8 @@ pub(super) struct Support {
     dofs: Vec<u32>,
     /// [m] displacement from where the nodes are at t = 0
     displacement: Series<[f64; 3]>,
+    /// [m] displacement from the start
+    settlement: [f64; 3],
 }
 
 /// Supports that hold their nodes in one phase.
@@ -37,12 +41,12 @@ pub(super) struct Moved {
 impl Support {
     /// Those of a specification.
     pub(super) fn all(spec: &NetworkSpec, numbering: &Numbering) -> Vec<Self> {
-        let of = |MotionSpec { nodes, displacement }: &MotionSpec| {
+        let of = |MotionSpec { nodes, displacement, settlement }: &MotionSpec| {
             let dofs = nodes.iter().flat_map(|&(node, axes)| {
                 let first = 3 * numbering.internal[node as usize];
                 (first..).zip(axes).filter(|(_, moved)| *moved).map(|(dof, _)| dof)
             });
-            Support { dofs: dofs.collect(), displacement: displacement.clone() }
+            Support { dofs: dofs.collect(), displacement: displacement.clone(), settlement: *settlement }
         };
         spec.motions.iter().map(of).collect()
     }
@@ -65,7 +69,7 @@ impl Moved {
         let holds = |dof: &&u32| fixed.as_flattened().get(**dof as usize) == Some(&true);
         let held = supports.iter().map(|support| {
             let dofs = support.dofs.iter().filter(holds).copied().collect();
-            Support { dofs, displacement: support.displacement.clone() }
+            Support { dofs, ..support.clone() }
         });
         let supports: Vec<Support> = held.filter(|support| !support.dofs.is_empty()).collect();
         let dofs: Vec<u32> = supports.iter().flat_map(|support| support.dofs.iter().copied()).collect();
@@ -82,22 +86,29 @@ impl Moved {
 }
 
 impl Network {
-    /// Puts what supports move where it is at the time of a state, with its velocity. Returns whether they move
-    /// anything.
-    pub(super) fn put_moved(&self, state: &mut State) -> bool {
+    /// Puts what supports move where it is at the time of a state, with its velocity, after a `share` [-] of the
+    /// displacement. Returns whether they move anything.
+    pub(super) fn put_moved(&self, state: &mut State, share: f64) -> bool {
         // The clock of a run may pass an event a rounding error early or late.
         let [begun, next] = self.built.phases.around(self.passed());
         let t = state.t.max(begun);
         let before_next = f64::min(t, next.next_down());
-        for Support { dofs, displacement } in &self.phase().moved.supports {
+        for Support { dofs, displacement, settlement } in &self.phase().moved.supports {
             let (moved, velocity) = (displacement.at(t), displacement.slope_after(before_next));
             for &dof in dofs {
                 let (dof, axis) = (dof as usize, dof as usize % 3);
-                state.x[dof] = self.built.start.as_ref()[dof / 3][axis] + moved[axis];
+                state.x[dof] = self.built.start.as_ref()[dof / 3][axis] + share * (settlement[axis] + moved[axis]);
                 state.v[dof] = velocity[axis];
             }
         }
         !self.phase().moved.supports.is_empty()
+    }
+
+    /// Adds their settlement to where supports hold nodes at the start, `x` [m] `[n_dof]`.
+    pub(super) fn settle(&self, x: &mut [f64]) {
+        for Support { dofs, settlement, .. } in &self.built.phases.after(0).moved.supports {
+            dofs.iter().for_each(|&dof| x[dof as usize] += settlement[dof as usize % 3]);
+        }
     }
 
     /// Adds the reactions of moving supports [N] to the external forces of a pass, and their power.

@@ -194,7 +194,8 @@ impl System for Network {
     }
 
     fn initial_state(&self) -> State {
-        let x = self.built.start.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+        let mut x: Vec<f64> = self.built.start.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+        self.settle(&mut x);
         let v = match self.built.velocity.as_slice() {
             [] => vec![0.0; self.n_dof()],
             v => v.as_flattened().to_vec(),

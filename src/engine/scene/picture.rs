@@ -132,6 +132,10 @@ impl Springs for Network {
         places.collect()
     }
 
+    fn edge_of(&self, SpringPlace { rule, number }: SpringPlace) -> Option<u32> {
+        self.acting.springs.get(rule as usize)?.edges.get(number as usize).copied()
+    }
+
     fn spring_tension(&self, at: StateRef<'_>, SpringPlace { rule, number }: SpringPlace) -> f64 {
         let Some(batch) = self.acting.springs.get(rule as usize) else { return f64::NAN };
         if batch.cut.get() {
@@ -146,6 +150,17 @@ impl Springs for Network {
         for batch in self.carrying().filter(|batch| batch.axial) {
             for (i, &edge) in batch.edges.iter().enumerate() {
                 tension[edge as usize] += axial_force(&batch.data, node_state(at), i, batch.dashpot.at(i));
+            }
+        }
+    }
+
+    fn rest_lengths(&self, t: f64, out: &mut [f64]) {
+        out.fill(f64::NAN);
+        for batch in &self.acting.springs {
+            let scale = batch.data.rest_scale_at(t);
+            for (rest, &edge) in batch.data.rest_length.iter().zip(batch.edges.iter()) {
+                // NaN stands for "no spring yet", which min ignores.
+                out[edge as usize] = out[edge as usize].min(scale * rest);
             }
         }
     }

@@ -1,9 +1,10 @@
-//! The loads, at once or in steps: weight, pressures and forces grow together from 0, in steps that grow where they are
-//! easy and are cut where they fail. Wind acts in full from the start, as it has no factor.
+//! The loads, at once or in steps: weight, pressures, forces and displacements of supports grow together from 0, in steps
+//! that grow where they are easy and are cut where they fail. Wind acts in full from the start, as it has no factor.
 
 use super::continuation::Continuation;
 use super::failure::StaticFailure;
-use crate::scene::{Scene, loads};
+use super::put_supports;
+use crate::scene::loads;
 
 /// [-] Forces left at a level of the loads that is not the last, as a share of all.
 const ON_THE_WAY: f64 = 1e-3;
@@ -25,7 +26,8 @@ pub(super) fn follow(search: &mut Continuation<'_>) -> Result<(), StaticFailure>
         Err(failure @ (StaticFailure::NotConverged { .. } | StaticFailure::Left { .. })) => failure,
         done => return done,
     };
-    if loads(search.scene).is_empty() {
+    let moves = put_supports(search.scene, &mut search.at.state, 1.0);
+    if loads(search.scene).is_empty() && !moves {
         return Err(failure);
     }
     log::info!("not in equilibrium with the full loads at once; they are applied in steps");
@@ -47,8 +49,7 @@ pub(super) fn follow(search: &mut Continuation<'_>) -> Result<(), StaticFailure>
 fn in_steps(search: &mut Continuation<'_>, steps: u32) -> Result<(), StaticFailure> {
     let given: Vec<f64> = loads(search.scene).iter().map(|load| load.scale.get()).collect();
     let followed = levels(search, steps, &given);
-    apply(search.scene, &given, 1.0);
-    search.refresh();
+    apply(search, &given, 1.0);
     followed
 }
 
@@ -58,9 +59,8 @@ fn levels(search: &mut Continuation<'_>, steps: u32, given: &[f64]) -> Result<()
         // The rest is not left to a step that rounding makes tiny.
         let level = if reached + 1.01 * step >= 1.0 { 1.0 } else { reached + step };
         let before = search.at.clone();
-        apply(search.scene, given, level);
+        apply(search, given, level);
         search.level = level;
-        search.refresh();
         let relative = if level == 1.0 { search.spec.relative } else { ON_THE_WAY };
         log::info!("loads times {level:.4}");
         match search.settle(relative) {
@@ -83,6 +83,9 @@ fn levels(search: &mut Continuation<'_>, steps: u32, given: &[f64]) -> Result<()
     Ok(())
 }
 
-fn apply(scene: &dyn Scene, given: &[f64], level: f64) {
-    loads(scene).iter().zip(given).for_each(|(load, given)| load.scale.set(level * given));
+/// Scales the loads, `given` at full size, and moves the supports.
+fn apply(search: &mut Continuation<'_>, given: &[f64], level: f64) {
+    loads(search.scene).iter().zip(given).for_each(|(load, given)| load.scale.set(level * given));
+    put_supports(search.scene, &mut search.at.state, level);
+    search.refresh();
 }

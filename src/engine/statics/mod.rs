@@ -26,6 +26,7 @@ pub use watch::{SearchProgress, Watcher};
 use crate::integrate::Counters;
 use crate::integrate::tangents::Tangents;
 use crate::model::point::Point;
+use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::{Scene, event_times, pass_events, sample_tables};
 use crate::solve::newton::Strategy;
@@ -41,7 +42,8 @@ pub struct StaticSpec {
     pub relative: f64,
     /// iterations of Newton's method in all, after which the search gives up
     pub max_iterations: u32,
-    /// [-] number of equal steps in which loads are applied; 1 applies them at once, and in steps if that fails
+    /// [-] number of equal steps in which loads and displacements of supports are applied; 1 applies them at once, and in
+    /// steps if that fails
     pub load_steps: u32,
     /// solver of linear equations; conjugate gradients are replaced by a factorisation
     pub linear: LinearChoice,
@@ -110,8 +112,7 @@ pub fn find_watched(scene: &dyn Scene, spec: StaticSpec, stop: Stop<'_>, watcher
     pass_events(scene, events.partition_point(|event| *event <= spec.at));
     let mut state = scene.initial_state();
     state.t = spec.at;
-    scene.events().into_iter().for_each(|events| _ = events.put_supports(&mut state));
-    state.v.fill(0.0);
+    put_supports(scene, &mut state, 1.0);
     let mut point = Point { state, forces: scene.new_forces() };
     let mut counters = Counters::default();
     counters.evaluate(scene, point.state.as_ref(), &mut point.forces);
@@ -132,6 +133,13 @@ pub fn find_watched(scene: &dyn Scene, spec: StaticSpec, stop: Stop<'_>, watcher
         None => load_path::follow(&mut search).err(),
     };
     search.finish(failure)
+}
+
+/// Puts supports where a `share` [-] of their displacement leads, at rest. Returns whether any is moved.
+fn put_supports(scene: &dyn Scene, state: &mut State, share: f64) -> bool {
+    let moved = scene.events().is_some_and(|events| events.put_supports(state, share));
+    state.v.fill(0.0);
+    moved
 }
 
 impl Equilibrium {

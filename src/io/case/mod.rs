@@ -77,6 +77,12 @@ impl Case {
         Self::from_text_at_rest(text, &path.display().to_string(), base, overrides)
     }
 
+    /// Whether its `time` section stands in for one that is not there.
+    pub fn is_at_rest(&self) -> bool {
+        let first = self.source.overrides.first();
+        first.is_some_and(|(key, value)| key == "time" && value == AT_REST)
+    }
+
     /// The same for a text that is already in memory.
     ///
     /// # Errors

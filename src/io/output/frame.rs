@@ -15,6 +15,8 @@ pub struct Fields {
     pub tension: bool,
     /// strain of every edge and triangle
     pub strain: bool,
+    /// rest length of every edge
+    pub rest_length: bool,
     /// pressure of the air on every triangle
     pub pressure: bool,
     /// what membranes carry
@@ -41,6 +43,7 @@ impl From<&OutputSpec> for Fields {
             reaction: has(Field::Reaction),
             tension: has(Field::Tension),
             strain: has(Field::Strain),
+            rest_length: has(Field::RestLength),
             pressure: has(Field::Pressure),
             membrane: has(Field::Membrane),
             crossing: output.crossings != CrossingSearch::None,
@@ -65,6 +68,8 @@ pub struct Frame {
     pub tension: Vec<f64>,
     /// [-] of every edge, NaN without a spring
     pub strain: Vec<f64>,
+    /// [m] of every edge, NaN without a spring
+    pub rest_length: Vec<f64>,
     /// [Pa] of every triangle
     pub pressure: Vec<f64>,
     /// of every triangle
@@ -92,7 +97,9 @@ impl FrameSize {
         let Fields { force, reaction, .. } = self.fields;
         let vectors = 2 + usize::from(force) + usize::from(reaction);
         let membranes = size_of::<MembranePicture>() * self.membranes();
-        size_of::<f64>() * (3 * vectors * self.nodes + 2 * self.springs() + self.faces()) + membranes + self.flags()
+        size_of::<f64>() * (3 * vectors * self.nodes + 2 * self.springs() + self.lengths() + self.faces())
+            + membranes
+            + self.flags()
     }
 
     /// Length of the array on triangles.
@@ -108,6 +115,11 @@ impl FrameSize {
     /// Length of the array of membranes.
     fn membranes(self) -> usize {
         if self.fields.membrane { self.triangles } else { 0 }
+    }
+
+    /// Length of the array of rest lengths.
+    fn lengths(self) -> usize {
+        if self.fields.rest_length { self.edges } else { 0 }
     }
 
     /// Length of the arrays on edges: tension and strain come from one call, so both are needed for either.
@@ -130,6 +142,7 @@ impl Frame {
             reaction: vectors(fields.reaction),
             tension: vec![0.0; springs],
             strain: vec![0.0; springs],
+            rest_length: vec![0.0; size.lengths()],
             pressure: vec![0.0; size.faces()],
             membrane: vec![MembranePicture::default(); size.membranes()],
             crossing: vec![0; size.flags()],
@@ -197,6 +210,14 @@ impl CellMap {
         };
         let sides = triangles.iter().map(|&[a, b, c]| [find(a, b), find(b, c), find(c, a)]).collect();
         Self { sides, cells }
+    }
+
+    /// Cell values of the lengths of edges: an edge shows its own, and -1 where it is NaN, as all other cells do.
+    pub fn of_edges(&self, edges: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        out.resize(self.sides.len(), -1.0);
+        out.extend(edges.iter().map(|length| if length.is_nan() { -1.0 } else { *length }));
+        out.resize(self.cells, -1.0);
     }
 
     /// Cell values of edge values: an edge shows its own; a triangle the mean over those of its edges that carry

@@ -32,6 +32,7 @@ pub(crate) struct FrameFiles {
     displacement: Vec<[f64; 3]>,
     tension: Vec<f64>,
     strain: Vec<f64>,
+    rest_length: Vec<f64>,
     pressure: Vec<f64>,
     crossing: Vec<u8>,
     membranes: MembraneArrays,
@@ -74,6 +75,7 @@ impl FrameFiles {
             displacement: vec![[0.0; 3]; spec.reference.len()],
             tension: Vec::new(),
             strain: Vec::new(),
+            rest_length: Vec::new(),
             pressure: Vec::new(),
             crossing: Vec::new(),
             membranes: MembraneArrays::default(),
@@ -129,7 +131,7 @@ impl FrameFiles {
         self.prepare(frame);
         let vectors = |name, values| Array { name, values: Values::Vectors(values) };
         let scalars = |name, values| Array { name, values: Values::Scalars(values) };
-        let Fields { force, reaction, tension, strain, pressure, membrane, crossing } = self.fields;
+        let Fields { force, reaction, tension, strain, rest_length, pressure, membrane, crossing } = self.fields;
         let points = [
             (true, vectors("displacement", &self.displacement)),
             (true, vectors("velocity", &frame.velocities)),
@@ -139,6 +141,7 @@ impl FrameFiles {
         let cells = [
             (tension, scalars("tension", &self.tension)),
             (strain, scalars("strain", &self.strain)),
+            (rest_length, scalars("rest_length", &self.rest_length)),
             (pressure, scalars("pressure", &self.pressure)),
             (membrane, scalars("stress_1", &self.membranes.scalars[0])),
             (membrane, scalars("stress_2", &self.membranes.scalars[1])),
@@ -200,6 +203,9 @@ impl FrameFiles {
         }
         if self.fields.strain {
             self.map.spread(&frame.strain, &mut self.strain);
+        }
+        if self.fields.rest_length {
+            self.map.of_edges(&frame.rest_length, &mut self.rest_length);
         }
         if self.fields.pressure {
             self.map.of_triangles(&frame.pressure, &mut self.pressure);

@@ -8,6 +8,7 @@
 //! Whenever the program is killed, the files in the folder can be read (a csv file may end within a line). The newest
 //! [`checkpoint`] counts only results that are on the disk: `--resume` cuts off the rest and continues.
 
+pub mod at_rest;
 pub mod atomic;
 pub mod canopy_doubts;
 pub mod checkpoint;

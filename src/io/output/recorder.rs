@@ -205,6 +205,12 @@ impl<'a> Recorder<'a> {
         if self.fields.tension {
             picture.springs().into_iter().for_each(|springs| springs.add_axial_damping(at, &mut frame.tension));
         }
+        if self.fields.rest_length {
+            match picture.springs() {
+                Some(springs) => springs.rest_lengths(at.t, &mut frame.rest_length),
+                None => frame.rest_length.fill(f64::NAN),
+            }
+        }
         if self.fields.pressure {
             picture.air().into_iter().for_each(|air| air.triangle_pressure(at, &mut frame.pressure));
         }

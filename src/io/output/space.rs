@@ -22,7 +22,8 @@ pub fn frame_bytes(picture: &dyn Observables, fields: Fields, precision: Precisi
     let corners = 3 * triangles + 2 * edges + vertices;
     // Displacements, velocities and positions are always written, the last with eight bytes per number.
     let vectors = 2 + u64::from(fields.force) + u64::from(fields.reaction);
-    let scalars = u64::from(fields.tension) + u64::from(fields.strain) + u64::from(fields.pressure);
+    let scalars =
+        [fields.tension, fields.strain, fields.rest_length, fields.pressure].map(u64::from).iter().sum::<u64>();
     let scalars = scalars + if fields.membrane { 8 } else { 0 };
     // Places on the mesh, and Int32 numbers on cells and points.
     let named = if picture.groups().is_empty() { 0 } else { (24 + 4) * points + 4 * cells };

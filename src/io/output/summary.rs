@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::at_rest::LargestValue;
 use super::atomic::{Durability, replace};
 use super::crossings::CrossingReport;
 use super::csv::write_fault;
@@ -86,6 +87,15 @@ pub struct EquilibriumReport {
     pub stability: Option<Stability>,
     /// parts that no force keeps in place, and motions that grow
     pub findings: Vec<Finding>,
+    /// largest displacement, tension, stress and reaction, and the smallest safety factor, as far as there are such
+    #[serde(default)]
+    pub largest: Vec<LargestValue>,
+    /// [N] sum of the reactions of all supports; 0 where there is no equilibrium
+    #[serde(default)]
+    pub reaction_sum: [f64; 3],
+    /// [-] edges whose springs carry nothing
+    #[serde(default)]
+    pub slack_springs: usize,
     /// [Hz] of the vibration modes that were asked for, ascending; 0 for a motion that grows
     pub frequencies: Vec<f64>,
     /// whether the tangent K is symmetric there; if not, the modes are those of its symmetric part. Null without modes

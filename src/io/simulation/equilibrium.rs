@@ -5,13 +5,16 @@ use crate::analysis::cloth::too_soft;
 use crate::analysis::lowest::{LowMode, LowModes, ModesError, lowest};
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
+use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::ledger::Ledger;
 use crate::drive::observer::Observer;
 use crate::drive::{Failure, Outcome, Status};
 use crate::model::forces::Role;
 use crate::model::stop::Stop;
+use crate::output::at_rest::AtRest;
 use crate::output::crossings::CrossingReport;
 use crate::output::folder::{ResultFolder, SUMMARY};
+use crate::output::frame::Fields;
 use crate::output::modes::write_modes;
 use crate::output::recorder::{Recorder, RecorderSpec};
 use crate::output::summary::{EquilibriumReport, Summary};
@@ -98,17 +101,18 @@ pub fn record_static_watched(
     check_solver(problem, &*scene, case.source())?;
     let replace = how.earlier == EarlierResults::Replace;
     let folder = ResultFolder::prepare(how.out, &problem.name, replace)?;
-    let spec = RecorderSpec { frames_every: None, ..RecorderSpec::of(problem, folder.dir()) };
+    let spec = RecorderSpec::of(problem, folder.dir());
+    // What `initial.keep` of a further run takes up.
+    let fields = Fields { tension: true, rest_length: true, ..spec.fields };
+    let spec = RecorderSpec { frames_every: None, fields, ..spec };
     let mut recorder = Recorder::new(&*scene, &spec)?;
-    let newton = problem.solver.newton;
-    let asked = StaticSpec {
-        at: how.at,
-        relative: newton.relative,
-        max_iterations: newton.max_iterations.saturating_mul(STEPS_WORTH),
-        load_steps: how.load_steps,
-        linear: problem.solver.linear,
-    };
+    let asked = static_spec(problem, how.at, how.load_steps);
+    let start = scene.initial_state();
     let equilibrium = statics::find_watched(&*scene, asked, Stop::on(stop), watcher);
+    let at_rest = match (&equilibrium.failure, &problem.system) {
+        (None, SystemSpec::Network(spec)) => AtRest::of(&*scene, start.as_ref(), &equilibrium.point, &spec.springs),
+        _ => AtRest::default(),
+    };
     let outcome = outcome(&*scene, &equilibrium);
     recorder.started(&equilibrium.point, outcome.ledger)?;
     if equilibrium.failure.is_some() {
@@ -135,15 +139,31 @@ pub fn record_static_watched(
         crossings: recorder.crossings().cloned(),
         groups: problem.group_totals(),
         at_rest: None,
-        equilibrium: Some(report(&*scene, &equilibrium, &outcome, &modes)),
+        equilibrium: Some(report(&*scene, (&equilibrium, at_rest), &outcome, &modes)),
         case_digest,
         ..Summary::new(problem, &*scene, &outcome, f64::INFINITY, stopwatch.read())
     };
     summary.write(&folder.file(SUMMARY))?;
     let crossings = problem.sort_out(recorder.crossings().and_then(CrossingReport::warning)).1;
-    let warnings = problem.warnings.iter().filter(|warning| !OF_A_RUN.contains(&warning.code)).cloned();
-    let warnings = warnings.chain(crossings).collect();
+    let warnings = warnings_at_rest(problem).cloned().chain(crossings).collect();
     Ok(RecordedStatic { equilibrium, modes, without_modes, summary, warnings })
+}
+
+/// What to find of a case, at a time [s], with the loads in so many steps.
+pub fn static_spec(problem: &Problem, at: f64, load_steps: u32) -> StaticSpec {
+    let newton = problem.solver.newton;
+    StaticSpec {
+        at,
+        relative: newton.relative,
+        max_iterations: newton.max_iterations.saturating_mul(STEPS_WORTH),
+        load_steps,
+        linear: problem.solver.linear,
+    }
+}
+
+/// The warnings of a case that matter where it is not run in time.
+pub fn warnings_at_rest(problem: &Problem) -> impl Iterator<Item = &Warning> {
+    problem.warnings.iter().filter(|warning| !OF_A_RUN.contains(&warning.code))
 }
 
 fn outcome(scene: &dyn Scene, found: &Equilibrium) -> Outcome {
@@ -183,7 +203,12 @@ fn outcome(scene: &dyn Scene, found: &Equilibrium) -> Outcome {
     }
 }
 
-fn report(scene: &dyn Scene, found: &Equilibrium, outcome: &Outcome, modes: &LowModes) -> EquilibriumReport {
+fn report(
+    scene: &dyn Scene,
+    (found, at_rest): (&Equilibrium, AtRest),
+    outcome: &Outcome,
+    modes: &LowModes,
+) -> EquilibriumReport {
     let conservative = scene.symmetric() && scene.terms().iter().all(|term| term.role != Role::External);
     EquilibriumReport {
         residual: found.residual.force,
@@ -192,6 +217,9 @@ fn report(scene: &dyn Scene, found: &Equilibrium, outcome: &Outcome, modes: &Low
         load_steps: found.load_steps,
         stability: found.stability,
         findings: found.findings.clone(),
+        largest: at_rest.largest,
+        reaction_sum: at_rest.reactions,
+        slack_springs: at_rest.slack,
         frequencies: modes.modes.iter().map(LowMode::frequency).collect(),
         modes_symmetric: (!modes.modes.is_empty()).then_some(modes.symmetric),
         growing: modes.growing.clone(),

@@ -73,6 +73,9 @@ pub struct CheckArgs {
     /// may be given several times [default: the numbers that solve prints]
     #[arg(long, value_name = "NAME")]
     pub quantity: Vec<String>,
+    /// Check what `canopy-fem static` finds and costs; so are cases without a `time` section
+    #[arg(long = "static", conflicts_with_all = ["within", "quantity"])]
+    pub at_rest: bool,
     /// Print the model, its cost, and what is predicted of every method, too
     #[arg(long, short)]
     pub all: bool,

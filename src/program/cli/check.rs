@@ -5,7 +5,7 @@
 use super::check_json::{Report, Totals};
 use super::check_system::{describe_canopies, describe_size, describe_system, filled_canopies};
 use super::known_models::KnownModels;
-use super::{CheckArgs, CliError};
+use super::{CheckArgs, CliError, check_static};
 use crate::analysis::critical::{Confidence, CriticalStep, ElementBounds, outside_filter};
 use crate::analysis::later::{LaterLimit, later_warning, least_later};
 use crate::analysis::spectrum::Spectrum;
@@ -37,8 +37,11 @@ use std::fmt::Write;
 const ACCURACY: f64 = 0.01;
 
 pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
-    let (models, mut problem, source) =
-        KnownModels::of(Case::from_file(&args.case.case, &args.case.with_quantities(&args.quantity))?);
+    let case = Case::from_file_at_rest(&args.case.case, &args.case.with_quantities(&args.quantity))?;
+    if args.at_rest || case.is_at_rest() {
+        return check_static::run(args, case);
+    }
+    let (models, mut problem, source) = KnownModels::of(case);
     let groups = problem.group_totals();
     let system = problem.take_system();
     let totals = Totals::of(&system);
@@ -129,7 +132,8 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
         + &canopies
         + &scene.added_mass().map_or_else(String::new, |added| format!("  mass scaling    {}\n", added.text()))
         + &models.describe(&args.case.case);
-    text.push_str(&notes(args, &acknowledged, &warnings));
+    let more = "--all: the model, its cost, and every method with its critical step";
+    text.push_str(&notes(args, more, [&acknowledged, &warnings]));
     if args.all {
         tables.push_str(&describe(&problem, &forecast)?);
         describe_limits(&mut tables, &problem, scene, &limits, candidates);
@@ -140,16 +144,15 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
 }
 
 /// What `--all` adds if it is not given, and the warnings.
-fn notes(args: &CheckArgs, acknowledged: &[String], warnings: &[String]) -> String {
-    let more = "  more            --all: the model, its cost, and every method with its critical step\n";
-    let mut text = if args.all { String::new() } else { more.to_owned() };
+pub(super) fn notes(args: &CheckArgs, more: &str, [acknowledged, warnings]: [&[String]; 2]) -> String {
+    let mut text = if args.all { String::new() } else { format!("  more            {more}\n") };
     acknowledged.iter().for_each(|warning| text.push_str(&format!("acknowledged: {warning}\n")));
     warnings.iter().for_each(|warning| text.push_str(&format!("warning: {warning}\n")));
     text
 }
 
 /// The first line.
-fn heading(problem: &Problem, warnings: &[String]) -> String {
+pub(super) fn heading(problem: &Problem, warnings: &[String]) -> String {
     let found = match warnings.len() {
         0 => String::new(),
         n => format!(", {} below", counted(n as u64, "warning", "warnings")),
@@ -239,7 +242,7 @@ impl Stability {
 }
 
 impl Totals {
-    fn of(system: &SystemSpec) -> Self {
+    pub(super) fn of(system: &SystemSpec) -> Self {
         match system {
             SystemSpec::Network(spec) => {
                 let found = Canopy::of_groups(&spec.mesh).into_iter();
@@ -297,7 +300,7 @@ fn describe_parachute(text: &mut String, problem: &Problem, system: &SystemSpec)
     }
 }
 
-fn describe_terms(text: &mut String, scene: &dyn Scene) {
+pub(super) fn describe_terms(text: &mut String, scene: &dyn Scene) {
     let mut names: Vec<&str> = Vec::new();
     for term in scene.terms() {
         if !names.contains(&term.name) {

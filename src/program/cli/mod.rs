@@ -4,6 +4,7 @@ mod args;
 mod case_args;
 mod check;
 mod check_json;
+mod check_static;
 mod check_system;
 mod error;
 pub mod init;

@@ -7,9 +7,11 @@ use super::{CliError, CommandOutput, complain};
 use crate::case::Case;
 use crate::drive::Status;
 use crate::format_number::{counted, figures};
+use crate::output::at_rest::LargestValue;
 use crate::output::csv::write_fault;
 use crate::output::folder::SUMMARY;
 use crate::output::sanitize::file_stem;
+use crate::output::summary::EquilibriumReport;
 use crate::simulation::{EarlierResults, RecordedStatic, StaticSettings, record_static_watched};
 use crate::startup::StartupTimer;
 use crate::statics::{Stability, Watcher};
@@ -27,7 +29,8 @@ pub struct StaticArgs {
     /// Time of loads, wind and supports [s]
     #[arg(long, value_name = "T", default_value_t = 0.0, value_parser = time)]
     pub at: f64,
-    /// Apply weight, pressures and forces in this many steps. By default they act at once, and in steps if that fails
+    /// Apply weight, pressures, forces and displacements of supports in this many steps. By default they act at once, and
+    /// in steps if that fails
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub load_steps: u32,
     /// Find the N lowest vibration modes about the equilibrium
@@ -98,6 +101,28 @@ pub(super) fn run(args: &StaticArgs) -> Result<CommandOutput, CliError> {
     Ok(CommandOutput { text, code })
 }
 
+/// Largest values with their places, sum of the reactions, and springs without tension.
+fn describe_largest(text: &mut String, found: &EquilibriumReport) {
+    for LargestValue { quantity, value, unit, part, number, groups, place } in &found.largest {
+        let value = match quantity.as_str() {
+            "displacement" => format!("{} m from the start, the largest, of", figures(*value, 4)),
+            "safety_factor" => format!("{}, the smallest, of", figures(*value, 4)),
+            _ => format!("{} {unit}, the largest, of", figures(*value, 5)),
+        };
+        let groups = if groups.is_empty() { String::new() } else { format!(" ({})", groups.join(", ")) };
+        let [x, y, z] = place.map(|x| figures(x, 4));
+        let quantity = quantity.replace('_', " ");
+        let _ = writeln!(text, "  {quantity:<15} {value} {part} {number}{groups} at ({x}, {y}, {z}) m");
+    }
+    if found.largest.iter().any(|value| value.quantity == "reaction") {
+        let [x, y, z] = found.reaction_sum.map(|x| figures(x, 5));
+        let _ = writeln!(text, "  reactions       ({x}, {y}, {z}) N in all");
+    }
+    if found.slack_springs > 0 {
+        let _ = writeln!(text, "  slack           {}", counted(found.slack_springs as u64, "spring", "springs"));
+    }
+}
+
 fn report(name: &str, found: &RecordedStatic, out: &Path) -> String {
     let (equilibrium, summary) = (&found.equilibrium, &found.summary);
     let state = match summary.status {
@@ -126,6 +151,9 @@ fn report(name: &str, found: &RecordedStatic, out: &Path) -> String {
         None => "not judged",
     };
     let _ = writeln!(text, "  stability       {stability}");
+    if let Some(found) = &summary.equilibrium {
+        describe_largest(&mut text, found);
+    }
     for peak in &summary.peaks {
         let _ = writeln!(text, "  {:<15} {} = {} {}", peak.name, peak.quantity, figures(peak.last, 6), peak.unit);
     }

@@ -53,10 +53,13 @@ impl OutputCost {
             let mut file: Vec<u8> = Vec::new();
             let zeros = vec![0.0; vtu.cells()];
             let scalars = |name| Array { name, values: Values::Scalars(&zeros) };
-            let of_cells = [fields.tension, fields.strain, fields.pressure].into_iter().filter(|asked| *asked).count();
+            let of_cells = [fields.tension, fields.strain, fields.rest_length, fields.pressure]
+                .into_iter()
+                .filter(|asked| *asked)
+                .count();
             // A vector of the membranes costs as much as three scalars.
             let asked = of_cells + if fields.membrane { 8 } else { 0 };
-            let cell_data = &[scalars("cells"); 11][..asked];
+            let cell_data = &[scalars("cells"); 12][..asked];
             let mut crossings = fields.crossing.then(|| CrossingFinder::new(scene.triangles())).flatten();
             median_seconds(BUDGET, || {
                 file.clear();

@@ -94,6 +94,7 @@ fn solve_watched(case: &Case, dir: &Path, part: Part, watch: &mut dyn Observer) 
         reaction: true,
         tension: true,
         strain: true,
+        rest_length: false,
         pressure: false,
         membrane: false,
         crossing: true,

@@ -65,12 +65,19 @@ pub struct MotionSpec {
     pub nodes: Vec<(u32, [bool; 3])>,
     /// [m] displacement from where the nodes are at t = 0; it is 0 there
     pub displacement: Series<[f64; 3]>,
+    /// [m] displacement that the support has from the start, beside that
+    #[serde(skip_serializing_if = "is_zero")]
+    pub settlement: [f64; 3],
+}
+
+fn is_zero(settlement: &[f64; 3]) -> bool {
+    *settlement == [0.0; 3]
 }
 
 /// [m/s] Velocity at t = 0 of what supports move, `[n_nodes][3]`; 0 elsewhere. Empty if nothing moves.
 pub fn support_velocity(motions: &[MotionSpec], nodes: usize) -> Vec<[f64; 3]> {
     let mut velocity = if motions.is_empty() { Vec::new() } else { vec![[0.0; 3]; nodes] };
-    for MotionSpec { nodes, displacement } in motions {
+    for MotionSpec { nodes, displacement, .. } in motions {
         let of_support = displacement.slope_after(0.0);
         for &(node, moved) in nodes {
             let own = velocity.get_mut(node as usize).into_iter().flatten().zip(of_support).zip(moved);

@@ -1,14 +1,15 @@
 //! Initial displacement and velocity.
 
 use super::geometry::Geometry;
+use super::prestress::Prestress;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{FrameFile, Initial, InitialFrom, Vectors};
+use crate::case::schema::{FrameFile, Initial, InitialFrom, Keep, Vectors};
 use crate::drive::Status;
 use crate::format_number::{figures, first_few};
 use crate::input_file;
 use crate::model::spec::SpringGroup;
-use crate::vtk::read::{FramePoints, frame_points};
+use crate::vtk::read::{FrameLines, FramePoints, frame_lines, frame_points};
 use crate::vtk::{FRAMES, SUMMARY};
 use crate::warning::WarningCode;
 use serde::Deserialize;
@@ -25,8 +26,14 @@ pub(super) struct Network<'a> {
     pub moved: &'a [[f64; 3]],
     /// springs, whose ends must not meet
     pub springs: &'a [SpringGroup],
-    /// folder from which files are found
-    pub base: &'a Path,
+}
+
+/// The state of an earlier run, and what springs keep of it.
+#[derive(Debug)]
+pub(super) struct EarlierRun {
+    state: InitialState,
+    /// of its springs, if asked for
+    pub prestress: Option<Prestress>,
 }
 
 /// Initial vectors of every node, `[n_nodes][3]`; empty = zero.
@@ -42,14 +49,14 @@ pub(super) struct InitialState {
 pub(super) fn initial(
     at: &Pointer,
     section: Option<&Initial>,
+    earlier: Option<InitialState>,
     network: &Network<'_>,
     faults: &mut Faults<'_>,
 ) -> InitialState {
     let mut start =
         InitialState { displacement: network.geometry.mesh.displacement.clone(), ..InitialState::default() };
-    if let Some(from) = section.and_then(|section| section.from.as_ref())
-        && let Some(earlier) = earlier(&at.key("from"), from, network, faults)
-    {
+    if let Some(earlier) = earlier {
+        check_lengths(&at.key("from"), &earlier.displacement, network, faults);
         start = earlier;
     }
     let (displacement, velocity) = section.map_or((None, None), |s| (s.displacement.as_ref(), s.velocity.as_ref()));
@@ -132,11 +139,26 @@ const SAME_SPEED: f64 = 1e-9;
 /// Displacements in frames may be in single precision.
 const SAME: f64 = 1e-6;
 
-/// The state with which another run ended, or that a frame shows.
-fn earlier(at: &Pointer, from: &InitialFrom, network: &Network<'_>, faults: &mut Faults<'_>) -> Option<InitialState> {
+/// The state with which another run ended, or that a frame shows; `fixed` says which of x, y, z is fixed,
+/// `[n_nodes][3]`, and files are found from the folder `base`.
+pub(super) fn earlier(
+    at: &Pointer,
+    section: &Initial,
+    (geometry, fixed, base): (&Geometry, &[[bool; 3]], &Path),
+    faults: &mut Faults<'_>,
+) -> Option<EarlierRun> {
+    let Some(from) = &section.from else {
+        if section.keep.is_some() {
+            let hint = "name the run whose springs are kept: \"from\": \"out/NAME\"";
+            faults.add_hint(&at.key("keep"), "only together with from", hint);
+        }
+        return None;
+    };
+    let at_keep = at.key("keep");
+    let at = &at.key("from");
     let path = match from {
-        InitialFrom::Frame(FrameFile { frame }) => network.base.join(frame),
-        InitialFrom::Folder(folder) => match last_frame(&network.base.join(folder)) {
+        InitialFrom::Frame(FrameFile { frame }) => base.join(frame),
+        InitialFrom::Folder(folder) => match last_frame(&base.join(folder)) {
             Ok(path) => path,
             Err(why) => {
                 faults.add_hint(at, "a folder with the results of a run, its frames among them", why);
@@ -145,14 +167,15 @@ fn earlier(at: &Pointer, from: &InitialFrom, network: &Network<'_>, faults: &mut
         },
     };
     let read = input_file::read(&path).map_err(|e| e.to_string());
-    let frame = match read.and_then(|bytes| frame_points(&bytes)) {
-        Ok(frame) => frame,
+    let lines = |bytes: &[u8]| section.keep.map(|_| frame_lines(bytes)).transpose();
+    let (frame, lines) = match read.and_then(|bytes| Ok((frame_points(&bytes)?, lines(&bytes)?))) {
+        Ok(read) => read,
         Err(why) => {
             faults.add_hint(at, "a frame (.vtu) of a run", format!("{}: {why}", path.display()));
             return None;
         }
     };
-    let nodes = &network.geometry.mesh.nodes;
+    let nodes = &geometry.mesh.nodes;
     let FramePoints { positions, displacements, velocities } = frame;
     if positions.len() != nodes.len() {
         let hint = format!("{} has {} nodes, the mesh of this case {}", path.display(), positions.len(), nodes.len());
@@ -173,12 +196,53 @@ fn earlier(at: &Pointer, from: &InitialFrom, network: &Network<'_>, faults: &mut
     let displacement = positions.iter().zip(nodes).map(|(x, node)| std::array::from_fn(|i| x[i] - node[i])).collect();
     let mut velocity = velocities.unwrap_or_else(|| vec![[0.0; 3]; nodes.len()]);
     // A support holds its node at rest.
-    let held = velocity.as_flattened_mut().iter_mut().zip(network.fixed.as_flattened()).filter(|(_, held)| **held);
+    let held = velocity.as_flattened_mut().iter_mut().zip(fixed.as_flattened()).filter(|(_, held)| **held);
     held.for_each(|(v, _)| *v = 0.0);
-    let start = InitialState { displacement, velocity };
-    check_lengths(at, &start.displacement, network, faults);
     warn_of_failure(at, &path, faults);
-    Some(start)
+    let state = InitialState { displacement, velocity };
+    let kept = section.keep.zip(lines).map(|(keep, lines)| prestress(keep, lines, &state, geometry));
+    let prestress = match kept.transpose() {
+        Ok(kept) => kept,
+        Err(missing) => {
+            faults.add_hint(&at_keep, "a frame with what is kept", format!("{} {missing}", path.display()));
+            None
+        }
+    };
+    Some(EarlierRun { state, prestress })
+}
+
+impl EarlierRun {
+    /// The state, and what springs keep.
+    pub(super) fn split(self) -> (InitialState, Option<Prestress>) {
+        (self.state, self.prestress)
+    }
+}
+
+/// What the springs of a frame keep; else what it lacks, as the end of a sentence.
+fn prestress(
+    keep: Keep,
+    lines: FrameLines,
+    state: &InitialState,
+    geometry: &Geometry,
+) -> Result<Prestress, &'static str> {
+    let edges = &geometry.mesh.edges;
+    let same = edges.len() == lines.ends.len()
+        && edges.iter().zip(&lines.ends).all(|(edge, ends)| edge.map(u64::from) == *ends);
+    if !same {
+        return Err("has other edges than the mesh of this case");
+    }
+    let FrameLines { tensions, rest_lengths, .. } = lines;
+    let (tension, rest_length) = match (keep, tensions, rest_lengths) {
+        (Keep::Tensions, Some(tensions), lengths) => (tensions, lengths.unwrap_or_else(|| vec![-1.0; edges.len()])),
+        (Keep::Tensions, None, _) => return Err("has no array tension: name it in output.fields of the run"),
+        (Keep::RestLengths, _, Some(lengths)) => (Vec::new(), lengths),
+        (Keep::RestLengths, _, None) => {
+            return Err("has no array rest_length: name rest-length in output.fields of the run");
+        }
+    };
+    let length = (0..edges.len() as u32).filter_map(|edge| geometry.start_length(edge, &state.displacement));
+    let (length, rigidity) = (length.collect(), vec![0.0; edges.len()]);
+    Ok(Prestress { keep, length, tension, rest_length, rigidity })
 }
 
 /// How the summary of a run says that it ended.

@@ -17,6 +17,7 @@ mod numbers;
 mod output;
 mod plausible;
 mod point;
+mod prestress;
 mod rings;
 mod select;
 mod springs;

@@ -2,7 +2,7 @@
 
 use super::air::{self, Flow};
 use super::geometry::Geometry;
-use super::initial::{self, initial};
+use super::initial::{self, EarlierRun, initial};
 use super::numbers::series;
 use super::point::{Whole, point};
 use super::springs::SpringSources;
@@ -35,9 +35,15 @@ pub(super) fn network(
     let Supports { fixed, releases, motions } = supports(&at.key("supports"), &network.supports, geometry, faults);
     let membranes = surface::membranes(&at.key("membranes"), &network.membranes, geometry, faults);
     let bending = surface::bending(&at.key("bending"), &network.bending, geometry, faults);
-    let sources = SpringSources { rules: &network.springs, membranes: &membranes, step };
-    let groups = springs::springs(&at.key("springs"), sources, geometry, &mut masses, faults);
     let readable = |keys: &[&str], faults: &Faults<'_>| keys.iter().all(|key| faults.readable(&at.key(key)));
+    let start_known = readable(&["supports", "springs"], faults);
+    let earlier = geometry.zip(network.initial.as_ref()).filter(|_| start_known).and_then(|(geometry, section)| {
+        initial::earlier(&at.key("initial"), section, (geometry, &fixed, base), faults)
+    });
+    let (earlier, prestress) = earlier.map(EarlierRun::split).unzip();
+    let sources =
+        SpringSources { rules: &network.springs, membranes: &membranes, step, prestress: prestress.flatten() };
+    let groups = springs::springs(&at.key("springs"), sources, geometry, &mut masses, faults);
     let masses_known = faults.count() == before && readable(&["mass", "supports", "springs", "membranes"], faults);
     let rayleigh = rayleigh(network.damping.as_ref());
     let Flow { air, stream, canopies, line_drag, node_drag } =
@@ -60,10 +66,10 @@ pub(super) fn network(
         let value = "every node is held in x, y and z";
         faults.add_value(&at.key("supports"), value, "something that can move", Some(hint.to_owned()));
     }
-    let start = if readable(&["supports", "springs"], faults) {
+    let start = if start_known {
         let moved = &support_velocity(&motions, fixed.len());
-        let against = initial::Network { geometry, fixed: &fixed, moved, springs: &groups, base };
-        initial(&at.key("initial"), network.initial.as_ref(), &against, faults)
+        let against = initial::Network { geometry, fixed: &fixed, moved, springs: &groups };
+        initial(&at.key("initial"), network.initial.as_ref(), earlier, &against, faults)
     } else {
         initial::InitialState::default()
     };

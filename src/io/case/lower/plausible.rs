@@ -10,6 +10,7 @@ use crate::format_number::figures;
 use crate::model::spec::{AirSpec, NetworkSpec, PendulumSpec, Slack};
 use crate::preflight::air::{FreeStream, excess_pressure};
 use crate::warning::WarningCode;
+use std::collections::BTreeSet;
 
 /// [m/s] Speed of sound in air at 15 degrees Celsius: the laws of the air here do not model compression.
 const SOUND: f64 = 340.0;
@@ -179,8 +180,22 @@ fn strain(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Fa
     }
 }
 
+/// Whether triangles are a cover of a net of cables: there are springs, but no triangle has them on all its sides, nor a
+/// membrane.
+fn only_covers(spec: &NetworkSpec, geometry: &Geometry) -> bool {
+    let edges: BTreeSet<u32> = spec.springs.iter().flat_map(|group| group.edges.iter().copied()).collect();
+    let mut sides = vec![0; spec.mesh.triangles.len()];
+    for triangle in edges.iter().flat_map(|&edge| geometry.topology.edge_triangles(edge as usize)) {
+        sides[*triangle as usize] += 1;
+    }
+    !edges.is_empty() && spec.membranes.is_empty() && !sides.contains(&3)
+}
+
 /// The mass of the triangles' nodes over the triangles' area: a payload on lines does not count.
 fn areal_density(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
+    if only_covers(spec, geometry) {
+        return;
+    }
     let mut cloth = vec![false; spec.mass.len()];
     for &node in spec.mesh.triangles.as_flattened() {
         if let Some(flag) = cloth.get_mut(node as usize) {

@@ -4,6 +4,7 @@ use super::elastic_law::elastic_law;
 use super::geometry::Geometry;
 use super::mass;
 use super::numbers::{positive, series};
+use super::prestress::{Law, Prestress};
 use super::select;
 use super::stiffness::{Springs, Stiffness, dashpot, rest_lengths, stiffness};
 use crate::case::diagnostics::Faults;
@@ -15,35 +16,44 @@ use crate::model::spec::{ElasticLaw, MembraneSpec, Series, SheetSpec, Slack, Spr
 use crate::warning::WarningCode;
 
 /// What springs are made from.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(super) struct SpringSources<'a> {
     pub rules: &'a [SpringRule],
     /// they carry their edges too
     pub membranes: &'a [MembraneSpec],
     /// the steps of the run, if known
     pub step: Option<Step>,
+    /// what an earlier run says of their rest lengths
+    pub prestress: Option<Prestress>,
 }
 
 /// Groups of springs in the order of the rules; adds the springs' own mass to `mass` `[n_nodes]`.
 pub(super) fn springs(
     at: &Pointer,
-    SpringSources { rules, membranes, step }: SpringSources<'_>,
+    SpringSources { rules, membranes, step, prestress }: SpringSources<'_>,
     geometry: Option<&Geometry>,
     mass: &mut [f64],
     faults: &mut Faults<'_>,
 ) -> Vec<SpringGroup> {
     let bare = vec![false; geometry.map_or(0, |g| g.mesh.edges.len())];
     let mut claimed = Claimed { by_rule: bare.clone(), by_any: bare };
-    let mut groups = Vec::new();
+    let whole = geometry;
     let mut geometry = geometry;
+    let mut followed = Vec::new();
     for (i, rule) in rules.iter().enumerate() {
         let at = at.index(i);
-        let values = values(&at, rule, faults);
+        if rule.loads_only {
+            check_loads_only(&at, rule, faults);
+        }
+        let values = if rule.loads_only { None } else { values(&at, rule, faults) };
         let factor = rest_factor(&at.key("rest_scale"), rule, faults);
         // The edges of an unreadable rule are not known, so those of the next rules are not known either.
         geometry = geometry.filter(|_| faults.readable(&at.key("on")));
         let Some(geometry) = geometry else { continue };
         let Some(edges) = claim(&at, rule, geometry, &mut claimed, faults) else { continue };
+        if rule.loads_only {
+            continue;
+        }
         // A sheet is one, whatever tapes are on it.
         let strands = geometry.strands(&rule.on, &edges).filter(|_| rule.membrane.is_none());
         if let Some(density) = rule.linear_density.filter(|d| *d > 0.0) {
@@ -51,37 +61,64 @@ pub(super) fn springs(
             let densities = strands.as_deref().map_or(densities.clone(), |strands| densities.times(strands));
             add_mass(&densities, &edges, geometry, mass);
         }
-        // Before the values, so that faults of both are reported at once.
-        let rest_length = rest_lengths(&at, rule, &edges, geometry, faults);
-        if let (Some(values), Some(rest_length)) = (values, rest_length)
-            && !edges.is_empty()
-            && let Some(group) = {
-                let strands = strands.as_deref();
-                group(&at, RuleEdges { rule, values, edges, rest_length, strands, step }, geometry, faults)
-            }
-        {
-            let name = || match &rule.on {
-                EdgeSelection::Group(group) => format!("springs[{i}] {group}"),
-                _ => format!("springs[{i}]"),
-            };
-            groups.push(SpringGroup {
-                cut: rule.cut,
-                rest_scale: factor,
-                strength: rule.strength.map(|strength| StrengthSpec { name: name(), strength, strands }),
-                sheet: rule.membrane.map(|Membrane { modulus, thickness }| SheetSpec { modulus, thickness }),
-                ..group
-            });
-        }
+        followed.push(RuleEdges { number: i, rule, values, factor, edges, strands, step });
     }
-    if let Some(geometry) = geometry {
-        let mut of_membrane = vec![false; geometry.mesh.triangles.len()];
-        membranes.iter().flat_map(|m| &m.triangles).for_each(|&t| of_membrane[t as usize] = true);
-        for (edge, taken) in claimed.by_any.iter_mut().enumerate() {
-            *taken |= geometry.topology.edge_triangles(edge).iter().any(|&t| of_membrane[t as usize]);
-        }
-        warn_bare(&claimed.by_any, faults);
+    let Some(whole) = whole else { return Vec::new() };
+    let prestress = prestress.map(|prestress| shared(prestress, &followed, whole));
+    let groups = followed.into_iter().filter_map(|rule| group(at, rule, prestress.as_ref(), whole, faults)).collect();
+    let Some(geometry) = geometry else { return groups };
+    let mut of_membrane = vec![false; geometry.mesh.triangles.len()];
+    membranes.iter().flat_map(|m| &m.triangles).for_each(|&t| of_membrane[t as usize] = true);
+    for (edge, taken) in claimed.by_any.iter_mut().enumerate() {
+        *taken |= geometry.topology.edge_triangles(edge).iter().any(|&t| of_membrane[t as usize]);
     }
+    warn_bare(&claimed.by_any, faults);
     groups
+}
+
+/// What an earlier run says, with the rigidities of all springs that share the tension of an edge.
+fn shared(mut prestress: Prestress, rules: &[RuleEdges<'_>], geometry: &Geometry) -> Prestress {
+    for RuleEdges { values, edges, strands, .. } in rules {
+        if let Some(values) = values {
+            prestress.add(values.law(), edges, strands.as_deref(), geometry);
+        }
+    }
+    prestress
+}
+
+/// Refuses what makes or describes springs in a rule that makes none.
+fn check_loads_only(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) {
+    let SpringRule {
+        on: _,
+        loads_only: _,
+        stiffness,
+        axial_rigidity,
+        membrane,
+        law,
+        rest_length,
+        rest_scale,
+        linear_density,
+        cut,
+        strength,
+        slack,
+        dashpot,
+    } = rule;
+    let given = [
+        ("stiffness", stiffness.is_some()),
+        ("axial_rigidity", axial_rigidity.is_some()),
+        ("membrane", membrane.is_some()),
+        ("law", law.is_some()),
+        ("rest_length", rest_length.is_some()),
+        ("rest_scale", rest_scale.is_some()),
+        ("linear_density", linear_density.is_some()),
+        ("cut", cut.is_some()),
+        ("strength", strength.is_some()),
+        ("slack", slack.is_some()),
+        ("dashpot", dashpot.is_some()),
+    ];
+    for (key, _) in given.iter().filter(|(_, given)| *given) {
+        faults.add_hint(&at.key(key), "not together with loads_only", "edges that only carry loads have no springs");
+    }
 }
 
 /// Values of a rule that need no edge.
@@ -90,6 +127,12 @@ struct RuleValues {
     stiffness: Stiffness,
     law: ElasticLaw,
     slack: Slack,
+}
+
+impl RuleValues {
+    fn law(&self) -> Law<'_> {
+        Law { stiffness: self.stiffness, curve: &self.law, slack: self.slack }
+    }
 }
 
 fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<RuleValues> {
@@ -133,7 +176,7 @@ fn claim(
     faults: &mut Faults<'_>,
 ) -> Option<Vec<u32>> {
     let selected = select::edges(&at.key("on"), &rule.on, geometry, faults)?;
-    let adds = matches!(rule.on, EdgeSelection::Group(_));
+    let adds = matches!(rule.on, EdgeSelection::Group(_)) && !rule.loads_only;
     let mut edges = Vec::new();
     let flags = claimed.by_rule.iter_mut().zip(&mut claimed.by_any);
     for (((by_rule, by_any), selected), edge) in flags.zip(selected).zip(0_u32..) {
@@ -153,20 +196,49 @@ fn claim(
 /// A rule with the edges that follow it.
 #[derive(Debug)]
 struct RuleEdges<'a> {
+    /// of the rule
+    number: usize,
     rule: &'a SpringRule,
-    values: RuleValues,
+    /// `None` where they are faulty
+    values: Option<RuleValues>,
+    /// of the rest lengths over time, if they change
+    factor: Option<Series<f64>>,
     edges: Vec<u32>,
-    /// [m] one per edge
-    rest_length: Vec<f64>,
     /// [-] tapes or lines that each edge stands for; `None` where it is one
-    strands: Option<&'a [f64]>,
+    strands: Option<Vec<f64>>,
     /// the steps of the run, if known
     step: Option<Step>,
 }
 
-fn group(at: &Pointer, members: RuleEdges<'_>, geometry: &Geometry, faults: &mut Faults<'_>) -> Option<SpringGroup> {
-    let RuleEdges { rule, values, edges, rest_length, strands, step } = members;
-    let stiffness = values.stiffness.of_edges(at, &edges, &rest_length, geometry, faults)?;
+fn group(
+    at: &Pointer,
+    members: RuleEdges<'_>,
+    prestress: Option<&Prestress>,
+    geometry: &Geometry,
+    faults: &mut Faults<'_>,
+) -> Option<SpringGroup> {
+    let RuleEdges { number, rule, values, factor, edges, strands, step } = members;
+    let at = &at.index(number);
+    let kept = prestress.zip(values.as_ref()).map(|(kept, values)| kept.rest_lengths(values.law(), &edges, geometry));
+    let kept = match kept.transpose() {
+        Ok(kept) => kept,
+        Err(bad) if rule.rest_length.is_none() && !matches!(rule.rest_scale, Some(Factor::Constant(_))) => {
+            let value = format!("a law that does not have the tensions kept on edges {}", first_few(&bad));
+            let hint =
+                "give these edges a rule whose springs carry them: stiff enough, and in compression where they push";
+            faults.add_value(at, value, "springs that can carry what initial.keep says", Some(hint.to_owned()));
+            return None;
+        }
+        Err(_) => None,
+    };
+    // Before the values, so that faults of both are reported at once.
+    let rest_length = rest_lengths(at, rule, &edges, kept, geometry, faults);
+    let (RuleValues { stiffness, law, slack }, rest_length) = (values?, rest_length?);
+    if edges.is_empty() {
+        return None;
+    }
+    let strands = strands.as_deref();
+    let stiffness = stiffness.of_edges(at, &edges, &rest_length, geometry, faults)?;
     let stiffness = strands.map_or(stiffness.clone(), |strands| stiffness.times(strands));
     let dashpot = match rule.dashpot {
         None => None,
@@ -175,8 +247,15 @@ fn group(at: &Pointer, members: RuleEdges<'_>, geometry: &Geometry, faults: &mut
             Some(dashpot(&at.key("dashpot"), rule, &springs, faults)?)
         }
     };
-    let RuleValues { law, slack, .. } = values;
-    Some(SpringGroup { edges, stiffness, rest_length, law, slack, dashpot, ..SpringGroup::default() })
+    let name = || match &rule.on {
+        EdgeSelection::Group(group) => format!("springs[{number}] {group}"),
+        _ => format!("springs[{number}]"),
+    };
+    let strands = strands.map(<[f64]>::to_vec);
+    let strength = rule.strength.map(|strength| StrengthSpec { name: name(), strength, strands });
+    let sheet = rule.membrane.map(|Membrane { modulus, thickness }| SheetSpec { modulus, thickness });
+    let (cut, rest_scale) = (rule.cut, factor);
+    Some(SpringGroup { edges, stiffness, rest_length, law, slack, dashpot, cut, rest_scale, strength, sheet })
 }
 
 /// Adds half of an edge's mass to each of its ends; `densities` [kg/m], `total` [kg] `[n_nodes]`.

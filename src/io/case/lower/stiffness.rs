@@ -5,9 +5,9 @@ use super::geometry::{Geometry, TriangleUse, triangles};
 use super::plausible;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Dashpot, DashpotRule, EdgeSelection, ElasticLawRule, Factor, SpringRule};
+use crate::case::schema::{Dashpot, DashpotRule, EdgeSelection, ElasticLawRule, Factor, PerEdge, SpringRule};
 use crate::drive::clock::Step;
-use crate::format_number::first_few;
+use crate::format_number::{counted, first_few};
 use crate::model::spec::{DashpotKind, DashpotSpec, SpringValues};
 use crate::warning::WarningCode;
 
@@ -21,6 +21,8 @@ pub(super) enum Stiffness {
     /// [N/m] E t
     Membrane(f64),
 }
+
+const ONE_STIFFNESS: &str = "exactly one of stiffness, axial_rigidity, membrane, law with a table";
 
 /// Exactly one of the three stiffness rules, in range.
 pub(super) fn stiffness(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Stiffness> {
@@ -47,42 +49,50 @@ pub(super) fn stiffness(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>
             Some(Stiffness::Membrane(m.modulus * m.thickness))
         }
         (None, None, None) => {
-            faults.add_value(
-                at,
-                "a spring rule without stiffness",
-                "exactly one of stiffness, axial_rigidity, membrane, law with a table",
-                None,
-            );
+            faults.add_value(at, "a spring rule without stiffness", ONE_STIFFNESS, None);
             None
         }
         _ => {
             let hint = Some("keep the one that is meant".to_owned());
             let value = "a spring rule with several stiffnesses";
-            faults.add_value(at, value, "exactly one of stiffness, axial_rigidity, membrane, law with a table", hint);
+            faults.add_value(at, value, ONE_STIFFNESS, hint);
             None
         }
     }
 }
 
 /// [m] Rest lengths of the edges, by the rule's `rest_length` or `rest_scale`; those at the factor 1 where this is a
-/// table.
+/// table. `kept` are those of an earlier run, in place of the lengths of edges.
 pub(super) fn rest_lengths(
     at: &Pointer,
     rule: &SpringRule,
     edges: &[u32],
+    kept: Option<Vec<f64>>,
     geometry: &Geometry,
     faults: &mut Faults<'_>,
 ) -> Option<Vec<f64>> {
     let initial = edges.iter().filter_map(|&e| geometry.unstretched.get(e as usize).copied());
-    match (rule.rest_length, &rule.rest_scale) {
+    match (&rule.rest_length, &rule.rest_scale) {
         (Some(_), Some(Factor::Constant(_))) => {
             let hint = "rest_length is absolute, rest_scale a factor of the initial length; keep one";
             faults.add_hint(&at.key("rest_scale"), "not together with rest_length", hint);
             None
         }
-        (Some(length), None | Some(Factor::Table(_))) => {
+        (Some(given), None | Some(Factor::Table(_))) => {
             let at = at.key("rest_length");
-            if length == 0.0
+            let lengths = match given {
+                PerEdge::Same(length) => vec![*length; edges.len()],
+                PerEdge::Each(list) if list.len() == geometry.mesh.edges.len() => {
+                    edges.iter().filter_map(|&edge| list.get(edge as usize).copied()).collect()
+                }
+                PerEdge::Each(list) => {
+                    let value = counted(list.len() as u64, "length", "lengths");
+                    let edges = geometry.mesh.edges.len();
+                    faults.add_value(&at, value, format!("one length, or a list of {edges} (one per edge)"), None);
+                    return None;
+                }
+            };
+            if lengths.contains(&0.0)
                 && let Some(needs) = needs_rest_length(rule)
             {
                 let hint = match needs {
@@ -92,10 +102,13 @@ pub(super) fn rest_lengths(
                 faults.add_hint(&at, "a number above 0", hint);
                 return None;
             }
-            Some(vec![length; edges.len()])
+            Some(lengths)
         }
         (None, Some(Factor::Constant(scale))) => Some(initial.map(|l| scale * l).collect()),
         (None, None | Some(Factor::Table(_))) => {
+            if kept.is_some() {
+                return kept;
+            }
             let of_reefing = geometry.reefing_length().filter(|_| is_reefing(&rule.on));
             Some(of_reefing.map_or_else(|| initial.collect(), |length| vec![length; edges.len()]))
         }

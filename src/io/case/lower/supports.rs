@@ -46,16 +46,19 @@ pub(super) fn supports(
         }
         let displacement =
             support.motion.as_ref().and_then(|table| motion(&at.key("motion"), table, directions, faults));
+        let settlement = settlement(&at.key("settlement"), support.settlement, directions, faults);
         let nodes = geometry.and_then(|g| select::nodes(&at.key("on"), &support.on, g, faults));
         if let (Some(directions), Some(nodes)) = (directions, nodes) {
-            let moves = support.motion.is_some();
+            let moves = support.motion.is_some() || support.settlement.is_some();
             // A stand-in may be for any nodes and directions.
             let known = faults.readable(&at.key("on")) && faults.readable(&at.key("fix"));
             let by = Hold { until: support.until.unwrap_or(f64::INFINITY), first: known.then_some((i, moves)) };
             hold(&at, &mut holds, Held { nodes: &nodes, directions, by }, faults);
+            let still = || Series { t: vec![0.0], value: vec![[0.0; 3]] };
+            let displacement = displacement.or_else(|| support.motion.is_none().then(still)).filter(|_| moves);
             motions.extend(displacement.map(|displacement| {
                 let nodes = nodes.into_iter().map(|node| (node, directions)).collect();
-                MotionSpec { nodes, displacement }
+                MotionSpec { nodes, displacement, settlement }
             }));
         }
     }
@@ -95,6 +98,27 @@ fn hold(at: &Pointer, holds: &mut [[Hold; 3]], Held { nodes, directions, by }: H
     }
 }
 
+/// [m] The settlement, 0 without any.
+fn settlement(
+    at: &Pointer,
+    given: Option<[f64; 3]>,
+    directions: Option<[bool; 3]>,
+    faults: &mut Faults<'_>,
+) -> [f64; 3] {
+    let given = given.unwrap_or_default();
+    for (axis, held) in directions.unwrap_or([true; 3]).iter().enumerate() {
+        if !held && given[axis] != 0.0 {
+            not_held(&at.index(axis), axis, faults);
+        }
+    }
+    given
+}
+
+fn not_held(at: &Pointer, axis: usize, faults: &mut Faults<'_>) {
+    let allowed = format!("0 in {}, a direction that this support does not hold", ["x", "y", "z"][axis]);
+    faults.add_hint(at, allowed, "name the direction in \"fix\"");
+}
+
 /// [m] The displacement over time.
 fn motion(
     at: &Pointer,
@@ -107,8 +131,7 @@ fn motion(
     for (i, row) in table.iter().enumerate() {
         for (axis, held) in directions.unwrap_or([true; 3]).iter().enumerate() {
             if !held && row[axis + 1] != 0.0 {
-                let allowed = format!("0 in {}, a direction that this support does not hold", ["x", "y", "z"][axis]);
-                faults.add_hint(&at.index(i).index(axis + 1), allowed, "name the direction in \"fix\"");
+                not_held(&at.index(i).index(axis + 1), axis, faults);
             }
         }
     }

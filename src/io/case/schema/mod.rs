@@ -28,9 +28,9 @@ pub use aero::{
 };
 pub use loads::{Load, PressureKindKey};
 pub use method::Method;
-pub use network::{Damping, FrameFile, Initial, InitialFrom, Mass, Network, NetworkModel, PointMass, Support};
+pub use network::{Damping, FrameFile, Initial, InitialFrom, Keep, Mass, Network, NetworkModel, PointMass, Support};
 pub use output::{CrossingSearch, Every, EveryCheckpoint, EverySteps, Field, Gauge, Output, Probe};
-pub use per_node::{PerNode, Vectors};
+pub use per_node::{PerEdge, PerNode, Vectors};
 pub use select::{Ball, EdgeSelection, NodeOrEdgeSelection, NodeSelection};
 pub use solver::{Newton, Solver};
 pub use springs::{Dashpot, DashpotRule, ElasticLawRule, Membrane, SlackRule, SpringRule};

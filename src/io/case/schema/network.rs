@@ -115,6 +115,11 @@ pub struct Support {
     /// at a row; a step ends there. No other support may hold the same direction of a node.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motion: Option<VectorTable>,
+    /// [m] Settlement `[dx, dy, dz]`: how far the support has moved from where the mesh and `initial` put its nodes; 0
+    /// in directions that are not held. A run in time begins with it, at rest; `static` applies it with the loads, in
+    /// as many steps. `motion` adds to it. No other support may hold the same direction of a node.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settlement: Option<[f64; 3]>,
 }
 
 /// Damping of the network as a whole.
@@ -139,11 +144,27 @@ pub struct Initial {
     /// starts with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<InitialFrom>,
+    /// What springs keep of the run in `from`; not given: nothing but where their ends are. It stands in for the length
+    /// of the edge on the mesh as given: rules with a `rest_length`, or a number as `rest_scale`, go on without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub keep: Option<Keep>,
     /// [m] Displacement from the mesh as given; it adds to the displacement that the mesh itself starts with, and to
     /// `from`.
     pub displacement: Option<Vectors>,
     /// [m/s] Velocity; it adds to `from`.
     pub velocity: Option<Vectors>,
+}
+
+/// What springs keep of an earlier run, by the arrays of its frame; `static` writes both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Keep {
+    /// Prestress: each spring is cut so long that it has, where the run begins, the tension that its edge had there. So
+    /// a form found by force densities carries its tensions as a net of real cables. Several springs at an edge share
+    /// its tension by their stiffness. A spring without tension is as long as before, if it was slack, or as its edge.
+    Tensions,
+    /// Rest lengths: each spring is as long without tension as that of its edge was.
+    RestLengths,
 }
 
 /// The folder of another run's results, or one of its frames.

@@ -3,13 +3,14 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::per_node::PerEdge;
 use super::select::EdgeSelection;
 use super::table::Factor;
 
 /// Springs on some edges. An edge that no rule selects has no spring. A rule for a group adds its springs to all edges
 /// of the group, beside those of other rules: a tape along the edges of a cloth. Of the other rules an edge follows
-/// the first that selects it. Exactly one of `stiffness`, `axial_rigidity`, `membrane` and a `law` with a table is
-/// given.
+/// the first that selects it. Exactly one of `stiffness`, `axial_rigidity`, `membrane`, `loads_only` and a `law` with a
+/// table is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringRule {
@@ -23,13 +24,17 @@ pub struct SpringRule {
     pub axial_rigidity: Option<f64>,
     /// Stiffness from a continuous sheet; for edges of triangles.
     pub membrane: Option<Membrane>,
+    /// Whether the edges get no springs, as those of a cover that only passes loads on to a net of cables: areas, weights
+    /// and pressures of its triangles act on their nodes. No later rule selects these edges but those for a group.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub loads_only: bool,
     /// How the tension grows with the strain; not given: T = k (l - l0).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<ElasticLawRule>,
-    /// [m] Rest length l0 of the spring, which may be 0 with `stiffness` and `membrane`; if not given, the length of
-    /// the edge on the mesh as given.
-    #[schemars(range(min = 0))]
-    pub rest_length: Option<f64>,
+    /// [m] Rest length l0 of the spring, which may be 0 with `stiffness` and `membrane`; or a list with one for every
+    /// edge of the mesh, of which those of other edges are passed over. If not given, the length of the edge on the
+    /// mesh as given, or what `initial.keep` says.
+    pub rest_length: Option<PerEdge>,
     /// [-] The rest length as a factor of the edge's length on the mesh as given; not together with `rest_length`. Or
     /// `{"table": [[t, s], ...]}`: the rest length, from `rest_length` or the edge, times a factor s(t), for a winch
     /// or a reefing line. The stiffness stays what it is at s = 1. The work -T l0 ds of the change is `external_work`.

@@ -147,15 +147,55 @@ pub struct FramePoints {
     pub velocities: Option<Vec<[f64; 3]>>,
 }
 
+/// What a frame of a run says of its lines, in order.
+#[derive(Debug)]
+pub struct FrameLines {
+    /// [-] the points at their ends
+    pub ends: Vec<[u64; 2]>,
+    /// [N] tensions, if they are there
+    pub tensions: Option<Vec<f64>>,
+    /// [m] rest lengths, -1 without a spring, if they are there
+    pub rest_lengths: Option<Vec<f64>>,
+}
+
+/// Reads the lines of a frame.
+///
+/// # Errors
+/// Why this is no frame of one piece.
+pub fn frame_lines(bytes: &[u8]) -> Result<FrameLines, String> {
+    let piece = only_piece(bytes, &["tension", "rest_length"])?;
+    let lines: Vec<(usize, [u64; 2])> = piece
+        .cells
+        .iter()
+        .map(|(_, ends)| ends)
+        .enumerate()
+        .filter_map(|(i, ends)| Some((i, ends.try_into().ok()?)))
+        .collect();
+    let array = |name| {
+        let values = named_array(&piece.cell_data, name)?;
+        lines.iter().map(|(cell, _)| values.get(*cell).copied()).collect::<Option<Vec<f64>>>()
+    };
+    let (tensions, rest_lengths) = (array("tension"), array("rest_length"));
+    if [&tensions, &rest_lengths].into_iter().flatten().flatten().any(|value| !value.is_finite()) {
+        return Err("has numbers that are not finite".into());
+    }
+    Ok(FrameLines { ends: lines.iter().map(|(_, ends)| *ends).collect(), tensions, rest_lengths })
+}
+
+fn only_piece(bytes: &[u8], names: &[&str]) -> Result<Piece, String> {
+    let mut pieces = read(bytes, names)?.pieces.into_iter();
+    match (pieces.next(), pieces.next()) {
+        (Some(piece), None) => Ok(piece),
+        _ => Err("does not hold exactly one piece".into()),
+    }
+}
+
 /// Reads the points of a frame.
 ///
 /// # Errors
 /// Why this is no frame of one piece.
 pub fn frame_points(bytes: &[u8]) -> Result<FramePoints, String> {
-    let mut pieces = read(bytes, &["displacement", "velocity"])?.pieces.into_iter();
-    let (Some(piece), None) = (pieces.next(), pieces.next()) else {
-        return Err("does not hold exactly one piece".into());
-    };
+    let piece = only_piece(bytes, &["displacement", "velocity"])?;
     let array = |name| named_array(&piece.point_data, name).map(|values| values.as_chunks().0.to_vec());
     let (displacement, velocities) = (array("displacement"), array("velocity"));
     let positions = piece.points;
