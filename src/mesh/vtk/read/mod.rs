@@ -44,6 +44,17 @@ pub struct CellLists {
 }
 
 impl CellLists {
+    /// Cells of several types, given by the numbers of their points and where the points of each end.
+    pub(super) fn new(points: Vec<i64>, ends: Vec<usize>, types: Vec<u8>) -> Result<Self, String> {
+        let mut cells = Self::default();
+        cells.add(points, ends, 0)?;
+        if types.len() != cells.ends.len() {
+            return Err(unfit());
+        }
+        cells.types = types;
+        Ok(cells)
+    }
+
     /// The type and the points of each cell.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (u8, &[u64])> {
         (0..self.ends.len()).map(|cell| {
