@@ -20,6 +20,12 @@ pub const MODES_FOLDER: &str = "modes";
 /// The checkpoint of a run.
 pub const CHECKPOINT: &str = "checkpoint.bin";
 
+/// The file to open for the frames of a case in a folder: the one that holds them, or else their list.
+pub fn frames_of(dir: &Path, name: &str) -> PathBuf {
+    let file = |ending: &str| dir.join(format!("{}.{ending}", file_stem(name)));
+    Some(file(HDF_ENDING)).filter(|path| path.is_file()).unwrap_or_else(|| file("pvd"))
+}
+
 /// Why a folder cannot take results.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

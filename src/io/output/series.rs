@@ -201,7 +201,7 @@ impl HdfSeries {
     fn open(spec: &FilesSpec<'_>, frames: u64) -> Result<Self, ResumeError> {
         let path = one_of(spec);
         let writer = with_scene(spec, |scene| HdfWriter::open(&path, scene, frames)).map_err(|e| wrong(&path, e))?;
-        let times = HdfFrames::open(&path).map(|frames| frames.times().to_vec());
+        let times = HdfFrames::of(open_plain(&path)?).map(|frames| frames.times().to_vec());
         let times = times.map_err(|what| ResumeError::Unfit { path: path.display().to_string(), what })?;
         Ok(Self { path, arrays: FrameArrays::new(spec), writer, times })
     }

@@ -4,6 +4,7 @@
 
 mod cells;
 mod encode;
+pub mod frames;
 pub mod hdf;
 pub mod read;
 mod tags;

@@ -8,7 +8,7 @@ use crate::case::Case;
 use crate::drive::Status;
 use crate::format_number::{counted, figures};
 use crate::output::csv::write_fault;
-use crate::output::folder::SUMMARY;
+use crate::output::folder::{SUMMARY, frames_of};
 use crate::output::sanitize::file_stem;
 use crate::simulation::{EarlierResults, RecordedStatic, StaticSettings, record_static_watched};
 use crate::startup::StartupTimer;
@@ -150,6 +150,6 @@ fn report(name: &str, found: &RecordedStatic, out: &Path) -> String {
             }
         }
     }
-    let _ = writeln!(text, "  results         {}", out.join(format!("{}.pvd", file_stem(name))).display());
+    let _ = writeln!(text, "  results         {}", frames_of(out, name).display());
     text
 }

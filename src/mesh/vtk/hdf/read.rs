@@ -2,7 +2,6 @@
 
 use std::fs::File;
 use std::io;
-use std::path::Path;
 
 use super::array_name;
 use super::filters::unpack;
@@ -54,12 +53,11 @@ fn system(error: io::Error) -> String {
 }
 
 impl HdfFrames {
-    /// Opens a file with the frames that it has by now.
+    /// The frames that a file has by now.
     ///
     /// # Errors
     /// The fault of the file, as the end of a sentence that begins with its name.
-    pub fn open(path: &Path) -> Result<Self, String> {
-        let file = File::open(path).map_err(system)?;
+    pub fn of(file: File) -> Result<Self, String> {
         let length = file.metadata().map_err(system)?.len();
         let most = ANY.max(TIMES.saturating_mul(length as usize));
         let mut file = Reader { region: Region::new(file, length), most };

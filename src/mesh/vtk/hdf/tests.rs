@@ -91,7 +91,7 @@ fn frames_come_back() -> Tested {
     for compression in [Compression::None, Compression::Zlib] {
         let path = folder.path().join("run.vtkhdf");
         go_on(&path, compression, 0, 300)?;
-        let mut frames = HdfFrames::open(&path)?;
+        let mut frames = HdfFrames::of(fs::File::open(&path)?)?;
         assert_eq!(frames.times().len(), 300);
         for step in [0, 1, 15, 16, 63, 64, 255, 256, 299] {
             assert_eq!(frames.times()[step], 0.25 * step as f64);
@@ -129,7 +129,7 @@ fn a_damaged_file_is_read_to_an_end() -> Tested {
     let bytes = fs::read(&path)?;
     let read = |bytes: &[u8]| -> Result<usize, Box<dyn Error>> {
         fs::write(&path, bytes)?;
-        let Ok(mut frames) = HdfFrames::open(&path) else { return Ok(0) };
+        let Ok(mut frames) = HdfFrames::of(fs::File::open(&path)?) else { return Ok(0) };
         Ok((0..frames.times().len().min(20)).filter(|step| frames.frame(*step, &["tension"]).is_ok()).count())
     };
     assert_eq!(read(&bytes)?, 20);

@@ -158,17 +158,20 @@ pub struct FramePoints {
     pub velocities: Option<Vec<[f64; 3]>>,
 }
 
-/// Reads the points of a frame.
+/// The arrays on points that [`frame_points`] takes.
+pub const POINT_ARRAYS: [&str; 2] = ["displacement", "velocity"];
+
+/// Takes the points of a frame.
 ///
 /// # Errors
 /// Why this is no frame of one piece.
-pub fn frame_points(bytes: &[u8]) -> Result<FramePoints, String> {
-    let mut pieces = read(bytes, &["displacement", "velocity"])?.pieces.into_iter();
+pub fn frame_points(frame: DataSet) -> Result<FramePoints, String> {
+    let mut pieces = frame.pieces.into_iter();
     let (Some(piece), None) = (pieces.next(), pieces.next()) else {
         return Err("does not hold exactly one piece".into());
     };
     let array = |name| named_array(&piece.point_data, name).map(|values| values.as_chunks().0.to_vec());
-    let (displacement, velocities) = (array("displacement"), array("velocity"));
+    let [displacement, velocities] = POINT_ARRAYS.map(array);
     let positions = piece.points;
     for list in [&displacement, &velocities].into_iter().flatten() {
         if list.len() != positions.len() {
