@@ -319,10 +319,18 @@ class Result:
     @property
     def times(self) -> npt.NDArray[np.float64]:
         """[s] Times of the frames."""
-        return np.array([t for t, _ in self._frames()])
+        file = self._one_file()
+        return np.array(_core.frame_times(file) if file else [t for t, _ in self._frames()])
 
     def frame(self, t: float | None = None) -> Path:
-        """The .vtu file of the frame nearest to a time [s]; of the last one if left out."""
+        """The .vtu file of the frame nearest to a time [s]; of the last one if left out.
+
+        Raises:
+            CanopyError: there are no frames, or all are in one file (``output.format`` is ``"vtkhdf"``), of which
+                :meth:`to_pyvista` reads one.
+        """
+        if file := self._one_file():
+            raise CanopyError(f"{file} holds all frames of the run: to_pyvista(t) reads one, times has their times")
         frames = self._frames()
         if not frames:
             raise CanopyError(f"{self.folder} has no frames")
@@ -346,7 +354,20 @@ class Result:
         """
         import pyvista
 
-        return pyvista.read(self.frame(t))
+        file = self._one_file()
+        if file is None:
+            return pyvista.read(self.frame(t))
+        from vtkmodules.vtkIOHDF import vtkHDFReader
+
+        times = self.times
+        if not len(times):
+            raise CanopyError(f"{self.folder} has no frames")
+        reader = vtkHDFReader()
+        reader.SetFileName(str(file))
+        reader.UpdateInformation()
+        reader.SetStep(len(times) - 1 if t is None else int(np.abs(times - t).argmin()))
+        reader.Update()
+        return pyvista.wrap(reader.GetOutputDataObject(0))
 
     def show(self, height: int = 760) -> Page:
         """The run in 3D with its gauges, as the page of ``canopy-fem view``; a notebook displays it.
@@ -404,6 +425,10 @@ class Result:
         if name not in self._tables:
             self._tables[name] = _read(self.folder / f"{name}.csv", name)
         return self._tables[name]
+
+    def _one_file(self) -> Path | None:
+        files = sorted(self.folder.glob("*.vtkhdf"))
+        return files[0] if files else None
 
     def _frames(self) -> list[tuple[float, Path]]:
         lists = sorted(self.folder.glob("*.pvd"))

@@ -8,6 +8,7 @@ mod arrays;
 mod case;
 mod errors;
 mod forces;
+mod frames;
 mod interrupt;
 mod mesh;
 mod network;
@@ -34,6 +35,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(mesh::generate, module)?)?;
     module.add_function(wrap_pyfunction!(mesh::_mesh_of, module)?)?;
     module.add_function(wrap_pyfunction!(rollout::_rollout_of, module)?)?;
+    module.add_function(wrap_pyfunction!(frames::frame_times, module)?)?;
     module.add_function(wrap_pyfunction!(record::record, module)?)?;
     module.add_function(wrap_pyfunction!(record::record_static, module)?)?;
     module.add_function(wrap_pyfunction!(rollout::rollout, module)?)?;

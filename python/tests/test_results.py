@@ -50,6 +50,25 @@ def test_a_case_of_the_project_has_the_same_bytes(tmp_path):
     assert files(tmp_path / "python") == files(tmp_path / "program")
 
 
+def test_one_file_for_all_frames(small, tmp_path):
+    """A run whose frames are in one file has the times and the grids of one with a file for each."""
+    many = cf.run(small, tmp_path / "many")
+    small["output"]["format"] = "vtkhdf"
+    one = cf.run(small, tmp_path / "one")
+    np.testing.assert_array_equal(one.times, many.times)
+    with pytest.raises(cf.CanopyError, match="to_pyvista"):
+        one.frame(0.1)
+    pytest.importorskip("pyvista")
+    for t in (0.1, None):
+        found, expected = one.to_pyvista(t), many.to_pyvista(t)
+        np.testing.assert_array_equal(found.points, expected.points)
+        assert set(found.point_data.keys()) == set(expected.point_data.keys())
+        for name, values in expected.cell_data.items():
+            np.testing.assert_array_equal(found.cell_data[name], values)
+    again = cf.run(small, tmp_path / "again")
+    assert files(again.folder) == files(one.folder)
+
+
 def test_tables(small, tmp_path):
     """The tables have the columns of the files, with numbers that are numbers."""
     small["output"]["gauges"] = [{"name": "top", "on": {"ids": [0]}, "of": "reaction"}]

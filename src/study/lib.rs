@@ -21,6 +21,7 @@ mod costs;
 pub mod difference;
 mod error;
 pub mod experiment;
+pub mod export;
 pub mod forecast;
 pub mod frames;
 mod keeper;

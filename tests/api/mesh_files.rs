@@ -170,7 +170,7 @@ fn frames_are_meshes() {
     for encoding in [Encoding::Raw, Encoding::Base64] {
         for compression in [Compression::None, Compression::Zlib] {
             for precision in [Precision::F64, Precision::F32] {
-                let format = VtuFormat { encoding, compression, precision };
+                let format = VtuFormat { encoding, compression, precision, ..VtuFormat::default() };
                 let file = frame_of(format);
                 let mesh = read_mesh(&write(&folder, "frame.vtu", &file)).expect("a mesh").mesh;
                 assert_eq!((&mesh.nodes, &mesh.triangles), (&moved, &square().triangles), "{format:?}");

@@ -8,6 +8,7 @@ mod check;
 #[path = "../common/mod.rs"]
 mod common;
 mod doubts;
+mod export;
 mod failures;
 mod gauges;
 mod group_frames;
@@ -34,4 +35,5 @@ mod stiffening;
 mod study;
 mod until_rest;
 mod view;
+mod vtkhdf;
 mod worth;

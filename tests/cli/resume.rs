@@ -6,4 +6,6 @@ mod disk;
 mod folders;
 #[cfg(unix)]
 mod kills;
+#[cfg(unix)]
+mod one_file;
 mod refusals;

@@ -99,6 +99,7 @@ impl Fingerprint {
         made.text("output.fields", fields)?;
         made.text("output.edges", edges)?;
         made.text("output.crossings", crossings)?;
+        made.text("output.format", &format.file)?;
         made.text("output.compression", &format.compression)?;
         made.text("output.precision", &format.precision)?;
         match history_every {

@@ -11,13 +11,13 @@ use super::checkpoint::Checkpoint;
 use super::csv::{CsvFile, write_fault};
 use super::folder::{CHECKPOINT, SUMMARY};
 use super::frame::{Fields, Frame};
-use super::frame_files::FrameFiles;
 use super::gauges::GaugeRow;
-use super::pvd::{Collection, CollectionMark};
+use super::pvd::CollectionMark;
 use super::resume::FilePrefix;
 use super::resume::ResumeError;
 use super::rows::{GAUGES_HEADER, HISTORY_HEADER, HistoryRow, PROBES_HEADER, write_probes};
 use super::sanitize::csv_field;
+use super::series::FrameSeries;
 use crate::case::spec::ProbeSpec;
 use crate::drive::observer::ObserveError;
 use crate::mesh::Groups;
@@ -75,8 +75,7 @@ pub struct FilesProgress {
 /// The open files of a run.
 #[derive(Debug)]
 pub struct ResultFiles {
-    frames: FrameFiles,
-    collection: Collection,
+    frames: FrameSeries,
     history: CsvFile,
     probes: Option<CsvFile>,
     /// names, quoted for csv
@@ -92,17 +91,16 @@ pub struct ResultFiles {
 }
 
 impl ResultFiles {
-    /// Creates `history.csv`, `probes.csv` if there are probes, and the frames' folder.
+    /// Creates `history.csv`, `probes.csv` if there are probes, and what holds the frames.
     ///
     /// # Errors
     /// When something cannot be created, or a cell names a node that does not exist.
     pub fn create(spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
         let path = |name: &str| spec.folder.join(name);
-        let frames = FrameFiles::create(spec)?;
+        let frames = FrameSeries::create(spec)?;
         let probes = (!spec.probes.is_empty()).then(|| CsvFile::create(&path(PROBES), PROBES_HEADER)).transpose()?;
         Ok(Self {
             frames,
-            collection: Collection::new(&path(&format!("{}.pvd", spec.stem))),
             history: CsvFile::create(&path(HISTORY), HISTORY_HEADER)?,
             probes,
             followed: quoted(spec.probes),
@@ -125,8 +123,7 @@ impl ResultFiles {
         mark.history.check(&history)?;
         mark.probes.map(|mark| mark.check(&probes)).transpose()?;
         mark.gauges.map(|mark| mark.check(&gauges)).transpose()?;
-        let mut collection = Collection::read(&path(&format!("{}.pvd", spec.stem)), mark.collection)?;
-        FrameFiles::check(spec, mark.collection.frames)?;
+        FrameSeries::check(spec, mark.collection)?;
         let history = CsvFile::reopen(&history, mark.history)?;
         for leftover in [&summary, &part_path(&summary), &part_path(&path(CHECKPOINT))] {
             match fs::remove_file(leftover) {
@@ -134,12 +131,9 @@ impl ResultFiles {
                 _ => {}
             }
         }
-        // The collection first, so that it never lists a missing frame.
-        collection.write(Durability::Visible)?;
-        let frames = FrameFiles::reopen(spec, mark.collection.frames)?;
+        let frames = FrameSeries::reopen(spec, mark.collection)?;
         Ok(Self {
             frames,
-            collection,
             history,
             probes: mark.probes.map(|mark| CsvFile::reopen(&probes, mark)).transpose()?,
             followed: quoted(spec.probes),
@@ -159,41 +153,31 @@ impl ResultFiles {
         let history = self.history.sync()?;
         let probes = self.probes.as_mut().map(CsvFile::sync).transpose()?;
         let gauges = self.gauges.as_mut().map(CsvFile::sync).transpose()?;
-        self.frames.sync(self.collection.frames())?;
-        if self.collection.frames() > 0 {
-            self.collection.write(Durability::Synced)?;
-        }
-        self.frames_kept = self.collection.frames();
-        checkpoint.files = FilesProgress { collection: self.collection.mark(), history, probes, gauges };
+        self.frames.sync()?;
+        self.frames_kept = self.frames.frames();
+        checkpoint.files = FilesProgress { collection: self.frames.mark(), history, probes, gauges };
         let path = &self.checkpoint;
         checkpoint.encode(&mut self.encoded).map_err(|e| write_fault(path, e))?;
         replace(path, &self.encoded, Durability::Synced).map_err(|e| write_fault(path, e))
     }
 
-    /// Writes a frame and its probes, and then adds it to the collection.
+    /// Writes a frame and its probes.
     pub fn frame(&mut self, frame: &Frame) -> Result<(), ObserveError> {
-        let file = self.frames.write(frame, self.collection.frames())?;
+        self.frames.write(frame)?;
         if let Some(probes) = &mut self.probes {
             write_probes(probes, &self.followed, frame)?;
         }
-        self.collection.push(frame.time, &file);
-        self.collection.write_if_due()
+        self.frames.write_if_due()
     }
 
     /// Removes the frames after a time [s], and the checkpoint if it counts one of them. Rows of the history and of
     /// probes are kept; no more rows of probes are written.
     pub fn withdraw_after(&mut self, t: f64) -> Result<(), ObserveError> {
-        let before = self.collection.frames();
-        let left = self.collection.withdraw_after(t);
-        // The collection first, so that it never lists a missing frame.
-        self.collection.write(Durability::Visible)?;
-        if self.frames_kept > left {
-            match fs::remove_file(&self.checkpoint) {
-                Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(write_fault(&self.checkpoint, e)),
-                _ => {}
-            }
-        }
-        self.frames.remove(left..before)?;
+        let (checkpoint, kept) = (&self.checkpoint, self.frames_kept);
+        self.frames.withdraw_after(t, |left| match (kept > left).then(|| fs::remove_file(checkpoint)) {
+            Some(Err(e)) if e.kind() != std::io::ErrorKind::NotFound => Err(write_fault(checkpoint, e)),
+            _ => Ok(()),
+        })?;
         if let Some(mut probes) = self.probes.take() {
             probes.flush()?;
         }
@@ -217,7 +201,7 @@ impl ResultFiles {
         for file in self.probes.iter_mut().chain(&mut self.gauges) {
             file.flush_if_due()?;
         }
-        self.collection.write_if_due()
+        self.frames.write_if_due()
     }
 
     /// Writes everything.
@@ -228,8 +212,7 @@ impl ResultFiles {
         let history = self.history.flush();
         let probes = self.probes.as_mut().map_or(Ok(()), CsvFile::flush);
         let gauges = self.gauges.as_mut().map_or(Ok(()), CsvFile::flush);
-        let collection = if self.collection.frames() > 0 { self.collection.write(Durability::Visible) } else { Ok(()) };
-        history.and(probes).and(gauges).and(collection)
+        history.and(probes).and(gauges).and(self.frames.finish())
     }
 }
 

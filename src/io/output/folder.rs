@@ -11,6 +11,7 @@ use super::files::{FRAMES, GAUGES, HISTORY, PROBES};
 use super::frame_files::frames_in;
 use super::sanitize::file_stem;
 
+use crate::vtk::HDF_ENDING;
 pub use crate::vtk::SUMMARY;
 /// A table of the vibration modes about an equilibrium.
 pub const MODES: &str = "modes.csv";
@@ -18,6 +19,12 @@ pub const MODES: &str = "modes.csv";
 pub const MODES_FOLDER: &str = "modes";
 /// The checkpoint of a run.
 pub const CHECKPOINT: &str = "checkpoint.bin";
+
+/// The file to open for the frames of a case in a folder: the one that holds them, or else their list.
+pub fn frames_of(dir: &Path, name: &str) -> PathBuf {
+    let file = |ending: &str| dir.join(format!("{}.{ending}", file_stem(name)));
+    Some(file(HDF_ENDING)).filter(|path| path.is_file()).unwrap_or_else(|| file("pvd"))
+}
 
 /// Why a folder cannot take results.
 #[derive(Debug, thiserror::Error)]
@@ -73,8 +80,8 @@ impl ResultFolder {
     /// Makes `dir` ready for the case `name`: creates it if needed and locks it. Refuses earlier results unless `force`
     /// is given, which removes these files only: `summary.json`, `history.csv`, `probes.csv`, `gauges.csv`,
     /// `modes.csv`, `checkpoint.bin`,
-    /// `NAME.pvd`, `frames/NAME_<number>.vtu`, the last two also for the case of `summary.json`, and `frames` if it is
-    /// then empty. Other files are kept. A link is removed, never followed; a linked `frames` is refused.
+    /// `NAME.pvd`, `frames/NAME_<number>.vtu`, `NAME.vtkhdf`, the last three also for the case of `summary.json`, and
+    /// `frames` if it is then empty. Other files are kept. A link is removed, never followed; a linked `frames` is refused.
     ///
     /// # Errors
     /// When there are results and no `force`, when something else has the name of a result, another run uses the
@@ -153,7 +160,7 @@ impl ResultFolder {
     fn earlier(&self) -> Result<Vec<PathBuf>, FolderError> {
         let mut found = Vec::new();
         let stems: Vec<String> = [self.stem.clone()].into_iter().chain(self.other_stem()).collect();
-        let collections = stems.iter().map(|stem| format!("{stem}.pvd"));
+        let collections = stems.iter().flat_map(|stem| [format!("{stem}.pvd"), format!("{stem}.{HDF_ENDING}")]);
         for name in
             [SUMMARY, HISTORY, PROBES, GAUGES, MODES, CHECKPOINT].map(str::to_owned).into_iter().chain(collections)
         {

@@ -8,17 +8,11 @@ use std::path::{Path, PathBuf};
 use super::atomic::{Durability, replace_by, sync_folder};
 use super::csv::write_fault;
 use super::files::{FRAMES, FilesSpec};
-use super::frame::{CellMap, Fields, Frame, SIDE};
+use super::frame::Frame;
+use super::frame_arrays::{FrameArrays, cells_of, with_parts};
 use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
-use crate::mesh::group::{GroupNumbers, KIND};
-use crate::model::observables::MembranePicture;
-use crate::vtk::write::{Array, Cells, FixedArrays, Snapshot, Values, VtuError, VtuWriter};
-
-/// The cell array by which VTK leaves cells out of pictures; they are cells as before to all that reads the file.
-/// Source: `vtkDataSetAttributes::GhostArrayName` and its `HIDDENCELL`.
-const VTK_GHOSTS: &str = "vtkGhostType";
-const HIDDEN_CELL: u8 = 32;
+use crate::vtk::write::{VtuError, VtuWriter};
 
 /// Writes frames one by one; each is complete before it gets its final name.
 #[derive(Debug)]
@@ -26,16 +20,7 @@ pub(crate) struct FrameFiles {
     folder: PathBuf,
     stem: String,
     vtu: VtuWriter,
-    map: CellMap,
-    fields: Fields,
-    reference: Vec<[f64; 3]>,
-    displacement: Vec<[f64; 3]>,
-    tension: Vec<f64>,
-    strain: Vec<f64>,
-    rest_length: Vec<f64>,
-    pressure: Vec<f64>,
-    crossing: Vec<u8>,
-    membranes: MembraneArrays,
+    arrays: FrameArrays,
     /// number of the first frame that may not be on the disk yet
     unsynced: u64,
 }
@@ -60,27 +45,11 @@ impl FrameFiles {
     pub(crate) fn create(spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
         let folder = spec.folder.join(FRAMES);
         fs::create_dir_all(&folder).map_err(|e| write_fault(&folder, e))?;
-        let cells = Cells { points: spec.reference.len(), triangles: spec.triangles, edges: spec.edges };
-        let fault = |e| write_fault(&folder, vtu_error(e));
-        let vtu = VtuWriter::new(&cells, spec.format).map_err(fault)?;
-        let map = CellMap::new(spec.triangles, spec.edges, vtu.cells());
-        let vtu = name_parts(vtu, spec, &map).map_err(fault)?;
-        Ok(Self {
-            map,
-            folder,
-            stem: spec.stem.clone(),
-            vtu,
-            fields: spec.fields,
-            reference: spec.reference.to_vec(),
-            displacement: vec![[0.0; 3]; spec.reference.len()],
-            tension: Vec::new(),
-            strain: Vec::new(),
-            rest_length: Vec::new(),
-            pressure: Vec::new(),
-            crossing: Vec::new(),
-            membranes: MembraneArrays::default(),
-            unsynced: 0,
-        })
+        let arrays = FrameArrays::new(spec);
+        let vtu = VtuWriter::new(&cells_of(spec), spec.format)
+            .and_then(|vtu| with_parts(spec, &arrays, |parts| vtu.with_fixed(parts)))
+            .map_err(|e| write_fault(&folder, vtu_error(e)))?;
+        Ok(Self { folder, stem: spec.stem.clone(), vtu, arrays, unsynced: 0 })
     }
 
     /// Continues after `frames` frames of an earlier run; later ones are removed.
@@ -128,37 +97,11 @@ impl FrameFiles {
     pub(crate) fn write(&mut self, frame: &Frame, number: u64) -> Result<String, ObserveError> {
         let name = name_of(&self.stem, number);
         let path = self.folder.join(&name);
-        self.prepare(frame);
-        let vectors = |name, values| Array { name, values: Values::Vectors(values) };
-        let scalars = |name, values| Array { name, values: Values::Scalars(values) };
-        let Fields { force, reaction, tension, strain, rest_length, pressure, membrane, crossing } = self.fields;
-        let points = [
-            (true, vectors("displacement", &self.displacement)),
-            (true, vectors("velocity", &frame.velocities)),
-            (force, vectors("force", &frame.force)),
-            (reaction, vectors("reaction", &frame.reaction)),
-        ];
-        let cells = [
-            (tension, scalars("tension", &self.tension)),
-            (strain, scalars("strain", &self.strain)),
-            (rest_length, scalars("rest_length", &self.rest_length)),
-            (pressure, scalars("pressure", &self.pressure)),
-            (membrane, scalars("stress_1", &self.membranes.scalars[0])),
-            (membrane, scalars("stress_2", &self.membranes.scalars[1])),
-            (membrane, scalars("strain_1", &self.membranes.scalars[2])),
-            (membrane, scalars("strain_2", &self.membranes.scalars[3])),
-            (membrane, scalars("wrinkling", &self.membranes.scalars[4])),
-            (membrane, vectors("warp", &self.membranes.warp)),
-            (crossing, Array { name: "crossing", values: Values::Flags(&self.crossing) }),
-        ];
-        let picture = Snapshot {
-            time: Some(frame.time),
-            points: &frame.positions,
-            point_data: &asked_for(&points),
-            cell_data: &asked_for(&cells),
-        };
-        let vtu = &mut self.vtu;
-        replace_by(&path, Durability::Visible, |file| vtu.write(&picture, file).map_err(vtu_error))
+        let Self { vtu, arrays, .. } = self;
+        arrays
+            .show(frame, |picture| {
+                replace_by(&path, Durability::Visible, |file| vtu.write(picture, file).map_err(vtu_error))
+            })
             .map_err(|e| write_fault(&path, e))?;
         Ok(format!("{FRAMES}/{name}"))
     }
@@ -192,76 +135,6 @@ impl FrameFiles {
         }
         Ok(())
     }
-
-    fn prepare(&mut self, frame: &Frame) {
-        let moved = frame.positions.as_flattened().iter().zip(self.reference.as_flattened());
-        for (d, (x, x0)) in self.displacement.as_flattened_mut().iter_mut().zip(moved) {
-            *d = x - x0;
-        }
-        if self.fields.tension {
-            self.map.spread(&frame.tension, &mut self.tension);
-        }
-        if self.fields.strain {
-            self.map.spread(&frame.strain, &mut self.strain);
-        }
-        if self.fields.rest_length {
-            self.map.of_edges(&frame.rest_length, &mut self.rest_length);
-        }
-        if self.fields.pressure {
-            self.map.of_triangles(&frame.pressure, &mut self.pressure);
-        }
-        if self.fields.crossing {
-            self.map.of_triangles(&frame.crossing, &mut self.crossing);
-        }
-        if self.fields.membrane {
-            self.membranes.fill(&frame.membrane, self.vtu.cells());
-        }
-    }
-}
-
-/// Cell arrays of membranes.
-#[derive(Debug, Default)]
-struct MembraneArrays {
-    /// principal stresses, principal strains, wrinkling
-    scalars: [Vec<f64>; 5],
-    warp: Vec<[f64; 3]>,
-}
-
-impl MembraneArrays {
-    /// Of the triangles, which come first among so many cells; all others have no membrane.
-    fn fill(&mut self, triangles: &[MembranePicture], cells: usize) {
-        let all = || triangles.iter().copied().chain(std::iter::repeat(MembranePicture::default())).take(cells);
-        for (i, scalars) in self.scalars.iter_mut().enumerate() {
-            scalars.clear();
-            scalars.extend(all().map(|MembranePicture { stress: [s1, s2], strain: [e1, e2], wrinkling, .. }| {
-                [s1, s2, e1, e2, wrinkling][i]
-            }));
-        }
-        self.warp.clear();
-        self.warp.extend(all().map(|of| of.warp));
-    }
-}
-
-/// Adds what tells the parts of a scene apart: kinds of cells, and in a scene with groups their numbers and where the
-/// nodes are on the mesh.
-fn name_parts(vtu: VtuWriter, spec: &FilesSpec<'_>, map: &CellMap) -> Result<VtuWriter, VtuError> {
-    let kinds = map.kinds();
-    let hide = |kind: &u8| if *kind == SIDE { HIDDEN_CELL } else { 0 };
-    let hidden: Option<Vec<u8>> = kinds.as_ref().filter(|_| !spec.draw_sides).map(|k| k.iter().map(hide).collect());
-    let flags = [(KIND, kinds.as_deref()), (VTK_GHOSTS, hidden.as_deref())];
-    let flags: Vec<(&str, &[u8])> = flags.into_iter().filter_map(|(name, of)| Some((name, of?))).collect();
-    let groups = GroupNumbers::new(spec.groups, [spec.reference.len(), spec.triangles.len(), spec.edges.len()]);
-    let named = FixedArrays { cell_flags: &flags, ..FixedArrays::default() };
-    if spec.groups.is_empty() {
-        return vtu.with_fixed(&named);
-    }
-    vtu.with_fixed(&FixedArrays {
-        point_vectors: Some(("reference_position", spec.reference)),
-        point_numbers: groups.point_array(),
-        cell_numbers: groups.cell_array(),
-        field: &groups.field_arrays(),
-        ..named
-    })
 }
 
 /// The frames of one run in a folder, also the part of one that was never finished.
@@ -281,11 +154,7 @@ pub(crate) fn frames_in(folder: &Path, stem: &str) -> Result<Vec<PathBuf>, io::E
     Ok(found)
 }
 
-fn asked_for<'a>(arrays: &[(bool, Array<'a>)]) -> Vec<Array<'a>> {
-    arrays.iter().filter(|(on, _)| *on).map(|(_, array)| *array).collect()
-}
-
-fn vtu_error(fault: VtuError) -> io::Error {
+pub(super) fn vtu_error(fault: VtuError) -> io::Error {
     match fault {
         VtuError::Write(source) => source,
         other => io::Error::new(io::ErrorKind::InvalidInput, other),

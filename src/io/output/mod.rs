@@ -1,4 +1,4 @@
-//! Results: a ParaView time series, `history.csv`, `probes.csv`, `gauges.csv` and `summary.json` in one folder.
+//! Results: a ParaView time series ([`FrameFormat`](crate::vtk::FrameFormat)), `history.csv`, `probes.csv`, `gauges.csv` and `summary.json` in one folder.
 //!
 //! The integrating thread only copies numbers into reused buffers ([`recorder`]). One background thread (`writer`)
 //! formats and writes them (`files`). So a slow disk costs memory for a few frames and then time, but no row is lost or
@@ -17,6 +17,7 @@ pub mod csv;
 pub mod files;
 pub mod folder;
 pub mod frame;
+mod frame_arrays;
 pub(crate) mod frame_files;
 pub mod gauges;
 pub mod hermite;
@@ -30,6 +31,7 @@ pub mod resume;
 pub mod rows;
 pub mod sanitize;
 pub mod schedule;
+mod series;
 pub mod space;
 pub mod stages;
 pub mod statistics;

@@ -74,6 +74,14 @@ pub enum ResumeError {
         /// the path
         path: String,
     },
+    /// The file of frames is damaged, of another case, or has too few.
+    #[error("{path} is not as it was when the checkpoint was written: {what}; solve again with --force")]
+    Unfit {
+        /// the file
+        path: String,
+        /// what is wrong
+        what: String,
+    },
     /// The other run has not ended.
     #[error("{path} is being written by another run; wait until it has ended")]
     Busy {

@@ -4,6 +4,8 @@
 
 mod cells;
 mod encode;
+pub mod frames;
+pub mod hdf;
 pub mod read;
 mod tags;
 mod vectored_write;
@@ -15,6 +17,8 @@ use serde::{Deserialize, Serialize};
 
 /// Folder of the frames of a run, beside its .pvd.
 pub const FRAMES: &str = "frames";
+/// What the name of the one file of a run ends with, whose frames are in it.
+pub const HDF_ENDING: &str = "vtkhdf";
 /// How a run ended, for programs; in its folder.
 pub const SUMMARY: &str = "summary.json";
 
@@ -52,9 +56,23 @@ pub enum Precision {
     F32,
 }
 
+/// The files of frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum FrameFormat {
+    /// A .vtu file for each frame, in a folder, and a .pvd file that lists them.
+    #[default]
+    Vtu,
+    /// One .vtkhdf file for all frames of a run, with the mesh once.
+    Vtkhdf,
+}
+
 /// How the arrays of a frame are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct VtuFormat {
+    /// a file for each frame, or one for all
+    pub file: FrameFormat,
     /// raw or base64
     pub encoding: Encoding,
     /// none or zlib

@@ -7,6 +7,7 @@ mod check_json;
 mod check_static;
 mod check_system;
 mod error;
+pub mod export;
 pub mod init;
 mod interrupt;
 mod known_models;
@@ -89,6 +90,7 @@ fn dispatch(command: &Command) -> Result<CommandOutput, CliError> {
         Command::Require(args) => require::run(args),
         Command::Plot(args) => plot::run(args).map(done),
         Command::View(args) => view::run(args).map(done),
+        Command::Export(args) => export::run(args).map(done),
         Command::Methods(args) => Ok(done(methods::run(args))),
         Command::Schema => Ok(done(schema::run() + "\n")),
         Command::Init(args) => Ok(done(init::run(args)?)),

@@ -8,9 +8,8 @@ use crate::drive::max_displacement::Displacement;
 use crate::drive::{Failure, Outcome, Status};
 use crate::format_number::{counted, figures, with_error};
 use crate::model::gauge::ReportLine;
-use crate::output::folder::CHECKPOINT;
+use crate::output::folder::{CHECKPOINT, frames_of};
 use crate::output::gauges::Peak;
-use crate::output::sanitize::file_stem;
 use crate::output::summary::Summary;
 use crate::simulation::Recorded;
 use anstyle::AnsiColor;
@@ -74,7 +73,7 @@ pub(super) fn report(name: &str, recorded: &Recorded, errors: &str, out: &Path) 
         describe_motion(&mut text, recorded, step);
         text.push_str(errors);
     }
-    let results = out.join(format!("{}.pvd", file_stem(name)));
+    let results = frames_of(out, name);
     let _ = writeln!(text, "  results         {}", results.display());
     if outcome.status == Status::Interrupted {
         let path = out.join(CHECKPOINT);

@@ -9,7 +9,7 @@ use crate::drive::Status;
 use crate::format_number::{counted, figures};
 use crate::output::at_rest::LargestValue;
 use crate::output::csv::write_fault;
-use crate::output::folder::SUMMARY;
+use crate::output::folder::{SUMMARY, frames_of};
 use crate::output::sanitize::file_stem;
 use crate::output::summary::EquilibriumReport;
 use crate::simulation::{EarlierResults, RecordedStatic, StaticSettings, record_static_watched};
@@ -178,6 +178,6 @@ fn report(name: &str, found: &RecordedStatic, out: &Path) -> String {
             }
         }
     }
-    let _ = writeln!(text, "  results         {}", out.join(format!("{}.pvd", file_stem(name))).display());
+    let _ = writeln!(text, "  results         {}", frames_of(out, name).display());
     text
 }

@@ -20,7 +20,7 @@ Examples:
 /// `view`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct ViewArgs {
-    /// Folders with results, as `canopy-fem solve` writes them, or their .pvd files: one, or two to compare
+    /// Folders with results, as `canopy-fem solve` writes them, or their .pvd or .vtkhdf files: one, or two to compare
     #[arg(required = true, num_args = 1..=2, value_name = "OUT")]
     pub runs: Vec<PathBuf>,
     /// Folder for view.html [default: the run's folder; for two runs, the current folder]

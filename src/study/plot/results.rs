@@ -7,7 +7,9 @@ use crate::output::files::{FRAMES, GAUGES, HISTORY, PROBES};
 use crate::output::folder::SUMMARY;
 use crate::output::rows::{GAUGES_HEADER, HISTORY_HEADER, HistoryRow, PROBES_HEADER};
 use crate::output::sanitize::file_stem;
-use crate::vtk::read::{Piece, named_array, read as read_vtk};
+use crate::vtk::HDF_ENDING;
+use crate::vtk::frames::{FrameFault, FramePlace, FrameReader, frames_of};
+use crate::vtk::read::{DataSet, Piece, named_array, read as read_vtk};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -124,6 +126,9 @@ impl Run {
         measure: impl Fn(&[f64]) -> T,
     ) -> Result<Vec<(f64, T)>, PlotError> {
         let stem = file_stem(&self.name);
+        if let Some(one) = one_file(&self.folder, &stem) {
+            return over_one(&one, array, measure);
+        }
         let list = format!("{stem}.pvd");
         let collection = text(&self.folder, &list, "; it lists the frames")?;
         let mut found = Vec::new();
@@ -133,14 +138,42 @@ impl Run {
             let t = time.ok_or_else(|| bad(&self.folder.join(&list), format!("has no time of frame {i}")))?;
             let file = format!("{FRAMES}/{stem}_{i:06}.vtu");
             let frame = bytes(&self.folder, &file, "; it is in the list of frames")?;
-            let values = frame_piece(&frame, array).and_then(|piece| {
-                let on_points = named_array(&piece.point_data, array);
-                on_points.or_else(|| named_array(&piece.cell_data, array)).ok_or(format!("has no array \"{array}\""))
-            });
+            let values = read_vtk(&frame, &[array]).and_then(|frame| values_of(frame, array));
             found.push((t, measure(&values.map_err(|what| bad(&self.folder.join(&file), what))?)));
         }
         Ok(found)
     }
+}
+
+/// The file that holds all frames of a run, if there is one.
+fn one_file(folder: &Path, stem: &str) -> Option<PathBuf> {
+    Some(folder.join(format!("{stem}.{HDF_ENDING}"))).filter(|path| path.is_file())
+}
+
+/// What [`Run::over_frames`] finds in a file that holds all frames.
+fn over_one<T>(file: &Path, array: &str, measure: impl Fn(&[f64]) -> T) -> Result<Vec<(f64, T)>, PlotError> {
+    let fault = |fault| match fault {
+        FrameFault::System(source) => PlotError::System { path: file.to_owned(), source },
+        FrameFault::Content(what) => bad(file, what),
+    };
+    let mut reader = FrameReader::default();
+    let mut found = Vec::new();
+    for (t, place) in frames_of(file).map_err(fault)? {
+        let frame = reader.read(&place, &[array]).map_err(fault)?;
+        found.push((t, measure(&values_of(frame, array).map_err(|what| bad(file, what))?)));
+    }
+    Ok(found)
+}
+
+/// The numbers of an array of a frame, which is on points or on cells.
+fn values_of(frame: DataSet, array: &str) -> Result<Vec<f64>, String> {
+    let piece = piece_of(frame)?;
+    let on_points = named_array(&piece.point_data, array);
+    on_points.or_else(|| named_array(&piece.cell_data, array)).ok_or(format!("has no array \"{array}\""))
+}
+
+fn piece_of(frame: DataSet) -> Result<Piece, String> {
+    frame.pieces.into_iter().next().ok_or("has no points".to_owned())
 }
 
 fn bytes(folder: &Path, file: &str, why: &'static str) -> Result<Vec<u8>, PlotError> {
@@ -250,10 +283,19 @@ fn place(run: &mut Run) -> Result<(), PlotError> {
         }
         return Ok(());
     }
-    let file = format!("{FRAMES}/{}_000000.vtu", file_stem(&run.name));
-    let first = bytes(&run.folder, &file, "; displacements count from the positions in it")?;
-    let path = run.folder.join(&file);
-    let reference = reference_positions(&first).map_err(|what| bad(&path, what))?;
+    let stem = file_stem(&run.name);
+    let (path, first) = match one_file(&run.folder, &stem) {
+        Some(path) => {
+            let place = FramePlace { file: path.clone(), number: Some(0) };
+            (path, FrameReader::default().read(&place, &["displacement"]).map_err(|fault| fault.to_string()))
+        }
+        None => {
+            let file = format!("{FRAMES}/{stem}_000000.vtu");
+            let first = bytes(&run.folder, &file, "; displacements count from the positions in it")?;
+            (run.folder.join(&file), read_vtk(&first, &["displacement"]))
+        }
+    };
+    let reference = first.and_then(reference_positions).map_err(|what| bad(&path, what))?;
     for track in &mut run.tracks {
         let found = reference.get(track.node as usize).copied();
         track.reference = found.ok_or_else(|| bad(&path, format!("has no node {}, which is probed", track.node)))?;
@@ -261,17 +303,13 @@ fn place(run: &mut Run) -> Result<(), PlotError> {
     Ok(())
 }
 
-fn frame_piece(frame: &[u8], array: &str) -> Result<Piece, String> {
-    read_vtk(frame, &[array])?.pieces.into_iter().next().ok_or("has no points".to_owned())
-}
-
 /// [m] `[n_nodes]` Positions of nodes before the initial displacement, from a frame: its points minus its
 /// displacements.
 ///
 /// `probes.csv` has positions, and a run may begin displaced, so its first row is not enough. The case would be enough,
 /// but making its mesh again takes long and needs the mesh file at its place.
-fn reference_positions(frame: &[u8]) -> Result<Vec<[f64; 3]>, String> {
-    let piece = frame_piece(frame, "displacement")?;
+fn reference_positions(frame: DataSet) -> Result<Vec<[f64; 3]>, String> {
+    let piece = piece_of(frame)?;
     let points = piece.points.as_flattened();
     let displacement = named_array(&piece.point_data, "displacement").ok_or("has no array \"displacement\"")?;
     let reference: Vec<f64> = points.iter().zip(&displacement).map(|(x, u)| x - u).collect();

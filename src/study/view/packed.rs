@@ -6,7 +6,7 @@
 //! value is off by 0.8 % of that range at most, and by far less if it is small.
 
 use super::scene::{Field, Place, Scene};
-use crate::vtk::read::{named_array, read};
+use crate::vtk::read::{DataSet, named_array};
 use serde::Serialize;
 
 /// Steps of a box along an axis.
@@ -43,13 +43,12 @@ impl PackedFrame {
         self.head.step.iter().fold(0.0, |most: f64, step| most.max(step * STEPS))
     }
 
-    /// Packs a frame of a scene; `None` if it has a position that is not finite.
+    /// Packs a frame of a scene, with the arrays of its fields; `None` if it has a position that is not finite.
     ///
     /// # Errors
     /// The fault of the frame, as the end of a sentence that begins with its name.
-    pub(super) fn new(scene: &Scene, t: f64, bytes: &[u8]) -> Result<Option<Self>, String> {
-        let arrays: Vec<&str> = scene.fields.iter().map(|field| field.array).collect();
-        let piece = read(bytes, &arrays)?.pieces.into_iter().next().ok_or("has no points")?;
+    pub(super) fn new(scene: &Scene, t: f64, frame: DataSet) -> Result<Option<Self>, String> {
+        let piece = frame.pieces.into_iter().next().ok_or("has no points")?;
         let same = piece.points.len() == scene.nodes && piece.cells.types.len() == scene.cells();
         if !same {
             return Err("has other cells or points than the first frame of its list".to_owned());

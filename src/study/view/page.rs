@@ -2,11 +2,12 @@
 
 use super::curves::Curves;
 use super::packed::{FrameHead, PackedFrame};
-use super::recording::Recording;
-use super::scene::{Field, PartGroup, Scene};
+use super::recording::{Recording, fault_of};
+use super::scene::{FIELDS, Field, PartGroup, Scene};
 use crate::StudyError;
 use crate::plot::PlotError;
 use crate::template::render;
+use crate::vtk::frames::{FrameFault, FrameReader};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
@@ -117,11 +118,14 @@ impl Frames {
     /// Reads frames of a run from number `from` of its list on, as many as fit into so many bytes: the first ones, or
     /// with `spread` every second, third, … of all of them, and the last.
     fn read(run: &Recording, from: usize, most: usize, spread: bool) -> Result<Self, PlotError> {
-        let bad = |at: usize, what: String| PlotError::BadFile { path: run.frames[at].1.clone(), line: None, what };
+        let bad = |at: usize, what| fault_of(&run.frames[at].1, FrameFault::Content(what));
+        let mut reader = FrameReader::default();
+        let mut frame = |place, names: &[&str]| reader.read(place, names).map_err(|fault| fault_of(place, fault));
         let Some((_, first)) = run.frames.first() else {
             return Err(PlotError::NotThere(format!("{} lists no frames yet", run.folder.display())));
         };
-        let scene = Scene::read(&run.bytes(first)?).map_err(|what| bad(0, what))?;
+        let scene = Scene::new(frame(first, &FIELDS.map(|field| field.array))?).map_err(|what| bad(0, what))?;
+        let names: Vec<&str> = scene.fields.iter().map(|field| field.array).collect();
         let fit = (most / scene.frame_bytes().max(1)).max(2);
         let left = run.frames.len().saturating_sub(from);
         let stride = if spread { left.div_ceil(fit).max(1) } else { 1 };
@@ -132,8 +136,8 @@ impl Frames {
         }
         let (mut packed, mut dropped, mut apart): (Vec<PackedFrame>, _, _) = (Vec::new(), 0, 0);
         for at in numbers {
-            let (t, file) = &run.frames[at];
-            match PackedFrame::new(&scene, *t, &run.bytes(file)?).map_err(|what| bad(at, what))? {
+            let (t, place) = &run.frames[at];
+            match PackedFrame::new(&scene, *t, frame(place, &names)?).map_err(|what| bad(at, what))? {
                 Some(frame) if blown_up(&packed, &frame) => apart += 1,
                 Some(frame) => packed.push(frame),
                 None => dropped += 1,

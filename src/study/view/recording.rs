@@ -4,6 +4,8 @@ use crate::output::files::FRAMES;
 use crate::output::folder::SUMMARY;
 use crate::output::sanitize::file_stem;
 use crate::plot::PlotError;
+use crate::vtk::HDF_ENDING;
+use crate::vtk::frames::{FrameFault, FramePlace, frames_of, holds_all};
 use crate::vtk::read::files_of;
 use serde_json::Value;
 use std::io::ErrorKind;
@@ -18,17 +20,17 @@ pub struct Recording {
     pub name: String,
     /// what `summary.json` holds; `None` while the run goes on, or if it was killed
     pub summary: Option<Value>,
-    /// time [s] and file of every frame
-    pub frames: Vec<(f64, PathBuf)>,
+    /// time [s] and place of every frame
+    pub frames: Vec<(f64, FramePlace)>,
 }
 
 impl Recording {
-    /// Finds the frames in a folder of results, or those that a `.pvd` file lists.
+    /// Finds the frames in a folder of results, or those that a `.pvd` file lists or a `.vtkhdf` file holds.
     ///
     /// # Errors
     /// No folder, no frames, several lists of frames, or one that cannot be read.
     pub fn open(path: &Path) -> Result<Self, PlotError> {
-        let is_list = path.extension().is_some_and(|ending| ending == "pvd") && path.is_file();
+        let is_list = holds_frames(path) && path.is_file();
         if !is_list && !path.is_dir() {
             return Err(PlotError::NoFolder(path.to_owned()));
         }
@@ -49,20 +51,24 @@ impl Recording {
     pub(super) fn word(&self, key: &str) -> Option<&str> {
         self.summary.as_ref()?.pointer(key)?.as_str()
     }
+}
 
-    /// The bytes of a frame.
-    ///
-    /// # Errors
-    /// A frame that is listed and cannot be read.
-    pub(super) fn bytes(&self, file: &Path) -> Result<Vec<u8>, PlotError> {
-        crate::input_file::read(file).map_err(|source| match source.kind() {
-            ErrorKind::NotFound => PlotError::NotThere(format!(
-                "{} is not there, although the list of frames names it; was it moved or removed?",
-                file.display()
-            )),
-            _ => PlotError::System { path: file.to_owned(), source },
-        })
+/// Why a frame cannot be read that is listed.
+pub(crate) fn fault_of(place: &FramePlace, fault: FrameFault) -> PlotError {
+    let path = place.file.clone();
+    match fault {
+        FrameFault::System(source) if source.kind() == ErrorKind::NotFound => PlotError::NotThere(format!(
+            "{} is not there, although the list of frames names it; was it moved or removed?",
+            path.display()
+        )),
+        FrameFault::System(source) => PlotError::System { path, source },
+        FrameFault::Content(what) => PlotError::BadFile { path, line: None, what },
     }
+}
+
+/// Whether a file has the name of one that lists the frames of a run, or holds them.
+fn holds_frames(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "pvd") || holds_all(path)
 }
 
 /// The summary; a run writes it when it ends.
@@ -78,8 +84,9 @@ fn summary(folder: &Path) -> Result<Option<Value>, PlotError> {
 
 /// The list of frames in a folder: that of the case in its summary, else the only one.
 fn list(folder: &Path, named: Option<&str>) -> Result<PathBuf, PlotError> {
-    let own = named.map(|name| folder.join(format!("{}.pvd", file_stem(name)))).filter(|path| path.is_file());
-    if let Some(own) = own {
+    let stem = named.map(file_stem);
+    let own = |ending: &str| Some(folder.join(format!("{}.{ending}", stem.as_ref()?))).filter(|path| path.is_file());
+    if let Some(own) = own("pvd").or_else(|| own(HDF_ENDING)) {
         return Ok(own);
     }
     let mut lists = lists(folder)?;
@@ -90,10 +97,12 @@ fn list(folder: &Path, named: Option<&str>) -> Result<PathBuf, PlotError> {
             Some(above) => {
                 format!("{place} holds frames without their list; give the folder above it: {}", shown(above))
             }
-            None => format!("{place} holds no frames (no .pvd file); give a folder with results of canopy-fem solve"),
+            None => format!(
+                "{place} holds no frames (no .pvd or .vtkhdf file); give a folder with results of canopy-fem solve"
+            ),
         })),
         (_, Some(one)) => Err(PlotError::NotThere(format!(
-            "{place} holds frames of several runs; name the .pvd file of one, such as {}",
+            "{place} holds frames of several runs; name the file of one, such as {}",
             one.display()
         ))),
         (_, None) => Err(PlotError::NotThere(format!("{place} holds no frames"))),
@@ -110,7 +119,7 @@ fn lists(folder: &Path) -> Result<Vec<PathBuf>, PlotError> {
     for entry in std::fs::read_dir(folder).map_err(system)? {
         let path = entry.map_err(system)?.path();
         let hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
-        if path.extension().is_some_and(|ending| ending == "pvd") && !hidden {
+        if holds_frames(&path) && !hidden {
             lists.push(path);
         }
     }
@@ -118,8 +127,12 @@ fn lists(folder: &Path) -> Result<Vec<PathBuf>, PlotError> {
     Ok(lists)
 }
 
-/// Times and files of a list. Files are relative to the list's folder.
-fn frames(list: &Path) -> Result<Vec<(f64, PathBuf)>, PlotError> {
+/// Times and places of the frames of a list, whose files are relative to its folder, or of a file that holds them.
+fn frames(list: &Path) -> Result<Vec<(f64, FramePlace)>, PlotError> {
+    if holds_all(list) {
+        let place = || FramePlace { file: list.to_owned(), number: None };
+        return frames_of(list).map_err(|fault| fault_of(&place(), fault));
+    }
     let bytes = crate::input_file::read(list).map_err(|source| PlotError::System { path: list.to_owned(), source })?;
     let bad = |what: &str| PlotError::BadFile { path: list.to_owned(), line: None, what: what.to_owned() };
     let text = String::from_utf8_lossy(&bytes);
@@ -130,5 +143,6 @@ fn frames(list: &Path) -> Result<Vec<(f64, PathBuf)>, PlotError> {
         return Err(bad("has not one time for every frame"));
     }
     let folder = list.parent().unwrap_or(Path::new(""));
-    Ok(times.into_iter().zip(files.into_iter().map(|file| folder.join(file))).collect())
+    let place = |file| FramePlace { file: folder.join(file), number: None };
+    Ok(times.into_iter().zip(files.into_iter().map(place)).collect())
 }

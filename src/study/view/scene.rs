@@ -1,6 +1,6 @@
 //! What all frames of a run share: cells, groups, and the values that they have.
 
-use crate::vtk::read::{Piece, read};
+use crate::vtk::read::{DataSet, Piece};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -79,13 +79,11 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// Reads a frame.
+    /// Takes what all frames share from one with the arrays of all [`FIELDS`].
     ///
     /// # Errors
     /// The fault of the frame, as the end of a sentence that begins with its name.
-    pub(super) fn read(bytes: &[u8]) -> Result<Self, String> {
-        let arrays = FIELDS.map(|field| field.array);
-        let data = read(bytes, &arrays)?;
+    pub(super) fn new(data: DataSet) -> Result<Self, String> {
         let piece = data.pieces.into_iter().next().ok_or("has no points")?;
         let mut scene = Scene { nodes: piece.points.len(), ..Scene::default() };
         scene.add_cells(&piece)?;

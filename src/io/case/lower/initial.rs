@@ -9,7 +9,8 @@ use crate::drive::Status;
 use crate::format_number::{figures, first_few};
 use crate::input_file;
 use crate::model::spec::SpringGroup;
-use crate::vtk::read::{FrameLines, FramePoints, frame_lines, frame_points};
+use crate::vtk::frames::{FramePlace, FrameReader, holds_all, last_in, last_of};
+use crate::vtk::read::{DataSet, FrameLines, FramePoints, LINE_ARRAYS, POINT_ARRAYS, frame_lines, frame_points};
 use crate::vtk::{FRAMES, SUMMARY};
 use crate::warning::WarningCode;
 use serde::Deserialize;
@@ -156,19 +157,25 @@ pub(super) fn earlier(
     };
     let at_keep = at.key("keep");
     let at = &at.key("from");
-    let path = match from {
-        InitialFrom::Frame(FrameFile { frame }) => base.join(frame),
-        InitialFrom::Folder(folder) => match last_frame(&base.join(folder)) {
-            Ok(path) => path,
-            Err(why) => {
-                faults.add_hint(at, "a folder with the results of a run, its frames among them", why);
-                return None;
-            }
-        },
+    let (place, wanted) = match from {
+        InitialFrom::Frame(FrameFile { frame }) => (frame_at(base.join(frame)), "a frame (.vtu) of a run"),
+        InitialFrom::Folder(folder) => {
+            (last_in(&base.join(folder)), "a folder with the results of a run, its frames among them")
+        }
     };
-    let read = input_file::read(&path).map_err(|e| e.to_string());
-    let lines = |bytes: &[u8]| section.keep.map(|_| frame_lines(bytes)).transpose();
-    let (frame, lines) = match read.and_then(|bytes| Ok((frame_points(&bytes)?, lines(&bytes)?))) {
+    let place = match place {
+        Ok(place) => place,
+        Err(why) => {
+            faults.add_hint(at, wanted, why);
+            return None;
+        }
+    };
+    let path = place.file.clone();
+    let [[u, v], [tension, rest_length]] = [POINT_ARRAYS, LINE_ARRAYS];
+    let names = if section.keep.is_some() { vec![u, v, tension, rest_length] } else { vec![u, v] };
+    let read = FrameReader::default().read(&place, &names).map_err(|fault| fault.to_string());
+    let lines = |frame: &DataSet| section.keep.map(|_| frame_lines(frame)).transpose();
+    let (frame, lines) = match read.and_then(|frame| Ok((frame_points(&frame)?, lines(&frame)?))) {
         Ok(read) => read,
         Err(why) => {
             faults.add_hint(at, "a frame (.vtu) of a run", format!("{}: {why}", path.display()));
@@ -245,6 +252,14 @@ fn prestress(
     Ok(Prestress { keep, length, tension, rest_length, rigidity })
 }
 
+/// The frame in a file, or the last one in a file that holds all frames of a run.
+fn frame_at(file: PathBuf) -> Result<FramePlace, String> {
+    match holds_all(&file) {
+        true => last_of(&file).map_err(|what| format!("{}: {what}", file.display())),
+        false => Ok(FramePlace { file, number: None }),
+    }
+}
+
 /// How the summary of a run says that it ended.
 #[derive(Deserialize)]
 struct Ended {
@@ -254,8 +269,11 @@ struct Ended {
 
 /// Warns of a frame of a run that failed, by the summary in its folder.
 fn warn_of_failure(at: &Pointer, frame: &Path, faults: &mut Faults<'_>) {
-    let frames = frame.parent().filter(|frames| frames.ends_with(FRAMES));
-    let Some(folder) = frames.and_then(Path::parent) else { return };
+    let folder = match frame.parent() {
+        Some(folder) if holds_all(frame) => Some(folder),
+        frames => frames.filter(|frames| frames.ends_with(FRAMES)).and_then(Path::parent),
+    };
+    let Some(folder) = folder else { return };
     let summary = input_file::read(&folder.join(SUMMARY)).ok();
     let ended: Option<Ended> = summary.and_then(|bytes| serde_json::from_slice(&bytes).ok());
     let Some(Ended { status: status @ (Status::Diverged | Status::NotConverged), t_end }) = ended else { return };
@@ -267,17 +285,4 @@ fn warn_of_failure(at: &Pointer, frame: &Path, faults: &mut Faults<'_>) {
         figures(t_end, 6)
     );
     faults.warn(WarningCode::FailedStart, text);
-}
-
-/// The newest frame in a folder of results.
-fn last_frame(folder: &Path) -> Result<PathBuf, String> {
-    let frames = folder.join(FRAMES);
-    let entries = std::fs::read_dir(&frames).map_err(|e| format!("{}: {e}", frames.display()))?;
-    let number = |path: &Path| -> Option<u64> {
-        let stem = path.extension().is_some_and(|end| end == "vtu").then(|| path.file_stem())??.to_str()?;
-        stem.rsplit_once(['.', '_', '-']).map_or(stem, |(_, number)| number).parse().ok()
-    };
-    let paths = entries.filter_map(Result::ok).map(|entry| entry.path());
-    let newest = paths.filter_map(|path| Some((number(&path)?, path))).max();
-    newest.map(|(_, path)| path).ok_or_else(|| format!("{} holds no frames", frames.display()))
 }

@@ -11,7 +11,7 @@ use crate::case::spec::{GaugeOf, GaugeSpec, OutputSpec, ProbeSpec, RowEvery, Sta
 use crate::model::gauge::NodeQuantity;
 use crate::model::gauge::{GaugeKind, NodeGauge, SpringGauge};
 use crate::model::spec::SpringGroup;
-use crate::vtk::VtuFormat;
+use crate::vtk::{Compression, FrameFormat, VtuFormat};
 
 /// [-] Largest number of rows of `history.csv` with the default interval, including the first and the last state.
 const HISTORY_ROWS: u64 = 10_000;
@@ -51,7 +51,15 @@ pub(super) fn output(
         quantities: Vec::new(),
         stages: StagesSpec::default(),
         checkpoint_every: section.checkpoint.map(|c| c.every),
-        format: VtuFormat { compression: section.compression, precision: section.precision, ..VtuFormat::default() },
+        format: VtuFormat {
+            file: section.format,
+            compression: section.compression.unwrap_or(match section.format {
+                FrameFormat::Vtu => Compression::None,
+                FrameFormat::Vtkhdf => Compression::Zlib,
+            }),
+            precision: section.precision,
+            ..VtuFormat::default()
+        },
         history_derived: history.is_none(),
         history_every: match (history, time?.steps()) {
             (Some(every), _) => RowEvery::Steps(every),

@@ -181,7 +181,7 @@ pub enum InitialFrom {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FrameFile {
-    /// The .vtu file.
+    /// The .vtu file, or a .vtkhdf file, of which the last frame is taken.
     pub frame: String,
 }
 

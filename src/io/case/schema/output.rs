@@ -5,12 +5,16 @@ use serde::{Deserialize, Serialize};
 
 use super::select::{NodeOrEdgeSelection, NodeSelection};
 use crate::model::gauge::GaugeQuantity;
-use crate::vtk::{Compression, Precision};
+use crate::vtk::{Compression, FrameFormat, Precision};
 
 /// What is written.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Output {
+    /// The files of frames: `vtu`, one for each frame, as every ParaView since 4 reads them, or `vtkhdf`, one file for the run
+    /// with the mesh once, for ParaView 5.12 and later; `vtu` if not given.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub format: FrameFormat,
     /// Frames for ParaView and rows of `probes.csv`; not given: the first and the last state only.
     pub frames: Option<Every>,
     /// Fields in a frame beside `displacement` and `velocity`, which are always there.
@@ -33,9 +37,9 @@ pub struct Output {
     pub history: Option<EverySteps>,
     /// Checkpoints that `solve --resume` goes on from; not given: one when the run is interrupted.
     pub checkpoint: Option<EveryCheckpoint>,
-    /// Whether the arrays of frames are compressed; `none` if not given.
-    #[serde(default, skip_serializing_if = "is_default")]
-    pub compression: Compression,
+    /// Whether the arrays of frames are compressed; not given: `zlib` in a `vtkhdf` file, else `none`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compression: Option<Compression>,
     /// Where cloth is searched for triangles that pass through others: nothing in a run keeps sheets apart. Frames get
     /// the cell array `crossing`, 1 on triangles that pass through others, `summary.json` and a warning what was found;
     /// `frames` if not given. A scene without triangles has nothing to search.

@@ -44,6 +44,17 @@ pub struct CellLists {
 }
 
 impl CellLists {
+    /// Cells of several types, given by the numbers of their points and where the points of each end.
+    pub(super) fn new(points: Vec<i64>, ends: Vec<usize>, types: Vec<u8>) -> Result<Self, String> {
+        let mut cells = Self::default();
+        cells.add(points, ends, 0)?;
+        if types.len() != cells.ends.len() {
+            return Err(unfit());
+        }
+        cells.types = types;
+        Ok(cells)
+    }
+
     /// The type and the points of each cell.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (u8, &[u64])> {
         (0..self.ends.len()).map(|cell| {
@@ -158,12 +169,15 @@ pub struct FrameLines {
     pub rest_lengths: Option<Vec<f64>>,
 }
 
-/// Reads the lines of a frame.
+/// The arrays on lines that [`frame_lines`] takes.
+pub const LINE_ARRAYS: [&str; 2] = ["tension", "rest_length"];
+
+/// Takes the lines of a frame.
 ///
 /// # Errors
 /// Why this is no frame of one piece.
-pub fn frame_lines(bytes: &[u8]) -> Result<FrameLines, String> {
-    let piece = only_piece(bytes, &["tension", "rest_length"])?;
+pub fn frame_lines(frame: &DataSet) -> Result<FrameLines, String> {
+    let piece = only_piece(frame)?;
     let lines: Vec<(usize, [u64; 2])> = piece
         .cells
         .iter()
@@ -175,30 +189,32 @@ pub fn frame_lines(bytes: &[u8]) -> Result<FrameLines, String> {
         let values = named_array(&piece.cell_data, name)?;
         lines.iter().map(|(cell, _)| values.get(*cell).copied()).collect::<Option<Vec<f64>>>()
     };
-    let (tensions, rest_lengths) = (array("tension"), array("rest_length"));
+    let [tensions, rest_lengths] = LINE_ARRAYS.map(array);
     if [&tensions, &rest_lengths].into_iter().flatten().flatten().any(|value| !value.is_finite()) {
         return Err("has numbers that are not finite".into());
     }
     Ok(FrameLines { ends: lines.iter().map(|(_, ends)| *ends).collect(), tensions, rest_lengths })
 }
 
-fn only_piece(bytes: &[u8], names: &[&str]) -> Result<Piece, String> {
-    let mut pieces = read(bytes, names)?.pieces.into_iter();
-    match (pieces.next(), pieces.next()) {
-        (Some(piece), None) => Ok(piece),
+fn only_piece(frame: &DataSet) -> Result<&Piece, String> {
+    match &frame.pieces[..] {
+        [piece] => Ok(piece),
         _ => Err("does not hold exactly one piece".into()),
     }
 }
 
-/// Reads the points of a frame.
+/// The arrays on points that [`frame_points`] takes.
+pub const POINT_ARRAYS: [&str; 2] = ["displacement", "velocity"];
+
+/// Takes the points of a frame.
 ///
 /// # Errors
 /// Why this is no frame of one piece.
-pub fn frame_points(bytes: &[u8]) -> Result<FramePoints, String> {
-    let piece = only_piece(bytes, &["displacement", "velocity"])?;
+pub fn frame_points(frame: &DataSet) -> Result<FramePoints, String> {
+    let piece = only_piece(frame)?;
     let array = |name| named_array(&piece.point_data, name).map(|values| values.as_chunks().0.to_vec());
-    let (displacement, velocities) = (array("displacement"), array("velocity"));
-    let positions = piece.points;
+    let [displacement, velocities] = POINT_ARRAYS.map(array);
+    let positions = piece.points.clone();
     for list in [&displacement, &velocities].into_iter().flatten() {
         if list.len() != positions.len() {
             return Err("is damaged: an array has not one vector per point".into());
