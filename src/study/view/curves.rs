@@ -1,7 +1,7 @@
 //! The gauges of a run and its largest speed and energies, as far as they are written.
 
 use super::page::encoded;
-use crate::model::gauge::{CANOPY_QUANTITIES, CROSSINGS, GaugeKind, GaugeQuantity, PeakRule, Quantity};
+use crate::model::gauge::{PeakRule, Quantity};
 use crate::output::files::{GAUGES, HISTORY};
 use crate::output::rows::{HISTORY_HEADER, HistoryRow};
 use crate::plot::PlotError;
@@ -23,18 +23,6 @@ const OF_SCENE: [OfScene; 3] = [
     ("kinetic energy", "J", |row| row.ledger.kinetic),
     ("elastic energy", "J", |row| row.ledger.elastic),
 ];
-/// Gauges whose columns are known by their names before a summary tells their units.
-const GAUGED: [GaugeQuantity; 8] = [
-    GaugeQuantity::Tension,
-    GaugeQuantity::Force,
-    GaugeQuantity::Reaction,
-    GaugeQuantity::Acceleration,
-    GaugeQuantity::Velocity,
-    GaugeQuantity::Speed,
-    GaugeQuantity::Displacement,
-    GaugeQuantity::Position,
-];
-
 /// Curves over time for a page.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Curves {
@@ -71,7 +59,7 @@ impl Curves {
         if let Some(text) = whole_lines(&folder.join(GAUGES))? {
             read_gauges(&folder.join(GAUGES), &text, &mut gauges)?;
         }
-        let reported = |of: &GaugePath| column(&of.quantity).is_some_and(|column| column.line.is_some());
+        let reported = |of: &GaugePath| Quantity::named(&of.quantity).is_some_and(|column| column.line.is_some());
         let any = gauges.iter().any(reported);
         let mut curves: Vec<(GaugePath, bool)> =
             gauges.into_iter().map(|of| (reported(&of), of)).map(|(a, b)| (b, a)).collect();
@@ -95,7 +83,7 @@ fn packed(curves: &[(GaugePath, bool)]) -> Curves {
             path.values.iter().copied().filter(|(t, v)| t.is_finite() && v.is_finite()).collect();
         let kept = thin(&finite, MOST);
         bytes.extend(kept.iter().flat_map(|(t, value)| [*t as f32, *value as f32]).flat_map(f32::to_le_bytes));
-        let known = column(&path.quantity);
+        let known = Quantity::named(&path.quantity);
         let unit = if path.unit.is_empty() { known.map_or("", |column| column.unit) } else { &path.unit };
         let signed = known.is_some_and(|column| column.peak == PeakRule::LargestMagnitude);
         let size = |(_, value): &(f64, f64)| if signed { value.abs() } else { *value };
@@ -103,7 +91,7 @@ fn packed(curves: &[(GaugePath, bool)]) -> Curves {
         let peak = finite.iter().rev().max_by(|a, b| size(a).total_cmp(&size(b)));
         heads.push(CurveHead {
             name: path.name.clone(),
-            quantity: path.quantity.replace('_', " "),
+            quantity: known.map_or_else(|| path.quantity.replace('_', " "), |column| column.words()),
             unit: unit.replace("^2", "²").replace("^3", "³"),
             points: kept.len(),
             peak: peak.map(|(t, value)| [*t, *value]),
@@ -111,17 +99,6 @@ fn packed(curves: &[(GaugePath, bool)]) -> Curves {
         });
     }
     Curves { heads, data: encoded(&bytes) }
-}
-
-/// A column of a gauge by its name.
-fn column(name: &str) -> Option<Quantity> {
-    let of = |quantity: GaugeQuantity| match quantity.kind() {
-        GaugeKind::Springs(gauge) => gauge.columns().all(),
-        GaugeKind::Nodes(gauge) => gauge.columns.all(),
-        _ => &[],
-    };
-    let all = GAUGED.into_iter().flat_map(of).chain(&CANOPY_QUANTITIES).chain([&CROSSINGS]);
-    all.copied().find(|column| column.name == name)
 }
 
 /// A file up to its last whole line; `None` without a file. A run that goes on may be writing the next one.
