@@ -16,7 +16,7 @@ use crate::integrate::registry::MethodChoice;
 use crate::plot::PlotError;
 use crate::plot::chart::{Axis, Chart, Line, Marker, Size, Stroke};
 use crate::plot::layout::svg_grid;
-use crate::report::style::{BLACK, method_colors};
+use crate::plot::method_look::{BLACK, method_colors, method_mark, outline};
 use crate::scene::Scene;
 use std::f64::consts::FRAC_PI_2;
 
@@ -123,6 +123,7 @@ fn panel(method: &MethodChoice, row: &Row, motions: &[Rates], color: usize) -> C
             ..Line::default()
         }
     };
+    let filled = method_mark(method.info.name);
     let region = Line {
         label: "stable".to_owned(),
         points: closed,
@@ -136,8 +137,8 @@ fn panel(method: &MethodChoice, row: &Row, motions: &[Rates], color: usize) -> C
         y: Axis { label: "Im hλ".to_owned(), range: Some((-high, high)), ..Axis::default() },
         lines: vec![
             region,
-            mark("scene, predicted limit", row.prediction.step, Marker::Dot, color),
-            mark("scene, measured limit", row.measured.filter(|h| *h > 0.0), Marker::Ring, BLACK),
+            mark("scene, predicted limit (filled)", row.prediction.step, filled, color),
+            mark("scene, measured limit (outline)", row.measured.filter(|h| *h > 0.0), outline(filled), BLACK),
         ],
         equal_units: true,
         size: PANEL,

@@ -3,6 +3,7 @@
 use super::page::encoded;
 use crate::model::gauge::{PeakRule, Quantity};
 use crate::output::files::{GAUGES, HISTORY};
+use crate::output::gauges::names::for_people;
 use crate::output::rows::{HISTORY_HEADER, HistoryRow};
 use crate::plot::PlotError;
 use crate::plot::decimate::thin;
@@ -77,6 +78,7 @@ impl Curves {
 
 /// The curves with the bytes of their points.
 fn packed(curves: &[(GaugePath, bool)]) -> Curves {
+    let labels = for_people(curves.iter().map(|(path, _)| path.name.as_str()));
     let (mut heads, mut bytes) = (Vec::new(), Vec::new());
     for (path, first) in curves {
         let finite: Vec<(f64, f64)> =
@@ -90,7 +92,7 @@ fn packed(curves: &[(GaugePath, bool)]) -> Curves {
         // The first of equal ones.
         let peak = finite.iter().rev().max_by(|a, b| size(a).total_cmp(&size(b)));
         heads.push(CurveHead {
-            name: path.name.clone(),
+            name: labels.get(path.name.as_str()).copied().unwrap_or_default().to_owned(),
             quantity: known.map_or_else(|| path.quantity.replace('_', " "), |column| column.words()),
             unit: unit.replace("^2", "²").replace("^3", "³"),
             points: kept.len(),
