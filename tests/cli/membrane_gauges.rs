@@ -8,7 +8,8 @@ const SHEET: [f64; 3] = [1e6, 1e-3, 0.3];
 
 fn gauges(on: &Value) -> Value {
     let of = |(name, what): (&str, &str)| json!({"name": name, "on": on, "of": what});
-    json!({"gauges": [("s", "stress"), ("e", "strain"), ("w", "wrinkling")].map(of)})
+    let all = [("s", "stress"), ("e", "strain"), ("w", "wrinkling")].map(of);
+    json!({"gauges": all})
 }
 
 fn run(command: &str, case: &Value) -> (Bench, Ended) {

@@ -10,6 +10,9 @@ const MARKED: usize = 3;
 /// [-] Room beyond a marked peak for its text, as a share of the range; and at the other end.
 const ROOM: [f64; 2] = [0.14, 0.04];
 
+/// [-] A text as a share of the axes: nearer peaks have one.
+const NEAR: [f64; 2] = [0.3, 0.06];
+
 /// Curves that share a chart.
 pub(super) struct Panel {
     /// title of the chart
@@ -69,8 +72,7 @@ impl Panel {
         let marks = curves.iter().filter_map(|curve| curve.end_mark(plane, held));
         let mut lines: Vec<Line> = curves.iter().map(|curve| curve.line(plane, cubic)).chain(marks).collect();
         lines.extend(peaks.iter().map(|peak| ring(*peak)));
-        let middle = times(&curves).map_or(0.0, |(first, last)| f64::midpoint(first, last));
-        let notes = peaks.iter().map(|peak| note(*peak, &unit, middle)).collect();
+        let notes = notes(&peaks, &unit, times(&curves).unwrap_or_default(), y.range.unwrap_or_default());
         let points = || curves.iter().flat_map(|c| &c.samples).map(|s| plane.point(s));
         let finite = || points().filter(|(x, y)| x.is_finite() && y.is_finite());
         let shown =
@@ -110,6 +112,21 @@ fn with_room(curves: &[Curve], peaks: &[MarkedPeak]) -> Option<(f64, f64)> {
 fn ring((t, value, color): MarkedPeak) -> Line {
     let (points, color) = (vec![(t, value)], Some(color));
     Line { points, stroke: Stroke::None, marker: Marker::Ring, color, ..Line::default() }
+}
+
+/// The texts of peaks, where each has room in a chart of these ranges.
+fn notes(peaks: &[MarkedPeak], unit: &str, (first, last): (f64, f64), (low, high): (f64, f64)) -> Vec<Note> {
+    let middle = f64::midpoint(first, last);
+    let near = |a: &MarkedPeak, b: &MarkedPeak| {
+        (a.0 - b.0).abs() < NEAR[0] * (last - first) && (a.1 - b.1).abs() < NEAR[1] * (high - low)
+    };
+    let mut placed: Vec<MarkedPeak> = Vec::new();
+    for peak in peaks {
+        if !placed.iter().any(|other| near(other, peak)) {
+            placed.push(*peak);
+        }
+    }
+    placed.into_iter().map(|peak| note(peak, unit, middle)).collect()
 }
 
 /// Value and time of a peak, on the side where the chart is wider; below a negative one.

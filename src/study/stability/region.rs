@@ -18,6 +18,7 @@ use crate::plot::chart::{Axis, Chart, Line, Marker, Size, Stroke};
 use crate::plot::layout::svg_grid;
 use crate::plot::method_look::{BLACK, method_colors, method_mark, outline};
 use crate::scene::Scene;
+use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;
 
 /// Rays from the imaginary to the real axis.
@@ -50,6 +51,13 @@ pub(super) fn picture(
     methods: &[MethodChoice],
     study: &Stability,
 ) -> Result<Option<String>, PlotError> {
+    // The title of a panel says whose marks and colour they are.
+    let mut told = BTreeSet::new();
+    for line in charts.iter_mut().flat_map(|chart| &mut chart.lines) {
+        if !told.insert(line.label.clone()) {
+            line.label.clear();
+        }
+    }
     let Some(first) = charts.first_mut() else { return Ok(None) };
     let rows = methods.iter().zip(&study.methods).filter(|(_, row)| row.status != Status::Refused);
     for (_, row) in rows.filter(|(method, _)| !has_limit(method)) {
@@ -133,8 +141,8 @@ fn panel(method: &MethodChoice, row: &Row, motions: &[Rates], color: usize) -> C
     };
     Chart {
         title,
-        x: Axis { label: "Re hλ".to_owned(), range: Some((-left, 0.2 * left)), ..Axis::default() },
-        y: Axis { label: "Im hλ".to_owned(), range: Some((-high, high)), ..Axis::default() },
+        x: Axis { label: "Re hλ [-]".to_owned(), range: Some((-left, 0.2 * left)), ..Axis::default() },
+        y: Axis { label: "Im hλ [-]".to_owned(), range: Some((-high, high)), ..Axis::default() },
         lines: vec![
             region,
             mark("scene, predicted limit (filled)", row.prediction.step, filled, color),

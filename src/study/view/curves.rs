@@ -36,6 +36,8 @@ pub(super) struct Curves {
 /// A curve.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct CurveHead {
+    /// what it is, in words
+    pub label: String,
     /// name of the gauge; empty for what is of the whole scene
     pub name: String,
     /// what it measures
@@ -92,8 +94,9 @@ fn packed(curves: &[(GaugePath, bool)]) -> Curves {
         // The first of equal ones.
         let peak = finite.iter().rev().max_by(|a, b| size(a).total_cmp(&size(b)));
         heads.push(CurveHead {
-            name: labels.get(path.name.as_str()).copied().unwrap_or_default().to_owned(),
-            quantity: known.map_or_else(|| path.quantity.replace('_', " "), |column| column.words()),
+            label: label(labels.get(path.name.as_str()).copied().unwrap_or_default(), &path.quantity),
+            name: path.name.clone(),
+            quantity: path.quantity.replace('_', " "),
             unit: unit.replace("^2", "²").replace("^3", "³"),
             points: kept.len(),
             peak: peak.map(|(t, value)| [*t, *value]),
@@ -101,6 +104,12 @@ fn packed(curves: &[(GaugePath, bool)]) -> Curves {
         });
     }
     Curves { heads, data: encoded(&bytes) }
+}
+
+/// A column in words, with the name of its gauge.
+fn label(gauge: &str, column: &str) -> String {
+    let words = Quantity::named(column).map_or_else(|| column.replace('_', " "), |known| known.words());
+    if gauge.is_empty() { words } else { format!("{words} ({gauge})") }
 }
 
 /// A file up to its last whole line; `None` without a file. A run that goes on may be writing the next one.

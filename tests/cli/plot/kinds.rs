@@ -74,6 +74,7 @@ fn methods_have_their_own_looks() {
         desk.plot(&[runs, &["--kind", "displacement"]].concat(), &["displacement.svg"]);
         let picture = desk.picture("displacement.svg");
         let svg = desk.text("displacement.svg");
+        assert_eq!(picture.words().iter().filter(|words| words.ends_with(" m at 0 s")).count(), 1, "one text for both");
         let marks = |ink: &str| svg.matches(&format!("<polygon fill=\"{ink}\"")).count();
         [GREEN, ORANGE].map(|ink| (picture.curves(ink).len(), marks(ink)))
     };
