@@ -294,7 +294,7 @@ fn a_diverged_run_is_drawn() {
     assert_eq!(desk.solve("oscillator-damped", "damped", &[]), Some(0));
     desk.plot(&["wild", "damped", "--kind", "energy"], &["energy.svg"]);
     let energy = desk.picture("energy.svg");
-    assert!(energy.says("dissipated") && energy.says("kinetic"), "{:?}", energy.words());
+    assert!(energy.says("dissipated energy") && energy.says("kinetic energy"), "{:?}", energy.words());
 }
 
 /// A run without probes has an energy account all the same; a long one is thinned.

@@ -239,9 +239,9 @@ impl NodeGauge {
     pub const ACCELERATION: Self = Self {
         vector: NodeQuantity::Acceleration,
         columns: NodeColumns::MeanAndLargest(&[
-            Quantity::signed("acceleration_x", "m/s^2").called("mean acceleration along x"),
-            Quantity::signed("acceleration_y", "m/s^2").called("mean acceleration along y"),
-            Quantity::signed("acceleration_z", "m/s^2").called("mean acceleration along z"),
+            Quantity::signed("acceleration_x", "m/s^2").called("acceleration along x"),
+            Quantity::signed("acceleration_y", "m/s^2").called("acceleration along y"),
+            Quantity::signed("acceleration_z", "m/s^2").called("acceleration along z"),
             Quantity::of("acceleration_max", "m/s^2")
                 .called("largest acceleration")
                 .in_report(ReportLine::Peak("acceleration")),
@@ -252,13 +252,13 @@ impl NodeGauge {
         vector: NodeQuantity::Velocity,
         columns: NodeColumns::Mean(&[
             Quantity::signed("velocity_x", "m/s")
-                .called("mean velocity along x")
+                .called("velocity along x")
                 .in_report(ReportLine::Told("velocity along x")),
             Quantity::signed("velocity_y", "m/s")
-                .called("mean velocity along y")
+                .called("velocity along y")
                 .in_report(ReportLine::Told("velocity along y")),
             Quantity::signed("velocity_z", "m/s")
-                .called("mean velocity along z")
+                .called("velocity along z")
                 .in_report(ReportLine::Told("velocity along z")),
         ]),
     };
@@ -285,13 +285,13 @@ impl NodeGauge {
         vector: NodeQuantity::Position,
         columns: NodeColumns::Mean(&[
             Quantity::signed("position_x", "m")
-                .called("mean position along x")
+                .called("position along x")
                 .in_report(ReportLine::Told("position along x")),
             Quantity::signed("position_y", "m")
-                .called("mean position along y")
+                .called("position along y")
                 .in_report(ReportLine::Told("position along y")),
             Quantity::signed("position_z", "m")
-                .called("mean position along z")
+                .called("position along z")
                 .in_report(ReportLine::Told("position along z")),
         ]),
     };

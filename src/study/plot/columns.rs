@@ -119,8 +119,7 @@ pub(super) fn panels(results: &Results, view: &View, kind: Kind) -> Result<Vec<P
             }
             let mut sharing = all().filter(|other| other.quantity == series.quantity);
             let alone = sharing.all(|other| other.name == series.name);
-            let subject = if alone { own(series) } else { String::new() };
-            let subject = if subject.is_empty() { subject } else { format!(" ({subject})") };
+            let subject = if alone && !series.name.is_empty() { format!(" ({})", series.name) } else { String::new() };
             let title = results.title(&format!("{}{subject}", series.words));
             let axes = ["time t [s]".to_owned(), results.axis(&series.label())];
             let (unit, rank, plane, curves) = (series.unit(), series.rank, Plane::Time, vec![curve]);
@@ -341,9 +340,12 @@ fn in_frames(run: &Run, kind: Kind, array: &str) -> Result<Vec<Series>, PlotErro
     };
     Ok(match kind {
         Kind::Reaction => {
-            vec![series("all supports (frames)", REACTION_TOTAL, 0), series("all supports (frames)", REACTION_MAX, 1)]
+            vec![
+                series("all supports, in frames", REACTION_TOTAL, 0),
+                series("all supports, in frames", REACTION_MAX, 1),
+            ]
         }
-        _ => vec![series("all springs (frames)", TENSION_MAX, 1)],
+        _ => vec![series("all springs, in frames", TENSION_MAX, 1)],
     })
 }
 

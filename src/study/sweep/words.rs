@@ -6,6 +6,9 @@ use crate::model::quantity::{Named, OfScene, QuantityName, Statistic};
 use crate::output::gauges::names::without_rule;
 use serde_json::Value;
 
+/// The gauge of the energy account.
+const ENERGY: &str = "energy";
+
 /// A key of the case with its unit, as its description in the JSON Schema has it; the key alone where that has none.
 pub(super) fn with_unit(key: &str) -> String {
     let schema = json_schema();
@@ -40,7 +43,10 @@ fn unit<'s>(schema: &'s Value, node: &'s Value, path: &[&str]) -> Option<&'s str
 /// A column of a gauge and what is made of it: "largest tension (riser), peak".
 pub(super) fn of_gauge(gauge: &str, column: &str, end: &str) -> String {
     let words = Column::named(column).map_or_else(|| column.replace('_', " "), |known| known.words());
-    format!("{words} ({}), {end}", without_rule(gauge))
+    match without_rule(gauge) {
+        ENERGY => format!("{words} energy, {end}"),
+        gauge => format!("{words} ({gauge}), {end}"),
+    }
 }
 
 /// A quantity in words; its name where it has no others.
@@ -93,6 +99,7 @@ mod tests {
         assert_eq!(of_quantity("springs[5] lines.tension_max.peak_time"), "largest tension (lines), time of the peak");
         assert_eq!(of_quantity("tip.z@0.5"), "z (tip), at 0.5 s");
         assert_eq!(of_quantity("opening_load"), "opening load");
+        assert_eq!(of_quantity("energy.kinetic.mean"), "kinetic energy, mean over the run");
         assert_eq!(of_quantity("steps"), "steps");
     }
 }

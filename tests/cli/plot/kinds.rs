@@ -52,12 +52,12 @@ fn four_charts_at_first() {
     // All of them: the position of what is held, and reactions across the motion, are not there.
     desk.plot(&["out", "--kind", "gauges"], &["out/gauges.svg"]);
     let all = desk.picture("out/gauges.svg");
-    assert!(all.says("oscillator: mean position along x (mass)"), "{:?}", all.words());
+    assert!(all.says("oscillator: position along x (mass)"), "{:?}", all.words());
     for words in ["along y", "along z", "still"] {
         assert!(!all.words().iter().any(|of| of.contains(words)), "{words} in {:?}", all.words());
     }
     desk.plot(&["out", "--kind", "gauges", "--gauge", "still"], &["out/gauges.svg"]);
-    assert!(desk.picture("out/gauges.svg").says("oscillator: mean position along x (still)"), "it is asked for");
+    assert!(desk.picture("out/gauges.svg").says("oscillator: position along x (still)"), "it is asked for");
     // Nothing is asked for twice.
     let both = desk.run(&["plot", "out", "--all", "--kind", "energy"]);
     assert!(both.code == Some(2) && both.stderr.contains("--all"), "{}", both.stderr);
