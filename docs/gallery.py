@@ -28,6 +28,13 @@ from vtk.util.numpy_support import vtk_to_numpy
 ROOT = Path(__file__).resolve().parent.parent
 PICTURES = ROOT / "docs/guide/src/pictures"
 LIGHT, DARK, LINES, PAYLOAD = (0.96, 0.95, 0.91), (0.89, 0.40, 0.16), (0.25, 0.25, 0.3), (0.2, 0.25, 0.35)
+SKY, INK = (0.88, 0.93, 0.98), (0.1, 0.1, 0.2)
+# [px] width of the strip with the colours' numbers
+BAR = 110
+# Names of numbers, with units; words of numbers that stand for states.
+NAMES = {"pressure": "pressure [Pa]", "speed": "speed [m/s]", "tension": "tension [N]", "strain": "strain [-]",
+         "stress_1": "stress [Pa]", "stress_2": "smaller stress [Pa]"}
+STATES = {"wrinkling": ("taut", "wrinkled", "slack")}
 
 
 @dataclass
@@ -175,20 +182,73 @@ def cloth(grid, triangles, colour, limits):
     for number in numbers:
         array.InsertNextValue(number)
     data.GetCellData().SetScalars(array)
+    if colour != "gores":
+        # Colours that can be compared with those of the bar; three states can be told apart in a shade too.
+        ambient, diffuse = (0.55, 0.45) if colour in STATES else (0.8, 0.25)
+        made.GetProperty().SetAmbient(ambient)
+        made.GetProperty().SetDiffuse(diffuse)
+    mapper = made.GetMapper()
+    mapper.ScalarVisibilityOn()
+    mapper.SetLookupTable(colours(colour, limits))
+    mapper.UseLookupTableScalarRangeOn()
+    return made
+
+
+def colours(colour, limits):
+    """The colours of numbers between limits."""
     table = vtk.vtkLookupTable()
+    table.SetTableRange(*((0, 1) if colour == "gores" else limits))
     if colour == "gores":
         table.SetNumberOfTableValues(2)
         table.SetTableValue(0, *LIGHT, 1)
         table.SetTableValue(1, *DARK, 1)
-        limits = (0, 1)
-    else:
-        table.SetHueRange(0.62, 0.0)
-        table.SetSaturationRange(0.75, 0.85)
-    table.Build()
-    mapper = made.GetMapper()
-    mapper.ScalarVisibilityOn()
-    mapper.SetLookupTable(table)
-    mapper.SetScalarRange(*limits)
+    elif colour in STATES:
+        table.SetNumberOfTableValues(len(STATES[colour]))
+        table.SetTableRange(-0.5, len(STATES[colour]) - 0.5)
+    table.SetHueRange(0.62, 0.0)
+    table.SetSaturationRange(0.75, 0.85)
+    if colour != "gores":
+        table.Build()
+    return table
+
+
+def colour_bar(colour, limits):
+    """The colours with their numbers and unit, or with what they mean, for a strip of its own."""
+    bar = vtk.vtkScalarBarActor()
+    bar.SetLookupTable(colours(colour, limits))
+    bar.SetTitle(NAMES.get(colour, colour))
+    bar.SetNumberOfLabels(0 if colour in STATES else 5)
+    bar.SetLabelFormat("%.3g")
+    bar.UnconstrainedFontSizeOn()
+    for text, size in ((bar.GetTitleTextProperty(), 15), (bar.GetLabelTextProperty(), 14)):
+        text.SetFontSize(size)
+        text.SetColor(*INK)
+        text.BoldOff()
+        text.ItalicOff()
+        text.ShadowOff()
+    bar.SetPosition(0.08, 0.08)
+    bar.SetWidth(0.84)
+    bar.SetHeight(0.84)
+    bar.SetBarRatio(0.22)
+    bar.SetVerticalTitleSeparation(10)
+    return bar
+
+
+def legend(colour, height):
+    """What the colours of states mean: a word on each, as actors."""
+    made = []
+    table = colours(colour, (0, 1))
+    for number, word in enumerate(STATES[colour]):
+        red, green, blue, _ = table.GetTableValue(number)
+        text = vtk.vtkTextActor()
+        text.SetInput(f" {word} ")
+        look = text.GetTextProperty()
+        look.SetFontSize(16)
+        look.SetColor(*INK)
+        look.SetBackgroundColor(red, green, blue)
+        look.SetBackgroundOpacity(0.6)
+        text.SetPosition(10, height - 40 - 28 * number)
+        made.append(text)
     return made
 
 
@@ -272,15 +332,28 @@ def draw(picture):
     parts = [cells(grid) for _, grid in grids]
     size = max(max(b[1] - b[0], b[3] - b[2], b[5] - b[4]) for b in (grid.GetBounds() for _, grid in grids)) * 1.08
     numbers = [n for (_, grid), (triangles, _) in zip(grids, parts) for n in values(grid, triangles, picture.colour) or []]
-    limits = (min(numbers, default=0), max(numbers, default=1))
+    low, high = min(numbers, default=0), max(numbers, default=1)
+    # A bar from about 0 begins there.
+    limits = (0 if 0 < low < 0.02 * high else low, high)
     window = vtk.vtkRenderWindow()
     window.SetOffScreenRendering(1)
     window.SetMultiSamples(8)
-    window.SetSize(picture.width * len(grids), picture.height)
+    numbered = picture.colour not in ("gores", "plain")
+    strip = BAR if numbered else 0
+    width = picture.width * len(grids) + strip
+    window.SetSize(width, picture.height)
+    if numbered:
+        renderer = vtk.vtkRenderer()
+        renderer.SetViewport(1 - strip / width, 0, 1, 1)
+        renderer.SetBackground(*SKY)
+        states = legend(picture.colour, picture.height) if picture.colour in STATES else [colour_bar(picture.colour, limits)]
+        for one in states:
+            renderer.AddViewProp(one)
+        window.AddRenderer(renderer)
     for place, ((words, grid), (triangles, edges)) in enumerate(zip(grids, parts)):
         renderer = vtk.vtkRenderer()
-        renderer.SetViewport(place / len(grids), 0, (place + 1) / len(grids), 1)
-        renderer.SetBackground(0.88, 0.93, 0.98)
+        renderer.SetViewport(place * picture.width / width, 0, (place + 1) * picture.width / width, 1)
+        renderer.SetBackground(*SKY)
         if triangles:
             renderer.AddActor(cloth(grid, triangles, picture.colour, limits))
         if picture.lines:
@@ -294,7 +367,7 @@ def draw(picture):
         label = vtk.vtkTextActor()
         label.SetInput(words)
         label.GetTextProperty().SetFontSize(18)
-        label.GetTextProperty().SetColor(0.1, 0.1, 0.2)
+        label.GetTextProperty().SetColor(*INK)
         label.SetPosition(10, 10)
         renderer.AddViewProp(label)
         aim(renderer, picture, grid, size)

@@ -3,7 +3,7 @@
 
 use canopy_fem::plot::chart::{Chart, Line, Size, Stroke};
 use canopy_fem::plot::layout::{Sample, legend_samples, svg_grid};
-use canopy_fem::study::report::method_color;
+use canopy_fem::plot::{method_color, method_mark};
 use canopy_fem::study::template::{PageFigure, render};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -84,9 +84,13 @@ pub struct Caption<'a> {
     pub note: &'a str,
 }
 
-/// A curve in the colour that its method has on all pages.
+/// Marks along a curve.
+const MARKS: usize = 7;
+
+/// A curve in the colour and with the mark that its method has on all pages.
 pub fn curve(method: &str, label: impl Into<String>, points: Vec<(f64, f64)>) -> Line {
-    Line { color: Some(method_color(method)), ..Line::new(label, points) }
+    let (color, marker) = (Some(method_color(method)), method_mark(method));
+    Line { color, marker, marks: MARKS, ..Line::new(label, points) }
 }
 
 /// A curve that is no method's.

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
-    "CaseSource", "DashpotKind", "Force", "Graded", "Kind", "Law", "Method", "Parachute", "Pattern", "Slack", "Table",
+    "CaseSource", "DashpotKind", "Force", "Gauge", "GaugeQuantity", "Graded", "Kind", "Law", "Method", "Parachute", "Pattern", "Slack", "Table",
 ]  # fmt: skip
 
 CaseSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any]
@@ -41,10 +41,33 @@ Slack: TypeAlias = Literal["none", "tension-only", "compression-only"]
 DashpotKind: TypeAlias = Literal["axial", "relative"]
 Kind: TypeAlias = Literal["nodes", "edges", "triangles"]
 Table: TypeAlias = Literal["history", "probes", "gauges", "modes"]
+GaugeQuantity: TypeAlias = Literal[
+    "tension",
+    "force",
+    "reaction",
+    "acceleration",
+    "velocity",
+    "speed",
+    "displacement",
+    "position",
+    "crossings",
+    "stress",
+    "strain",
+    "wrinkling",
+]
 Rows: TypeAlias = npt.NDArray[Any] | Sequence[Sequence[float]]
 """(n, 3); not numpy's ArrayLike, which a text is too"""
 Force: TypeAlias = Rows | Callable[[float, npt.NDArray[np.float64], npt.NDArray[np.float64]], npt.ArrayLike]
 """[N] (n, 3), or a function of time [s], positions [m] and velocities [m/s]"""
+
+
+class Gauge(TypedDict, total=False):
+    """An entry of "output.gauges" of a case; `name`, `on` and `of` are needed."""
+
+    name: str
+    on: str | Mapping[str, Any]
+    of: GaugeQuantity
+    every: int
 
 
 class Graded(TypedDict, total=False):

@@ -74,5 +74,8 @@ def test_types_name_what_the_engine_has():
     definitions = cf.schema()["$defs"]
     parachute = next(entry for entry in definitions.values() if "gores" in entry.get("properties", {}))
     assert set(parachute["properties"]) <= set(typed.Parachute.__annotations__)
+    gauges = [choice["const"] for choice in definitions["GaugeQuantity"]["oneOf"]]
+    assert gauges == list(get_args(typed.GaugeQuantity))
+    assert set(typed.Gauge.__annotations__) == set(definitions["Gauge"]["properties"])
     disc = next(entry for entry in definitions.values() if "boundary_nodes" in entry.get("properties", {}))
     assert set(typed.Graded.__annotations__) <= set(disc["properties"])

@@ -100,7 +100,18 @@ fn peaks_are_found_at_every_step() {
     let reaction = peak("wall", "reaction_x");
     assert!((reaction["value"].as_f64().expect("N").abs() - k * v / w).abs() < 1e-3 * k * v / w);
     assert!(ended.stdout.contains("strength 60 N: safety factor 2"), "{}", ended.stdout);
-    assert!(ended.stdout.contains("(spring, tension)"), "{}", ended.stdout);
+    // Every gauge has a line, with its peak and its time: v/w = 0.15 m from 1 m, at a quarter of a period.
+    for words in
+        ["(spring, tension)", "(wall, reaction)", "(mass, acceleration)", "(speed, speed)", "(v, velocity along x)"]
+    {
+        assert!(ended.stdout.contains(words), "no {words} in {}", ended.stdout);
+    }
+    let line = |words: &str| ended.stdout.lines().find(|line| line.ends_with(words)).unwrap_or_default().to_owned();
+    let displacement = line("(way, displacement)");
+    assert!(displacement.starts_with("  peak            0.15 m at t = "), "{displacement}");
+    assert!(displacement.contains(" m at the end "), "{displacement}");
+    let place = line("(place, position along x)");
+    assert!(place.starts_with("  peak            1.15 m at t = 0.15"), "{place}");
 }
 
 /// A case without gauges has neither file nor peaks, and the other results have the same bytes with and without. Its

@@ -15,6 +15,7 @@ mod group_frames;
 mod initial_from;
 mod mass_scaling;
 mod matrices;
+mod membrane_gauges;
 mod mesh;
 mod mesh_look;
 mod nets;

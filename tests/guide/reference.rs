@@ -3,7 +3,7 @@
 
 use crate::cases::accepted;
 use crate::pages::{ROOT, folder};
-use canopy_fem::model::gauge::{CROSSINGS, GaugeKind, GaugeQuantity, Quantity};
+use canopy_fem::model::gauge::{GaugeQuantity, Quantity};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -388,18 +388,13 @@ fn results_say_what_gauges_measure() {
     let page = std::fs::read_to_string(folder().join("results.md")).expect("results.md");
     let schema = canopy_fem::case::json_schema();
     let choices = list(&schema["$defs"]["GaugeQuantity"], "oneOf");
-    assert!(choices.len() > 5, "{choices:?}");
+    assert_eq!(choices.len(), GaugeQuantity::ALL.len(), "{choices:?}");
     for choice in choices {
         let of: GaugeQuantity = serde_json::from_value(choice["const"].clone()).expect("a quantity");
         let start = format!("| `{}` |", choice["const"].as_str().expect("a word"));
         let row = page.lines().skip_while(|line| *line != "## gauges.csv").find(|line| line.starts_with(&start));
         let row = row.unwrap_or_else(|| panic!("results.md has no row \"{start}\""));
-        let columns = match of.kind() {
-            GaugeKind::Springs(of) => of.columns().all(),
-            GaugeKind::Nodes(of) => of.columns.all(),
-            GaugeKind::Cloth => &[CROSSINGS],
-        };
-        for Quantity { name, .. } in columns {
+        for Quantity { name, .. } in of.columns() {
             let short = name.rsplit_once('_').map_or(*name, |(_, end)| end);
             let told = row.contains(&format!("`{name}`")) || row.contains(&format!("`_{short}`"));
             assert!(told, "results.md does not name {name}: {row}");

@@ -2,6 +2,7 @@
 
 use crate::format_number::figures;
 use crate::mesh::box_tree::Bounds;
+use crate::mesh::{NamedParts, with_groups};
 use crate::model::forces::Role;
 use crate::model::observables::MembranePicture;
 use crate::model::state::StateRef;
@@ -49,18 +50,18 @@ impl StrainedCloth {
         let mut membranes = vec![MembranePicture::default(); scene.triangles().len()];
         scene.triangle_membranes(at, &mut membranes);
         // Stretch^2 = 1 + 2 E of the Green strain E.
-        let stretched = |of: &MembranePicture| (1.0 + 2.0 * of.strain[0]).max(0.0).sqrt() - 1.0;
-        let membranes = (0_u32..).zip(&membranes).map(|(triangle, of)| (ClothPlace::Triangle(triangle), stretched(of)));
+        let membranes =
+            (0_u32..).zip(&membranes).map(|(triangle, of)| (ClothPlace::Triangle(triangle), of.elongation()));
         let strained = springs.chain(membranes).filter(|(_, strain)| *strain > TORN);
         let (place, strain) = strained.max_by(|a, b| a.1.total_cmp(&b.1))?;
         Some(StrainedCloth { t: at.t, strain, place })
     }
 
-    /// In words, as a cause.
-    pub fn text(&self) -> String {
+    /// In words, as a cause; `parts` are those of the scene.
+    pub fn text(&self, parts: NamedParts<'_>) -> String {
         let place = match self.place {
-            ClothPlace::Spring(spring) => format!("spring {spring}"),
-            ClothPlace::Triangle(triangle) => format!("triangle {triangle}"),
+            ClothPlace::Spring(spring) => with_groups("spring", spring, &parts.of_edge(spring)),
+            ClothPlace::Triangle(triangle) => with_groups("triangle", triangle, &parts.of_triangle(triangle)),
         };
         format!(
             "the cloth is too soft for its loads: at t = {} s it is strained by {} % ({place})",
@@ -73,7 +74,7 @@ impl StrainedCloth {
 /// Why a state has no successor, as far as cloth is the cause: it is strained by more than [`TORN`], or its pressures
 /// would strain it so.
 pub fn too_soft(scene: &dyn Scene, at: StateRef<'_>) -> Option<String> {
-    let strained = StrainedCloth::of(scene, at).map(|strained| strained.text());
+    let strained = StrainedCloth::of(scene, at).map(|strained| strained.text(scene.parts()));
     strained.or_else(|| {
         let strain = strain_by_pressure(scene, at).filter(|strain| *strain > TORN && strain.is_finite())?;
         Some(format!(

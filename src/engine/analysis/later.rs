@@ -4,7 +4,7 @@ use super::critical::{CriticalStep, ElementBounds, has_limit, remedy};
 use super::spectrum::Spectrum;
 use super::warnings::Planned;
 use crate::format_number::figures;
-use crate::scene::{Scene, place_of};
+use crate::scene::{Scene, place_with_groups};
 use crate::warning::{Warning, WarningCode};
 
 /// Changes that are looked at; a scene with more of them is told the limit of the first.
@@ -71,5 +71,5 @@ pub fn later_warning(planned: Planned<'_>, at_start: CriticalStep, later: Option
 
 /// Where a limit comes from, in words.
 fn set_by(scene: &dyn Scene, limit: CriticalStep) -> String {
-    format!("set around {}, with nodes where they are at the start", place_of(scene, limit.dof))
+    format!("set around {}, with nodes where they are at the start", place_with_groups(scene, limit.dof))
 }

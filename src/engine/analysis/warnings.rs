@@ -10,7 +10,7 @@ use crate::format_number::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
-use crate::scene::{Scene, place_of};
+use crate::scene::{Scene, place_with_groups};
 use crate::warning::{Warning, WarningCode};
 
 /// [-] error that rounding makes in an undamped limit, where two eigenvalues meet
@@ -127,7 +127,7 @@ pub fn step_warning(planned: Planned<'_>, limit: CriticalStep) -> Option<Warning
             slack.springs()
         )),
         worth(limit),
-        place_of(scene, limit.dof),
+        place_with_groups(scene, limit.dof),
         figures(frequency, 4),
         figures(damping, 4),
         remedy(&limit, step)

@@ -8,6 +8,7 @@ use crate::analysis::spectrum::Spectrum;
 use crate::analysis::taut::AllTaut;
 use crate::format_number::figures;
 use crate::integrate::registry::{Family, MethodChoice};
+use crate::mesh::with_groups;
 use crate::model::abilities::SpringDamping;
 use crate::model::forces::Role;
 use crate::model::state::State;
@@ -333,10 +334,10 @@ impl DiagnosisInput<'_> {
 
     fn place(&self, dof: usize) -> String {
         let node = self.scene.name_of(dof).0;
-        match fastest_spring(self.scene, dof) {
-            Some(spring) => format!("around node {node} (spring {spring})"),
-            None => format!("around node {node}"),
-        }
+        let spring = fastest_spring(self.scene, dof).map(|spring| format!("spring {spring}"));
+        let groups = self.scene.parts().of_node(node).into_iter().map(str::to_owned);
+        let place: Vec<String> = spring.into_iter().chain(groups).collect();
+        format!("around {}", with_groups("node", node, &place))
     }
 }
 

@@ -12,7 +12,7 @@ use crate::format_number::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
-use crate::scene::{BoundBuffer, Scene, place_of};
+use crate::scene::{BoundBuffer, Scene, place_with_groups};
 use crate::warning::{Warning, WarningCode};
 
 /// Cost of a pass over the elements, in force passes.
@@ -184,7 +184,7 @@ impl<'a> CriticalStepMonitor<'a> {
             method.info.name,
             figures(found.step, 3),
             worth(found),
-            place_of(scene, found.dof),
+            place_with_groups(scene, found.dof),
             figures(h, 4),
             remedy(&found, h)
         );

@@ -7,12 +7,14 @@ use super::watch::{DOUBTFUL, DivergenceKind, EnergyGain};
 use crate::format_number::figures;
 use crate::integrate::StepError;
 use crate::integrate::registry::MethodChoice;
+use crate::mesh::NamedParts;
 use crate::model::forces::Role;
 use crate::model::point::Point;
 use crate::model::stop::Stop;
 use crate::scene::{Scene, Suspect};
 use crate::solve::LinearError;
 use crate::solve::newton::NewtonFailure;
+use std::collections::BTreeMap;
 
 /// What `summary.json` shows under `failure`.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -41,6 +43,20 @@ pub struct Failure {
     pub advice: String,
     /// [s] when a value was not finite, or beyond 1e4 times the scene's size
     pub blow_up_time: Option<f64>,
+}
+
+impl Failure {
+    /// The groups of its `node`, `spring` and `triangle`; `parts` are those of the scene.
+    pub fn groups(&self, parts: NamedParts<'_>) -> BTreeMap<String, Vec<String>> {
+        let of = |what: &str, names: Option<Vec<&str>>| {
+            let names: Vec<String> = names?.into_iter().map(str::to_owned).collect();
+            (!names.is_empty()).then(|| (what.to_owned(), names))
+        };
+        let node = of("node", self.node.map(|node| parts.of_node(node)));
+        let spring = of("spring", self.spring.map(|spring| parts.of_edge(spring)));
+        let triangle = of("triangle", self.triangle.map(|triangle| parts.of_triangle(triangle)));
+        [node, spring, triangle].into_iter().flatten().collect()
+    }
 }
 
 /// The state of a run when a step failed.
@@ -255,7 +271,8 @@ impl FailureContext<'_> {
         let (node, axis) = self.scene.name_of(worst);
         let unit = if axis == "angle" { "rad/s" } else { "m/s" };
         format!(
-            "; all of it would give node {node} alone a speed of {} {unit}, and its {axis} changes at {} {unit}",
+            "; all of it would give {} alone a speed of {} {unit}, and its {axis} changes at {} {unit}",
+            self.scene.node_in_words(node),
             figures(possible, 3),
             figures(speed, 3)
         )
@@ -292,7 +309,7 @@ impl FailureContext<'_> {
         let of = |spring: u32| strain.get(spring as usize).map(|strain| (spring, *strain));
         let strained = suspect.spring.and_then(of).filter(|(_, strain)| strain.is_finite());
         strained.map_or(String::new(), |(spring, strain)| {
-            format!("; spring {spring} is strained by {} %", figures(100.0 * strain, 3))
+            format!("; {} is strained by {} %", self.scene.spring_in_words(spring), figures(100.0 * strain, 3))
         })
     }
 

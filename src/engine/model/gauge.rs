@@ -1,5 +1,9 @@
 //! What gauges measure, where, and in which columns: names, units, peaks and lines of reports stand here once.
 
+mod column;
+
+pub use column::{PeakRule, Quantity, ReportLine};
+
 use serde::{Deserialize, Serialize};
 
 /// A vector quantity of a node.
@@ -47,6 +51,14 @@ pub enum GaugeQuantity {
     /// Number of edges of cloth that pass through triangles of cloth, `crossings`, where all nodes of the edge or of
     /// the triangle are selected.
     Crossings,
+    /// Larger principal stress of the membranes on the selected triangles, Pa: `stress_max` and the mean over their
+    /// area `stress_mean`. Force per width over the thickness at rest.
+    Stress,
+    /// Larger principal strain of the membranes on the selected triangles, elongation over rest length: `strain_max`
+    /// and the mean over their area `strain_mean`.
+    Strain,
+    /// Shares of the area of the membranes on the selected triangles: `taut_share`, `wrinkled_share`, `slack_share`.
+    Wrinkling,
 }
 
 impl GaugeQuantity {
@@ -62,6 +74,35 @@ impl GaugeQuantity {
             GaugeQuantity::Displacement => GaugeKind::Nodes(NodeGauge::DISPLACEMENT),
             GaugeQuantity::Position => GaugeKind::Nodes(NodeGauge::POSITION),
             GaugeQuantity::Crossings => GaugeKind::Cloth,
+            GaugeQuantity::Stress => GaugeKind::Membranes(MembraneGauge::Stress),
+            GaugeQuantity::Strain => GaugeKind::Membranes(MembraneGauge::Strain),
+            GaugeQuantity::Wrinkling => GaugeKind::Membranes(MembraneGauge::Wrinkling),
+        }
+    }
+
+    /// All of them.
+    pub const ALL: [Self; 12] = [
+        Self::Tension,
+        Self::Force,
+        Self::Reaction,
+        Self::Acceleration,
+        Self::Velocity,
+        Self::Speed,
+        Self::Displacement,
+        Self::Position,
+        Self::Crossings,
+        Self::Stress,
+        Self::Strain,
+        Self::Wrinkling,
+    ];
+
+    /// Its columns.
+    pub fn columns(self) -> &'static [Quantity] {
+        match self.kind() {
+            GaugeKind::Springs(of) => of.columns().all(),
+            GaugeKind::Nodes(of) => of.columns.all(),
+            GaugeKind::Cloth => &[CROSSINGS],
+            GaugeKind::Membranes(of) => of.columns(),
         }
     }
 }
@@ -75,6 +116,45 @@ pub enum GaugeKind {
     Nodes(NodeGauge),
     /// on cloth between nodes, whose crossings are counted
     Cloth,
+    /// on membrane triangles
+    Membranes(MembraneGauge),
+}
+
+/// What a gauge measures on membrane triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum MembraneGauge {
+    /// [Pa] larger principal stress
+    Stress,
+    /// [-] larger principal strain, elongation over rest length
+    Strain,
+    /// [-] shares of the area
+    Wrinkling,
+}
+
+impl MembraneGauge {
+    /// The largest value and the mean, or the shares that are taut, wrinkled and slack.
+    pub const fn columns(self) -> &'static [Quantity] {
+        const STRESS: [Quantity; 2] = [
+            Quantity::of("stress_max", "Pa").called("largest stress").in_report(ReportLine::Peak("stress")),
+            Quantity::of("stress_mean", "Pa").called("mean stress"),
+        ];
+        const STRAIN: [Quantity; 2] = [
+            Quantity::of("strain_max", "-").called("largest strain").in_report(ReportLine::Peak("strain")),
+            Quantity::of("strain_mean", "-").called("mean strain"),
+        ];
+        const SHARES: [Quantity; 3] = [
+            Quantity::of("taut_share", "-").called("taut share of the area"),
+            Quantity::of("wrinkled_share", "-")
+                .called("wrinkled share of the area")
+                .in_report(ReportLine::Told("wrinkled share")),
+            Quantity::of("slack_share", "-").called("slack share of the area"),
+        ];
+        match self {
+            MembraneGauge::Stress => &STRESS,
+            MembraneGauge::Strain => &STRAIN,
+            MembraneGauge::Wrinkling => &SHARES,
+        }
+    }
 }
 
 /// What a gauge measures on springs.
@@ -87,7 +167,7 @@ pub enum SpringGauge {
 impl SpringGauge {
     /// What is made of its values.
     pub const fn columns(self) -> SpringColumns {
-        const TENSION: [Quantity; 2] = [Quantity::of("tension_sum", "N"), TENSION_MAX];
+        const TENSION: [Quantity; 2] = [Quantity::of("tension_sum", "N").called("sum of tensions"), TENSION_MAX];
         match self {
             SpringGauge::Tension => SpringColumns::SumAndLargest(&TENSION),
         }
@@ -137,20 +217,20 @@ impl NodeGauge {
     pub const FORCE: Self = Self {
         vector: NodeQuantity::Force,
         columns: NodeColumns::Sum(&[
-            Quantity::signed("force_x", "N"),
-            Quantity::signed("force_y", "N"),
-            Quantity::signed("force_z", "N"),
-            Quantity::of("force_total", "N").in_report(ReportLine::Peak("force")),
-            Quantity::of("force_max", "N"),
+            Quantity::signed("force_x", "N").called("force along x"),
+            Quantity::signed("force_y", "N").called("force along y"),
+            Quantity::signed("force_z", "N").called("force along z"),
+            Quantity::of("force_total", "N").called("force").in_report(ReportLine::Peak("force")),
+            Quantity::of("force_max", "N").called("largest force on a node"),
         ]),
     };
     /// [N] reaction of the supports
     pub const REACTION: Self = Self {
         vector: NodeQuantity::Reaction,
         columns: NodeColumns::Sum(&[
-            Quantity::signed("reaction_x", "N"),
-            Quantity::signed("reaction_y", "N"),
-            Quantity::signed("reaction_z", "N"),
+            Quantity::signed("reaction_x", "N").called("reaction along x"),
+            Quantity::signed("reaction_y", "N").called("reaction along y"),
+            Quantity::signed("reaction_z", "N").called("reaction along z"),
             REACTION_TOTAL,
             REACTION_MAX,
         ]),
@@ -159,38 +239,60 @@ impl NodeGauge {
     pub const ACCELERATION: Self = Self {
         vector: NodeQuantity::Acceleration,
         columns: NodeColumns::MeanAndLargest(&[
-            Quantity::signed("acceleration_x", "m/s^2"),
-            Quantity::signed("acceleration_y", "m/s^2"),
-            Quantity::signed("acceleration_z", "m/s^2"),
-            Quantity::of("acceleration_max", "m/s^2").in_report(ReportLine::Peak("acceleration")),
+            Quantity::signed("acceleration_x", "m/s^2").called("acceleration along x"),
+            Quantity::signed("acceleration_y", "m/s^2").called("acceleration along y"),
+            Quantity::signed("acceleration_z", "m/s^2").called("acceleration along z"),
+            Quantity::of("acceleration_max", "m/s^2")
+                .called("largest acceleration")
+                .in_report(ReportLine::Peak("acceleration")),
         ]),
     };
     /// [m/s] velocity
     pub const VELOCITY: Self = Self {
         vector: NodeQuantity::Velocity,
         columns: NodeColumns::Mean(&[
-            Quantity::signed("velocity_x", "m/s"),
-            Quantity::signed("velocity_y", "m/s"),
-            Quantity::signed("velocity_z", "m/s"),
+            Quantity::signed("velocity_x", "m/s")
+                .called("velocity along x")
+                .in_report(ReportLine::Told("velocity along x")),
+            Quantity::signed("velocity_y", "m/s")
+                .called("velocity along y")
+                .in_report(ReportLine::Told("velocity along y")),
+            Quantity::signed("velocity_z", "m/s")
+                .called("velocity along z")
+                .in_report(ReportLine::Told("velocity along z")),
         ]),
     };
     /// [m/s] size of the velocity
     pub const SPEED: Self = Self {
         vector: NodeQuantity::Velocity,
-        columns: NodeColumns::Sizes(&[Quantity::of("speed_mean", "m/s"), Quantity::of("speed_max", "m/s")]),
+        columns: NodeColumns::Sizes(&[
+            Quantity::of("speed_mean", "m/s").called("mean speed"),
+            Quantity::of("speed_max", "m/s").called("largest speed").in_report(ReportLine::Told("speed")),
+        ]),
     };
     /// [m] distance from the place on the mesh as given
     pub const DISPLACEMENT: Self = Self {
         vector: NodeQuantity::Displacement,
-        columns: NodeColumns::Sizes(&[Quantity::of("displacement_mean", "m"), Quantity::of("displacement_max", "m")]),
+        columns: NodeColumns::Sizes(&[
+            Quantity::of("displacement_mean", "m").called("mean displacement"),
+            Quantity::of("displacement_max", "m")
+                .called("largest displacement")
+                .in_report(ReportLine::Told("displacement")),
+        ]),
     };
     /// [m] position
     pub const POSITION: Self = Self {
         vector: NodeQuantity::Position,
         columns: NodeColumns::Mean(&[
-            Quantity::signed("position_x", "m"),
-            Quantity::signed("position_y", "m"),
-            Quantity::signed("position_z", "m"),
+            Quantity::signed("position_x", "m")
+                .called("position along x")
+                .in_report(ReportLine::Told("position along x")),
+            Quantity::signed("position_y", "m")
+                .called("position along y")
+                .in_report(ReportLine::Told("position along y")),
+            Quantity::signed("position_z", "m")
+                .called("position along z")
+                .in_report(ReportLine::Told("position along z")),
         ]),
     };
 }
@@ -207,78 +309,23 @@ impl NodeColumns {
     }
 }
 
-/// A column of values of a gauge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Quantity {
-    /// its name in `gauges.csv` and `summary.json`
-    pub name: &'static str,
-    /// its unit
-    #[serde(skip)]
-    pub unit: &'static str,
-    /// which of its values is its peak
-    #[serde(skip)]
-    pub peak: PeakRule,
-    /// its line in the report of a run, if it has one
-    #[serde(skip)]
-    pub line: Option<ReportLine>,
-}
-
-/// Which value of a quantity is its peak.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PeakRule {
-    /// the largest
-    Largest,
-    /// that of the largest magnitude, as of components
-    LargestMagnitude,
-}
-
-/// A line of the report of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ReportLine {
-    /// the peak, with a word for what it is
-    Peak(&'static str),
-    /// the peak of a canopy's drag
-    Drag,
-    /// the speed of a canopy at the end
-    Descent,
-    /// a ratio at the end
-    Ratio {
-        /// its symbol
-        symbol: &'static str,
-        /// what follows its value
-        of: &'static str,
-    },
-}
-
-impl Quantity {
-    /// A quantity whose peak is its largest value.
-    pub const fn of(name: &'static str, unit: &'static str) -> Self {
-        Quantity { name, unit, peak: PeakRule::Largest, line: None }
-    }
-
-    /// A quantity whose peak is the value of the largest magnitude.
-    pub const fn signed(name: &'static str, unit: &'static str) -> Self {
-        Quantity { peak: PeakRule::LargestMagnitude, ..Self::of(name, unit) }
-    }
-
-    const fn in_report(self, line: ReportLine) -> Self {
-        Quantity { line: Some(line), ..self }
-    }
-}
-
 /// [N] Largest tension of a spring.
-pub const TENSION_MAX: Quantity = Quantity::of("tension_max", "N").in_report(ReportLine::Peak("tension"));
+pub const TENSION_MAX: Quantity =
+    Quantity::of("tension_max", "N").called("largest tension").in_report(ReportLine::Peak("tension"));
 /// [N] Size of the sum of reactions.
-pub const REACTION_TOTAL: Quantity = Quantity::of("reaction_total", "N").in_report(ReportLine::Peak("reaction"));
+pub const REACTION_TOTAL: Quantity =
+    Quantity::of("reaction_total", "N").called("reaction").in_report(ReportLine::Peak("reaction"));
 /// [N] Largest reaction on a node.
-pub const REACTION_MAX: Quantity = Quantity::of("reaction_max", "N");
+pub const REACTION_MAX: Quantity = Quantity::of("reaction_max", "N").called("largest reaction of a node");
 /// Edges of cloth that pass through triangles.
-pub const CROSSINGS: Quantity = Quantity::of("crossings", "-");
+pub const CROSSINGS: Quantity =
+    Quantity::of("crossings", "-").called("crossings of cloth").in_report(ReportLine::Told("crossings"));
 
 /// [m] Diameter of a circle with the area that a canopy and its openings show along its axis.
 pub const PROJECTED_DIAMETER: Quantity = Quantity::of("projected_diameter", "m");
 /// [m/s] Speed of a canopy against the air along its axis.
-pub const AXIAL_SPEED: Quantity = Quantity::signed("axial_speed", "m/s").in_report(ReportLine::Descent);
+pub const AXIAL_SPEED: Quantity =
+    Quantity::signed("axial_speed", "m/s").called("speed against the air").in_report(ReportLine::Descent);
 /// [Pa] rho V |V|/2.
 pub const DYNAMIC_PRESSURE: Quantity = Quantity::signed("dynamic_pressure", "Pa");
 /// [m^2] Drag over the dynamic pressure.
@@ -286,11 +333,13 @@ pub const DRAG_AREA: Quantity = Quantity::of("drag_area", "m^2");
 /// [N] Force of the air on a canopy against its motion along its axis.
 pub const DRAG: Quantity = Quantity::of("drag", "N").in_report(ReportLine::Drag);
 /// [-] Projected diameter over D0.
-pub const PROJECTED_RATIO: Quantity =
-    Quantity::of("projected_ratio", "-").in_report(ReportLine::Ratio { symbol: "Dp/D0", of: "" });
+pub const PROJECTED_RATIO: Quantity = Quantity::of("projected_ratio", "-")
+    .called("projected diameter over D0, Dp/D0")
+    .in_report(ReportLine::Ratio { symbol: "Dp/D0", of: "" });
 /// [-] Drag over the dynamic pressure and S0.
-pub const DRAG_COEFFICIENT: Quantity =
-    Quantity::signed("drag_coefficient", "-").in_report(ReportLine::Ratio { symbol: "CD0", of: " on S0" });
+pub const DRAG_COEFFICIENT: Quantity = Quantity::signed("drag_coefficient", "-")
+    .called("drag coefficient CD0")
+    .in_report(ReportLine::Ratio { symbol: "CD0", of: " on S0" });
 /// \[deg\] Angle between the axis of a canopy and its motion through the air.
 pub const ANGLE_OF_ATTACK: Quantity = Quantity::of("angle_of_attack", "deg");
 
@@ -304,7 +353,7 @@ pub const CANOPY_QUANTITIES: [Quantity; 11] = [
     DYNAMIC_PRESSURE,
     DRAG_AREA,
     DRAG,
-    Quantity::signed("pressure", "Pa"),
+    Quantity::signed("pressure", "Pa").called("mean pressure"),
     PROJECTED_RATIO,
     DRAG_COEFFICIENT,
     ANGLE_OF_ATTACK,

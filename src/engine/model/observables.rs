@@ -4,7 +4,7 @@ use super::abilities::{Air, Springs};
 use super::gauge::NodeQuantity;
 use super::state::StateRef;
 use super::system::System;
-use crate::mesh::Groups;
+use crate::mesh::{Groups, NamedParts, with_groups};
 use crate::model::forces::Forces;
 use crate::model::point::Point;
 
@@ -19,11 +19,20 @@ pub struct MembranePicture {
     pub wrinkling: f64,
     /// unit vector along the warp
     pub warp: [f64; 3],
+    /// [m^2] area at rest
+    pub area: f64,
+}
+
+impl MembranePicture {
+    /// [-] The larger principal strain as elongation over rest length.
+    pub fn elongation(&self) -> f64 {
+        (1.0 + 2.0 * self.strain[0]).max(0.0).sqrt() - 1.0
+    }
 }
 
 impl Default for MembranePicture {
     fn default() -> Self {
-        MembranePicture { stress: [0.0; 2], strain: [0.0; 2], wrinkling: -1.0, warp: [0.0; 3] }
+        MembranePicture { stress: [0.0; 2], strain: [0.0; 2], wrinkling: -1.0, warp: [0.0; 3], area: 0.0 }
     }
 }
 
@@ -42,6 +51,21 @@ pub trait Observables: System {
     fn groups(&self) -> &Groups {
         static NONE: Groups = Groups::new();
         &NONE
+    }
+
+    /// What its groups name.
+    fn parts(&self) -> NamedParts<'_> {
+        NamedParts { groups: self.groups(), edges: self.edges(), triangles: self.triangles() }
+    }
+
+    /// A node with the groups it belongs to: "node 136 (skirt)".
+    fn node_in_words(&self, node: u32) -> String {
+        with_groups("node", node, &self.parts().of_node(node))
+    }
+
+    /// A spring with the groups it belongs to: "spring 812 (lines)".
+    fn spring_in_words(&self, spring: u32) -> String {
+        with_groups("spring", spring, &self.parts().of_edge(spring))
     }
 
     /// Its springs; `None` if it has none.

@@ -205,6 +205,15 @@ pub fn place_of(scene: &dyn Scene, dof: usize) -> String {
     fastest_spring(scene, dof).map_or_else(|| format!("node {node}"), |spring| format!("node {node}, spring {spring}"))
 }
 
+/// The same with the groups that they belong to.
+pub fn place_with_groups(scene: &dyn Scene, dof: usize) -> String {
+    let node = scene.node_in_words(scene.name_of(dof).0);
+    match fastest_spring(scene, dof) {
+        Some(spring) => format!("{node}, {}", scene.spring_in_words(spring)),
+        None => node,
+    }
+}
+
 /// The spring (user's number) with the largest stiffness over the masses at its ends, at the node of a degree of
 /// freedom.
 pub fn fastest_spring(scene: &dyn Scene, dof: usize) -> Option<u32> {

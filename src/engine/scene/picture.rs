@@ -48,7 +48,8 @@ impl Observables for Network {
             for (i, &triangle) in triangles.iter().enumerate() {
                 let MembraneState { tension, strain, wrinkling, warp } = data.state(i, by_node(at.x));
                 let (stress, wrinkling) = (tension.map(|t| t / thickness), f64::from(wrinkling as u8));
-                out[triangle as usize] = MembranePicture { stress, strain, wrinkling, warp: warp.into() };
+                out[triangle as usize] =
+                    MembranePicture { stress, strain, wrinkling, warp: warp.into(), area: data.shapes[i].area };
             }
         }
     }

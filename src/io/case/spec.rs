@@ -5,7 +5,7 @@ use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::{Explain, RunSpec};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
-use crate::model::gauge::{NodeGauge, SpringGauge};
+use crate::model::gauge::{MembraneGauge, NodeGauge, SpringGauge};
 use crate::model::group_totals::{GroupTotals, group_totals};
 use crate::model::quantity::QuantityName;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
@@ -234,5 +234,12 @@ pub enum GaugeOf {
     Cloth {
         /// corners of the cloth, at least one, ascending
         nodes: Vec<u32>,
+    },
+    /// membranes
+    Membranes {
+        /// what
+        of: MembraneGauge,
+        /// triangles with a membrane, at least one, ascending
+        triangles: Vec<u32>,
     },
 }

@@ -1,5 +1,6 @@
 //! Gauges: what `gauges.csv`, the peaks and the quantities in `summary.json` hold.
 
+pub mod names;
 mod places;
 mod quantities;
 
@@ -43,6 +44,9 @@ pub struct GaugesSoFar {
 pub struct Peak {
     /// name of the gauge
     pub name: String,
+    /// its name for people, where it is another one: the group of a rule of springs
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub label: String,
     /// what it measures
     pub quantity: String,
     /// its unit
@@ -73,6 +77,13 @@ pub struct Peak {
     /// its line in the report of the run
     #[serde(skip)]
     pub line: Option<ReportLine>,
+}
+
+impl Peak {
+    /// Its name for people.
+    pub fn shown(&self) -> &str {
+        if self.label.is_empty() { &self.name } else { &self.label }
+    }
 }
 
 /// A value of a channel, to be written.
@@ -331,10 +342,13 @@ impl Gauges {
     /// The peaks so far.
     pub(super) fn peaks(&self) -> Vec<Peak> {
         let peaks = self.series.iter().zip(self.channels()).filter(|(series, _)| series.peak_time.is_finite());
+        let labels = names::for_people(self.channels().iter().map(|channel| channel.name.as_str()));
+        let label = |name: &str| labels.get(name).filter(|label| **label != name).map_or("", |label| label).to_owned();
         let peak = |(series, channel): (&SeriesSoFar, &Channel)| {
             let &SeriesSoFar { peak, peak_time, last, .. } = series;
             Peak {
                 name: channel.name.clone(),
+                label: label(&channel.name),
                 quantity: channel.quantity.name.to_owned(),
                 unit: channel.quantity.unit.to_owned(),
                 value: peak,

@@ -45,7 +45,7 @@ pub(super) fn column_of(columns: &[Column], name: &str) -> Option<usize> {
     let alike: Vec<usize> =
         (0..columns.len()).filter(|i| columns.get(*i).is_some_and(|c| word(c.name) == name)).collect();
     let with = |of: &dyn Fn(&Column) -> bool| alike.iter().copied().find(|i| columns.get(*i).is_some_and(of));
-    with(&|column| column.line.is_some())
+    with(&Column::is_reported)
         .or_else(|| with(&|column| column.name.ends_with("_max")))
         .or(alike.first().copied().filter(|_| alike.len() == 1))
 }
@@ -58,6 +58,7 @@ pub fn reported(gauge: &str, column: Column, alone: bool) -> Option<QuantityName
         ReportLine::Descent => (AXIAL_SPEED.name, "last"),
         ReportLine::Ratio { .. } => (column.name, "last"),
         ReportLine::Peak(_) => (word(column.name), "peak"),
+        ReportLine::Told(_) => return None,
     };
     format!("{gauge}.{short}.{statistic}").parse().ok()
 }
@@ -86,24 +87,21 @@ pub type QuantityReports = BTreeMap<String, QuantityReport>;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::gauge::{CANOPY_QUANTITIES, GaugeKind, GaugeQuantity};
+    use crate::model::gauge::{CANOPY_QUANTITIES, GaugeQuantity};
 
     #[test]
     fn a_word_means_the_column_of_the_report_or_the_largest() {
-        let columns = |of: GaugeQuantity| match of.kind() {
-            GaugeKind::Springs(of) => of.columns().all().to_vec(),
-            GaugeKind::Nodes(of) => of.columns.all().to_vec(),
-            GaugeKind::Cloth => Vec::new(),
-        };
-        let name = |of, word| {
-            let columns = columns(of);
-            column_of(&columns, word).map(|i| columns[i].name)
+        let name = |of: GaugeQuantity, word| {
+            let columns = of.columns();
+            column_of(columns, word).map(|i| columns[i].name)
         };
         assert_eq!(name(GaugeQuantity::Tension, "tension"), Some("tension_max"));
         assert_eq!(name(GaugeQuantity::Reaction, "reaction"), Some("reaction_total"));
         assert_eq!(name(GaugeQuantity::Speed, "speed"), Some("speed_max"));
         assert_eq!(name(GaugeQuantity::Position, "position"), None, "three of the same rank");
         assert_eq!(name(GaugeQuantity::Position, "position_z"), Some("position_z"));
+        assert_eq!(name(GaugeQuantity::Stress, "stress"), Some("stress_max"));
+        assert_eq!(name(GaugeQuantity::Wrinkling, "wrinkled_share"), Some("wrinkled_share"));
         let drag = column_of(&CANOPY_QUANTITIES, "drag").map(|i| CANOPY_QUANTITIES[i].name);
         assert_eq!(drag, Some("drag"));
     }

@@ -178,6 +178,10 @@ pub struct Summary {
     pub equilibrium: Option<EquilibriumReport>,
     /// what went wrong; null for a run that did not fail
     pub failure: Option<Failure>,
+    /// groups that its `node`, `spring` and `triangle` belong to, at most two each, the smallest first; not given
+    /// without any
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub failure_groups: BTreeMap<String, Vec<String>>,
     /// [s] time of the checkpoint the run was last resumed from; null for a run in one piece
     pub resumed_from: Option<f64>,
     /// the case as it was run
@@ -222,6 +226,7 @@ impl Summary {
             at_rest: problem.time.until_rest.map(|_| outcome.ended_early),
             equilibrium: None,
             failure: outcome.failure.clone(),
+            failure_groups: BTreeMap::new(),
             resumed_from: None,
             case: problem.case_json.clone(),
             case_digest: String::new(),

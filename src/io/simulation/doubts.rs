@@ -1,6 +1,5 @@
 //! What is wrong with a case, or doubtful about a run, and shows only on the built scene or at the end.
 
-use crate::analysis::cloth::StrainedCloth;
 use crate::analysis::critical::CriticalStep;
 use crate::analysis::warnings::{Planned, mass_warning, step_warning};
 use crate::case::spec::Problem;
@@ -93,7 +92,7 @@ pub fn doubts_at_end(
     problem: &Problem,
     outcome: &Outcome,
     summary: &Summary,
-    strained: Option<StrainedCloth>,
+    strained: Option<String>,
 ) -> Vec<Warning> {
     let strained = strained.filter(|_| outcome.failure.is_none()).map(strained_cloth);
     let crossings = summary.crossings.as_ref().and_then(CrossingReport::warning);
@@ -102,11 +101,9 @@ pub fn doubts_at_end(
 }
 
 /// Warning for strains that no cloth bears.
-fn strained_cloth(strained: StrainedCloth) -> Warning {
-    let text = format!(
-        "{}; cloth tears at about half of that: check pressures, and stiffness, modulus and thickness of the cloth",
-        strained.text()
-    );
+fn strained_cloth(strained: String) -> Warning {
+    let check = "check pressures, and stiffness, modulus and thickness of the cloth";
+    let text = format!("{strained}; cloth tears at about half of that: {check}");
     Warning::new(WarningCode::StrainedCloth, text)
 }
 

@@ -102,6 +102,8 @@ pub struct Recorded {
     pub least: Option<LeastStep>,
     /// the largest displacement at the end
     pub displacement: Displacement,
+    /// its node with the groups it belongs to
+    pub displaced: String,
     /// [s] time of the last frame
     pub last_frame: Option<f64>,
 }
@@ -271,6 +273,7 @@ impl Prepared<'_> {
             groups: self.groups.clone(),
             startup: self.timer.read(),
             mass_scaling: scene.added_mass(),
+            failure_groups: outcome.failure.as_ref().map(|failure| failure.groups(scene.parts())).unwrap_or_default(),
             ..Summary::new(problem, &**scene, &outcome, limits.taut.step, stopwatch.read())
         };
         let quantities = recorder.quantities();
@@ -283,11 +286,24 @@ impl Prepared<'_> {
         if let Some(linear) = &summary.linear {
             log::info!("linear solver at the end: {}, {}", linear.solver, linear.reason);
         }
-        doubts_at_end(problem, &outcome, &summary, strained.most).into_iter().for_each(tell);
+        let strained = strained.most.map(|strained| strained.text(scene.parts()));
+        doubts_at_end(problem, &outcome, &summary, strained).into_iter().for_each(tell);
         let (spec, warnings) = (spec.clone(), told.all.take());
         let least = monitor.and_then(|monitor| monitor.least());
         let (displacement, last_frame) = (farthest.found, recorder.shown());
-        Ok(Recorded { spec, outcome, summary, quantities, warnings, limits, least, displacement, last_frame })
+        let displaced = scene.node_in_words(displacement.node as u32);
+        Ok(Recorded {
+            spec,
+            outcome,
+            summary,
+            quantities,
+            warnings,
+            limits,
+            least,
+            displacement,
+            displaced,
+            last_frame,
+        })
     }
 
     fn recorder(&self, checkpoint: Option<&Checkpoint>) -> Result<Recorder<'_>, RecordError> {

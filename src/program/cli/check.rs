@@ -22,7 +22,7 @@ use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::output::largest::LargestValues;
 use crate::process::{Stopwatch, cpu_seconds};
-use crate::scene::{Scene, pass_events, place_of};
+use crate::scene::{Scene, pass_events, place_with_groups};
 use crate::simulation::{build_scene, check_solver, doubts_at_start};
 use crate::study::StudyError;
 use crate::study::accuracy::Accuracy;
@@ -369,7 +369,7 @@ fn describe_rates(text: &mut String, scene: &dyn Scene, limits: &Limits<'_>) {
     let spectrum = match limits {
         Limits::Searched(spectrum) => spectrum,
         Limits::Bounded(ElementBounds { rates, .. }) => {
-            let at = place_of(scene, rates.frequency_dof);
+            let at = place_with_groups(scene, rates.frequency_dof);
             let _ = writeln!(
                 text,
                 "  fastest motion  w below {:.4e} rad/s around {at}, at t = 0, by bounds from the elements",
@@ -387,10 +387,10 @@ fn describe_rates(text: &mut String, scene: &dyn Scene, limits: &Limits<'_>) {
         Some(bound) => format!("to {bound:.4e} rad/s (proved)"),
         None => "rad/s (an estimate)".to_owned(),
     };
-    let at = place_of(scene, rates.frequency_dof);
+    let at = place_with_groups(scene, rates.frequency_dof);
     let _ = writeln!(text, "  fastest motion  w = {:.4e} {bound} around {at}, at t = 0", rates.frequency);
     if rates.damping > 0.0 {
-        let at = place_of(scene, rates.damping_dof);
+        let at = place_with_groups(scene, rates.damping_dof);
         let _ = writeln!(text, "  most damped     {:.4e} 1/s (an estimate) around {at}", rates.damping);
     }
 }
@@ -410,5 +410,5 @@ fn describe_limit(limit: CriticalStep, step: Step, scene: &dyn Scene) -> String 
         || "adaptive".to_owned(),
         |step| figures(step / limit.step, 3) + if step > limit.step { " too large" } else { "" },
     );
-    format!("{:<9.3e} {used:<14} {known:<15} {}", limit.step, place_of(scene, limit.dof))
+    format!("{:<9.3e} {used:<14} {known:<15} {}", limit.step, place_with_groups(scene, limit.dof))
 }

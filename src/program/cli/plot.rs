@@ -15,7 +15,8 @@ use std::path::{Path, PathBuf};
 /// Examples of the command, for its help.
 pub const EXAMPLES: &str = "\
 Examples:
-  canopy-fem plot out/c9-drop                                   all that the results hold
+  canopy-fem plot out/c9-drop                                   the four charts to look at first
+  canopy-fem plot out/c9-drop --all                             all that the results hold
   canopy-fem plot out/c9-drop --kind gauges --gauge riser       one gauge
   canopy-fem plot out/c9-drop --kind ledger --log y             small entries of the energy account
   canopy-fem plot out/rk4 out/newmark --out out/plots           two runs in the same charts
@@ -31,9 +32,13 @@ pub struct PlotArgs {
     /// Folder for the pictures [default: the run's folder; for several runs or a difference, the current folder]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// What to plot; may be given several times [default: all that the results hold]
+    /// What to plot, all charts of it; may be given several times [default: four charts, of the probes, the energies and
+    /// the gauges that the report tells, then of what else there is]
     #[arg(long, value_enum, value_delimiter = ',')]
     pub kind: Vec<Kind>,
+    /// All charts that the results hold something for
+    #[arg(long, conflicts_with = "kind")]
+    pub all: bool,
     /// Direction of motion; for a bob, measured from its lowest point [default: direction of the largest motion; the
     /// angle of a pendulum]
     #[arg(long, value_enum)]
@@ -98,7 +103,7 @@ pub(super) fn run(args: &PlotArgs) -> Result<String, CliError> {
     };
     // All charts are made before the first is written.
     let mut files = Vec::new();
-    for (stem, Picture { svg, remarks }) in pictures(args, &results)? {
+    for (stem, Picture { svg, remarks, .. }) in pictures(args, &results)? {
         remarks.iter().filter(|_| !args.quiet).for_each(|remark| complain(&format!("warning: {remark}")));
         for (i, format) in args.format.iter().enumerate() {
             if !args.format[..i].contains(format) {
@@ -125,39 +130,104 @@ pub(super) fn run(args: &PlotArgs) -> Result<String, CliError> {
     Ok(if args.quiet { String::new() } else { text })
 }
 
-/// The pictures with the stems of their files: of the requested kinds, each once; by default of all kinds that the
-/// results hold something of.
-fn pictures(args: &PlotArgs, results: &Results) -> Result<Vec<(&'static str, Picture)>, PlotError> {
+/// Charts that are drawn if nobody asks for others.
+const FEW: usize = 4;
+/// Kinds in the order in which they get a place among [`FEW`] charts, with the most that they get of them at first.
+const FIRST: [(Kind, usize); 7] = [
+    (Kind::Displacement, 1),
+    (Kind::Energy, 1),
+    (Kind::Gauges, FEW),
+    (Kind::Tension, 1),
+    (Kind::Reaction, 1),
+    (Kind::Phase, 1),
+    (Kind::Steps, 1),
+];
+
+/// A picture with the stem of its file.
+type Named = (&'static str, Picture);
+
+/// The pictures: of the requested kinds, each once; by default a few of what the results hold something of.
+fn pictures(args: &PlotArgs, results: &Results) -> Result<Vec<Named>, PlotError> {
+    let mut drawing = Drawing { args, results, made: Vec::new(), refused: None };
+    if args.all || !args.kind.is_empty() {
+        let wanted = |kind: &Kind| if args.all { kind.adds(&results.runs) } else { args.kind.contains(kind) };
+        for kind in Kind::ALL.into_iter().filter(wanted) {
+            drawing.add(kind, None)?;
+        }
+        return drawing.finish();
+    }
+    let (mut left, mut more) = (FEW, false);
+    for (kind, most) in FIRST.into_iter().filter(|(kind, _)| kind.adds(&results.runs)) {
+        if left == 0 {
+            more = true;
+            continue;
+        }
+        let [charts, without] = drawing.add(kind, Some(most.min(left)))?;
+        left -= charts;
+        more |= without > 0;
+    }
+    if more && !args.quiet {
+        complain("note: these are the first charts; --all draws all, --kind those of a kind");
+    }
+    let order = |stem: &str| Kind::ALL.iter().position(|kind| kind.stem() == stem);
+    drawing.made.sort_by_key(|(stem, _)| order(stem));
+    drawing.finish()
+}
+
+/// Pictures that are being drawn.
+struct Drawing<'a> {
+    args: &'a PlotArgs,
+    results: &'a Results,
+    made: Vec<Named>,
+    refused: Option<PlotError>,
+}
+
+impl Drawing<'_> {
+    /// Draws a kind, with at most so many charts. Returns how many it has, and how many were left out. What the results
+    /// do not hold, or a logarithmic axis cannot show, is an error only where the kind is asked for.
+    fn add(&mut self, kind: Kind, most: Option<usize>) -> Result<[usize; 2], PlotError> {
+        let asked = !self.args.kind.is_empty();
+        match picture(self.results, &view(self.args, most), kind) {
+            Err(PlotError::NotHeld { .. }) if !asked => Ok([0; 2]),
+            Err(error @ PlotError::NothingPositive { .. }) if !asked => {
+                if !self.args.quiet {
+                    complain(&format!("warning: no {}: {error}", kind.stem()));
+                }
+                self.refused.get_or_insert(error);
+                Ok([0; 2])
+            }
+            picture => {
+                let picture = picture?;
+                let charts = picture.charts;
+                self.made.push((kind.stem(), picture));
+                Ok(charts)
+            }
+        }
+    }
+
+    fn finish(self) -> Result<Vec<Named>, PlotError> {
+        match self.refused {
+            Some(error) if self.made.is_empty() => Err(error),
+            _ => Ok(self.made),
+        }
+    }
+}
+
+/// The selected part of the results, with at most so many charts of a kind.
+fn view(args: &PlotArgs, most: Option<usize>) -> View {
     let log = |axes: [LogAxes; 2]| match args.log {
         Some(log) if axes.contains(&log) => Scale::Log,
         _ => Scale::Linear,
     };
-    let view = View {
+    View {
         axis: args.axis,
         probes: args.probe.clone(),
         nodes: args.nodes.clone().map(|n| n.0).unwrap_or_default(),
         gauges: args.gauge.clone(),
+        most,
         scales: [log([LogAxes::X, LogAxes::Xy]), log([LogAxes::Y, LogAxes::Xy])],
         from: args.from,
         to: args.to,
-    };
-    let wanted = |kind: &Kind| if args.kind.is_empty() { kind.adds(&results.runs) } else { args.kind.contains(kind) };
-    let (mut made, mut refused) = (Vec::new(), None);
-    for kind in Kind::ALL.into_iter().filter(wanted) {
-        match picture(results, &view, kind) {
-            Err(PlotError::NotHeld { .. }) if args.kind.is_empty() => {}
-            Err(error @ PlotError::NothingPositive { .. }) if args.kind.is_empty() => {
-                if !args.quiet {
-                    complain(&format!("warning: no {}: {error}", kind.stem()));
-                }
-                refused.get_or_insert(error);
-            }
-            picture => made.push((kind.stem(), picture?)),
-        }
-    }
-    match refused {
-        Some(error) if made.is_empty() => Err(error),
-        _ => Ok(made),
     }
 }
 

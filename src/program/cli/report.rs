@@ -7,6 +7,7 @@ use crate::analysis::warnings::worth;
 use crate::drive::max_displacement::Displacement;
 use crate::drive::{Failure, Outcome, Status};
 use crate::format_number::{counted, figures, with_error};
+use crate::mesh::with_groups;
 use crate::model::gauge::ReportLine;
 use crate::output::folder::{CHECKPOINT, frames_of};
 use crate::output::gauges::Peak;
@@ -102,7 +103,7 @@ fn describe_cost(text: &mut String, outcome: &Outcome, summary: &Summary) {
 
 /// Critical step, displacement and peaks of a run that did not fail; `step` [s] is that of the run.
 fn describe_motion(text: &mut String, recorded: &Recorded, step: f64) {
-    let Recorded { summary, limits, least, displacement, .. } = recorded;
+    let Recorded { summary, limits, least, displacement, displaced, .. } = recorded;
     if summary.critical_step == Some(0.0) {
         let _ = writeln!(text, "  critical step   none: the method's energy grows at every step here");
     } else if let Some(critical) = summary.critical_step {
@@ -115,10 +116,10 @@ fn describe_motion(text: &mut String, recorded: &Recorded, step: f64) {
         };
         let _ = writeln!(text, "  critical step   {critical:.2e} s {at_start} ({known}; {used} % of it used){later}");
     }
-    let Displacement { distance, node } = displacement;
+    let Displacement { distance, .. } = displacement;
     let error = summary.quantities.get("displacement_end").and_then(|quantity| quantity.error);
     let distance = if error.is_some() { with_error(*distance, error) } else { format!("{distance:.6}") };
-    let _ = writeln!(text, "  displacement    {distance} m at the end, the largest, of node {node}");
+    let _ = writeln!(text, "  displacement    {distance} m at the end, the largest, of {displaced}");
     summary.peaks.iter().filter_map(peak).for_each(|line| text.push_str(&line));
     text.push_str(&stages::lines(&summary.stages));
 }
@@ -144,24 +145,29 @@ fn energy_verdict(outcome: &Outcome) -> String {
 /// A line of the report for a value that a reader looks for first: opening load, speed of descent, largest loads.
 /// The drag of a canopy that starts full is no opening load.
 fn peak(one: &Peak) -> Option<String> {
-    let Peak { name, unit, t, steady, strength, safety_factor, line, .. } = one;
+    let Peak { t, steady, strength, safety_factor, line, .. } = one;
+    let (name, unit) = (one.shown(), if one.unit == "-" { "" } else { &format!(" {}", one.unit) });
     let drag = if *t > 0.0 { "opening load" } else { "largest drag" };
     let [value, last] = [with_error(one.value, one.error), with_error(one.last, one.last_error)];
     let t = figures(*t, 4);
     let line = match ((*line)?, strength, safety_factor) {
-        (ReportLine::Drag, ..) => format!("  {drag}    {value} {unit} at t = {t} s ({name}, drag)"),
+        (ReportLine::Drag, ..) => format!("  {drag}    {value}{unit} at t = {t} s ({name}, drag)"),
         (ReportLine::Descent, ..) => {
             let steady = if *steady { "steady" } else { "at the end, still changing" };
-            format!("  speed           {last} {unit} {steady} ({name}, against the air)")
+            format!("  speed           {last}{unit} {steady} ({name}, against the air)")
         }
         (ReportLine::Ratio { symbol, of }, ..) => format!("  {symbol:<16}{last}{of} at the end ({name})"),
         (ReportLine::Peak(_), Some(strength), Some(factor)) => format!(
-            "  line load       {value} {unit} at t = {t} s ({name}), strength {} {unit}: safety factor {}{}",
+            "  line load       {value}{unit} at t = {t} s ({name}), strength {}{unit}: safety factor {}{}",
             figures(*strength, 4),
             figures(*factor, 3),
             if *factor < 1.0 { ", it would break" } else { "" }
         ),
-        (ReportLine::Peak(what), ..) => format!("  peak            {value} {unit} at t = {t} s ({name}, {what})"),
+        (ReportLine::Peak(what), ..) => format!("  peak            {value}{unit} at t = {t} s ({name}, {what})"),
+        (ReportLine::Told(what), ..) => {
+            let at_end = if last == value { String::new() } else { format!(", {last}{unit} at the end") };
+            format!("  peak            {value}{unit} at t = {t} s{at_end} ({name}, {what})")
+        }
     };
     Some(line + "\n")
 }
@@ -172,10 +178,12 @@ pub(super) fn already_done(summary: &Summary, name: &str, out: &Path) -> String 
 }
 
 /// What went wrong, for standard error.
-pub(super) fn describe(failure: &Failure, status: Status) -> String {
+pub(super) fn describe(summary: &Summary, failure: &Failure) -> String {
+    let status = summary.status;
     let what = if status == Status::NotConverged { "could not be solved" } else { "diverged" };
     let mut text = format!("error: step {} ending at t = {:.6e} s {what}\n", failure.step, failure.time);
-    let named = |what: &str, number: Option<u32>| number.map(|n| format!("{what} {n}"));
+    let groups = |what: &str| summary.failure_groups.get(what).map_or(&[][..], |names| names);
+    let named = |what: &str, number: Option<u32>| number.map(|n| with_groups(what, n, groups(what)));
     let term = failure.term.as_ref().map(|t| format!("most force from {t}"));
     let elements = [named("node", failure.node), named("spring", failure.spring), named("triangle", failure.triangle)];
     let place: Vec<String> = elements.into_iter().chain([term]).flatten().collect();

@@ -79,7 +79,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     };
     let outcome = &recorded.outcome;
     if let Some(failure) = &outcome.failure {
-        complain(&describe(failure, outcome.status));
+        complain(&describe(&recorded.summary, failure));
     }
     let view = view(args, &out)?;
     let text = printed(args, &recorded.summary, &out, || report(&name, &recorded, &errors, &out) + &view)?;

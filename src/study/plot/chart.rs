@@ -56,6 +56,8 @@ pub enum Align {
     Left,
     /// to its right, a little below
     RightBelow,
+    /// to its left, a little below
+    LeftBelow,
     /// centred above it
     Above,
 }
@@ -142,6 +144,8 @@ pub struct Line {
     pub tangents: Vec<[(f64, f64); 2]>,
     /// the mark at each point
     pub marker: Marker,
+    /// number of marks, spread over the points; 0 = one at each point
+    pub marks: usize,
     /// number in the palette. `None`: the next free one for a line with a label; a line without a label has the colour
     /// of the line before it
     pub color: Option<usize>,

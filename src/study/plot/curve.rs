@@ -3,12 +3,17 @@
 use super::chart::{Line, Marker, Stroke};
 use super::results::RunEnd;
 use crate::drive::Status;
+use crate::model::gauge::PeakRule;
 
 /// A failed run counts as diverged in a chart if it went farther than this many times its typical distance from its
 /// start.
 const WRECK: f64 = 100.0;
 /// [-] A range narrower than this share of its numbers is rounding.
 const ROUNDING: f64 = 1e-12;
+/// [-] Values closer together than this share of them are a constant: what iterations leave.
+const CONSTANT: f64 = 1e-9;
+/// Marks of a method along its curve.
+const MARKS: usize = 7;
 /// Number of typical distances to show of a diverged run; the rest is cut off at the frame.
 const SHOWN: f64 = 10.0;
 
@@ -33,7 +38,7 @@ pub(super) enum Plane {
 }
 
 /// A curve of a run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Curve {
     /// how its run ended
     pub ending: RunEnd,
@@ -45,6 +50,10 @@ pub(super) struct Curve {
     pub stroke: Stroke,
     /// whether an early end has a mark
     pub marked: bool,
+    /// mark of its method, a few times along it
+    pub marker: Marker,
+    /// which of its values is its peak, if that is marked
+    pub peak: Option<PeakRule>,
     /// in the order of time
     pub samples: Vec<Sample>,
 }
@@ -112,8 +121,20 @@ impl Curve {
             stroke: self.stroke,
             tangents: if cubic { pairs.collect() } else { Vec::new() },
             color: Some(self.color),
+            marker: self.marker,
+            marks: if self.marker == Marker::None { 0 } else { MARKS },
             ..Line::default()
         }
+    }
+
+    /// Time and value of its peak: the first of equal ones. `None` of a run that failed, and of a constant.
+    pub(super) fn peak(&self) -> Option<(f64, f64)> {
+        let rule = self.peak.filter(|_| !self.failed())?;
+        let size = |value: f64| if rule == PeakRule::LargestMagnitude { value.abs() } else { value };
+        let finite = || self.samples.iter().filter(|sample| sample.value.is_finite());
+        let peak = finite().rev().max_by(|a, b| size(a.value).total_cmp(&size(b.value)))?;
+        let moves = !is_constant(&self.samples);
+        moves.then_some((peak.t, peak.value))
     }
 
     /// A cross at the last point of a run that did not reach its end. In a chart over time it stays at the frame's edge
@@ -123,6 +144,14 @@ impl Curve {
         let points = vec![(x, held.map_or(y, |(low, high)| y.max(low).min(high)))];
         Some(Line { points, stroke: Stroke::None, marker: Marker::Cross, color: Some(self.color), ..Line::default() })
     }
+}
+
+/// Whether values are one value but for rounding.
+pub(super) fn is_constant(samples: &[Sample]) -> bool {
+    let ends = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
+    let finite = samples.iter().map(|sample| sample.value).filter(|value| value.is_finite());
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    high - low <= CONSTANT * low.abs().max(high.abs())
 }
 
 /// The range of one coordinate to show. Failed runs must not make the others flat: the range is that of the other runs,
@@ -160,7 +189,7 @@ mod tests {
         let sample = |(i, v): (u8, &f64)| Sample { t: f64::from(i), value: *v, rate: f64::NAN };
         let (label, samples) = (String::new(), (0u8..).zip(values).map(sample).collect());
         let ending = RunEnd { status, time: 3.0 };
-        Curve { ending, label, color: 0, stroke: Stroke::Normal, marked: true, samples }
+        Curve { ending, label, marked: true, samples, ..Curve::default() }
     }
 
     /// A diverged run leaves room for the others, and points after the divergence do not count.
@@ -182,6 +211,18 @@ mod tests {
         let mark = mild.end_mark(Plane::Time, Some((-1.0, 1.0))).expect("it failed");
         assert_eq!(mark.points, [(3.0, 1.0)]);
         assert_eq!(good.end_mark(Plane::Time, None), None);
+    }
+
+    /// The first of equal peaks is marked, by its magnitude where that is asked for; a constant and a failed run have
+    /// none.
+    #[test]
+    fn peaks_are_marked() {
+        let peak = |status, values: &[f64], rule| Curve { peak: Some(rule), ..curve(status, values) }.peak();
+        let good = |values: &[f64], rule| peak(Status::Completed, values, rule);
+        assert_eq!(good(&[0.0, 2.0, -3.0, 2.0], PeakRule::Largest), Some((1.0, 2.0)));
+        assert_eq!(good(&[0.0, 2.0, -3.0, f64::NAN], PeakRule::LargestMagnitude), Some((2.0, -3.0)));
+        assert_eq!(good(&[4.0, 4.0 + 1e-12, 4.0], PeakRule::Largest), None);
+        assert_eq!(peak(Status::Diverged, &[0.0, 1.0], PeakRule::Largest), None);
     }
 
     /// A single diverged run leaves room for the motion before, also after a long rest; a run that only grew is shown

@@ -157,6 +157,7 @@ fn draw_note(canvas: &mut Canvas, note: &Note, area: &PlotArea) {
         Align::Right => (x + 5.0, y - 9.0, Anchor::Start),
         Align::Left => (x - 5.0, y - 9.0, Anchor::End),
         Align::RightBelow => (x + 5.0, y + 10.0, Anchor::Start),
+        Align::LeftBelow => (x - 5.0, y + 10.0, Anchor::End),
         Align::Above => (x, y - 4.0, Anchor::Above),
     };
     canvas.write(&note.text, LETTERS[2], PixelPoint { x, y }, anchor);
@@ -235,6 +236,11 @@ fn draw_line(canvas: &mut Canvas, line: &Line, look: LineStyle, area: &PlotArea)
     }
     if look.marker != Marker::None {
         let within: Vec<UnitPoint> = places().flatten().filter(|p| inside(*p)).collect();
+        if line.marks > 0 {
+            let apart = within.len().div_ceil(line.marks).max(1);
+            let spread = within.iter().skip(apart / 2).step_by(apart);
+            return spread.for_each(|place| canvas.mark(area.spot(*place), look));
+        }
         if line.runs.is_empty() || within.len() > area.share {
             thin(&within, area.share).into_iter().for_each(|place| canvas.mark(area.spot(place), look));
             return;

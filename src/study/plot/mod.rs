@@ -18,6 +18,7 @@ mod error;
 pub mod layout;
 mod legend;
 mod margin_panel;
+pub(crate) mod method_look;
 mod outline;
 mod panel;
 pub mod picture;
@@ -28,3 +29,4 @@ mod trajectory;
 pub mod view;
 
 pub use error::PlotError;
+pub use method_look::{method_color, method_mark};

@@ -161,8 +161,8 @@ pub(super) fn key(line: &Line) -> LineKey<'_> {
 pub(super) fn covered<'a>(charts: impl Iterator<Item = (&'a Chart, PlotArea)>) -> BTreeMap<LineKey<'a>, u32> {
     let mut found: BTreeMap<LineKey<'_>, u32> = BTreeMap::new();
     for (chart, area) in charts {
-        let usual =
-            |line: &&Line| line.stroke == Stroke::Normal && line.marker == Marker::None && !line.label.is_empty();
+        let bare = |line: &Line| line.marker == Marker::None || line.marks > 0;
+        let usual = |line: &&Line| line.stroke == Stroke::Normal && bare(line) && !line.label.is_empty();
         let lines: Vec<_> = chart.lines.iter().filter(usual).take(LINES).map(|l| (l, area.polygon(l))).collect();
         for (i, (line, points)) in lines.iter().enumerate() {
             let count = lines.iter().take(i).filter(|(_, below)| hides(points, below)).count() as u32;

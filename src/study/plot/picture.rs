@@ -17,6 +17,8 @@ pub struct Picture {
     pub svg: String,
     /// what it does not show
     pub remarks: Vec<String>,
+    /// its charts, and those that it leaves out as more than are wanted
+    pub charts: [usize; 2],
 }
 
 /// The picture of a kind.
@@ -34,10 +36,17 @@ pub fn picture(results: &Results, view: &View, kind: Kind) -> Result<Picture, Pl
         let no_times = if results.base.is_some() { ", and no time is in both runs" } else { "" };
         return Err(PlotError::NotThere(format!("no {file} of the runs is within --from and --to{no_times}")));
     }
+    let mut panels: Vec<Panel> = panels.into_iter().filter(|panel| !panel.is_empty()).collect();
+    let most = view.most.unwrap_or(panels.len()).min(panels.len());
+    let more = panels.len() - most;
+    if more > 0 {
+        panels.sort_by_key(|panel| panel.rank);
+        panels.truncate(most);
+    }
     let several = panels.len() > 1;
     let (mut charts, mut remarks, mut refused) = (Vec::new(), Vec::new(), None);
     let (mut left_out, mut all) = (0, 0);
-    for panel in panels.into_iter().filter(|panel| !panel.is_empty()) {
+    for panel in panels {
         match panel.chart(view.scales) {
             Ok(PanelChart { chart, left_out: without, all: points }) => {
                 left_out += without;
@@ -56,6 +65,6 @@ pub fn picture(results: &Results, view: &View, kind: Kind) -> Result<Picture, Pl
     }
     match refused {
         Some(error) if charts.is_empty() => Err(error),
-        _ => Ok(Picture { svg: svg_grid(&charts, 2)?, remarks }),
+        _ => Ok(Picture { svg: svg_grid(&charts, 2)?, remarks, charts: [charts.len(), more] }),
     }
 }

@@ -1,6 +1,8 @@
 //! The node paths to draw, with their colours, direction and names.
 
 use super::PlotError;
+use super::chart::Marker;
+use super::method_look::{method_colors, method_mark};
 use super::results::{ProbePath, Run, RunEnd};
 use super::view::{Direction, Results, View};
 use crate::drive::Status;
@@ -56,8 +58,8 @@ pub(super) fn groups<'a>(results: &'a Results, view: &View) -> Result<Vec<Group<
     Ok(groups)
 }
 
-/// Text for the node paths in a title: "node 1", or "inner", or nothing if they differ. A range of nodes is that of
-/// every run.
+/// Text for the node paths in a title: "tip" (node 1), or "inner" (12 nodes), or nothing if they differ. Nodes are those
+/// of every run.
 pub(super) fn subject(groups: &[Group<'_>]) -> String {
     let all = || groups.iter().flat_map(|g| g.tracks.iter());
     let nodes: BTreeSet<u32> = all().map(|t| t.node).collect();
@@ -71,9 +73,10 @@ pub(super) fn subject(groups: &[Group<'_>]) -> String {
             .map_or_else(String::new, |probe| format!(" of \"{probe}\""));
     }
     match (nodes.len(), nodes.first(), nodes.last(), probes.first()) {
+        (1, Some(node), _, Some(probe)) if probes.len() == 1 => format!(" of \"{probe}\" (node {node})"),
         (1, Some(node), _, _) => format!(" of node {node}"),
-        (n, Some(first), Some(last), _) if (last - first) as usize == n - 1 => format!(" of nodes {first} to {last}"),
         (n, _, _, Some(probe)) if probes.len() == 1 => format!(" of \"{probe}\" ({n} nodes)"),
+        (n, Some(first), Some(last), _) if (last - first) as usize == n - 1 => format!(" of nodes {first} to {last}"),
         _ => String::new(),
     }
 }
@@ -165,6 +168,19 @@ impl Results {
     pub(super) fn labels(&self) -> Vec<String> {
         let name = |name: String| if self.runs.len() > 1 { name } else { String::new() };
         self.runs.iter().zip(self.names()).map(|(run, own)| joined(&name(own), &ending(run.ending))).collect()
+    }
+
+    /// Colours and marks of the runs, where each is of another method.
+    pub(super) fn looks(&self) -> Option<Vec<(usize, Marker)>> {
+        let methods: BTreeSet<&str> = self.runs.iter().map(|run| run.method.as_str()).collect();
+        let names = self.runs.iter().map(|run| run.method.as_str());
+        let looks = || method_colors(names.clone()).into_iter().zip(names.clone().map(method_mark)).collect();
+        (self.runs.len() > 1 && methods.len() == self.runs.len()).then(looks)
+    }
+
+    /// The number of a run.
+    pub(super) fn number_of(&self, run: &Run) -> Option<usize> {
+        self.runs.iter().position(|own| std::ptr::eq(own, run))
     }
 
     /// A title: what the runs have in common, the quantity shown, and what is subtracted.

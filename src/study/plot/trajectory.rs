@@ -5,13 +5,14 @@
 //! = atan2(x, -z), and theta' = (x vz - z vx)/(x^2 + z^2).
 
 use super::PlotError;
-use super::chart::Stroke;
+use super::chart::{Marker, Stroke};
 use super::curve::{Curve, Plane, Sample};
 use super::difference::minus;
 use super::panel::Panel;
 use super::results::{ProbePath, ProbeSample, Run};
 use super::series::{Group, groups, main_direction, subject};
 use super::view::{Direction, Results, View};
+use crate::model::gauge::PeakRule;
 use std::f64::consts::TAU;
 
 /// Up to this many node paths of a group are drawn as usual lines; more are drawn as hair lines.
@@ -29,7 +30,10 @@ pub(super) fn panel(results: &Results, view: &View, plane: Plane) -> Result<Pane
     let groups = groups(results, view)?;
     let quantity = Quantity::of(&groups, view);
     let mut curves = Vec::new();
-    for (color, group) in groups.iter().enumerate() {
+    let looks = results.looks();
+    for (number, group) in groups.iter().enumerate() {
+        let look = looks.as_ref().and_then(|looks| looks.get(results.number_of(group.run)?)).copied();
+        let (color, marker) = look.unwrap_or((number, Marker::None));
         let stroke = if group.tracks.len() > FEW { Stroke::Thin } else { Stroke::Normal };
         for (i, track) in group.tracks.iter().enumerate() {
             let samples = quantity.samples(track, view);
@@ -38,10 +42,12 @@ pub(super) fn panel(results: &Results, view: &View, plane: Plane) -> Result<Pane
                 None => samples,
             };
             let label = if i == 0 { group.label.clone() } else { String::new() };
-            curves.push(Curve { ending: group.run.ending, label, color, stroke, marked: i < FEW, samples });
+            let (ending, marked, peak) = (group.run.ending, i < FEW, Some(PeakRule::LargestMagnitude));
+            let marker = if i == 0 { marker } else { Marker::None };
+            curves.push(Curve { ending, label, color, stroke, marked, marker, peak, samples });
         }
     }
-    let word = if plane == Plane::Phase { "phase" } else { quantity.name() };
+    let word = if plane == Plane::Phase { quantity.phase_name() } else { quantity.name() };
     let title = results.title(&format!("{word}{}", quantity.subject(&groups)));
     let (value, rate) = (results.axis(&quantity.label()), results.axis(&quantity.rate_label()));
     let axes = match plane {
@@ -51,7 +57,8 @@ pub(super) fn panel(results: &Results, view: &View, plane: Plane) -> Result<Pane
     // The derivative of a difference between its points would mostly show how far the velocities of a scheme are from
     // the derivatives of its positions.
     let cubic = plane == Plane::Time || results.base.is_none();
-    Ok(Panel { title, axes, plane, cubic, curves })
+    let unit = quantity.unit().to_owned();
+    Ok(Panel { title, axes, unit, rank: 0, plane, cubic, curves })
 }
 
 /// The path of the same node in another run.
@@ -84,6 +91,20 @@ impl Quantity {
         match self {
             Quantity::Along(_) => "displacement",
             Quantity::Angle => "angle",
+        }
+    }
+
+    fn phase_name(self) -> &'static str {
+        match self {
+            Quantity::Along(_) => "velocity over displacement",
+            Quantity::Angle => "angular velocity over angle",
+        }
+    }
+
+    fn unit(self) -> &'static str {
+        match self {
+            Quantity::Along(_) => "m",
+            Quantity::Angle => "rad",
         }
     }
 

@@ -55,6 +55,8 @@ pub struct View {
     pub nodes: Vec<u32>,
     /// gauges by name; empty = all
     pub gauges: Vec<String>,
+    /// most charts of a kind, those first that the report of a run tells; `None`: all
+    pub most: Option<usize>,
     /// scales of the horizontal and of the vertical axis
     pub scales: [Scale; 2],
     /// [s] first time to show

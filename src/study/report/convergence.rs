@@ -2,10 +2,11 @@
 
 use super::figure::MOTION;
 use super::parts::{Span, margin_panel, model_errors, nothing, rows, title};
-use super::style::{BLACK, Style, entry};
+use super::style::{Style, entry};
 use crate::format_number::figures;
 use crate::plan::Variant;
 use crate::plot::chart::{Align, Axis, Chart, Line, Marker, Note, PanelSide, Scale, Stroke};
+use crate::plot::method_look::BLACK;
 use crate::ranking::Ranking;
 use crate::row::{Row, StepSetting};
 use crate::runner::Study;

@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 use minijinja::{Value, context};
 use serde::Serialize;
 
+pub use crate::plot::method_color;
 pub use machine::{Machine, Rerun};
-pub use style::method_color;
 
 use super::error::StudyError;
 use super::plan::{PROGRAM, Plan};

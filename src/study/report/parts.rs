@@ -1,9 +1,10 @@
 //! What the report's figures share: titles, ranges of axes, and runs that have no place in a chart.
 
-use super::style::{BLACK, Style, failure};
+use super::style::{Style, failure};
 use crate::format_number::figures;
 use crate::plan::Variant;
 use crate::plot::chart::{MarginPanel, Marker, PanelMark, PanelSide};
+use crate::plot::method_look::BLACK;
 use crate::row::Row;
 use crate::runner::Study;
 

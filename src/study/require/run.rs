@@ -10,6 +10,7 @@ use super::plan::{RequireJob, RequirePlan};
 use crate::case::{Case, Problem};
 use crate::error::StudyError;
 use crate::integrate::Counters;
+use crate::output::gauges::names::without_rule;
 use crate::planned_runs::PlannedRuns;
 use crate::row::{RowStatus, RunResult};
 use crate::saved_run::{Measured, SavedEnd};
@@ -135,15 +136,10 @@ impl RequireResult {
     pub fn number(&self, name: &str) -> Option<&Number> {
         let exact = self.numbers.iter().find(|number| number.name == name);
         exact.or_else(|| {
-            let mut alike = self.numbers.iter().filter(|number| of_rule(&number.name) == of_rule(name));
-            alike.next().filter(|_| alike.next().is_none() && of_rule(name) != name)
+            let mut alike = self.numbers.iter().filter(|number| without_rule(&number.name) == without_rule(name));
+            alike.next().filter(|_| alike.next().is_none() && without_rule(name) != name)
         })
     }
-}
-
-/// A name without the number of a rule: `lines.tension.peak` of `springs[5] lines.tension.peak`.
-fn of_rule(name: &str) -> &str {
-    name.strip_prefix("springs[").and_then(|rest| rest.split_once("] ")).map_or(name, |(_, rest)| rest)
 }
 
 fn row_of(store: &Store<RequirePlan>, job: RequireJob, left: Option<String>) -> Result<RequireRow, StudyError> {

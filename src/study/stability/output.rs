@@ -7,7 +7,7 @@ use crate::StudyError;
 use crate::integrate::registry::MethodChoice;
 use crate::plot::chart::{Chart, Line, Size};
 use crate::plot::layout::legend_samples;
-use crate::report::style::BLACK;
+use crate::plot::method_look::BLACK;
 use crate::scene::Scene;
 use crate::store::{system, write_files};
 use crate::template::{PageFigure, render, told};

@@ -16,8 +16,9 @@ use crate::integrate::registry::MethodChoice;
 use crate::plot::PlotError;
 use crate::plot::chart::{Axis, Chart, Line, Marker, Size, Stroke};
 use crate::plot::layout::svg_grid;
-use crate::report::style::{BLACK, method_colors};
+use crate::plot::method_look::{BLACK, method_colors, method_mark, outline};
 use crate::scene::Scene;
+use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;
 
 /// Rays from the imaginary to the real axis.
@@ -50,6 +51,13 @@ pub(super) fn picture(
     methods: &[MethodChoice],
     study: &Stability,
 ) -> Result<Option<String>, PlotError> {
+    // The title of a panel says whose marks and colour they are.
+    let mut told = BTreeSet::new();
+    for line in charts.iter_mut().flat_map(|chart| &mut chart.lines) {
+        if !told.insert(line.label.clone()) {
+            line.label.clear();
+        }
+    }
     let Some(first) = charts.first_mut() else { return Ok(None) };
     let rows = methods.iter().zip(&study.methods).filter(|(_, row)| row.status != Status::Refused);
     for (_, row) in rows.filter(|(method, _)| !has_limit(method)) {
@@ -123,6 +131,7 @@ fn panel(method: &MethodChoice, row: &Row, motions: &[Rates], color: usize) -> C
             ..Line::default()
         }
     };
+    let filled = method_mark(method.info.name);
     let region = Line {
         label: "stable".to_owned(),
         points: closed,
@@ -132,12 +141,12 @@ fn panel(method: &MethodChoice, row: &Row, motions: &[Rates], color: usize) -> C
     };
     Chart {
         title,
-        x: Axis { label: "Re hλ".to_owned(), range: Some((-left, 0.2 * left)), ..Axis::default() },
-        y: Axis { label: "Im hλ".to_owned(), range: Some((-high, high)), ..Axis::default() },
+        x: Axis { label: "Re hλ [-]".to_owned(), range: Some((-left, 0.2 * left)), ..Axis::default() },
+        y: Axis { label: "Im hλ [-]".to_owned(), range: Some((-high, high)), ..Axis::default() },
         lines: vec![
             region,
-            mark("scene, predicted limit", row.prediction.step, Marker::Dot, color),
-            mark("scene, measured limit", row.measured.filter(|h| *h > 0.0), Marker::Ring, BLACK),
+            mark("scene, predicted limit (filled)", row.prediction.step, filled, color),
+            mark("scene, measured limit (outline)", row.measured.filter(|h| *h > 0.0), outline(filled), BLACK),
         ],
         equal_units: true,
         size: PANEL,

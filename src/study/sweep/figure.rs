@@ -4,10 +4,12 @@ use super::plan::{SweepPlan, plain};
 use super::run::SweepRow;
 use super::table::Quantity;
 use super::vary::Vary;
+use super::words::with_unit;
 use crate::error::StudyError;
 use crate::format_number::figures;
 use crate::plot::chart::{Align, Axis, Chart, Line, MarginPanel, Marker, Note, PanelMark, PanelSide, Scale, Size};
-use crate::report::style::{curve_color, failure, method_colors};
+use crate::plot::method_look::{curve_color, method_colors, method_mark};
+use crate::report::style::failure;
 use crate::row::RowStatus;
 
 /// Quantities that are drawn if nobody asks for others.
@@ -92,15 +94,18 @@ fn rounded(vary: &Vary, value: &serde_json::Value) -> String {
     DIGITS.into_iter().find(alone).map_or_else(|| plain(value), |digits| figures(x, digits))
 }
 
-/// Colours of the curves, each given by its first run: a curve of a method has the method's.
-fn colors(picture: &Picture<'_>, curves: &[&SweepRow]) -> Vec<usize> {
+/// Colours and marks of the curves, each given by its first run: a curve of a method has the method's.
+fn looks(picture: &Picture<'_>, curves: &[&SweepRow]) -> Vec<(usize, Marker)> {
     let mut others = picture.plan.vary.iter().filter(|vary| vary.key != picture.vary.key);
     let only = others.next().is_some_and(|vary| vary.key == METHOD) && others.next().is_none();
     let method = |row: &&'_ SweepRow| row.job.values.get(METHOD).and_then(method_name).filter(|_| only);
     let names: Option<Vec<String>> = curves.iter().map(method).collect();
     match names {
-        Some(names) => method_colors(names.iter().map(String::as_str)),
-        None => (0..curves.len()).map(curve_color).collect(),
+        Some(names) => {
+            let marks = names.iter().map(|name| method_mark(name));
+            method_colors(names.iter().map(String::as_str)).into_iter().zip(marks).collect()
+        }
+        None => (0..curves.len()).map(|number| (curve_color(number), Marker::Dot)).collect(),
     }
 }
 
@@ -141,7 +146,9 @@ impl Picture<'_> {
 
     fn axis(&self) -> Axis {
         match self.vary.numbers() {
-            Some(numbers) => Axis { label: self.vary.key.clone(), scale: scale(&numbers, self.vary.log), range: None },
+            Some(numbers) => {
+                Axis { label: with_unit(&self.vary.key), scale: scale(&numbers, self.vary.log), range: None }
+            }
             None => {
                 let names = self.vary.values.iter().enumerate().map(|(i, v)| format!("{i} = {}", plain(v)));
                 Axis::linear(format!("{}: {}", self.vary.key, names.collect::<Vec<_>>().join(", ")))
@@ -174,10 +181,10 @@ fn chart(picture: &Picture<'_>, size: Size) -> Chart {
         }
     }
     let first: Vec<&SweepRow> = curves.iter().filter_map(|curve| Some(curve.first()?.2)).collect();
-    let colors = colors(picture, &first);
+    let looks = looks(picture, &first);
     let found: Vec<f64> = rows.iter().filter_map(|row| quantity.of(row)).collect();
     let (mut lines, mut marks) = (Vec::new(), Vec::new());
-    for ((series, mut curve), color) in names.into_iter().zip(curves).zip(colors) {
+    for ((series, mut curve), (color, marker)) in names.into_iter().zip(curves).zip(looks) {
         curve.sort_by(|a, b| a.0.total_cmp(&b.0));
         marks.extend(curve.iter().filter(|(_, y, _)| y.is_nan()).map(|(x, _, row)| PanelMark {
             at: Some(*x),
@@ -190,7 +197,7 @@ fn chart(picture: &Picture<'_>, size: Size) -> Chart {
             label: series.clone(),
             points: curve.iter().map(|(x, y, _)| (*x, *y)).collect(),
             runs: curve.iter().map(|(_, _, row)| row.job.id.clone()).collect(),
-            marker: Marker::Dot,
+            marker,
             color: Some(color),
             series,
             ..Line::default()
@@ -199,7 +206,7 @@ fn chart(picture: &Picture<'_>, size: Size) -> Chart {
     let x = picture.axis();
     let nothing = Note { at: middle(picture, x.scale), text: "no run has this number".to_owned(), align: Align::Above };
     Chart {
-        title: format!("{}: {}", plan.name, quantity.name),
+        title: format!("{}: {}", plan.name, quantity.words()),
         lines,
         y: Axis { label: quantity.label(), scale: scale(&found, false), range: found.is_empty().then_some((0.0, 1.0)) },
         notes: if found.is_empty() { vec![nothing] } else { Vec::new() },

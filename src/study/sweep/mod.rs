@@ -13,6 +13,7 @@ mod result;
 mod run;
 mod table;
 mod vary;
+mod words;
 
 pub use plan::{SweepJob, SweepPlan, SweepPlanner};
 pub use report::{FILES, SweepReport, clear, planned};

@@ -91,7 +91,7 @@ impl SweepReport<'_> {
         let mut figures = Vec::new();
         for quantity in shown {
             for chart in charts(plan, rows, &[quantity], Size::default()) {
-                let caption = format!("{} over {}.", quantity.name, across(plan).map_or("", |vary| &vary.key));
+                let caption = format!("{} over {}.", quantity.words(), across(plan).map_or("", |vary| &vary.key));
                 figures.push(PageFigure::of(&chart, caption, PAGE)?);
             }
         }

@@ -2,6 +2,7 @@
 
 use super::plan::{SweepPlan, plain};
 use super::run::SweepRow;
+use super::words;
 use crate::output::gauges::Peak;
 use crate::row::RowStatus;
 
@@ -26,10 +27,21 @@ enum Source {
     Asked(String),
 }
 
-/// A number of a gauge: the end of the column's name, its unit if not that of the quantity, the number.
-type OfGauge = (&'static str, Option<&'static str>, fn(&Peak) -> f64);
-const OF_GAUGE: [OfGauge; 3] =
-    [("peak", None, |peak| peak.value), ("peak_time", Some("s"), |peak| peak.t), ("last", None, |peak| peak.last)];
+/// A number of a gauge.
+struct OfGauge {
+    /// the end of the column's name
+    end: &'static str,
+    /// the same in words
+    words: &'static str,
+    /// its unit if not that of the quantity
+    unit: Option<&'static str>,
+    of: fn(&Peak) -> f64,
+}
+const OF_GAUGE: [OfGauge; 3] = [
+    OfGauge { end: "peak", words: "peak", unit: None, of: |peak| peak.value },
+    OfGauge { end: "peak_time", words: "time of the peak", unit: Some("s"), of: |peak| peak.t },
+    OfGauge { end: "last", words: "at the end", unit: None, of: |peak| peak.last },
+];
 
 impl Quantity {
     /// The number of a run; none where it was not measured.
@@ -61,9 +73,27 @@ impl Quantity {
         }
     }
 
-    /// Name and unit for an axis.
+    /// What it is, in words.
+    pub(super) fn words(&self) -> String {
+        match &self.of {
+            Source::Gauge(name, quantity, _) => {
+                let end = OF_GAUGE.iter().find(|of| self.name.ends_with(&format!(".{}", of.end)));
+                words::of_gauge(name, quantity, end.map_or("", |of| of.words))
+            }
+            Source::Steady(name, quantity) => words::of_gauge(name, quantity, "whether it is steady"),
+            Source::Asked(name) => words::of_quantity(name),
+            Source::Number(_) | Source::Count(_) => match self.name.as_str() {
+                "t_end" => "end of the run".to_owned(),
+                "cpu_seconds" => "processor time".to_owned(),
+                name => words::of_quantity(name).replace('_', " "),
+            },
+        }
+    }
+
+    /// Words and unit for an axis.
     pub(super) fn label(&self) -> String {
-        if self.unit.is_empty() { self.name.clone() } else { format!("{} [{}]", self.name, self.unit) }
+        let unit = if self.unit.is_empty() { "-" } else { &self.unit };
+        format!("{} [{}]", self.words(), words::shown(unit))
     }
 }
 
@@ -111,7 +141,7 @@ pub(super) fn quantities(rows: &[SweepRow]) -> Vec<Quantity> {
             unit: unit.to_owned(),
             of,
         };
-        all.extend(OF_GAUGE.map(|(end, other, of)| {
+        all.extend(OF_GAUGE.map(|OfGauge { end, unit: other, of, .. }| {
             column(end, other.unwrap_or(unit), Source::Gauge(name.clone(), quantity.clone(), of))
         }));
         all.push(column("is_steady", "", Source::Steady(name.clone(), quantity.clone())));

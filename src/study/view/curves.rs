@@ -1,8 +1,9 @@
 //! The gauges of a run and its largest speed and energies, as far as they are written.
 
 use super::page::encoded;
-use crate::model::gauge::{CANOPY_QUANTITIES, CROSSINGS, GaugeKind, GaugeQuantity, PeakRule, Quantity};
+use crate::model::gauge::{PeakRule, Quantity};
 use crate::output::files::{GAUGES, HISTORY};
+use crate::output::gauges::names::for_people;
 use crate::output::rows::{HISTORY_HEADER, HistoryRow};
 use crate::output::stages::{StagePeak, StageReport};
 use crate::plot::PlotError;
@@ -24,18 +25,6 @@ const OF_SCENE: [OfScene; 3] = [
     ("kinetic energy", "J", |row| row.ledger.kinetic),
     ("elastic energy", "J", |row| row.ledger.elastic),
 ];
-/// Gauges whose columns are known by their names before a summary tells their units.
-const GAUGED: [GaugeQuantity; 8] = [
-    GaugeQuantity::Tension,
-    GaugeQuantity::Force,
-    GaugeQuantity::Reaction,
-    GaugeQuantity::Acceleration,
-    GaugeQuantity::Velocity,
-    GaugeQuantity::Speed,
-    GaugeQuantity::Displacement,
-    GaugeQuantity::Position,
-];
-
 /// Curves over time for a page.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Curves {
@@ -48,6 +37,8 @@ pub(super) struct Curves {
 /// A curve.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct CurveHead {
+    /// what it is, in words
+    pub label: String,
     /// name of the gauge; empty for what is of the whole scene
     pub name: String,
     /// what it measures
@@ -83,7 +74,7 @@ impl Curves {
         if let Some(text) = whole_lines(&folder.join(GAUGES))? {
             read_gauges(&folder.join(GAUGES), &text, &mut gauges)?;
         }
-        let reported = |of: &GaugePath| column(&of.quantity).is_some_and(|column| column.line.is_some());
+        let reported = |of: &GaugePath| Quantity::named(&of.quantity).is_some_and(|column| column.line.is_some());
         let any = gauges.iter().any(reported);
         let mut curves: Vec<(GaugePath, bool)> =
             gauges.into_iter().map(|of| (reported(&of), of)).map(|(a, b)| (b, a)).collect();
@@ -113,19 +104,21 @@ fn marks(stages: &[StageReport], gauge: &GaugePath, of_run: Option<[f64; 2]>) ->
 
 /// The curves with the bytes of their points.
 fn packed(curves: &[(GaugePath, bool)], stages: &[StageReport]) -> Curves {
+    let labels = for_people(curves.iter().map(|(path, _)| path.name.as_str()));
     let (mut heads, mut bytes) = (Vec::new(), Vec::new());
     for (path, first) in curves {
         let finite: Vec<(f64, f64)> =
             path.values.iter().copied().filter(|(t, v)| t.is_finite() && v.is_finite()).collect();
         let kept = thin(&finite, MOST);
         bytes.extend(kept.iter().flat_map(|(t, value)| [*t as f32, *value as f32]).flat_map(f32::to_le_bytes));
-        let known = column(&path.quantity);
+        let known = Quantity::named(&path.quantity);
         let unit = if path.unit.is_empty() { known.map_or("", |column| column.unit) } else { &path.unit };
         let signed = known.is_some_and(|column| column.peak == PeakRule::LargestMagnitude);
         let size = |(_, value): &(f64, f64)| if signed { value.abs() } else { *value };
         // The first of equal ones.
         let peak = finite.iter().rev().max_by(|a, b| size(a).total_cmp(&size(b))).map(|(t, value)| [*t, *value]);
         heads.push(CurveHead {
+            label: label(labels.get(path.name.as_str()).copied().unwrap_or_default(), &path.quantity),
             name: path.name.clone(),
             quantity: path.quantity.replace('_', " "),
             unit: unit.replace("^2", "²").replace("^3", "³"),
@@ -138,15 +131,10 @@ fn packed(curves: &[(GaugePath, bool)], stages: &[StageReport]) -> Curves {
     Curves { heads, data: encoded(&bytes) }
 }
 
-/// A column of a gauge by its name.
-fn column(name: &str) -> Option<Quantity> {
-    let of = |quantity: GaugeQuantity| match quantity.kind() {
-        GaugeKind::Springs(gauge) => gauge.columns().all(),
-        GaugeKind::Nodes(gauge) => gauge.columns.all(),
-        _ => &[],
-    };
-    let all = GAUGED.into_iter().flat_map(of).chain(&CANOPY_QUANTITIES).chain([&CROSSINGS]);
-    all.copied().find(|column| column.name == name)
+/// A column in words, with the name of its gauge.
+fn label(gauge: &str, column: &str) -> String {
+    let words = Quantity::named(column).map_or_else(|| column.replace('_', " "), |known| known.words());
+    if gauge.is_empty() { words } else { format!("{words} ({gauge})") }
 }
 
 /// A file up to its last whole line; `None` without a file. A run that goes on may be writing the next one.

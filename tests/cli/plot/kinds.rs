@@ -1,7 +1,7 @@
 //! What a picture shows of gauges, steps and differences, on linear and on logarithmic axes.
 
 use super::svg::Picture;
-use super::{BLUE, Desk, GREEN, VERMILLION, largest};
+use super::{BLUE, Desk, GREEN, ORANGE, VERMILLION, largest};
 
 /// Rate of the oscillator [1/s].
 fn w0() -> f64 {
@@ -25,6 +25,65 @@ fn curves_are_cubics_between_frames() {
     assert!(between.len() == 40 && error < 0.01, "{error} m from the circle");
 }
 
+/// At most four charts by default, those of loads before others; noise and constants have none, peaks are told with
+/// their times, and titles have words for people.
+#[test]
+fn four_charts_at_first() {
+    let desk = Desk::new();
+    let gauges = r#"output.gauges=[{"name": "anchor", "on": {"ids": [0]}, "of": "reaction"},
+                                   {"name": "mass", "on": {"ids": [1]}, "of": "position"},
+                                   {"name": "mass again", "on": {"ids": [1]}, "of": "acceleration"},
+                                   {"name": "still", "on": {"ids": [0]}, "of": "position"}]"#;
+    assert_eq!(desk.solve("oscillator", "out", &["--set", gauges, "--end", "6"]), Some(0));
+    let ended = desk.run(&["plot", "out"]);
+    let files: Vec<&str> = ended.stdout.lines().collect();
+    assert_eq!(files, ["out/displacement.svg", "out/energy.svg", "out/gauges.svg"]);
+    assert!(ended.stderr.starts_with("note: ") && ended.stderr.contains("--all"), "{}", ended.stderr);
+    let charts: usize = files.iter().map(|file| Picture::panels(&desk.text(file)).len()).sum();
+    assert_eq!(charts, 4);
+    let gauges = desk.picture("out/gauges.svg");
+    // k x0 = 6 N at the start, and 6/2 m/s^2.
+    for words in
+        ["oscillator: reaction (anchor)", "reaction [N]", "6 N at 0 s", "oscillator: largest acceleration (mass again)"]
+    {
+        assert!(gauges.says(words), "no {words} in {:?}", gauges.words());
+    }
+    assert_eq!(desk.run(&["plot", "out", "--quiet"]).stderr, "");
+    // All of them: the position of what is held, and reactions across the motion, are not there.
+    desk.plot(&["out", "--kind", "gauges"], &["out/gauges.svg"]);
+    let all = desk.picture("out/gauges.svg");
+    assert!(all.says("oscillator: position along x (mass)"), "{:?}", all.words());
+    for words in ["along y", "along z", "still"] {
+        assert!(!all.words().iter().any(|of| of.contains(words)), "{words} in {:?}", all.words());
+    }
+    desk.plot(&["out", "--kind", "gauges", "--gauge", "still"], &["out/gauges.svg"]);
+    assert!(desk.picture("out/gauges.svg").says("oscillator: position along x (still)"), "it is asked for");
+    // Nothing is asked for twice.
+    let both = desk.run(&["plot", "out", "--all", "--kind", "energy"]);
+    assert!(both.code == Some(2) && both.stderr.contains("--all"), "{}", both.stderr);
+}
+
+/// A method has its colour and its mark, whatever it is beside.
+#[test]
+fn methods_have_their_own_looks() {
+    let desk = Desk::new();
+    for method in ["newmark", "rk4", "kang"] {
+        assert_eq!(desk.solve("oscillator", method, &["--method", method, "--step", "0.02", "--end", "4"]), Some(0));
+    }
+    let looks = |runs: &[&str]| {
+        desk.plot(&[runs, &["--kind", "displacement"]].concat(), &["displacement.svg"]);
+        let picture = desk.picture("displacement.svg");
+        let svg = desk.text("displacement.svg");
+        assert_eq!(picture.words().iter().filter(|words| words.ends_with(" m at 0 s")).count(), 1, "one text for both");
+        let marks = |ink: &str| svg.matches(&format!("<polygon fill=\"{ink}\"")).count();
+        [GREEN, ORANGE].map(|ink| (picture.curves(ink).len(), marks(ink)))
+    };
+    // Marks along the curve, and one in the legend.
+    let one = looks(&["newmark", "kang"])[0];
+    assert!(one.0 == 1 && (5..=9).contains(&one.1), "{one:?}");
+    assert_eq!(looks(&["rk4", "newmark"]), [one, one], "whatever the order");
+}
+
 /// Two gauges of the oscillator: the rows of the table are the points of the curves, and both are the closed form of
 /// the spring's force, k x0 = 6 N, and of the speed, x0 w0. A quantity is a chart, with its unit; a gauge has its
 /// colour in all of them; one can be chosen.
@@ -37,13 +96,18 @@ fn gauges_are_drawn() {
     assert_eq!(desk.solve("oscillator", "out", &["--set", gauges, "--set", "output.fields=[]"]), Some(0));
     desk.plot(&["out", "--kind", "gauges"], &["out/gauges.svg"]);
     let panels = Picture::panels(&desk.text("out/gauges.svg"));
-    assert_eq!(panels.len(), 7, "five of reactions, two of speed");
+    assert_eq!(panels.len(), 5, "three of reactions, two of speed: nothing acts along y and z");
     let all = desk.picture("out/gauges.svg");
-    for word in ["oscillator: anchor reaction_x", "oscillator: speed_max", "speed_max [m/s]", "reaction_x [N]"] {
+    for word in [
+        "oscillator: reaction along x (anchor)",
+        "oscillator: largest speed",
+        "largest speed [m/s]",
+        "reaction along x [N]",
+    ] {
         assert!(all.says(word), "{word}: {:?}", all.words());
     }
     assert!(["anchor", "mass &amp; co", "both"].iter().all(|name| all.says(name)), "{:?}", all.words());
-    let (table, speeds) = (desk.text("out/gauges.csv"), &panels[6].curves(VERMILLION)[0]);
+    let (table, speeds) = (desk.text("out/gauges.csv"), &panels[4].curves(VERMILLION)[0]);
     let rows = || table.lines().filter(|row| row.contains(",mass & co,speed_max,")).map(|row| row.split(','));
     let read: Vec<Vec<f64>> = rows().map(|row| row.filter_map(|cell| cell.parse().ok()).collect()).collect();
     // Decimation leaves extremes of the 2001 rows; half a unit is 0.0005 m/s, and 0.002 s, of up to x0 w0^2 = 3 m/s^2.
@@ -57,7 +121,7 @@ fn gauges_are_drawn() {
     assert!((force - 6.0).abs() < 0.02, "{force} N");
     desk.plot(&["out", "--kind", "gauges", "--gauge", "anchor"], &["out/gauges.svg"]);
     let one = desk.picture("out/gauges.svg");
-    assert!(one.says("oscillator: reaction_total") && !one.says("both"), "{:?}", one.words());
+    assert!(one.says("oscillator: reaction (anchor)") && !one.says("both"), "{:?}", one.words());
     // Without gauges of tension, only frames have it; here they have none either.
     let ended = desk.run(&["plot", "out", "--kind", "tension"]);
     assert_eq!(ended.code, Some(2));
@@ -71,7 +135,7 @@ fn forces_in_frames_are_drawn() {
     let fields = r#"output.fields=["tension", "reaction"]"#;
     assert_eq!(desk.solve("oscillator", "out", &["--set", fields, "--end", "6"]), Some(0));
     let kinds = ["displacement", "phase", "energy", "ledger", "steps", "tension", "reaction"];
-    desk.plot(&["out"], &kinds.map(|kind| format!("out/{kind}.svg")));
+    desk.plot(&["out", "--all"], &kinds.map(|kind| format!("out/{kind}.svg")));
     let tension = desk.picture("out/tension.svg");
     let curve = &tension.curves(BLUE)[0];
     let error = largest(curve.iter().map(|(t, n)| n - 6.0 * (w0() * t).cos()));
@@ -90,7 +154,11 @@ fn steps_are_drawn() {
     desk.plot(&["out", "--kind", "steps"], &["out/steps.svg"]);
     let panels = Picture::panels(&desk.text("out/steps.svg"));
     let size = &panels[0].curves(BLUE)[0];
-    assert!(panels[0].says("step size [s]") && panels[1].says("newton iterations"), "{:?}", panels[1].words());
+    assert!(
+        panels[0].says("step size [s]") && panels[1].says("Newton iterations of a step [-]"),
+        "{:?}",
+        panels[1].words()
+    );
     let sum: f64 = size.iter().map(|p| p.1).sum();
     assert_eq!(size.len(), desk.column("out/history.csv", "t").len() - 1);
     assert!((sum - 5.0).abs() < 0.02, "the steps are {sum} s together");
@@ -149,7 +217,7 @@ fn differences_of_two_runs() {
     let error = largest(curve.iter().map(|(t, x)| x - 2.0 * ((w0() * t).cos() - (w * t).cos())));
     assert!(curve.len() == 201 && error < 0.015, "{} points, {error} m", curve.len());
     assert!(picture.says("Δ displacement in x [m]"), "{:?}", picture.words());
-    let title = "oscillator: displacement of node 1, h = 0.02 s minus h = 0.025 s";
+    let title = "oscillator: displacement of &quot;mass&quot; (node 1), h = 0.02 s minus h = 0.025 s";
     assert!(picture.says(title), "{:?}", picture.words());
     let curve = &Picture::panels(&desk.text("gauges.svg"))[0].curves(BLUE)[0];
     let exact = |t: f64| 2.0 * (w * (w * t).sin() - w0() * (w0() * t).sin());
@@ -170,6 +238,6 @@ fn coinciding_curves_are_dashed() {
     }
     desk.plot(&["newmark", "rk4", "explicit-euler", "--kind", "displacement"], &["displacement.svg"]);
     let picture = desk.picture("displacement.svg");
-    assert_eq!(picture.dashed, [VERMILLION, VERMILLION], "rk4's curve, and its sample in the legend");
-    assert_eq!(picture.curves(GREEN).len(), 1);
+    assert_eq!(picture.dashed, [ORANGE, ORANGE], "rk4's curve, and its sample in the legend");
+    assert_eq!(picture.curves(BLUE).len(), 1);
 }

@@ -194,7 +194,7 @@ fn a_sweep_has_columns_of_quantities() {
     }
     let steady = table.header.iter().position(|name| name == "spring.tension_max.is_steady").expect("a column");
     assert!(table.rows.iter().all(|row| row[steady] == "false"));
-    assert!(out.text("sweep.svg").contains("energy.kinetic.mean [J]"));
+    assert!(out.text("sweep.svg").contains("kinetic energy, mean over the run [J]"));
     let told: Value = serde_json::from_str(&out.text("sweep.json")).expect("JSON");
     assert_eq!(told["units"]["energy.kinetic.mean"], "J");
 }

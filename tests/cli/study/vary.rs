@@ -260,5 +260,5 @@ fn another_sweep_is_not_mixed_in() {
     assert!(ended.stderr.contains("way.displacement_max.peak"), "{}", ended.stderr);
     let ended = go(&[&vary[..], &["--plot", "steps", "--plot", "max_speed"]].concat());
     assert_eq!((ended.code, ended.stdout.as_str()), (Some(0), ""), "{}", ended.stderr);
-    assert!(Results(bench.path("out")).text("sweep.svg").contains("max_speed [m/s]"));
+    assert!(Results(bench.path("out")).text("sweep.svg").contains("largest speed of a node [m/s]"));
 }

@@ -120,6 +120,11 @@ fn gauges_come_back() {
         assert_eq!(head["name"], peak["name"]);
         assert_eq!(head["quantity"], quantity.replace('_', " "));
         assert_eq!(head["unit"], peak["unit"]);
+        let label = head["label"].as_str().expect("words");
+        assert!(
+            label.ends_with(&format!("({})", peak["name"].as_str().expect("a name"))) && !label.contains('_'),
+            "{label}"
+        );
         assert_eq!((&head["peak"][1], &head["peak"][0]), (&peak["value"], &peak["t"]));
         let rows: Vec<_> =
             table.rows.iter().filter(|row| row[2] == quantity && peak["name"] == row[1].as_str()).collect();

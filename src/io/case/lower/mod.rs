@@ -103,7 +103,11 @@ pub(crate) fn build(
         Some(SystemSpec::Network(spec)) => (Some(&spec.springs[..]), strengths(spec)),
         _ => (None, Vec::new()),
     };
-    let scene = output::Measurable { nodes, springs: groups };
+    let membranes = match &system {
+        Some(SystemSpec::Network(spec)) => Some(&spec.membranes[..]),
+        _ => None,
+    };
+    let scene = output::Measurable { nodes, springs: groups, membranes };
     let output = output::output(file.output.as_ref(), scene, timing.as_ref().map(|t| t.spec), faults);
     let output = output.map(|mut output| {
         output.gauges.extend(strengths);

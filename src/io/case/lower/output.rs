@@ -6,11 +6,11 @@ use super::geometry::Geometry;
 use super::select::{self, NodeSet};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Every, Field, Gauge, Output, Probe};
+use crate::case::schema::{Every, Field, Gauge, NodeSelection, Output, Probe};
 use crate::case::spec::{GaugeOf, GaugeSpec, OutputSpec, ProbeSpec, RowEvery, StagesSpec, TimeSpec};
 use crate::model::gauge::NodeQuantity;
 use crate::model::gauge::{GaugeKind, NodeGauge, SpringGauge};
-use crate::model::spec::SpringGroup;
+use crate::model::spec::{MembraneSpec, SpringGroup};
 use crate::vtk::{Compression, FrameFormat, VtuFormat};
 
 /// [-] Largest number of rows of `history.csv` with the default interval, including the first and the last state.
@@ -25,6 +25,8 @@ pub(super) struct Measurable<'a> {
     pub nodes: NodeSet<'a>,
     /// `None` if they are not known
     pub springs: Option<&'a [SpringGroup]>,
+    /// `None` if they are not known
+    pub membranes: Option<&'a [MembraneSpec]>,
 }
 
 /// Checks the `output` section and fills in its defaults; `None` if the times are unknown.
@@ -140,11 +142,12 @@ fn gauge_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Fau
     };
     Some(match kind {
         GaugeKind::Nodes(of) => GaugeOf::Nodes { of, nodes: nodes_of()? },
-        GaugeKind::Cloth if matches!(nodes, NodeSet::Point(..)) => {
+        GaugeKind::Cloth | GaugeKind::Membranes(_) if matches!(nodes, NodeSet::Point(..)) => {
             faults.add_hint(&at.key("of"), "another quantity", "a point has no cloth");
             return None;
         }
         GaugeKind::Cloth => GaugeOf::Cloth { nodes: nodes_of()? },
+        GaugeKind::Membranes(of) => GaugeOf::Membranes { of, triangles: membranes_of(&on, gauge, scene, faults)? },
         GaugeKind::Springs(SpringGauge::Tension) if matches!(nodes, NodeSet::Point(..)) => {
             GaugeOf::Pull { masses: masses_above(&on, gauge, nodes, faults)? }
         }
@@ -158,7 +161,7 @@ fn gauge_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Fau
 /// Whether the bob of a pendulum can be measured so: it has no springs, no cloth, and no support of its own.
 fn has_bob(kind: GaugeKind) -> bool {
     match kind {
-        GaugeKind::Springs(_) | GaugeKind::Cloth => false,
+        GaugeKind::Springs(_) | GaugeKind::Cloth | GaugeKind::Membranes(_) => false,
         GaugeKind::Nodes(NodeGauge { vector, .. }) => match vector {
             NodeQuantity::Position | NodeQuantity::Displacement | NodeQuantity::Velocity | NodeQuantity::Force => true,
             NodeQuantity::Acceleration | NodeQuantity::Reaction => false,
@@ -203,4 +206,25 @@ fn springs_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut F
         return None;
     }
     Some(edges)
+}
+
+/// The triangles of a gauge of membranes that have one.
+fn membranes_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Faults<'_>) -> Option<Vec<u32>> {
+    let NodeSet::Mesh(geometry) = scene.nodes else { return None };
+    let selection = match gauge.on.nodes() {
+        Some(on @ (NodeSelection::All | NodeSelection::Ids(_) | NodeSelection::Group(_))) => on,
+        _ => {
+            faults.add(at, "\"all\", {\"ids\": [...]} or {\"group\": ...} of triangles: it is measured on membranes");
+            return None;
+        }
+    };
+    let mut triangles = select::triangles(at, &selection, geometry, faults)?;
+    let mut covered = vec![false; geometry.mesh.triangles.len()];
+    scene.membranes?.iter().flat_map(|rule| &rule.triangles).for_each(|&t| covered[t as usize] = true);
+    triangles.retain(|&t| covered[t as usize]);
+    if triangles.is_empty() {
+        faults.add_hint(at, "triangles with a membrane", "no rule of the membranes section selects them");
+        return None;
+    }
+    Some(triangles)
 }

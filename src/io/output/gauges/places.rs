@@ -4,7 +4,7 @@ use crate::case::spec::{GaugeOf, ProbeSpec};
 use crate::drive::max_displacement::Displacement;
 use crate::mesh::CrossingFinder;
 use crate::model::abilities::SpringPlace;
-use crate::model::gauge::{CROSSINGS, NodeColumns, NodeGauge, Quantity, SpringColumns, SpringGauge};
+use crate::model::gauge::{CROSSINGS, MembraneGauge, NodeColumns, NodeGauge, Quantity, SpringColumns, SpringGauge};
 use crate::model::observables::{MembranePicture, Observables};
 use crate::model::point::Point;
 use crate::model::quantity::OfScene;
@@ -15,6 +15,7 @@ pub(super) enum Places {
     Nodes(NodeGauge, Vec<u32>),
     Springs(SpringGauge, Vec<SpringPlace>),
     Cloth(Box<Cloth>),
+    Membranes(Box<Membranes>),
     /// edges that carry all canopies of a point, by the masses above them \[kg\]
     Pull(Vec<f64>),
     Canopy(usize),
@@ -35,6 +36,15 @@ pub(super) struct Cloth {
     trace: [Vec<[f64; 3]>; 2],
 }
 
+/// Membrane triangles.
+#[derive(Debug)]
+pub(super) struct Membranes {
+    of: MembraneGauge,
+    triangles: Vec<u32>,
+    /// of every triangle of the scene
+    shown: Vec<MembranePicture>,
+}
+
 /// The columns of a probe, as in `probes.csv`.
 pub(super) const PROBE: [Quantity; 6] = [
     Quantity::signed("x", "m"),
@@ -52,6 +62,11 @@ impl Places {
             GaugeOf::Nodes { of, nodes } => (of.columns.all(), Places::Nodes(*of, nodes.clone()), None),
             GaugeOf::Pull { masses } => (SpringGauge::Tension.columns().all(), Places::Pull(masses.clone()), None),
             GaugeOf::Cloth { nodes } => (&[CROSSINGS], Places::Cloth(Box::new(Cloth::new(picture, nodes))), None),
+            GaugeOf::Membranes { of, triangles } => {
+                let shown = vec![MembranePicture::default(); picture.triangles().len()];
+                let places = Membranes { of: *of, triangles: triangles.clone(), shown };
+                (of.columns(), Places::Membranes(Box::new(places)), None)
+            }
             GaugeOf::Springs { of, edges, rule, strength } => {
                 let springs = picture.springs().map_or_else(Vec::new, |springs| springs.springs_on(edges, *rule));
                 (of.columns().all(), Places::Springs(*of, springs), *strength)
@@ -84,6 +99,7 @@ impl Places {
                 let pull = |mass: &f64| picture.air().map_or(f64::NAN, |air| air.pull_of_points(*mass, at));
                 to.copy_from_slice(&sum_and_largest(masses.iter().map(pull)));
             }
+            Places::Membranes(membranes) => membranes.measure(picture, at, to),
             Places::Cloth(cloth) => to[0] = cloth.crossings(picture, at),
             Places::Nodes(of, nodes) => nodal(picture, *of, nodes, at, to),
             Places::Scene(of) => to[0] = largest(picture, *of, at),
@@ -116,6 +132,31 @@ impl Cloth {
         let all = |nodes: &[u32]| nodes.iter().all(|node| self.selected[*node as usize]);
         let triangle = |number: u32| all(&picture.triangles()[number as usize]);
         finder.find(positions).iter().filter(|one| all(&one.edge) || triangle(one.triangle)).count() as f64
+    }
+}
+
+impl Membranes {
+    /// The largest value and the mean over the area at rest, or the shares of that area; NaN where no selected triangle
+    /// has a membrane.
+    fn measure(&mut self, picture: &dyn Observables, at: &Point, to: &mut [f64]) {
+        picture.triangle_membranes(at.state.as_ref(), &mut self.shown);
+        let selected = self.triangles.iter().filter_map(|&triangle| self.shown.get(triangle as usize));
+        let membranes: Vec<&MembranePicture> = selected.filter(|of| of.wrinkling >= 0.0).collect();
+        let area: f64 = membranes.iter().map(|of| of.area).sum();
+        let mean = |value: &dyn Fn(&MembranePicture) -> f64| {
+            membranes.iter().map(|of| of.area * value(of)).sum::<f64>() / area
+        };
+        let largest_and_mean = |value: &dyn Fn(&MembranePicture) -> f64| {
+            [membranes.iter().map(|of| value(of)).fold(f64::NAN, f64::max), mean(value)]
+        };
+        match self.of {
+            MembraneGauge::Stress => to.copy_from_slice(&largest_and_mean(&|of| of.stress[0])),
+            MembraneGauge::Strain => to.copy_from_slice(&largest_and_mean(&MembranePicture::elongation)),
+            MembraneGauge::Wrinkling => {
+                let share = |state: f64| mean(&|of| f64::from(u8::from(of.wrinkling == state)));
+                to.copy_from_slice(&[0.0, 1.0, 2.0].map(share));
+            }
+        }
     }
 }
 

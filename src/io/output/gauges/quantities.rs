@@ -1,5 +1,6 @@
 //! The quantities of a run: which channels and which parts of the account they are made of, and their values.
 
+use super::names::without_rule;
 use super::places::{PROBE, Places};
 use super::{Channel, Gauges, GaugesSpec};
 use crate::drive::observer::Energies;
@@ -256,21 +257,16 @@ fn find(gauges: &mut Gauges, spec: &GaugesSpec<'_>, name: &QuantityName) -> Resu
 /// its group too, and under another number: a variant of a case may have fewer rules.
 fn channel(channels: &[Channel], gauge: &str, column: &str) -> Option<usize> {
     let exact = channels.iter().position(|channel| channel.name == gauge);
-    let first = exact.or_else(|| only_with_group(channels, group_of(gauge)))?;
+    let first = exact.or_else(|| only_with_group(channels, without_rule(gauge)))?;
     let name = &channels.get(first)?.name;
     let own = channels.iter().skip(first).take_while(|channel| channel.name == *name);
     let columns: Vec<Column> = own.map(|channel| channel.quantity).collect();
     Some(first + column_of(&columns, column)?)
 }
 
-/// `lines` of `springs[5] lines`, and any other name itself.
-fn group_of(gauge: &str) -> &str {
-    gauge.strip_prefix("springs[").and_then(|rest| rest.split_once("] ")).map_or(gauge, |(_, group)| group)
-}
-
 /// The first channel of the only gauge of a rule of springs on this group.
 fn only_with_group(channels: &[Channel], group: &str) -> Option<usize> {
-    let fits = |channel: &Channel| channel.name != group && group_of(&channel.name) == group;
+    let fits = |channel: &Channel| channel.name != group && without_rule(&channel.name) == group;
     let first = channels.iter().position(fits)?;
     let alone = channels.iter().all(|channel| !fits(channel) || channel.name == channels[first].name);
     alone.then_some(first)

@@ -36,8 +36,8 @@ function firstKeys(runs) {
 function chartOf(within, runs, key, span, seek) {
   const figure = element("figure", within), caption = element("figcaption", figure);
   const curves = runs.map((run) => run.curves.find((curve) => curve.key === key));
-  const unit = curves.find((curve) => curve).unit;
-  element("b", caption, unit && unit !== "-" ? `${key} [${unit}]` : key);
+  const { unit, label } = curves.find((curve) => curve), measure = unit && unit !== "-" ? ` ${unit}` : "";
+  element("b", caption, measure ? `${label} [${unit}]` : label);
   const width = Math.max(figure.clientWidth, 200);
   const box = { left: MARGIN.left, right: width - MARGIN.right, top: MARGIN.top, bottom: HEIGHT - MARGIN.bottom };
   let [low, high] = [Infinity, -Infinity];
@@ -49,7 +49,7 @@ function chartOf(within, runs, key, span, seek) {
   if (!(high > low)) { const at = Number.isFinite(low) ? low : 0, by = Math.abs(at) || 1; [low, high] = [at - by, at + by]; }
   const x = (t) => box.left + (t - span[0]) / (span[1] - span[0] || 1) * (box.right - box.left);
   const y = (v) => box.bottom - (v - low) / (high - low) * (box.bottom - box.top);
-  const drawing = svg("svg", { viewBox: `0 0 ${width} ${HEIGHT}`, role: "img", "aria-label": `${key} over time` }, figure);
+  const drawing = svg("svg", { viewBox: `0 0 ${width} ${HEIGHT}`, role: "img", "aria-label": `${label} over time` }, figure);
   for (const v of ticks(low, high, 3)) {
     svg("line", { class: "grid", x1: box.left, x2: box.right, y1: y(v), y2: y(v) }, drawing);
     svg("text", { x: box.left - 6, y: y(v) + 4, "text-anchor": "end" }, drawing, figures(v));
@@ -65,7 +65,7 @@ function chartOf(within, runs, key, span, seek) {
     svg("path", { class: `line run-${run}`, d: path }, drawing);
     const peak = curve.peak;
     svg("circle", { class: `peak run-${run}`, cx: x(peak[0]), cy: y(peak[1]), r: 3.5 }, drawing);
-    const told = element("button", caption, `${runs.length > 1 ? runs[run].name + ": " : ""}peak ${figures(peak[1])} at ${figures(peak[0])} s`, { class: `key-${run}` });
+    const told = element("button", caption, `${runs.length > 1 ? runs[run].name + ": " : ""}peak ${figures(peak[1])}${measure} at ${figures(peak[0])} s`, { class: `key-${run}` });
     told.addEventListener("click", () => seek(peak[0]));
     for (const { name, at } of curve.stages) {
       svg("circle", { class: `peak run-${run}`, cx: x(at[0]), cy: y(at[1]), r: 2.5 }, drawing);

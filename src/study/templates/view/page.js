@@ -248,9 +248,9 @@ function fillCurves() {
   if (unchanged("list", keysOf(runs).map((curve) => curve.key))) { return; }
   at("list").replaceChildren();
   at("list").classList.toggle("none", keysOf(runs).length === 0);
-  for (const { key } of keysOf(runs)) {
+  for (const { key, label: words } of keysOf(runs)) {
     const label = element("label", at("list")), box = element("input", label, undefined, { type: "checkbox" });
-    label.append(" " + key);
+    label.append(" " + words);
     box.checked = state.curves.includes(key);
     box.addEventListener("change", () => {
       state.curves = box.checked ? [...state.curves, key] : state.curves.filter((other) => other !== key);
