@@ -110,6 +110,14 @@ fn node_drag() -> Vec<NodeDragSpec> {
     vec![NodeDragSpec { nodes: vec![1, 4, 6], drag_area: 0.4 }]
 }
 
+/// Two zones, one of which has a coefficient over the angle.
+fn surface_pressures() -> Vec<SurfacePressureSpec> {
+    let table = Series { t: vec![0.0, 0.9, 2.0, 3.1], value: vec![0.8, -0.5, -1.2, -0.3] };
+    let constant = Series { t: vec![0.0], value: vec![-0.7] };
+    let zone = |triangles: &[u32], coefficient| SurfacePressureSpec { triangles: triangles.to_vec(), coefficient };
+    vec![zone(&[0, 3, 4, 6], table), zone(&[1, 7], constant)]
+}
+
 /// Terms whose forces also change with the height.
 pub fn uneven_scenes() -> Vec<(&'static str, NetworkSpec)> {
     let air = |spec: NetworkSpec| NetworkSpec { stream: Some(uneven_stream()), ..spec };
@@ -122,6 +130,7 @@ pub fn uneven_scenes() -> Vec<(&'static str, NetworkSpec)> {
         ("cavity of porous cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([3.0, 0.8])), ..patch() })),
         ("cavity of viscous cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([12.0, 0.0])), ..patch() })),
         ("cavity of inertial cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([0.0, 9.0])), ..patch() })),
+        ("surface pressure in uneven air", air(NetworkSpec { surface_pressures: surface_pressures(), ..patch() })),
         ("line drag in uneven air", air(NetworkSpec { line_drag: line_drag(), ..patch() })),
         ("node drag in uneven air", air(NetworkSpec { node_drag: node_drag(), ..patch() })),
     ]
@@ -203,6 +212,7 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
     list.push(("canopy", air(NetworkSpec { canopies: canopy(), ..patch() })));
     list.push(("inflow loss", air(NetworkSpec { canopies: losing(canopy()), ..patch() })));
     list.push(("cavity", air(NetworkSpec { canopies: cavity(Some([3.0, 0.8])), ..patch() })));
+    list.push(("surface pressure", air(NetworkSpec { surface_pressures: surface_pressures(), ..patch() })));
     list.push(("line drag", air(NetworkSpec { line_drag: line_drag(), ..patch() })));
     list.push(("node drag", air(NetworkSpec { node_drag: node_drag(), ..patch() })));
     list

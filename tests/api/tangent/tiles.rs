@@ -12,7 +12,7 @@ use canopy_fem::model::forces::{Forces, Tally};
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::{
     BendingSpec, CanopySpec, LineDragSpec, MembraneSpec, NetworkSpec, NodalLoad, NodeDragSpec, PressureLoad,
-    SpringGroup, SpringValues,
+    SpringGroup, SpringValues, SurfacePressureSpec,
 };
 use canopy_fem::model::state::{State, StateRef};
 use canopy_fem::model::step_block::{StepSummary, Work};
@@ -69,6 +69,8 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
     let membranes = spec.membranes.iter().map(|m| MembraneSpec { triangles: renamed(&m.triangles), ..m.clone() });
     let bending = spec.bending.iter();
     let bending = bending.map(|b| BendingSpec { hinges: between(&b.hinges), chains: between(&b.chains), ..b.clone() });
+    let zones = spec.surface_pressures.iter();
+    let zones = zones.map(|z| SurfacePressureSpec { triangles: renamed(&z.triangles), ..z.clone() });
     let line_drag = spec.line_drag.iter().map(|d| LineDragSpec { edges: renamed(&d.edges), ..d.clone() });
     let node_drag = spec.node_drag.iter().map(|d| NodeDragSpec { nodes: renamed(&d.nodes), ..d.clone() });
     NetworkSpec {
@@ -76,6 +78,7 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
         canopies: canopies.collect(),
         membranes: membranes.collect(),
         bending: bending.collect(),
+        surface_pressures: zones.collect(),
         line_drag: line_drag.collect(),
         node_drag: node_drag.collect(),
         mass: many(&spec.mass),
