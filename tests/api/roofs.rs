@@ -1,5 +1,7 @@
 //! Roofs and air-supported structures: wind by zones, snow on the plan, gas in a closed volume.
 
+mod gas;
+mod snow;
 mod wind;
 
 use crate::common::run::{Rest, as_given, case_of, follow};
@@ -23,9 +25,13 @@ fn close(found: [f64; 3], expected: [f64; 3]) {
 
 /// Every method goes through the case, to where `velocity-verlet` ends within `share` of the way, and no energy is
 /// unexplained beyond `share` of what was exchanged.
-fn every_method_agrees(case: &Value, share: f64) {
+fn every_method_agrees(mut case: Value, share: f64) {
+    // Soft enough for the steps of methods of first order.
+    if let Some(modulus) = case.pointer_mut("/system/network/membranes/0/modulus") {
+        *modulus = 1e7.into();
+    }
     let end = |method: &str| {
-        let case = case_of(case, &[("time.method", &format!("\"{method}\""))]);
+        let case = case_of(&case, &[("time.method", &format!("\"{method}\""))]);
         let (mut start, mut last) = (Vec::new(), Vec::new());
         let outcome = follow(&case, |state| {
             if start.is_empty() {

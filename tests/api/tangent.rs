@@ -389,7 +389,8 @@ fn terms_are_what_they_say() {
             || !spec.pressures.is_empty()
             || !spec.canopies.is_empty()
             || !spec.membranes.is_empty()
-            || !spec.surface_pressures.is_empty();
+            || !spec.surface_pressures.is_empty()
+            || !spec.gases.is_empty();
         let scene = build(spec);
         assert_eq!(scene.terms().iter().any(|t| t.on_triangles), on_triangles, "{name}: on_triangles");
         for (i, info) in scene.terms().iter().enumerate() {

@@ -63,7 +63,7 @@ fn wind_and_density_are_those_of_the_height() {
 #[test]
 fn every_method_has_zones() {
     let law = json!({"windward": [[0, 0.8], [1.0, 0.2], [1.6, -0.8]], "lee": -0.5});
-    every_method_agrees(&gable(&json!({"wind": [30, 0, 0], "law": {"surface_pressure": law}})), 0.02);
+    every_method_agrees(gable(&json!({"wind": [30, 0, 0], "law": {"surface_pressure": law}})), 0.05);
 }
 
 /// A square net of 10 m under suction bulges upwards and hangs on its supports with 0.7 q A.
