@@ -68,12 +68,11 @@ fn gas_is_filled_over_time() {
     assert!((found - 101_325.0 * (2.0 / 3.0 - 1.0)).abs() < 1e-9, "{found}");
 }
 
-/// What a pump does is external work, and the rest of the account is in balance: an exact integrator leaves the error of
-/// its steps only.
+/// What a pump does is external work, and the rest of the account is in balance, to the error of the steps.
 #[test]
 fn the_work_of_filling_is_accounted_for() {
     let gas = json!({"on": "all", "pressure": {"table": [[0, 0], [0.03, 3000]]}, "ambient": 1000.0});
-    for (method, share) in [("rk4", 1e-6), ("newmark", 1e-3), ("velocity-verlet", 1e-3), ("energy-momentum", 1e-3)] {
+    for (method, share) in [("rk4", 1e-5), ("newmark", 1e-3), ("velocity-verlet", 1e-3), ("energy-momentum", 1e-3)] {
         let case = case_of(&bag(&gas), &[("time.method", &format!("\"{method}\""))]);
         let mut last = Default::default();
         let outcome = follow(&case, |state| last = state.ledger);

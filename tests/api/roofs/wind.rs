@@ -75,7 +75,7 @@ fn a_flat_roof_is_lifted() {
         "membranes": [{"on": "all", "thickness": 1e-3, "modulus": 1e8, "poisson": 0.3}],
         "supports": [{"on": "outer", "fix": "xyz"}],
         "aero": {"wind": [30, 0, 0], "law": {"surface_pressure": {"all": -0.7}}}
-    }}});
+    }}, "time": {"end": 1.0, "method": "newmark", "step": 1e-2}});
     let rest = at_rest(&case_of(&case, &[]));
     let highest = rest.positions.iter().map(|x| x[2]).fold(0.0, f64::max);
     assert!(highest > 0.1, "{highest}");

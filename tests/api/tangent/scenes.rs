@@ -147,7 +147,7 @@ fn surface_pressures() -> Vec<SurfacePressureSpec> {
     vec![zone(&[0, 3, 4, 6], table), zone(&[1, 7], constant)]
 }
 
-/// Terms whose forces also change with the height.
+/// Terms whose forces also change with the height, and gas over a rim that does not move.
 pub fn uneven_scenes() -> Vec<(&'static str, NetworkSpec)> {
     let air = |spec: NetworkSpec| NetworkSpec { stream: Some(uneven_stream()), ..spec };
     vec![
@@ -159,6 +159,7 @@ pub fn uneven_scenes() -> Vec<(&'static str, NetworkSpec)> {
         ("cavity of porous cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([3.0, 0.8])), ..patch() })),
         ("cavity of viscous cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([12.0, 0.0])), ..patch() })),
         ("cavity of inertial cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([0.0, 9.0])), ..patch() })),
+        ("gas on the ground", gas(pyramid(), GasSpec { volume: Some(0.9), ..gas_of(4) })),
         ("surface pressure in uneven air", air(NetworkSpec { surface_pressures: surface_pressures(), ..patch() })),
         ("line drag in uneven air", air(NetworkSpec { line_drag: line_drag(), ..patch() })),
         ("node drag in uneven air", air(NetworkSpec { node_drag: node_drag(), ..patch() })),
@@ -248,7 +249,6 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
     ] {
         list.push((name, gas(octahedron(), GasSpec { gamma, fill, ..gas_of(8) })));
     }
-    list.push(("gas on the ground", gas(pyramid(), GasSpec { volume: Some(0.9), ..gas_of(4) })));
     list.push(("surface pressure", air(NetworkSpec { surface_pressures: surface_pressures(), ..patch() })));
     list.push(("line drag", air(NetworkSpec { line_drag: line_drag(), ..patch() })));
     list.push(("node drag", air(NetworkSpec { node_drag: node_drag(), ..patch() })));

@@ -3,21 +3,22 @@
 //! ```text
 //! p = p_a (V_a/V)^gamma - p_a along the outer normals,     f_i = p S/3 = p dV/dx_i
 //! ```
-//! p_a is the absolute pressure outside, V_a the amount of gas as its volume at that pressure: its mass over its density
-//! there. gamma is 1 for changes of state at one temperature, and the ratio of the heat capacities without heat. V is
-//! what the triangles enclose, and a constant beside it. The energy is the work that the gas can do until it has the
-//! pressure outside, with r = ln(V_a/V)
+//! p_a is the absolute pressure outside, V_a the amount of gas as its volume at that pressure: its mass over its
+//! density there. gamma is 1 for changes of state at one temperature, and the ratio of the heat capacities without
+//! heat. V is what the triangles enclose, and a constant beside it. The energy is the work that the gas can do until it
+//! has the pressure outside, with r = ln(V_a/V)
 //! ```text
 //! U = p_a V_a [(e^((gamma-1) r) - 1)/(gamma-1) + e^-r - 1] >= 0,      -dU/dx_i = f_i
 //! dU/dV_a = p_a gamma (e^((gamma-1) r) - 1)/(gamma-1)
 //! ```
 //! The last is the work by which a pump fills it from the air outside, by amount. The tangent is the geometric
-//! stiffness of every triangle, by the volume of the tetrahedron that it makes with a point o, and one part of rank one:
+//! stiffness of every triangle, by the volume of the tetrahedron that it makes with a point, and one part of rank one:
 //! ```text
 //! V = sum x_0 . (x_1 x x_2)/6,      d2V/dx_0 dx_1 = -[x_2]x/6 and so on around
 //! -df_i/dx_j = -p d2V/dx_i dx_j + gamma (p + p_a)/V (dV/dx_i)(dV/dx_j)^T      (symmetric)
 //! ```
-//! Openings are closed by flat covers over rims that are held: the ground takes what pushes on them.
+//! Openings are closed by flat covers over rims that are held: the ground takes what pushes on them. In steps of an
+//! energy-momentum method the force is that in the middle, so their energy is exact to the square of the step only.
 
 use crate::force::kernel::batch::{Batch, BufferReads, Elements, Kernel, Records, SceneNumbers};
 use crate::force::kernel::element_block::{NodeVectors, SceneValues, add, vector};

@@ -6,8 +6,9 @@
 //! theta = angle between n and -w: 0 where the wind meets the outer face, pi/2 along it, pi on the lee side
 //! p = -cp(theta) q along n,      f_i = p S/3,      power = p S . mean(v)
 //! ```
-//! A positive cp pushes onto the outer face, a negative one is suction. q is that of the wind alone: a structure is slow
-//! beside it, and codes know no velocity of the surface. With c = n . w and sin(theta) = |w - c n| the exact tangent is
+//! A positive cp pushes onto the outer face, a negative one is suction. q is that of the wind alone: a structure is
+//! slow beside it, and codes know no velocity of the surface. With c = n . w, sin(theta) = |w - c n| the exact tangent
+//! is
 //! ```text
 //! dtheta = t . dS/A + m . (dV/dz) dz/|V|,      t = (w - c n)/sin(theta),  m = (n - c w)/sin(theta)
 //! dp = -q cp' dtheta - cp dq,                  dq/dz = rho'/2 |V|^2 + rho V . dV/dz

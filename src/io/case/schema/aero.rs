@@ -344,17 +344,17 @@ pub enum PorousLaw {
     Permeable(PermeableLaw),
     /// A plain pressure coefficient: dp = cp rho/2 v_n |v_n|.
     PressureCoefficient(PressureCoefficientLaw),
-    /// Pressure coefficients by zone, as building codes give them: `{group: cp}`, the groups being triangles; `all`
+    /// [-] Pressure coefficients by zone, as building codes give them: `{group: cp}`, the groups being triangles; `all`
     /// stands for all of them. cp q acts along the normal of each triangle, with the dynamic pressure of the wind at
     /// its height, q = rho |V|^2/2. The outer face is the one that the triangles' right-hand normals look out of: a
-    /// positive cp pushes onto it, a negative one is suction. Triangles in no zone have no pressure. The velocity of
-    /// the surface does not count.
+    /// positive cp pushes onto it, a negative one is suction. cp is a number, or rows `[angle, cp]` over the angle, in
+    /// radians, between the outer normal and the direction that the wind comes from: 0 where the wind meets the outer
+    /// face, pi/2 along it, pi on the lee side; linear between the rows, constant outside them. Triangles in no zone
+    /// have no pressure. The velocity of the surface does not count.
     SurfacePressure(BTreeMap<String, ZoneCoefficient>),
 }
 
-/// \[-\] Pressure coefficient cp of a zone: a number, or rows `[angle, cp]` over the angle \[rad\] between the outer
-/// normal and the direction that the wind comes from. It is 0 where the wind meets the outer face, pi/2 along the
-/// surface and pi on the lee side. Linear between the rows, constant outside them.
+/// \[-\] Pressure coefficient cp of a zone, constant or over the angle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum ZoneCoefficient {
