@@ -65,6 +65,8 @@ pub enum WarningCode {
     LostMotion,
     /// What the reader of a mesh file left out or changed.
     MeshFile,
+    /// A law of a free stream on a roof, where the wind has suctions that it has not.
+    NoSuction,
     /// A part without supports, while other parts have supports.
     NoSupport,
     /// Triangles that lie on other triangles of the same sheet.

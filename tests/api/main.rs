@@ -32,6 +32,7 @@ mod output;
 mod overlap;
 mod parachute;
 mod readme;
+mod roofs;
 mod sew;
 mod simulation;
 mod stability;

@@ -385,8 +385,12 @@ fn constant_damping_is_declared_truthfully() {
 #[test]
 fn terms_are_what_they_say() {
     for (name, spec) in scenes() {
-        let on_triangles =
-            spec.air.is_some() || !spec.pressures.is_empty() || !spec.canopies.is_empty() || !spec.membranes.is_empty();
+        let on_triangles = spec.air.is_some()
+            || !spec.pressures.is_empty()
+            || !spec.canopies.is_empty()
+            || !spec.membranes.is_empty()
+            || !spec.surface_pressures.is_empty()
+            || !spec.gases.is_empty();
         let scene = build(spec);
         assert_eq!(scene.terms().iter().any(|t| t.on_triangles), on_triangles, "{name}: on_triangles");
         for (i, info) in scene.terms().iter().enumerate() {

@@ -148,6 +148,12 @@ pub trait ForceTerm: kernel::batch::BlockForces {
         false
     }
 
+    /// Emits blocks on the diagonal above the symmetric part of what [`ForceTerm::rank_one`] gives, for bounds on
+    /// eigenvalues. Terms whose such parts follow from elements, or limit no step, emit none.
+    fn coupling_bound(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        let _ = (at, w, sink);
+    }
+
     /// Its elastic part as a mean over a step; `None` if that is the force in the middle, or if it has none.
     fn mean(&self) -> Option<&dyn MeanForce> {
         None

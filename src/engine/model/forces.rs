@@ -19,7 +19,8 @@ pub struct Tally {
     /// [J] stored energy, for a term whose role is [`Role::Elastic`] or [`Role::Gravity`]; else 0
     pub energy: f64,
     /// [W] power f·v, for a term whose role is [`Role::External`] or [`Role::Dissipative`]. For springs whose rest
-    /// lengths are times a factor s, sum of T l0 [J]: their energy changes by minus this times ds. Else 0
+    /// lengths are times a factor s, sum of T l0 [J]: their energy changes by minus this times ds. For a gas, what its
+    /// energy gains by its amount [J/m^3]. Else 0
     pub power: f64,
 }
 

@@ -251,6 +251,47 @@ pub struct NodeDragSpec {
     pub drag_area: f64,
 }
 
+/// The wind on a zone of a surface, by pressure coefficients: cp q against the outer normal.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SurfacePressureSpec {
+    /// triangles, ascending, right-handed about the outer normal; no triangle in two zones
+    pub triangles: Vec<u32>,
+    /// \[-\] cp over the angle \[rad\] between the outer normal and where the wind comes from, in place of a time
+    pub coefficient: Series<f64>,
+}
+
+/// Gas in a volume that triangles close, or triangles and the ground that holds the rims of their openings.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GasSpec {
+    /// triangles, ascending; neighbours turn the same way
+    pub triangles: Vec<u32>,
+    /// [Pa] absolute pressure outside, above 0
+    pub ambient: f64,
+    /// \[-\] exponent of p V^gamma, at least 1
+    pub gamma: f64,
+    /// \[m^3\] volume at the start; that which the triangles enclose if not given
+    pub volume: Option<f64>,
+    /// what fills it
+    pub fill: GasFill,
+}
+
+/// What fills a volume with gas, over time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub enum GasFill {
+    /// [Pa] Pressure above that outside, which the gas has in the volume at the start.
+    Pressure(Series<f64>),
+    /// \[m^3\] Its volume at the pressure outside, above 0.
+    Amount(Series<f64>),
+}
+
+impl GasFill {
+    /// The table of either.
+    pub fn table(&self) -> &Series<f64> {
+        let (GasFill::Pressure(table) | GasFill::Amount(table)) = self;
+        table
+    }
+}
+
 /// How a pressure load follows the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum PressureKind {
@@ -258,6 +299,8 @@ pub enum PressureKind {
     Follower,
     /// p A0 along a fixed direction (unit vector), or along each triangle's initial normal if `None`.
     Dead(Option<[f64; 3]>),
+    /// p on the initial area as seen along a fixed direction (unit vector), and in it: snow on the plan.
+    Plan([f64; 3]),
 }
 
 /// A pressure on some triangles.
@@ -336,7 +379,9 @@ pub struct NetworkSpec {
     pub base_acceleration: Option<Series<[f64; 3]>>,
     /// the air that blows through cloth, if any
     pub air: Option<AirSpec>,
-    /// the stream for canopies and drag, which need one; its wind then replaces that of `air`
+    /// zones of surfaces with pressure coefficients
+    pub surface_pressures: Vec<SurfacePressureSpec>,
+    /// the stream for canopies, zones and drag, which need one; its wind then replaces that of `air`
     pub stream: Option<StreamSpec>,
     /// canopies that the air fills
     pub canopies: Vec<CanopySpec>,
@@ -344,6 +389,8 @@ pub struct NetworkSpec {
     pub line_drag: Vec<LineDragSpec>,
     /// drag of nodes
     pub node_drag: Vec<NodeDragSpec>,
+    /// gas in closed volumes
+    pub gases: Vec<GasSpec>,
     /// pressure loads
     pub pressures: Vec<PressureLoad>,
     /// nodal forces

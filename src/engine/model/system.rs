@@ -95,8 +95,9 @@ pub trait System: Send + Sync {
         f_n.iter().zip(f_n1).zip(way).map(|((f_n, f_n1), d)| 0.5 * (f_n + f_n1) * d).sum()
     }
 
-    /// [W] Power of changes of rest lengths within a step between two times [s], with the tallies of a state in it: of
-    /// factors s that are linear within the step, sum of -T l0 ds/dt.
+    /// [W] Power of changes of rest lengths and of what fills volumes with gas, within a step between two times [s],
+    /// with the tallies of a state in it: of factors s and amounts V_a that are linear within the step, sum of
+    /// -T l0 ds/dt and of dU/dV_a dV_a/dt.
     fn reeling_power(&self, times: [f64; 2], tallies: &[Tally]) -> f64 {
         let _ = (times, tallies);
         0.0

@@ -48,20 +48,21 @@ pub fn wind_in_plane(spec: &NetworkSpec) -> Option<WindInPlane> {
 }
 
 /// Connected components of triangles that share nodes.
-struct Sheets<'a> {
+pub(super) struct Sheets<'a> {
     triangles: &'a [[u32; 3]],
     /// by node: the smallest node of its sheet
     of_node: Vec<u32>,
 }
 
 impl<'a> Sheets<'a> {
-    fn new(spec: &'a NetworkSpec) -> Self {
+    pub(super) fn new(spec: &'a NetworkSpec) -> Self {
         let triangles = &spec.mesh.triangles[..];
         let pairs = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]]);
         Sheets { triangles, of_node: components(spec.mesh.nodes.len(), pairs) }
     }
 
-    fn of(&self, triangle: u32) -> Option<u32> {
+    /// The smallest node of the sheet of a triangle.
+    pub(super) fn of(&self, triangle: u32) -> Option<u32> {
         let [node, ..] = self.triangles.get(triangle as usize)?;
         self.of_node.get(*node as usize).copied()
     }
@@ -85,7 +86,7 @@ fn along([a, b, c]: [Vector3<f64>; 3], wind: Vector3<f64>) -> bool {
 }
 
 /// Winds whose directions span all directions of the table: one to three, or a single zero for calm air.
-fn directions(winds: impl Iterator<Item = Vector3<f64>>) -> Vec<Vector3<f64>> {
+pub(super) fn directions(winds: impl Iterator<Item = Vector3<f64>>) -> Vec<Vector3<f64>> {
     let mut kept: Vec<Vector3<f64>> = Vec::new();
     let mut basis: Vec<Vector3<f64>> = Vec::new();
     for wind in winds {
@@ -104,7 +105,7 @@ impl fmt::Display for WindInPlane {
         let which = if triangles == of { format!("all {of}") } else { format!("{triangles} of {of}") };
         write!(
             f,
-            "the wind lies in the plane of {which} triangles (triangle {first} first), so the air exerts no force on them: turn the wind or the mesh, or give a small initial displacement across the wind"
+            "the wind lies in the plane of {which} triangles (triangle {first} first), so the air exerts no force on them: turn the wind or the mesh, or give a small initial displacement across the wind; a roof needs pressure coefficients by zone, surface_pressure"
         )
     }
 }

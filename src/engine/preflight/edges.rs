@@ -20,10 +20,13 @@ pub struct BranchingEdges {
 
 /// Finds edges of three or more triangles on which the air or a pressure along their normals acts.
 pub fn branching(spec: &NetworkSpec, topology: &Topology) -> Option<BranchingEdges> {
-    let along_normals = spec.pressures.iter().filter(|load| !matches!(load.kind, PressureKind::Dead(Some(_))));
+    let along_normals =
+        spec.pressures.iter().filter(|load| !matches!(load.kind, PressureKind::Dead(Some(_)) | PressureKind::Plan(_)));
     let mut pressed = vec![spec.air.is_some(); spec.mesh.triangles.len()];
     let canopies = spec.canopies.iter().flat_map(|canopy| &canopy.triangles);
-    for triangle in along_normals.flat_map(|load| &load.triangles).chain(canopies) {
+    let zones = spec.surface_pressures.iter().flat_map(|zone| &zone.triangles);
+    let gases = spec.gases.iter().flat_map(|gas| &gas.triangles);
+    for triangle in along_normals.flat_map(|load| &load.triangles).chain(canopies).chain(zones).chain(gases) {
         if let Some(flag) = pressed.get_mut(*triangle as usize) {
             *flag = true;
         }

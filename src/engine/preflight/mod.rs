@@ -8,6 +8,7 @@ pub mod crossing;
 pub mod damping;
 pub mod edges;
 pub mod parts;
+pub mod roofs;
 pub mod units;
 
 use crate::mesh::Topology;
@@ -24,6 +25,7 @@ pub fn network(spec: &NetworkSpec, topology: &Topology, step: Option<f64>) -> Ve
     warnings.extend(coincident::coincident(spec).map(Warning::from));
     warnings.extend(crossing::at_start(spec));
     warnings.extend(air::wind_in_plane(spec).map(Warning::from));
+    warnings.extend(roofs::roofs(spec).map(Warning::from));
     warnings.extend(air::closing(spec).map(Warning::from));
     warnings.extend(air::cavities(spec).map(Warning::from));
     warnings.extend(canopies::drag_coefficients(spec).into_iter().map(Warning::from));

@@ -5,6 +5,7 @@ use super::air_pressure::AirPressure;
 use super::apparent::ApparentMass;
 use super::point_canopy::ShownCanopy;
 use super::{Load, ScaledLoad};
+use crate::force::law::gas::GasLaw;
 use crate::force::law::series::{LoadFactor, SampledTable};
 use crate::force::law::spring::{Coefficient, Cut, SpringData};
 use crate::force::law::stream::Stream;
@@ -29,6 +30,8 @@ pub(super) struct Acting {
     pub pressures: Vec<AirPressure>,
     /// air that canopies take along
     pub apparent: Vec<ApparentMass>,
+    /// gases, by the place of their terms
+    pub gases: Vec<(usize, GasLaw)>,
 }
 
 /// What a force brings to a scene.
@@ -96,6 +99,7 @@ impl Acting {
             canopies: self.canopies.iter().map(|canopy| canopy.for_run(copies)).collect(),
             pressures: self.pressures.iter().map(|pressure| pressure.for_run(copies)).collect(),
             apparent: self.apparent.iter().map(|canopy| canopy.for_run(copies)).collect(),
+            gases: self.gases.iter().map(|(term, law)| (*term, law.for_run(copies))).collect(),
         }
     }
 }

@@ -4,7 +4,9 @@ use crate::force::kernel::batch::Kernel;
 use crate::force::kernel::faces::FaceKernel;
 use crate::force::law::air::AirData;
 use crate::force::law::canopy::CanopyData;
+use crate::force::law::gas::GasData;
 use crate::force::law::rings::RingsData;
+use crate::force::law::surface_pressure::SurfacePressureData;
 use crate::force::{Copies, NodeState};
 use crate::mesh::Mesh;
 use std::collections::HashMap;
@@ -27,6 +29,10 @@ pub(super) enum AirLaw {
     Canopy(CanopyData),
     /// air in a canopy, ring by ring
     Rings(RingsData),
+    /// gas in a volume
+    Gas(GasData),
+    /// wind on a zone
+    Surface(SurfacePressureData),
 }
 
 impl AirPressure {
@@ -43,6 +49,8 @@ impl AirPressure {
             AirLaw::Cloth(data) => &data.triangles,
             AirLaw::Canopy(data) => &data.triangles,
             AirLaw::Rings(data) => &data.triangles,
+            AirLaw::Surface(data) => &data.triangles,
+            AirLaw::Gas(data) => &data.triangles,
         };
         let place = |&corners: &[u32; 3]| {
             let (key, turn) = sorted(corners);
@@ -58,20 +66,25 @@ impl AirPressure {
             AirLaw::Cloth(data) => AirLaw::Cloth(data.for_run(copies)),
             AirLaw::Canopy(data) => AirLaw::Canopy(data.for_run(copies)),
             AirLaw::Rings(data) => AirLaw::Rings(data.for_run(copies).unwrap_or_else(|| data.clone())),
+            AirLaw::Gas(data) => AirLaw::Gas(data.for_run(copies).unwrap_or_else(|| data.clone())),
+            AirLaw::Surface(data) => AirLaw::Surface(data.for_run(copies).unwrap_or_else(|| data.clone())),
         };
         AirPressure { law, places: self.places.clone() }
     }
 
-    /// Writes the pressures [Pa] of its triangles, `[n_triangles]`, user's numbers.
-    pub(super) fn write(&self, at: NodeState<'_>, out: &mut [f64]) {
+    /// Adds the pressures [Pa] of its triangles, `[n_triangles]`, user's numbers.
+    pub(super) fn add(&self, at: NodeState<'_>, out: &mut [f64]) {
         let mut set = |(triangle, turn): (u32, f64), pressure: f64| {
             if let Some(to) = out.get_mut(triangle as usize) {
-                *to = turn * pressure;
+                // Not a sum with 0, which would lose the sign of a pressure of -0.
+                *to = if *to == 0.0 { turn * pressure } else { *to + turn * pressure };
             }
         };
         match &self.law {
             AirLaw::Cloth(data) => data.pressures(at).zip(self.places.iter()).for_each(|(p, place)| set(*place, p)),
             AirLaw::Canopy(data) => data.pressures(at).zip(self.places.iter()).for_each(|(p, place)| set(*place, p)),
+            AirLaw::Gas(data) => data.pressures(at).zip(self.places.iter()).for_each(|(p, place)| set(*place, p)),
+            AirLaw::Surface(data) => data.pressures(at).zip(self.places.iter()).for_each(|(p, place)| set(*place, p)),
             AirLaw::Rings(data) => {
                 data.pressures(at).into_iter().zip(self.places.iter()).for_each(|(p, place)| set(*place, p));
             }

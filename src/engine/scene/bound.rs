@@ -10,7 +10,7 @@
 //! entries so). It takes edges that are alike in all directions by triangles ([`super::bound_by_triangles`]).
 
 use super::bound_by_triangles::AlikeEdges;
-use super::network::{Network, by_node};
+use super::network::{Network, by_node, node_state};
 use crate::force::{TangentForm, TangentSink};
 use crate::model::at_dof::AtDof;
 use crate::model::state::StateRef;
@@ -48,7 +48,7 @@ impl Network {
     /// symmetric (compressive geometric stiffness is dropped); else a measure that grows with the eigenvalue.
     pub(super) fn node_bound(&self, at: StateRef<'_>, w: Weights, buffer: &mut BoundBuffer) -> AtDof {
         let BoundBuffer { blocks, damping } = buffer;
-        let emit = |sink: &mut dyn TangentSink| self.emit_tangents(at, w, FORM, sink);
+        let emit = |sink: &mut dyn TangentSink| self.emit_for_bound(at, w, sink);
         let constant = |info: &TermInfo| info.constant_damping || !info.velocity_dependent;
         if w.k != 0.0 || !self.arrangement.infos.iter().all(constant) {
             return self.bound_in_pass(emit, blocks, None);
@@ -62,7 +62,12 @@ impl Network {
 
     /// The same from up to [`ROUNDS`] passes, with edges divided unequally.
     pub(super) fn sharper_node_bound(&self, at: StateRef<'_>, w: Weights) -> AtDof {
-        self.bound_in_rounds(|sink| self.emit_tangents(at, w, FORM, sink))
+        self.bound_in_rounds(|sink| self.emit_for_bound(at, w, sink))
+    }
+
+    fn emit_for_bound(&self, at: StateRef<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        self.emit_tangents(at, w, FORM, sink);
+        self.force_terms().for_each(|term| term.coupling_bound(node_state(at), w, sink));
     }
 
     /// The same of what `emit` gives.

@@ -27,12 +27,13 @@ use crate::force::law::enclosure::Enclosure;
 use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::law::gravity::Gravity;
 use crate::force::law::inflow::InflowLoss;
-use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
+use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces, PlanLoad};
 use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
 use crate::force::law::rings::RingedCanopy;
 use crate::force::law::series::{LoadFactor, Table, scalar};
 use crate::force::law::spring::{Coefficient, Cut, SpringData};
 use crate::force::law::stream::Stream;
+use crate::force::law::surface_pressure::{SurfacePressure, SurfacePressureData};
 use crate::force::law::triangle::AreaVector;
 use crate::force::schedule::threads::Threads;
 use crate::mesh::unit_vector::unit_vector;
@@ -83,9 +84,11 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     builder.gravity(&mass, &start);
     builder.base(&fixed, &mass);
     builder.air();
+    builder.surface_pressures();
     builder.canopies(&start, &reference)?;
     builder.drag();
     builder.loads(&start);
+    builder.gases(&start)?;
     builder.rayleigh(&mass, &reference);
     let velocity = initial_velocity(&spec);
     let velocity = if velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity[at(i)]).collect() };
@@ -157,7 +160,7 @@ impl Builder<'_> {
         self.numbering.internal[user as usize]
     }
 
-    fn triangles(&self, ids: impl Iterator<Item = u32>) -> Arc<[[u32; 3]]> {
+    pub(super) fn triangles(&self, ids: impl Iterator<Item = u32>) -> Arc<[[u32; 3]]> {
         let mut list: Vec<[u32; 3]> = ids.map(|t| self.spec.mesh.triangles[t as usize].map(|i| self.node(i))).collect();
         list.sort_unstable_by_key(|t| (t[0].min(t[1]).min(t[2]), *t));
         list.into()
@@ -235,7 +238,18 @@ impl Builder<'_> {
         self.acting.add(Added::term(Air::new(data)));
     }
 
-    fn show_pressure(&mut self, law: AirLaw) {
+    fn surface_pressures(&mut self) {
+        let Some(stream) = self.acting.stream.clone() else { return };
+        for zone in &self.spec.surface_pressures {
+            let triangles = self.triangles(zone.triangles.iter().copied());
+            let coefficient = Arc::new(zone.coefficient.rows());
+            let data = SurfacePressureData { triangles, coefficient, stream: stream.clone() };
+            self.show_pressure(AirLaw::Surface(data.clone()));
+            self.acting.add(Added::term(SurfacePressure::new(data)));
+        }
+    }
+
+    pub(super) fn show_pressure(&mut self, law: AirLaw) {
         self.acting.pressures.push(AirPressure::new(law, &self.spec.mesh, &self.numbering.internal));
     }
 
@@ -359,6 +373,11 @@ impl Builder<'_> {
             self.acting.add(match load.kind {
                 PressureKind::Follower => {
                     Added::load(FollowerPressure::new(FollowerData { triangles, pressure, factor }), number, own)
+                }
+                PressureKind::Plan(direction) => {
+                    let direction = Vector3::from(direction);
+                    let plan = PlanLoad { triangles: &triangles, load: pressure, direction, factor };
+                    Added::load(plan.lump(start), number, own)
                 }
                 PressureKind::Dead(direction) => {
                     let direction = direction.map(Vector3::from);

@@ -3,8 +3,8 @@
 use super::check_values::{BuildError, below, finite, length, times, vectors};
 use crate::mesh::Mesh;
 use crate::model::spec::{
-    AtmosphereSpec, CanopyAir, CavitySpec, ClothSpec, FillingSpec, GustSpec, NetworkSpec, PressureKind, RingsSpec,
-    StreamSpec,
+    AtmosphereSpec, CanopyAir, CavitySpec, ClothSpec, FillingSpec, GasFill, GasSpec, GustSpec, NetworkSpec,
+    PressureKind, RingsSpec, StreamSpec,
 };
 
 pub(super) fn loads(spec: &NetworkSpec) -> Result<(), BuildError> {
@@ -21,10 +21,13 @@ pub(super) fn loads(spec: &NetworkSpec) -> Result<(), BuildError> {
     for load in &spec.pressures {
         below("triangle", &load.triangles, spec.mesh.triangles.len())?;
         finite("pressure", &[load.pressure])?;
-        if let PressureKind::Dead(direction) = load.kind {
-            vectors("direction of a pressure", direction.as_slice())?;
+        match load.kind {
+            PressureKind::Follower => {}
+            PressureKind::Dead(direction) => vectors("direction of a pressure", direction.as_slice())?,
+            PressureKind::Plan(direction) => vectors("direction of a load", &[direction])?,
         }
     }
+    spec.gases.iter().try_for_each(|one| gas(one, spec.mesh.triangles.len()))?;
     for load in &spec.forces {
         below("node", &load.nodes, spec.mesh.nodes.len())?;
         vectors("force", &[load.force])?;
@@ -36,10 +39,28 @@ pub(super) fn loads(spec: &NetworkSpec) -> Result<(), BuildError> {
     })
 }
 
+fn gas(gas: &GasSpec, triangles: usize) -> Result<(), BuildError> {
+    let GasSpec { ambient, gamma, volume, fill, .. } = gas;
+    below("triangle", &gas.triangles, triangles)?;
+    finite("gas", &[*ambient, *gamma, volume.unwrap_or(0.0)])?;
+    times("gas", fill.table())?;
+    finite("gas", &fill.table().value)?;
+    let least = fill.table().value.iter().copied().fold(f64::INFINITY, f64::min);
+    let there = if let GasFill::Pressure(_) = fill { least + ambient } else { least };
+    if *ambient <= 0.0 || *gamma < 1.0 || volume.is_some_and(|volume| volume <= 0.0) || there <= 0.0 {
+        let reason = "needs absolute pressures, amounts and volumes above 0, and an exponent of at least 1";
+        return Err(BuildError::Gas { reason });
+    }
+    Ok(())
+}
+
 /// The stream, and what it acts on.
 fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
     let Mesh { nodes, edges, triangles, .. } = &spec.mesh;
-    let needs_air = !(spec.canopies.is_empty() && spec.line_drag.is_empty() && spec.node_drag.is_empty());
+    let needs_air = !(spec.canopies.is_empty()
+        && spec.surface_pressures.is_empty()
+        && spec.line_drag.is_empty()
+        && spec.node_drag.is_empty());
     match &spec.stream {
         None if needs_air => return Err(BuildError::NoStream),
         None => {}
@@ -62,6 +83,11 @@ fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
                 AtmosphereSpec::Isa => {}
             }
         }
+    }
+    for zone in &spec.surface_pressures {
+        below("triangle", &zone.triangles, triangles.len())?;
+        times("surface pressure", &zone.coefficient)?;
+        finite("surface pressure coefficient", &zone.coefficient.value)?;
     }
     for canopy in &spec.canopies {
         below("triangle", &canopy.triangles, triangles.len())?;

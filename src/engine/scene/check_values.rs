@@ -97,8 +97,22 @@ pub enum BuildError {
         /// what is wrong with it
         reason: &'static str,
     },
-    /// Canopies or drag without air.
-    #[error("canopies and drag need a stream")]
+    /// A gas without a volume, or with values that no gas has.
+    #[error("the gas {reason}")]
+    Gas {
+        /// what it lacks
+        reason: &'static str,
+    },
+    /// A volume of gas that is open at a rim which moves.
+    #[error(
+        "the volume of gas is open at node {node}, which can move: close the surface, or hold its rim in x, y and z"
+    )]
+    OpenGas {
+        /// user's number
+        node: u32,
+    },
+    /// Canopies, zones or drag without air.
+    #[error("canopies, zones of surfaces and drag need a stream")]
     NoStream,
     /// A canopy without nodes that it needs.
     #[error("a canopy has no node of its {what}")]

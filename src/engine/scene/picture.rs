@@ -39,7 +39,7 @@ impl Observables for Network {
     }
 
     fn air(&self) -> Option<&dyn Air> {
-        self.acting.stream.is_some().then_some(self)
+        (self.acting.stream.is_some() || self.presses()).then_some(self)
     }
 
     fn triangle_membranes(&self, at: StateRef<'_>, out: &mut [MembranePicture]) {
@@ -217,7 +217,7 @@ impl Air for Network {
 
     fn triangle_pressure(&self, at: StateRef<'_>, out: &mut [f64]) {
         out.fill(0.0);
-        self.acting.pressures.iter().for_each(|pressure| pressure.write(node_state(at), out));
+        self.acting.pressures.iter().for_each(|pressure| pressure.add(node_state(at), out));
     }
 
     fn canopies(&self) -> usize {

@@ -163,10 +163,12 @@ impl Fingerprint {
             gravity,
             base_acceleration,
             air,
+            surface_pressures,
             stream,
             canopies,
             line_drag,
             node_drag,
+            gases,
             pressures,
             forces,
             rayleigh,
@@ -195,8 +197,14 @@ impl Fingerprint {
         }
         self.text("system.network.gravity", gravity)?;
         self.sum("system.network.aero", air)?;
+        if !surface_pressures.is_empty() {
+            self.sum("system.network.aero", surface_pressures)?;
+        }
         if stream.is_some() {
             self.sum("system.network.aero", &(stream, canopies, line_drag, node_drag))?;
+        }
+        if !gases.is_empty() {
+            self.sum("system.network.gas", gases)?;
         }
         self.sum("system.network.loads", &(pressures, forces))?;
         self.text("system.network.damping.rayleigh", rayleigh)?;

@@ -279,7 +279,11 @@ impl Simulation {
         if wind.is_some_and(|wind| wind.iter().any(|value| !value.is_finite())) {
             return Err(SimulationError::NotFinite { what: "wind", row: 0 });
         }
-        let air = self.scene.air().ok_or(SimulationError::Unsupported("air, and so no wind"))?;
+        let air = self
+            .scene
+            .air()
+            .filter(|air| !air.winds(0.0).is_empty())
+            .ok_or(SimulationError::Unsupported("air, and so no wind"))?;
         air.hold_wind(wind);
         self.wind = wind;
         self.note(Changed::Loads);

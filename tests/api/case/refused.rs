@@ -280,7 +280,11 @@ fn air_loads_and_start() {
             "without triangles",
         ),
         ("system.network.mesh.explicit.triangles=[]", "/system/network/mass/areal_density", "without triangles"),
-        ("system.network.loads=[{\"on\":\"all\"}]", "/system/network/loads/0", "exactly one of pressure and force"),
+        (
+            "system.network.loads=[{\"on\":\"all\"}]",
+            "/system/network/loads/0",
+            "exactly one of pressure, force and snow",
+        ),
         ("system.network.loads=[{\"on\":\"outer\",\"pressure\":1}]", "/system/network/loads/0/on", "acts on triangles"),
         (
             "system.network.loads=[{\"on\":{\"ids\":[2]},\"pressure\":1}]",

@@ -1,6 +1,7 @@
 //! The list of terms.
 
 use crate::common::{patch, spring_group};
+use canopy_fem::mesh::Mesh;
 use canopy_fem::model::spec::*;
 
 fn with_dashpots(slack: Slack, kind: DashpotKind) -> NetworkSpec {
@@ -110,7 +111,43 @@ fn node_drag() -> Vec<NodeDragSpec> {
     vec![NodeDragSpec { nodes: vec![1, 4, 6], drag_area: 0.4 }]
 }
 
-/// Terms whose forces also change with the height.
+/// A closed surface, one corner of which is held.
+fn octahedron() -> Mesh {
+    let around = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]];
+    let nodes = around.into_iter().chain([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]).collect();
+    let side = |i: u32| [[i, (i + 1) % 4, 4], [(i + 1) % 4, i, 5]];
+    Mesh { nodes, triangles: (0..4).flat_map(side).collect(), ..Mesh::default() }
+}
+
+/// Its upper half, which is open below.
+fn pyramid() -> Mesh {
+    let whole = octahedron();
+    let triangles = whole.triangles.iter().copied().filter(|corners| corners.contains(&4)).collect();
+    Mesh { nodes: whole.nodes[..5].to_vec(), triangles, ..whole }
+}
+
+fn gas_of(triangles: u32) -> GasSpec {
+    let fill = GasFill::Pressure(Series { t: vec![0.0], value: vec![6.0] });
+    GasSpec { triangles: (0..triangles).collect(), ambient: 20.0, gamma: 1.3, volume: None, fill }
+}
+
+/// Gas in a surface whose lower nodes are held, or one of them.
+fn gas(mesh: Mesh, gas: GasSpec) -> NetworkSpec {
+    let nodes = mesh.nodes.len();
+    let held = |i: usize| i == 0 || nodes == 5 && i < 4;
+    let fixed = (0..nodes).map(|i| [held(i); 3]).collect();
+    NetworkSpec { mesh, mass: vec![0.4; nodes], fixed, gases: vec![gas], ..NetworkSpec::default() }
+}
+
+/// Two zones, one of which has a coefficient over the angle.
+fn surface_pressures() -> Vec<SurfacePressureSpec> {
+    let table = Series { t: vec![0.0, 0.9, 2.0, 3.1], value: vec![0.8, -0.5, -1.2, -0.3] };
+    let constant = Series { t: vec![0.0], value: vec![-0.7] };
+    let zone = |triangles: &[u32], coefficient| SurfacePressureSpec { triangles: triangles.to_vec(), coefficient };
+    vec![zone(&[0, 3, 4, 6], table), zone(&[1, 7], constant)]
+}
+
+/// Terms whose forces also change with the height, and gas over a rim that does not move.
 pub fn uneven_scenes() -> Vec<(&'static str, NetworkSpec)> {
     let air = |spec: NetworkSpec| NetworkSpec { stream: Some(uneven_stream()), ..spec };
     vec![
@@ -122,6 +159,8 @@ pub fn uneven_scenes() -> Vec<(&'static str, NetworkSpec)> {
         ("cavity of porous cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([3.0, 0.8])), ..patch() })),
         ("cavity of viscous cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([12.0, 0.0])), ..patch() })),
         ("cavity of inertial cloth in uneven air", air(NetworkSpec { canopies: cavity(Some([0.0, 9.0])), ..patch() })),
+        ("gas on the ground", gas(pyramid(), GasSpec { volume: Some(0.9), ..gas_of(4) })),
+        ("surface pressure in uneven air", air(NetworkSpec { surface_pressures: surface_pressures(), ..patch() })),
         ("line drag in uneven air", air(NetworkSpec { line_drag: line_drag(), ..patch() })),
         ("node drag in uneven air", air(NetworkSpec { node_drag: node_drag(), ..patch() })),
     ]
@@ -194,6 +233,7 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
     list.push(("porous air", air(1.5, 2.5)));
     list.push(("follower pressure", pressure(PressureKind::Follower)));
     list.push(("dead pressure along a direction", pressure(PressureKind::Dead(Some([0.0, 0.6, 0.8])))));
+    list.push(("snow", pressure(PressureKind::Plan([0.0, 0.6, -0.8]))));
     list.push(("dead pressure along the first normal", pressure(PressureKind::Dead(None))));
     let base_acceleration = Some(Series { t: vec![0.0, 1.0], value: vec![[1.0, -2.0, 4.0], [3.0, 0.5, -6.0]] });
     list.push(("base acceleration", NetworkSpec { base_acceleration, ..patch() }));
@@ -203,6 +243,13 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
     list.push(("canopy", air(NetworkSpec { canopies: canopy(), ..patch() })));
     list.push(("inflow loss", air(NetworkSpec { canopies: losing(canopy()), ..patch() })));
     list.push(("cavity", air(NetworkSpec { canopies: cavity(Some([3.0, 0.8])), ..patch() })));
+    for (name, gamma, fill) in [
+        ("gas by its pressure", 1.4, GasFill::Pressure(Series { t: vec![0.0, 1.0], value: vec![4.0, 9.0] })),
+        ("gas by its amount", 1.0, GasFill::Amount(Series { t: vec![0.0, 1.0], value: vec![1.0, 1.9] })),
+    ] {
+        list.push((name, gas(octahedron(), GasSpec { gamma, fill, ..gas_of(8) })));
+    }
+    list.push(("surface pressure", air(NetworkSpec { surface_pressures: surface_pressures(), ..patch() })));
     list.push(("line drag", air(NetworkSpec { line_drag: line_drag(), ..patch() })));
     list.push(("node drag", air(NetworkSpec { node_drag: node_drag(), ..patch() })));
     list

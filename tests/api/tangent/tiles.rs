@@ -11,8 +11,8 @@ use canopy_fem::mesh::Mesh;
 use canopy_fem::model::forces::{Forces, Tally};
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::{
-    BendingSpec, CanopySpec, LineDragSpec, MembraneSpec, NetworkSpec, NodalLoad, NodeDragSpec, PressureLoad,
-    SpringGroup, SpringValues,
+    BendingSpec, CanopySpec, GasSpec, LineDragSpec, MembraneSpec, NetworkSpec, NodalLoad, NodeDragSpec, PressureLoad,
+    SpringGroup, SpringValues, SurfacePressureSpec,
 };
 use canopy_fem::model::state::{State, StateRef};
 use canopy_fem::model::step_block::{StepSummary, Work};
@@ -51,7 +51,7 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
     });
     let pressures = spec.pressures.iter().map(|p| PressureLoad { triangles: renamed(&p.triangles), ..p.clone() });
     let forces = spec.forces.iter().map(|f| NodalLoad { nodes: renamed(&f.nodes), ..f.clone() });
-    // Each copy's canopy has an air speed of its own.
+    // Each copy's canopy has an air speed of its own, and each gas a volume.
     let copy = |list: &[u32], c: usize| list.iter().map(|i| i * COPIES as u32 + c as u32).collect::<Vec<u32>>();
     let canopies = spec.canopies.iter().flat_map(|one| {
         (0..COPIES).map(|c| CanopySpec {
@@ -69,6 +69,11 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
     let membranes = spec.membranes.iter().map(|m| MembraneSpec { triangles: renamed(&m.triangles), ..m.clone() });
     let bending = spec.bending.iter();
     let bending = bending.map(|b| BendingSpec { hinges: between(&b.hinges), chains: between(&b.chains), ..b.clone() });
+    let gases = spec.gases.iter();
+    let gases =
+        gases.flat_map(|one| (0..COPIES).map(|c| GasSpec { triangles: copy(&one.triangles, c), ..one.clone() }));
+    let zones = spec.surface_pressures.iter();
+    let zones = zones.map(|z| SurfacePressureSpec { triangles: renamed(&z.triangles), ..z.clone() });
     let line_drag = spec.line_drag.iter().map(|d| LineDragSpec { edges: renamed(&d.edges), ..d.clone() });
     let node_drag = spec.node_drag.iter().map(|d| NodeDragSpec { nodes: renamed(&d.nodes), ..d.clone() });
     NetworkSpec {
@@ -76,6 +81,8 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
         canopies: canopies.collect(),
         membranes: membranes.collect(),
         bending: bending.collect(),
+        gases: gases.collect(),
+        surface_pressures: zones.collect(),
         line_drag: line_drag.collect(),
         node_drag: node_drag.collect(),
         mass: many(&spec.mass),
@@ -122,7 +129,7 @@ fn every_copy_feels_what_one_feels_alone() {
                 assert!(off < 1e-11 * (1.0 + expected.abs()), "{name}: {place:?} {found}, alone {expected}");
             }
         }
-        // A canopy is a term of its own in every copy; other terms have all copies.
+        // A canopy and a gas are terms of their own in every copy; other terms have all copies.
         let (terms, pieces) = (expected.tallies.len(), found.tallies.len());
         let found = found.tallies.chunks(pieces / terms).map(|all| {
             all.iter().fold(Tally::default(), |sum, one| Tally {

@@ -1,4 +1,5 @@
-//! Forces that do not depend on the state: nodal forces, dead pressure lumped to its nodes, and what a program sets.
+//! Forces that do not depend on the state: nodal forces, dead pressure and snow lumped to their nodes, and what a
+//! program sets.
 //!
 //! f = factor(t) F, tangents zero, power = f . v.
 
@@ -19,6 +20,9 @@ pub const FORCES: TermInfo = TermInfo::of("forces", Role::External);
 
 /// Forces of a pressure on the nodes of its triangles.
 const DEAD_PRESSURE: TermInfo = TermInfo { name: "dead pressure", on_triangles: true, ..FORCES };
+
+/// The same of a load on the plan.
+const PLAN_LOAD: TermInfo = TermInfo { name: "snow", ..DEAD_PRESSURE };
 
 /// Given forces on some nodes.
 #[derive(Clone, Debug)]
@@ -49,18 +53,55 @@ pub struct DeadPressure<'a> {
 impl DeadPressure<'_> {
     /// Lumps p A0 (direction) to the vertices, a third each, at the node positions `x` [m] `[n_nodes]`.
     pub fn lump(self, x: &[Vector3<f64>]) -> NodalForces {
-        let mut sum = vec![Vector3::zeros(); x.len()];
-        for &nodes in self.triangles {
-            let s = AreaVector::new(x, nodes).s;
-            let force = self.pressure / 3.0 * self.direction.map_or(s, |d| s.norm() * d);
-            for i in nodes {
-                sum[i as usize] += force;
-            }
-        }
-        let nodes: Arc<[u32]> = (0..x.len() as u32).filter(|&i| sum[i as usize] != Vector3::zeros()).collect();
-        let force = nodes.iter().map(|&i| sum[i as usize]).collect();
+        let (nodes, force) =
+            lumped(self.triangles, x, |s| self.pressure / 3.0 * self.direction.map_or(s, |d| s.norm() * d));
         NodalForces { info: DEAD_PRESSURE, nodes, force, factor: self.factor }
     }
+}
+
+/// A load per area of the plan, such as snow: on the initial areas as seen along its direction d.
+///
+/// ```text
+/// f_i = s |S . d| d/3
+/// ```
+/// Codes give snow by the plan of the structure as built: where the cloth sags, as much snow lies on it as before.
+#[derive(Clone, Debug)]
+pub struct PlanLoad<'a> {
+    /// the triangles
+    pub triangles: &'a [[u32; 3]],
+    /// \[N/m^2\] s
+    pub load: f64,
+    /// unit vector d, downwards
+    pub direction: Vector3<f64>,
+    /// factor over time
+    pub factor: LoadFactor,
+}
+
+impl PlanLoad<'_> {
+    /// Lumps the load to the vertices, a third each, at the node positions `x` [m] `[n_nodes]`.
+    pub fn lump(self, x: &[Vector3<f64>]) -> NodalForces {
+        let (nodes, force) =
+            lumped(self.triangles, x, |s| self.load / 3.0 * s.dot(&self.direction).abs() * self.direction);
+        NodalForces { info: PLAN_LOAD, nodes, force, factor: self.factor }
+    }
+}
+
+/// The nodes with a force and their forces [N], `share` being what each vertex gets by the area vector of a triangle.
+fn lumped(
+    triangles: &[[u32; 3]],
+    x: &[Vector3<f64>],
+    share: impl Fn(Vector3<f64>) -> Vector3<f64>,
+) -> (Arc<[u32]>, Arc<[Vector3<f64>]>) {
+    let mut sum = vec![Vector3::zeros(); x.len()];
+    for &nodes in triangles {
+        let force = share(AreaVector::new(x, nodes).s);
+        for i in nodes {
+            sum[i as usize] += force;
+        }
+    }
+    let nodes: Arc<[u32]> = (0..x.len() as u32).filter(|&i| sum[i as usize] != Vector3::zeros()).collect();
+    let force = nodes.iter().map(|&i| sum[i as usize]).collect();
+    (nodes, force)
 }
 
 /// The forces at one time.

@@ -4,11 +4,13 @@
 use super::coefficients::{Coefficients, checked_coefficients};
 use super::geometry::{Geometry, TriangleUse, triangles};
 use super::wind::{self, Winds};
-use super::{canopy, select};
+use super::{canopy, select, zones};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Aero, Atmosphere, Drag, ExponentialAtmosphere, OneOrSeveral};
-use crate::model::spec::{AirSpec, AtmosphereSpec, CanopySpec, LineDragSpec, NodeDragSpec, StreamSpec};
+use crate::case::schema::{Aero, Atmosphere, Drag, ExponentialAtmosphere, OneOrSeveral, PorousLaw};
+use crate::model::spec::{
+    AirSpec, AtmosphereSpec, CanopySpec, LineDragSpec, NodeDragSpec, StreamSpec, SurfacePressureSpec,
+};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -17,6 +19,8 @@ use std::path::Path;
 pub(super) struct Flow {
     /// the air that blows through cloth
     pub air: Option<AirSpec>,
+    /// zones of surfaces with pressure coefficients
+    pub surface_pressures: Vec<SurfacePressureSpec>,
     /// the stream for the rest
     pub stream: Option<StreamSpec>,
     /// canopies that it fills
@@ -53,14 +57,29 @@ pub(super) fn flow(
     let winds =
         aero.wind.as_ref().map_or_else(|| Some(Winds::calm()), |w| wind::wind(&at.key("wind"), w, base, faults));
     let atmosphere = atmosphere(&at.key("atmosphere"), aero, geometry, faults);
-    if !fills && aero.drag.is_empty() {
+    let zoned = match &aero.law {
+        Some(PorousLaw::SurfacePressure(zones)) => Some(zones),
+        _ => None,
+    };
+    let in_stream = fills || !aero.drag.is_empty() || zoned.is_some();
+    if !in_stream {
         for (key, given) in [("atmosphere", aero.atmosphere.is_some()), ("altitude", aero.altitude.is_some())] {
             if given {
-                faults.add_hint(&at.key(key), "only with canopy or drag", "a law has a density of its own");
+                faults.add_hint(
+                    &at.key(key),
+                    "only with canopy, drag or surface_pressure",
+                    "a law has a density of its own",
+                );
             }
         }
     }
-    let mut flow = Flow { air: air(at, aero, winds.as_ref(), geometry, faults), ..Flow::default() };
+    let mut flow = match zoned {
+        Some(given) => {
+            let at = at.key("law").key("surface_pressure");
+            Flow { surface_pressures: zones::zones(&at, given, geometry, faults), ..Flow::default() }
+        }
+        None => Flow { air: air(at, aero, winds.as_ref(), geometry, faults), ..Flow::default() },
+    };
     let listed = matches!(aero.canopy, Some(OneOrSeveral::Several(_)));
     for (i, canopy) in canopies.iter().enumerate() {
         let at = at.key("canopy");
@@ -77,7 +96,7 @@ pub(super) fn flow(
         drag(&at.key("drag").index(i), one, geometry, &mut flow, faults);
     }
     let Some(Winds { table, gusts, profile }) = winds else { return flow };
-    if fills || !aero.drag.is_empty() || !gusts.is_empty() {
+    if in_stream || !gusts.is_empty() {
         let altitude = aero.altitude.unwrap_or(0.0);
         flow.stream = Some(StreamSpec { wind: table, gusts, profile, atmosphere, altitude });
     }

@@ -13,7 +13,7 @@ pub(super) fn checked_coefficients(at: &Pointer, given: &PorousLaw, faults: &mut
         faults.add(&at.key("permeable"), "a or b above 0; leave the section out for no air");
         return None;
     }
-    let found = coefficients(given);
+    let found = coefficients(given)?;
     if !(found.linear.is_finite() && found.quadratic.is_finite()) {
         faults.add(at, "values whose pressure is a finite number");
         return None;
@@ -30,13 +30,15 @@ pub(super) struct Coefficients {
     pub quadratic: f64,
 }
 
-/// The coefficients of any law.
-fn coefficients(law: &PorousLaw) -> Coefficients {
-    match law {
+/// The coefficients of a law that has them: pressures by zone do not depend on v_n.
+fn coefficients(law: &PorousLaw) -> Option<Coefficients> {
+    let found = match law {
+        PorousLaw::SurfacePressure(_) => return None,
         PorousLaw::Ergun(ergun) => ergun_coefficients(ergun),
         PorousLaw::Permeable(p) => Coefficients { linear: p.thickness * p.a, quadratic: p.thickness * p.b },
         PorousLaw::PressureCoefficient(p) => Coefficients { linear: 0.0, quadratic: 0.5 * p.cp * p.air_density },
-    }
+    };
+    Some(found)
 }
 
 /// Ergun 1952: dp/e = 150 mu (1-eps)^2/(D^2 eps^3) v_s + 1.75 rho (1-eps)/(D eps^3) v_s |v_s|, v_s = v_n superficial.

@@ -1,4 +1,4 @@
-//! Given pressures and forces.
+//! Given pressures and forces, and snow.
 
 use crate::mesh::unit_vector::unit_vector;
 use nalgebra::Vector3;
@@ -21,7 +21,14 @@ pub(super) struct Loads {
 }
 
 /// Checks and resolves the `loads` section.
-pub(super) fn loads(at: &Pointer, list: &[Load], geometry: Option<&Geometry>, faults: &mut Faults<'_>) -> Loads {
+pub(super) fn loads(
+    at: &Pointer,
+    list: &[Load],
+    gravity: Option<[f64; 3]>,
+    geometry: Option<&Geometry>,
+    faults: &mut Faults<'_>,
+) -> Loads {
+    const ALLOWED: &str = "exactly one of pressure, force and snow";
     let mut loads = Loads::default();
     for (i, load) in list.iter().enumerate() {
         let at = at.index(i);
@@ -29,15 +36,26 @@ pub(super) fn loads(at: &Pointer, list: &[Load], geometry: Option<&Geometry>, fa
             None => Some(None),
             Some(table) => series(&at.key("table"), table.iter().map(|[t, f]| (*t, *f)), faults).map(Some),
         };
-        match (load.pressure, load.force) {
-            (Some(p), None) => {
+        if load.shape.is_some() && load.snow.is_none() {
+            faults.add(&at.key("shape"), "only with snow");
+        }
+        match (load.pressure, load.force, load.snow) {
+            (Some(p), None, None) => {
                 loads.pressures.extend(pressure(&at, &LoadInput { load, value: p, factor }, geometry, faults))
             }
-            (None, Some(f)) => loads.forces.extend(force(&at, &LoadInput { load, value: f, factor }, geometry, faults)),
-            (None, None) => faults.add_value(&at, "a load without value", "exactly one of pressure and force", None),
-            (Some(_), Some(_)) => {
-                let hint = Some("write two loads".to_owned());
-                faults.add_value(&at, "a load with pressure and force", "exactly one of pressure and force", hint);
+            (None, Some(f), None) => {
+                loads.forces.extend(force(&at, &LoadInput { load, value: f, factor }, geometry, faults));
+            }
+            (None, None, Some(s)) => {
+                let down = down(gravity);
+                loads.pressures.extend(snow(&at, &LoadInput { load, value: s, factor }, down, geometry, faults));
+            }
+            (None, None, None) => faults.add_value(&at, "a load without value", ALLOWED, None),
+            (pressure, force, snow) => {
+                let given = [("pressure", pressure.is_some()), ("force", force.is_some()), ("snow", snow.is_some())];
+                let given: Vec<&str> = given.iter().filter(|(_, given)| *given).map(|(name, _)| *name).collect();
+                let hint = Some("write a load for each".to_owned());
+                faults.add_value(&at, format!("a load with {}", given.join(" and ")), ALLOWED, hint);
             }
         }
     }
@@ -66,6 +84,33 @@ fn pressure(
     }
     let triangles = select::triangles(&at.key("on"), &load.on, geometry, faults)?;
     Some(PressureLoad { triangles, pressure: *value, kind: kind?, factor: factor.clone()? })
+}
+
+/// The direction of gravity; -z without it.
+fn down(gravity: Option<[f64; 3]>) -> [f64; 3] {
+    gravity.map(Vector3::from).and_then(unit_vector).map_or([0.0, 0.0, -1.0], Into::into)
+}
+
+/// A load on the plan, as seen along `down`.
+fn snow(
+    at: &Pointer,
+    LoadInput { load, value, factor }: &LoadInput<'_, f64>,
+    down: [f64; 3],
+    geometry: Option<&Geometry>,
+    faults: &mut Faults<'_>,
+) -> Option<PressureLoad> {
+    for (key, given) in [("kind", load.kind.is_some()), ("direction", load.direction.is_some())] {
+        if given {
+            faults.add_hint(&at.key(key), "only with pressure", "snow acts along gravity, on the plan");
+        }
+    }
+    let geometry = geometry?;
+    if !triangles(at, "snow", geometry, TriangleUse::Areas, faults) {
+        return None;
+    }
+    let triangles = select::triangles(&at.key("on"), &load.on, geometry, faults)?;
+    let pressure = value * load.shape.unwrap_or(1.0);
+    Some(PressureLoad { triangles, pressure, kind: PressureKind::Plan(down), factor: factor.clone()? })
 }
 
 fn pressure_kind(at: &Pointer, load: &Load, faults: &mut Faults<'_>) -> Option<PressureKind> {

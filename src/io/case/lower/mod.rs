@@ -8,6 +8,7 @@ mod digits;
 mod elastic_law;
 mod energy;
 mod filling;
+mod gas;
 pub(crate) mod geometry;
 mod initial;
 mod loads;
@@ -28,6 +29,7 @@ mod surface;
 mod tables;
 mod time;
 mod wind;
+mod zones;
 
 use std::path::Path;
 use std::sync::Arc;

@@ -7,7 +7,7 @@ use super::numbers::series;
 use super::point::{Whole, point};
 use super::springs::SpringSources;
 use super::supports::{Supports, supports};
-use super::{canopy, digits, energy, loads, mass, plausible, springs, surface};
+use super::{canopy, digits, energy, gas, loads, mass, plausible, springs, surface};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Damping, Network, NetworkModel, VectorTable, vectors};
@@ -46,10 +46,10 @@ pub(super) fn network(
     let groups = springs::springs(&at.key("springs"), sources, geometry, &mut masses, faults);
     let masses_known = faults.count() == before && readable(&["mass", "supports", "springs", "membranes"], faults);
     let rayleigh = rayleigh(network.damping.as_ref());
-    let Flow { air, stream, canopies, line_drag, node_drag } =
+    let Flow { air, surface_pressures, stream, canopies, line_drag, node_drag } =
         air::flow(&at.key("aero"), network.aero.as_ref(), base, geometry, faults);
     let base_acceleration = base_acceleration(at, network, faults);
-    let loads = loads::loads(&at.key("loads"), &network.loads, geometry, faults);
+    let loads = loads::loads(&at.key("loads"), &network.loads, network.gravity, geometry, faults);
     let geometry = geometry?;
     let mut at_last = fixed.clone();
     releases.iter().for_each(|release| release.apply(&mut at_last));
@@ -66,6 +66,7 @@ pub(super) fn network(
         let value = "every node is held in x, y and z";
         faults.add_value(&at.key("supports"), value, "something that can move", Some(hint.to_owned()));
     }
+    let gases = gas::gases(&at.key("gas"), network.gas.as_ref(), (geometry, &at_last, &motions), faults);
     let start = if start_known {
         let moved = &support_velocity(&motions, fixed.len());
         let against = initial::Network { geometry, fixed: &fixed, moved, springs: &groups };
@@ -85,10 +86,12 @@ pub(super) fn network(
         gravity: network.gravity,
         base_acceleration,
         air,
+        surface_pressures,
         stream,
         canopies,
         line_drag,
         node_drag,
+        gases,
         pressures: loads.pressures,
         forces: loads.forces,
         rayleigh,

@@ -101,6 +101,7 @@ pub(super) fn pressure(at: &Pointer, law: &PorousLaw, spec: &NetworkSpec, faults
         // The law has no density of its own.
         PorousLaw::Permeable(_) => (SEA_LEVEL, false),
         PorousLaw::PressureCoefficient(law) => (law.air_density, true),
+        PorousLaw::SurfacePressure(_) => return,
     };
     let winds = || wind.value.iter().map(|w| Vector3::from(*w));
     let first = winds().next().unwrap_or_default();

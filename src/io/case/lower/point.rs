@@ -107,6 +107,9 @@ fn refuse(at: &Pointer, full: &NetworkSpec, whole: &Whole, faults: &mut Faults<'
     if full.node_drag.iter().any(|drag| !of_payload(&drag.nodes)) {
         not(&aero.key("drag"), "a drag area of other nodes than the payload's", "drag areas of the payload");
     }
+    if !full.gases.is_empty() {
+        not(&at.key("gas"), "gas in a point", "no gas");
+    }
     if !full.pressures.is_empty() || full.forces.iter().any(|load| !of_payload(&load.nodes)) {
         not(&at.key("loads"), "loads on a point", "forces on the payload");
     }

@@ -66,7 +66,7 @@ pub(super) fn nodes(
             return ids(&at.key("ids"), list, Range { what: "node", count: geometry.nodes() }, faults);
         }
         NodeSelection::Group(name) => {
-            return group(at, name, geometry, faults).map(|group| group.select_nodes(&geometry.mesh));
+            return group(&at.key("group"), name, geometry, faults).map(|group| group.select_nodes(&geometry.mesh));
         }
         NodeSelection::All => inside(&|_| true),
         NodeSelection::Boundary => topology.boundary_nodes().to_vec(),
@@ -115,7 +115,7 @@ fn group<'a>(at: &Pointer, name: &str, geometry: &'a Geometry, faults: &mut Faul
             _ => one_of("groups of this mesh", &names),
         };
         let hint = did_you_mean(name, names).unwrap_or_default();
-        faults.add_hint(&at.key("group"), allowed, hint);
+        faults.add_hint(at, allowed, hint);
     }
     found
 }
@@ -123,7 +123,7 @@ fn group<'a>(at: &Pointer, name: &str, geometry: &'a Geometry, faults: &mut Faul
 /// Adds the fault of a group that has no members of the kind that is needed.
 fn refuse_group(at: &Pointer, group: &Group, what: &str, faults: &mut Faults<'_>) {
     let hint = format!("it has {}", group.describe());
-    faults.add_hint(&at.key("group"), format!("a group with {what}"), hint);
+    faults.add_hint(at, format!("a group with {what}"), hint);
 }
 
 /// The extent of the nodes, for a box or sphere that contains none.
@@ -159,10 +159,10 @@ pub(super) fn edges(
         EdgeSelection::Seams => flagged(&geometry.mesh.seams),
         EdgeSelection::Ids(list) => flagged(&ids(&at.key("ids"), list, Range { what: "edge", count }, faults)?),
         EdgeSelection::Group(name) => {
-            let group = group(at, name, geometry, faults)?;
+            let group = group(&at.key("group"), name, geometry, faults)?;
             let edges = group.select_edges(&geometry.mesh);
             if edges.is_empty() {
-                refuse_group(at, group, "edges or triangles", faults);
+                refuse_group(&at.key("group"), group, "edges or triangles", faults);
                 return None;
             }
             flagged(&edges)
@@ -194,14 +194,7 @@ pub(super) fn triangles(
     match selection {
         NodeSelection::All => Some((0_u32..).take(count).collect()),
         NodeSelection::Ids(list) => ids(&at.key("ids"), list, Range { what: "triangle", count }, faults),
-        NodeSelection::Group(name) => {
-            let group = group(at, name, geometry, faults)?;
-            if group.triangles.is_empty() {
-                refuse_group(at, group, "triangles", faults);
-                return None;
-            }
-            Some(group.triangles.clone())
-        }
+        NodeSelection::Group(name) => triangles_of_group(&at.key("group"), name, geometry, faults),
         other => {
             let word = other.keyword();
             faults.add_hint(
@@ -212,6 +205,21 @@ pub(super) fn triangles(
             None
         }
     }
+}
+
+/// The triangles of a group that is named at `at`, ascending.
+pub(super) fn triangles_of_group(
+    at: &Pointer,
+    name: &str,
+    geometry: &Geometry,
+    faults: &mut Faults<'_>,
+) -> Option<Vec<u32>> {
+    let group = group(at, name, geometry, faults)?;
+    if group.triangles.is_empty() {
+        refuse_group(at, group, "triangles", faults);
+        return None;
+    }
+    Some(group.triangles.clone())
 }
 
 /// The kind of object that ids number.

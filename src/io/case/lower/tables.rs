@@ -3,7 +3,9 @@
 use super::wind;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Factor, FactorTable, Gust, Network, VectorTable, WindPart};
+use crate::case::schema::{
+    Factor, FactorTable, Gust, Network, OneOrSeveral, OverTime, ValueTable, VectorTable, WindPart,
+};
 use crate::format_number::figures;
 use crate::model::spec::NetworkSpec;
 use crate::warning::WarningCode;
@@ -37,6 +39,15 @@ pub(super) fn warn_of_short_pulses(
     for (i, table) in loads.filter_map(|(i, load)| Some((i, load.table.as_ref()?))) {
         let at = at.key("loads").index(i).key("table");
         warn(&at, "impulse", pulses(table.iter().copied(), steps), steps, faults);
+    }
+    let gases = network.gas.as_ref();
+    for (i, gas) in gases.map_or(&[][..], OneOrSeveral::all).iter().enumerate() {
+        let at = at.key("gas");
+        let at = if let Some(OneOrSeveral::Several(_)) = gases { at.index(i) } else { at };
+        for (key, given) in [("pressure", &gas.pressure), ("amount", &gas.amount)] {
+            let Some(OverTime::Table(ValueTable { table })) = given else { continue };
+            warn(&at.key(key).key("table"), "mean", pulses(table.iter().copied(), steps), steps, faults);
+        }
     }
     let vector = |rows: &[[f64; 4]]| {
         let component = |c: usize| pulses(rows.iter().map(move |row| [row[0], row[c]]), steps);

@@ -4,6 +4,7 @@ use super::select::{NodeOrEdgeSelection, NodeSelection};
 use super::wind::{Atmosphere, Wind, numbers};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// The air. At least one of `law`, `canopy` and `drag` is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -16,7 +17,8 @@ pub struct Aero {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wind: Option<Wind>,
     /// Pressure jump over every triangle, driven by the wind's velocity along the triangle's normal relative to the
-    /// cloth, v_n; it acts along the relative wind. For cloth that is held in a free stream; not together with
+    /// cloth, v_n; it acts along the relative wind. For cloth that is held in a free stream. Or, with
+    /// `surface_pressure`, pressures by zone for roofs and other surfaces that the wind flows around. Not together with
     /// `canopy`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<PorousLaw>,
@@ -26,7 +28,8 @@ pub struct Aero {
     /// Drag of lines and payloads.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub drag: Vec<Drag>,
-    /// Density of the air for `canopy` and `drag`; 1.225 kg/m^3 if not given (sea level, standard atmosphere).
+    /// Density of the air for `canopy`, `drag` and `surface_pressure`; 1.225 kg/m^3 if not given (sea level, standard
+    /// atmosphere).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub atmosphere: Option<Atmosphere>,
     /// [m] Height of z = 0 above sea level, for `atmosphere` and wind profiles; 0 if not given. Heights grow with z.
@@ -331,8 +334,8 @@ pub struct Drag {
     pub drag_area: Option<f64>,
 }
 
-/// Pressure jump as a function of v_n.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// Pressure jump as a function of v_n, or pressure coefficients by zone.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PorousLaw {
     /// Ergun's equation for a porous layer.
@@ -341,6 +344,38 @@ pub enum PorousLaw {
     Permeable(PermeableLaw),
     /// A plain pressure coefficient: dp = cp rho/2 v_n |v_n|.
     PressureCoefficient(PressureCoefficientLaw),
+    /// [-] Pressure coefficients by zone, as building codes give them: `{group: cp}`, the groups being triangles; `all`
+    /// stands for all of them. cp q acts along the normal of each triangle, with the dynamic pressure of the wind at
+    /// its height, q = rho |V|^2/2. The outer face is the one that the triangles' right-hand normals look out of: a
+    /// positive cp pushes onto it, a negative one is suction. cp is a number, or rows `[angle, cp]` over the angle, in
+    /// radians, between the outer normal and the direction that the wind comes from: 0 where the wind meets the outer
+    /// face, pi/2 along it, pi on the lee side; linear between the rows, constant outside them. Triangles in no zone
+    /// have no pressure. The velocity of the surface does not count.
+    SurfacePressure(BTreeMap<String, ZoneCoefficient>),
+}
+
+/// \[-\] Pressure coefficient cp of a zone, constant or over the angle.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum ZoneCoefficient {
+    /// [-] at all angles
+    Constant(f64),
+    /// \[rad, -\] rows of the angle and cp
+    Rows(Vec<[f64; 2]>),
+}
+
+impl JsonSchema for ZoneCoefficient {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "ZoneCoefficient".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({"oneOf": [{"type": "number"}, {"type": "array", "items": numbers(2), "minItems": 1}]})
+    }
 }
 
 /// Ergun's equation (Ergun 1952) for a layer of thickness e: dp = e (A v_s + B v_s |v_s|).

@@ -4,6 +4,7 @@
 //! SI; the doc of a number begins with its unit.
 
 pub mod aero;
+pub mod gas;
 pub mod loads;
 pub mod method;
 pub mod network;
@@ -24,8 +25,9 @@ use serde::{Deserialize, Serialize};
 
 pub use aero::{
     Aero, Canopy, Cavity, ClothLaw, Drag, ErgunForm, ErgunLaw, Filling, FillingSchedule, OneOrSeveral, PermeableLaw,
-    PorousLaw, PressureCoefficient, PressureCoefficientLaw, PressureTable,
+    PorousLaw, PressureCoefficient, PressureCoefficientLaw, PressureTable, ZoneCoefficient,
 };
+pub use gas::Gas;
 pub use loads::{Load, PressureKindKey};
 pub use method::Method;
 pub use network::{Damping, FrameFile, Initial, InitialFrom, Keep, Mass, Network, NetworkModel, PointMass, Support};
@@ -35,7 +37,7 @@ pub use select::{Ball, EdgeSelection, NodeOrEdgeSelection, NodeSelection};
 pub use solver::{Newton, Solver};
 pub use springs::{Dashpot, DashpotRule, ElasticLawRule, Membrane, SlackRule, SpringRule};
 pub use surface::{BendingRule, MembraneRule, Modulus};
-pub use table::{Factor, FactorTable, VectorTable, vectors};
+pub use table::{Factor, FactorTable, OverTime, ValueTable, VectorTable, vectors};
 pub use time::{ClothModel, MassScaling, Study, Time, UntilRest};
 pub use wind::{Atmosphere, ExponentialAtmosphere, Gust, Wind, WindPart, WindSum};
 

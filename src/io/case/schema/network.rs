@@ -4,7 +4,8 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
-use super::aero::Aero;
+use super::aero::{Aero, OneOrSeveral};
+use super::gas::Gas;
 use super::loads::Load;
 use super::per_node::{PerNode, Vectors};
 use super::select::NodeSelection;
@@ -49,6 +50,9 @@ pub struct Network {
     pub base_acceleration: Option<VectorTable>,
     /// The air; it acts on all triangles.
     pub aero: Option<Aero>,
+    /// Gas in a closed volume, or in each of a list of volumes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gas: Option<OneOrSeveral<Gas>>,
     /// Given pressures and forces.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<Load>,

@@ -114,8 +114,9 @@ pub enum Field {
     /// Rest length of the springs, m: the cell array `rest_length`, -1 on cells without a spring. `static` always writes
     /// it, and the tension.
     RestLength,
-    /// Pressure difference that the air puts on the triangles, Pa, positive along their right-hand normals; 0 without
-    /// air. Loads are not in it. Always written where the mesh has groups and there is a law or a canopy.
+    /// Pressure difference that the air and gases put on the triangles, Pa, positive along their right-hand normals; 0
+    /// without them. Loads are not in it. Always written where the mesh has groups and there is a law, a canopy or a
+    /// gas.
     Pressure,
     /// What membranes carry: on every triangle the principal stresses `stress_1` and `stress_2`, Pa (force per current
     /// width over the thickness at rest), the principal Green strains `strain_1` and `strain_2`, `wrinkling` (0 taut, 1

@@ -48,6 +48,40 @@ impl JsonSchema for Factor {
     }
 }
 
+/// A value over time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ValueTable {
+    /// [s, SI] Rows `[t, value]`, times strictly increasing; linear between rows, constant outside them.
+    #[schemars(length(min = 1))]
+    pub table: Vec<[f64; 2]>,
+}
+
+/// A value, constant or over time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum OverTime {
+    /// [SI] the same at all times
+    Constant(f64),
+    /// over time
+    Table(ValueTable),
+}
+
+impl JsonSchema for OverTime {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "OverTime".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let table = generator.subschema_for::<ValueTable>().to_value();
+        json_schema!({"oneOf": [{"type": "number"}, table]})
+    }
+}
+
 /// Rows `[t, x, y, z]` as time and vector.
 pub fn vectors(rows: &[[f64; 4]]) -> impl Iterator<Item = (f64, [f64; 3])> {
     rows.iter().map(|&[t, x, y, z]| (t, [x, y, z]))

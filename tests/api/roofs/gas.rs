@@ -1,0 +1,155 @@
+//! Gas in closed volumes: p V^gamma, the work that fills one, what is refused, every method.
+
+use super::every_method_agrees;
+use crate::common::octahedron;
+use crate::common::run::{at_rest, case_of, follow, network};
+use canopy_fem::case::Case;
+use canopy_fem::drive::Status;
+use canopy_fem::force::schedule::threads::Threads;
+use canopy_fem::model::observables::Observables;
+use canopy_fem::model::state::StateRef;
+use canopy_fem::model::system::System;
+use canopy_fem::scene::build_network;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// \[m\] of the octahedron
+const R: f64 = 0.7;
+
+/// A bag of springs around a gas.
+fn bag(gas: &Value) -> Value {
+    let mut network = octahedron();
+    network["gas"] = gas.clone();
+    json!({"name": "bag", "system": {"network": network},
+        "time": {"end": 0.02, "method": "velocity-verlet", "step": 1e-4}})
+}
+
+/// \[Pa\] The pressure on a bag that is `scale` times as large as at the start, as frames show it.
+fn pressure(gas: &Value, scale: f64, t: f64) -> f64 {
+    let scene = build_network(network(&case_of(&bag(gas), &[])), Threads::one()).expect("a sound scene");
+    let mut state = scene.initial_state();
+    state.x.iter_mut().for_each(|x| *x *= scale);
+    let mut found = vec![0.0; 8];
+    let at = StateRef { t, x: &state.x, v: &state.v };
+    scene.air().expect("it shows pressures").triangle_pressure(at, &mut found);
+    assert!(found.iter().all(|p| *p == found[0]), "{found:?}");
+    found[0]
+}
+
+/// (p + p_a) V^gamma is constant to 1e-10 of p + p_a, between half and twice the volume.
+#[test]
+fn the_pressure_is_isentropic() {
+    for (gamma, ambient) in [(1.4, 101_325.0), (1.0, 101_325.0), (1.667, 7e4)] {
+        let gas = json!({"on": "all", "pressure": 2000.0, "gamma": gamma, "ambient": ambient});
+        for volume in [0.5, 0.9, 1.0, 1.001, 2.0_f64] {
+            let absolute = pressure(&gas, volume.cbrt(), 0.0) + ambient;
+            let expected = (2000.0 + ambient) * volume.powf(-gamma);
+            assert!((absolute / expected - 1.0).abs() < 1e-10, "{gamma} {volume}: {absolute} {expected}");
+        }
+    }
+}
+
+/// By amount: what fits in at the pressure outside pushes on nothing; twice as much has 2^gamma of it. A table of
+/// pressures is that in the volume at the start.
+#[test]
+fn gas_is_filled_over_time() {
+    let start = 4.0 / 3.0 * R.powi(3);
+    let by_amount = json!({"on": "all", "amount": {"table": [[0, start], [2, 3.0 * start]]}});
+    for (t, expected) in [(0.0, 0.0), (1.0, 101_325.0 * (2.0_f64.powf(1.4) - 1.0))] {
+        let found = pressure(&by_amount, 1.0, t);
+        assert!((found - expected).abs() < 1e-10 * 101_325.0, "{t}: {found} {expected}");
+    }
+    let by_pressure = json!({"on": "all", "pressure": {"table": [[0, 0], [2, 900]]}, "gamma": 1.0});
+    assert!((pressure(&by_pressure, 1.0, 1.0) - 450.0).abs() < 1e-9);
+    assert!((pressure(&by_pressure, 2.0_f64.cbrt(), 1.0) - (0.5 * (101_325.0 + 450.0) - 101_325.0)).abs() < 1e-9);
+    // A volume beside what is enclosed stays: here as much again.
+    let beside = json!({"on": "all", "pressure": 0.0, "volume": 2.0 * start, "gamma": 1.0});
+    let found = pressure(&beside, 2.0_f64.cbrt(), 0.0);
+    assert!((found - 101_325.0 * (2.0 / 3.0 - 1.0)).abs() < 1e-9, "{found}");
+}
+
+/// What a pump does is external work, and the rest of the account is in balance, to the error of the steps.
+#[test]
+fn the_work_of_filling_is_accounted_for() {
+    let gas = json!({"on": "all", "pressure": {"table": [[0, 0], [0.03, 3000]]}, "ambient": 1000.0});
+    for (method, share) in [("rk4", 1e-5), ("newmark", 1e-3), ("velocity-verlet", 1e-3), ("energy-momentum", 1e-3)] {
+        let case = case_of(&bag(&gas), &[("time.method", &format!("\"{method}\""))]);
+        let mut last = Default::default();
+        let outcome = follow(&case, |state| last = state.ledger);
+        assert_eq!(outcome.status, Status::Completed, "{method}: {:?}", outcome.failure);
+        assert!(last.external_work > 10.0, "{method}: {last:?}");
+        assert!(outcome.energy_error < share, "{method}: {}", outcome.energy_error);
+    }
+}
+
+#[test]
+fn every_method_has_gas() {
+    every_method_agrees(bag(&json!({"on": "all", "pressure": 500.0, "ambient": 1000.0})), 0.05);
+}
+
+/// A bag at rest: the pressure on a quarter of the octahedron is what its springs carry, in the volume that it has.
+#[test]
+fn a_bag_rests_where_its_springs_hold_the_gas() {
+    let mut case = bag(&json!({"on": "all", "pressure": 8000.0}));
+    case["system"]["network"]["supports"] = json!([
+        {"on": {"ids": [0, 1]}, "fix": "yz"}, {"on": {"ids": [2, 3]}, "fix": "xz"}, {"on": {"ids": [4, 5]}, "fix": "xy"}
+    ]);
+    let rest = at_rest(&case_of(&case, &[]));
+    let r = rest.positions[0][0];
+    assert!(rest.positions.iter().flatten().all(|x| *x == 0.0 || (x.abs() - r).abs() < 1e-9), "{:?}", rest.positions);
+    // A node has four springs of length r sqrt(2), which pull along the axis by 1/sqrt(2) of their tension each, and
+    // four triangles whose area vectors have r^2/2 along the axis.
+    let springs = 4.0 * 800.0 * (r - R) * 2.0_f64.sqrt() / 2.0_f64.sqrt();
+    let pressure = (8000.0 + 101_325.0) * (R / r).powf(3.0 * 1.4) - 101_325.0;
+    assert!((springs - pressure * 4.0 * r * r / 6.0).abs() < 1e-6, "{r}: {springs}, {pressure} Pa");
+    assert!(r > R + 1e-3, "{r}");
+}
+
+/// Triangles that turn the other way enclose the same gas.
+#[test]
+fn a_surface_inside_out_is_the_same() {
+    let gas = json!({"on": "all", "pressure": 500.0});
+    let mut turned = bag(&gas);
+    let triangles = turned["system"]["network"]["mesh"]["explicit"]["triangles"].as_array_mut().expect("a list");
+    triangles.iter_mut().for_each(|corners| corners.as_array_mut().expect("three").swap(1, 2));
+    let end = |case: &Value| {
+        let mut last = Vec::new();
+        follow(&case_of(case, &[]), |state| last = state.positions.to_vec());
+        last
+    };
+    let ends = [end(&bag(&gas)), end(&turned)];
+    let apart = ends[0].iter().flatten().zip(ends[1].iter().flatten()).map(|(a, b)| (a - b).abs());
+    assert!(apart.fold(0.0, f64::max) < 1e-12);
+}
+
+#[test]
+fn what_encloses_no_gas_is_refused() {
+    let words = |case: &Value| {
+        let read = Case::from_text(case.to_string(), "case.json", PathBuf::new(), &[]);
+        read.err().map_or_else(String::new, |error| error.to_string())
+    };
+    let mut open = bag(&json!({"on": {"ids": [0, 1, 2, 3]}, "pressure": 500.0}));
+    let found = words(&open);
+    assert!(found.contains("open at the nodes 0, 1, 2, 3, which can move"), "{found}");
+    open["system"]["network"]["supports"] = json!([{"on": {"ids": [0, 1, 2, 3]}, "fix": "xyz"}]);
+    assert_eq!(words(&open), "", "the ground closes it");
+    open["system"]["network"]["supports"][0]["until"] = json!(0.01);
+    assert!(words(&open).contains("which can move"));
+    for (gas, expected) in [
+        (json!({"on": "all"}), "exactly one of pressure and amount"),
+        (json!({"on": "all", "pressure": 1.0, "amount": 1.0}), "exactly one of pressure and amount"),
+        (json!({"on": "all", "amount": 0.0}), "amounts above 0"),
+        (json!({"on": "all", "pressure": {"table": [[0, 1], [1, -2e5]]}}), "above that of a vacuum"),
+        (json!({"on": "all", "pressure": 1.0, "gamma": 0.9}), "1 or more"),
+    ] {
+        let found = words(&bag(&gas));
+        assert!(found.contains(expected), "no \"{expected}\" in \"{found}\"");
+    }
+    // Cloth that lies flat has no volume of its own.
+    let mut flat = bag(&json!({"on": "all", "pressure": 500.0}));
+    flat["system"]["network"]["mesh"]["explicit"]["nodes"] =
+        json!([[R, 0, 0], [-R, 0, 0], [0, R, 0], [0, -R, 0], [0.1, 0.1, 0], [-0.1, 0, 0]]);
+    let built = build_network(network(&case_of(&flat, &[])), Threads::one());
+    let error = built.err().map_or_else(String::new, |error| error.to_string());
+    assert!(error.contains("fills no volume at the start"), "{error}");
+}
