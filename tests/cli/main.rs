@@ -13,6 +13,7 @@ mod gauges;
 mod group_frames;
 mod initial_from;
 mod mass_scaling;
+mod materials;
 mod matrices;
 mod mesh;
 mod mesh_look;

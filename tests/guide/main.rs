@@ -5,6 +5,7 @@
 
 mod cases;
 mod links;
+mod materials;
 mod pages;
 mod reference;
 mod sentences;

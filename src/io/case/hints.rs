@@ -21,6 +21,8 @@ const OTHER_NAMES: &[(&str, &str)] = &[
     ("cd", "coefficient"),
     ("cds", "drag_area"),
     ("d0", "nominal_diameter"),
+    ("diameter", "nominal_diameter"),
+    ("dc", "constructed_diameter"),
     ("integrator", "method"),
     ("scheme", "method"),
     ("damper", "dashpot"),

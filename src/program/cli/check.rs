@@ -2,7 +2,7 @@
 //! itself costs and whether it is stable; with `--all` the model, each method's critical step and predicted run, too.
 //! It writes no files.
 
-use super::check_json::{Report, Totals};
+use super::check_json::{self, Report, Totals};
 use super::check_system::{describe_canopies, describe_size, describe_system, filled_canopies};
 use super::known_models::KnownModels;
 use super::{CheckArgs, CliError};
@@ -37,8 +37,11 @@ use std::fmt::Write;
 const ACCURACY: f64 = 0.01;
 
 pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
-    let (models, mut problem, source) =
-        KnownModels::of(Case::from_file(&args.case.case, &args.case.with_quantities(&args.quantity))?);
+    let case = Case::from_file(&args.case.case, &args.case.with_quantities(&args.quantity))?;
+    if args.expand {
+        return check_json::expanded(&case);
+    }
+    let (models, mut problem, source) = KnownModels::of(case);
     let groups = problem.group_totals();
     let system = problem.take_system();
     let totals = Totals::of(&system);
@@ -127,6 +130,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
         + &describe_answer(&problem, scene, &forecast, accuracy, &stable)?
         + &size
         + &canopies
+        + &problem.taken.iter().map(|what| format!("  taken           {what}\n")).collect::<String>()
         + &scene.added_mass().map_or_else(String::new, |added| format!("  mass scaling    {}\n", added.text()))
         + &models.describe(&args.case.case);
     text.push_str(&notes(args, &acknowledged, &warnings));
