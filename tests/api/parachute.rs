@@ -171,10 +171,10 @@ fn lines_have_their_lengths() {
         let of = group(&mesh, "lines").edges.iter().map(|&edge| length(&mesh, edge)).collect::<Vec<_>>();
         assert_eq!(of.len(), p.gores * lines.segments, "{:?}", p.kind);
         let longest = of.iter().copied().fold(0.0, f64::max) * lines.segments as f64;
-        let length = lines.length.expect("a length");
-        close(longest, length, 1e-12, "lines");
+        let told = lines.length.expect("a length");
+        close(longest, told, 1e-12, "lines");
         // The flat mesh shows lines from the middle of sides shorter.
-        close(of.iter().sum(), length * p.gores as f64, if is_round(&p) { 0.05 } else { 0.25 }, "all lines");
+        close(of.iter().sum(), told * p.gores as f64, if is_round(&p) { 0.05 } else { 0.25 }, "all lines");
         if mesh.groups.contains_key("vent-lines") {
             let vent = &group(&mesh, "vent-lines").edges;
             assert_eq!(vent.len(), p.gores / 2);

@@ -27,9 +27,14 @@ pub(super) fn add(
     let Some(law) = parts.table.cloth(&named, name, faults).and_then(|cloth| cloth.permeability) else { return };
     for (at, canopy) in canopies(at, aero) {
         if let Some(key) = let_air_through(canopy, ClothLaw::Permeable(law)) {
-            taken.push(format!("{at}/{key}: the air through {name}"));
+            taken.push(format!("{}.{key}: the air through {name}", dotted(&at)));
         }
     }
+}
+
+/// A place in the network, as `--set` writes it, from there on.
+fn dotted(at: &Pointer) -> String {
+    at.as_str().trim_start_matches("/system/network/").replace('/', ".")
 }
 
 /// Gives schedules the numbers of a parachute's type that they leave out.
@@ -96,8 +101,8 @@ fn add_drag(parts: &Parts<'_>, aero: &mut Aero, taken: &mut Vec<String>, faults:
 /// Gives a canopy the law of its cloth if it gives none; returns the key of the law.
 fn let_air_through(canopy: &mut Canopy, law: ClothLaw) -> Option<&'static str> {
     let (place, key) = match canopy {
-        Canopy { filling: Some(filling), .. } => (&mut filling.law, "filling/law"),
-        Canopy { cavity: Some(cavity), .. } => (&mut cavity.law, "cavity/law"),
+        Canopy { filling: Some(filling), .. } => (&mut filling.law, "filling.law"),
+        Canopy { cavity: Some(cavity), .. } => (&mut cavity.law, "cavity.law"),
         Canopy { schedule: Some(_), .. } => (&mut canopy.law, "law"),
         _ => return None,
     };
@@ -126,7 +131,8 @@ fn fill_drag(
     };
     stage.drag_coefficient = Some(low);
     let [low, high] = [low, high].map(|cd| figures(cd, 4));
-    taken.push(format!("{at}/drag_coefficient {low}: {kind}, {low} to {high} by {}", FieldNumbers::source()));
+    let source = FieldNumbers::source();
+    taken.push(format!("{}.drag_coefficient {low}: {kind}, {low} to {high} by {source}", dotted(at)));
 }
 
 /// Gives a stage the filling constant of a type, and its exponent, if it has no filling time; adds a fault if the type
@@ -149,5 +155,6 @@ fn fill_time(
     stage.filling_constant = Some(n);
     stage.exponent = stage.exponent.or(exponent);
     let exponent = stage.exponent.map_or(String::new(), |j| format!(" and exponent {}", figures(j, 4)));
-    taken.push(format!("{at}/filling_constant {}{exponent}: {kind}, {}", figures(n, 4), FieldNumbers::source()));
+    let (n, source) = (figures(n, 4), FieldNumbers::source());
+    taken.push(format!("{}.filling_constant {n}{exponent}: {kind}, {source}", dotted(at)));
 }
