@@ -23,8 +23,8 @@ pub struct FieldNumbers {
     pub projected_diameter: Option<[f64; 2]>,
     /// [-] opening-force coefficient at infinite mass
     pub opening_force: Option<f64>,
-    /// [-] length of the suspension lines over D0, where a case gives none: 1.7 of the Viking canopy, else assumed to be
-    /// 1; usual lines have 0.8 to 1
+    /// [-] length of the suspension lines over D0, where a case gives none: 1.7 of the Viking canopy, else assumed to
+    /// be 1; usual lines have 0.8 to 1
     pub line_length: Option<f64>,
 }
 

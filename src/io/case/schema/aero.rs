@@ -148,8 +148,8 @@ pub struct PressureTable {
 /// The drag area of a canopy while it fills: from what it was at `start` (0 for the first stage) to `drag_area` by
 /// ((t - start)/t_f)^exponent, until the filling time t_f = n D0/v_s (Knacke 1991). The same pressure acts on all
 /// triangles; it is scaled so that its force along the axis is q times the drag area where the cloth does not breathe.
-/// At most one of `drag_area` and `drag_coefficient`, and at most one of `filling_constant` and `filling_time` is given.
-/// A generated parachute has defaults by its type, which `check` prints; else exactly one of them is given.
+/// At most one of `drag_area` and `drag_coefficient`, and at most one of `filling_constant` and `filling_time` is
+/// given. A generated parachute has defaults by its type, which `check` prints; else exactly one of them is given.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FillingSchedule {

@@ -34,8 +34,8 @@ pub(super) struct Part<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// The parts with a line, tape or cable as material. Tapes, inner lines and the centre line that name none have that
-    /// of the lines.
+    /// The parts with a line, tape or cable as material. Tapes, inner lines and the centre line that name none have
+    /// that of the lines.
     pub(super) fn lines(&self, at: &Pointer) -> Vec<Part<'a>> {
         let p = self.parachute;
         let of_lines = p.lines.as_ref().and_then(|lines| lines.material.as_deref());
@@ -143,8 +143,16 @@ pub(super) fn add(
             whole.springs.push(rule);
         }
     }
+    // Tapes have the material of the lines, whose fault is told once.
+    let mut unknown: Vec<&str> = Vec::new();
     for Part { group, material: name, at } in &lines {
-        let Some(material) = parts.table.line(at, name, faults) else { continue };
+        if unknown.contains(&at.as_str()) {
+            continue;
+        }
+        let Some(material) = parts.table.line(at, name, faults) else {
+            unknown.push(at.as_str());
+            continue;
+        };
         for group in parts.groups_left(group, &written) {
             by_material.entry(name).or_default().push(group.clone());
             let mut rule = rule_of(group);
