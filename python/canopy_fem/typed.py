@@ -90,6 +90,9 @@ class Parachute(TypedDict, total=False):
 
     type: str
     nominal_diameter: float
+    constructed_diameter: float
+    cloth: str
+    tapes: Mapping[str, str]
     gores: int
     vent_diameter: float | None
     radial_segments: int

@@ -9,12 +9,14 @@
 mod assembly;
 mod check;
 mod cruciform;
+mod field;
 mod kind;
 mod outline;
 mod parts;
 mod payload;
 mod place;
 mod profile;
+mod resolved;
 mod rings;
 mod sails;
 mod slots;
@@ -24,9 +26,11 @@ mod taylor;
 use super::format_number::figures;
 use super::{Mesh, MeshError};
 use assembly::Assembly;
+pub use field::FieldNumbers;
 pub use kind::CanopyType;
 pub use parts::{
-    ClusterParameters, InnerLineParameters, LineParameters, PayloadParameters, ReefingParameters, StartShape,
+    ClusterParameters, InnerLineParameters, LineParameters, PayloadParameters, ReefingParameters, RigLineParameters,
+    StartShape, TapeMaterials,
 };
 use profile::Profile;
 use serde::{Deserialize, Serialize};
@@ -53,9 +57,23 @@ pub struct ParachuteParameters {
     /// How the canopy is cut.
     #[serde(rename = "type")]
     pub kind: CanopyType,
-    /// [m] nominal diameter D0, the diameter of a circle with the area of cloth, slots and vent
+    /// [m] nominal diameter D0, the diameter of a circle with the area of cloth, slots and vent; exactly one of it and
+    /// `constructed_diameter` is given
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
-    pub nominal_diameter: f64,
+    pub nominal_diameter: Option<f64>,
+    /// [m] constructed diameter, that of the circle inside the widest row of the pattern as it is cut, which is mostly
+    /// the skirt: what shops call the size. Of a cruciform canopy the length of a strip. D0 follows from it
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    pub constructed_diameter: Option<f64>,
+    /// Name of the material of the cloth. A case then has its springs, its mass and the air through it without a rule
+    /// for the group `cloth`, `mass.areal_density` and a law
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cloth: Option<String>,
+    /// Names of the materials of its tapes; that of `lines` if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tapes: Option<TapeMaterials>,
     /// [-] number of gores, which is that of the lines; even with vent lines, a multiple of 4 for a cruciform canopy
     /// and a square, of 3 for a triangle
     #[cfg_attr(feature = "schema", schemars(range(min = 3)))]
@@ -152,17 +170,17 @@ pub struct ParachuteParameters {
     /// without tension; the flat pattern of a cruciform canopy shows those inside its ends shorter, and in a case whose
     /// mesh is a file the spring rule must give it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lines: Option<LineParameters>,
+    pub lines: Option<RigLineParameters>,
     /// Lines from the vent's corners to the confluence, as annular canopies have them; none if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inner_lines: Option<InnerLineParameters>,
     /// A line from the confluence up to the apex of a canopy of gores without a vent, which pulls it down; none if
     /// absent. Its length is that without tension; in a case whose mesh is a file the spring rule must give it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub centre_line: Option<LineParameters>,
+    pub centre_line: Option<RigLineParameters>,
     /// A line from the confluence down to the payload; the payload is at the confluence if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub riser: Option<LineParameters>,
+    pub riser: Option<RigLineParameters>,
     /// A rigid payload; a point if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub payload: Option<PayloadParameters>,
@@ -221,6 +239,11 @@ impl ParachuteParameters {
     /// # Errors
     /// A vent that leaves no cloth, and too few rows.
     pub fn sizes(&self) -> Result<ParachuteSizes, MeshError> {
+        self.resolved()?.sizes_of_pattern()
+    }
+
+    /// The same once D0 is known.
+    fn sizes_of_pattern(&self) -> Result<ParachuteSizes, MeshError> {
         if self.kind == CanopyType::Cruciform {
             return Ok(cruciform::Cross::of(self).sizes());
         }
@@ -235,8 +258,10 @@ impl ParachuteParameters {
     /// # Errors
     /// As [`ParachuteParameters::sizes`].
     pub fn describe_sizes(&self, mesh: &Mesh) -> Result<Vec<(&'static str, String)>, MeshError> {
-        let d0 = self.nominal_diameter;
-        let ParachuteSizes { nominal_area, cloth_area, constructed_diameter, gore_length } = self.sizes()?;
+        let whole = &*self.resolved()?;
+        let d0 = whole.d0();
+        let ParachuteSizes { nominal_area, cloth_area, constructed_diameter, gore_length } =
+            whole.sizes_of_pattern()?;
         let open = 100.0 * (nominal_area - cloth_area).max(0.0) / nominal_area;
         let mut lines = vec![
             ("nominal", format!("D0 {d0:.6} m, S0 {nominal_area:.6} m^2")),
@@ -249,13 +274,13 @@ impl ParachuteParameters {
                 ),
             ),
         ];
-        if let Some(LineParameters { length, .. }) = self.lines {
+        if let Some(LineParameters { length, .. }) = whole.lines() {
             lines.push(("lines", format!("{} of {length:.6} m ({:.4} D0)", self.gores, length / d0)));
         }
-        if let Some(LineParameters { length, .. }) = self.centre_line {
+        if let Some(LineParameters { length, .. }) = whole.centre() {
             lines.push(("centre line", format!("{length:.6} m ({:.4} D0)", length / d0)));
         }
-        if let Some(length) = self.inner_length().filter(|_| self.inner_lines.is_some()) {
+        if let Some(length) = whole.inner_length().filter(|_| self.inner_lines.is_some()) {
             lines.push(("inner lines", format!("{} of {length:.6} m ({:.4} D0)", self.gores, length / d0)));
         }
         if let Some(ReefingParameters { diameter }) = self.reefing {
@@ -272,6 +297,9 @@ impl ParachuteParameters {
             let text = format!("an edge of radials or vent lines stands for up to {}", figures(most, 3));
             lines.push(("strands", text));
         }
+        if let Some(text) = self.kind.numbers().describe() {
+            lines.push(("of this type", text));
+        }
         lines.push(("fineness", format!("longest edge of the cloth {longest:.6} m ({:.4} D0)", longest / d0)));
         Ok(lines)
     }
@@ -281,13 +309,17 @@ impl ParachuteParameters {
     /// # Errors
     /// A vent that leaves no cloth, too few rows, lines that are too short, and a start shape that does not exist.
     pub fn build(&self) -> Result<Mesh, MeshError> {
+        self.resolved()?.build_resolved()
+    }
+
+    fn build_resolved(&self) -> Result<Mesh, MeshError> {
         let mut parts = Assembly::default();
         match self.kind {
             CanopyType::Cruciform => cruciform::Cross::of(self).add_to(&mut parts),
             _ => parts.add_gores(self, &Profile::of(self)?),
         }
         parts.add_verticals(self);
-        if let Some(lines) = self.lines {
+        if let Some(lines) = self.lines() {
             parts.add_rig(self, lines)?;
         }
         if self.reefing.is_some() {
@@ -313,20 +345,22 @@ impl ParachuteParameters {
 impl ParachuteParameters {
     /// [m] Unstretched length of the inner lines or the centre line; `None` without any.
     fn inner_length(&self) -> Option<f64> {
-        let inner = self.inner_lines.zip(self.lines).map(|(inner, lines)| inner.length.unwrap_or(lines.length));
-        inner.or(self.centre_line.map(|line| line.length))
+        let inner = self.inner_lines.as_ref().zip(self.lines());
+        let inner = inner.map(|(inner, lines)| inner.length.unwrap_or(lines.length));
+        inner.or(self.centre().map(|line| line.length))
     }
 
     /// [m] Unstretched lengths of edges that the flat mesh shows longer or shorter: lines of a cruciform canopy, a
     /// square and a triangle, whose corners are not equally far from the confluence, inner lines, a centre line, and
     /// sails.
     pub fn line_lengths(&self, mesh: &Mesh) -> Vec<(u32, f64)> {
+        let Ok(whole) = self.resolved() else { return Vec::new() };
         let uneven = self.kind == CanopyType::Cruciform || outline::sides(self.kind).is_some();
-        let lines = self.lines.filter(|_| uneven);
+        let lines = whole.lines().filter(|_| uneven);
         let lines = lines.map(|lines| ("lines", lines.length, lines.segments));
-        let inner = self.inner_lines.zip(self.inner_length());
+        let inner = self.inner_lines.as_ref().zip(whole.inner_length());
         let inner = inner.map(|(inner, length)| ("inner-lines", length, inner.segments));
-        let centre = self.centre_line.map(|line| ("centre-line", line.length, line.segments));
+        let centre = self.centre().map(|line| ("centre-line", line.length, line.segments));
         let of = |(name, length, segments): (&str, f64, usize)| {
             let edges = mesh.groups.get(name).map(|group| group.edges.clone()).unwrap_or_default();
             edges.into_iter().map(move |edge| (edge, length / segments as f64)).collect::<Vec<_>>()

@@ -365,6 +365,13 @@ pub fn stiffer(case: &Case, factor: f64) -> Result<Vec<(String, String)>, StudyE
     }
     let none = || StudyError::Usage("--stiffness-sweep: this case has no springs".to_owned());
     let springs = case.problem().case_json.pointer("/system/network/springs").and_then(Value::as_array);
+    let listed = springs.map_or(0, Vec::len);
+    let named = springs.into_iter().flatten().any(|rule| rule.get("material").is_some());
+    if case.problem().expanded.as_ref().is_some_and(|network| named || network.springs.len() != listed) {
+        let why = "--stiffness-sweep: materials have the stiffness of their names; `canopy-fem check --expand` prints \
+                   the case with numbers in their place";
+        return Err(StudyError::Usage(why.to_owned()));
+    }
     let mut overrides = Vec::new();
     for (i, rule) in springs.ok_or_else(none)?.iter().enumerate() {
         for (key, dotted) in [

@@ -19,6 +19,7 @@ mod filling;
 mod globalised;
 mod inflow;
 mod linear;
+mod materials;
 mod mesh;
 mod mesh_files;
 mod mesh_groups;

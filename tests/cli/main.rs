@@ -14,6 +14,7 @@ mod gauges;
 mod group_frames;
 mod initial_from;
 mod mass_scaling;
+mod materials;
 mod matrices;
 mod membrane_gauges;
 mod mesh;

@@ -32,7 +32,10 @@ fn templates_run_without_a_warning() {
         done(&bench, &["init", template, "--template", template]);
         let file = format!("{template}.json");
         let text = std::fs::read_to_string(bench.path(&file)).expect("a case");
-        assert!(text.lines().filter(|line| line.contains("//")).count() > 8, "{template} has few comments");
+        // A parachute is short by its materials; its comments lead to the commands that say the rest.
+        let (lines, least) = if template == "drop" { (25, 3) } else { (usize::MAX, 8) };
+        assert!(text.lines().filter(|line| line.contains("//")).count() > least, "{template} has few comments");
+        assert!(text.lines().count() <= lines, "{template} is long");
         let solved = bench.run(&["solve", &file]);
         assert_eq!((solved.code, solved.stderr.as_str()), (Some(0), ""), "{template}");
         assert!(solved.stdout.contains("exchanged: good (below 1 %)"), "{}", solved.stdout);

@@ -5,6 +5,7 @@
 
 mod cases;
 mod links;
+mod materials;
 mod nets;
 mod pages;
 mod reference;

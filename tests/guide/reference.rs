@@ -69,6 +69,7 @@ impl Reference {
                     let own = self.definition(choice).1;
                     keys.is_some_and(|keys| members.keys().all(|key| keys.contains_key(key)))
                         || !list(own, "oneOf").is_empty()
+                        || own["additionalProperties"].is_object()
                 }
                 Value::Array(_) => choice["type"] == "array",
                 _ => false,

@@ -21,6 +21,8 @@ const OTHER_NAMES: &[(&str, &str)] = &[
     ("cd", "coefficient"),
     ("cds", "drag_area"),
     ("d0", "nominal_diameter"),
+    ("diameter", "nominal_diameter"),
+    ("dc", "constructed_diameter"),
     ("integrator", "method"),
     ("scheme", "method"),
     ("damper", "dashpot"),
@@ -160,11 +162,25 @@ fn with_number(root: &Value, schema: &Value, number: &Value, depth: usize) -> Op
         return branches.iter().find_map(|branch| with_number(root, branch, number, depth));
     }
     let properties = schema.get("properties")?.as_object()?;
-    let required: Vec<&str> = schema.get("required")?.as_array()?.iter().filter_map(Value::as_str).collect();
+    let required: Vec<&str> = match schema.get("required").and_then(Value::as_array) {
+        Some(keys) => keys.iter().filter_map(Value::as_str).collect(),
+        None => only_number(root, properties).into_iter().collect(),
+    };
     let holds = |key| Some((key, with_number(root, properties.get(key)?, number, depth)?));
     let (key, value) = required.iter().copied().find_map(holds)?;
     let part = |other: &&str| if *other == key { format!("\"{other}\": {value}") } else { format!("\"{other}\": ...") };
     Some(format!("{{{}}}", required.iter().map(part).collect::<Vec<_>>().join(", ")))
+}
+
+/// The key of the only number among properties none of which is required, such as the length of a line.
+fn only_number<'a>(root: &Value, properties: &'a Map<String, Value>) -> Option<&'a str> {
+    let is_number = |schema: &Value| {
+        let schema = meant(root, schema);
+        kind(schema) == "number"
+    };
+    let mut numbers = properties.iter().filter(|(_, schema)| is_number(schema)).map(|(key, _)| key.as_str());
+    let only = numbers.next();
+    only.filter(|_| numbers.next().is_none())
 }
 
 /// The words of a key, in small letters: `nominal_diameter`, `nominalDiameter` and `Nominal diameter` have the same.
@@ -342,6 +358,7 @@ mod tests {
         ] {
             assert_eq!(keys_like(key, &known, missing), expected, "{key}");
         }
-        assert_eq!(keys_like("diameter", &known, |_| false), ["nominal_diameter", "vent_diameter"]);
+        let several = ["skirt_diameter", "vent_diameter"];
+        assert_eq!(keys_like("diameter", &several, |_| false), several);
     }
 }

@@ -17,6 +17,7 @@ mod hints;
 mod jsonc;
 mod location;
 mod lower;
+pub mod materials;
 mod overrides;
 pub mod pointer;
 mod render;
@@ -167,8 +168,42 @@ impl Case {
         &self.file
     }
 
+    /// The case as JSON with its materials and defaults by type written out, which runs to the same bits by itself.
+    ///
+    /// # Errors
+    /// A value that has no JSON, which does not happen for those of a case.
+    pub fn expanded(&self) -> Result<serde_json::Value, serde_json::Error> {
+        let mut json = self.problem.case_json.clone();
+        if let Some(network) = &self.problem.expanded {
+            let mut network = serde_json::to_value(&**network)?;
+            drop_nulls(&mut network);
+            if let Some(place) = json.pointer_mut("/system/network") {
+                *place = network;
+            }
+        }
+        if let Some(keys) = json.as_object_mut() {
+            keys.remove("materials");
+        }
+        Ok(json)
+    }
+
     /// Warnings that are not acknowledged.
     pub fn warnings(&self) -> &[Warning] {
         &self.problem.warnings
+    }
+}
+
+/// Removes the keys without a value.
+fn drop_nulls(json: &mut serde_json::Value) {
+    match json {
+        serde_json::Value::Object(map) => {
+            map.retain(|_, value| !value.is_null());
+            map.values_mut().for_each(drop_nulls);
+        }
+        // The numbers of a mesh are many, and none is null.
+        serde_json::Value::Array(list) if list.iter().any(serde_json::Value::is_object) => {
+            list.iter_mut().for_each(drop_nulls);
+        }
+        _ => {}
     }
 }

@@ -15,7 +15,7 @@ use super::pointer::Pointer;
 use super::schema::CaseFile;
 use super::schema_check::{StandIns, ranges_hold, walk};
 use super::span::CaseText;
-use super::{Case, CaseError, overrides};
+use super::{Case, CaseError, materials, overrides};
 
 /// The source of a case.
 #[derive(Clone, Debug)]
@@ -54,6 +54,9 @@ impl Source {
 
     /// Checks and builds a case; `known` is a geometry that may be the same.
     pub(crate) fn resolve(self, mut json: Value, known: Option<Arc<Geometry>>) -> Result<Case, CaseError> {
+        if let Err(fault) = materials::read_file(&mut json, &self.base) {
+            return Err(self.refused(FaultReport { faults: vec![*fault], more: 0 }));
+        }
         let first = match typed(&json) {
             Ok(_) if !ranges_hold(&mut json) => None,
             Ok(file) => {

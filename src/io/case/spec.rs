@@ -14,7 +14,9 @@ use crate::warning::{Warning, WarningCode};
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
+use super::schema::Network;
 pub use super::schema::{CrossingSearch, Field};
 
 /// All data of a run.
@@ -38,8 +40,12 @@ pub struct Problem {
     pub acknowledged: Vec<Warning>,
     /// kinds of warnings that the case acknowledges
     pub acknowledge: Vec<WarningCode>,
-    /// the case as it is run, `--set` included
+    /// the case as it is run, `--set` and a file of materials included
     pub case_json: serde_json::Value,
+    /// the network with its materials and defaults by type written out, if it has some
+    pub expanded: Option<Arc<Network>>,
+    /// what was taken for keys that the case leaves out, in words
+    pub taken: Vec<String>,
 }
 
 impl Problem {

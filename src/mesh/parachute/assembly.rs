@@ -163,15 +163,15 @@ impl Assembly {
             let nodes = self.add_line("lines", [corner, confluence], lines.segments);
             self.lines.push(nodes);
         }
-        let inner = p.inner_lines.map(|inner| ("inner-lines", inner.segments));
-        if let Some((name, segments)) = inner.or(p.centre_line.map(|line| ("centre-line", line.segments))) {
+        let inner = p.inner_lines.as_ref().map(|inner| ("inner-lines", inner.segments));
+        if let Some((name, segments)) = inner.or(p.centre().map(|line| ("centre-line", line.segments))) {
             for corner in self.vent_corners.clone() {
                 let nodes = self.add_line(name, [corner, confluence], segments);
                 self.inner_lines.push(nodes);
             }
         }
         let mut end = confluence;
-        if let Some(riser) = p.riser {
+        if let Some(riser) = p.riser() {
             end = self.add_node(self.at(confluence) - Vector3::z() * riser.length);
             self.add_line("riser", [confluence, end], riser.segments);
         }
@@ -192,7 +192,7 @@ impl Assembly {
     /// # Errors
     /// A pattern that is too narrow for the shape.
     pub(super) fn inflate(&mut self, p: &ParachuteParameters) -> Result<(), MeshError> {
-        let Some(lines) = p.lines else { return Ok(()) };
+        let Some(lines) = p.lines() else { return Ok(()) };
         let refuse = |allowed: String| MeshError::Parameter {
             pointer: "/parachute/start".to_owned(),
             value: "inflated".to_owned(),

@@ -1,22 +1,23 @@
 //! What a parachute can be asked for.
 
 use super::{
-    CanopyType, InnerLineParameters, LineParameters, MOST, MOST_VENT, ParachuteParameters, StartShape, outline, place,
+    CanopyType, InnerLineParameters, MOST, MOST_VENT, ParachuteParameters, RigLineParameters, StartShape, outline,
+    place,
 };
 use crate::source::{FaultSink, MAX_NODES, check_count, check_length};
 
 impl ParachuteParameters {
     /// Reports every value out of range; `at` is the JSON pointer of this section.
     pub fn check(&self, at: &str, faults: FaultSink<'_>) {
-        check_length(at, "nominal_diameter", self.nominal_diameter, faults);
+        self.check_size(at, faults);
         check_count(at, "gores", self.gores, [3, MOST], faults);
         check_count(at, "radial_segments", self.radial_segments, [1, MOST], faults);
         check_count(at, "gore_segments", self.gore_segments, [1, MOST], faults);
         let rows = self.radial_segments.saturating_add(self.rings.unwrap_or(1)).saturating_add(2);
         let of_canopy = self.gores.saturating_mul(self.gore_segments).saturating_mul(rows);
         let segments =
-            self.lines.map_or(0, |lines| lines.segments) + self.inner_lines.map_or(0, |lines| lines.segments);
-        let of_centre = self.centre_line.map_or(0, |line| line.segments);
+            self.lines.as_ref().map_or(0, |l| l.segments) + self.inner_lines.as_ref().map_or(0, |l| l.segments);
+        let of_centre = self.centre_line.as_ref().map_or(0, |line| line.segments);
         let of_lines = self.gores.saturating_mul(segments).saturating_add(of_centre);
         let nodes = of_canopy.saturating_add(of_lines).saturating_mul(self.cluster.map_or(1, |c| c.canopies));
         if nodes > MAX_NODES {
@@ -35,14 +36,24 @@ impl ParachuteParameters {
                 hint,
             );
         }
-        for (key, lines) in [("lines", self.lines), ("riser", self.riser), ("centre_line", self.centre_line)] {
-            if let Some(LineParameters { length, segments }) = lines {
+        let of_type = self.kind.numbers().line_length;
+        for (key, line, default) in
+            [("lines", &self.lines, of_type), ("riser", &self.riser, None), ("centre_line", &self.centre_line, None)]
+        {
+            if let Some(RigLineParameters { length, segments, .. }) = line {
                 let at = format!("{at}/{key}");
-                check_length(&at, "length", length, faults);
-                check_count(&at, "segments", segments, [1, MOST], faults);
+                match length {
+                    Some(length) => check_length(&at, "length", *length, faults),
+                    None if default.is_none() => {
+                        let allowed = "the key \"length\" is required here".to_owned();
+                        faults(&format!("{at}/length"), "(missing)".into(), allowed, "give metres".into());
+                    }
+                    None => {}
+                }
+                check_count(&at, "segments", *segments, [1, MOST], faults);
             }
         }
-        if let Some(inner) = self.inner_lines {
+        if let Some(inner) = &self.inner_lines {
             self.check_inner_lines(&format!("{at}/inner_lines"), inner, faults);
         }
         self.check_centre_line(at, faults);
@@ -86,7 +97,7 @@ impl ParachuteParameters {
             StartShape::Inflated => Some(("inflated", "an inflated start needs lines")),
             StartShape::Stretched => Some(("stretched", "a stretched start needs lines")),
         };
-        if let (Some((name, allowed)), None) = (shape, self.lines) {
+        if let (Some((name, allowed)), None) = (shape, &self.lines) {
             let hint = "give `lines`, or start flat".to_owned();
             faults(&format!("{at}/start"), name.into(), allowed.into(), hint);
         }
@@ -102,7 +113,7 @@ impl ParachuteParameters {
         }
     }
 
-    fn check_inner_lines(&self, at: &str, inner: InnerLineParameters, faults: FaultSink<'_>) {
+    fn check_inner_lines(&self, at: &str, inner: &InnerLineParameters, faults: FaultSink<'_>) {
         check_count(at, "segments", inner.segments, [1, MOST], faults);
         if let Some(length) = inner.length {
             check_length(at, "length", length, faults);
@@ -119,7 +130,7 @@ impl ParachuteParameters {
         if self.centre_line.is_none() {
             return;
         }
-        let refused = match (self.vent_diameter, self.lines) {
+        let refused = match (self.vent_diameter, &self.lines) {
             _ if self.kind == CanopyType::Cruciform => Some("a cruciform canopy"),
             (Some(_), _) => Some("with a vent"),
             (None, None) => Some("without lines"),
@@ -132,9 +143,27 @@ impl ParachuteParameters {
         }
     }
 
-    /// [m]
+    /// Exactly one diameter.
+    fn check_size(&self, at: &str, faults: FaultSink<'_>) {
+        match (self.nominal_diameter, self.constructed_diameter) {
+            (Some(d0), None) => check_length(at, "nominal_diameter", d0, faults),
+            (None, Some(dc)) => check_length(at, "constructed_diameter", dc, faults),
+            (None, None) => {
+                let allowed = "the key \"nominal_diameter\" is required here".to_owned();
+                let hint = "or give \"constructed_diameter\", the size by which shops sell".to_owned();
+                faults(&format!("{at}/nominal_diameter"), "(missing)".into(), allowed, hint);
+            }
+            (Some(_), Some(_)) => {
+                let allowed = "exactly one of nominal_diameter and constructed_diameter".to_owned();
+                let hint = "the one follows from the other by the pattern; keep the one that was measured".to_owned();
+                faults(&format!("{at}/constructed_diameter"), "given beside nominal_diameter".into(), allowed, hint);
+            }
+        }
+    }
+
+    /// [m] Not a number if D0 is not given: then the pattern is checked when it is cut.
     fn largest_vent(&self) -> f64 {
-        self.nominal_diameter * MOST_VENT.sqrt()
+        self.d0() * MOST_VENT.sqrt()
     }
 
     fn check_vent(&self, at: &str, faults: FaultSink<'_>) {
@@ -147,7 +176,7 @@ impl ParachuteParameters {
         };
         check_length(at, "vent_diameter", vent, faults);
         let most = self.largest_vent();
-        if self.nominal_diameter > 0.0 && vent > most && vent.is_finite() {
+        if self.d0() > 0.0 && vent > most && vent.is_finite() {
             let allowed = format!("at most {most:.6}, half of the nominal area");
             let hint = "the canopy would be more vent than cloth; make the vent smaller".to_owned();
             faults(&format!("{at}/vent_diameter"), vent.to_string(), allowed, hint);

@@ -24,7 +24,7 @@ pub(super) struct Cross {
 impl Cross {
     pub(super) fn of(p: &ParachuteParameters) -> Self {
         let ratio = p.arm_ratio();
-        let area = 0.25 * PI * p.nominal_diameter * p.nominal_diameter;
+        let area = 0.25 * PI * p.d0() * p.d0();
         let length = (area / (ratio * (2.0 - ratio))).sqrt();
         let lines_per_end = p.gores / 4;
         let across = lines_per_end.saturating_sub(1).max(1) * p.gore_segments;

@@ -16,8 +16,62 @@ pub struct LineParameters {
     pub segments: usize,
 }
 
+/// Lines of a parachute, each of equal segments.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct RigLineParameters {
+    /// [m] length; of `lines` that of the type if absent (`canopy-fem mesh parachute` and `check` print it), others
+    /// need one
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    pub length: Option<f64>,
+    /// [-] number of edges of each line; 1 if absent
+    #[serde(default = "super::one")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
+    pub segments: usize,
+    /// Name of the material: a line, tape or cable. A case then has springs on these edges without a rule for them, and
+    /// drag of suspension lines.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
+}
+
+impl RigLineParameters {
+    /// The line, if its length is known.
+    pub(super) fn known(&self) -> Option<LineParameters> {
+        let Self { length, segments, .. } = *self;
+        length.map(|length| LineParameters { length, segments })
+    }
+}
+
+/// Names of the materials of a parachute's tapes. Those that are absent have the material of `lines`: the lines of many
+/// round canopies run over them, in the seams.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct TapeMaterials {
+    /// along the seams of the gores
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radials: Option<String>,
+    /// around the skirt
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub skirt: Option<String>,
+    /// around the vent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vent: Option<String>,
+    /// across the vent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vent_lines: Option<String>,
+    /// along gaps and slots
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rims: Option<String>,
+    /// across the ribbons of a ribbon canopy
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verticals: Option<String>,
+}
+
 /// Lines from the vent to the confluence.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct InnerLineParameters {
@@ -31,6 +85,9 @@ pub struct InnerLineParameters {
     #[serde(default = "super::one")]
     #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub segments: usize,
+    /// Name of the material, as of `lines`, which is also the default
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
 }
 
 /// A rigid payload: four particles of a quarter of its mass each, which have its centre and its moments of inertia.

@@ -149,8 +149,8 @@ impl Profile {
     /// # Errors
     /// A vent or a gap that leaves no cloth, and too few rows.
     pub(super) fn of(p: &ParachuteParameters) -> Result<Self, MeshError> {
-        let wanted = 0.25 * PI * p.nominal_diameter * p.nominal_diameter;
-        let mut scale = Scale { size: 0.5 * p.nominal_diameter, slot: slots::first_guess(p) };
+        let wanted = 0.25 * PI * p.d0() * p.d0();
+        let mut scale = Scale { size: 0.5 * p.d0(), slot: slots::first_guess(p) };
         // The area is nearly the square of the size, but for the shape of a curved profile near its vent.
         for _ in 0..100 {
             let profile = Self::of_scale(p, scale)?;

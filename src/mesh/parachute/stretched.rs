@@ -51,19 +51,19 @@ impl Assembly {
     /// # Errors
     /// A start radius above the pattern's own.
     pub(super) fn stretch(&mut self, p: &ParachuteParameters) -> Result<(), MeshError> {
-        let Some(lines) = p.lines else { return Ok(()) };
+        let Some(lines) = p.lines() else { return Ok(()) };
         let own = self.own_radius(p);
         let wanted = p.start_radius.unwrap_or(START_RADIUS);
-        if wanted * p.nominal_diameter > own {
+        if wanted * p.d0() > own {
             return Err(MeshError::Parameter {
                 pointer: "/parachute/start_radius".to_owned(),
                 value: wanted.to_string(),
-                allowed: format!("at most {:.6}, the radius of the skirt as it is cut", own / p.nominal_diameter),
+                allowed: format!("at most {:.6}, the radius of the skirt as it is cut", own / p.d0()),
                 hint: "take a smaller one; at line stretch it is about 0.025".to_owned(),
             });
         }
         let ring = p.reefing.map_or(f64::INFINITY, |reefing| reefed_radius(reefing, p.gores));
-        let r0 = (wanted * p.nominal_diameter).min(ring);
+        let r0 = (wanted * p.d0()).min(ring);
         let tube = match p.kind {
             CanopyType::Cruciform => self.tube_of_squares(own, r0),
             _ => self.tube_of_rows(r0, outline::sides(p.kind).is_none()),

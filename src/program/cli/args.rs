@@ -134,6 +134,8 @@ pub enum Command {
     Methods(MethodsArgs),
     /// Print the JSON Schema of the case file
     Schema,
+    /// Print the materials that cases can name, with their sources, as a case's own file of materials is written
+    Materials,
     /// Write a commented example case
     ///
     /// The file names a JSON Schema for editors, which is written beside it as case.schema.json: they then complete
@@ -155,14 +157,14 @@ impl Command {
         match self {
             Command::Solve(args) => args.print.json,
             Command::Static(args) => args.print.json,
-            Command::Check(args) => args.print.json,
+            Command::Check(args) => args.print.json || args.expand,
             Command::Tradeoff(args) => args.study.print.json,
             Command::Sweep(args) => args.study.print.json,
             Command::Require(args) => args.study.print.json,
             Command::Stability(args) => args.print.json,
             Command::Methods(args) => args.json,
             Command::Mesh(MeshArgs { command: MeshCommand::Inspect(args) }) => args.json,
-            Command::Schema | Command::Completions(_) => true,
+            Command::Schema | Command::Materials | Command::Completions(_) => true,
             _ => false,
         }
     }

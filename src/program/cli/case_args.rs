@@ -79,6 +79,10 @@ pub struct CheckArgs {
     /// Print the model, its cost, and what is predicted of every method, too
     #[arg(long, short)]
     pub all: bool,
+    /// Print nothing but the case as JSON, with its materials and the defaults of its parachute written out as rules;
+    /// it runs by itself, to the same results
+    #[arg(long, conflicts_with_all = ["all", "within", "quiet", "json"])]
+    pub expand: bool,
     /// threads
     #[command(flatten)]
     pub threads: Threads,

@@ -2,7 +2,7 @@
 //! itself costs and whether it is stable; with `--all` the model, each method's critical step and predicted run, too.
 //! It writes no files.
 
-use super::check_json::{Report, Totals};
+use super::check_json::{self, Report, Totals};
 use super::check_system::{describe_canopies, describe_size, describe_system, filled_canopies};
 use super::known_models::KnownModels;
 use super::{CheckArgs, CliError, check_static};
@@ -38,6 +38,9 @@ const ACCURACY: f64 = 0.01;
 
 pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let case = Case::from_file_at_rest(&args.case.case, &args.case.with_quantities(&args.quantity))?;
+    if args.expand {
+        return check_json::expanded(&case);
+    }
     if args.at_rest || case.is_at_rest() {
         return check_static::run(args, case);
     }
@@ -130,6 +133,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
         + &describe_answer(&problem, scene, &forecast, accuracy, &stable)?
         + &size
         + &canopies
+        + &problem.taken.iter().map(|what| format!("  taken           {what}\n")).collect::<String>()
         + &scene.added_mass().map_or_else(String::new, |added| format!("  mass scaling    {}\n", added.text()))
         + &models.describe(&args.case.case);
     let more = "--all: the model, its cost, and every method with its critical step";

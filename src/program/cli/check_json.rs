@@ -7,6 +7,7 @@ use super::CliError;
 use crate::analysis::critical::Confidence;
 use crate::analysis::later::LaterLimit;
 use crate::analysis::taut::WhileSlack;
+use crate::case::Case;
 use crate::case::spec::Problem;
 use crate::drive::observer::ObserveError;
 use crate::mesh::canopy::CanopySizes;
@@ -14,6 +15,16 @@ use crate::model::group_totals::GroupTotals;
 use crate::scene::{Scene, place_of};
 use crate::study::forecast::{Candidate, Forecast};
 use crate::study::recommendations::ModelAnswer;
+
+/// What `check --expand` prints: a case that runs by itself.
+pub(super) fn expanded(case: &Case) -> Result<String, CliError> {
+    let text = case.expanded().and_then(|json| serde_json::to_string_pretty(&json)).map_err(unwritten)?;
+    Ok(text + "\n")
+}
+
+fn unwritten(error: serde_json::Error) -> ObserveError {
+    ObserveError::Write { path: "standard output".to_owned(), source: error.into() }
+}
 
 /// Everything that `check` finds.
 pub(super) struct Report<'a> {
@@ -74,16 +85,16 @@ impl Report<'_> {
                 "from": t, "critical_step": limit.step, "set_by": place_of(*scene, limit.dof)
             })),
             "models": models,
+            "taken": problem.taken,
             "warnings": warnings,
             "acknowledged": acknowledged,
             "version": env!("CARGO_PKG_VERSION"),
         });
-        let write = |e: serde_json::Error| ObserveError::Write { path: "standard output".to_owned(), source: e.into() };
-        let costs = serde_json::to_value(forecast).map_err(write)?;
+        let costs = serde_json::to_value(forecast).map_err(unwritten)?;
         if let (Value::Object(report), Value::Object(costs)) = (&mut report, costs) {
             report.extend(costs);
         }
-        Ok(serde_json::to_string_pretty(&report).map_err(write)? + "\n")
+        Ok(serde_json::to_string_pretty(&report).map_err(unwritten)? + "\n")
     }
 }
 

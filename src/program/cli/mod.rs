@@ -93,6 +93,7 @@ fn dispatch(command: &Command) -> Result<CommandOutput, CliError> {
         Command::Export(args) => export::run(args).map(done),
         Command::Methods(args) => Ok(done(methods::run(args))),
         Command::Schema => Ok(done(schema::run() + "\n")),
+        Command::Materials => Ok(done(crate::case::materials::SHIPPED.to_owned())),
         Command::Init(args) => Ok(done(init::run(args)?)),
         Command::Completions(args) => Ok(done(shell::completions(args))),
         Command::Man(args) => shell::man(args).map(done),

@@ -2,8 +2,8 @@
 
 use super::mesh_output::OutputArgs;
 use crate::mesh::parachute::{
-    CanopyType, ClusterParameters, InnerLineParameters, LineParameters, ParachuteParameters, PayloadParameters,
-    ReefingParameters, StartShape,
+    CanopyType, ClusterParameters, InnerLineParameters, ParachuteParameters, PayloadParameters, ReefingParameters,
+    RigLineParameters, StartShape,
 };
 use clap::Args;
 
@@ -14,9 +14,12 @@ pub struct ParachuteArgs {
     /// ribbon, ringsail, disk-gap-band, elliptical, toroidal, square or triangular
     #[arg(long = "type", value_parser = word::<CanopyType>)]
     pub kind: CanopyType,
-    /// [m] Nominal diameter D0
+    /// [m] Nominal diameter D0; it or the constructed one is needed
     #[arg(long)]
-    pub nominal_diameter: f64,
+    pub nominal_diameter: Option<f64>,
+    /// [m] Constructed diameter: that of the skirt as it is cut, from which D0 follows
+    #[arg(long)]
+    pub constructed_diameter: Option<f64>,
     /// Number of gores and of lines
     #[arg(long)]
     pub gores: usize,
@@ -153,10 +156,15 @@ fn word<T: serde::de::DeserializeOwned>(word: &str) -> Result<T, String> {
 impl ParachuteArgs {
     pub(super) fn parameters(&self) -> ParachuteParameters {
         let three = |list: &Option<Vec<f64>>| list.as_deref().and_then(|list| <[f64; 3]>::try_from(list).ok());
-        let line = |length: Option<f64>, segments| length.map(|length| LineParameters { length, segments });
+        let line = |length: Option<f64>, segments| {
+            length.is_some().then_some(RigLineParameters { length, segments, material: None })
+        };
         ParachuteParameters {
             kind: self.kind,
             nominal_diameter: self.nominal_diameter,
+            constructed_diameter: self.constructed_diameter,
+            cloth: None,
+            tapes: None,
             gores: self.gores,
             vent_diameter: self.vent_diameter,
             radial_segments: self.radial_segments,
@@ -183,9 +191,11 @@ impl ParachuteArgs {
             band: self.band,
             vent_lines: self.vent_lines,
             lines: line(self.lines, self.line_segments),
-            inner_lines: self
-                .inner_line_segments
-                .map(|segments| InnerLineParameters { length: self.inner_line_length, segments }),
+            inner_lines: self.inner_line_segments.map(|segments| InnerLineParameters {
+                length: self.inner_line_length,
+                segments,
+                material: None,
+            }),
             riser: line(self.riser, self.riser_segments),
             payload: self.payload_below_riser.map(|below_riser| PayloadParameters {
                 sides: three(&self.payload_box),

@@ -280,7 +280,7 @@ fn forms_fill_ring_by_ring() {
     for mut p in all.map(|p| ParachuteParameters { gores: 12, radial_segments: 6, start: StartShape::Stretched, ..p }) {
         // Shorter ones draw the apex below the skirt, where there is no tube of air.
         p.inner_lines.iter_mut().for_each(|inner| inner.length = Some(9.0));
-        p.centre_line.iter_mut().for_each(|line| line.length = 9.0);
+        p.centre_line.iter_mut().for_each(|line| line.length = Some(9.0));
         let mesh = built(&p);
         assert_eq!(mesh.rows.len(), 7 + p.rings.map_or(0, |rings| rings - 1), "{:?}", p.kind);
         let time = json!({"end": 0.015, "method": "backward-euler", "step": 0.001});

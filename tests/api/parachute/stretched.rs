@@ -94,12 +94,13 @@ fn gores_hang_as_a_tube() {
     for p in stretched_types().into_iter().filter(|p| p.cluster.is_none()) {
         let start = Start::of(&p);
         let lines = start.lengths(&p, "lines");
-        let drawn_down = p.inner_lines.and_then(|inner| inner.length) == Some(3.0);
+        let drawn_down = p.inner_lines.as_ref().and_then(|inner| inner.length) == Some(3.0);
         let tautest = lines.iter().map(|[rest, now]| now / rest).fold(0.0, f64::max);
         assert!(drawn_down || p.centre_line.is_some() || (tautest - 1.0).abs() < 1e-12, "{tautest} of {p:?}");
         for [rest, now] in lines.iter().filter(|_| !drawn_down && is_round(&p)) {
             assert!(p.centre_line.is_some() || (now / rest - 1.0).abs() < 1e-12, "line of {now} for {rest} m: {p:?}");
-            close(*rest, p.lines.expect("lines").length / p.lines.expect("lines").segments as f64, 1e-12, "line");
+            let lines = p.lines.as_ref().expect("lines");
+            close(*rest, lines.length.expect("a length") / lines.segments as f64, 1e-12, "line");
         }
         if format!("{:?}", p.kind) == "Cruciform" || !is_round(&p) {
             continue;
@@ -112,11 +113,11 @@ fn gores_hang_as_a_tube() {
         let mut arc = if p.vent_diameter.is_some() { tip(&p, pattern(path[0])) } else { 0.0 };
         let whole = arc + cloth;
         let ring = p.reefing.map_or(f64::INFINITY, |r| 0.5 * PI * r.diameter / (n as f64 * (PI / n as f64).sin()));
-        let r0 = (0.025 * p.nominal_diameter).min(ring);
+        let r0 = (0.025 * p.nominal_diameter.expect("D0")).min(ring);
         let formula = |node, arc| f64::min(pattern(node), r0 * (0.3 + 0.7 * arc / whole));
         assert!((start.radius(path[0]) - formula(path[0], arc)).abs() < 1e-10, "{p:?}");
         let held = p.centre_line.is_some();
-        let folded = held || p.inner_lines.is_some_and(|inner| inner.length != Some(30.0));
+        let folded = held || p.inner_lines.as_ref().is_some_and(|inner| inner.length != Some(30.0));
         let mut shorter = 0;
         for pair in path.windows(2) {
             arc += step(pair);
@@ -128,7 +129,7 @@ fn gores_hang_as_a_tube() {
         }
         assert!(shorter <= usize::from(folded), "one step has the fold: {shorter} of {p:?}");
         for [rest, now] in start.lengths(&p, "inner-lines") {
-            let slack = p.inner_lines.and_then(|inner| inner.length) == Some(30.0);
+            let slack = p.inner_lines.as_ref().and_then(|inner| inner.length) == Some(30.0);
             assert!(slack == ((now / rest - 1.0).abs() > 1e-12), "inner line {now} of {rest}");
         }
     }

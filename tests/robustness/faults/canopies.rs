@@ -148,7 +148,18 @@ fn drag_areas_and_filling_times_that_say_nothing_are_refused() {
     for (case, pointer, words) in [
         (at_rest, "schedule/speed", "at rest in the air"),
         (drifting, "schedule/speed", "a speed above 0"),
-        (schedule(json!({"filling_constant": 8})), "canopy/schedule", "exactly one of drag_area and drag_coefficient"),
+        // A type whose drag coefficient was found takes that.
+        (
+            with(
+                &schedule(json!({"filling_constant": 8})),
+                &[
+                    (&format!("{N}/mesh/parachute/type"), json!("square")),
+                    (&format!("{N}/mesh/parachute/start"), json!("flat")),
+                ],
+            ),
+            "canopy/schedule",
+            "exactly one of drag_area and drag_coefficient",
+        ),
         (
             schedule(json!({"drag_area": 9.4, "drag_coefficient": 0.75, "filling_constant": 8})),
             "canopy/schedule",

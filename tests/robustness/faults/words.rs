@@ -128,7 +128,7 @@ fn a_value_that_cannot_be_read_is_the_only_fault() {
         (CHUTE, "\"altitude\": 1000", "\"altitude\": \"high\""),
         (CHUTE, "\"lines\": {\"length\": 7.21", "\"lines\": {\"length\": \"long\""),
         (CHUTE, "\"diameter\": 1.2", "\"diameter\": \"small\""),
-        (CHUTE, "\"drag_area\": 42.9", "\"drag_area\": null"),
+        (CHUTE, "\"drag_area\": 42.9", "\"drag_area\": \"wide\""),
         (CHUTE, "\"filling_constant\": 8", "\"filling_constant\": \"eight\""),
         (CHUTE, "\"mass\": 90.7", "\"mass\": [90.7]"),
         (SAIL, "\"wind\": [0, 0, 10]", table),

@@ -52,6 +52,9 @@ pub(super) fn check(at: &Pointer, stages: &Stages, faults: &mut Faults<'_>) {
     }
 }
 
+/// [-] Exponent of a stage that gives none.
+const EXPONENT: f64 = 2.0;
+
 /// The stages, for a canopy whose nominal diameter [m] is `diameter` where they do not give it. A filling time that
 /// needs the speed at the start of the run is that for 1 m/s.
 pub(super) fn stages(stages: &Stages, diameter: impl Fn() -> f64) -> Vec<FillingSpec> {
@@ -61,6 +64,7 @@ pub(super) fn stages(stages: &Stages, diameter: impl Fn() -> f64) -> Vec<Filling
         let by_constant = || filling_constant.unwrap_or(0.0) * diameter() / speed.unwrap_or(1.0);
         let by_coefficient = || stage.drag_coefficient.unwrap_or(0.0) * 0.25 * PI * diameter().powi(2);
         let drag_area = stage.drag_area.unwrap_or_else(by_coefficient);
+        let exponent = exponent.unwrap_or(EXPONENT);
         FillingSpec { drag_area, start, duration: filling_time.unwrap_or_else(by_constant), exponent }
     });
     lowered.collect()

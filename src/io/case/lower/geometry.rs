@@ -211,14 +211,15 @@ const LONG: f64 = 300.0;
 /// The first length of a parachute that is probably in millimetres.
 fn in_millimetres(source: &MeshSource) -> Option<(&'static str, f64)> {
     let MeshSource::Parachute(p) = source else { return None };
-    let d0 = p.nominal_diameter;
+    let d0 = p.nominal_diameter.or(p.constructed_diameter)?;
     let lengths = [
-        ("nominal_diameter", Some(d0), LONG),
+        ("nominal_diameter", p.nominal_diameter, LONG),
+        ("constructed_diameter", p.constructed_diameter, LONG),
         ("vent_diameter", p.vent_diameter, d0),
         (REEFING, p.reefing.map(|r| r.diameter), 2.0 * d0),
-        ("lines.length", p.lines.map(|l| l.length), LONG),
-        (INNER, p.inner_lines.and_then(|lines| lines.length), LONG),
-        ("riser.length", p.riser.map(|r| r.length), LONG),
+        ("lines.length", p.lines.as_ref().and_then(|l| l.length), LONG),
+        (INNER, p.inner_lines.as_ref().and_then(|lines| lines.length), LONG),
+        ("riser.length", p.riser.as_ref().and_then(|r| r.length), LONG),
     ];
     lengths.into_iter().find_map(|(key, length, most)| Some((key, length.filter(|l| *l > most)?)))
 }

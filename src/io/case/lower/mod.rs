@@ -7,6 +7,7 @@ mod coefficients;
 mod digits;
 mod elastic_law;
 mod energy;
+mod expand;
 mod filling;
 mod gas;
 pub(crate) mod geometry;
@@ -35,6 +36,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::diagnostics::Faults;
+use super::materials::{self, MaterialTable};
 use super::pointer::Pointer;
 use super::schema::{CaseFile, System};
 use super::spec::{GaugeOf, GaugeSpec, Problem, SystemSpec};
@@ -60,7 +62,7 @@ pub(crate) fn build(
     let solver = time::solver(file.solver.as_ref());
     let quantities = time::study(file.study.as_ref(), faults);
     let at = root.key("system");
-    let mut whole = None;
+    let (mut whole, mut expanded) = (None, None);
     let (system, geometry) = match &file.system {
         // A stand-in, because the intended system is not known.
         _ if faults.unread(&at) => (None, None),
@@ -72,12 +74,19 @@ pub(crate) fn build(
         }
         System::Network(network) => {
             let at = at.key("network");
-            let geometry = geometry::geometry(&at.key("mesh"), &network.mesh, base, known, faults);
+            let source = expand::source(&network.mesh);
+            let geometry = geometry::geometry(&at.key("mesh"), &source, base, known, faults);
+            let (table, before) = (MaterialTable::of(file.materials.as_ref()), faults.count());
+            materials::check(file.materials.as_ref(), faults);
+            expanded = expand::network(&at, network, &source, geometry.as_deref(), table, faults);
+            // What follows from a material that is not known is no fault of the user's.
+            let known = faults.count() == before;
+            let network = expanded.as_ref().map_or(&**network, |expanded| &expanded.network);
             let step = timing.as_ref().map(|t| t.spec.step);
             if let Some(timing) = &timing {
                 network::warn_of_events(&at, network, timing.spec.end, faults);
             }
-            let lowered = network::network(network, base, geometry.as_deref(), step, faults);
+            let lowered = known.then(|| network::network(network, base, geometry.as_deref(), step, faults)).flatten();
             let (spec, of_point) = lowered.map_or((None, None), |(spec, whole)| (Some(spec), whole));
             whole = of_point;
             let fixed =
@@ -123,6 +132,7 @@ pub(crate) fn build(
         output
     });
     let timing = timing?;
+    let (expanded, taken) = expanded.map_or((None, Vec::new()), |found| (Some(Arc::new(found.network)), found.taken));
     let problem = Problem {
         name: file.name.clone(),
         system: system?,
@@ -134,6 +144,8 @@ pub(crate) fn build(
         acknowledged: Vec::new(),
         acknowledge: file.acknowledge.clone(),
         case_json: serde_json::Value::Null,
+        expanded,
+        taken,
     };
     Some((problem, geometry))
 }

@@ -91,6 +91,7 @@ fn check_loads_only(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) {
     let SpringRule {
         on: _,
         loads_only: _,
+        material,
         stiffness,
         axial_rigidity,
         membrane,
@@ -104,6 +105,7 @@ fn check_loads_only(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) {
         dashpot,
     } = rule;
     let given = [
+        ("material", material.is_some()),
         ("stiffness", stiffness.is_some()),
         ("axial_rigidity", axial_rigidity.is_some()),
         ("membrane", membrane.is_some()),

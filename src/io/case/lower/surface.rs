@@ -52,9 +52,18 @@ pub(super) fn membranes(
 /// A rule's material, without its triangles.
 fn material(at: &Pointer, rule: &MembraneRule, faults: &mut Faults<'_>) -> Option<MembraneSpec> {
     let before = faults.count();
-    plausible::material(&at.key("thickness"), "thickness", rule.thickness, faults);
+    let (Some(thickness), Some(modulus), Some(poisson)) = (rule.thickness, rule.modulus, rule.poisson) else {
+        let given = [rule.thickness.is_some(), rule.modulus.is_some(), rule.poisson.is_some()];
+        let keys = ["thickness", "modulus", "poisson"].into_iter().zip(given);
+        for (key, _) in keys.filter(|(_, given)| !given) {
+            faults.add_value(&at.key(key), "(missing)", format!("the key \"{key}\" is required here"), None);
+        }
+        return None;
+    };
+    plausible::material(&at.key("thickness"), "thickness", thickness, faults);
     let at_modulus = at.key("modulus");
-    let modulus = match rule.modulus {
+    let orthotropic = matches!(modulus, Modulus::Orthotropic(_));
+    let modulus = match modulus {
         Modulus::Isotropic(modulus) => {
             plausible::material(&at_modulus, "modulus", modulus, faults);
             [modulus; 2]
@@ -67,9 +76,8 @@ fn material(at: &Pointer, rule: &MembraneRule, faults: &mut Faults<'_>) -> Optio
         }
     };
     let damping_time = rule.damping_time.unwrap_or(0.0);
-    let orthotropic = matches!(rule.modulus, Modulus::Orthotropic(_));
     let shear = match (orthotropic, rule.shear) {
-        (false, None) => modulus[0] / (2.0 * (1.0 + rule.poisson)),
+        (false, None) => modulus[0] / (2.0 * (1.0 + poisson)),
         (true, Some(shear)) => shear,
         (false, Some(shear)) => {
             let hint = "one modulus has G = E/(2 (1 + nu)); for another, give two moduli and a warp";
@@ -90,7 +98,6 @@ fn material(at: &Pointer, rule: &MembraneRule, faults: &mut Faults<'_>) -> Optio
     if warp.is_some_and(|warp| !warp.iter().all(|w| w.is_finite())) {
         faults.add(&at.key("warp"), "a vector that is not zero; its length does not matter");
     }
-    let poisson = rule.poisson;
     let known = faults.readable(&at_modulus) && !(0..2).any(|i| faults.unread(&at_modulus.index(i)));
     if known && poisson * poisson * modulus[1] >= modulus[0] {
         let allowed = if orthotropic { "poisson^2 E2 below E1" } else { "above -1 and below 1" };
@@ -98,7 +105,7 @@ fn material(at: &Pointer, rule: &MembraneRule, faults: &mut Faults<'_>) -> Optio
     }
     let spec = MembraneSpec {
         triangles: Vec::new(),
-        thickness: rule.thickness,
+        thickness,
         modulus,
         poisson,
         shear,

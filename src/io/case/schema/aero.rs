@@ -56,6 +56,14 @@ impl<T> OneOrSeveral<T> {
             OneOrSeveral::Several(list) => list,
         }
     }
+
+    /// All of them, to be changed.
+    pub(crate) fn all_mut(&mut self) -> &mut [T] {
+        match self {
+            OneOrSeveral::One(one) => std::slice::from_mut(one),
+            OneOrSeveral::Several(list) => list,
+        }
+    }
 }
 
 impl<T: JsonSchema> JsonSchema for OneOrSeveral<T> {
@@ -143,8 +151,8 @@ pub struct PressureTable {
 /// The drag area of a canopy while it fills: from what it was at `start` (0 for the first stage) to `drag_area` by
 /// ((t - start)/t_f)^exponent, until the filling time t_f = n D0/v_s (Knacke 1991). The same pressure acts on all
 /// triangles; it is scaled so that its force along the axis is q times the drag area where the cloth does not breathe.
-/// Exactly one of `drag_area` and
-/// `drag_coefficient`, and exactly one of `filling_constant` and `filling_time` is given.
+/// At most one of `drag_area` and `drag_coefficient`, and at most one of `filling_constant` and `filling_time` is
+/// given. A generated parachute has defaults by its type, which `check` prints; else exactly one of them is given.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FillingSchedule {
@@ -153,11 +161,12 @@ pub struct FillingSchedule {
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub drag_area: Option<f64>,
     /// [-] Drag coefficient at the end of the stage on the nominal area S0 = pi D0^2/4: the drag area over S0. With a
-    /// reefing line that of the reefed canopy.
+    /// reefing line that of the reefed canopy. In the last stage the CD0 of the parachute's type if no drag area is
+    /// given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub drag_coefficient: Option<f64>,
-    /// [-] Filling constant n.
+    /// [-] Filling constant n; that of the parachute's type if no filling time is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub filling_constant: Option<f64>,
@@ -165,10 +174,10 @@ pub struct FillingSchedule {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub filling_time: Option<f64>,
-    /// [-] Exponent of the growth; 2 if not given.
-    #[serde(default = "square")]
+    /// [-] Exponent of the growth; 2 if not given, that of the parachute's type if its filling constant is taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub exponent: f64,
+    pub exponent: Option<f64>,
     /// [s] When the stage begins: line stretch, or the cut of a reefing line; 0 if not given. Later in each stage.
     #[serde(default)]
     pub start: f64,
@@ -283,10 +292,6 @@ fn slot_discharge() -> f64 {
 
 fn vent_discharge() -> f64 {
     0.6
-}
-
-fn square() -> f64 {
-    2.0
 }
 
 /// dCp, constant or over the arc length.

@@ -6,6 +6,7 @@
 pub mod aero;
 pub mod gas;
 pub mod loads;
+pub mod material;
 pub mod method;
 pub mod network;
 pub mod output;
@@ -29,6 +30,7 @@ pub use aero::{
 };
 pub use gas::Gas;
 pub use loads::{Load, PressureKindKey};
+pub use material::{ClothMaterial, LineMaterial, Material, MaterialMap, Materials};
 pub use method::Method;
 pub use network::{Damping, FrameFile, Initial, InitialFrom, Keep, Mass, Network, NetworkModel, PointMass, Support};
 pub use output::{CrossingSearch, Every, EveryCheckpoint, EverySteps, Field, Gauge, Output, Probe};
@@ -57,6 +59,11 @@ pub struct CaseFile {
     /// Codes of the warnings to accept, as `check` and `solve` print them in brackets: these warnings are not printed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub acknowledge: Vec<WarningCode>,
+    /// Materials that rules and parachutes can name, beside those of the program (`canopy-fem materials` prints these),
+    /// which they replace if they have the same name: `"mine.json"`, a file in the folder of the case, or
+    /// `{"name": {"cloth": {...}}, ...}` itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub materials: Option<Materials>,
     /// What moves.
     pub system: System,
     /// End, method and steps of the run.

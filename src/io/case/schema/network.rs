@@ -71,7 +71,7 @@ pub enum NetworkModel {
 }
 
 /// Mass of the nodes: the sum of what is given.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Mass {
     /// [kg/m^2] Mass per area: a third of each triangle's area on the mesh as given goes to each of its nodes.

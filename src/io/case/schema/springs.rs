@@ -10,12 +10,16 @@ use super::table::Factor;
 /// Springs on some edges. An edge that no rule selects has no spring. A rule for a group adds its springs to all edges
 /// of the group, beside those of other rules: a tape along the edges of a cloth. Of the other rules an edge follows
 /// the first that selects it. Exactly one of `stiffness`, `axial_rigidity`, `membrane`, `loads_only` and a `law` with a
-/// table is given.
+/// table is given, or a `material`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringRule {
     /// Which edges.
     pub on: EdgeSelection,
+    /// Name of a material, which gives what the rule leaves out: stiffness, `linear_density`, `strength`, no
+    /// compression, and a dashpot by time. A cloth also gives `mass.areal_density`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
     /// [N/m] Stiffness k of every spring.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness: Option<f64>,

@@ -12,15 +12,22 @@ use super::select::{EdgeSelection, NodeSelection};
 pub struct MembraneRule {
     /// Which triangles: `"all"`, `{"ids": [...]}` or `{"group": ...}`.
     pub on: NodeSelection,
+    /// Name of a cloth, which gives what the rule leaves out of `thickness`, `modulus`, `poisson` and `damping_time`,
+    /// and `mass.areal_density`; without it the first three are required.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
     /// [m] Thickness t.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub thickness: f64,
+    pub thickness: Option<f64>,
     /// [Pa] Young's modulus E; or `[E1, E2]` along the warp and across it, together with `shear` and `warp`.
-    pub modulus: Modulus,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modulus: Option<Modulus>,
     /// [-] Poisson's ratio nu, in (-1, 1); with two moduli nu12, the contraction across the warp over the stretch along
     /// it, with nu12^2 E2 < E1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = -1))]
-    pub poisson: f64,
+    pub poisson: Option<f64>,
     /// [Pa] Shear modulus G12; only with two moduli.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
