@@ -125,17 +125,17 @@ fn a_loaded_net_is_taken_up_again() {
     let bench = Bench::new();
     form(&bench);
     let rules = json!([
-        {"on": "all", "axial_rigidity": 2e4},
-        {"on": {"group": "rim"}, "stiffness": 1000.0, "slack": "tension-only"}
+        {"on": {"ids": [0, 1, 2, 3, 5]}, "axial_rigidity": 2e4},
+        {"on": {"ids": [4]}, "stiffness": 1000.0, "slack": "tension-only"}
     ]);
     let mut loaded = case("loaded", net(rules));
     let network = &mut loaded["system"]["network"];
-    network["springs"].as_array_mut().expect("rules").remove(1);
     network["loads"] = json!([{"on": {"ids": [4]}, "force": [3, 0, -40]}]);
     network["initial"] = json!({"from": "form", "keep": "tensions"});
     let first = settle(&bench, &loaded, "loaded", &[]);
     assert!(number(&largest(&first, "displacement")["value"]) > 1e-3);
     let rest_length = first.frames()[0].1.floats("rest_length");
+    assert_eq!(rest_length[4], 1.5);
     for keep in ["tensions", "rest_lengths"] {
         loaded["system"]["network"]["initial"] =
             json!({"from": {"frame": "loaded/frames/sail_000000.vtu"}, "keep": keep});
@@ -198,7 +198,8 @@ fn what_cannot_be_kept_is_refused() {
 /// A square net of 2 m by 2 m with a cover of triangles, whose diagonals are no cables. The file has all their sides as
 /// edges.
 const COVERED: &str = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nv 0 2 0\nv 1 2 0\nv 2 2 0\n\
-    g cables\nl 4 5 6\nl 2 5 8\ng cover\nf 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nf 5 6 9 8\n";
+    g cables\nl 4 5 6\nl 2 5 8\ng cover\nf 1 2 5\nf 1 5 4\nf 2 3 6\nf 2 6 5\n\
+    f 4 5 8\nf 4 8 7\nf 5 6 9\nf 5 9 8\n";
 
 /// A cover without springs passes its loads on: the supports carry all of it, and the net moves as under forces at its
 /// nodes.
@@ -221,8 +222,8 @@ fn a_cover_only_carries_loads() {
     assert!((number(&sum[2]) - 140.0).abs() < 1e-9 && number(&sum[0]).abs() < 1e-9, "{sum}");
     let edges = covered.frames()[0].1.floats("rest_length").iter().filter(|rest| **rest >= 0.0).count();
     assert_eq!(edges, 4, "only cables have springs");
-    // The middle node has an area of a third of its triangles.
-    let share = number(&json!(middle_area())) * 30.0;
+    // The middle node has a third of six triangles of half a square metre.
+    let share = 30.0;
     network["loads"] = json!([{"on": {"ids": [4]}, "force": [0, 0, -share]}]);
     let forced = settle(&bench, &case("forced", network.clone()), "forced", &[]);
     assert!(apart(&positions(&forced), &positions(&covered)) < 1e-9);
@@ -230,14 +231,6 @@ fn a_cover_only_carries_loads() {
     network["springs"] = json!([cables, {"on": "all", "loads_only": true}]);
     let other = settle(&bench, &case("other", network), "other", &[]);
     assert!(apart(&positions(&other), &positions(&forced)) < 1e-12);
-}
-
-/// [m^2] A third of the area of the triangles at the middle node; the reader splits each square along its shorter
-/// diagonal, of equal ones that from its first corner.
-fn middle_area() -> f64 {
-    let squares = [[1, 2, 5, 4], [2, 3, 6, 5], [4, 5, 8, 7], [5, 6, 9, 8]];
-    let triangles = squares.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-    triangles.filter(|triangle| triangle.contains(&5)).count() as f64 * 0.5 / 3.0
 }
 
 /// Two bars in line between supports, one of which settles along them: forces follow from the stiffnesses in a row.
@@ -260,7 +253,7 @@ fn a_settlement_stretches_bars_in_line() {
     for (steps, at_least) in [("1", 1), ("5", 3)] {
         let found = settle(&bench, &bars, "bars", &["--load-steps", steps]);
         let x = positions(&found);
-        assert!((x[3] - 1.0 - force / k1).abs() < 1e-12 && (x[6] - 2.0 - settled).abs() < 1e-15, "{x:?}");
+        assert!((x[3] - 1.0 - force / k1).abs() < 1e-12 && (x[6] - 2.0 - settled).abs() < 1e-12, "{x:?}");
         assert!(tensions(&found).iter().all(|tension| (tension - force).abs() < 1e-9), "{:?}", tensions(&found));
         let made = found.summary()["equilibrium"]["load_steps"].as_u64().expect("a count");
         assert!(made >= at_least, "{made} steps");
@@ -375,5 +368,5 @@ fn check_knows_equilibria() {
     assert!(check(&line, &[]).contains("2 motions, mostly of node 1"), "{}", check(&line, &[]));
     line["system"]["network"]["supports"] = json!([{"on": {"ids": [0]}, "fix": "xy"}]);
     line["system"]["network"]["gravity"] = json!([0, 0, -9.81]);
-    assert!(check(&line, &[]).contains("none found: no support holds"), "{}", check(&line, &[]));
+    assert!(check(&line, &[]).contains("no support holds the scene in z"), "{}", check(&line, &[]));
 }

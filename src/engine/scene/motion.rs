@@ -1,6 +1,5 @@
-//! Supports that move: x(t) = x(0) + u(t) with a displacement u that is linear between the rows of a table. One that has
-//! settled does so from the start: x(t) = X + s + u(t), with a settlement s from where the mesh and the initial
-//! displacement put it.
+//! Supports that move: x(t) = x(0) + u(t) with a displacement u that is linear between the rows of a table. One that
+//! has settled begins at x(0) = X + s, with a settlement s from where the mesh and the initial displacement put it.
 //!
 //! So a support has a constant velocity between two rows, and every scheme carries it along exactly: at held degrees
 //! of freedom M^-1 is 0, and a step adds h v. At a row the velocity jumps, which is an event of the scene: the driver

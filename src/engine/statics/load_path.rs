@@ -1,5 +1,6 @@
-//! The loads, at once or in steps: weight, pressures, forces and displacements of supports grow together from 0, in steps
-//! that grow where they are easy and are cut where they fail. Wind acts in full from the start, as it has no factor.
+//! The loads, at once or in steps: weight, pressures, forces and displacements of supports grow together from 0, in
+//! steps that grow where they are easy and are cut where they fail. Wind acts in full from the start, as it has no
+//! factor.
 
 use super::continuation::Continuation;
 use super::failure::StaticFailure;

@@ -42,8 +42,8 @@ pub struct StaticSpec {
     pub relative: f64,
     /// iterations of Newton's method in all, after which the search gives up
     pub max_iterations: u32,
-    /// [-] number of equal steps in which loads and displacements of supports are applied; 1 applies them at once, and in
-    /// steps if that fails
+    /// [-] number of equal steps in which loads and displacements of supports are applied; 1 applies them at once, and
+    /// in steps if that fails
     pub load_steps: u32,
     /// solver of linear equations; conjugate gradients are replaced by a factorisation
     pub linear: LinearChoice,

@@ -1,5 +1,5 @@
-//! `canopy-fem check` of a case without a `time` section, or with `--static`: what `canopy-fem static` costs, and what is
-//! determined, by a search within a time. It writes no files.
+//! `canopy-fem check` of a case without a `time` section, or with `--static`: what `canopy-fem static` costs, and what
+//! is determined, by a search within a time. It writes no files.
 
 use super::check::{describe_terms, notes};
 use super::check_json::Totals;
@@ -62,7 +62,7 @@ impl Trial {
                 figures(found.residual.force, 2),
                 figures(found.residual.scale, 2)
             ),
-            Some(failure) => format!("none found: {failure}\n  advice          {}", failure.advice()),
+            Some(failure) => format!("not found: {failure}\n  advice          {}", failure.advice()),
         };
         let mut text = format!("  equilibrium     {answer}\n");
         if let Some(linear) = &found.linear {

@@ -29,8 +29,8 @@ pub struct StaticArgs {
     /// Time of loads, wind and supports [s]
     #[arg(long, value_name = "T", default_value_t = 0.0, value_parser = time)]
     pub at: f64,
-    /// Apply weight, pressures, forces and displacements of supports in this many steps. By default they act at once, and
-    /// in steps if that fails
+    /// Apply weight, pressures, forces and displacements of supports in this many steps. By default they act at once,
+    /// and in steps if that fails
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub load_steps: u32,
     /// Find the N lowest vibration modes about the equilibrium

@@ -41,6 +41,7 @@ fn assets_build() {
         "parachute-50ms",
         "parachute-original",
         "pendulum",
+        "saddle-net",
         "spring-pendulum",
     ];
     assert_eq!(names, expected);

@@ -181,8 +181,8 @@ fn strain(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Fa
     }
 }
 
-/// Whether triangles are a cover of a net of cables: there are springs, but no triangle has them on all its sides, nor a
-/// membrane.
+/// Whether triangles are a cover of a net of cables: there are springs, but no triangle has them on all its sides, nor
+/// a membrane.
 fn only_covers(spec: &NetworkSpec, geometry: &Geometry) -> bool {
     let edges: BTreeSet<u32> = spec.springs.iter().flat_map(|group| group.edges.iter().copied()).collect();
     let mut sides = vec![0; spec.mesh.triangles.len()];

@@ -85,8 +85,8 @@ fn without_tension(slack: Slack, length: f64, before: Option<f64>) -> f64 {
 }
 
 impl Law<'_> {
-    /// [m] The rest length at which a spring of this length [m] and stiffness times length [N] has a tension [N] that is
-    /// not 0; `None` where there is none.
+    /// [m] The rest length at which a spring of this length [m] and stiffness times length [N] has a tension [N], which
+    /// is not 0; `None` where there is none.
     fn rest_length(self, length: f64, tension: f64, rigidity: f64) -> Option<f64> {
         let taut = match self.slack {
             Slack::TensionOnly if tension < 0.0 => return None,

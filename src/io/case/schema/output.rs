@@ -111,8 +111,8 @@ pub enum Field {
     Tension,
     /// Strain of the springs.
     Strain,
-    /// Rest length of the springs, m: the cell array `rest_length`, -1 on cells without a spring. `static` always writes
-    /// it, and the tension.
+    /// Rest length of the springs, m: the cell array `rest_length`, -1 on cells without a spring. `static` always
+    /// writes it, and the tension.
     RestLength,
     /// Pressure difference that the air and gases put on the triangles, Pa, positive along their right-hand normals; 0
     /// without them. Loads are not in it. Always written where the mesh has groups and there is a law, a canopy or a

@@ -28,8 +28,9 @@ pub struct SpringRule {
     pub axial_rigidity: Option<f64>,
     /// Stiffness from a continuous sheet; for edges of triangles.
     pub membrane: Option<Membrane>,
-    /// Whether the edges get no springs, as those of a cover that only passes loads on to a net of cables: areas, weights
-    /// and pressures of its triangles act on their nodes. No later rule selects these edges but those for a group.
+    /// Whether the edges get no springs, as those of a cover that only passes loads on to a net of cables: areas,
+    /// weights and pressures of its triangles act on their nodes. No later rule selects these edges but those for a
+    /// group.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub loads_only: bool,
     /// How the tension grows with the strain; not given: T = k (l - l0).
@@ -38,6 +39,7 @@ pub struct SpringRule {
     /// [m] Rest length l0 of the spring, which may be 0 with `stiffness` and `membrane`; or a list with one for every
     /// edge of the mesh, of which those of other edges are passed over. If not given, the length of the edge on the
     /// mesh as given, or what `initial.keep` says.
+    #[schemars(extend("minimum" = 0))]
     pub rest_length: Option<PerEdge>,
     /// [-] The rest length as a factor of the edge's length on the mesh as given; not together with `rest_length`. Or
     /// `{"table": [[t, s], ...]}`: the rest length, from `rest_length` or the edge, times a factor s(t), for a winch
