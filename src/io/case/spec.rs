@@ -113,6 +113,8 @@ pub struct TimeSpec {
     pub step: Step,
     /// when the run may end before its time
     pub until_rest: Option<RestSpec>,
+    /// whether it ends before at an event that says so
+    pub to_ground: bool,
 }
 
 impl TimeSpec {

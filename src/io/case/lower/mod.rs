@@ -7,6 +7,7 @@ mod coefficients;
 mod digits;
 mod elastic_law;
 mod energy;
+mod events;
 mod filling;
 pub(crate) mod geometry;
 mod initial;
@@ -73,7 +74,8 @@ pub(crate) fn build(
             if let Some(timing) = &timing {
                 network::warn_of_events(&at, network, timing.spec.end, faults);
             }
-            let lowered = network::network(network, base, geometry.as_deref(), step, faults);
+            let lowered =
+                network::network(network, base, geometry.as_deref(), (step, file.time.until.as_ref()), faults);
             let (spec, of_point) = lowered.map_or((None, None), |(spec, whole)| (Some(spec), whole));
             whole = of_point;
             let fixed =

@@ -1,6 +1,7 @@
 //! The network as a whole: supports, masses, and the sections put together.
 
 use super::air::{self, Flow};
+use super::events::{self, Plan, Sights};
 use super::geometry::Geometry;
 use super::initial::{self, initial};
 use super::numbers::series;
@@ -10,13 +11,14 @@ use super::supports::{Supports, supports};
 use super::{canopy, digits, energy, loads, mass, plausible, springs, surface};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Damping, Network, NetworkModel, VectorTable, vectors};
+use crate::case::schema::{Damping, Network, NetworkModel, Until, VectorTable, vectors};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
 use crate::mesh::Topology;
 use crate::model::spec::{NetworkSpec, RayleighSpec, Series, support_velocity};
 use crate::preflight;
 use crate::warning::{Warning, WarningCode};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Checks and builds a network, or a point in its place, and then the network that it stands for; files are found from
@@ -25,23 +27,26 @@ pub(super) fn network(
     network: &Network,
     base: &Path,
     geometry: Option<&Geometry>,
-    step: Option<Step>,
+    (step, until): (Option<Step>, Option<&Until>),
     faults: &mut Faults<'_>,
 ) -> Option<(NetworkSpec, Option<Whole>)> {
     let at = &Pointer::root().key("system").key("network");
     let before = faults.count();
+    let plan = &Plan::of(at, network, until);
     let mut masses =
         geometry.map(|g| mass::mass(&at.key("mass"), network.mass.as_ref(), g, faults)).unwrap_or_default();
-    let Supports { fixed, releases, motions } = supports(&at.key("supports"), &network.supports, geometry, faults);
+    let Supports { fixed, releases, motions } =
+        supports(&at.key("supports"), &network.supports, geometry, plan, faults);
     let membranes = surface::membranes(&at.key("membranes"), &network.membranes, geometry, faults);
     let bending = surface::bending(&at.key("bending"), &network.bending, geometry, faults);
-    let sources = SpringSources { rules: &network.springs, membranes: &membranes, step };
+    let sources = SpringSources { rules: &network.springs, membranes: &membranes, step, plan };
     let groups = springs::springs(&at.key("springs"), sources, geometry, &mut masses, faults);
     let readable = |keys: &[&str], faults: &Faults<'_>| keys.iter().all(|key| faults.readable(&at.key(key)));
     let masses_known = faults.count() == before && readable(&["mass", "supports", "springs", "membranes"], faults);
     let rayleigh = rayleigh(network.damping.as_ref());
-    let Flow { air, stream, canopies, line_drag, node_drag } =
+    let Flow { air, stream, mut canopies, line_drag, node_drag } =
         air::flow(&at.key("aero"), network.aero.as_ref(), base, geometry, faults);
+    plan.put_into(&mut canopies);
     let base_acceleration = base_acceleration(at, network, faults);
     let loads = loads::loads(&at.key("loads"), &network.loads, geometry, faults);
     let geometry = geometry?;
@@ -67,11 +72,15 @@ pub(super) fn network(
     } else {
         initial::InitialState::default()
     };
+    let springs: BTreeSet<u32> = groups.iter().flat_map(|group| group.edges.iter().copied()).collect();
+    let (has_spring, air_around) = (&|edge: u32| springs.contains(&edge), stream.is_some());
+    let events = events::events(plan, Sights { geometry, mass: &masses, has_spring, air: air_around }, faults);
     let mut spec = NetworkSpec {
         mesh: geometry.mesh.clone(),
         mass: masses,
         fixed,
         releases,
+        events,
         motions,
         springs: groups,
         membranes,

@@ -1,6 +1,7 @@
 //! Spring rules: which edge follows which rule, and the springs that result.
 
 use super::elastic_law::elastic_law;
+use super::events::{Plan, Waits};
 use super::geometry::Geometry;
 use super::mass;
 use super::numbers::{positive, series};
@@ -22,12 +23,14 @@ pub(super) struct SpringSources<'a> {
     pub membranes: &'a [MembraneSpec],
     /// the steps of the run, if known
     pub step: Option<Step>,
+    /// what cuts them
+    pub plan: &'a Plan<'a>,
 }
 
 /// Groups of springs in the order of the rules; adds the springs' own mass to `mass` `[n_nodes]`.
 pub(super) fn springs(
     at: &Pointer,
-    SpringSources { rules, membranes, step }: SpringSources<'_>,
+    SpringSources { rules, membranes, step, plan }: SpringSources<'_>,
     geometry: Option<&Geometry>,
     mass: &mut [f64],
     faults: &mut Faults<'_>,
@@ -39,6 +42,16 @@ pub(super) fn springs(
     for (i, rule) in rules.iter().enumerate() {
         let at = at.index(i);
         let values = values(&at, rule, faults);
+        if rule.cut.is_some() && rule.when.is_some() {
+            faults.add_hint(&at.key("when"), "not together with cut", "a time is \"when\": {\"time\": ...} too");
+        }
+        if rule.breaks && rule.strength.is_none() {
+            faults.add_hint(&at.key("strength"), "the strength of springs that break", "give it in N");
+        }
+        if rule.breaks && rule.when.is_some() {
+            let hint = "what is cut by an event cannot break before; make two rules for two groups";
+            faults.add_hint(&at.key("breaks"), "not together with when", hint);
+        }
         let factor = rest_factor(&at.key("rest_scale"), rule, faults);
         // The edges of an unreadable rule are not known, so those of the next rules are not known either.
         geometry = geometry.filter(|_| faults.readable(&at.key("on")));
@@ -64,8 +77,14 @@ pub(super) fn springs(
                 EdgeSelection::Group(group) => format!("springs[{i}] {group}"),
                 _ => format!("springs[{i}]"),
             };
+            let breaks = rule.strength.filter(|_| rule.breaks).map_or_else(Vec::new, |strength| {
+                let strands = |i: usize| strands.as_ref().map_or(1.0, |strands| strands[i]);
+                (0..group.edges.len()).map(|i| strength * strands(i)).collect()
+            });
             groups.push(SpringGroup {
                 cut: rule.cut,
+                cut_by: plan.event(Waits::Springs(i)),
+                breaks,
                 rest_scale: factor,
                 strength: rule.strength.map(|strength| StrengthSpec { name: name(), strength, strands }),
                 sheet: rule.membrane.map(|Membrane { modulus, thickness }| SheetSpec { modulus, thickness }),

@@ -4,6 +4,7 @@
 //! SI; the doc of a number begins with its unit.
 
 pub mod aero;
+mod event;
 pub mod loads;
 pub mod method;
 pub mod network;
@@ -26,6 +27,7 @@ pub use aero::{
     Aero, Canopy, Cavity, ClothLaw, Drag, ErgunForm, ErgunLaw, Filling, FillingSchedule, OneOrSeveral, PermeableLaw,
     PorousLaw, PressureCoefficient, PressureCoefficientLaw, PressureTable,
 };
+pub use event::{Until, When};
 pub use loads::{Load, PressureKindKey};
 pub use method::Method;
 pub use network::{Damping, FrameFile, Initial, InitialFrom, Mass, Network, NetworkModel, PointMass, Support};
