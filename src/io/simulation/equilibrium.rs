@@ -56,8 +56,9 @@ pub struct RecordedStatic {
 }
 
 /// Warnings that tell of steps and motion.
-const OF_A_RUN: [WarningCode; 10] = [
+const OF_A_RUN: [WarningCode; 11] = [
     WarningCode::BrakedRotation,
+    WarningCode::EventAtStart,
     WarningCode::EventBeyondEnd,
     WarningCode::FillingBeyondEnd,
     WarningCode::LongStep,

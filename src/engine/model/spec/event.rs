@@ -1,6 +1,8 @@
 //! Events: what happens once in a run, at a time, by the state of the scene, or after another event.
 
+use crate::format_number::figures;
 use serde::Serialize;
+use std::fmt;
 
 /// Something that happens once in a run. Releases, cuts and stages refer to it by its place in
 /// [`NetworkSpec::events`](super::NetworkSpec::events).
@@ -72,7 +74,35 @@ pub enum Watched {
     },
 }
 
+impl fmt::Display for Condition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (what, limit, unit) = match *self {
+            Condition::HeightBelow(limit) => ("a height below", limit, "m"),
+            Condition::HeightAbove(limit) => ("a height above", limit, "m"),
+            Condition::SpeedBelow(limit) => ("a speed below", limit, "m/s"),
+            Condition::SpeedAbove(limit) => ("a speed above", limit, "m/s"),
+            Condition::PressureBelow(limit) => ("a dynamic pressure below", limit, "Pa"),
+            Condition::PressureAbove(limit) => ("a dynamic pressure above", limit, "Pa"),
+            Condition::TensionAbove(limit) => ("a tension above", limit, "N"),
+            Condition::Descending => return f.write_str("a descent"),
+        };
+        write!(f, "{what} {} {unit}", figures(limit, 6))
+    }
+}
+
 impl EventSpec {
+    /// When it happens, in words; `all` are the events that it is one of.
+    pub fn moment(&self, all: &[EventSpec]) -> String {
+        match &self.trigger {
+            Trigger::At(t) | Trigger::Told(t) => format!("t = {} s", figures(*t, 6)),
+            Trigger::When(condition) => condition.to_string(),
+            Trigger::After { event, delay } => {
+                let other = all.get(*event).map_or("another event", |other| &other.name);
+                format!("{} s after {other}", figures(*delay, 6))
+            }
+        }
+    }
+
     /// Whether steps must end at it.
     pub fn acts(&self) -> bool {
         !matches!(self.trigger, Trigger::Told(_))

@@ -105,6 +105,24 @@ impl<'a> Plan<'a> {
         self.0.iter().position(|one| one.waits == waits && !matches!(one.moment, Moment::Time(_)))
     }
 
+    /// [s] Times of events that have a name or follow one whose time is known, and where they are in the case.
+    pub(super) fn times(&self) -> impl Iterator<Item = (Pointer, Option<f64>)> {
+        let time = |name: &str| {
+            let other = self.0.iter().find(|one| one.name == name)?;
+            match other.moment {
+                Moment::Time(t) => Some(t),
+                Moment::When(when) => when.time,
+                Moment::Ground(_) => None,
+            }
+        };
+        let of = |one: &Planned<'_>| match one.moment {
+            Moment::When(when @ When { after: Some(other), .. }) => Some(time(other)? + when.delay.unwrap_or(0.0)),
+            Moment::When(when) => when.time,
+            Moment::Time(_) | Moment::Ground(_) => None,
+        };
+        self.0.iter().map(|one| (one.at.clone(), of(one))).collect::<Vec<_>>().into_iter()
+    }
+
     /// Whether something waits for more than a time that is known, the end of the run left out.
     pub(super) fn waits(&self) -> bool {
         self.0.iter().any(|one| matches!(one.moment, Moment::When(_)))

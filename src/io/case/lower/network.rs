@@ -147,7 +147,8 @@ pub(super) fn warn_of_events(at: &Pointer, network: &Network, end: f64, faults: 
     let supports = supports.map(|(i, support)| (at.key("supports").index(i).key("until"), support.until));
     let springs = network.springs.iter().enumerate();
     let springs = springs.map(|(i, rule)| (at.key("springs").index(i).key("cut"), rule.cut));
-    for (at, t) in supports.chain(springs) {
+    let named = Plan::of(at, network, None);
+    for (at, t) in supports.chain(springs).chain(named.times()) {
         if t.is_some_and(|t| t.is_finite() && t >= end) {
             let text = format!("{at}: the run ends at {end} s, before this happens");
             faults.warn(WarningCode::EventBeyondEnd, text);
