@@ -144,7 +144,7 @@ fn what_holds_at_the_start_happens_at_once() {
 
 /// [N/m] and strengths [N] of springs side by side, which a weight [kg] tears one after the other.
 const TORN: [f64; 2] = [400.0, 9.0];
-const STRENGTHS: [f64; 4] = [40.0, 72.0, 101.0, 117.0];
+const STRENGTHS: [f64; 4] = [40.0, 45.0, 52.0, 70.0];
 
 fn tearing(time: &Value) -> Value {
     let [stiffness, weight] = TORN;

@@ -5,6 +5,7 @@ mod accept;
 mod attempt;
 mod change;
 mod locate;
+mod pass_events;
 mod scene_limits;
 mod step_block;
 
@@ -172,38 +173,6 @@ impl Run<'_> {
         }
     }
 
-    /// Passes the events that the accepted state has reached. A snapshot is always of the state after them.
-    fn pass_events(&mut self, stepper: &mut Stepper<'_>, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
-        let (scene, state) = (self.scene, &mut *self.state);
-        let Some(events) = scene.events() else { return Ok(()) };
-        let (shown, t, all) = (state.events.fired().len(), state.from.state.t, events.event_times().len());
-        let happened = state.events.happen(scene, state.from.state.as_ref(), state.policy.slack(t));
-        let passed = if all > state.passed { state.policy.passed(scene, t) } else { state.passed };
-        if passed != state.passed {
-            log::info!("t = {t:.6e} s: event {passed} of {all} passed");
-        }
-        if happened || passed != state.passed {
-            state.passed = passed;
-            let other = events.pass_events(passed) || happened;
-            if happened {
-                state.policy.end_at(scene, state.events.times(scene));
-            }
-            events.put_supports(&mut state.from.state);
-            state.refresh(scene, stepper, if other { Changed::Phase } else { Changed::Motion })?;
-            // What a program changes next is no part of the event.
-            state.before_change = None;
-        }
-        self.show_events(shown, observers)
-    }
-
-    /// Shows events that have happened, without so many of the first.
-    fn show_events(&self, shown: usize, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
-        for event in self.state.events.fired().iter().skip(shown) {
-            observers.iter_mut().try_for_each(|o| o.event(event))?;
-        }
-        Ok(())
-    }
-
     /// Whether a scene of this extent [m] counts as diverged.
     fn has_left(&self, extent: f64) -> bool {
         extent.is_nan() || extent > self.state.limit
@@ -280,7 +249,8 @@ impl RunState {
         let (mut policy, passed) = StepPolicy::at(scene, stepper, spec, None, state.t);
         let mut events = EventWatch::open(scene, Vec::new(), spec.ends_by_event);
         events.happen(scene, state.as_ref(), policy.slack(state.t));
-        policy.end_at(scene, events.times(scene));
+        // A state at a time within a step is no end of one.
+        policy.end_at(scene, events.times(scene).filter(|t| *t > state.t));
         let mut from = Point { state, forces: scene.new_forces() };
         let mut counters = Counters::default();
         timed(Phase::Forces, || counters.evaluate(scene, from.state.as_ref(), &mut from.forces));

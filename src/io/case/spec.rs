@@ -202,7 +202,7 @@ pub enum GaugeOf {
         of: SpringGauge,
         /// edges that carry them, ascending
         edges: Vec<u32>,
-        /// only the springs of this [rule](crate::model::abilities::SpringPlace::rule)
+        /// only the springs of this rule, of those that have springs
         rule: Option<usize>,
         /// [N] their strength, if it is known
         strength: Option<f64>,

@@ -134,8 +134,7 @@ fn refuse(at: &Pointer, full: &NetworkSpec, whole: &Whole, faults: &mut Faults<'
     if full.rayleigh.is_some_and(|rayleigh| rayleigh.mass != 0.0) {
         not(&at.key("damping"), "damping of a point by its mass", "no mass-proportional damping");
     }
-    for (i, group) in
-        full.springs.iter().enumerate().filter(|(_, group)| group.cut.or(group.cut_by.map(|_| 0.0)).is_some())
+    for (i, group) in full.springs.iter().enumerate().filter(|(_, group)| group.cut.is_some() || group.cut_by.is_some())
     {
         if group.edges.iter().any(|edge| whole.mass_above(*edge).is_some()) {
             not(&at.key("springs").index(i).key("cut"), "a riser that is cut", "no cut between payload and canopies");
