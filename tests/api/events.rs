@@ -54,7 +54,7 @@ fn conditions() -> Vec<(Value, Option<f64>, f64)> {
     let [mass, area, density] = BODY;
     let terminal = (2.0 * mass * G / (density * area)).sqrt();
     let rate = G / terminal;
-    let (depth, speed) = (33.3, 4.1);
+    let (depth, speed) = (33.3, 5.5);
     let q = 0.5 * density * speed * speed;
     let by_speed = (speed / terminal).atanh() / rate;
     let of = json!({"ids": [0]});
@@ -92,11 +92,11 @@ fn fixed_steps_find_events_to_the_order_of_the_scheme() {
                 let case = case_of(&fall(true, &when, &fixed(method, step, 6.0)), &[]);
                 (time_of(&run(&case)) - expected).abs()
             };
-            let (coarse, fine) = (error(0.1), error(0.025));
-            let most = if order == 4 { 2e-6 } else { 2e-3 };
+            let (step, most) = if order == 4 { (0.4, 1e-3) } else { (0.1, 1e-2) };
+            let (coarse, fine) = (error(step), error(0.25 * step));
             assert!(coarse < most, "{method} {when}: {coarse:e}");
-            // Where the error is not rounding already, it falls as that of the scheme.
-            assert!(fine < 1e-12 || fine < 2.0 * coarse / 4.0_f64.powi(order), "{method} {when}: {coarse:e} {fine:e}");
+            // Where the error is not that of Newton's iteration already, it falls as that of the scheme.
+            assert!(fine < 1e-9 || fine < 2.0 * coarse / 4.0_f64.powi(order), "{method} {when}: {coarse:e} {fine:e}");
         }
     }
 }
@@ -236,9 +236,9 @@ fn chain(time: &Value) -> Value {
             }},
             "mass": {"nodal": 1.0},
             "springs": [
-                {"on": {"ids": [0]}, "stiffness": 900.0, "strength": 31.0, "breaks": true},
+                {"on": {"ids": [0]}, "stiffness": 900.0, "strength": 25.0, "breaks": true},
                 {"on": {"ids": [1]}, "stiffness": 900.0,
-                 "when": {"name": "gone", "of": {"ids": [2]}, "height_below": 0.85}},
+                 "when": {"name": "gone", "of": {"ids": [2]}, "height_below": 0.9}},
                 {"on": {"ids": [2]}, "stiffness": 300.0}
             ],
             "supports": [{"on": {"ids": [0, 3]}, "fix": "xyz"},
@@ -257,8 +257,9 @@ fn every_method_finds_the_same_events() {
     assert_eq!(expected.len(), 3, "{expected:?}");
     for method in methods() {
         // The first order, and the filter that damps, are off by more.
-        let within = if method.order >= 2 && method.family != Family::MatrixFree { 2e-3 } else { 0.1 };
-        for time in [fixed(method.name, 1e-3, 0.8), adaptive(method.name, 1e-6, 0.8)] {
+        let second = method.order >= 2 && method.family != Family::MatrixFree;
+        let (within, tolerance) = if second { (2e-3, 1e-6) } else { (0.1, 1e-3) };
+        for time in [fixed(method.name, 1e-3, 0.8), adaptive(method.name, tolerance, 0.8)] {
             let ended = run(&case_of(&chain(&time), &[]));
             assert_eq!(ended.outcome.status, Status::Completed, "{time}: {:?}", ended.outcome.failure);
             let found = times(&ended);
@@ -310,7 +311,7 @@ impl Observer for Copy {
 #[test]
 fn a_run_goes_on_with_the_same_bits() {
     for method in methods() {
-        for time in [fixed(method.name, 3e-3, 0.8), adaptive(method.name, 1e-4, 0.8)] {
+        for time in [fixed(method.name, 3e-3, 0.8), adaptive(method.name, 1e-3, 0.8)] {
             let mut problem = case_of(&chain(&time), &[]).problem().clone();
             let scene = build_scene(problem.take_system(), 1).expect("the case is good");
             let spec: RunSpec = problem.run_spec();
