@@ -35,6 +35,8 @@ pub enum WarningCode {
     EnergyDissipated,
     /// Energy that the time-integration scheme itself has made.
     EnergyMade,
+    /// An event whose condition holds at the start.
+    EventAtStart,
     /// A support that would let go, or springs that would be cut, only after the end of the run.
     EventBeyondEnd,
     /// A model whose results are of the right size only in part.

@@ -217,7 +217,7 @@ fn free_steps_are_those_a_program_gives() {
     let (h, event) = (0.5_f64.powi(11), 5.5 * 0.5_f64.powi(11));
     for method in METHODS {
         let mut network = cloth(4).build().expect("a mesh");
-        network.releases.push(ReleaseSpec { t: event, nodes: vec![(0, [true; 3])] });
+        network.releases.push(ReleaseSpec { t: event, nodes: vec![(0, [true; 3])], ..ReleaseSpec::default() });
         let settings = RunSpec::fixed(method, h, 1.0).expect("registered");
         let mut fixed = Simulation::new(network.clone(), settings.clone()).expect("it starts");
         let mut free = Simulation::new(network, RunSpec { free_steps: true, ..settings }).expect("it starts");

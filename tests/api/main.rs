@@ -14,6 +14,7 @@ mod counters;
 mod critical;
 mod divergence;
 mod door;
+mod events;
 mod examples;
 mod filling;
 mod globalised;

@@ -51,7 +51,7 @@ fn eventful() -> NetworkSpec {
     spec.springs[1].rest_scale = Some(series(vec![(0.0101, 1.0), (0.0307, 0.97)]));
     spec.rayleigh = Some(RayleighSpec { mass: 0.1, stiffness: 1e-4 });
     let held: Vec<u32> = (0..).zip(&spec.fixed).filter(|(_, fixed)| fixed[0]).map(|(node, _)| node).collect();
-    spec.releases = vec![ReleaseSpec { t: 0.0213, nodes: vec![(held[0], [true; 3])] }];
+    spec.releases = vec![ReleaseSpec { t: 0.0213, nodes: vec![(held[0], [true; 3])], ..ReleaseSpec::default() }];
     let rise = series(vec![(0.0, [0.0; 3]), (0.0153, [0.0, 0.0, 0.01]), (0.04, [0.0; 3])]);
     let nodes = vec![(held[1], [false, false, true])];
     spec.motions = vec![MotionSpec { nodes, displacement: rise, settlement: [0.0; 3] }];

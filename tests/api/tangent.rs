@@ -100,7 +100,7 @@ fn tangents_before_and_after_events() {
     spec.springs = vec![some(&all, true), some(&all, false)];
     spec.rayleigh = Some(RayleighSpec { mass: 0.0, stiffness: 0.02 });
     spec.springs[0].cut = Some(0.3);
-    spec.releases = vec![ReleaseSpec { t: 0.4, nodes: vec![(0, [true, false, true])] }];
+    spec.releases = vec![ReleaseSpec { t: 0.4, nodes: vec![(0, [true, false, true])], ..ReleaseSpec::default() }];
     let scene = build(spec);
     let mut products = Vec::new();
     for passed in 0..=2 {

@@ -8,6 +8,7 @@ mod check;
 #[path = "../common/mod.rs"]
 mod common;
 mod doubts;
+mod events;
 mod export;
 mod failures;
 mod gauges;

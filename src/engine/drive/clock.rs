@@ -137,6 +137,28 @@ impl EventSteps {
         made
     }
 
+    /// Ends a step also at `t` [s], at which an event was found, unless only rounding parts it from the end of a step.
+    /// All steps but those around it stay what they are.
+    pub fn divide(&mut self, t: f64) {
+        let ratio = t / self.steps.step;
+        let nearest = ratio.round();
+        let slack = SLACK.max(4.0 * f64::EPSILON * nearest);
+        let at_an_end =
+            (nearest >= 0.0 && (ratio - nearest).abs() <= slack) || self.divided.iter().any(|(_, of)| *of == t);
+        if at_an_end || t > self.steps.end - slack * self.steps.step || t <= 0.0 {
+            return;
+        }
+        let before = self.divided.partition_point(|(_, of)| *of < t);
+        let within = (ratio as u64).min(self.steps.count - 1);
+        self.divided[before..].iter_mut().for_each(|(number, _)| *number += 1);
+        self.divided.insert(before, (within + before as u64 + 1, t));
+    }
+
+    /// [s] Differences of times at `t` [s] that count as rounding.
+    pub fn slack(&self, t: f64) -> f64 {
+        SLACK * self.steps.step + 8.0 * f64::EPSILON * t
+    }
+
     /// Number of steps.
     pub fn count(&self) -> u64 {
         self.steps.count + self.divided.len() as u64
@@ -270,6 +292,11 @@ mod tests {
         let plain = EventSteps::new(FixedSteps::new(0.1, 1.0), &[0.3]);
         assert_eq!((plain.count(), plain.events()), (10, &[3.0 * 0.1][..]));
         assert!((1..=10).all(|k| plain.tick(k) == FixedSteps::new(0.1, 1.0).tick(k)));
+        // Found later in any order, they divide steps in the same way.
+        let mut found = EventSteps::new(FixedSteps::new(0.25, 1.0), &[0.625]);
+        [0.6875, 0.125, 0.5, 0.6875].into_iter().for_each(|t| found.divide(t));
+        assert_eq!(found.count(), 7);
+        assert!((1..=7).all(|k| found.tick(k) == steps.tick(k)));
         let beyond = EventSteps::new(FixedSteps::new(0.3, 1.0), &[1.0, 1.2, 2.0]);
         assert_eq!((beyond.count(), beyond.events()), (4, &[1.0, 1.2, 2.0][..]), "events beyond the end wait there");
     }

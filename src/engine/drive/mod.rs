@@ -10,6 +10,7 @@ pub mod clock;
 pub mod cloth_strain;
 pub mod critical_step_monitor;
 mod error;
+pub mod event;
 pub mod failure;
 pub mod ledger;
 pub mod max_displacement;

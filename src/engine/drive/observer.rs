@@ -1,5 +1,6 @@
 //! What a run shows its observers: the energy account of every accepted step, and the states they ask for.
 
+use super::event::Fired;
 pub use super::snapshot::{Occasion, Resumable};
 use crate::model::observables::Observables;
 pub use crate::model::point::Point;
@@ -176,6 +177,15 @@ pub trait Observer {
     /// # Errors
     /// When the snapshot cannot be written.
     fn resumable(&mut self, _run: &Resumable<'_>) -> Result<(), ObserveError> {
+        Ok(())
+    }
+
+    /// After [`Observer::started`], [`Observer::resumed`] or [`Observer::accepted`], for every event that has happened
+    /// since, at the state that was shown; of a run that continues, for all that have happened before.
+    ///
+    /// # Errors
+    /// When results cannot be written.
+    fn event(&mut self, _event: &Fired) -> Result<(), ObserveError> {
         Ok(())
     }
 

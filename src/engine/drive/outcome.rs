@@ -1,5 +1,6 @@
 //! The outcome of a run.
 
+use super::event::Fired;
 use super::failure::Failure;
 use super::observer::Energies;
 use super::watch::DOUBTFUL;
@@ -33,8 +34,12 @@ pub struct Outcome {
     pub rejected_steps: u64,
     /// [s] time of the last good state
     pub t_end: f64,
-    /// whether an observer has ended it before its time
+    /// whether an observer or an event has ended it before its time
     pub ended_early: bool,
+    /// the events that have happened
+    pub fired: Vec<Fired>,
+    /// names of events that have not
+    pub unmet: Vec<String>,
     /// work done
     pub counters: Counters,
     /// additional force passes for the account and the observers, where a scheme evaluates none at the end of its step;
@@ -56,6 +61,11 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Whether the run has ended with a landing.
+    pub fn landed(&self) -> bool {
+        self.fired.iter().any(|fired| fired.landing.is_some())
+    }
+
     /// Text about a run whose scheme has made energy itself (Kuhl & Crisfield 1999 show it for Newmark).
     pub fn energy_doubt(&self) -> Option<String> {
         (self.energy_made > DOUBTFUL).then(|| {

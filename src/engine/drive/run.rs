@@ -4,11 +4,14 @@
 mod accept;
 mod attempt;
 mod change;
+mod locate;
+mod pass_events;
 mod scene_limits;
 mod step_block;
 
 use super::clock::Tick;
 use super::error::RunError;
+use super::event::EventWatch;
 use super::failure::Failure;
 use super::ledger::Ledger;
 use super::observer::{Energies, Observer, Occasion, Resumable};
@@ -91,6 +94,7 @@ impl Run<'_> {
         observers: &mut [&mut dyn Observer],
     ) -> Result<Outcome, RunError> {
         observers.iter_mut().try_for_each(|o| o.started(&self.state.from, self.state.row))?;
+        self.show_events(0, observers)?;
         self.finish(stepper, observers)
     }
 
@@ -104,6 +108,7 @@ impl Run<'_> {
         observers: &mut [&mut dyn Observer],
     ) -> Result<Outcome, RunError> {
         observers.iter_mut().try_for_each(|o| o.resumed(&self.state.from, self.state.row))?;
+        self.show_events(0, observers)?;
         self.finish(stepper, observers)
     }
 
@@ -146,40 +151,26 @@ impl Run<'_> {
         if self.state.failure.is_some() && status == Status::Completed {
             status = Status::Diverged;
         }
+        ended_early |= self.state.events.ended();
         Ok(Outcome { ended_early, ..self.state.outcome(status, stepper) })
     }
 
     /// The next step to attempt; `None` at the end.
     pub fn next(&self) -> Option<Tick> {
+        if self.state.events.ended() {
+            return None;
+        }
         self.state.policy.next(self.state.steps, self.state.from.state.t)
     }
 
     /// The next step, of `h` [s] where a program gives it.
     pub fn next_of(&self, h: Option<f64>) -> Option<Tick> {
         match (&self.state.policy, h) {
-            (StepPolicy::Free(steps), Some(h)) => Some(steps.tick(self.state.from.state.t, h)),
+            (StepPolicy::Free(steps), Some(h)) if !self.state.events.ended() => {
+                Some(steps.tick(self.state.from.state.t, h))
+            }
             _ => self.next(),
         }
-    }
-
-    /// Passes the events that the accepted state has reached. A snapshot is always of the state after them.
-    fn pass_events(&mut self, stepper: &mut Stepper<'_>) -> Result<(), RunError> {
-        let (scene, state) = (self.scene, &mut *self.state);
-        let Some(events) = scene.events().filter(|events| events.event_times().len() > state.passed) else {
-            return Ok(());
-        };
-        let passed = state.policy.passed(scene, state.from.state.t);
-        if passed == state.passed {
-            return Ok(());
-        }
-        log::info!("t = {:.6e} s: event {passed} of {} passed", state.from.state.t, events.event_times().len());
-        state.passed = passed;
-        let changed = if events.pass_events(passed) { Changed::Phase } else { Changed::Motion };
-        events.put_supports(&mut state.from.state, 1.0);
-        state.refresh(scene, stepper, changed)?;
-        // What a program changes next is no part of the event.
-        state.before_change = None;
-        Ok(())
     }
 
     /// Whether a scene of this extent [m] counts as diverged.
@@ -224,6 +215,8 @@ pub struct RunState {
     pub steps: u64,
     /// events of the scene that are passed
     passed: usize,
+    /// those that wait, and those that have happened
+    events: EventWatch,
     /// [m] extent beyond which the scene counts as diverged
     limit: f64,
     scene_limits: SceneLimits,
@@ -241,6 +234,7 @@ struct RunStart {
     ledger: Ledger,
     watch: Watch,
     row: Energies,
+    events: EventWatch,
 }
 
 impl RunState {
@@ -252,7 +246,11 @@ impl RunState {
             return Err(RunError::OtherState { found, needed });
         }
         sample_tables(scene, spec.steps_of_one_size());
-        let (policy, passed) = StepPolicy::at(scene, stepper, spec, None, state.t);
+        let (mut policy, passed) = StepPolicy::at(scene, stepper, spec, None, state.t);
+        let mut events = EventWatch::open(scene, Vec::new(), spec.ends_by_event);
+        events.happen(scene, state.as_ref(), policy.slack(state.t));
+        // A state at a time within a step is no end of one.
+        policy.end_at(scene, events.times(scene).filter(|t| *t > state.t));
         let mut from = Point { state, forces: scene.new_forces() };
         let mut counters = Counters::default();
         timed(Phase::Forces, || counters.evaluate(scene, from.state.as_ref(), &mut from.forces));
@@ -260,7 +258,11 @@ impl RunState {
         let ledger = Ledger::open(scene, &from);
         let row = ledger.first();
         let watch = Watch::open(scene, spec.method.info, &row);
-        Ok(RunState { counters, passed, ..RunState::new_at(scene, RunStart { from, policy, ledger, watch, row }) })
+        Ok(RunState {
+            counters,
+            passed,
+            ..RunState::new_at(scene, RunStart { from, policy, ledger, watch, row, events })
+        })
     }
 
     /// A run at a snapshot. Starts the scheme.
@@ -274,8 +276,10 @@ impl RunState {
         spec.passes(scene, &snapshot)?;
         sample_tables(scene, spec.steps_of_one_size());
         let Snapshot { step: steps, t, x, v, forces, carried, counters, ledger, row, .. } = snapshot;
-        let Snapshot { before_change, watch, failure, doubt, adaptive, .. } = snapshot;
-        let (policy, passed) = StepPolicy::at(scene, stepper, spec, adaptive, t);
+        let Snapshot { before_change, watch, failure, doubt, adaptive, fired, .. } = snapshot;
+        let (mut policy, passed) = StepPolicy::at(scene, stepper, spec, adaptive, t);
+        let events = EventWatch::open(scene, fired, spec.ends_by_event);
+        policy.end_at(scene, events.times(scene));
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
         // Already counted in the step that led to this state.
         timed(Phase::Forces, || scene.evaluate(from.state.as_ref(), &mut from.forces));
@@ -305,12 +309,13 @@ impl RunState {
             passed,
             failure,
             doubt,
-            ..RunState::new_at(scene, RunStart { from, policy, ledger, watch, row })
+            ..RunState::new_at(scene, RunStart { from, policy, ledger, watch, row, events })
         })
     }
 
     /// Before its first step.
-    fn new_at(scene: &dyn Scene, RunStart { from, policy, ledger, watch, row }: RunStart) -> Self {
+    fn new_at(scene: &dyn Scene, start: RunStart) -> Self {
+        let RunStart { from, policy, ledger, watch, row, events } = start;
         let size = scene.size();
         RunState {
             policy,
@@ -324,6 +329,7 @@ impl RunState {
             before_change: None,
             steps: 0,
             passed: 0,
+            events,
             limit: if size > 0.0 { BLOW_UP * size } else { f64::INFINITY },
             scene_limits: SceneLimits::of(scene),
             failure: None,
@@ -339,7 +345,22 @@ impl RunState {
         let (row, counters, failure, doubt) = (*row, *counters, failure.as_ref(), doubt.as_ref());
         let watch = self.watch.account();
         let (adaptive, before_change, step) = (self.policy.state(), self.before_change, *steps);
-        Resumable { occasion, step, at, row, counters, ledger, before_change, watch, failure, doubt, stepper, adaptive }
+        let fired = self.events.fired();
+        Resumable {
+            occasion,
+            step,
+            at,
+            row,
+            counters,
+            ledger,
+            before_change,
+            watch,
+            failure,
+            doubt,
+            stepper,
+            adaptive,
+            fired,
+        }
     }
 
     /// A copy of all that a run needs to continue from here.
@@ -355,6 +376,8 @@ impl RunState {
             rejected_steps: self.policy.state().map_or(0, |state| state.rejected),
             t_end: self.from.state.t,
             ended_early: false,
+            fired: self.events.fired().to_vec(),
+            unmet: self.events.unmet(),
             counters: self.counters,
             account_passes: self.account_passes,
             energy_error: self.ledger.energy_error(self.steps),

@@ -40,6 +40,8 @@ pub struct RunSpec {
     pub free_steps: bool,
     /// continue after a divergence until a value is not finite
     pub keep_going: bool,
+    /// whether the run ends at an event of the scene that says so, as when the payload reaches the ground
+    pub ends_by_event: bool,
     /// events for which the cause is searched; none where the cost of a run is measured
     pub explain: Explain,
     /// threads of a scene above 2,000 nodes, at least 1; a scene that is built already keeps its own
@@ -73,6 +75,7 @@ impl RunSpec {
             frames_every: None,
             free_steps: false,
             keep_going: false,
+            ends_by_event: false,
             explain: Explain::Failures,
             threads: 1,
         }

@@ -3,6 +3,7 @@
 use super::adaptive::AdaptiveState;
 use super::clock::{EventSteps, FixedSteps, JoinedAt, Step};
 use super::error::RunError;
+use super::event::{EventWatch, Fired};
 use super::failure::Failure;
 use super::ledger::Ledger;
 use super::observer::Energies;
@@ -50,6 +51,8 @@ pub struct Snapshot {
     pub doubt: Option<String>,
     /// state of the adaptive steps
     pub adaptive: Option<AdaptiveState>,
+    /// events that have happened
+    pub fired: Vec<Fired>,
 }
 
 impl RunSpec {
@@ -74,7 +77,9 @@ impl RunSpec {
             }
             return Ok(());
         };
-        let clock = EventSteps::new(FixedSteps::new(step_size, self.end), event_times(scene));
+        let mut clock = EventSteps::new(FixedSteps::new(step_size, self.end), event_times(scene));
+        let known = EventWatch::known(scene, &snapshot.fired);
+        known.into_iter().for_each(|t| clock.divide(t));
         // A program may have put the run between two ends of steps.
         let JoinedAt { step: last, t: there } = clock.join(t);
         if step != last || there.to_bits() != t.to_bits() || t > self.end {
@@ -132,6 +137,8 @@ pub struct Resumable<'a> {
     pub(super) stepper: &'a Stepper<'a>,
     /// what adaptive steps keep
     pub adaptive: Option<&'a AdaptiveState>,
+    /// events that have happened
+    pub fired: &'a [Fired],
 }
 
 impl Resumable<'_> {
@@ -153,6 +160,7 @@ impl Resumable<'_> {
             failure: self.failure.cloned(),
             doubt: self.doubt.cloned(),
             adaptive: self.adaptive.cloned(),
+            fired: self.fired.to_vec(),
         }
     }
 }

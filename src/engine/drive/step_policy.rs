@@ -5,6 +5,7 @@ use super::clock::{EventSteps, FixedSteps, FreeSteps, Step, Tick};
 use super::run_spec::RunSpec;
 use crate::integrate::registry::Family;
 use crate::integrate::stepper::Stepper;
+use crate::model::spec::ascending;
 use crate::scene::{Scene, event_times, pass_events};
 
 /// Steps of one size, of the size a tolerance allows, or of the sizes a program gives.
@@ -74,6 +75,28 @@ impl StepPolicy {
             StepPolicy::Adaptive(_) | StepPolicy::Free(_) => event_times(scene),
         };
         events.partition_point(|event| event - t <= 4.0 * f64::EPSILON * event)
+    }
+
+    /// Ends steps at times [s] of events too, which may be past, and at what began with an event.
+    pub(super) fn end_at(&mut self, scene: &dyn Scene, times: impl Iterator<Item = f64>) {
+        match self {
+            StepPolicy::Fixed(clock) => times.for_each(|t| clock.divide(t)),
+            StepPolicy::Adaptive(adaptive) => {
+                adaptive.end_at(scene, times);
+                adaptive.recount(scene);
+            }
+            StepPolicy::Free(steps) => {
+                steps.events = ascending(times.chain(event_times(scene).iter().copied()).collect());
+            }
+        }
+    }
+
+    /// [s] Differences of times at `t` [s] that count as rounding.
+    pub(super) fn slack(&self, t: f64) -> f64 {
+        match self {
+            StepPolicy::Fixed(clock) => clock.slack(t),
+            StepPolicy::Adaptive(_) | StepPolicy::Free(_) => 4.0 * f64::EPSILON * t,
+        }
     }
 
     /// What adaptive steps keep.

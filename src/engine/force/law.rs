@@ -27,6 +27,7 @@ pub mod rings;
 pub mod series;
 pub mod slack;
 pub mod spring;
+pub mod stages;
 pub(in crate::force) mod step_samples;
 pub mod stream;
 pub(in crate::force) mod stretch;

@@ -2,14 +2,16 @@
 
 use super::gauge::CANOPY_QUANTITIES;
 use super::point::Point;
+use super::spec::EventSpec;
 use super::state::{State, StateRef};
 
-/// One of the springs of a scene: its rule and its number within the rule, in the scene's order.
+/// One of the springs of a scene: its batch and its number within the batch, in the scene's order. A batch is a rule of
+/// the case that has springs, or, where springs break, one of its springs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SpringPlace {
-    /// rule of the case that has springs, counted from 0
-    pub rule: u32,
-    /// number within the rule
+    /// batch, counted from 0
+    pub batch: u32,
+    /// number within the batch
     pub number: u32,
 }
 
@@ -123,6 +125,38 @@ pub trait Events {
     /// lengths by their tables, of canopies by their stages, and events. A change that goes on at `end` lasts until
     /// then.
     fn settled_after(&self, end: f64) -> f64;
+
+    /// The events that the scene has besides, by number: those that wait for a state or for another event, springs that
+    /// break, and those that are only told.
+    fn named(&self) -> &[EventSpec] {
+        &[]
+    }
+
+    /// How far the [condition](crate::model::spec::Condition) of one of these is from being met, in its unit: it is met
+    /// at 0 and below. Infinite for an event that waits for none.
+    fn margin(&self, event: usize, at: StateRef<'_>) -> f64 {
+        let _ = (event, at);
+        f64::INFINITY
+    }
+
+    /// [m, m/s] Place and velocity of what one of these looks at.
+    fn place_of(&self, event: usize, at: StateRef<'_>) -> [[f64; 3]; 2] {
+        let _ = (event, at);
+        [[f64::NAN; 3]; 2]
+    }
+
+    /// [m/s] The wind at time `t` [s] and a height `z` [m] of the scene; 0 without air.
+    fn wind_at(&self, t: f64, z: f64) -> [f64; 3] {
+        let _ = (t, z);
+        [0.0; 3]
+    }
+
+    /// Says when each of these has happened [s], infinite where it has not, and with what speed against the air [m/s];
+    /// those beyond the list have not. Returns whether forces, masses and tangents found before do not fit any more.
+    fn set_happened(&self, happened: &[[f64; 2]]) -> bool {
+        let _ = happened;
+        false
+    }
 
     /// Puts what supports move where it is at the time of a state, with the velocity that it then has. `share` [-] of
     /// the displacement is applied: 1 but for steps of a load. Returns whether they move anything.

@@ -7,10 +7,12 @@ use crate::mesh::Mesh;
 use std::f64::consts::TAU;
 
 mod canopy;
+mod event;
 mod over_time;
 mod spring_values;
 mod surface;
 pub use canopy::{CanopyAir, CanopySpec, CavitySpec, ClothSpec, FillingSpec, RingsSpec};
+pub use event::{Condition, EventSpec, Trigger, Watched};
 pub use over_time::{MotionSpec, Series, support_velocity};
 pub use spring_values::SpringValues;
 pub use surface::{BendingSpec, MembraneSpec};
@@ -87,6 +89,12 @@ pub struct SpringGroup {
     pub dashpot: Option<DashpotSpec>,
     /// [s] from when on they carry no force, above 0, if they are cut
     pub cut: Option<f64>,
+    /// the event at which they are cut, if there is one
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cut_by: Option<usize>,
+    /// [N] tension at which every spring breaks; empty if they do not
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub breaks: Vec<f64>,
     /// [-] factor of the rest lengths over time, above 0, if they change
     pub rest_scale: Option<Series<f64>>,
     /// their strength, for reports only
@@ -104,7 +112,7 @@ impl SpringGroup {
     }
 }
 
-/// The strength of springs; they do not break.
+/// The strength of springs; they break only where [`SpringGroup::breaks`] says so.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrengthSpec {
     /// what reports call them
@@ -124,11 +132,14 @@ pub struct SheetSpec {
     pub thickness: f64,
 }
 
-/// Directions of nodes that are held until a time.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// Directions of nodes that are held until a time or an event.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ReleaseSpec {
-    /// [s] when, above 0
+    /// [s] when, above 0; infinite where an event says when
     pub t: f64,
+    /// the event
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub event: Option<usize>,
     /// the nodes, with those of x, y, z that become free
     pub nodes: Vec<(u32, [bool; 3])>,
 }
@@ -365,6 +376,8 @@ pub struct NetworkSpec {
     pub fixed: Vec<[bool; 3]>,
     /// what becomes free later
     pub releases: Vec<ReleaseSpec>,
+    /// events that releases, cuts and stages refer to, and those that are only told
+    pub events: Vec<EventSpec>,
     /// what supports move; no direction of a node twice
     pub motions: Vec<MotionSpec>,
     /// springs by rule
@@ -415,10 +428,11 @@ impl NetworkSpec {
         fixed
     }
 
-    /// [s] The times of all releases and cuts, ascending.
+    /// [s] The times of all releases and cuts that are known from the start, ascending.
     pub fn divisions(&self) -> Vec<f64> {
         let cuts = self.springs.iter().filter_map(|group| group.cut);
-        ascending(self.releases.iter().map(|release| release.t).chain(cuts).collect())
+        let releases = self.releases.iter().filter(|release| release.event.is_none()).map(|release| release.t);
+        ascending(releases.chain(cuts).collect())
     }
 
     /// [s] The same and the times at which a support's velocity changes, ascending.

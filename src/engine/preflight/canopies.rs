@@ -134,7 +134,7 @@ pub struct ReefingLine {
 }
 
 /// Finds reefing lines that are never cut and do not grow, those whose cut is not the start of the last stage, and
-/// those whose cut no air slows: edges of the group `reefing` with springs, between nodes of the skirt.
+/// those whose cut no air slows, but for those that are cut by an event: edges of the group `reefing` with springs, between nodes of the skirt.
 pub fn reefing_lines(spec: &NetworkSpec) -> Vec<ReefingLine> {
     let Some(lines) = spec.mesh.groups.get("reefing") else { return Vec::new() };
     let of_canopy = |(i, canopy): (usize, &CanopySpec)| {
@@ -150,6 +150,11 @@ pub fn reefing_lines(spec: &NetworkSpec) -> Vec<ReefingLine> {
         let with_tape = spec.mesh.groups.get("skirt").is_some_and(|skirt| skirt.edges.binary_search(first).is_ok());
         let groups: Vec<&SpringGroup> = spec.springs.iter().filter(has).collect();
         if groups.len() < if with_tape { 2 } else { 1 } {
+            return None;
+        }
+        // Whether these agree shows in the run.
+        let by_event = canopy.air.stages().last().is_some_and(|stage| stage.event.is_some());
+        if by_event || groups.iter().any(|group| group.cut_by.is_some()) {
             return None;
         }
         let grows = groups.iter().any(|group| group.rest_scale.is_some());

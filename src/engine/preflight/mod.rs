@@ -7,6 +7,7 @@ pub mod coincident;
 pub mod crossing;
 pub mod damping;
 pub mod edges;
+pub mod events;
 pub mod parts;
 pub mod roofs;
 pub mod units;
@@ -31,6 +32,7 @@ pub fn network(spec: &NetworkSpec, topology: &Topology, step: Option<f64>) -> Ve
     warnings.extend(canopies::drag_coefficients(spec).into_iter().map(Warning::from));
     warnings.extend(canopies::reefing_lines(spec).into_iter().map(Warning::from));
     warnings.extend(canopies::height(spec).map(Warning::from));
+    warnings.extend(events::at_start(spec).into_iter().map(Warning::from));
     warnings.extend(edges::branching(spec, topology).map(Warning::from));
     warnings.extend(damping::braked(spec, &parts).map(Warning::from));
     warnings.extend(units::network(spec, step).into_iter().map(Warning::from));

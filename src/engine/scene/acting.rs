@@ -8,6 +8,7 @@ use super::{Load, ScaledLoad};
 use crate::force::law::gas::GasLaw;
 use crate::force::law::series::{LoadFactor, SampledTable};
 use crate::force::law::spring::{Coefficient, Cut, SpringData};
+use crate::force::law::stages::{EventTimes, Stages};
 use crate::force::law::stream::Stream;
 use crate::force::{Copies, ForceTerm};
 use std::sync::Arc;
@@ -23,6 +24,10 @@ pub(super) struct Acting {
     /// [s] beginnings and ends of changes of forces that are in no table
     pub changes: Vec<[f64; 2]>,
     pub springs: Vec<SpringBatch>,
+    /// when events have happened, shared with the stages
+    pub event_times: Arc<EventTimes>,
+    /// stages of which some start with an event, shared with the terms
+    pub stages: Vec<Stages>,
     /// the air around it, shared with the terms
     pub stream: Option<Arc<Stream>>,
     pub canopies: Vec<ShownCanopy>,
@@ -65,9 +70,9 @@ impl Added {
 
 impl Acting {
     /// What acts by the air around the nodes, before there is a force.
-    pub(super) fn around(stream: Option<Arc<Stream>>) -> Self {
+    pub(super) fn around(stream: Option<Arc<Stream>>, events: usize) -> Self {
         let tables = stream.iter().map(|stream| stream.clone() as Arc<dyn SampledTable>).collect();
-        Acting { stream, tables, ..Acting::default() }
+        Acting { stream, tables, event_times: Arc::new(EventTimes::new(events)), ..Acting::default() }
     }
 
     pub(super) fn add(&mut self, Added { term, tables, load, changes }: Added) {
@@ -95,6 +100,8 @@ impl Acting {
             tables: self.tables.iter().map(|table| table.clone().for_run(copies)).collect(),
             changes: self.changes.clone(),
             springs: self.springs.iter().map(|batch| batch.for_run(copies)).collect(),
+            event_times: copies.of(&self.event_times),
+            stages: self.stages.iter().map(|stages| stages.for_run(copies)).collect(),
             stream: self.stream.as_ref().map(|stream| copies.of(stream)),
             canopies: self.canopies.iter().map(|canopy| canopy.for_run(copies)).collect(),
             pressures: self.pressures.iter().map(|pressure| pressure.for_run(copies)).collect(),
@@ -107,6 +114,12 @@ impl Acting {
 /// Springs of one rule, as the terms hold them, with their way back to the user's edges.
 #[derive(Clone, Debug)]
 pub(super) struct SpringBatch {
+    /// place of their group in the specification, groups without edges left out
+    pub group: u32,
+    /// [s] when they are cut, if that is known from the start
+    pub cut_at: Option<f64>,
+    /// the event at which they are cut, if there is one
+    pub cut_by: Option<usize>,
     /// arrays shared with the terms
     pub data: SpringData,
     /// [m] rest lengths as given; those in `data` are a program's factors times these

@@ -18,10 +18,10 @@
 use super::network::{Network, by_node};
 use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::enclosure::Enclosure;
+use crate::force::law::stages::Stages;
 use crate::force::law::stream::Stream;
 use crate::force::{Copies, NodeState};
 use crate::model::forces::Tally;
-use crate::model::spec::FillingSpec;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -53,7 +53,7 @@ pub(super) enum Volume {
     Point {
         /// [m^2] S0
         nominal_area: f64,
-        stages: Arc<[FillingSpec]>,
+        stages: Stages,
     },
 }
 
@@ -66,10 +66,10 @@ impl Volume {
                 enclosure.volume(x, v, origin)
             }
             Volume::Point { nominal_area, stages } => {
-                let full = stages.last().map_or(1.0, |stage| stage.drag_area);
+                let full = stages.full_area().unwrap_or(1.0);
                 let open = TAYLOR * (4.0 * nominal_area / PI).powf(1.5);
-                let share = FillingSpec::area_at(stages, at.t) / full;
-                let growth = FillingSpec::growth_at(stages, at.t) / full;
+                let share = stages.area_at(at.t) / full;
+                let growth = stages.growth_at(at.t) / full;
                 [open * share.powf(1.5), 1.5 * open * share.sqrt() * growth]
             }
         }
@@ -91,7 +91,13 @@ struct Entrained {
 impl ApparentMass {
     /// That of another run.
     pub(super) fn for_run(&self, copies: &mut Copies) -> Self {
-        ApparentMass { stream: copies.of(&self.stream), ..self.clone() }
+        let volume = match &self.volume {
+            Volume::Cloth(_) => self.volume.clone(),
+            Volume::Point { nominal_area, stages } => {
+                Volume::Point { nominal_area: *nominal_area, stages: stages.for_run(copies) }
+            }
+        };
+        ApparentMass { stream: copies.of(&self.stream), volume, ..self.clone() }
     }
 
     fn mean(&self, of: &[Vector3<f64>]) -> Vector3<f64> {

@@ -14,6 +14,7 @@ use super::events::Phases;
 use super::network::{Built, Network};
 use super::numbering::Numbering;
 use super::point_canopy::{PointCanopy, ShownCanopy};
+use super::triggers::{self, Triggers};
 use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::air::{Air, AirData};
 use crate::force::law::axial_flow::CanopyAxis;
@@ -32,6 +33,7 @@ use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness}
 use crate::force::law::rings::RingedCanopy;
 use crate::force::law::series::{LoadFactor, Table, scalar};
 use crate::force::law::spring::{Coefficient, Cut, SpringData};
+use crate::force::law::stages::Stages;
 use crate::force::law::stream::Stream;
 use crate::force::law::surface_pressure::{SurfacePressure, SurfacePressureData};
 use crate::force::law::triangle::AreaVector;
@@ -75,7 +77,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let mass: Arc<[f64]> = (0..n).map(|i| spec.mass[at(i)]).collect();
     let of_wind = || Some(StreamSpec::of_wind(spec.air.as_ref()?.wind.clone()));
     let stream = spec.stream.clone().or_else(of_wind).map(|stream| Arc::new(Stream::new(stream)));
-    let acting = Acting::around(stream);
+    let acting = Acting::around(stream, triggers::count(&spec));
     let mut builder = Builder { spec: &spec, numbering: &numbering, acting, membranes: Vec::new() };
     builder.springs_and_dashpots();
     bars.iter().for_each(|bars| builder.bars(bars));
@@ -96,8 +98,10 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let added_mass = scaled.as_ref().map(|scaled| scaled.added);
     let inertia = scaled.map_or_else(|| mass.clone(), |scaled| scaled.inertia.into());
     let Builder { acting, membranes, .. } = builder;
-    let phases = Phases::new(&spec, &inertia, &numbering);
+    let phases = Phases::new(&spec, &inertia, &numbering, &acting.springs);
+    let triggers = Triggers::new(&spec, &numbering, &acting.springs);
     let built = Built {
+        triggers,
         corners: ascending(acting.corners().chain(phases.times().iter().copied()).collect()),
         changing: acting.changing().chain(phases.changing(&spec.motions)).collect(),
         phases,
@@ -143,9 +147,10 @@ fn initial_velocity(spec: &NetworkSpec) -> Vec<[f64; 3]> {
     velocity
 }
 
-/// [s] Beginnings and ends of stages.
+/// [s] Beginnings and ends of stages whose start is known.
 fn filling_times(stages: &[FillingSpec]) -> Vec<[f64; 2]> {
-    stages.iter().map(|stage| [stage.start, stage.start + stage.duration]).collect()
+    let known = stages.iter().filter(|stage| stage.event.is_none());
+    known.map(|stage| [stage.start, stage.start + stage.duration]).collect()
 }
 
 pub(super) struct Builder<'a> {
@@ -167,15 +172,32 @@ impl Builder<'_> {
     }
 
     fn springs_and_dashpots(&mut self) {
-        for group in self.spec.springs.iter().filter(|group| !group.edges.is_empty()) {
-            let mut batch = self.spring_batch(group);
-            batch.data.rest_scale = group.rest_scale.as_ref().map(scalar);
-            let coefficient = batch.dashpot.clone();
-            let dashpots = group.dashpot.as_ref().map(|dashpot| Dashpots { kind: dashpot.kind, coefficient });
-            let springs = DampedSprings::new(batch.data.clone(), dashpots).cut_with(batch.cut.clone());
-            self.acting.add(Added::term(springs).by(batch.data.rest_scale.clone()));
-            self.acting.springs.push(batch);
+        let groups = self.spec.springs.iter().filter(|group| !group.edges.is_empty());
+        // Events of springs that break follow those of the specification.
+        let mut next_event = self.spec.events.len();
+        for (group, number) in groups.zip(0_u32..) {
+            let rest_scale = group.rest_scale.as_ref().map(scalar);
+            if group.breaks.is_empty() {
+                let all = 0..group.edges.len();
+                self.springs_of(group, self.spring_batch(group, number, all.collect()), rest_scale);
+                continue;
+            }
+            for spring in 0..group.edges.len() {
+                let batch = SpringBatch { cut_by: Some(next_event), ..self.spring_batch(group, number, vec![spring]) };
+                self.springs_of(group, batch, rest_scale.clone());
+                next_event += 1;
+            }
         }
+    }
+
+    /// Adds springs of a group as a term.
+    fn springs_of(&mut self, group: &SpringGroup, mut batch: SpringBatch, rest_scale: Option<Arc<Table<1>>>) {
+        batch.data.rest_scale = rest_scale;
+        let coefficient = batch.dashpot.clone();
+        let dashpots = group.dashpot.as_ref().map(|dashpot| Dashpots { kind: dashpot.kind, coefficient });
+        let springs = DampedSprings::new(batch.data.clone(), dashpots).cut_with(batch.cut.clone());
+        self.acting.add(Added::term(springs).by(batch.data.rest_scale.clone()));
+        self.acting.springs.push(batch);
     }
 
     fn bars(&mut self, bars: &Bars) {
@@ -187,9 +209,9 @@ impl Builder<'_> {
         self.acting.add(Added::term(LawBars::new(BarData { nodes, rest_length, law: bars.law.clone() })));
     }
 
-    fn spring_batch(&self, group: &SpringGroup) -> SpringBatch {
+    /// Springs of the group with this number, by their places in it.
+    fn spring_batch(&self, group: &SpringGroup, number: u32, mut order: Vec<usize>) -> SpringBatch {
         let nodes = |i: usize| self.spec.mesh.edges[group.edges[i] as usize].map(|n| self.node(n));
-        let mut order: Vec<usize> = (0..group.edges.len()).collect();
         order.sort_unstable_by_key(|&i| {
             let [a, b] = nodes(i);
             (a.min(b), a.max(b), i)
@@ -212,7 +234,8 @@ impl Builder<'_> {
         let axial = group.dashpot.as_ref().is_some_and(|d| d.kind == DashpotKind::Axial);
         let given = data.rest_length.clone();
         let (edges, cut) = (order.iter().map(|&i| group.edges[i]).collect(), Cut::default());
-        SpringBatch { data, given, edges, dashpot, axial, in_filter, cut }
+        let (group, cut_at, cut_by) = (number, group.cut, group.cut_by);
+        SpringBatch { group, cut_at, cut_by, data, given, edges, dashpot, axial, in_filter, cut }
     }
 
     fn gravity(&mut self, mass: &[f64], start: &Arc<[Vector3<f64>]>) {
@@ -296,7 +319,7 @@ impl Builder<'_> {
             let axis = CanopyAxis { carrier, skirt, apex, confluence, stream: stream.clone() };
             let air = match &canopy.air {
                 CanopyAir::Coefficient => AirModel::Coefficient,
-                CanopyAir::Filling(stages) | CanopyAir::Point(stages) => AirModel::Filling(stages.as_slice().into()),
+                CanopyAir::Filling(stages) | CanopyAir::Point(stages) => AirModel::Filling(self.stages(stages)),
                 CanopyAir::Cavity(spec) => {
                     let mouth = mouth(&enclosure, &axis.skirt, x)?;
                     AirModel::Cavity(Cavity { enclosure: enclosure.clone(), mouth, spec: *spec })
@@ -326,6 +349,15 @@ impl Builder<'_> {
         Ok(())
     }
 
+    /// Stages of a canopy, with the events at which some start.
+    fn stages(&mut self, given: &[FillingSpec]) -> Stages {
+        let stages = Stages::new(given, self.acting.event_times.clone());
+        if given.iter().any(|stage| stage.event.is_some()) {
+            self.acting.stages.push(stages.clone());
+        }
+        stages
+    }
+
     fn show_canopy(&mut self, shape: CanopyShape) {
         self.acting.canopies.push(ShownCanopy::Cloth(Box::new(shape)));
     }
@@ -333,13 +365,12 @@ impl Builder<'_> {
     /// A canopy that is a node with a drag area.
     fn point_canopy(&mut self, canopy: &CanopySpec, stages: &[FillingSpec], stream: &Arc<Stream>) {
         let Some(node) = canopy.skirt.first().map(|node| self.node(*node)) else { return };
-        let stages: Arc<[FillingSpec]> = stages.into();
+        let (changes, stages) = (filling_times(stages), self.stages(stages));
         if let Some(factor) = canopy.apparent_mass {
             let volume = Volume::Point { nominal_area: canopy.nominal_area, stages: stages.clone() };
             let (stream, term) = (stream.clone(), self.acting.terms.len());
             self.acting.apparent.push(ApparentMass { nodes: [(node, 1.0)].into(), volume, factor, stream, term });
         }
-        let changes = filling_times(&stages);
         let data = NodeDragData { nodes: [[node]].into(), drag_area: 0.0, stages, stream: stream.clone() };
         let shown = PointCanopy { node, drag: data.clone(), nominal_area: canopy.nominal_area };
         self.acting.canopies.push(ShownCanopy::Point(shown));
@@ -359,7 +390,12 @@ impl Builder<'_> {
             let mut nodes: Vec<[u32; 1]> = nodes.iter().map(|&i| [self.node(i)]).collect();
             nodes.sort_unstable();
             let (nodes, drag_area, stream) = (nodes.into(), *drag_area, stream.clone());
-            self.acting.add(Added::term(NodeDrag::new(NodeDragData { nodes, drag_area, stages: [].into(), stream })));
+            self.acting.add(Added::term(NodeDrag::new(NodeDragData {
+                nodes,
+                drag_area,
+                stages: Stages::none(),
+                stream,
+            })));
         }
     }
 

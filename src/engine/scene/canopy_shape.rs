@@ -11,7 +11,6 @@ use crate::force::law::rings::RingsData;
 use crate::force::law::triangle::AreaVector;
 use crate::force::{Copies, NodeState};
 use crate::model::gauge::CANOPY_QUANTITIES;
-use crate::model::spec::FillingSpec;
 use crate::model::state::StateRef;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -130,7 +129,7 @@ impl CanopyShape {
         let (area, filled) = match &self.law {
             CanopyLaw::Canopy(CanopyData { air: AirModel::Coefficient, .. }) => (closing, true),
             CanopyLaw::Canopy(CanopyData { air: AirModel::Filling(stages), .. }) => {
-                (FillingSpec::area_at(stages, at.t), FillingSpec::half_filled(stages, at.t))
+                (stages.area_at(at.t), stages.half_filled(at.t))
             }
             CanopyLaw::Canopy(CanopyData { air: AirModel::Cavity(_), .. }) => (drag / q, true),
             CanopyLaw::Rings(_) => (drag / q, ratio >= FULL),

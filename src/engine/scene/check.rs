@@ -4,22 +4,41 @@ use super::check_elements::{springs, surfaces};
 use super::check_loads::loads;
 use super::check_values::{BuildError, below, finite, length, times, vectors};
 use crate::force::law::bar_law::Bars;
-use crate::model::spec::{MotionSpec, NetworkSpec};
+use crate::model::spec::{MotionSpec, NetworkSpec, Trigger, Watched};
 
 /// Rejects a specification that would panic or compute meaningless results.
 pub(super) fn check(spec: &NetworkSpec) -> Result<(), BuildError> {
     nodes(spec)?;
     for release in &spec.releases {
-        finite("time of a release", &[release.t])?;
+        finite("time of a release", if release.event.is_some() { &[] } else { std::slice::from_ref(&release.t) })?;
         below("node", &release.nodes.iter().map(|(node, _)| *node).collect::<Vec<_>>(), spec.mesh.nodes.len())?;
     }
     spec.springs.iter().try_for_each(|group| finite("time of a cut", group.cut.as_slice()))?;
     spec.springs.iter().try_for_each(|group| springs(group, spec.mesh.edges.len()))?;
+    events(spec)?;
     surfaces(spec)?;
     loads(spec)?;
     tables(spec)?;
     masses(spec)?;
     stands_still(spec)
+}
+
+/// Events, and what refers to them.
+fn events(spec: &NetworkSpec) -> Result<(), BuildError> {
+    let count = spec.events.len();
+    let cuts = spec.springs.iter().filter_map(|group| group.cut_by);
+    let others = spec.events.iter().filter_map(|event| match event.trigger {
+        Trigger::After { event, .. } => Some(event),
+        Trigger::At(_) | Trigger::Told(_) | Trigger::When(_) => None,
+    });
+    let named = spec.releases.iter().filter_map(|release| release.event).chain(cuts).chain(others);
+    below("event", &named.map(|event| event as u32).collect::<Vec<_>>(), count)?;
+    spec.events.iter().try_for_each(|event| match &event.of {
+        Watched::Nodes(nodes) => {
+            below("node", &nodes.iter().map(|(node, _)| *node).collect::<Vec<_>>(), spec.mesh.nodes.len())
+        }
+        Watched::Springs { edges, .. } => below("edge", edges, spec.mesh.edges.len()),
+    })
 }
 
 /// Rejects bars that would panic or compute meaningless results, in a network of `n` nodes.

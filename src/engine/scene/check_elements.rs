@@ -16,6 +16,10 @@ pub(super) fn springs(group: &SpringGroup, edges: usize) -> Result<(), BuildErro
     }
     length("rest_length", group.rest_length.len(), m)?;
     finite("rest_length", &group.rest_length)?;
+    if !group.breaks.is_empty() {
+        length("breaking tensions", group.breaks.len(), m)?;
+        finite("breaking tension", &group.breaks)?;
+    }
     if let Slack::DeadZone { eps } | Slack::CompressionLimit { eps } = group.slack {
         finite("slack eps", &[eps])?;
     }

@@ -101,8 +101,9 @@ fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
                 return Err(BuildError::NoStage);
             }
             CanopyAir::Filling(stages) | CanopyAir::Point(stages) => stages.iter().try_for_each(|stage| {
-                let FillingSpec { drag_area, start, duration, exponent } = *stage;
-                finite("filling", &[drag_area, start, duration, exponent])
+                let FillingSpec { drag_area, start, duration, by_speed: _, exponent, event } = *stage;
+                finite("filling", &[drag_area, if event.is_some() { 0.0 } else { start }, duration, exponent])?;
+                event.map_or(Ok(()), |event| below("event", &[event as u32], spec.events.len()))
             })?,
             CanopyAir::Cavity(spec) => cavity(*spec)?,
             CanopyAir::Rings(spec) => {

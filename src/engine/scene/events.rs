@@ -7,8 +7,8 @@ use super::motion::{Moved, Support};
 use super::network::Network;
 use super::numbering::Numbering;
 use crate::model::abilities::Events;
-use crate::model::spec::{MotionSpec, NetworkSpec, SpringGroup};
-use crate::model::state::State;
+use crate::model::spec::{EventSpec, MotionSpec, NetworkSpec, ReleaseSpec, ascending};
+use crate::model::state::{State, StateRef};
 use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
 
@@ -20,6 +20,38 @@ pub(super) struct Phases {
     /// number of the phase after each number of events
     phase: Vec<usize>,
     all: Vec<Phase>,
+    /// [s] when each of `all` begins
+    begun: Vec<f64>,
+    /// what phases are made of, where events that wait for a state begin some
+    source: Option<Source>,
+    /// those, in the order in which runs first met them
+    later: OnceLock<Box<Later>>,
+}
+
+/// A phase that an event began in some run of the scene.
+#[derive(Debug)]
+struct Later {
+    /// the phase by time, and which of the events that divide have happened
+    key: (usize, Vec<bool>),
+    phase: Phase,
+    next: OnceLock<Box<Later>>,
+}
+
+/// What phases are made of.
+#[derive(Debug)]
+struct Source {
+    /// by the user's node
+    fixed: Vec<[bool; 3]>,
+    releases: Vec<ReleaseSpec>,
+    /// [s] when each batch of springs is cut, and by which event
+    cuts: Vec<(Option<f64>, Option<usize>)>,
+    supports: Vec<Support>,
+    /// [kg]
+    mass: Vec<f64>,
+    /// user's number of every node
+    user: Vec<u32>,
+    /// events that begin a phase, ascending
+    dividing: Vec<usize>,
 }
 
 /// What holds between two events.
@@ -48,30 +80,30 @@ impl Default for Phases {
 
 impl Phases {
     /// Those of a specification; `mass` [kg] is by internal node. Groups without edges have no batch.
-    pub(super) fn new(spec: &NetworkSpec, mass: &[f64], numbering: &Numbering) -> Self {
+    pub(super) fn new(spec: &NetworkSpec, mass: &[f64], numbering: &Numbering, springs: &[SpringBatch]) -> Self {
         let (times, divisions) = (spec.events(), spec.divisions());
+        let mut dividing: Vec<usize> = springs.iter().filter_map(|batch| batch.cut_by).collect();
+        dividing.extend(spec.releases.iter().filter_map(|release| release.event));
+        dividing.sort_unstable();
+        dividing.dedup();
+        let source = Source {
+            fixed: spec.fixed.clone(),
+            releases: spec.releases.clone(),
+            cuts: springs.iter().map(|batch| (batch.cut_at, batch.cut_by)).collect(),
+            supports: Support::all(spec, numbering),
+            mass: mass.to_vec(),
+            user: numbering.user.clone(),
+            dividing,
+        };
         let mut all: Vec<Phase> = Vec::with_capacity(divisions.len() + 1);
-        let supports = Support::all(spec, numbering);
-        for begun in std::iter::once(0.0).chain(divisions.iter().copied()) {
-            let mut of_user = spec.fixed.clone();
-            spec.releases.iter().filter(|release| release.t <= begun).for_each(|release| release.apply(&mut of_user));
-            let fixed: Vec<[bool; 3]> = numbering.user.iter().map(|&node| of_user[node as usize]).collect();
-            let inverse_mass = inverse_mass(&fixed, mass);
-            let released = all.first().map(|first| {
-                let before = first.fixed.as_flattened().iter().zip(fixed.as_flattened()).filter(|(held, _)| **held);
-                before.map(|(_, held)| !held).collect()
-            });
-            let groups = spec.springs.iter().filter(|group| !group.edges.is_empty());
-            let any_cut = spec.springs.iter().any(|group| group.cut.is_some());
-            let is_cut = |group: &SpringGroup| group.cut.is_some_and(|t| t <= begun);
-            let cut = if any_cut { groups.map(is_cut).collect() } else { Vec::new() };
-            let (released, graph) = (released.unwrap_or_default(), OnceLock::new());
-            let moved = Moved::new(&supports, &fixed, all.first().map_or(&fixed, |first| &first.fixed));
-            all.push(Phase { fixed, inverse_mass, released, cut, moved, graph });
+        let begun: Vec<f64> = std::iter::once(0.0).chain(divisions.iter().copied()).collect();
+        for &begun in &begun {
+            all.push(source.phase(begun, &|_| false, all.first()));
         }
-        let begun = |t: &f64| divisions.partition_point(|division| division <= t);
-        let phase = std::iter::once(0).chain(times.iter().map(begun)).collect();
-        Phases { times, phase, all }
+        let passed = |t: &f64| divisions.partition_point(|division| division <= t);
+        let phase = std::iter::once(0).chain(times.iter().map(passed)).collect();
+        let source = (!source.dividing.is_empty()).then_some(source);
+        Phases { times, phase, all, begun, source, later: OnceLock::new() }
     }
 
     /// A single phase without events, of nodes of these masses [kg]; supports that are moved from outside hold `moved`.
@@ -84,7 +116,8 @@ impl Phases {
             cut: Vec::new(),
             graph: OnceLock::new(),
         };
-        Phases { times: Vec::new(), phase: vec![0], all: vec![phase] }
+        let (phase, all, begun) = (vec![0], vec![phase], vec![0.0]);
+        Phases { times: Vec::new(), phase, all, begun, source: None, later: OnceLock::new() }
     }
 
     /// [s] The events.
@@ -119,6 +152,56 @@ impl Phases {
     pub(super) fn after(&self, passed: usize) -> &Phase {
         &self.all[self.phase[passed]]
     }
+
+    /// The phase that events began, by its number, counted from 1.
+    fn begun_by_event(&self, number: usize) -> Option<&Phase> {
+        let all = std::iter::successors(self.later.get(), |later| later.next.get());
+        all.zip(1..).find(|(_, i)| *i == number).map(|(later, _)| &later.phase)
+    }
+
+    /// The number of the phase after so many events by time, where some of the others have happened; 0 for one that no
+    /// event began. It is made where no run has met it before.
+    fn number_of(&self, passed: usize, happened: &dyn Fn(usize) -> bool) -> usize {
+        let Some(source) = &self.source else { return 0 };
+        let by_time = self.phase[passed];
+        let key = (by_time, source.dividing.iter().map(|event| happened(*event)).collect::<Vec<bool>>());
+        if !key.1.contains(&true) {
+            return 0;
+        }
+        let (mut place, mut number) = (&self.later, 1);
+        loop {
+            let found = place.get_or_init(|| {
+                let phase = source.phase(self.begun[by_time], happened, self.all.first());
+                Box::new(Later { key: key.clone(), phase, next: OnceLock::new() })
+            });
+            if found.key == key {
+                return number;
+            }
+            (place, number) = (&found.next, number + 1);
+        }
+    }
+}
+
+impl Source {
+    /// The phase that began at a time [s], after the events that have happened; `first` is that at the start.
+    fn phase(&self, begun: f64, happened: &dyn Fn(usize) -> bool, first: Option<&Phase>) -> Phase {
+        let mut of_user = self.fixed.clone();
+        let over = |release: &&ReleaseSpec| release.event.map_or(release.t <= begun, happened);
+        self.releases.iter().filter(over).for_each(|release| release.apply(&mut of_user));
+        let fixed: Vec<[bool; 3]> = self.user.iter().map(|&node| of_user[node as usize]).collect();
+        let inverse_mass = inverse_mass(&fixed, &self.mass);
+        let released = first.map(|first| {
+            let before = first.fixed.as_flattened().iter().zip(fixed.as_flattened()).filter(|(held, _)| **held);
+            before.map(|(_, held)| !held).collect()
+        });
+        let any_cut = self.cuts.iter().any(|(at, by)| at.is_some() || by.is_some());
+        let is_cut =
+            |(at, by): &(Option<f64>, Option<usize>)| at.is_some_and(|t| t <= begun) || by.is_some_and(happened);
+        let cut = if any_cut { self.cuts.iter().map(is_cut).collect() } else { Vec::new() };
+        let moved = Moved::new(&self.supports, &fixed, first.map_or(&fixed, |first| &first.fixed));
+        let (released, graph) = (released.unwrap_or_default(), OnceLock::new());
+        Phase { fixed, inverse_mass, released, cut, moved, graph }
+    }
 }
 
 /// [1/kg] of every degree of freedom, 0 where it is fixed.
@@ -128,7 +211,17 @@ fn inverse_mass(fixed: &[[bool; 3]], mass: &[f64]) -> Vec<f64> {
 
 impl Network {
     pub(super) fn phase(&self) -> &Phase {
-        self.built.phases.after(self.passed())
+        let phases = &self.built.phases;
+        let by_event = match self.later.load(Ordering::Relaxed) {
+            0 => None,
+            number => phases.begun_by_event(number),
+        };
+        by_event.unwrap_or_else(|| phases.after(self.passed()))
+    }
+
+    /// Numbers of the phase by time, and of that by events.
+    fn phase_number(&self) -> [usize; 2] {
+        [self.built.phases.phase[self.passed()], self.later.load(Ordering::Relaxed)]
     }
 
     /// Number of events that this run has passed, at most all.
@@ -143,13 +236,15 @@ impl Network {
 
     /// Begins the phase after `passed` events. Returns whether it is another than before.
     pub(super) fn begin_phase(&self, passed: usize) -> bool {
-        let phase_before = self.built.phases.phase[self.passed()];
+        let before = self.phase_number();
         self.passed.store(passed, Ordering::Relaxed);
+        let happened = |event: usize| self.acting.event_times.of(event)[0].is_finite();
+        self.later.store(self.built.phases.number_of(self.passed(), &happened), Ordering::Relaxed);
         let cut = &self.phase().cut;
         for (i, batch) in self.acting.springs.iter().enumerate() {
             batch.cut.set(cut.get(i).copied().unwrap_or(false));
         }
-        phase_before != self.built.phases.phase[self.passed()]
+        before != self.phase_number()
     }
 }
 
@@ -159,7 +254,11 @@ impl Events for Network {
     }
 
     fn corners(&self) -> Vec<f64> {
-        self.built.corners.clone()
+        let started: Vec<[f64; 2]> = self.acting.stages.iter().flat_map(|stages| stages.changes()).collect();
+        if started.is_empty() {
+            return self.built.corners.clone();
+        }
+        ascending(self.built.corners.iter().copied().chain(started.into_iter().flatten()).collect())
     }
 
     fn sample_tables(&self, h: Option<f64>) {
@@ -181,6 +280,28 @@ impl Events for Network {
     fn settled_after(&self, end: f64) -> f64 {
         let begun = self.built.changing.iter().filter(|[from, _]| *from < end);
         begun.fold(0.0, |last: f64, [_, until]| last.max(until.min(end)))
+    }
+
+    fn named(&self) -> &[EventSpec] {
+        &self.built.triggers.events
+    }
+
+    fn margin(&self, event: usize, at: StateRef<'_>) -> f64 {
+        self.margin_of(event, at)
+    }
+
+    fn place_of(&self, event: usize, at: StateRef<'_>) -> [[f64; 3]; 2] {
+        self.place_of_event(event, at)
+    }
+
+    fn wind_at(&self, t: f64, z: f64) -> [f64; 3] {
+        self.acting.stream.as_ref().map_or([0.0; 3], |stream| stream.at(t, z).wind[0].into())
+    }
+
+    fn set_happened(&self, happened: &[[f64; 2]]) -> bool {
+        let of = &self.acting.event_times;
+        (0..of.count()).for_each(|event| of.set(event, happened.get(event).copied().unwrap_or([f64::INFINITY, 0.0])));
+        self.begin_phase(self.passed())
     }
 
     fn put_supports(&self, state: &mut State, share: f64) -> bool {

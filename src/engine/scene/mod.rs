@@ -37,6 +37,7 @@ mod reach;
 mod stiff_part;
 mod suspect;
 mod tangent;
+mod triggers;
 
 pub use bound::BoundBuffer;
 pub use build::{build_network, build_network_with};
@@ -185,9 +186,12 @@ pub fn event_times(scene: &dyn Scene) -> &[f64] {
     scene.events().map_or(&[], |events| events.event_times())
 }
 
-/// [Passes events](Events::pass_events) of a scene, if it can have any.
+/// [Passes events](Events::pass_events) of a scene, if it can have any; none that waits for a state has happened then.
 pub fn pass_events(scene: &dyn Scene, passed: usize) -> bool {
-    scene.events().is_some_and(|events| events.pass_events(passed))
+    scene.events().is_some_and(|events| {
+        let other = !events.named().is_empty() && events.set_happened(&[]);
+        events.pass_events(passed) | other
+    })
 }
 
 /// [Samples the tables](Events::sample_tables) of a scene, if it can have any.

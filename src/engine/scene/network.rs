@@ -8,6 +8,7 @@ use super::events::Phases;
 use super::external::ExternalForces;
 use super::numbering::Numbering;
 use super::reach::reach;
+use super::triggers::Triggers;
 use crate::force::schedule::step_block::StepBlockResults;
 use crate::force::schedule::step_boundary::NodeStateMut;
 use crate::force::schedule::step_boundary::StepBoundary;
@@ -25,7 +26,7 @@ use crate::model::system::{KickDriftBlock, StepBlocks, StepMean, StiffSprings, S
 use crate::model::workers::Workers;
 use nalgebra::Vector3;
 use std::sync::Arc;
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A scene of springs, masses and what acts on them, in a run. Another run has a copy of its own, by
 /// [`Scene::for_run`](super::Scene::for_run).
@@ -37,6 +38,8 @@ pub struct Network {
     pub(super) arrangement: Arrangement,
     /// events that are passed
     pub(super) passed: AtomicUsize,
+    /// which of the phases that events began it is in, counted from 1; 0 for none of them
+    pub(super) later: AtomicUsize,
     pub(super) sweep: Sweep,
     pub(super) threads: Threads,
     /// the user's mesh, for pictures
@@ -48,6 +51,7 @@ pub struct Network {
 pub(super) struct Built {
     pub numbering: Numbering,
     pub phases: Phases,
+    pub triggers: Triggers,
     /// [kg] inertia of every node
     pub mass: Arc<[f64]>,
     /// [kg] mass of every node that has weight: the same but for masses that are scaled
@@ -90,6 +94,7 @@ impl Network {
             external: None,
             arrangement: Arrangement::default(),
             passed: AtomicUsize::new(0),
+            later: AtomicUsize::new(0),
             sweep: Sweep::new(0, &mut []),
             threads,
             mesh: Arc::new(mesh),
@@ -107,6 +112,7 @@ impl Network {
             external: self.external.as_ref().map(|external| external.for_run(copies)),
             arrangement: self.arrangement.clone(),
             passed: AtomicUsize::new(self.passed()),
+            later: AtomicUsize::new(self.later.load(Ordering::Relaxed)),
             sweep: self.sweep.again(),
             threads: self.threads.again(),
             mesh: self.mesh.clone(),

@@ -125,20 +125,20 @@ impl Springs for Network {
 
     fn springs_on(&self, edges: &[u32], rule: Option<usize>) -> Vec<SpringPlace> {
         let batches =
-            self.acting.springs.iter().zip(0_u32..).filter(|(_, number)| rule.is_none_or(|r| r == *number as usize));
-        let places = batches.flat_map(|(batch, rule)| {
-            let chosen = batch.edges.iter().zip(0_u32..).filter(|(edge, _)| edges.binary_search(edge).is_ok());
-            chosen.map(move |(_, number)| SpringPlace { rule, number })
+            self.acting.springs.iter().zip(0_u32..).filter(|(batch, _)| rule.is_none_or(|r| r == batch.group as usize));
+        let places = batches.flat_map(|(springs, batch)| {
+            let chosen = springs.edges.iter().zip(0_u32..).filter(|(edge, _)| edges.binary_search(edge).is_ok());
+            chosen.map(move |(_, number)| SpringPlace { batch, number })
         });
         places.collect()
     }
 
-    fn edge_of(&self, SpringPlace { rule, number }: SpringPlace) -> Option<u32> {
-        self.acting.springs.get(rule as usize)?.edges.get(number as usize).copied()
+    fn edge_of(&self, SpringPlace { batch, number }: SpringPlace) -> Option<u32> {
+        self.acting.springs.get(batch as usize)?.edges.get(number as usize).copied()
     }
 
-    fn spring_tension(&self, at: StateRef<'_>, SpringPlace { rule, number }: SpringPlace) -> f64 {
-        let Some(batch) = self.acting.springs.get(rule as usize) else { return f64::NAN };
+    fn spring_tension(&self, at: StateRef<'_>, SpringPlace { batch, number }: SpringPlace) -> f64 {
+        let Some(batch) = self.acting.springs.get(batch as usize) else { return f64::NAN };
         if batch.cut.get() {
             return 0.0;
         }

@@ -7,7 +7,6 @@ use crate::force::kernel::batch::Kernel;
 use crate::force::law::drag::NodeDragData;
 use crate::model::gauge::CANOPY_QUANTITIES;
 use crate::model::point::Point;
-use crate::model::spec::FillingSpec;
 use crate::model::state::StateRef;
 use nalgebra::Vector3;
 
@@ -49,8 +48,8 @@ impl PointCanopy {
         let air = self.drag.stream.at(at.t, x.z);
         let speed = (v - air.wind[0]).norm();
         let q = 0.5 * air.density[0] * speed * speed;
-        let area = FillingSpec::area_at(&self.drag.stages, at.t);
-        let filled = FillingSpec::half_filled(&self.drag.stages, at.t);
+        let area = self.drag.stages.area_at(at.t);
+        let filled = self.drag.stages.half_filled(at.t);
         let coefficient = if filled { area / self.nominal_area } else { f64::NAN };
         let none = f64::NAN;
         [none, none, none, speed, q, area, q * area, none, none, coefficient, none]

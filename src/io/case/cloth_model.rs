@@ -217,6 +217,9 @@ fn of_group(group: &SpringGroup, of: SheetSpec, geometry: &Geometry) -> Result<S
     if group.cut.is_some() {
         return only("a time when they are cut", "");
     }
+    if group.cut_by.is_some() || !group.breaks.is_empty() {
+        return only("an event that cuts or breaks them", "");
+    }
     let wrinkling = match group.slack {
         Slack::None => false,
         Slack::TensionOnly => true,

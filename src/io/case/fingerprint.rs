@@ -156,6 +156,7 @@ impl Fingerprint {
             mass,
             fixed,
             releases,
+            events,
             motions,
             springs,
             membranes,
@@ -181,6 +182,10 @@ impl Fingerprint {
         self.sum("system.network.supports", fixed)?;
         if !releases.is_empty() {
             self.sum("system.network.supports", releases)?;
+        }
+        let events: Vec<_> = events.iter().filter(|event| event.acts()).collect();
+        if !events.is_empty() {
+            self.sum("system.network.when", &events)?;
         }
         self.sum("system.network.springs", springs)?;
         if !membranes.is_empty() {

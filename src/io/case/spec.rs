@@ -119,6 +119,8 @@ pub struct TimeSpec {
     pub step: Step,
     /// when the run may end before its time
     pub until_rest: Option<RestSpec>,
+    /// whether it ends before at an event that says so
+    pub to_ground: bool,
 }
 
 impl TimeSpec {
@@ -226,7 +228,7 @@ pub enum GaugeOf {
         of: SpringGauge,
         /// edges that carry them, ascending
         edges: Vec<u32>,
-        /// only the springs of this [rule](crate::model::abilities::SpringPlace::rule)
+        /// only the springs of this rule, of those that have springs
         rule: Option<usize>,
         /// [N] their strength, if it is known
         strength: Option<f64>,

@@ -14,6 +14,7 @@ use super::quantity::QuantityReports;
 use super::stages::StageReport;
 use crate::analysis::growing::GrowingMotion;
 use crate::case::spec::Problem;
+use crate::drive::event::{Fired, Landing};
 use crate::drive::observer::{Energies, ObserveError};
 use crate::drive::{Failure, Outcome, Status};
 use crate::integrate::Counters;
@@ -107,6 +108,37 @@ pub struct EquilibriumReport {
     pub growing: Vec<GrowingMotion>,
 }
 
+/// An event of a run, in its summary.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct EventReport {
+    /// [s] when
+    pub time: f64,
+    /// its name
+    pub name: String,
+    /// what happened: `release`, `cut`, `stage 1`, `a spring breaks`, `landing`
+    pub what: String,
+    /// [m] where the payload, or what the event looks at, was
+    pub place: [f64; 3],
+    /// [m/s] its velocity
+    pub velocity: [f64; 3],
+    /// [m/s] its speed against the air
+    pub air_speed: f64,
+}
+
+impl EventReport {
+    fn all(fired: &[Fired]) -> Vec<Self> {
+        let report = |fired: &Fired| EventReport {
+            time: fired.t,
+            name: fired.name.clone(),
+            what: fired.what.clone(),
+            place: fired.place,
+            velocity: fired.velocity,
+            air_speed: fired.air_speed,
+        };
+        fired.iter().map(report).collect()
+    }
+}
+
 /// A finished run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
@@ -170,6 +202,15 @@ pub struct Summary {
     /// named parts of the mesh, by name; not given without groups
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub groups: BTreeMap<String, GroupTotals>,
+    /// what happened, in the order of time; not given without events
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub events: Vec<EventReport>,
+    /// names of events that did not happen; not given without such
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub never_fired: Vec<String>,
+    /// the landing; not given unless the case has `time.until` and the ground was reached
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub landing: Option<Landing>,
     /// whether the run ended because its scene was at rest; not given unless the case has `time.until_rest`
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_rest: Option<bool>,
@@ -223,7 +264,10 @@ impl Summary {
             quantities: QuantityReports::new(),
             crossings: None,
             groups: BTreeMap::new(),
-            at_rest: problem.time.until_rest.map(|_| outcome.ended_early),
+            events: EventReport::all(&outcome.fired),
+            never_fired: outcome.unmet.clone(),
+            landing: outcome.fired.iter().find_map(|fired| fired.landing),
+            at_rest: problem.time.until_rest.map(|_| outcome.ended_early && !outcome.landed()),
             equilibrium: None,
             failure: outcome.failure.clone(),
             failure_groups: BTreeMap::new(),

@@ -59,8 +59,9 @@ pub struct RecordedStatic {
 }
 
 /// Warnings that tell of steps and motion.
-const OF_A_RUN: [WarningCode; 10] = [
+const OF_A_RUN: [WarningCode; 11] = [
     WarningCode::BrakedRotation,
+    WarningCode::EventAtStart,
     WarningCode::EventBeyondEnd,
     WarningCode::FillingBeyondEnd,
     WarningCode::LongStep,
@@ -138,6 +139,9 @@ pub fn record_static_watched(
         peaks: recorder.peaks(),
         crossings: recorder.crossings().cloned(),
         groups: problem.group_totals(),
+        events: Vec::new(),
+        never_fired: Vec::new(),
+        landing: None,
         at_rest: None,
         equilibrium: Some(report(&*scene, (&equilibrium, at_rest), &outcome, &modes)),
         case_digest,
@@ -179,6 +183,8 @@ fn outcome(scene: &dyn Scene, found: &Equilibrium) -> Outcome {
         t_end: found.point.state.t,
         counters: found.counters,
         ended_early: false,
+        fired: Vec::new(),
+        unmet: Vec::new(),
         account_passes: 0,
         energy_error: 0.0,
         energy_made: 0.0,

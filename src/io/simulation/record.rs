@@ -196,7 +196,8 @@ pub fn record_watched(
             (timed(Phase::Files, || ResultFolder::prepare(how.out, &problem.name, replace))?, None)
         }
     };
-    let spec = RunSpec { keep_going: how.keep_going, threads: how.threads, ..problem.run_spec() };
+    let (keep_going, threads, ends_by_event) = (how.keep_going, how.threads, problem.time.to_ground);
+    let spec = RunSpec { keep_going, threads, ends_by_event, ..problem.run_spec() };
     let prepared = Prepared { problem, scene, spec, folder, case, groups, timer, stop, told };
     let limits = timed(Phase::CriticalStep, || prepared.limits());
     if let Some(dir) = how.matrices {

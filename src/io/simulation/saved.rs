@@ -66,7 +66,7 @@ impl Origin {
 const FREE: &str = "steps of given sizes";
 
 /// Program and version, at the beginning of a snapshot, and the format of what follows.
-const PROGRAM: &str = concat!("canopy-fem state ", env!("CARGO_PKG_VERSION"), " 2");
+const PROGRAM: &str = concat!("canopy-fem state ", env!("CARGO_PKG_VERSION"), " 3");
 
 impl Simulation {
     /// Goes on from a snapshot, with a scheme that starts anew and then takes up what it carried.

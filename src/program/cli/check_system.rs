@@ -38,6 +38,21 @@ pub(super) fn describe_size(system: &SystemSpec, mass: f64) -> String {
     }
 }
 
+/// The events that a run must find, a line each, and how many springs may break.
+pub(super) fn describe_events(system: &SystemSpec) -> String {
+    let SystemSpec::Network(spec) = system else { return String::new() };
+    let mut text = String::new();
+    for event in spec.events.iter().filter(|event| event.acts()) {
+        let (name, what) = (&event.name, &event.what);
+        let _ = writeln!(text, "  event           {name} ({what}): {}", event.moment(&spec.events));
+    }
+    let breaking: u64 = spec.springs.iter().map(|group| group.breaks.len() as u64).sum();
+    if breaking > 0 {
+        let _ = writeln!(text, "  breaks          {} at their strength", counted(breaking, "spring", "springs"));
+    }
+    text
+}
+
 /// [m^2] Drag areas of the full canopies, where a schedule gives them, and S0.
 pub(super) fn filled_canopies(system: &SystemSpec) -> Vec<(Option<f64>, f64)> {
     let SystemSpec::Network(spec) = system else { return Vec::new() };

@@ -4,6 +4,7 @@ use super::progress::LONG_START;
 use super::stages;
 use super::terminal::coloured;
 use crate::analysis::warnings::worth;
+use crate::drive::event::{Fired, Landing};
 use crate::drive::max_displacement::Displacement;
 use crate::drive::{Failure, Outcome, Status};
 use crate::format_number::{counted, figures, with_error};
@@ -49,6 +50,7 @@ pub(super) fn report(name: &str, recorded: &Recorded, errors: &str, out: &Path) 
     if let Some(added) = &summary.mass_scaling {
         let _ = writeln!(text, "  mass scaling    {}", added.text());
     }
+    describe_events(&mut text, outcome);
     describe_cost(&mut text, outcome, summary);
     if !failed {
         let _ = writeln!(text, "  energy error    {}", energy_verdict(outcome));
@@ -82,6 +84,37 @@ pub(super) fn report(name: &str, recorded: &Recorded, errors: &str, out: &Path) 
             writeln!(text, "  checkpoint      {}; the same command with --resume goes on from there", path.display());
     }
     text
+}
+
+/// Lines of a report on springs that break, before the others are only counted.
+const BROKEN: usize = 8;
+
+/// The events that had to be found in the run, and those that were not met.
+fn describe_events(text: &mut String, outcome: &Outcome) {
+    let found = || outcome.fired.iter().filter(|fired| !fired.told && fired.landing.is_none());
+    for Fired { t, name, what, place, velocity, .. } in found().take(BROKEN) {
+        let [x, y, z] = *velocity;
+        let (t, height, speed) = (figures(*t, 8), figures(place[2], 5), figures(x.hypot(y).hypot(z), 4));
+        let _ = writeln!(text, "  event           t = {t} s: {name}, {what}, at z = {height} m and {speed} m/s");
+    }
+    let more = found().count().saturating_sub(BROKEN);
+    if more > 0 {
+        let _ = writeln!(text, "  events          {more} more, in the summary");
+    }
+    for (t, landing) in outcome.fired.iter().filter_map(|fired| Some((fired.t, fired.landing?))) {
+        let Landing { speed, descent, drift, heading } = landing;
+        let towards =
+            heading.map_or_else(String::new, |heading| format!(" towards {} deg from north", figures(heading, 3)));
+        let [t, speed, descent, drift] =
+            [(t, 8), (speed, 4), (descent, 4), (drift, 5)].map(|(n, digits)| figures(n, digits));
+        let _ = writeln!(
+            text,
+            "  landing         t = {t} s with {speed} m/s, {descent} m/s of it downward; drift {drift} m{towards}"
+        );
+    }
+    if !outcome.unmet.is_empty() {
+        let _ = writeln!(text, "  never fired     {}", outcome.unmet.join(", "));
+    }
 }
 
 fn describe_cost(text: &mut String, outcome: &Outcome, summary: &Summary) {
@@ -161,7 +194,7 @@ fn peak(one: &Peak) -> Option<String> {
             "  line load       {value}{unit} at t = {t} s ({name}), strength {}{unit}: safety factor {}{}",
             figures(*strength, 4),
             figures(*factor, 3),
-            if *factor < 1.0 { ", it would break" } else { "" }
+            if *factor < 1.0 - 1e-9 { ", it would break" } else { "" }
         ),
         (ReportLine::Peak(what), ..) => format!("  peak            {value}{unit} at t = {t} s ({name}, {what})"),
         (ReportLine::Told(what), ..) => {

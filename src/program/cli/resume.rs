@@ -13,7 +13,9 @@ pub(super) fn finished_run(dir: &Path, problem: &Problem) -> Option<Summary> {
     let folder = ResultFolder::reopen(dir, &problem.name).ok()?;
     let summary = Summary::read(&folder.file(SUMMARY))?;
     let done = summary.status == Status::Completed
-        && (summary.t_end == problem.time.end || summary.at_rest == Some(true))
+        && (summary.t_end == problem.time.end
+            || summary.at_rest == Some(true)
+            || (problem.time.to_ground && summary.landing.is_some()))
         && summary.version == env!("CARGO_PKG_VERSION")
         && summary.case_digest == Fingerprint::of(problem).ok()?.digest();
     done.then_some(summary)

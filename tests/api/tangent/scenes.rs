@@ -82,7 +82,8 @@ fn canopy() -> Vec<CanopySpec> {
 
 /// The same while it fills.
 fn filling_canopy() -> Vec<CanopySpec> {
-    let stage = |drag_area, start| FillingSpec { drag_area, start, duration: 9.0, exponent: 2.0 };
+    let stage =
+        |drag_area, start| FillingSpec { drag_area, start, duration: 9.0, exponent: 2.0, by_speed: false, event: None };
     let filling = vec![stage(2.5, -4.0), stage(7.0, -1.0)];
     canopy().into_iter().map(|one| CanopySpec { air: CanopyAir::Filling(filling.clone()), ..one }).collect()
 }

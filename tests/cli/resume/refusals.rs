@@ -1,5 +1,6 @@
 //! What cannot be resumed is refused with the reason, status 2, and without a change in the folder.
 
+use canopy_fem::drive::event::Fired;
 use canopy_fem::drive::{Failure, Snapshot};
 use canopy_fem::output::checkpoint::{Checkpoint, CheckpointFault, FORMAT};
 
@@ -147,8 +148,9 @@ fn no_damage_goes_unseen() {
 #[test]
 fn a_format_has_one_layout() {
     let failure = Failure { time: 1.0, node: Some(3), term: Some("air".to_owned()), ..Failure::default() };
-    let snapshot =
-        Snapshot { step: 7, t: 0.5, x: vec![1.0, 2.0], v: vec![3.0], failure: Some(failure), ..Snapshot::default() };
+    let fired = vec![Fired { event: 2, t: 0.25, name: "main".to_owned(), ..Fired::default() }];
+    let (x, v, failure) = (vec![1.0, 2.0], vec![3.0], Some(failure));
+    let snapshot = Snapshot { step: 7, t: 0.5, x, v, failure, fired, ..Snapshot::default() };
     let mut bytes = Vec::new();
     Checkpoint { snapshot, ..Checkpoint::default() }.encode(&mut bytes).expect("it fits");
     let content = &bytes[20 + 1 + env!("CARGO_PKG_VERSION").len()..bytes.len() - 4];

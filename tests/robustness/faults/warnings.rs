@@ -107,6 +107,14 @@ fn every_warning_fires_alone() {
             "1.6 times the dynamic pressure",
         ),
         (with(&sail(), &[(&format!("{N}/supports"), json!([]))]), "closing-canopy", "no inner pressure"),
+        (
+            with(
+                &sail(),
+                &[(&format!("{N}/supports"), json!([{"on": "outer", "fix": "xyz", "when": {"height_above": -1}}]))],
+            ),
+            "event-at-start",
+            "waits for a height above -1 m",
+        ),
         (with(&sail(), &[mesh(1000.0)]), "large-extent", "1000 m across"),
         (
             with(&sail(), &[mesh(499.0), (&format!("{N}/mass"), json!({"areal_density": 0.5}))]),
@@ -165,6 +173,7 @@ fn sane_neighbours_have_no_warning() {
     let both = json!([{"on": {"ids": [0, 3]}, "fix": "xyz"}]);
     for case in [
         sail(),
+        with(&sail(), &[(&at("supports"), json!([{"on": "outer", "fix": "xyz", "when": {"height_below": -1}}]))]),
         with(&sail(), &[(&at("springs"), json!([])), (&at("membranes"), membranes)]),
         taped,
         with(&pieces(), &[(&at("supports"), both)]),

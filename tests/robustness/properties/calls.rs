@@ -103,7 +103,7 @@ fn simulation(method: usize, adaptive: bool, damped: bool) -> Simulation {
         let wind = Series { t: vec![0.0, 0.05], value: vec![[0.0, 0.0, 1.0], [0.0, 1.0, 3.0]] };
         network.spec.air = Some(AirSpec { linear: 0.1, quadratic: 0.05, wind });
     }
-    network.spec.releases.push(ReleaseSpec { t: 0.031, nodes: vec![(0, [true; 3])] });
+    network.spec.releases.push(ReleaseSpec { t: 0.031, nodes: vec![(0, [true; 3])], ..ReleaseSpec::default() });
     let methods = registry::methods();
     let method = MethodChoice::with_defaults(methods[method % methods.len()].name).expect("registered");
     let tolerance = Tolerance { relative: 1e-3, absolute: 1e-4 };

@@ -40,6 +40,7 @@ use super::clock::Tolerance;
 use crate::integrate::stepper::Stepper;
 use crate::integrate::{CarriedState, PairInfo, StepError};
 use crate::model::point::Point;
+use crate::model::spec::ascending;
 use crate::scene::Scene;
 
 /// First step, as a share of the run.
@@ -110,8 +111,8 @@ pub struct PlannedStep {
     pub h: f64,
     /// [s] time at its end
     pub t: f64,
-    /// whether a corner of a table, the end or a change of a force's law lies there
-    at_corner: bool,
+    /// whether a corner of a table, the end, an event or a change of a force's law lies there
+    pub(super) at_corner: bool,
 }
 
 /// Information on an error estimate.
@@ -152,6 +153,19 @@ fn free_count(scene: &dyn Scene) -> f64 {
     scene.inverse_mass().iter().filter(|m| **m > 0.0).count().max(1) as f64
 }
 
+/// [s] The corners of a scene within a run, those of `more` too, and the end of the run.
+fn corners(scene: &dyn Scene, end: f64, more: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut corners = scene.events().map_or_else(Vec::new, |events| events.corners());
+    let known = corners.len();
+    corners.extend(more);
+    if corners.len() > known {
+        corners = ascending(corners);
+    }
+    corners.retain(|t| *t > 0.0 && *t < end);
+    corners.push(end);
+    corners
+}
+
 impl Adaptive {
     /// A run from t = 0.
     pub fn new(scene: &dyn Scene, spec: AdaptiveSpec) -> Self {
@@ -163,9 +177,7 @@ impl Adaptive {
 
     /// A run that continues from a saved state.
     pub fn restore(scene: &dyn Scene, spec: AdaptiveSpec, state: AdaptiveState) -> Self {
-        let mut corners = scene.events().map_or_else(Vec::new, |events| events.corners());
-        corners.retain(|t| *t > 0.0 && *t < spec.end);
-        corners.push(spec.end);
+        let corners = corners(scene, spec.end, std::iter::empty());
         let start = scene.initial_state().x;
         let error = LocalError::new(start.len());
         let free = free_count(scene);
@@ -174,6 +186,21 @@ impl Adaptive {
             vec![0.0; if scene.springs().is_some_and(|springs| springs.has_branches()) { start.len() } else { 0 }];
         let (motion_before, carried) = (state.motion, CarriedState::default());
         Adaptive { spec, corners, start, free, error, product, kick, motion_before, carried, pair: None, state }
+    }
+
+    /// Ends steps at `times` [s] too, and at what began with an event of the scene.
+    pub fn end_at(&mut self, scene: &dyn Scene, times: impl Iterator<Item = f64>) {
+        self.corners = corners(scene, self.spec.end, times);
+    }
+
+    /// Takes an attempt back that was good, to make a shorter one from the same state: `saved` is what was kept before
+    /// it. If it was made in two halves, the scheme has already accepted the first.
+    ///
+    /// # Errors
+    /// When the scheme cannot restore what it carried, which does not happen.
+    pub fn rewind(&mut self, saved: &AdaptiveState, first_half: Option<&mut Stepper<'_>>) -> Result<(), StepError> {
+        self.state = saved.clone();
+        first_half.map_or(Ok(()), |stepper| stepper.restore(&self.carried))
     }
 
     /// After supports were released: counts the free degrees of freedom again.

@@ -100,7 +100,7 @@ impl Run<'_> {
         }
         self.state.doubt = doubt.or(self.state.doubt.take());
         if part == StepPart::Last {
-            self.pass_events(stepper)?;
+            self.pass_events(stepper, observers)?;
         }
         Ok(StepEnd::Accepted)
     }

@@ -37,10 +37,12 @@ impl Run<'_> {
                 return Ok(StepEnd::Stopped);
             }
             let attempted = match &mut self.state.policy {
-                StepPolicy::Fixed(_) | StepPolicy::Free(_) => match self.fixed_step(stepper, tick) {
-                    Ok(report) => Attempted::Kept(AdaptiveStep::Single(report)),
-                    Err(status) => Attempted::Failed(status),
-                },
+                StepPolicy::Fixed(_) | StepPolicy::Free(_) => {
+                    match self.fixed_step(stepper, tick).and_then(|whole| self.end_at_event(stepper, tick, whole)) {
+                        Ok(report) => Attempted::Kept(AdaptiveStep::Single(report)),
+                        Err(status) => Attempted::Failed(status),
+                    }
+                }
                 StepPolicy::Adaptive(_) => self.adaptive_step(stepper),
             };
             let end = match attempted {
@@ -113,7 +115,13 @@ impl Run<'_> {
             AttemptContext { scene: self.scene, stepper: &mut *stepper, counters: &mut self.state.counters };
         policy.begin(&mut context, &self.state.from, &mut self.state.to);
         let Some(planned) = policy.next(self.state.from.state.t) else { return Attempted::Dropped };
-        let dropped = match policy.attempt(context, planned, &self.state.from, &mut self.state.to) {
+        let saved = self.state.events.waits().then(|| policy.state().clone());
+        let mut tried = policy.attempt(context, planned, &self.state.from, &mut self.state.to);
+        if let Some(saved) = &saved {
+            tried = tried.and_then(|kept| self.end_adaptive_at_event(stepper, planned, saved, kept));
+        }
+        let StepPolicy::Adaptive(policy) = &mut self.state.policy else { return Attempted::Dropped };
+        let dropped = match tried {
             Ok(kept) => match policy.stalls(planned.t) {
                 None => return Attempted::Kept(kept),
                 Some(gone) => {

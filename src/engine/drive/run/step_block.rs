@@ -36,7 +36,8 @@ impl Run<'_> {
         stepper: &mut Stepper<'_>,
         observers: &mut [&mut dyn Observer],
     ) -> Result<bool, RunError> {
-        if self.state.steps < self.state.blocks.not_before || self.state.failure.is_some() {
+        let busy = !self.state.events.is_idle();
+        if busy || self.state.steps < self.state.blocks.not_before || self.state.failure.is_some() {
             return Ok(false);
         }
         let h = match &self.state.policy {
@@ -71,7 +72,7 @@ impl Run<'_> {
             stepper.accept();
             self.state.before_change = None;
             self.show_block(coming, &blocks, observers)?;
-            self.pass_events(stepper)?;
+            self.pass_events(stepper, observers)?;
         }
         let done = self.state.steps >= last.step;
         self.state.blocks = blocks;
@@ -106,6 +107,7 @@ impl Run<'_> {
                 summary.stretch_wanted |= strain;
             }
             match states {
+                States::None if self.state.events.tells([next.from, t]) => return (coming, made + 1),
                 States::None if clock.events().binary_search_by(|event| event.total_cmp(&t)).is_ok() => {
                     return (coming, made + 1);
                 }

@@ -29,11 +29,11 @@ use crate::force::kernel::triangle_pairs::{PressureForce, PressureLaw};
 use crate::force::law::axial_flow::{AxialFlow, CanopyAxis};
 use crate::force::law::cavity::Cavity;
 use crate::force::law::inflow::InflowLoss;
+use crate::force::law::stages::Stages;
 use crate::force::law::triangle::{AreaVector, THIRD, mean};
 use crate::force::{Copies, ForceTerm, NodeState, RankOne, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::Real;
-use crate::model::spec::FillingSpec;
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -62,7 +62,7 @@ pub enum AirModel {
     /// q dCp
     Coefficient,
     /// stages of the drag area
-    Filling(Arc<[FillingSpec]>),
+    Filling(Stages),
     /// balance of the air inside
     Cavity(Cavity),
 }
@@ -154,7 +154,7 @@ impl SceneNumbers for CanopyData {
         let loss = self.inflow.as_ref().map_or(0.0, |inflow| inflow.pressure(air.density[0], x, v));
         let (share, excess) = match &self.air {
             AirModel::Coefficient => (1.0, loss),
-            AirModel::Filling(stages) => (FillingSpec::area_at(stages, t) / -self.opening(x).dot(&axis), loss),
+            AirModel::Filling(stages) => (stages.area_at(t) / -self.opening(x).dot(&axis), loss),
             AirModel::Cavity(cavity) => (1.0, cavity.excess(&self.triangles, flow, x, v)),
         };
         let numbers = [0.5 * air.density[0] * share, speed, along.x, along.y, along.z, excess];
@@ -184,7 +184,11 @@ impl FaceKernel for CanopyData {
 
     fn for_run(&self, copies: &mut Copies) -> Self {
         let axis = CanopyAxis { stream: copies.of(&self.axis.stream), ..self.axis.clone() };
-        CanopyData { axis, ..self.clone() }
+        let air = match &self.air {
+            AirModel::Filling(stages) => AirModel::Filling(stages.for_run(copies)),
+            AirModel::Coefficient | AirModel::Cavity(_) => self.air.clone(),
+        };
+        CanopyData { axis, air, ..self.clone() }
     }
 }
 
@@ -257,7 +261,7 @@ impl ForceTerm for Canopy {
         let flow = data.axis.flow(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
         match (which, &data.air) {
             (0, AirModel::Filling(stages)) => {
-                data.add_kappa_gradient(at, flow, FillingSpec::area_at(stages, at.t), w.k, g);
+                data.add_kappa_gradient(at, flow, stages.area_at(at.t), w.k, g);
             }
             (0, AirModel::Coefficient | AirModel::Cavity(_)) => data.axis.add_density_gradient(flow, 0.5 * w.k, g),
             (1, _) => data.axis.add_speed_gradient(flow, w, g),

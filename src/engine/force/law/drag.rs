@@ -13,10 +13,10 @@
 
 use crate::force::kernel::batch::{Batch, BufferReads, Elements, Kernel, Records};
 use crate::force::kernel::element_block::vector;
+use crate::force::law::stages::Stages;
 use crate::force::law::stream::{AirState, Stream};
 use crate::force::{Copies, ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
-use crate::model::spec::FillingSpec;
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -46,7 +46,7 @@ pub struct NodeDragData {
     /// [m^2] drag area of each
     pub drag_area: f64,
     /// stages of what is added to it; none but for canopies that are points
-    pub stages: Arc<[FillingSpec]>,
+    pub stages: Stages,
     /// the air around them
     pub stream: Arc<Stream>,
 }
@@ -168,7 +168,7 @@ impl NodeDragData {
 
     fn drag(&self, t: f64, v: Vector3<f64>, air: &AirState) -> Drag {
         let u = air.wind[0] - v;
-        let half = 0.5 * air.density[0] * (self.drag_area + FillingSpec::area_at(&self.stages, t));
+        let half = 0.5 * air.density[0] * (self.drag_area + self.stages.area_at(t));
         let (force, by_wind) = (u * (half * u.norm()), gradient(u) * half);
         let by_height = force * (air.density[1] / air.density[0]) + by_wind * air.wind[1];
         Drag { force, by_wind, by_side: Matrix3::zeros(), by_height }
@@ -193,7 +193,7 @@ impl Kernel<1> for NodeDragData {
     }
 
     fn for_run(&self, copies: &mut Copies) -> Option<Self> {
-        Some(NodeDragData { stream: copies.of(&self.stream), ..self.clone() })
+        Some(NodeDragData { stream: copies.of(&self.stream), stages: self.stages.for_run(copies), ..self.clone() })
     }
 }
 

@@ -61,10 +61,16 @@ impl CanopyAir {
 pub struct FillingSpec {
     /// [m^2] at the end of the stage
     pub drag_area: f64,
-    /// [s] line stretch, or the cut of a reefing line; no pressure before the first
+    /// [s] line stretch, or the cut of a reefing line; no pressure before the first. Infinite until its event happens
     pub start: f64,
+    /// the event at which it starts, if there is one
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub event: Option<usize>,
     /// [s] filling time, > 0
     pub duration: f64,
+    /// whether `duration` is a length [m], which the speed against the air at the event is to divide
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub by_speed: bool,
     /// [-] exponent, > 0
     pub exponent: f64,
 }

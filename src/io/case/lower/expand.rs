@@ -178,7 +178,9 @@ fn rule_of(group: String) -> SpringRule {
         rest_scale: None,
         linear_density: None,
         cut: None,
+        when: None,
         strength: None,
+        breaks: false,
         slack: None,
         dashpot: None,
     }

@@ -24,6 +24,10 @@ pub(super) fn check(at: &Pointer, stages: &Stages, faults: &mut Faults<'_>) {
     for (i, stage) in stages.all().iter().enumerate() {
         let at = place(at, stages, i);
         let FillingSchedule { drag_area, drag_coefficient, filling_constant, filling_time, start, speed, .. } = *stage;
+        let waits = |stage: &FillingSchedule| stage.when.is_some();
+        if waits(stage) && start != 0.0 {
+            faults.add_hint(&at.key("when"), "not together with start", "a delay after an event is \"delay\"");
+        }
         let one_of = "exactly one of drag_area and drag_coefficient";
         match (drag_area, drag_coefficient) {
             (Some(_), Some(_)) => faults.add_value(&at, "a stage with drag_area and drag_coefficient", one_of, None),
@@ -34,7 +38,7 @@ pub(super) fn check(at: &Pointer, stages: &Stages, faults: &mut Faults<'_>) {
         match (filling_constant, filling_time) {
             (Some(_), Some(_)) => faults.add_value(&at, "a stage with filling_constant and filling_time", one_of, None),
             (None, None) => faults.add_value(&at, "a stage without a filling time", one_of, None),
-            (Some(_), None) if i > 0 && speed.is_none() => {
+            (Some(_), None) if i > 0 && speed.is_none() && !waits(stage) => {
                 let hint =
                     "the speed at a later stage is found by the run itself; give filling_time if it is not known";
                 faults.add_value(
@@ -46,7 +50,7 @@ pub(super) fn check(at: &Pointer, stages: &Stages, faults: &mut Faults<'_>) {
             }
             _ => {}
         }
-        if i > 0 && start <= stages.all()[i - 1].start {
+        if i > 0 && start <= stages.all()[i - 1].start && !waits(stage) && !waits(&stages.all()[i - 1]) {
             faults.add(&at.key("start"), "a stage that starts after the one before it");
         }
     }
@@ -65,7 +69,9 @@ pub(super) fn stages(stages: &Stages, diameter: impl Fn() -> f64) -> Vec<Filling
         let by_coefficient = || stage.drag_coefficient.unwrap_or(0.0) * 0.25 * PI * diameter().powi(2);
         let drag_area = stage.drag_area.unwrap_or_else(by_coefficient);
         let exponent = exponent.unwrap_or(EXPONENT);
-        FillingSpec { drag_area, start, duration: filling_time.unwrap_or_else(by_constant), exponent }
+        let by_speed = stage.when.is_some() && filling_time.is_none() && speed.is_none();
+        let duration = filling_time.unwrap_or_else(by_constant);
+        FillingSpec { drag_area, start, duration, by_speed, exponent, event: None }
     });
     lowered.collect()
 }
@@ -91,7 +97,7 @@ pub(super) fn at_speed(
     faults: &mut Faults<'_>,
 ) {
     let ([first, ..], Some(stage)) = (filling, stages.all().first()) else { return };
-    if stage.filling_time.is_some() || stage.speed.is_some() {
+    if stage.filling_time.is_some() || stage.speed.is_some() || stage.when.is_some() {
         return;
     }
     if speed > ROUNDING * scale {

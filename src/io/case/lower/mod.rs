@@ -7,6 +7,7 @@ mod coefficients;
 mod digits;
 mod elastic_law;
 mod energy;
+mod events;
 mod expand;
 mod filling;
 mod gas;
@@ -86,7 +87,8 @@ pub(crate) fn build(
             if let Some(timing) = &timing {
                 network::warn_of_events(&at, network, timing.spec.end, faults);
             }
-            let lowered = known.then(|| network::network(network, base, geometry.as_deref(), step, faults)).flatten();
+            let run = (step, file.time.until.as_ref());
+            let lowered = known.then(|| network::network(network, base, geometry.as_deref(), run, faults)).flatten();
             let (spec, of_point) = lowered.map_or((None, None), |(spec, whole)| (Some(spec), whole));
             whole = of_point;
             let fixed =

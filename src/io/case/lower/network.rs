@@ -1,6 +1,7 @@
 //! The network as a whole: supports, masses, and the sections put together.
 
 use super::air::{self, Flow};
+use super::events::{self, Plan, Sights};
 use super::geometry::Geometry;
 use super::initial::{self, EarlierRun, initial};
 use super::numbers::series;
@@ -10,13 +11,14 @@ use super::supports::{Supports, supports};
 use super::{canopy, digits, energy, gas, loads, mass, plausible, springs, surface};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Damping, Network, NetworkModel, VectorTable, vectors};
+use crate::case::schema::{Damping, Network, NetworkModel, Until, VectorTable, vectors};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
 use crate::mesh::Topology;
 use crate::model::spec::{NetworkSpec, RayleighSpec, Series, support_velocity};
 use crate::preflight;
 use crate::warning::{Warning, WarningCode};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Checks and builds a network, or a point in its place, and then the network that it stands for; files are found from
@@ -25,14 +27,16 @@ pub(super) fn network(
     network: &Network,
     base: &Path,
     geometry: Option<&Geometry>,
-    step: Option<Step>,
+    (step, until): (Option<Step>, Option<&Until>),
     faults: &mut Faults<'_>,
 ) -> Option<(NetworkSpec, Option<Whole>)> {
     let at = &Pointer::root().key("system").key("network");
     let before = faults.count();
+    let plan = &Plan::of(at, network, until);
     let mut masses =
         geometry.map(|g| mass::mass(&at.key("mass"), network.mass.as_ref(), g, faults)).unwrap_or_default();
-    let Supports { fixed, releases, motions } = supports(&at.key("supports"), &network.supports, geometry, faults);
+    let Supports { fixed, releases, motions } =
+        supports(&at.key("supports"), &network.supports, geometry, plan, faults);
     let membranes = surface::membranes(&at.key("membranes"), &network.membranes, geometry, faults);
     let bending = surface::bending(&at.key("bending"), &network.bending, geometry, faults);
     let readable = |keys: &[&str], faults: &Faults<'_>| keys.iter().all(|key| faults.readable(&at.key(key)));
@@ -41,13 +45,14 @@ pub(super) fn network(
         initial::earlier(&at.key("initial"), section, (geometry, &fixed, base), faults)
     });
     let (earlier, prestress) = earlier.map(EarlierRun::split).unzip();
-    let sources =
-        SpringSources { rules: &network.springs, membranes: &membranes, step, prestress: prestress.flatten() };
+    let prestress = prestress.flatten();
+    let sources = SpringSources { rules: &network.springs, membranes: &membranes, step, prestress, plan };
     let groups = springs::springs(&at.key("springs"), sources, geometry, &mut masses, faults);
     let masses_known = faults.count() == before && readable(&["mass", "supports", "springs", "membranes"], faults);
     let rayleigh = rayleigh(network.damping.as_ref());
-    let Flow { air, surface_pressures, stream, canopies, line_drag, node_drag } =
+    let Flow { air, surface_pressures, stream, mut canopies, line_drag, node_drag } =
         air::flow(&at.key("aero"), network.aero.as_ref(), base, geometry, faults);
+    plan.put_into(&mut canopies);
     let base_acceleration = base_acceleration(at, network, faults);
     let loads = loads::loads(&at.key("loads"), &network.loads, network.gravity, geometry, faults);
     let geometry = geometry?;
@@ -74,11 +79,15 @@ pub(super) fn network(
     } else {
         initial::InitialState::default()
     };
+    let springs: BTreeSet<u32> = groups.iter().flat_map(|group| group.edges.iter().copied()).collect();
+    let (has_spring, air_around) = (&|edge: u32| springs.contains(&edge), stream.is_some());
+    let events = events::events(plan, Sights { geometry, mass: &masses, has_spring, air: air_around }, faults);
     let mut spec = NetworkSpec {
         mesh: geometry.mesh.clone(),
         mass: masses,
         fixed,
         releases,
+        events,
         motions,
         springs: groups,
         membranes,
@@ -147,7 +156,8 @@ pub(super) fn warn_of_events(at: &Pointer, network: &Network, end: f64, faults: 
     let supports = supports.map(|(i, support)| (at.key("supports").index(i).key("until"), support.until));
     let springs = network.springs.iter().enumerate();
     let springs = springs.map(|(i, rule)| (at.key("springs").index(i).key("cut"), rule.cut));
-    for (at, t) in supports.chain(springs) {
+    let named = Plan::of(at, network, None);
+    for (at, t) in supports.chain(springs).chain(named.times()) {
         if t.is_some_and(|t| t.is_finite() && t >= end) {
             let text = format!("{at}: the run ends at {end} s, before this happens");
             faults.warn(WarningCode::EventBeyondEnd, text);

@@ -11,7 +11,9 @@ use nalgebra::Vector3;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::mesh::{Group, Mesh};
-use crate::model::spec::{CanopyAir, CanopySpec, MotionSpec, NetworkSpec, NodalLoad, NodeDragSpec, ReleaseSpec};
+use crate::model::spec::{
+    CanopyAir, CanopySpec, EventSpec, MotionSpec, NetworkSpec, NodalLoad, NodeDragSpec, ReleaseSpec, Watched,
+};
 
 /// The group of the payload.
 const PAYLOAD: &str = "payload";
@@ -118,10 +120,25 @@ fn refuse(at: &Pointer, full: &NetworkSpec, whole: &Whole, faults: &mut Faults<'
     if !of_payload(&held) {
         not(&at.key("supports"), "supports of other nodes than the payload's", "supports of the payload");
     }
+    let elsewhere = full.events.iter().find(|event| match &event.of {
+        Watched::Nodes(shares) => {
+            let all = shares.len() == whole.mass.iter().filter(|mass| **mass > 0.0).count();
+            !all && shares.iter().any(|(node, _)| !whole.of_payload[*node as usize])
+        }
+        Watched::Springs { .. } => true,
+    });
+    if let Some(event) = elsewhere {
+        let value = format!("the event \"{}\" of other parts than the payload", event.name);
+        not(at, &value, "events by the motion of the payload");
+    }
+    if full.springs.iter().any(|group| !group.breaks.is_empty()) {
+        not(&at.key("springs"), "lines that break", "no \"breaks\"");
+    }
     if full.rayleigh.is_some_and(|rayleigh| rayleigh.mass != 0.0) {
         not(&at.key("damping"), "damping of a point by its mass", "no mass-proportional damping");
     }
-    for (i, group) in full.springs.iter().enumerate().filter(|(_, group)| group.cut.is_some()) {
+    for (i, group) in full.springs.iter().enumerate().filter(|(_, group)| group.cut.is_some() || group.cut_by.is_some())
+    {
         if group.edges.iter().any(|edge| whole.mass_above(*edge).is_some()) {
             not(&at.key("springs").index(i).key("cut"), "a riser that is cut", "no cut between payload and canopies");
         }
@@ -162,7 +179,8 @@ fn lumped(full: &NetworkSpec, whole: &Whole) -> NetworkSpec {
         },
         mass: vec![total],
         fixed: vec![fixed],
-        releases: full.releases.iter().map(|one| ReleaseSpec { t: one.t, nodes: at_point(&one.nodes) }).collect(),
+        releases: full.releases.iter().map(|one| ReleaseSpec { nodes: at_point(&one.nodes), ..*one }).collect(),
+        events: full.events.iter().map(event).collect(),
         // Supports move all nodes of a payload alike.
         motions: full.motions.iter().map(|one| MotionSpec { nodes: at_point(&one.nodes), ..one.clone() }).collect(),
         gravity: full.gravity,
@@ -179,6 +197,10 @@ fn lumped(full: &NetworkSpec, whole: &Whole) -> NetworkSpec {
 /// The directions that some of them have.
 fn directions(all: impl Iterator<Item = [bool; 3]>) -> [bool; 3] {
     all.fold([false; 3], |some, of| std::array::from_fn(|axis| some[axis] || of[axis]))
+}
+
+fn event(full: &EventSpec) -> EventSpec {
+    EventSpec { of: Watched::Nodes(vec![(0, 1.0)]), ..full.clone() }
 }
 
 fn canopy(full: &CanopySpec) -> CanopySpec {

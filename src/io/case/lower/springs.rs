@@ -1,6 +1,7 @@
 //! Spring rules: which edge follows which rule, and the springs that result.
 
 use super::elastic_law::elastic_law;
+use super::events::{Plan, Waits};
 use super::geometry::Geometry;
 use super::mass;
 use super::numbers::{positive, series};
@@ -25,12 +26,14 @@ pub(super) struct SpringSources<'a> {
     pub step: Option<Step>,
     /// what an earlier run says of their rest lengths
     pub prestress: Option<Prestress>,
+    /// what cuts them
+    pub plan: &'a Plan<'a>,
 }
 
 /// Groups of springs in the order of the rules; adds the springs' own mass to `mass` `[n_nodes]`.
 pub(super) fn springs(
     at: &Pointer,
-    SpringSources { rules, membranes, step, prestress }: SpringSources<'_>,
+    SpringSources { rules, membranes, step, prestress, plan }: SpringSources<'_>,
     geometry: Option<&Geometry>,
     mass: &mut [f64],
     faults: &mut Faults<'_>,
@@ -46,6 +49,16 @@ pub(super) fn springs(
             check_loads_only(&at, rule, faults);
         }
         let values = if rule.loads_only { None } else { values(&at, rule, faults) };
+        if rule.cut.is_some() && rule.when.is_some() {
+            faults.add_hint(&at.key("when"), "not together with cut", "a time is \"when\": {\"time\": ...} too");
+        }
+        if rule.breaks && rule.strength.is_none() {
+            faults.add_hint(&at.key("strength"), "the strength of springs that break", "give it in N");
+        }
+        if rule.breaks && rule.when.is_some() {
+            let hint = "what is cut by an event cannot break before; make two rules for two groups";
+            faults.add_hint(&at.key("breaks"), "not together with when", hint);
+        }
         let factor = rest_factor(&at.key("rest_scale"), rule, faults);
         // The edges of an unreadable rule are not known, so those of the next rules are not known either.
         geometry = geometry.filter(|_| faults.readable(&at.key("on")));
@@ -61,7 +74,16 @@ pub(super) fn springs(
             let densities = strands.as_deref().map_or(densities.clone(), |strands| densities.times(strands));
             add_mass(&densities, &edges, geometry, mass);
         }
-        followed.push(RuleEdges { number: i, rule, values, factor, edges, strands, step });
+        followed.push(RuleEdges {
+            number: i,
+            cut_by: plan.event(Waits::Springs(i)),
+            rule,
+            values,
+            factor,
+            edges,
+            strands,
+            step,
+        });
     }
     let Some(whole) = whole else { return Vec::new() };
     let prestress = prestress.map(|prestress| shared(prestress, &followed, whole));
@@ -100,7 +122,9 @@ fn check_loads_only(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) {
         rest_scale,
         linear_density,
         cut,
+        when,
         strength,
+        breaks,
         slack,
         dashpot,
     } = rule;
@@ -114,6 +138,8 @@ fn check_loads_only(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) {
         ("rest_scale", rest_scale.is_some()),
         ("linear_density", linear_density.is_some()),
         ("cut", cut.is_some()),
+        ("when", when.is_some()),
+        ("breaks", *breaks),
         ("strength", strength.is_some()),
         ("slack", slack.is_some()),
         ("dashpot", dashpot.is_some()),
@@ -200,6 +226,8 @@ fn claim(
 struct RuleEdges<'a> {
     /// of the rule
     number: usize,
+    /// the event that cuts them
+    cut_by: Option<usize>,
     rule: &'a SpringRule,
     /// `None` where they are faulty
     values: Option<RuleValues>,
@@ -219,7 +247,7 @@ fn group(
     geometry: &Geometry,
     faults: &mut Faults<'_>,
 ) -> Option<SpringGroup> {
-    let RuleEdges { number, rule, values, factor, edges, strands, step } = members;
+    let RuleEdges { number, cut_by, rule, values, factor, edges, strands, step } = members;
     let at = &at.index(number);
     let kept = prestress.zip(values.as_ref()).map(|(kept, values)| kept.rest_lengths(values.law(), &edges, geometry));
     let kept = match kept.transpose() {
@@ -253,11 +281,27 @@ fn group(
         EdgeSelection::Group(group) => format!("springs[{number}] {group}"),
         _ => format!("springs[{number}]"),
     };
+    let breaks = rule.strength.filter(|_| rule.breaks).map_or_else(Vec::new, |strength| {
+        (0..edges.len()).map(|i| strength * strands.map_or(1.0, |strands| strands[i])).collect()
+    });
     let strands = strands.map(<[f64]>::to_vec);
     let strength = rule.strength.map(|strength| StrengthSpec { name: name(), strength, strands });
     let sheet = rule.membrane.map(|Membrane { modulus, thickness }| SheetSpec { modulus, thickness });
     let (cut, rest_scale) = (rule.cut, factor);
-    Some(SpringGroup { edges, stiffness, rest_length, law, slack, dashpot, cut, rest_scale, strength, sheet })
+    Some(SpringGroup {
+        edges,
+        stiffness,
+        rest_length,
+        law,
+        slack,
+        dashpot,
+        cut,
+        cut_by,
+        breaks,
+        rest_scale,
+        strength,
+        sheet,
+    })
 }
 
 /// Adds half of an edge's mass to each of its ends; `densities` [kg/m], `total` [kg] `[n_nodes]`.

@@ -1,5 +1,6 @@
 //! Supports: what they hold, until when, and how they move it.
 
+use super::events::{Plan, Waits};
 use super::geometry::Geometry;
 use super::numbers::series;
 use super::select;
@@ -24,8 +25,8 @@ pub(super) struct Supports {
 struct Hold {
     /// [s] until when; 0 where it is free
     until: f64,
-    /// number of the first support that holds it, and whether that moves it
-    first: Option<(usize, bool)>,
+    /// number of the first support that holds it, and why that must be alone, if it must
+    first: Option<(usize, Option<&'static str>)>,
 }
 
 /// Which directions are held, and until when. Several supports of a node add up: the last to let go counts. One that
@@ -34,15 +35,19 @@ pub(super) fn supports(
     at: &Pointer,
     list: &[Support],
     geometry: Option<&Geometry>,
+    plan: &Plan<'_>,
     faults: &mut Faults<'_>,
 ) -> Supports {
     let mut holds = vec![[Hold::default(); 3]; geometry.map_or(0, Geometry::nodes)];
-    let mut motions = Vec::new();
+    let (mut motions, mut by_event) = (Vec::new(), Vec::new());
     for (i, support) in list.iter().enumerate() {
         let at = at.index(i);
         let directions = directions(&support.fix);
         if directions.is_none() {
             faults.add(&at.key("fix"), "one or more of the letters x, y and z, each once, such as \"xyz\" or \"z\"");
+        }
+        if support.until.is_some() && support.when.is_some() {
+            faults.add_hint(&at.key("when"), "not together with until", "a time is \"when\": {\"time\": ...} too");
         }
         let displacement =
             support.motion.as_ref().and_then(|table| motion(&at.key("motion"), table, directions, faults));
@@ -50,10 +55,20 @@ pub(super) fn supports(
         let nodes = geometry.and_then(|g| select::nodes(&at.key("on"), &support.on, g, faults));
         if let (Some(directions), Some(nodes)) = (directions, nodes) {
             let moves = support.motion.is_some() || support.settlement.is_some();
+            // A direction that moves, or that an event frees, has one support.
+            let alone = match &support.when {
+                _ if moves => Some("where it moves"),
+                Some(_) => Some("that an event releases"),
+                None => None,
+            };
             // A stand-in may be for any nodes and directions.
             let known = faults.readable(&at.key("on")) && faults.readable(&at.key("fix"));
-            let by = Hold { until: support.until.unwrap_or(f64::INFINITY), first: known.then_some((i, moves)) };
+            let by = Hold { until: support.until.unwrap_or(f64::INFINITY), first: known.then_some((i, alone)) };
             hold(&at, &mut holds, Held { nodes: &nodes, directions, by }, faults);
+            if let Some(event) = plan.event(Waits::Support(i)) {
+                let nodes = nodes.iter().map(|&node| (node, directions)).collect();
+                by_event.push(ReleaseSpec { t: f64::INFINITY, event: Some(event), nodes });
+            }
             let still = || Series { t: vec![0.0], value: vec![[0.0; 3]] };
             let displacement = displacement.or_else(|| support.motion.is_none().then(still)).filter(|_| moves);
             motions.extend(displacement.map(|displacement| {
@@ -63,7 +78,9 @@ pub(super) fn supports(
         }
     }
     let fixed = holds.iter().map(|node| node.map(|hold| hold.until > 0.0)).collect();
-    Supports { fixed, releases: releases(&holds), motions }
+    let mut releases = releases(&holds);
+    releases.extend(by_event);
+    Supports { fixed, releases, motions }
 }
 
 /// What a support holds.
@@ -81,19 +98,19 @@ fn hold(at: &Pointer, holds: &mut [[Hold; 3]], Held { nodes, directions, by }: H
     for &node in nodes {
         let held = holds.get_mut(node as usize).into_iter().flatten();
         for (held, _) in held.zip(directions).filter(|(_, more)| *more) {
-            if let (Some((number, moves)), Some((_, moves_now))) = (held.first, by.first)
-                && (moves || moves_now)
+            if let (Some((number, alone)), Some((_, alone_now))) = (held.first, by.first)
+                && let Some(why) = alone.or(alone_now)
             {
                 shared.push(node);
-                other.get_or_insert(number);
+                other.get_or_insert((number, why));
             }
             *held = Hold { until: held.until.max(by.until), first: held.first.or(by.first) };
         }
     }
     shared.dedup();
-    if let Some(other) = other {
+    if let Some((other, why)) = other {
         let value = format!("nodes {} are held by supports[{other}] too", first_few(&shared));
-        let allowed = "one support for each direction of a node where it moves";
+        let allowed = format!("one support for each direction of a node {why}");
         faults.add_value(at, value, allowed, Some("leave them out of one of the two".to_owned()));
     }
 }
@@ -153,7 +170,7 @@ fn releases(holds: &[[Hold; 3]]) -> Vec<ReleaseSpec> {
     times.dedup();
     let release = |t: f64| {
         let free = (0_u32..).zip(holds).map(|(node, holds)| (node, holds.map(|hold| hold.until == t)));
-        ReleaseSpec { t, nodes: free.filter(|(_, free)| free.contains(&true)).collect() }
+        ReleaseSpec { t, event: None, nodes: free.filter(|(_, free)| free.contains(&true)).collect() }
     };
     times.into_iter().map(release).collect()
 }

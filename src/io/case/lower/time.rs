@@ -1,6 +1,7 @@
 //! The time, solver and study sections. The study section is checked with the rest, so that a study does not fail after
 //! its first hour.
 
+use super::events::Plan;
 use crate::case::diagnostics::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
 use crate::case::schema::{MassScaling, Method, Solver, Study, System, Time, UntilRest};
@@ -47,8 +48,21 @@ pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Opt
         adaptive @ Step::Adaptive(_) => adaptive,
     };
     let until_rest = time.until_rest.map(|rest| until_rest(rest, end));
+    if let (Some(_), System::Pendulum(_)) = (&time.until, system) {
+        faults.add(&at.key("until"), "only with a network");
+    }
+    if let (Some(_), System::Network(network)) = (&until_rest, system)
+        && Plan::of(&at, network, None).waits()
+    {
+        let hint = "a scene at rest does not tell whether an event is still to come; leave until_rest out";
+        faults.add_hint(&at.key("until_rest"), "not together with events by state (\"when\")", hint);
+    }
     let mass_scaling = time.mass_scaling.and_then(|given| mass_scaling(&at, given, method.as_ref(), system, faults));
-    Some(Timing { mass_scaling, method: method?, spec: TimeSpec { end: end?, step, until_rest: until_rest.flatten() } })
+    Some(Timing {
+        mass_scaling,
+        method: method?,
+        spec: TimeSpec { end: end?, step, until_rest: until_rest.flatten(), to_ground: time.until.is_some() },
+    })
 }
 
 /// [s] The step for which masses are scaled.

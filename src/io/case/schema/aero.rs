@@ -1,5 +1,6 @@
 //! The air: what blows through and against the cloth, what fills canopies, and the drag of lines and bodies.
 
+use super::event::When;
 use super::select::{NodeOrEdgeSelection, NodeSelection};
 use super::wind::{Atmosphere, Wind, numbers};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -153,7 +154,7 @@ pub struct PressureTable {
 /// triangles; it is scaled so that its force along the axis is q times the drag area where the cloth does not breathe.
 /// At most one of `drag_area` and `drag_coefficient`, and at most one of `filling_constant` and `filling_time` is
 /// given. A generated parachute has defaults by its type, which `check` prints; else exactly one of them is given.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FillingSchedule {
     /// [m^2] Drag area CdS at the end of the stage.
@@ -181,6 +182,11 @@ pub struct FillingSchedule {
     /// [s] When the stage begins: line stretch, or the cut of a reefing line; 0 if not given. Later in each stage.
     #[serde(default)]
     pub start: f64,
+    /// When the stage begins, by the state of the scene or after another event; not together with `start`. A
+    /// `filling_constant` without `speed` then takes the speed against the air at the event, of what the event looks
+    /// at.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub when: Option<When>,
     /// [m/s] Speed v_s at the start of the stage, for `filling_constant`. Of the first stage it may be left out: then
     /// it is the speed of the skirt against the air at the start of the run, in whatever direction.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -4,6 +4,7 @@
 //! SI; the doc of a number begins with its unit.
 
 pub mod aero;
+mod event;
 pub mod gas;
 pub mod loads;
 pub mod material;
@@ -28,6 +29,7 @@ pub use aero::{
     Aero, Canopy, Cavity, ClothLaw, Drag, ErgunForm, ErgunLaw, Filling, FillingSchedule, OneOrSeveral, PermeableLaw,
     PorousLaw, PressureCoefficient, PressureCoefficientLaw, PressureTable, ZoneCoefficient,
 };
+pub use event::{Until, When};
 pub use gas::Gas;
 pub use loads::{Load, PressureKindKey};
 pub use material::{ClothMaterial, LineMaterial, Material, MaterialMap, Materials};

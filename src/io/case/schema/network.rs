@@ -5,6 +5,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
 use super::aero::{Aero, OneOrSeveral};
+use super::event::When;
 use super::gas::Gas;
 use super::loads::Load;
 use super::per_node::{PerNode, Vectors};
@@ -114,6 +115,10 @@ pub struct Support {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub until: Option<f64>,
+    /// When the nodes are released, by the state of the scene or after another event; not together with `until`. No
+    /// other support may hold the same direction of a node.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub when: Option<When>,
     /// [m] How the support moves: `{"table": [[t, dx, dy, dz], ...]}`, the displacement from where its nodes are at t
     /// = 0. It is 0 at t = 0, and in directions that are not held. The velocity is constant between two rows and jumps
     /// at a row; a step ends there. No other support may hold the same direction of a node.

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::event::When;
 use super::per_node::PerEdge;
 use super::select::EdgeSelection;
 use super::table::Factor;
@@ -54,11 +55,19 @@ pub struct SpringRule {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub cut: Option<f64>,
+    /// When the springs are cut, by the state of the scene or after another event; not together with `cut`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub when: Option<When>,
     /// [N] Strength of each spring. A run then measures its largest tension, at every step, and reports how many times
-    /// this is as much. It does not break.
+    /// this is as much. It does not break, unless `breaks` says so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub strength: Option<f64>,
+    /// Whether each spring breaks when its tension, with that of its dashpot, reaches its `strength`; no if not given.
+    /// The energy that it holds counts as dissipated. Each such spring is a force of its own, which takes time where
+    /// there are hundreds of them.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub breaks: bool,
     /// When the spring is slack; not given: it acts in tension and in compression.
     /// With explicit methods, springs that go slack and taut from step to step can gain energy in steps above some 0.6
     /// of the critical one.

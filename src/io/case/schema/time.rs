@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::event::Until;
 use super::method::Method;
 use crate::drive::clock::Tolerance;
 
@@ -26,6 +27,10 @@ pub struct Time {
     /// The run ends before its time once the scene is at rest and nothing changes any more before `end`, such as a
     /// load, the wind or a support; the summary says so in `at_rest`.
     pub until_rest: Option<UntilRest>,
+    /// The run ends before its time where the payload reaches the ground; the report and the summary tell the landing.
+    /// Commands that make many runs of a case, such as `tradeoff`, go on to `end`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until: Option<Until>,
 }
 
 /// For how long a step nodes get more mass.

@@ -1,0 +1,124 @@
+//! Events that wait for a state of the scene, and springs that break: what they look at, and how far their conditions
+//! are from being met.
+
+use super::acting::SpringBatch;
+use super::network::{Network, by_node};
+use super::numbering::Numbering;
+use crate::model::abilities::{SpringPlace, Springs};
+use crate::model::spec::{Condition, EventSpec, NetworkSpec, Trigger, Watched};
+use crate::model::state::StateRef;
+use nalgebra::Vector3;
+
+/// The events of a scene besides those of its phases.
+#[derive(Debug, Default)]
+pub(super) struct Triggers {
+    pub events: Vec<EventSpec>,
+    /// what each of them looks at
+    watched: Vec<Seen>,
+}
+
+/// What an event looks at, in internal numbers.
+#[derive(Debug)]
+enum Seen {
+    Nodes(Vec<(u32, f64)>),
+    Springs(Vec<SpringPlace>),
+}
+
+/// Number of events of a specification, springs that break included.
+pub(super) fn count(spec: &NetworkSpec) -> usize {
+    spec.events.len() + spec.springs.iter().map(|group| group.breaks.len()).sum::<usize>()
+}
+
+impl Triggers {
+    /// Those of a specification, in which springs that break have a batch each.
+    pub(super) fn new(spec: &NetworkSpec, numbering: &Numbering, springs: &[SpringBatch]) -> Self {
+        let mut events = spec.events.clone();
+        let groups = spec.springs.iter().filter(|group| !group.edges.is_empty()).enumerate();
+        for (number, group) in groups {
+            let name = group.strength.as_ref().map_or_else(|| format!("springs[{number}]"), |known| known.name.clone());
+            for (&edge, &tension) in group.edges.iter().zip(&group.breaks) {
+                events.push(EventSpec {
+                    name: format!("{name}, edge {edge}"),
+                    what: "a spring breaks".to_owned(),
+                    trigger: Trigger::When(Condition::TensionAbove(tension)),
+                    of: Watched::Springs { edges: vec![edge], group: Some(number) },
+                    ends_run: false,
+                });
+            }
+        }
+        let seen = |event: &EventSpec| match &event.of {
+            Watched::Nodes(nodes) => {
+                let internal = nodes.iter().map(|&(node, share)| (numbering.internal[node as usize], share));
+                Seen::Nodes(internal.collect())
+            }
+            Watched::Springs { edges, group } => {
+                let batches = springs.iter().zip(0_u32..);
+                let of_group = batches.filter(|(batch, _)| group.is_none_or(|group| batch.group as usize == group));
+                let places = of_group.flat_map(|(springs, batch)| {
+                    let chosen = springs.edges.iter().zip(0_u32..).filter(|(edge, _)| edges.contains(edge));
+                    chosen.map(move |(_, number)| SpringPlace { batch, number })
+                });
+                Seen::Springs(places.collect())
+            }
+        };
+        let watched = events.iter().map(seen).collect();
+        Triggers { events, watched }
+    }
+}
+
+impl Network {
+    /// How far the condition of an event is from being met.
+    pub(super) fn margin_of(&self, event: usize, at: StateRef<'_>) -> f64 {
+        let (Some(spec), Some(seen)) = (self.built.triggers.events.get(event), self.built.triggers.watched.get(event))
+        else {
+            return f64::INFINITY;
+        };
+        let Trigger::When(condition) = spec.trigger else { return f64::INFINITY };
+        let height = || self.mean(seen, at.x).z;
+        let velocity = || self.mean(seen, at.v);
+        match condition {
+            Condition::HeightBelow(limit) => height() - limit,
+            Condition::HeightAbove(limit) => limit - height(),
+            Condition::SpeedBelow(limit) => velocity().norm() - limit,
+            Condition::SpeedAbove(limit) => limit - velocity().norm(),
+            Condition::PressureBelow(limit) => self.dynamic_pressure(at.t, height(), velocity()) - limit,
+            Condition::PressureAbove(limit) => limit - self.dynamic_pressure(at.t, height(), velocity()),
+            Condition::TensionAbove(limit) => limit - self.largest_tension(seen, at),
+            Condition::Descending => velocity().z,
+        }
+    }
+
+    /// [m, m/s] Place and velocity of what an event looks at.
+    pub(super) fn place_of_event(&self, event: usize, at: StateRef<'_>) -> [[f64; 3]; 2] {
+        let seen = self.built.triggers.watched.get(event);
+        seen.map_or([[f64::NAN; 3]; 2], |seen| [at.x, at.v].map(|of| self.mean(seen, of).into()))
+    }
+
+    /// The mean over nodes, or over the ends of springs.
+    fn mean(&self, seen: &Seen, of: &[f64]) -> Vector3<f64> {
+        let of = by_node(of);
+        match seen {
+            Seen::Nodes(nodes) => nodes.iter().map(|&(node, share)| share * of[node as usize]).sum(),
+            Seen::Springs(springs) => {
+                let ends =
+                    |place: &SpringPlace| self.acting.springs[place.batch as usize].data.nodes[place.number as usize];
+                let all = springs.iter().flat_map(ends).map(|node| of[node as usize]);
+                all.sum::<Vector3<f64>>() / (2 * springs.len()) as f64
+            }
+        }
+    }
+
+    /// [Pa] of a body at a height [m] with a velocity [m/s]; 0 without air.
+    fn dynamic_pressure(&self, t: f64, height: f64, velocity: Vector3<f64>) -> f64 {
+        self.acting.stream.as_ref().map_or(0.0, |stream| {
+            let air = stream.at(t, height);
+            0.5 * air.density[0] * (velocity - air.wind[0]).norm_squared()
+        })
+    }
+
+    /// [N] The largest tension of springs, those that are cut included with 0.
+    fn largest_tension(&self, seen: &Seen, at: StateRef<'_>) -> f64 {
+        let Seen::Springs(springs) = seen else { return 0.0 };
+        springs.iter().map(|&spring| self.spring_tension(at, spring)).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
