@@ -33,7 +33,7 @@ fn snow_is_that_of_the_plan() {
     ]);
     close(force(groups, &[]), [0.0, 0.0, -750.0 * (1.6 * 9.0 + 0.8 * 15.0)]);
     // Seen along -x it is 6 m by 3 m; the weight of the free nodes is another load.
-    let [x, ..] = force(all.clone(), &[("system.network.gravity", "[-1e-9, 0, 0]")]);
+    let [x, ..] = force(all, &[("system.network.gravity", "[-1e-9, 0, 0]")]);
     assert!((x + 750.0 * 18.0).abs() < 1e-6, "{x}");
     let table = json!([{"on": "all", "snow": 750.0, "table": [[0, 0.25], [10, 1]]}]);
     close(force(table, &[]), [0.0, 0.0, -0.25 * 750.0 * 24.0]);

@@ -4,6 +4,7 @@ use super::{applied, close, every_method_agrees};
 use crate::common::run::{at_rest, case_of};
 use canopy_fem::case::Case;
 use serde_json::{Value, json};
+use std::f64::consts::PI;
 use std::path::PathBuf;
 
 /// A gable roof over 4 m by 6 m whose ridge along y is 1.5 m above the eaves: 1.5 by 2 on either side.
@@ -38,8 +39,8 @@ fn zones_are_pushed_along_their_normals() {
     close(force(json!({"all": -0.7})), [0.0, 0.0, 0.7 * 24.0 * Q]);
     // The wind meets the windward side at the angle between (-3, 0, 4)/5 and (-1, 0, 0), the lee side at pi less that.
     let angle = 0.6_f64.acos();
-    let table = json!([[0.0, 1.0], [3.14159265, 1.0 - 3.14159265]]);
-    let [a, b] = [angle, std::f64::consts::PI - angle].map(|angle| 1.0 - angle);
+    let table = json!([[0.0, 1.0], [PI, 1.0 - PI]]);
+    let [a, b] = [angle, PI - angle].map(|angle| 1.0 - angle);
     close(force(json!({"windward": table, "lee": table})), [(a - b) * 9.0 * Q, 0.0, -(a + b) * 12.0 * Q]);
 }
 
