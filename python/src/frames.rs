@@ -10,7 +10,9 @@ use std::path::PathBuf;
 pub(crate) fn frame_times(py: Python<'_>, file: PathBuf) -> PyResult<Vec<f64>> {
     let frames = crate::errors::engine(py, || frames_of(&file))?;
     let fault = |fault| match fault {
-        FrameFault::System(error) => PyErr::from(std::io::Error::new(error.kind(), format!("{}: {error}", file.display()))),
+        FrameFault::System(error) => {
+            PyErr::from(std::io::Error::new(error.kind(), format!("{}: {error}", file.display())))
+        }
         FrameFault::Content(what) => PyValueError::new_err(format!("{} {what}", file.display())),
     };
     Ok(frames.map_err(fault)?.into_iter().map(|(t, _)| t).collect())

@@ -141,9 +141,12 @@ fn what_reads_frames_reads_one_file() {
         for to in ["glb", "usda"] {
             run(&["export", out, "--to", to, "--output", &format!("{folder}/small.{to}")]);
         }
-        made.push(contents(&bench.path(&folder)).into_iter().map(|(path, bytes)| {
-            (path.file_name().map(std::ffi::OsStr::to_owned), bytes)
-        }).collect::<Vec<_>>());
+        made.push(
+            contents(&bench.path(&folder))
+                .into_iter()
+                .map(|(path, bytes)| (path.file_name().map(std::ffi::OsStr::to_owned), bytes))
+                .collect::<Vec<_>>(),
+        );
     }
     assert!(made[0].len() >= 4, "{:?}", made[0].iter().map(|(name, _)| name).collect::<Vec<_>>());
     assert_eq!(made[0].len(), made[1].len());
@@ -157,7 +160,14 @@ fn what_reads_frames_reads_one_file() {
     let expected = begin("from-vtu", "\"vtu\"");
     assert!(begin("from-hdf", "\"hdf\"") == expected);
     assert!(begin("from-file", "{\"frame\": \"hdf/small.vtkhdf\"}") == expected);
-    let ended = bench.run(&["solve", "case.json", "--out", "no", "--set", "system.network.initial.from={\"frame\": \"case.json\"}"]);
+    let ended = bench.run(&[
+        "solve",
+        "case.json",
+        "--out",
+        "no",
+        "--set",
+        "system.network.initial.from={\"frame\": \"case.json\"}",
+    ]);
     assert_eq!(ended.code, Some(2), "{}", ended.stderr);
 }
 
@@ -166,14 +176,18 @@ fn what_reads_frames_reads_one_file() {
 fn formats_do_not_mix() {
     let bench = both(&["output.checkpoint.every=0.01"]);
     let one = std::fs::read(bench.path("hdf/small.vtkhdf")).expect("the file");
-    let resumed = bench.run(&["solve", "case.json", "--out", "hdf", "--resume", "--set", "output.checkpoint.every=0.01"]);
+    let resumed =
+        bench.run(&["solve", "case.json", "--out", "hdf", "--resume", "--set", "output.checkpoint.every=0.01"]);
     assert_eq!(resumed.code, Some(2), "{}", resumed.stderr);
     assert!(resumed.stderr.contains("output.format"), "{}", resumed.stderr);
     assert!(std::fs::read(bench.path("hdf/small.vtkhdf")).expect("the file") == one);
     assert_eq!(bench.run(&["solve", "case.json", "--out", "hdf", "--force", "--quiet"]).code, Some(0));
     assert!(!bench.path("hdf/small.vtkhdf").exists() && bench.path("hdf/small.pvd").exists());
     let set = ["--set", "output.format=vtkhdf"];
-    assert_eq!(bench.run(&[&["solve", "case.json", "--out", "hdf", "--force", "--quiet"], &set[..]].concat()).code, Some(0));
+    assert_eq!(
+        bench.run(&[&["solve", "case.json", "--out", "hdf", "--force", "--quiet"], &set[..]].concat()).code,
+        Some(0)
+    );
     assert!(bench.path("hdf/small.vtkhdf").exists() && !bench.path("hdf/small.pvd").exists());
     assert!(!bench.path("hdf/frames").exists());
 }

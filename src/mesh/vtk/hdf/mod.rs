@@ -11,6 +11,7 @@
 //! Source: "VTKHDF format specification" 2.2, <https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/>.
 
 mod filters;
+mod head;
 mod header;
 mod read;
 mod region;
@@ -19,8 +20,9 @@ mod tests;
 mod tree;
 mod write;
 
+pub use head::HdfScene;
 pub use read::HdfFrames;
-pub use write::{HdfScene, HdfWriter};
+pub use write::HdfWriter;
 
 /// What stands for `/` in the name of a link, which cannot hold one: division slash.
 const SLASH: char = '\u{2215}';
