@@ -1,5 +1,5 @@
-//! The filters of a chunk: bytes sorted by their places in a row (shuffle), then zlib. With the places in a number, as is
-//! usual, zlib of vectors takes up to 6 % more.
+//! The filters of a chunk: bytes sorted by their places in a row (shuffle), then zlib. With the places in a number, as
+//! is usual, zlib of vectors takes up to 6 % more.
 
 use flate2::bufread::ZlibDecoder;
 use flate2::write::ZlibEncoder;

@@ -1,4 +1,5 @@
-//! The part of a VTKHDF file that precedes the first frame: its groups, what does not change, and data sets without rows.
+//! The part of a VTKHDF file that precedes the first frame: its groups, what does not change, and data sets without
+//! rows.
 
 use super::filters::pack;
 use super::header::{Header, Kind, Layout, NOWHERE, SUPERBLOCK, Shape, superblock};

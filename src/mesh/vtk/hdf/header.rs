@@ -1,5 +1,5 @@
-//! What an HDF5 file says of its groups and data sets: object headers of version 1, whose fields can be changed in place
-//! because they have no checksums, with links as messages of their own.
+//! What an HDF5 file says of its groups and data sets: object headers of version 1, whose fields can be changed in
+//! place because they have no checksums, with links as messages of their own.
 //!
 //! Source: The HDF Group, "HDF5 File Format Specification Version 3.0", sections II, IV.A.1.a and IV.A.2.
 
