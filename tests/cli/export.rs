@@ -102,7 +102,7 @@ fn shapes_of_a_glb_are_the_frames() {
     // As a mesh file it is the first frame.
     let read = read_mesh(&bench.path("out/sail.glb")).expect("a mesh").mesh;
     assert_eq!(read.triangles.len(), count(0));
-    let mut found = read.nodes.clone();
+    let mut found = read.nodes;
     let mut expected: Vec<[f64; 3]> = frames[0].1.floats("Points").as_chunks().0.to_vec();
     found.sort_by(|a, b| a.partial_cmp(b).expect("finite"));
     expected.sort_by(|a, b| a.partial_cmp(b).expect("finite"));

@@ -1,4 +1,5 @@
-//! All frames of a run in one file: its numbers are those of the .vtu frames, it is smaller, and what reads frames reads it.
+//! All frames of a run in one file: its numbers are those of the .vtu frames, it is smaller, and what reads frames
+//! reads it.
 
 use std::fs::File;
 use std::path::Path;

@@ -19,7 +19,7 @@ use crate::vtk::{FrameFormat, HDF_ENDING};
 #[derive(Debug)]
 pub(super) enum FrameSeries {
     /// files and their list
-    Files(FrameFiles, Collection),
+    Files(Box<FrameFiles>, Collection),
     /// one file
     One(Box<HdfSeries>),
 }
@@ -51,7 +51,7 @@ impl FrameSeries {
     /// When something cannot be created, or a cell names a node that does not exist.
     pub(super) fn create(spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
         Ok(match spec.format.file {
-            FrameFormat::Vtu => Self::Files(FrameFiles::create(spec)?, Collection::new(&list_of(spec))),
+            FrameFormat::Vtu => Self::Files(Box::new(FrameFiles::create(spec)?), Collection::new(&list_of(spec))),
             FrameFormat::Vtkhdf => Self::One(Box::new(HdfSeries::create(spec)?)),
         })
     }
@@ -80,7 +80,7 @@ impl FrameSeries {
                 let mut collection = Collection::read(&list_of(spec), mark)?;
                 // The collection first, so that it never lists a missing frame.
                 collection.write(Durability::Visible)?;
-                Self::Files(FrameFiles::reopen(spec, mark.frames)?, collection)
+                Self::Files(Box::new(FrameFiles::reopen(spec, mark.frames)?), collection)
             }
             FrameFormat::Vtkhdf => Self::One(Box::new(HdfSeries::open(spec, mark.frames)?)),
         })
@@ -186,7 +186,7 @@ impl HdfSeries {
     fn create(spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
         let path = one_of(spec);
         let fault = |e| write_fault(&path, vtu_error(e));
-        let empty = with_scene(spec, |scene| HdfWriter::empty(scene)).map_err(fault)?;
+        let empty = with_scene(spec, HdfWriter::empty).map_err(fault)?;
         replace(&path, &empty, Durability::Visible).map_err(|e| write_fault(&path, e))?;
         let writer = with_scene(spec, |scene| HdfWriter::open(&path, scene, 0)).map_err(fault)?;
         Ok(Self { path, arrays: FrameArrays::new(spec), writer, times: Vec::new() })

@@ -123,9 +123,9 @@ pub enum Command {
     View(ViewArgs),
     /// Make an animation of a run for Blender, Omniverse and other programs of pictures
     ///
-    /// Writes NAME.glb or NAME.usda, replacing an earlier one, and prints its name. Cloth is a mesh seen from both sides,
-    /// edges that are no sides of triangles are lines, and times are those of the run. USD has +Z up and metres; glTF
-    /// has +Y up, which programs turn back as they read it.
+    /// Writes NAME.glb or NAME.usda, replacing an earlier one, and prints its name. Cloth is a mesh seen from both
+    /// sides, edges that are no sides of triangles are lines, and times are those of the run. USD has +Z up and metres;
+    /// glTF has +Y up, which programs turn back as they read it.
     #[command(after_help = super::export::EXAMPLES)]
     Export(ExportArgs),
     /// Make, convert or inspect a mesh

@@ -1,4 +1,5 @@
-//! A run whose frames are in one file, killed at any moment: the file can be read, and the run goes on to the same bytes.
+//! A run whose frames are in one file, killed at any moment: the file can be read, and the run goes on to the same
+//! bytes.
 
 use std::fs::File;
 use std::time::Duration;

@@ -11,8 +11,8 @@ use crate::vtk::{Compression, FrameFormat, Precision};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Output {
-    /// The files of frames: `vtu`, one for each frame, as every ParaView since 4 reads them, or `vtkhdf`, one file for the run
-    /// with the mesh once, for ParaView 5.12 and later; `vtu` if not given.
+    /// The files of frames: `vtu`, one for each frame, as every ParaView since 4 reads them, or `vtkhdf`, one file for
+    /// the run with the mesh once, for ParaView 5.12 and later; `vtu` if not given.
     #[serde(default, skip_serializing_if = "is_default")]
     pub format: FrameFormat,
     /// Frames for ParaView and rows of `probes.csv`; not given: the first and the last state only.

@@ -1,5 +1,5 @@
-//! What an HDF5 file says of its groups and data sets: object headers of version 1, whose fields can be changed in place
-//! because they have no checksums, with links as messages of their own.
+//! What an HDF5 file says of its groups and data sets: object headers of version 1, whose fields can be changed in
+//! place because they have no checksums, with links as messages of their own.
 //!
 //! Source: The HDF Group, "HDF5 File Format Specification Version 3.0", sections II, IV.A.1.a and IV.A.2.
 
@@ -232,7 +232,7 @@ impl Header {
         }
         tree_at += header.add(message::LAYOUT, &content);
         if let Layout::Chunks { packed: true, .. } = layout {
-            header.add(message::FILTERS, &filters(shape.kind.size()));
+            header.add(message::FILTERS, &filters(shape.row_bytes()));
         }
         (header, Fields { rows: rows_at, tree: tree_at })
     }
@@ -259,7 +259,7 @@ fn dataspace(dims: &[u64], most: Option<u64>) -> Vec<u8> {
     space
 }
 
-/// Bytes of numbers sorted by their places in a number of so many bytes, then zlib.
+/// Bytes sorted by their places in a row of so many bytes, then zlib.
 fn filters(size: usize) -> Vec<u8> {
     let mut content = vec![1, 2, 0, 0, 0, 0, 0, 0];
     for (number, parameter) in [(filter::SHUFFLE, size as u32), (filter::DEFLATE, 1)] {

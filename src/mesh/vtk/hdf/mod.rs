@@ -3,14 +3,15 @@
 //! A frame is added as a chunk of every array at the end of the file; then the few bytes that lead to the chunks are
 //! changed in place, and last the number of frames. So the file can be read whenever the program is killed, and
 //! what a frame adds does not depend on how often the run was interrupted: a file that is cut back to fewer frames and
-//! goes on has the bytes of one that was written without a break. Libraries at hand either keep a file in memory until
-//! it is complete, or write its index when they close it.
+//! goes on has the bytes of one that was written without a break. What libraries
+//! were tried: `docs/performance/tried.md`.
 //!
 //! The subset of HDF5: superblock 1, object headers 1 with links as messages, B-trees 1, filters shuffle and deflate.
 //!
 //! Source: "VTKHDF format specification" 2.2, <https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/>.
 
 mod filters;
+mod head;
 mod header;
 mod read;
 mod region;
@@ -19,8 +20,9 @@ mod tests;
 mod tree;
 mod write;
 
+pub use head::HdfScene;
 pub use read::HdfFrames;
-pub use write::{HdfScene, HdfWriter};
+pub use write::HdfWriter;
 
 /// What stands for `/` in the name of a link, which cannot hold one: division slash.
 const SLASH: char = '\u{2215}';

@@ -200,7 +200,7 @@ impl Reader {
                 let chunk = find(*shape, tree, first as u64, &mut self.region).map_err(system)?.ok_or_else(none)?;
                 let bytes = self.read(chunk.at, chunk.length as usize)?;
                 match packed {
-                    true => unpack(&bytes, shape.kind.size(), chunk.left_out, length).map_err(system)?,
+                    true => unpack(&bytes, shape.row_bytes(), chunk.left_out, length).map_err(system)?,
                     false if bytes.len() == length => bytes,
                     false => return Err(damaged(&format!("a part of {name} has the wrong length"))),
                 }

@@ -1,5 +1,5 @@
-//! What is written comes back, a file that is cut back has the bytes of one that was never longer, and a damaged file is
-//! refused.
+//! What is written comes back, a file that is cut back has the bytes of one that was never longer, and a damaged file
+//! is refused.
 
 use super::{HdfFrames, HdfScene, HdfWriter};
 use crate::vtk::read::{DataSet, named_array};

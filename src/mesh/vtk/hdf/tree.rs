@@ -1,7 +1,7 @@
 //! The tree of the chunks of a data set that grows at its end: B-trees of version 1, whose nodes are changed in place.
 //!
-//! Chunk n is the n-th entry of the leaves, which are full except the last, and so are all levels above. So the way to a
-//! chunk follows from its number, and a tree can be cut back to what it was.
+//! Chunk n is the n-th entry of the leaves, which are full except the last, and so are all levels above. So the way to
+//! a chunk follows from its number, and a tree can be cut back to what it was.
 //!
 //! Source: The HDF Group, "HDF5 File Format Specification Version 3.0", section III.A.1.
 
