@@ -3,8 +3,8 @@
 
 use canopy_fem::plot::chart::{Chart, Line, Size, Stroke};
 use canopy_fem::plot::layout::{Sample, legend_samples, svg_grid};
-use canopy_fem::plot::{method_color, method_mark};
 use canopy_fem::study::template::{PageFigure, render};
+use canopy_fem::study::{method_color, method_mark};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;

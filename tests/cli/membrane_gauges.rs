@@ -27,8 +27,8 @@ fn last(bench: &Bench, quantity: &str) -> f64 {
     cell.parse().expect("a number")
 }
 
-/// A sheet pulled along x to 1.1 of its length, its sides free: E11 = (1.1^2 - 1)/2, S11 = E E11, E22 = -nu E11. A force
-/// per width at rest of 1.1 S11 t does that. Per current width and thickness at rest the stress is S11 1.1/lambda_y.
+/// A sheet pulled along x to 1.1 of its length, its sides free: E11 = (1.1^2 - 1)/2, S11 = E E11, E22 = -nu E11. A
+/// force per width at rest of 1.1 S11 t does that. Per current width and thickness at rest the stress is S11 1.1/l_y.
 #[test]
 fn a_sheet_pulled_along_one_axis() {
     let [modulus, thickness, poisson] = SHEET;
@@ -71,8 +71,8 @@ fn a_sheet_pulled_along_one_axis() {
 }
 
 /// A sheet of which one half is sheared by g = 0.2 at constant area, which wrinkles it: its larger stretch is
-/// g/2 + sqrt(1 + g^2/4), and it is in tension along that only, with the stress E (stretch^2 - 1)/2 stretch^2. The other
-/// half is as it was, which counts as taut.
+/// g/2 + sqrt(1 + g^2/4), and it is in tension along that only, with the stress E (stretch^2 - 1)/2 stretch^2. The
+/// other half is as it was, which counts as taut.
 fn half_sheared(on: &Value) -> Value {
     let [modulus, thickness, poisson] = SHEET;
     json!({

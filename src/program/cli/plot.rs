@@ -32,8 +32,8 @@ pub struct PlotArgs {
     /// Folder for the pictures [default: the run's folder; for several runs or a difference, the current folder]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// What to plot, all charts of it; may be given several times [default: four charts, of the probes, the energies and
-    /// the gauges that the report tells, then of what else there is]
+    /// What to plot, all charts of it; may be given several times [default: four charts, of the probes, the energies
+    /// and the gauges that the report tells, then of what else there is]
     #[arg(long, value_enum, value_delimiter = ',')]
     pub kind: Vec<Kind>,
     /// All charts that the results hold something for

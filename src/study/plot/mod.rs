@@ -18,7 +18,6 @@ mod error;
 pub mod layout;
 mod legend;
 mod margin_panel;
-pub(crate) mod method_look;
 mod outline;
 mod panel;
 pub mod picture;
@@ -29,4 +28,3 @@ mod trajectory;
 pub mod view;
 
 pub use error::PlotError;
-pub use method_look::{method_color, method_mark};

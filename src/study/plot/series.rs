@@ -2,10 +2,10 @@
 
 use super::PlotError;
 use super::chart::Marker;
-use super::method_look::{method_colors, method_mark};
 use super::results::{ProbePath, Run, RunEnd};
 use super::view::{Direction, Results, View};
 use crate::drive::Status;
+use crate::method_look::{method_colors, method_mark};
 use std::collections::BTreeSet;
 
 /// Up to this many nodes of a single probe get a colour each.
@@ -58,8 +58,8 @@ pub(super) fn groups<'a>(results: &'a Results, view: &View) -> Result<Vec<Group<
     Ok(groups)
 }
 
-/// Text for the node paths in a title: "tip" (node 1), or "inner" (12 nodes), or nothing if they differ. Nodes are those
-/// of every run.
+/// Text for the node paths in a title: "tip" (node 1), or "inner" (12 nodes), or nothing if they differ. Nodes are
+/// those of every run.
 pub(super) fn subject(groups: &[Group<'_>]) -> String {
     let all = || groups.iter().flat_map(|g| g.tracks.iter());
     let nodes: BTreeSet<u32> = all().map(|t| t.node).collect();

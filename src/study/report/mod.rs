@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use minijinja::{Value, context};
 use serde::Serialize;
 
-pub use crate::plot::method_color;
+pub use crate::method_look::method_color;
 pub use machine::{Machine, Rerun};
 
 use super::error::StudyError;

@@ -2,9 +2,9 @@
 
 use super::style::{Style, failure};
 use crate::format_number::figures;
+use crate::method_look::BLACK;
 use crate::plan::Variant;
 use crate::plot::chart::{MarginPanel, Marker, PanelMark, PanelSide};
-use crate::plot::method_look::BLACK;
 use crate::row::Row;
 use crate::runner::Study;
 

@@ -1,13 +1,13 @@
 //! How a method looks in all figures of a study.
 //!
-//! A method has its own colour and mark (`plot/method_look`). Fixed steps are full lines with filled marks, adaptive
+//! A method has its own colour and mark (`method_look`). Fixed steps are full lines with filled marks, adaptive
 //! steps dashed lines with open ones.
 
 use crate::case::schema::Method;
 use crate::integrate::registry::Family;
+use crate::method_look::{BLACK, method_colors, method_mark, outline, shapes};
 use crate::models::Model;
 use crate::plot::chart::{Line, Marker, Stroke};
-use crate::plot::method_look::{BLACK, method_colors, method_mark, outline, shapes};
 use crate::row::{Row, RowStatus, StepSetting, labelled};
 use crate::runner::Study;
 
@@ -58,8 +58,11 @@ pub(super) fn styles(study: &Study) -> Vec<Style> {
         for row in study.rows.iter().filter(|row| row.family == family) {
             if !styles.iter().any(|style| style.is_of(row)) {
                 let (method, model) = (row.job.method.clone(), row.job.model);
-                let mark = method_mark(&method.name);
-                let own = [mark, outline(mark)];
+                // A row may be of a method that this program does not have.
+                let own = match method_mark(&method.name) {
+                    Marker::None => shapes(family, 0),
+                    mark => [mark, outline(mark)],
+                };
                 let markers = if is_cheaper(model) { shapes(family, OF_CHEAPER) } else { own };
                 styles.push(Style { method, model, family, color: 0, markers });
             }

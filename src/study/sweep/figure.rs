@@ -7,8 +7,8 @@ use super::vary::Vary;
 use super::words::with_unit;
 use crate::error::StudyError;
 use crate::format_number::figures;
+use crate::method_look::{curve_color, method_colors, method_mark};
 use crate::plot::chart::{Align, Axis, Chart, Line, MarginPanel, Marker, Note, PanelMark, PanelSide, Scale, Size};
-use crate::plot::method_look::{curve_color, method_colors, method_mark};
 use crate::report::style::failure;
 use crate::row::RowStatus;
 

@@ -24,7 +24,7 @@ pub(super) fn shown(unit: &str) -> String {
     unit.replace("^2", "²").replace("^3", "³")
 }
 
-/// The unit of what is at a path below a node of the schema: its own, else that of what it refers to, or is an entry of.
+/// The unit of what is at a path below a node of the schema: its own, else that of what it refers to.
 fn unit<'s>(schema: &'s Value, node: &'s Value, path: &[&str]) -> Option<&'s str> {
     let description = node.get("description").and_then(Value::as_str).unwrap_or_default();
     let own = description.strip_prefix('[').and_then(|rest| rest.split_once(']')).map(|(unit, _)| unit);

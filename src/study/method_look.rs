@@ -3,8 +3,8 @@
 //! The shape of its mark shows its family: discs and triangles for explicit methods, stars for those without a matrix,
 //! squares and diamonds for implicit ones. A family takes another shape after every six methods.
 
-use super::chart::Marker;
 use crate::integrate::registry::{Family, methods};
+use crate::plot::chart::Marker;
 
 /// Number of colours that methods and curves take, each its own as long as they suffice: those of the palette without
 /// black, which is left for what is no method.
@@ -23,7 +23,7 @@ pub(crate) fn curve_color(number: usize) -> usize {
 /// The number in the palette of a method's colour; black for what is no method.
 ///
 /// ```
-/// use canopy_fem_study::plot::method_color;
+/// use canopy_fem_study::method_color;
 /// assert_ne!(method_color("newmark"), method_color("energy-momentum"));
 /// ```
 pub fn method_color(name: &str) -> usize {
@@ -33,7 +33,7 @@ pub fn method_color(name: &str) -> usize {
 /// The mark of a method, filled; none for what is no method.
 ///
 /// ```
-/// use canopy_fem_study::plot::{chart::Marker, method_mark};
+/// use canopy_fem_study::{method_mark, plot::chart::Marker};
 /// assert_eq!((method_mark("kang"), method_mark("exact")), (Marker::Star, Marker::None));
 /// ```
 pub fn method_mark(name: &str) -> Marker {
