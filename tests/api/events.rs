@@ -92,9 +92,9 @@ fn fixed_steps_find_events_to_the_order_of_the_scheme() {
                 let case = case_of(&fall(true, &when, &fixed(method, step, 6.0)), &[]);
                 (time_of(&run(&case)) - expected).abs()
             };
-            let (step, most) = if order == 4 { (0.4, 1e-3) } else { (0.1, 1e-2) };
+            let step = if order == 4 { 0.4 } else { 0.1 };
             let (coarse, fine) = (error(step), error(0.25 * step));
-            assert!(coarse < most, "{method} {when}: {coarse:e}");
+            assert!(coarse < 1e-2, "{method} {when}: {coarse:e}");
             // Where the error is not that of Newton's iteration already, it falls as that of the scheme.
             assert!(fine < 1e-9 || fine < 2.0 * coarse / 4.0_f64.powi(order), "{method} {when}: {coarse:e} {fine:e}");
         }
@@ -287,7 +287,8 @@ impl Copy {
 
 impl Observer for Copy {
     fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
-        if run.step == self.before {
+        // Steps in two halves are shown at every second one only.
+        if run.step >= self.before && self.taken.is_none() {
             self.taken = Some(run.snapshot());
         }
         Ok(())
@@ -347,6 +348,7 @@ fn events_that_never_come_change_no_bit() {
         for rule in plain["system"]["network"]["springs"].as_array_mut().expect("a list") {
             rule.as_object_mut().expect("a rule").remove("breaks");
         }
+        plain["system"]["network"]["mass"] = json!({"nodal": TORN[1]});
         let mut waiting = plain.clone();
         let nodes = waiting["system"]["network"]["supports"].as_array_mut().expect("a list");
         nodes[0]["when"] = never;
