@@ -4,7 +4,7 @@ use crate::pages::{ROOT, pages};
 use canopy_fem::case::Case;
 use canopy_fem::output::summary::EquilibriumReport;
 use canopy_fem::simulation::{EarlierResults, StaticSettings, record_static};
-use canopy_fem::vtk::read::{FrameLines, frame_lines, frame_points};
+use canopy_fem::vtk::read::{DataSet, FrameLines, LINE_ARRAYS, POINT_ARRAYS, frame_lines, frame_points, read};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -14,6 +14,11 @@ struct Found {
     lines: FrameLines,
     /// [m] `[n_nodes][3]`
     positions: Vec<[f64; 3]>,
+}
+
+fn frame_in(file: &Path) -> DataSet {
+    let bytes = std::fs::read(file).expect("a frame");
+    read(&bytes, &[POINT_ARRAYS, LINE_ARRAYS].concat()).expect("a data set")
 }
 
 fn find(case: &str, at: f64) -> Found {
@@ -30,10 +35,10 @@ fn find(case: &str, at: f64) -> Found {
     let found = record_static(&case, how, &AtomicBool::new(false)).expect("files");
     assert!(found.equilibrium.failure.is_none() && found.warnings.is_empty(), "{:?}", found.warnings);
     let frame = folder.path().join(format!("frames/{}_000000.vtu", case.problem().name));
-    let bytes = std::fs::read(frame).expect("a frame");
-    let positions = frame_points(&bytes).expect("points").positions;
+    let frame = frame_in(&frame);
+    let positions = frame_points(&frame).expect("points").positions;
     let report = found.summary.equilibrium.expect("a report");
-    Found { report, lines: frame_lines(&bytes).expect("lines"), positions }
+    Found { report, lines: frame_lines(&frame).expect("lines"), positions }
 }
 
 impl Found {
@@ -85,7 +90,7 @@ fn the_saddle_net_is_what_the_hand_says() {
 #[test]
 fn the_saddle_net_keeps_its_form() {
     let form = find("docs/guide/cases/saddle-form.json", 0.0);
-    let shipped = std::fs::read(Path::new(ROOT).join("assets/cases/meshes/saddle-form.vtu")).expect("a frame");
+    let shipped = frame_in(&Path::new(ROOT).join("assets/cases/meshes/saddle-form.vtu"));
     let shipped = (frame_lines(&shipped).expect("lines"), frame_points(&shipped).expect("points"));
     let far = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
     let net = find("assets/cases/saddle-net.json", 0.0);

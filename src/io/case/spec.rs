@@ -164,6 +164,8 @@ pub struct OutputSpec {
 pub struct StagesSpec {
     /// where they begin, ascending; the first is the start of the run. Empty without events and canopies
     pub starts: Vec<StageStart>,
+    /// whether events that wait for a state begin more of them
+    pub events: bool,
     /// nodes of the payload, whose height is told; empty if it is not known
     pub payload: Vec<u32>,
 }

@@ -6,7 +6,7 @@ mod quantities;
 
 use super::quantity::UnknownQuantity;
 use super::schedule::RowSchedule;
-use super::stages::{StageReport, Stages, StagesSoFar};
+use super::stages::{StagePlaces, StageReport, Stages, StagesSoFar};
 use super::statistics::SeriesSoFar;
 use crate::case::spec::{GaugeSpec, OutputSpec, ProbeSpec, RowEvery, StagesSpec};
 use crate::drive::max_displacement::Displacement;
@@ -183,9 +183,9 @@ impl Gauges {
         made.shown = [made.gauges.len(), made.channels.len()];
         made.quantities = Quantities::find(&mut made, spec, canopies)?;
         made.every_step = !spec.gauges.is_empty() || made.gauges.len() > made.shown[0];
-        let StagesSpec { starts, payload } = spec.stages;
-        let height = made.height(payload, canopies);
-        made.stages = Stages::new(starts, made.channels(), of_canopies, height);
+        let height = made.height(&spec.stages.payload, canopies);
+        let places = StagePlaces { canopies: of_canopies, height };
+        made.stages = Stages::new(spec.stages, made.channels(), places);
         made.sampled = (!made.every_step && canopies > 0).then(|| RowSchedule::of(spec.history));
         Ok(made)
     }
@@ -210,6 +210,11 @@ impl Gauges {
         let (of, first) = (NodeGauge::POSITION, self.channels.len());
         self.add("payload", None, of.columns.all(), Places::Nodes(of, payload.to_vec()), RowSchedule::Steps(1));
         Some(first + 2)
+    }
+
+    /// Begins a stage at an event at `t` [s], in the state that was measured last.
+    pub(super) fn event(&mut self, t: f64, name: &str) {
+        self.stages.event(t, name);
     }
 
     /// Whether no step has to be measured.

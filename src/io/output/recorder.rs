@@ -14,6 +14,7 @@ use super::schedule::{FrameDue, RowSchedule, Schedule, TimeInStep, tolerance};
 use super::stages::StageReport;
 use super::writer::{Message, ResultWriter};
 use crate::case::spec::RowEvery;
+use crate::drive::event::Fired;
 use crate::drive::observer::{
     AcceptedStep, Energies, ObserveError, Observer, Occasion, Point, Resumable, States, UpcomingStep, Wants,
 };
@@ -312,6 +313,13 @@ impl Observer for Recorder<'_> {
         };
         let picture = self.picture;
         self.row(row, || (step.max_speed(picture), step.max_strain(picture)))
+    }
+
+    fn event(&mut self, event: &Fired) -> Result<(), ObserveError> {
+        if event.begins_stage {
+            self.gauges.event(event.t, &event.name);
+        }
+        Ok(())
     }
 
     fn resumed(&mut self, at: &Point, _ledger: Energies) -> Result<(), ObserveError> {

@@ -7,11 +7,13 @@ use serde::{Deserialize, Serialize};
 
 use super::gauges::Channel;
 use super::statistics::SeriesSoFar;
-use crate::case::spec::StageStart;
+use crate::case::spec::{StageStart, StagesSpec};
 use crate::model::gauge::{
     AXIAL_SPEED, CANOPY_QUANTITIES, DRAG, DRAG_AREA, DRAG_COEFFICIENT, DYNAMIC_PRESSURE, Quantity, ReportLine,
 };
 
+/// [-] Relative difference of times that are the same.
+const SAME: f64 = 1e-12;
 /// [-] Share of the drag area at the end of a stage from which on a canopy was open when the stage began.
 const OPEN: f64 = 0.9;
 
@@ -74,8 +76,19 @@ pub struct StageReport {
 pub(super) struct StagesSoFar {
     /// the stages that have begun
     stages: Vec<StageSoFar>,
+    /// how many of those that begin at a known time have begun
+    known: usize,
     /// of each canopy, dynamic pressure [Pa] and drag area [m^2] in the newest state
     newest: Vec<[f64; 2]>,
+}
+
+/// Where the channels are that stages are told by.
+#[derive(Debug, Default)]
+pub(super) struct StagePlaces {
+    /// of each canopy, its first channel
+    pub canopies: Vec<usize>,
+    /// channel of the payload's z, if it is known
+    pub height: Option<usize>,
 }
 
 /// A stage so far.
@@ -118,8 +131,9 @@ pub(super) struct Stages {
 impl Stages {
     /// Follows the stages of a run whose canopies have these first channels; none where there is neither a canopy nor
     /// an event.
-    pub(super) fn new(known: &[StageStart], channels: &[Channel], canopies: Vec<usize>, height: Option<usize>) -> Self {
-        if canopies.is_empty() && known.len() < 2 {
+    pub(super) fn new(spec: &StagesSpec, channels: &[Channel], places: StagePlaces) -> Self {
+        let (known, StagePlaces { canopies, height }) = (&spec.starts, places);
+        if canopies.is_empty() && known.len() < 2 && !spec.events {
             return Stages::default();
         }
         let of_report =
@@ -145,23 +159,24 @@ impl Stages {
         if self.is_empty() {
             return;
         }
-        let begun = self.so_far.stages.len();
+        let first = self.so_far.stages.is_empty();
         // A stage whose start is the newest state begins with the next one.
-        let due = self.known.iter().skip(begun).filter(|start| begun == 0 || start.t < t).count();
-        let due = if begun == 0 { due.min(1) } else { due };
-        for number in begun..begun + due {
-            let Some(start) = self.known.get(number).cloned() else { break };
+        while let Some(start) = self.known.get(self.so_far.known).filter(|start| first || start.t < t).cloned() {
+            self.so_far.known += 1;
             self.begin(start);
+            if first {
+                break;
+            }
         }
         let at = self.circumstances(values);
-        let Stages { followed, canopies, so_far: StagesSoFar { stages, newest }, .. } = self;
+        let Stages { followed, canopies, so_far: StagesSoFar { stages, newest, .. }, .. } = self;
         newest.resize(canopies.len(), [f64::NAN; 2]);
         for (newest, &first) in newest.iter_mut().zip(&*canopies) {
             *newest = [DYNAMIC_PRESSURE, DRAG_AREA].map(|column| value_of(values, first, column));
         }
         let Some(stage) = stages.last_mut() else { return };
         stage.to = t;
-        if begun == 0 {
+        if first {
             stage.before.clone_from(newest);
         }
         stage.area.iter_mut().zip(newest).for_each(|(area, [_, new])| *area = *new);
@@ -171,6 +186,18 @@ impl Stages {
                 *peak = Some(PeakSoFar { value, t, at });
             }
         }
+    }
+
+    /// Begins a stage at an event that has happened in the newest state, at `t` [s].
+    pub(super) fn event(&mut self, t: f64, name: &str) {
+        let begun = self.so_far.stages.last().is_some_and(|stage| stage.start.t < t);
+        if self.is_empty() || !begun {
+            return;
+        }
+        // An event that has a name of its own where a stage begins at a known time.
+        let same = |start: &StageStart| start.t <= t * (1.0 + SAME);
+        self.so_far.known += self.known.iter().skip(self.so_far.known).take_while(|start| same(start)).count();
+        self.begin(StageStart { t, name: name.to_owned() });
     }
 
     /// Begins a stage after the newest state.

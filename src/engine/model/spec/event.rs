@@ -108,6 +108,11 @@ impl EventSpec {
         !matches!(self.trigger, Trigger::Told(_))
     }
 
+    /// Whether a stage of a run begins there: not where a single spring breaks, nor at the end of a flight.
+    pub fn begins_stage(&self) -> bool {
+        !self.breaks() && !self.ends_run
+    }
+
     /// Whether it is that a spring breaks.
     pub fn breaks(&self) -> bool {
         matches!(self.of, Watched::Springs { group: Some(_), .. })

@@ -4,7 +4,7 @@
 use super::geometry::Geometry;
 use crate::case::schema::{EdgeSelection, Network};
 use crate::case::spec::{StageStart, StagesSpec};
-use crate::model::spec::{CanopyAir, NetworkSpec};
+use crate::model::spec::{CanopyAir, EventSpec, NetworkSpec};
 
 /// Name of the group of the payload in a parachute.
 const PAYLOAD: &str = "payload";
@@ -43,7 +43,8 @@ pub(super) fn stages(network: &Network, spec: &NetworkSpec, geometry: Option<&Ge
         };
         starts.push(StageStart { t, name });
     }
-    StagesSpec { starts, payload: payload(spec, geometry) }
+    let events = spec.events.iter().any(EventSpec::begins_stage);
+    StagesSpec { starts, events, payload: payload(spec, geometry) }
 }
 
 /// [s] Where canopies begin to fill, and where the next stages of their drag areas begin.
