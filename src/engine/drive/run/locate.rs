@@ -1,5 +1,5 @@
-//! The end of a step at an event that waits for a state: found by shorter and shorter brackets around it, with a step of
-//! the scheme itself from the same state to each place that is tried. So the event is where the scheme has it, to
+//! The end of a step at an event that waits for a state: found by shorter and shorter brackets around it, with a step
+//! of the scheme itself from the same state to each place that is tried. So the event is where the scheme has it, to
 //! rounding, and what it is off by is the error of the scheme.
 
 use super::super::adaptive::{AdaptiveState, AdaptiveStep, AttemptContext, DropReason, PlannedStep};
