@@ -71,6 +71,8 @@ pub(super) struct EventWatch {
     fired: Vec<Fired>,
     /// numbers and names of those that have not happened, springs that break and those that are told left out
     unmet: Vec<(usize, String)>,
+    /// whether the present step was made to end at one of those that wait
+    found: bool,
     /// whether the run ends at events that say so
     ends_runs: bool,
     /// whether one of these has happened
@@ -141,6 +143,11 @@ impl EventWatch {
         !self.waiting.is_empty()
     }
 
+    /// Says whether the step that was attempted was made to end at an event that waits.
+    pub(super) fn ends_step(&mut self, found: bool) {
+        self.found = found;
+    }
+
     /// Whether nothing is left that steps must end at.
     pub(super) fn is_idle(&self) -> bool {
         self.waiting.is_empty() && self.armed.is_empty()
@@ -196,6 +203,12 @@ impl EventWatch {
             let by_time = self.armed.partition_point(due);
             let mut happening: Vec<usize> = self.armed.drain(..by_time).map(|(_, event)| event).collect();
             happening.extend(self.waiting.extract_if(.., |event| events.margin(*event, at) <= 0.0));
+            if std::mem::take(&mut self.found) && happening.is_empty() {
+                // An iteration that was made again, to the same place, may end a rounding error before the event.
+                let margin = |place: &usize| events.margin(self.waiting[*place], at);
+                let next = (0..self.waiting.len()).min_by(|a, b| margin(a).total_cmp(&margin(b)));
+                happening.extend(next.map(|place| self.waiting.remove(place)));
+            }
             if happening.is_empty() {
                 return acted;
             }

@@ -134,7 +134,8 @@ pub struct ReefingLine {
 }
 
 /// Finds reefing lines that are never cut and do not grow, those whose cut is not the start of the last stage, and
-/// those whose cut no air slows, but for those that are cut by an event: edges of the group `reefing` with springs, between nodes of the skirt.
+/// those whose cut no air slows: edges of the group `reefing` with springs, between nodes of the skirt. Those that an
+/// event cuts are not meant.
 pub fn reefing_lines(spec: &NetworkSpec) -> Vec<ReefingLine> {
     let Some(lines) = spec.mesh.groups.get("reefing") else { return Vec::new() };
     let of_canopy = |(i, canopy): (usize, &CanopySpec)| {

@@ -194,7 +194,7 @@ fn peak(one: &Peak) -> Option<String> {
             "  line load       {value}{unit} at t = {t} s ({name}), strength {}{unit}: safety factor {}{}",
             figures(*strength, 4),
             figures(*factor, 3),
-            if *factor < 1.0 - 1e-9 { ", it would break" } else { "" }
+            if *factor < 1.0 - 1e-6 { ", it would break" } else { "" }
         ),
         (ReportLine::Peak(what), ..) => format!("  peak            {value}{unit} at t = {t} s ({name}, {what})"),
         (ReportLine::Told(what), ..) => {

@@ -1,5 +1,5 @@
-//! The end of a step at an event that waits for a state: found by shorter and shorter brackets around it, with a step of
-//! the scheme itself from the same state to each place that is tried. So the event is where the scheme has it, to
+//! The end of a step at an event that waits for a state: found by shorter and shorter brackets around it, with a step
+//! of the scheme itself from the same state to each place that is tried. So the event is where the scheme has it, to
 //! rounding, and what it is off by is the error of the scheme.
 
 use super::super::adaptive::{AdaptiveState, AdaptiveStep, AttemptContext, DropReason, PlannedStep};
@@ -96,7 +96,9 @@ impl Run<'_> {
         whole: StepReport,
     ) -> Result<StepReport, Status> {
         let least = 2.0 * self.state.policy.slack(tick.t);
-        let Some(mut search) = self.search(&self.state.to, least) else { return Ok(whole) };
+        let search = self.search(&self.state.to, least);
+        self.state.events.ends_step(search.is_some());
+        let Some(mut search) = search else { return Ok(whole) };
         let from = self.state.from.state.t;
         let (mut report, mut made) = (whole, tick.h);
         let mut attempt = |run: &mut Self, h: f64| {
@@ -130,7 +132,9 @@ impl Run<'_> {
             AdaptiveStep::Halves(_) => policy.second().map(|end| end.clone()),
             AdaptiveStep::Single(_) => None,
         };
-        let Some(mut search) = self.search(end.as_ref().unwrap_or(&self.state.to), least) else { return Ok(kept) };
+        let search = self.search(end.as_ref().unwrap_or(&self.state.to), least);
+        self.state.events.ends_step(search.is_some());
+        let Some(mut search) = search else { return Ok(kept) };
         let (mut kept, mut made) = (kept, planned.h);
         let mut attempt = |run: &mut Self, h: f64| {
             let StepPolicy::Adaptive(policy) = &mut run.state.policy else { return Ok(f64::NAN) };
