@@ -1,6 +1,6 @@
 //! Frames of runs that are in one file.
 
-use canopy_fem::vtk::frames::{FrameFault, frames_of};
+use canopy_fem::mesh::frames::{FrameFault, frames_of};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;

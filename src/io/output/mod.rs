@@ -1,4 +1,5 @@
-//! Results: a ParaView time series ([`FrameFormat`](crate::vtk::FrameFormat)), `history.csv`, `probes.csv`, `gauges.csv` and `summary.json` in one folder.
+//! Results: a ParaView time series ([`FrameFormat`](crate::vtk::FrameFormat)), `history.csv`, `probes.csv`,
+//! `gauges.csv` and `summary.json` in one folder.
 //!
 //! The integrating thread only copies numbers into reused buffers ([`recorder`]). One background thread (`writer`)
 //! formats and writes them (`files`). So a slow disk costs memory for a few frames and then time, but no row is lost or

@@ -4,7 +4,6 @@
 
 mod cells;
 mod encode;
-pub mod frames;
 pub mod hdf;
 pub mod read;
 mod tags;

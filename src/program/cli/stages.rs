@@ -32,8 +32,8 @@ pub(super) fn lines(stages: &[StageReport]) -> String {
     text + &coefficients(stages)
 }
 
-/// A row for each peak of a stage that is shown. Springs with a strength have lines of their own, and what is cut has no
-/// tension.
+/// A row for each peak of a stage that is shown. Springs with a strength have lines of their own, and what is cut has
+/// no tension.
 fn rows(stage: &StageReport) -> Vec<[String; 7]> {
     let shown = |peak: &&StagePeak| !peak.name.starts_with("springs[") && peak.value != 0.0;
     let mut peaks: Vec<&StagePeak> = stage.peaks.iter().filter(shown).collect();

@@ -8,7 +8,7 @@ mod usda;
 use crate::plot::PlotError;
 use crate::view::Recording;
 use crate::view::recording::fault_of;
-use crate::vtk::frames::{FrameFault, FrameReader};
+use crate::mesh::frames::{FrameFault, FrameReader};
 use crate::vtk::read::{Piece, named_array};
 use clap::ValueEnum;
 

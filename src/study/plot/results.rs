@@ -8,7 +8,7 @@ use crate::output::folder::SUMMARY;
 use crate::output::rows::{GAUGES_HEADER, HISTORY_HEADER, HistoryRow, PROBES_HEADER};
 use crate::output::sanitize::file_stem;
 use crate::vtk::HDF_ENDING;
-use crate::vtk::frames::{FrameFault, FramePlace, FrameReader, frames_of};
+use crate::mesh::frames::{FrameFault, FramePlace, FrameReader, frames_of};
 use crate::vtk::read::{DataSet, Piece, named_array, read as read_vtk};
 use serde_json::Value;
 use std::collections::HashMap;

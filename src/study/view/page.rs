@@ -7,7 +7,7 @@ use super::scene::{FIELDS, Field, PartGroup, Scene};
 use crate::StudyError;
 use crate::plot::PlotError;
 use crate::template::render;
-use crate::vtk::frames::{FrameFault, FrameReader};
+use crate::mesh::frames::{FrameFault, FrameReader};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;

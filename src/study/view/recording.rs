@@ -5,7 +5,7 @@ use crate::output::folder::SUMMARY;
 use crate::output::sanitize::file_stem;
 use crate::plot::PlotError;
 use crate::vtk::HDF_ENDING;
-use crate::vtk::frames::{FrameFault, FramePlace, frames_of, holds_all};
+use crate::mesh::frames::{FrameFault, FramePlace, frames_of, holds_all};
 use crate::vtk::read::files_of;
 use serde_json::Value;
 use std::io::ErrorKind;

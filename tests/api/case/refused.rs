@@ -425,7 +425,7 @@ fn gauges_and_events() {
             "/output/gauges/0/on/ids/0",
             "from 0 to 4",
         ),
-        ("output.gauges=[{\"name\":\"a\",\"on\":\"all\",\"of\":\"stress\"}]", "/output/gauges/0/of", "tension"),
+        ("output.gauges=[{\"name\":\"a\",\"on\":\"all\",\"of\":\"stresses\"}]", "/output/gauges/0/of", "tension"),
         ("output.gauges=[{\"name\":\"\",\"on\":\"all\",\"of\":\"speed\"}]", "/output/gauges/0/name", "1 to 200"),
         (
             "output.gauges=[{\"name\":\"a\",\"on\":\"all\",\"of\":\"speed\",\"every\":0}]",

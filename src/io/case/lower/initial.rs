@@ -9,7 +9,7 @@ use crate::drive::Status;
 use crate::format_number::{figures, first_few};
 use crate::input_file;
 use crate::model::spec::SpringGroup;
-use crate::vtk::frames::{FramePlace, FrameReader, holds_all, last_in, last_of};
+use crate::mesh::frames::{FramePlace, FrameReader, holds_all, last_in, last_of};
 use crate::vtk::read::{DataSet, FrameLines, FramePoints, LINE_ARRAYS, POINT_ARRAYS, frame_lines, frame_points};
 use crate::vtk::{FRAMES, SUMMARY};
 use crate::warning::WarningCode;

@@ -1,9 +1,9 @@
 //! Where the frames of a run are, and their content: in files of their own, or in one.
 
-use super::hdf::HdfFrames;
-use super::read::{DataSet, read};
-use super::{FRAMES, HDF_ENDING};
 use crate::input_file;
+use crate::vtk::hdf::HdfFrames;
+use crate::vtk::read::{DataSet, read};
+use crate::vtk::{FRAMES, HDF_ENDING};
 use std::io;
 use std::path::{Path, PathBuf};
 
