@@ -85,3 +85,23 @@ fn what_is_taken_is_said() {
     assert_eq!(wrong.code, Some(2));
     assert!(wrong.stderr.contains("did you mean \"mil-c-7020-type-i\"?"), "{}", wrong.stderr);
 }
+
+/// One mistake is one fault: a mistyped key of a spring leaves nothing to say of the speed at the start, a cover takes no
+/// material, and a size that is not there leads to one that is.
+#[test]
+fn a_mistake_is_told_once_and_leads_to_what_is_meant() {
+    let bench = Bench::new();
+    let refused = |case: &str, set: &str| {
+        let ended = bench.run(&["check", case, "--set", set]);
+        assert_eq!(ended.code, Some(2), "{}", ended.stdout);
+        ended.stderr
+    };
+    let told = refused(FULL, r#"system.network.springs.0.slak="none""#);
+    assert!(told.contains("did you mean \"slack\"") && !told.contains("at rest in the air"), "{told}");
+    let springs = |rule: &str| format!(r#"system.network.springs=[{{"on": {{"group": "lines"}}, {rule}}}]"#);
+    let told = refused(TWENTY, &springs(r#""material": "steel-cable-4mm""#));
+    assert!(told.contains("did you mean \"steel-cable-7x19-4mm\"?"), "{told}");
+    let told = refused(TWENTY, &springs(r#""loads_only": true, "material": "steel-cable-7x19-4mm""#));
+    assert!(told.contains("springs/0/material") && told.contains("not together with loads_only"), "{told}");
+    assert!(!told.contains("strength") && !told.contains("axial_rigidity"), "{told}");
+}

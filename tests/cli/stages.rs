@@ -146,3 +146,31 @@ fn stages_survive_a_checkpoint() {
     assert!(summary["resumed_from"].as_f64().is_some_and(|t| t > CUT), "{}", summary["resumed_from"]);
     assert_eq!([&summary["stages"][0], &summary["stages"][1]], [&whole[0], &whole[1]]);
 }
+
+/// A stage begins at an event that waits for a state, under its name or in words; the event's own state ends the stage
+/// before.
+#[test]
+fn an_event_by_state_begins_a_stage() {
+    let fall = |when: Value| {
+        let mut case = reefed();
+        let stages = case["system"]["network"]["aero"]["canopy"]["schedule"].as_array_mut().expect("stages");
+        stages[1].as_object_mut().expect("a stage").remove("start");
+        stages[1]["when"] = when;
+        let springs = case["system"]["network"]["springs"].as_array_mut().expect("rules");
+        springs.iter_mut().for_each(|rule| drop(rule.as_object_mut().expect("a rule").remove("cut")));
+        case
+    };
+    for (when, name) in [
+        (json!({"name": "second opening", "speed_below": 30.0}), "second opening"),
+        (json!({"speed_below": 30.0}), "disreef 1"),
+    ] {
+        let bench = written(&fall(when));
+        let (stages, _) = solve(&bench, &[]);
+        let events = bench.results().summary()["events"].clone();
+        let fired = events.as_array().expect("events").iter().find(|event| event["what"] == "stage 2").expect("fired");
+        assert_eq!([&stages[1]["name"], &stages[1]["from"]], [&json!(name), &fired["time"]]);
+        assert_eq!(stages[0]["to"], fired["time"]);
+        let t = peak(&stages[1], "canopy")["t"].as_f64().expect("a time");
+        assert!(t > fired["time"].as_f64().expect("a time"), "{t}");
+    }
+}

@@ -120,14 +120,14 @@ fn what_is_refused() {
     };
     refused(&["nowhere"], &["nowhere is no folder", "canopy-fem solve"]);
     refused(&["out/frames"], &["without their list", "give the folder above it: out"]);
-    refused(&["."], &["holds no frames", "no .pvd file"]);
+    refused(&["."], &["holds no frames", "no .pvd or .vtkhdf file"]);
     refused(&["out", "out", "out"], &["Usage"]);
     refused(&["out", "out", "--live"], &["--live shows one run"]);
     refused(&["nowhere", "--live"], &["nowhere is no folder"]);
     refused(&["out", "--port", "8000"], &["--live"]);
     fs::copy(bench.path("out/sail.pvd"), bench.path("out/other.pvd")).expect("copied");
     fs::rename(bench.path("out/summary.json"), bench.path("kept.json")).expect("moved");
-    refused(&["out"], &["frames of several runs", "name the .pvd file of one"]);
+    refused(&["out"], &["frames of several runs", "name the file of one"]);
     fs::rename(bench.path("kept.json"), bench.path("out/summary.json")).expect("moved");
     fs::write(bench.path("out/frames/sail_000002.vtu"), "torn").expect("written");
     refused(&["out"], &["sail_000002.vtu: is not a VTK file"]);

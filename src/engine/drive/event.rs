@@ -25,8 +25,8 @@ pub struct Fired {
     pub air_speed: f64,
     /// whether a time was given for it, so that it is only told
     pub told: bool,
-    /// whether a [stage](EventSpec::begins_stage) of the run begins there
-    pub begins_stage: bool,
+    /// the [stage](EventSpec::stage) of the run that begins there
+    pub stage: Option<String>,
     /// the landing, if it is one
     pub landing: Option<Landing>,
 }
@@ -232,8 +232,8 @@ impl EventWatch {
         log::info!("t = {:.6e} s: {name}: {what}", at.t);
         self.ended |= *ends_run && self.ends_runs;
         self.unmet.retain(|(of, _)| *of != event);
-        let (name, what, told, begins_stage) = (name.clone(), what.clone(), !of.acts(), of.begins_stage());
-        self.fired.push(Fired { event, t: at.t, name, what, place, velocity, air_speed, told, begins_stage, landing });
+        let (name, what, told, stage) = (name.clone(), what.clone(), !of.acts(), of.stage.clone());
+        self.fired.push(Fired { event, t: at.t, name, what, place, velocity, air_speed, told, stage, landing });
         for (number, of) in named.iter().enumerate() {
             if let Trigger::After { event: other, delay } = of.trigger
                 && other == event

@@ -40,6 +40,7 @@ impl Triggers {
                 events.push(EventSpec {
                     name: format!("{name}, edge {edge}"),
                     what: "a spring breaks".to_owned(),
+                    stage: None,
                     trigger: Trigger::When(Condition::TensionAbove(tension)),
                     of: Watched::Springs { edges: vec![edge], group: Some(number) },
                     ends_run: false,

@@ -71,7 +71,11 @@ impl<'a> MaterialTable<'a> {
         let found = self.own.and_then(|own| own.get(name)).or_else(|| shipped().get(name));
         if found.is_none() {
             let names = shipped().keys().chain(self.own.into_iter().flat_map(MaterialMap::keys));
-            let hint = nearest(name, names.map(String::as_str)).map(|near| format!("did you mean \"{near}\"?"));
+            // A size or a type that is another one is no spelling mistake.
+            let last = |name: &str| name.rsplit('-').next().unwrap_or_default().to_owned();
+            let alike = names.clone().filter(|known| last(known) == last(name)).map(String::as_str);
+            let near = nearest(name, alike).or_else(|| nearest(name, names.map(String::as_str)));
+            let hint = near.map(|near| format!("did you mean \"{near}\"?"));
             let hint = hint.unwrap_or_else(|| "`canopy-fem materials` prints those of the program".to_owned());
             let allowed = "the name of a material, of the program or in `materials`".to_owned();
             faults.add_value(at, format!("\"{name}\""), allowed, Some(hint));

@@ -79,9 +79,9 @@ pub struct ResultFolder {
 impl ResultFolder {
     /// Makes `dir` ready for the case `name`: creates it if needed and locks it. Refuses earlier results unless `force`
     /// is given, which removes these files only: `summary.json`, `history.csv`, `probes.csv`, `gauges.csv`,
-    /// `modes.csv`, `checkpoint.bin`, `NAME.pvd`, `frames/NAME_<number>.vtu`, `NAME.vtkhdf`, the last three also for the
-    /// case of `summary.json`, and `frames` if it is then empty. Other files are kept. A link is removed, never followed; a linked `frames` is
-    /// refused.
+    /// `modes.csv`, `checkpoint.bin`, `NAME.pvd`, `frames/NAME_<number>.vtu`, `NAME.vtkhdf`, the last three also for
+    /// the case of `summary.json`, and `frames` if it is then empty. Other files are kept. A link is removed, never
+    /// followed; a linked `frames` is refused.
     ///
     /// # Errors
     /// When there are results and no `force`, when something else has the name of a result, another run uses the

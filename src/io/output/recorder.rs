@@ -316,8 +316,8 @@ impl Observer for Recorder<'_> {
     }
 
     fn event(&mut self, event: &Fired) -> Result<(), ObserveError> {
-        if event.begins_stage {
-            self.gauges.event(event.t, &event.name);
+        if let Some(stage) = &event.stage {
+            self.gauges.event(event.t, stage);
         }
         Ok(())
     }

@@ -106,6 +106,7 @@ fn describe_largest(text: &mut String, found: &EquilibriumReport) {
     for LargestValue { quantity, value, unit, part, number, groups, place } in &found.largest {
         let value = match quantity.as_str() {
             "displacement" => format!("{} m from the start, the largest, of", figures(*value, 4)),
+            "safety_factor" if *value < 1.0 => format!("{}, it would break: the smallest, of", figures(*value, 4)),
             "safety_factor" => format!("{}, the smallest, of", figures(*value, 4)),
             _ => format!("{} {unit}, the largest, of", figures(*value, 5)),
         };

@@ -5,10 +5,10 @@
 mod glb;
 mod usda;
 
+use crate::mesh::frames::{FrameFault, FrameReader};
 use crate::plot::PlotError;
 use crate::view::Recording;
 use crate::view::recording::fault_of;
-use crate::mesh::frames::{FrameFault, FrameReader};
 use crate::vtk::read::{Piece, named_array};
 use clap::ValueEnum;
 

@@ -3,12 +3,12 @@
 use super::PlotError;
 use super::table::rows;
 use crate::drive::Status;
+use crate::mesh::frames::{FrameFault, FramePlace, FrameReader, frames_of};
 use crate::output::files::{FRAMES, GAUGES, HISTORY, PROBES};
 use crate::output::folder::SUMMARY;
 use crate::output::rows::{GAUGES_HEADER, HISTORY_HEADER, HistoryRow, PROBES_HEADER};
 use crate::output::sanitize::file_stem;
 use crate::vtk::HDF_ENDING;
-use crate::mesh::frames::{FrameFault, FramePlace, FrameReader, frames_of};
 use crate::vtk::read::{DataSet, Piece, named_array, read as read_vtk};
 use serde_json::Value;
 use std::collections::HashMap;

@@ -1,11 +1,11 @@
 //! The frames of a run in its folder, as far as they are written, and what its summary says.
 
+use crate::mesh::frames::{FrameFault, FramePlace, frames_of, holds_all};
 use crate::output::files::FRAMES;
 use crate::output::folder::SUMMARY;
 use crate::output::sanitize::file_stem;
 use crate::plot::PlotError;
 use crate::vtk::HDF_ENDING;
-use crate::mesh::frames::{FrameFault, FramePlace, frames_of, holds_all};
 use crate::vtk::read::files_of;
 use serde_json::Value;
 use std::io::ErrorKind;

@@ -13,6 +13,10 @@ pub struct EventSpec {
     /// what happens, in words
     #[serde(skip)]
     pub what: String,
+    /// what the stage of a run is called that begins there; none does at an event that is only told, where a single
+    /// spring breaks, nor at the end of a flight
+    #[serde(skip)]
+    pub stage: Option<String>,
     /// when it happens
     pub trigger: Trigger,
     /// what is looked at: its place and speed are those of this in reports too
@@ -106,11 +110,6 @@ impl EventSpec {
     /// Whether steps must end at it.
     pub fn acts(&self) -> bool {
         !matches!(self.trigger, Trigger::Told(_))
-    }
-
-    /// Whether a stage of a run begins there: not where a single spring breaks, nor at the end of a flight.
-    pub fn begins_stage(&self) -> bool {
-        !self.breaks() && !self.ends_run
     }
 
     /// Whether it is that a spring breaks.

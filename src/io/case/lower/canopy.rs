@@ -239,6 +239,9 @@ fn confluence(at: &Pointer, canopy: &Canopy, geometry: &Geometry, faults: &mut F
 pub(super) fn at_start(at: &Pointer, aero: Option<&Aero>, spec: &mut NetworkSpec, faults: &mut Faults<'_>) {
     let given = aero.and_then(|aero| aero.canopy.as_ref());
     payload(&at.key("canopy"), spec, faults);
+    // Without these the motion at the start is a stand-in.
+    let network = Pointer::root().key("system").key("network");
+    let known = ["supports", "springs", "initial"].iter().all(|key| faults.readable(&network.key(key)));
     for (i, canopy) in given.map_or(&[][..], OneOrSeveral::all).iter().enumerate().take(spec.canopies.len()) {
         let at = match given {
             Some(OneOrSeveral::Several(_)) => at.key("canopy").index(i),
@@ -249,6 +252,7 @@ pub(super) fn at_start(at: &Pointer, aero: Option<&Aero>, spec: &mut NetworkSpec
         start.check(&at, canopy, faults);
         if let (Some(stages), CanopyAir::Filling(filling)) = (&canopy.schedule, &mut spec.canopies[i].air)
             && faults.count() == before
+            && known
         {
             filling::at_speed(&at.key("schedule"), stages, filling, start.motion, faults);
             if let Some(cloth) = cloth(&at.key("law"), canopy.law, faults) {

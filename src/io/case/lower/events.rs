@@ -3,6 +3,7 @@
 
 use super::geometry::Geometry;
 use super::select;
+use super::stages::after_cut;
 use crate::case::diagnostics::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Network, NodeOrEdgeSelection, OneOrSeveral, Until, When};
@@ -41,6 +42,8 @@ struct Planned<'a> {
     at: Pointer,
     name: String,
     what: String,
+    /// name of the stage of the run that begins there
+    stage: Option<String>,
 }
 
 /// The events of a case, by their places in the specification.
@@ -54,12 +57,18 @@ impl<'a> Plan<'a> {
         for (i, support) in network.supports.iter().enumerate() {
             let own = format!("supports[{i}]");
             let at = at.key("supports").index(i);
-            plan.add(Waits::Support(i), &at, (support.until, support.when.as_ref()), [own, "release".to_owned()]);
+            plan.add(
+                Waits::Support(i),
+                &at,
+                (support.until, support.when.as_ref()),
+                [own, "release".to_owned(), "release".to_owned()],
+            );
         }
         for (i, rule) in network.springs.iter().enumerate() {
             let own = format!("springs[{i}]");
             let at = at.key("springs").index(i);
-            plan.add(Waits::Springs(i), &at, (rule.cut, rule.when.as_ref()), [own, "cut".to_owned()]);
+            let words = [own, "cut".to_owned(), after_cut(&rule.on)];
+            plan.add(Waits::Springs(i), &at, (rule.cut, rule.when.as_ref()), words);
         }
         let canopies = network.aero.as_ref().and_then(|aero| aero.canopy.as_ref());
         let at = at.key("aero").key("canopy");
@@ -76,28 +85,33 @@ impl<'a> Plan<'a> {
                     OneOrSeveral::One(_) => (at.clone(), own.clone()),
                 };
                 let told = Some(stage.start).filter(|start| *start >= 0.0 && stage.when.is_none());
-                plan.add(Waits::Stage(i, j), &at, (told, stage.when.as_ref()), [own, format!("stage {}", j + 1)]);
+                let begins = if j == 0 { "opening".to_owned() } else { format!("disreef {j}") };
+                let words = [own, format!("stage {}", j + 1), begins];
+                plan.add(Waits::Stage(i, j), &at, (told, stage.when.as_ref()), words);
             }
         }
         if let Some(until) = until {
             let (moment, at) = (Moment::Ground(until), Pointer::root().key("time").key("until"));
             let [name, what] = ["ground", "landing"].map(str::to_owned);
-            plan.0.push(Planned { waits: Waits::End, moment, at, name, what });
+            plan.0.push(Planned { waits: Waits::End, moment, at, name, what, stage: None });
         }
         plan
     }
 
-    fn add(&mut self, waits: Waits, at: &Pointer, given: (Option<f64>, Option<&'a When>), [own, what]: [String; 2]) {
+    fn add(&mut self, waits: Waits, at: &Pointer, given: (Option<f64>, Option<&'a When>), words: [String; 3]) {
+        let [own, what, begins] = words;
         let moment = match given {
             (_, Some(when)) => Moment::When(when),
             (Some(t), None) => Moment::Time(t),
             (None, None) => return,
         };
-        let (at, name) = match moment {
-            Moment::When(When { name, .. }) => (at.key("when"), name.clone().unwrap_or(own)),
-            Moment::Time(_) | Moment::Ground(_) => (at.clone(), own),
+        let (at, name, stage) = match moment {
+            Moment::When(When { name, .. }) => {
+                (at.key("when"), name.clone().unwrap_or(own), Some(name.clone().unwrap_or(begins)))
+            }
+            Moment::Time(_) | Moment::Ground(_) => (at.clone(), own, None),
         };
-        self.0.push(Planned { waits, moment, at, name, what });
+        self.0.push(Planned { waits, moment, at, name, what, stage });
     }
 
     /// The event by a state, or after another one, that something waits for.
@@ -170,8 +184,8 @@ pub(super) fn events(plan: &Plan<'_>, sights: Sights<'_>, faults: &mut Faults<'_
         };
         let tension = matches!(trigger, Trigger::When(Condition::TensionAbove(_)));
         let of = if tension { springs(one, of, sights, faults)? } else { nodes(one, of, sights, faults)? };
-        let (name, what) = (one.name.clone(), one.what.clone());
-        Some(EventSpec { name, what, trigger, of, ends_run: one.waits == Waits::End })
+        let (name, what, stage) = (one.name.clone(), one.what.clone(), one.stage.clone());
+        Some(EventSpec { name, what, stage, trigger, of, ends_run: one.waits == Waits::End })
     };
     named.iter().filter_map(event).collect()
 }

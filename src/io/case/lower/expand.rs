@@ -59,7 +59,8 @@ pub(super) fn network(
     let (mut cloths, mut taken) = (Cloths::default(), Vec::new());
     for (i, rule) in whole.springs.iter_mut().enumerate() {
         let at = at.key("springs").index(i).key("material");
-        let Some(name) = rule.material.take() else { continue };
+        // Edges without springs take no material: that is refused where springs are made.
+        let Some(name) = (if rule.loads_only { None } else { rule.material.take() }) else { continue };
         match table.find(&at, &name, faults) {
             Some(Material::Line(line)) => fill_line(rule, line),
             Some(Material::Cloth(cloth)) => {

@@ -4,7 +4,7 @@
 use super::geometry::Geometry;
 use crate::case::schema::{EdgeSelection, Network};
 use crate::case::spec::{StageStart, StagesSpec};
-use crate::model::spec::{CanopyAir, EventSpec, NetworkSpec};
+use crate::model::spec::{CanopyAir, NetworkSpec};
 
 /// Name of the group of the payload in a parachute.
 const PAYLOAD: &str = "payload";
@@ -43,7 +43,7 @@ pub(super) fn stages(network: &Network, spec: &NetworkSpec, geometry: Option<&Ge
         };
         starts.push(StageStart { t, name });
     }
-    let events = spec.events.iter().any(EventSpec::begins_stage);
+    let events = spec.events.iter().any(|event| event.stage.is_some());
     StagesSpec { starts, events, payload: payload(spec, geometry) }
 }
 
@@ -59,6 +59,14 @@ fn cut(on: &EdgeSelection) -> Begins {
         EdgeSelection::Group(name) if name.starts_with(REEFING) => Begins::Disreef,
         EdgeSelection::Group(name) => Begins::Cut(format!("cut of {name}")),
         _ => Begins::Cut("cut".to_owned()),
+    }
+}
+
+/// The name of the stage that begins where these edges are cut by an event.
+pub(super) fn after_cut(on: &EdgeSelection) -> String {
+    match cut(on) {
+        Begins::Cut(name) => name,
+        Begins::Disreef | Begins::Opening | Begins::Release => "disreef".to_owned(),
     }
 }
 

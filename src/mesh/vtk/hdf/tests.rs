@@ -1,8 +1,8 @@
 //! What is written comes back, a file that is cut back has the bytes of one that was never longer, and a damaged file
 //! is refused.
 
+use super::super::read::{DataSet, named_array};
 use super::{HdfFrames, HdfScene, HdfWriter};
-use crate::vtk::read::{DataSet, named_array};
 use crate::vtk::write::{Array, Cells, FixedArrays, Snapshot, Values};
 use crate::vtk::{Compression, Precision, VtuFormat};
 use std::error::Error;
