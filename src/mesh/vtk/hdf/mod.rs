@@ -4,7 +4,7 @@
 //! changed in place, and last, in one write, the numbers of frames and of times. So the file can be read whenever the program is killed, and
 //! what a frame adds does not depend on how often the run was interrupted: a file that is cut back to fewer frames and
 //! goes on has the bytes of one that was written without a break. The crates for HDF5 that were tried either append to
-//! lists of single numbers only, or leave a file that VTK cannot read when they are killed while they write a frame:
+//! lists of single numbers only, or can leave a file that VTK cannot read when they are killed while they write a frame:
 //! `docs/performance/tried.md`.
 //!
 //! The subset of HDF5: superblock 1, object headers 1 with links as messages, B-trees 1, filters shuffle and deflate.
