@@ -136,7 +136,7 @@ fn a_file_that_is_cut_back_is_as_if_it_was_never_longer() -> Tested {
     Ok(())
 }
 
-/// A kill before the last write of a frame leaves as many times as steps: VTK writes over its memory where it finds more.
+/// A kill before the last write of a frame leaves as many times as steps. VTK writes over its memory if there are more.
 #[test]
 fn a_frame_that_is_not_finished_does_not_lengthen_the_lists_of_steps() -> Tested {
     let folder = tempfile::tempdir()?;
