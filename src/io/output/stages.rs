@@ -275,7 +275,7 @@ impl StageSoFar {
     /// [-] The opening-force coefficient of a canopy with a peak drag [N]; `None` where its drag area did not grow.
     fn coefficient(&self, canopy: usize, peak: f64) -> Option<f64> {
         let (&[q, before], &area) = (self.before.get(canopy)?, self.area.get(canopy)?);
-        let opens = !(before > OPEN * area);
+        let opens = before.is_nan() || before <= OPEN * area;
         Some(peak / (q * area)).filter(|coefficient| opens && coefficient.is_finite() && *coefficient > 0.0)
     }
 }

@@ -1,10 +1,11 @@
 //! VTKHDF files: all frames of a run in one file, with the mesh once. Written and read without the HDF5 library.
 //!
 //! A frame is added as a chunk of every array at the end of the file; then the few bytes that lead to the chunks are
-//! changed in place, and last the number of frames. So the file can be read whenever the program is killed, and
-//! what a frame adds does not depend on how often the run was interrupted: a file that is cut back to fewer frames and
-//! goes on has the bytes of one that was written without a break. What libraries
-//! were tried: `docs/performance/tried.md`.
+//! changed in place, and last, in one write, the numbers of frames and of times. So the file can be read whenever the
+//! program is killed, and what a frame adds does not depend on how often the run was interrupted: a file that is cut
+//! back to fewer frames and goes on has the bytes of one that was written without a break. The crates for HDF5 that
+//! were tried either append to lists of single numbers only, or can leave a file that VTK cannot read when they are
+//! killed while they write a frame: `docs/performance/tried.md`.
 //!
 //! The subset of HDF5: superblock 1, object headers 1 with links as messages, B-trees 1, filters shuffle and deflate.
 //!

@@ -2,6 +2,7 @@
 //! is refused.
 
 use super::super::read::{DataSet, named_array};
+use super::region::word;
 use super::{HdfFrames, HdfScene, HdfWriter};
 use crate::vtk::write::{Array, Cells, FixedArrays, Snapshot, Values};
 use crate::vtk::{Compression, Precision, VtuFormat};
@@ -32,6 +33,19 @@ fn numbers(step: usize) -> Numbers {
 
 /// Makes a file go on to so many frames, after those that it has.
 fn go_on(path: &Path, compression: Compression, from: u64, to: u64) -> Tested {
+    let writer = go_on_and(path, compression, from, to, |writer, frame| Ok(writer.frame(frame)?))?;
+    assert_eq!(writer.frames(), to);
+    Ok(())
+}
+
+/// Opens a file after so many frames, and does something with each of the next ones.
+fn go_on_and(
+    path: &Path,
+    compression: Compression,
+    from: u64,
+    to: u64,
+    then: impl Fn(&mut HdfWriter, &Snapshot<'_>) -> Tested,
+) -> Result<HdfWriter, Box<dyn Error>> {
     let cells = Cells { points: 5, triangles: &TRIANGLES, edges: &EDGES };
     let field = [("group cloth/2".to_owned(), vec![1, 2])];
     let kind = [0, 0, 1, 1, 2];
@@ -56,6 +70,7 @@ fn go_on(path: &Path, compression: Compression, from: u64, to: u64) -> Tested {
             ],
         })
     };
+    let mut opened = None;
     write(0, &mut |frame| {
         let scene = HdfScene { cells: &cells, fixed: &fixed, format, frame };
         if from == 0 {
@@ -63,11 +78,12 @@ fn go_on(path: &Path, compression: Compression, from: u64, to: u64) -> Tested {
         }
         let mut writer = HdfWriter::open(path, &scene, from)?;
         for step in from..to {
-            write(step as usize, &mut |frame| Ok(writer.frame(frame)?))?;
+            write(step as usize, &mut |frame| then(&mut writer, frame))?;
         }
-        assert_eq!(writer.frames(), to);
+        opened = Some(writer);
         Ok(())
-    })
+    })?;
+    opened.ok_or_else(|| "no writer".into())
 }
 
 fn check(data: &DataSet, step: usize) -> Tested {
@@ -116,6 +132,24 @@ fn a_file_that_is_cut_back_is_as_if_it_was_never_longer() -> Tested {
                 assert!(fs::read(&whole)? == fs::read(&path)?, "{longer} frames, cut back to {kept}, then {end}");
             }
         }
+    }
+    Ok(())
+}
+
+/// A kill before the last write of a frame leaves as many times as steps. VTK writes over its memory if there are more.
+#[test]
+fn a_frame_that_is_not_finished_does_not_lengthen_the_lists_of_steps() -> Tested {
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("run.vtkhdf");
+    for frames in [0, 1, 3, 64] {
+        go_on(&path, Compression::Zlib, 0, frames)?;
+        let writer = go_on_and(&path, Compression::Zlib, frames, frames + 1, |writer, frame| Ok(writer.add(frame)?))?;
+        let bytes = fs::read(&path)?;
+        let rows = writer.lists.stored.iter().map(|list| list.rows_at).chain(writer.lists.same_rows_at);
+        for at in rows.chain([writer.lists.steps_at]) {
+            assert_eq!(word(&bytes[at as usize..]), frames, "{frames} frames, at {at}");
+        }
+        assert_eq!(HdfFrames::of(fs::File::open(&path)?)?.times().len(), frames as usize);
     }
     Ok(())
 }

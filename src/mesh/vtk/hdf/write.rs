@@ -24,7 +24,7 @@ pub struct HdfWriter {
     frames: u64,
     /// points, arrays on points, arrays on cells
     arrays: Vec<Growing>,
-    lists: Lists,
+    pub(super) lists: Lists,
     /// [byte] what precedes the first frame
     head: u64,
     numbers: Vec<u8>,
@@ -94,6 +94,12 @@ impl HdfWriter {
     /// # Errors
     /// When an array has the wrong length, or writing fails.
     pub fn frame(&mut self, frame: &Snapshot<'_>) -> Result<(), VtuError> {
+        self.add(frame)?;
+        Ok(self.publish(self.frames + 1)?)
+    }
+
+    /// Writes all of a frame but what makes it visible.
+    pub(super) fn add(&mut self, frame: &Snapshot<'_>) -> Result<(), VtuError> {
         let points = [Array { name: "Points", values: Values::Vectors(frame.points) }];
         let on_points = points.iter().chain(frame.point_data).map(|array| (array, self.points));
         let all = on_points.chain(frame.cell_data.iter().map(|array| (array, self.cells)));
@@ -126,11 +132,25 @@ impl HdfWriter {
                 self.region.patch(*last + 8 * place as u64, &value);
             }
         }
-        self.frames += 1;
-        self.patch_rows();
-        // What makes the frame visible comes last.
-        self.region.patch(self.lists.steps_at, &self.frames.to_le_bytes());
+        self.patch_rows(step + 1);
         Ok(self.region.write()?)
+    }
+
+    /// Changes the number of frames and the lengths of all lists of steps, in one write: VTK 9.7 writes over its memory
+    /// where it finds more times than steps.
+    fn publish(&mut self, frames: u64) -> io::Result<()> {
+        let Lists { stored, same_rows_at: [zeros, ones], steps_at, .. } = &self.lists;
+        let [values, on_points, on_cells] = stored.each_ref().map(|list| list.rows_at);
+        let places = [values, on_points, on_cells, *zeros, *ones, *steps_at];
+        let start = places.into_iter().fold(*steps_at, u64::min);
+        let end = 8 + places.into_iter().fold(*steps_at, u64::max);
+        let mut bytes = self.region.read(start, (end - start) as usize)?;
+        for place in places.map(|at| (at - start) as usize) {
+            bytes[place..place + 8].copy_from_slice(&frames.to_le_bytes());
+        }
+        self.region.patch(start, &bytes);
+        self.frames = frames;
+        self.region.write()
     }
 
     /// Removes all frames but the first ones.
@@ -138,9 +158,8 @@ impl HdfWriter {
     /// # Errors
     /// Errors of the system, or an index that is damaged.
     pub fn cut(&mut self, frames: u64) -> Result<(), VtuError> {
-        self.frames = frames;
-        self.region.patch(self.lists.steps_at, &frames.to_le_bytes());
-        self.patch_rows();
+        self.publish(frames)?;
+        self.patch_rows(frames);
         let mut end = self.head;
         for array in &mut self.arrays {
             end = end.max(array.tree.cut(frames, &mut self.region)?);
@@ -167,13 +186,10 @@ impl HdfWriter {
         self.region.sync()
     }
 
-    fn patch_rows(&mut self) {
-        let frames = self.frames;
+    fn patch_rows(&mut self, frames: u64) {
         for array in &self.arrays {
             self.region.patch(array.rows_at, &(frames * array.shape.rows as u64).to_le_bytes());
         }
-        let lists = self.lists.stored.iter().map(|list| list.rows_at).chain(self.lists.same_rows_at);
-        lists.for_each(|at| self.region.patch(at, &frames.to_le_bytes()));
     }
 }
 
