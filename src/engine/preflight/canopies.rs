@@ -240,7 +240,9 @@ pub fn tight_cloth(spec: &NetworkSpec, canopy: usize, cloth: Option<ClothSpec>, 
     if !fills || open > SLOTTED || leak.is_some_and(|w| w > TIGHT) {
         return None;
     }
-    let free = spec.canopies.len() == 1 && !spec.fixed.iter().flatten().any(|held| *held) && speed > 0.0;
+    // The speed at an event is not known before the run.
+    let waits = found.air.stages().first().is_some_and(|stage| stage.event.is_some());
+    let free = spec.canopies.len() == 1 && !spec.fixed.iter().flatten().any(|held| *held) && speed > 0.0 && !waits;
     let diameter = (4.0 * found.nominal_area / std::f64::consts::PI).sqrt();
     let opening = free.then(|| Opening { mass: spec.mass.iter().sum(), speed, diameter });
     Some(TightCloth { canopy: name(spec, canopy), leak, opening })

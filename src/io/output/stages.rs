@@ -9,7 +9,8 @@ use super::gauges::Channel;
 use super::statistics::SeriesSoFar;
 use crate::case::spec::{StageStart, StagesSpec};
 use crate::model::gauge::{
-    AXIAL_SPEED, CANOPY_QUANTITIES, DRAG, DRAG_AREA, DRAG_COEFFICIENT, DYNAMIC_PRESSURE, Quantity, ReportLine,
+    ANGLE_OF_ATTACK, AXIAL_SPEED, CANOPY_QUANTITIES, DRAG, DRAG_AREA, DRAG_COEFFICIENT, DYNAMIC_PRESSURE, Quantity,
+    ReportLine,
 };
 
 /// [-] Relative difference of times that are the same.
@@ -171,8 +172,12 @@ impl Stages {
         let at = self.circumstances(values);
         let Stages { followed, canopies, so_far: StagesSoFar { stages, newest, .. }, .. } = self;
         newest.resize(canopies.len(), [f64::NAN; 2]);
-        for (newest, &first) in newest.iter_mut().zip(&*canopies) {
-            *newest = [DYNAMIC_PRESSURE, DRAG_AREA].map(|column| value_of(values, first, column));
+        for ([q, area], &first) in newest.iter_mut().zip(&*canopies) {
+            // Of the whole motion through the air, also where a canopy is not yet turned into it.
+            let angle = value_of(values, first, ANGLE_OF_ATTACK).to_radians();
+            let share = if angle.is_finite() { angle.cos().powi(2) } else { 1.0 };
+            *q = value_of(values, first, DYNAMIC_PRESSURE).abs() / share;
+            *area = value_of(values, first, DRAG_AREA);
         }
         let Some(stage) = stages.last_mut() else { return };
         stage.to = t;

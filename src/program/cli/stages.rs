@@ -10,9 +10,10 @@ const SHOWN: usize = 3;
 /// Width of the column that all lines of the report begin with.
 const LABEL: usize = 18;
 
-/// The lines on the stages of a run; none where there is one stage only.
+/// The lines on the stages of a run; none where there is one stage only, in which no canopy opens.
 pub(super) fn lines(stages: &[StageReport]) -> String {
-    if stages.len() < 2 {
+    let opens = |stage: &StageReport| stage.peaks.iter().any(|peak| peak.opening_force_coefficient.is_some());
+    if stages.len() < 2 && !stages.iter().any(opens) {
         return String::new();
     }
     let head = ["stages", "peak", "at", "speed", "height", "drag area", "CD0"].map(str::to_owned);
