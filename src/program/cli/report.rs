@@ -95,7 +95,10 @@ fn describe_events(text: &mut String, outcome: &Outcome) {
     for Fired { t, name, what, place, velocity, .. } in found().take(BROKEN) {
         let [x, y, z] = *velocity;
         let (t, height, speed) = (figures(*t, 8), figures(place[2], 5), figures(x.hypot(y).hypot(z), 4));
-        let _ = writeln!(text, "  event           t = {t} s: {name}, {what}, at z = {height} m and {speed} m/s");
+        let _ = writeln!(
+            text,
+            "  event           t = {t} s: {name}, {what}, at z = {height} m and {speed} m/s over ground"
+        );
     }
     let more = found().count().saturating_sub(BROKEN);
     if more > 0 {
@@ -202,6 +205,8 @@ fn peak(one: &Peak, early: bool) -> Option<String> {
             figures(*factor, 3),
             if *factor < 1.0 - 1e-6 { ", it would break" } else { "" }
         ),
+        // Springs with a strength that carry nothing.
+        (ReportLine::Peak(_), Some(_), None) => return None,
         (ReportLine::Peak(what), ..) => format!("  peak            {value}{unit} at t = {t} s ({name}, {what})"),
         (ReportLine::Told(what), ..) => {
             let at_end = if last == value { String::new() } else { format!(", {last}{unit} at the end") };
