@@ -24,6 +24,7 @@ pub(crate) mod explicit;
 pub mod file;
 mod flips;
 pub mod format_number;
+#[cfg(feature = "vtk")]
 pub mod frames;
 pub mod group;
 pub mod hanging;

@@ -161,8 +161,8 @@ fn what_cannot_be_meant_is_refused() {
     assert!(ended.code == Some(2) && ended.stderr.contains("events by state"), "{}", ended.stderr);
 }
 
-/// A run that ends on the ground before its time does not say that its speed still changes; a study says that its runs go
-/// on.
+/// A run that ends on the ground before its time does not say that its speed still changes; a study says that its runs
+/// go on.
 #[test]
 fn the_end_on_the_ground_is_no_change_of_speed() {
     let bench = Bench::new();
@@ -170,7 +170,7 @@ fn the_end_on_the_ground_is_no_change_of_speed() {
     let ended = bench.run(&["solve", &case, "--out", "landed", "--set", "system.network.model=\"point\""]);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     assert!(ended.stdout.contains("  landing ") && !ended.stdout.contains("still changing"), "{}", ended.stdout);
-    let mass = "system.network.mass.points.0.mass=8,9";
+    let mass = "system.network.mass.points.0.total=8,9";
     let ended = bench.run(&[
         "sweep",
         &case,

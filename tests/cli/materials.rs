@@ -86,8 +86,8 @@ fn what_is_taken_is_said() {
     assert!(wrong.stderr.contains("did you mean \"mil-c-7020-type-i\"?"), "{}", wrong.stderr);
 }
 
-/// One mistake is one fault: a mistyped key of a spring leaves nothing to say of the speed at the start, a cover takes no
-/// material, and a size that is not there leads to one that is.
+/// One mistake is one fault: a mistyped key of a spring leaves nothing to say of the speed at the start, a cover takes
+/// no material, and a size that is not there leads to one that is.
 #[test]
 fn a_mistake_is_told_once_and_leads_to_what_is_meant() {
     let bench = Bench::new();

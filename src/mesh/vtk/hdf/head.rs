@@ -1,14 +1,14 @@
 //! The part of a VTKHDF file that precedes the first frame: its groups, what does not change, and data sets without
 //! rows.
 
+use super::super::cells::{Cells, VtuError};
+use super::super::encode::{CellTable, Width, little_endian};
+use super::super::write::{FixedArrays, Snapshot, Values, bytes, right};
+use super::super::{Compression, Precision, VtuFormat};
 use super::filters::pack;
 use super::header::{Header, Kind, Layout, NOWHERE, SUPERBLOCK, Shape, superblock};
 use super::link_name;
 use super::tree::{Chunk, Tree, node_bytes, single};
-use crate::vtk::cells::{Cells, VtuError};
-use crate::vtk::encode::{CellTable, Width, little_endian};
-use crate::vtk::write::{FixedArrays, Snapshot, Values, bytes, right};
-use crate::vtk::{Compression, Precision, VtuFormat};
 
 /// [-] rows of a chunk of the lists with a number for each step
 pub(super) const STEPS: usize = 64;

@@ -18,21 +18,21 @@ pub(super) const NODE_ENTRIES: usize = 16;
 
 /// Numbers of the messages of a header.
 pub(super) mod message {
-    pub(in crate::vtk::hdf) const DATASPACE: u16 = 0x01;
-    pub(in crate::vtk::hdf) const LINK_INFO: u16 = 0x02;
-    pub(in crate::vtk::hdf) const DATATYPE: u16 = 0x03;
-    pub(in crate::vtk::hdf) const FILL: u16 = 0x05;
-    pub(in crate::vtk::hdf) const LINK: u16 = 0x06;
-    pub(in crate::vtk::hdf) const LAYOUT: u16 = 0x08;
-    pub(in crate::vtk::hdf) const GROUP_INFO: u16 = 0x0a;
-    pub(in crate::vtk::hdf) const FILTERS: u16 = 0x0b;
-    pub(in crate::vtk::hdf) const ATTRIBUTE: u16 = 0x0c;
+    pub(in super::super) const DATASPACE: u16 = 0x01;
+    pub(in super::super) const LINK_INFO: u16 = 0x02;
+    pub(in super::super) const DATATYPE: u16 = 0x03;
+    pub(in super::super) const FILL: u16 = 0x05;
+    pub(in super::super) const LINK: u16 = 0x06;
+    pub(in super::super) const LAYOUT: u16 = 0x08;
+    pub(in super::super) const GROUP_INFO: u16 = 0x0a;
+    pub(in super::super) const FILTERS: u16 = 0x0b;
+    pub(in super::super) const ATTRIBUTE: u16 = 0x0c;
 }
 
 /// Numbers of the filters of chunks.
 pub(super) mod filter {
-    pub(in crate::vtk::hdf) const DEFLATE: u16 = 1;
-    pub(in crate::vtk::hdf) const SHUFFLE: u16 = 2;
+    pub(in super::super) const DEFLATE: u16 = 1;
+    pub(in super::super) const SHUFFLE: u16 = 2;
 }
 
 /// Types of numbers.

@@ -3,12 +3,12 @@
 use std::fs::File;
 use std::io;
 
+use super::super::read::{CellLists, Column, DataSet, Numbers, Piece};
 use super::array_name;
 use super::filters::unpack;
 use super::header::{Kind, Layout, NOWHERE, ROOT_AT, SIGNATURE, SUPERBLOCK, Shape, message};
 use super::region::{Region, word};
 use super::tree::find;
-use crate::vtk::read::{CellLists, Column, DataSet, Numbers, Piece};
 
 /// [byte] largest part of a file of any size, and how much larger than its file a part may be: a damaged file asks for
 /// any size

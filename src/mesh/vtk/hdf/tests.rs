@@ -2,10 +2,10 @@
 //! is refused.
 
 use super::super::read::{DataSet, named_array};
+use super::super::write::{Array, Cells, FixedArrays, Snapshot, Values};
+use super::super::{Compression, Precision, VtuFormat};
 use super::region::word;
 use super::{HdfFrames, HdfScene, HdfWriter};
-use crate::vtk::write::{Array, Cells, FixedArrays, Snapshot, Values};
-use crate::vtk::{Compression, Precision, VtuFormat};
 use std::error::Error;
 use std::fs;
 use std::path::Path;

@@ -4,15 +4,15 @@ use std::fs::{File, OpenOptions};
 use std::io;
 use std::path::Path;
 
+use super::super::cells::VtuError;
+use super::super::encode::{little_endian, little_endian_f32};
+use super::super::write::{Array, Snapshot, Values, right};
+use super::super::{Compression, VtuFormat};
 use super::filters::pack;
 use super::head::{Growing, HdfScene, Head, Lists, STEPS};
 use super::header::{Kind, LENGTH_AT};
 use super::region::{Region, word};
 use super::tree::{Chunk, find};
-use crate::vtk::cells::VtuError;
-use crate::vtk::encode::{little_endian, little_endian_f32};
-use crate::vtk::write::{Array, Snapshot, Values, right};
-use crate::vtk::{Compression, VtuFormat};
 
 /// Adds frames to a file.
 #[derive(Debug)]
