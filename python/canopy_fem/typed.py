@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
-    "CaseSource", "DashpotKind", "Force", "Gauge", "GaugeQuantity", "Graded", "Kind", "Law", "Method", "Parachute", "Pattern", "Slack", "Table",
+    "CaseSource", "DashpotKind", "Force", "Gauge", "GaugeQuantity", "Graded", "Kind", "Law", "Method", "Parachute",
+    "Pattern", "Slack", "Table",
 ]  # fmt: skip
 
 CaseSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any]
