@@ -21,6 +21,7 @@ __all__ = [
     "methods",
     "generate",
     "_mesh_of",
+    "frame_times",
     "_rollout_of",
     "record",
     "record_static",
