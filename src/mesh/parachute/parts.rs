@@ -21,8 +21,7 @@ pub struct LineParameters {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RigLineParameters {
-    /// [m] length; of `lines` that of the type if absent (`canopy-fem mesh parachute` and `check` print it), others
-    /// need one
+    /// [m] length; of `lines` that of the type if absent (`check` prints it), others need one
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub length: Option<f64>,
