@@ -9,10 +9,9 @@ Writes FOLDER/expected.json for check_animation_py311.py: times and positions of
 import json
 import pathlib
 import sys
-import xml.etree.ElementTree as ElementTree
 
 import numpy as np
-from check_vtu import LINE, TRIANGLE, Fault, need, read
+from check_vtu import LINE, TRIANGLE, Fault, frames_of, need, read
 from pxr import Usd, UsdGeom
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
@@ -24,9 +23,8 @@ def main():
     folder, run = map(pathlib.Path, sys.argv[1:])
     try:
         (pvd,) = run.glob("*.pvd")
-        entries = ElementTree.parse(pvd).getroot().findall("./Collection/DataSet")
-        times = [float(entry.get("timestep")) for entry in entries]
-        grids = [read(run / entry.get("file")) for entry in entries]
+        times, paths = frames_of(pvd)
+        grids = [read(path) for path in paths]
         frames = [vtk_to_numpy(grid.GetPoints().GetData()) for grid in grids]
         kinds = [grids[0].GetCellType(i) for i in range(grids[0].GetNumberOfCells())]
         parts = vtk_to_numpy(grids[0].GetCellData().GetArray("kind"))

@@ -9,10 +9,9 @@ exit status 1 and a message on any fault.
 
 import pathlib
 import sys
-import xml.etree.ElementTree as ElementTree
 
 import numpy as np
-from check_vtu import Fault, need, read
+from check_vtu import Fault, frames_of, need, read
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOHDF import vtkHDFReader
 
@@ -50,29 +49,28 @@ def main():
     path, folder = map(pathlib.Path, sys.argv[1:])
     try:
         (pvd,) = folder.glob("*.pvd")
-        listed = ElementTree.parse(pvd).getroot().findall("./Collection/DataSet")
+        times, frames = frames_of(pvd)
         errors = []
         reader = vtkHDFReader()
         reader.AddObserver("ErrorEvent", lambda *_: errors.append(reader.GetClassName()))
         reader.SetFileName(str(path))
         reader.UpdateInformation()
         need(not errors, f"{path}: VTK reports an error")
-        need(reader.GetNumberOfSteps() == len(listed), f"{path}: {reader.GetNumberOfSteps()} steps, {len(listed)} frames")
+        need(reader.GetNumberOfSteps() == len(frames), f"{path}: {reader.GetNumberOfSteps()} steps, {len(frames)} frames")
         size = 0
-        for step, entry in enumerate(listed):
+        for step, (time, frame) in enumerate(zip(times, frames)):
             reader.SetStep(step)
             reader.Update()
             need(not errors and reader.GetErrorCode() == 0, f"{path}: VTK reports an error at step {step}")
-            frame = folder / entry.get("file")
             size += frame.stat().st_size
-            need(reader.GetTimeValue() == float(entry.get("timestep")), f"{path}: step {step} is at {reader.GetTimeValue()} s")
+            need(reader.GetTimeValue() == time, f"{path}: step {step} is at {reader.GetTimeValue()} s")
             count = compare(reader.GetOutputDataObject(0), read(frame), f"{path}, step {step}")
         share = path.stat().st_size / size
         need(share <= 0.6, f"{path}: {share:.3f} of the bytes of the .vtu frames")
     except Fault as fault:
         print(f"check_vtkhdf: {fault}", file=sys.stderr)
         return 1
-    print(f"{path.name}: {len(listed)} steps, {count} arrays, the same as the .vtu frames in {share:.3f} of their bytes")
+    print(f"{path.name}: {len(frames)} steps, {count} arrays, the same as the .vtu frames in {share:.3f} of their bytes")
     return 0
 
 

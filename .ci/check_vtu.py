@@ -96,7 +96,8 @@ def frame_of(path, time):
     return points.copy(), {name: values.copy() for name, values in arrays.items()}, kinds.copy(), connectivity.copy()
 
 
-def check(pvd):
+def frames_of(pvd):
+    """Times and paths of the frames that a .pvd lists."""
     try:
         listed = ElementTree.parse(pvd).getroot().findall("./Collection/DataSet")
     except ElementTree.ParseError as error:
@@ -104,9 +105,13 @@ def check(pvd):
     need(listed, f"{pvd}: lists no frame")
     times = [float(entry.get("timestep")) for entry in listed]
     need(all(a < b for a, b in zip(times, times[1:])), f"{pvd}: times do not ascend")
+    return times, [pvd.parent / entry.get("file") for entry in listed]
+
+
+def check(pvd):
+    times, paths = frames_of(pvd)
     first = None
-    for entry, time in zip(listed, times):
-        path = pvd.parent / entry.get("file")
+    for path, time in zip(paths, times):
         frame = frame_of(path, time)
         first = first or frame
         points, arrays, kinds, connectivity = frame

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use serde_json::{Value, json};
 
 /// A small parachute that falls at 6 m/s, with pressure on its canopy.
-fn parachute() -> Value {
+pub(super) fn parachute() -> Value {
     json!({
         "name": "small",
         "system": {"network": {

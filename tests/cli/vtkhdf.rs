@@ -29,30 +29,16 @@ const ARRAYS: [&str; 15] = [
     "reference_position",
 ];
 
-/// A small parachute with lines and groups, and every field.
+/// A small parachute with lines and groups, and every field that it can have.
 fn parachute() -> Value {
-    json!({
-        "name": "small",
-        "system": {"network": {
-            "mesh": {"parachute": {
-                "type": "flat-circular", "nominal_diameter": 2.0, "gores": 8, "vent_diameter": 0.2,
-                "radial_segments": 3, "lines": {"length": 2.0, "segments": 2}, "start": "inflated"
-            }},
-            "mass": {"areal_density": 0.05, "points": [{"on": {"group": "payload"}, "mass": 5.0}]},
-            "springs": [{"on": "all", "axial_rigidity": 1e3, "linear_density": 0.002, "slack": "tension-only"}],
-            "gravity": [0, 0, -9.81],
-            "aero": {"canopy": {
-                "on": {"group": "canopy"}, "table": {"pressure_coefficient": [[0, 1.2], [1, 2.0]]}
-            }},
-            "initial": {"velocity": [0, 0, -6]}
-        }},
-        "time": {"end": 0.04, "method": "velocity-verlet", "step": 2e-4},
-        "output": {
-            "frames": {"every": 0.002},
-            "fields": ["force", "reaction", "tension", "strain", "pressure"],
-            "probes": [{"name": "payload", "on": {"group": "payload"}}]
-        }
-    })
+    let mut case = crate::group_frames::parachute();
+    case["time"]["end"] = json!(0.04);
+    case["output"] = json!({
+        "frames": {"every": 0.002},
+        "fields": ["force", "reaction", "tension", "strain", "pressure"],
+        "probes": [{"name": "payload", "on": {"group": "payload"}}]
+    });
+    case
 }
 
 fn solve(bench: &Bench, out: &str, sets: &[&str]) {

@@ -32,7 +32,7 @@ pub struct UnknownQuantity {
 }
 
 /// What the gauge of a column measures, in a word: `tension` of `tension_max`.
-fn word(column: &str) -> &str {
+pub fn word(column: &str) -> &str {
     column.rsplit_once('_').map_or(column, |(word, _)| word)
 }
 

@@ -238,10 +238,7 @@ impl Stages {
         let peaks: Vec<StagePeak> = self.followed.iter().filter_map(mean).collect();
         if !peaks.is_empty() && !self.canopies.is_empty() {
             let from = SeriesSoFar::late_from(end);
-            let speed = |first: &usize| {
-                let column = CANOPY_QUANTITIES.iter().position(|known| *known == AXIAL_SPEED)?;
-                series.get(first + column)
-            };
+            let speed = |first: &usize| series.get(channel_of(*first, AXIAL_SPEED)?);
             let steady = self.canopies.iter().filter_map(speed).all(|speed| speed.is_steady(end));
             let name = if steady { "steady" } else { "last tenth" }.to_owned();
             all.push(StageReport { name, from, to: end, peaks });
@@ -292,8 +289,12 @@ impl StagePeak {
     }
 }
 
-/// The value of a column of the canopy whose first channel is given; NaN where there is none.
+/// The channel of a column of the canopy whose first channel is given.
+fn channel_of(first: usize, column: Quantity) -> Option<usize> {
+    CANOPY_QUANTITIES.iter().position(|known| *known == column).map(|place| first + place)
+}
+
+/// The value of that column; NaN where there is none.
 fn value_of(values: &[f64], first: usize, column: Quantity) -> f64 {
-    let place = CANOPY_QUANTITIES.iter().position(|known| *known == column);
-    place.and_then(|place| values.get(first + place)).copied().unwrap_or(f64::NAN)
+    channel_of(first, column).and_then(|channel| values.get(channel)).copied().unwrap_or(f64::NAN)
 }

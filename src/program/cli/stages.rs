@@ -2,6 +2,7 @@
 
 use crate::format_number::figures;
 use crate::model::gauge::DRAG;
+use crate::output::quantity::word;
 use crate::output::stages::{Circumstances, StagePeak, StageReport};
 use std::fmt::Write;
 
@@ -43,10 +44,9 @@ fn rows(stage: &StageReport) -> Vec<[String; 7]> {
     let row = |(number, peak): (usize, &&StagePeak)| {
         let Circumstances { speed, height, drag_area, drag_coefficient } = peak.at;
         let with = |value: Option<f64>, unit: &str| value.map_or_else(String::new, |v| figures(v, 4) + unit);
-        let word = peak.quantity.rsplit_once('_').map_or(&*peak.quantity, |(word, _)| word);
         [
             if number == 0 { stage.name.clone() } else { String::new() },
-            format!("{} {} ({}, {word})", figures(peak.value, 4), peak.unit, peak.name),
+            format!("{} {} ({}, {})", figures(peak.value, 4), peak.unit, peak.name, word(&peak.quantity)),
             peak.t.map_or_else(|| "mean".to_owned(), |t| figures(t, 4) + " s"),
             with(speed, " m/s"),
             with(height, " m"),
