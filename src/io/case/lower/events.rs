@@ -9,8 +9,8 @@ use crate::case::pointer::Pointer;
 use crate::case::schema::{Network, NodeOrEdgeSelection, OneOrSeveral, Until, When};
 use crate::model::spec::{CanopyAir, CanopySpec, Condition, EventSpec, Trigger, Watched};
 
-/// The group that events look at if they do not say what.
-const PAYLOAD: &str = "payload";
+/// The group of the payload, which events look at if they do not say what, and whose height reports tell.
+pub(super) const PAYLOAD: &str = "payload";
 
 /// What waits for an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

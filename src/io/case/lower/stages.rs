@@ -1,13 +1,12 @@
 //! The stages of a run that are known before it: they begin at the start, where canopies begin to fill, where reefing
 //! lines and other springs are cut, and where supports let go.
 
+use super::events::PAYLOAD;
 use super::geometry::Geometry;
 use crate::case::schema::{EdgeSelection, Network};
 use crate::case::spec::{StageStart, StagesSpec};
 use crate::model::spec::{CanopyAir, NetworkSpec};
 
-/// Name of the group of the payload in a parachute.
-const PAYLOAD: &str = "payload";
 /// What names of groups of reefing lines begin with.
 const REEFING: &str = "reefing";
 
