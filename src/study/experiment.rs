@@ -35,6 +35,8 @@ pub struct Experiment<'a> {
     pub frames_every: Option<f64>,
     /// whether the run goes on past a divergence
     pub keep_going: bool,
+    /// whether the run ends at an event that says so, as when the payload reaches the ground
+    pub ends_by_event: bool,
     /// whether the cause of a failure is searched for
     pub explain: Explain,
     /// set when the user interrupts
@@ -89,6 +91,7 @@ impl<'a> Experiment<'a> {
             end,
             frames_every: None,
             keep_going: false,
+            ends_by_event: false,
             explain: Explain::Nothing,
             interrupt: Stop::NEVER,
             single_steps: u64::MAX,
@@ -162,8 +165,10 @@ impl<'a> Experiment<'a> {
         observers: &mut [&mut dyn Observer],
         stop: &AtomicBool,
     ) -> Result<Outcome, RunError> {
-        let Experiment { scene, method, solver, step, end, frames_every, keep_going, explain, interrupt, .. } = *self;
-        let spec = RunSpec { solver, frames_every, keep_going, explain, ..RunSpec::of(method.clone(), step, end) };
+        let Experiment { scene, method, solver, step, end, frames_every, keep_going, ends_by_event, .. } = *self;
+        let (explain, interrupt) = (self.explain, self.interrupt);
+        let spec = RunSpec::of(method.clone(), step, end);
+        let spec = RunSpec { solver, frames_every, keep_going, ends_by_event, explain, ..spec };
         let begins = !matches!(start, Start::Snapshot(_));
         let state = &mut match start {
             Start::Initial => RunState::start(scene, stepper, &spec, scene.initial_state())?,

@@ -27,7 +27,7 @@ use crate::model::stop::Stop;
 use crate::output::sanitize::file_stem;
 
 /// Number of the layout of a plan and of the files of its runs.
-pub const FORMAT: u32 = 7;
+pub const FORMAT: u32 = 8;
 /// The program that made it; another one may compute other bits.
 pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");
 /// Longest part of a run's identifier that comes from its method.

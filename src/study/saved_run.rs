@@ -11,6 +11,7 @@ use super::measure::measured;
 use super::row::RunResult;
 use super::store::{Store, StudyJob, StudyPlan, Unfinished};
 use crate::case::spec::Problem;
+use crate::drive::event::Fired;
 use crate::drive::max_displacement::MaxDisplacement;
 use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, Resumable, UpcomingStep, Wants};
 use crate::drive::{Explain, RunError, Status};
@@ -77,6 +78,7 @@ impl<P: StudyPlan> SavedRun<'_, P> {
         let experiment = Experiment {
             frames_every: problem.output.frames_every,
             explain: Explain::Failures,
+            ends_by_event: problem.time.to_ground,
             interrupt: Stop::on(interrupt),
             ..Experiment::new(&*scene, &problem.method, problem.solver, problem.time.step, problem.time.end)
         };
@@ -173,6 +175,10 @@ impl<P: StudyPlan> Observer for Watcher<'_, '_, P> {
             self.stop.store(true, Ordering::Relaxed);
         }
         self.largest.accepted(step)
+    }
+
+    fn event(&mut self, event: &Fired) -> Result<(), ObserveError> {
+        self.largest.event(event)
     }
 
     fn failed(&mut self) -> Result<(), ObserveError> {

@@ -69,6 +69,8 @@ pub struct WholeRun {
     pub steps: u64,
     /// [s] time it came to
     pub t_end: f64,
+    /// whether it has ended on the ground
+    pub landed: bool,
     /// counted work
     pub counters: Counters,
     /// force passes for the account alone
@@ -89,6 +91,11 @@ impl WholeRun {
     /// Whether it reached its end.
     pub fn completed(&self) -> bool {
         self.status == Status::Completed
+    }
+
+    /// [s] When the whole run ends, which is planned to `end` [s]: at the landing, if it has come to it.
+    pub fn whole_end(&self, end: f64) -> f64 {
+        if self.landed { self.t_end } else { end }
     }
 
     /// Counted work: steps and Newton iterations.
@@ -160,6 +167,7 @@ impl WholeRunSpec<'_> {
         let WholeRunSpec { scene, problem, every, end, method, step, interrupt, .. } = *self;
         let experiment = Experiment {
             frames_every: Some(every),
+            ends_by_event: problem.time.to_ground,
             interrupt: Stop::on(interrupt),
             ..Experiment::new(scene, method, problem.solver, step, end)
         };
@@ -192,6 +200,7 @@ impl WholeRunSpec<'_> {
             Err(RunError::Start(why)) => return Ok(self.without(why.to_string())),
             Err(why) => return Err(StudyError::Usage(why.to_string())),
         };
+        let landed = problem.time.to_ground && outcome.landed();
         let Outcome { status, steps, t_end, counters, account_passes, failure, .. } = outcome;
         Ok(WholeRun {
             step,
@@ -200,6 +209,7 @@ impl WholeRunSpec<'_> {
             note: failure.map_or_else(String::new, |failure| failure.cause),
             steps,
             t_end,
+            landed,
             counters,
             account_passes,
             seconds,
@@ -218,6 +228,7 @@ impl WholeRunSpec<'_> {
             failed_at: Some(0.0),
             steps: 0,
             t_end: 0.0,
+            landed: false,
             counters: Counters::default(),
             account_passes: 0,
             seconds: 0.0,

@@ -1,6 +1,6 @@
 //! Events by state as the program tells them: report, summary, landing, resumed runs, and what is refused.
 
-use crate::bench::{Bench, Ended, contents};
+use crate::bench::{Bench, Ended, Results, contents};
 use serde_json::{Value, json};
 
 /// [m/s^2]
@@ -161,28 +161,17 @@ fn what_cannot_be_meant_is_refused() {
     assert!(ended.code == Some(2) && ended.stderr.contains("events by state"), "{}", ended.stderr);
 }
 
-/// A run that ends on the ground before its time does not say that its speed still changes; a study says that its runs
-/// go on.
+/// A run that ends on the ground before its time is judged there: its speed is steady, in the report and the stages.
 #[test]
-fn the_end_on_the_ground_is_no_change_of_speed() {
+fn the_end_on_the_ground_is_steady() {
     let bench = Bench::new();
     let case = format!("{}/docs/guide/cases/uav.json", env!("CARGO_MANIFEST_DIR"));
-    let ended = bench.run(&["solve", &case, "--out", "landed", "--set", "system.network.model=\"point\""]);
+    let ended = bench.run(&["solve", &case, "--out", "landed"]);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    assert!(ended.stdout.contains("  landing ") && !ended.stdout.contains("still changing"), "{}", ended.stdout);
-    let mass = "system.network.mass.points.0.total=8,9";
-    let ended = bench.run(&[
-        "sweep",
-        &case,
-        "--out",
-        "rows",
-        "--set",
-        "system.network.model=\"point\"",
-        "--vary",
-        mass,
-        "--end",
-        "1",
-    ]);
-    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    assert!(ended.stderr.contains("go on to time.end"), "{}", ended.stderr);
+    assert!(ended.stdout.contains("  landing ") && ended.stdout.contains(" m/s steady (canopy"), "{}", ended.stdout);
+    let summary = Results(bench.path("landed")).summary();
+    let last = summary["stages"].as_array().and_then(|stages| stages.last()).expect("stages");
+    let (from, to) = (last["from"].as_f64().expect("a time"), last["to"].as_f64().expect("a time"));
+    assert!(last["name"] == "steady" && (from - 0.9 * to).abs() < 1e-9 * to, "{last}");
+    assert_eq!(last["to"], summary["t_end"]);
 }

@@ -14,6 +14,7 @@ mod failures;
 mod gauges;
 mod group_frames;
 mod initial_from;
+mod landing;
 mod mass_scaling;
 mod materials;
 mod matrices;

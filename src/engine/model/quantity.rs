@@ -6,6 +6,7 @@
 //! GAUGE.COLUMN@TIME          tip.z@0.5                                            at 0.5 s
 //! opening_load               canopy.drag.peak, of the only canopy or the one with the largest
 //! displacement_end           [m] largest displacement of a node at the end
+//! landing.time, landing.speed, landing.drift, landing.heading, landing.x, landing.y   of a run that ends on the ground
 //! max_displacement, max_speed, max_strain, max_stress                            the largest of the run
 //! energy.kinetic.STATISTIC   [J] and elastic, gravity, external_work, dissipated, numerical
 //! motion                     the motion of all nodes in all frames; it has an error and no value
@@ -68,6 +69,8 @@ pub enum Named {
     OpeningLoad,
     /// a largest value over the whole scene
     Largest(OfScene),
+    /// a number of the landing
+    Landing(OfLanding),
     /// a statistic of a column of a gauge
     Series {
         /// the gauge, canopy or probe
@@ -111,11 +114,57 @@ impl OfScene {
     }
 }
 
+/// A number of the landing, in a run that ends on the ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum OfLanding {
+    /// [s] when
+    Time,
+    /// [m/s] speed at touchdown
+    Speed,
+    /// [m] horizontal distance from the start
+    Drift,
+    /// [deg] direction of the drift, from the y axis (north) to the x axis (east); none without a drift
+    Heading,
+    /// [m] x of the place
+    X,
+    /// [m] y of the place
+    Y,
+}
+
+impl OfLanding {
+    /// All of them.
+    pub const ALL: [OfLanding; 6] =
+        [OfLanding::Time, OfLanding::Speed, OfLanding::Drift, OfLanding::Heading, OfLanding::X, OfLanding::Y];
+
+    /// The name of the quantity.
+    pub fn name(self) -> &'static str {
+        match self {
+            OfLanding::Time => "landing.time",
+            OfLanding::Speed => "landing.speed",
+            OfLanding::Drift => "landing.drift",
+            OfLanding::Heading => "landing.heading",
+            OfLanding::X => "landing.x",
+            OfLanding::Y => "landing.y",
+        }
+    }
+
+    /// Its unit.
+    pub fn unit(self) -> &'static str {
+        match self {
+            OfLanding::Time => "s",
+            OfLanding::Speed => "m/s",
+            OfLanding::Heading => "deg",
+            OfLanding::Drift | OfLanding::X | OfLanding::Y => "m",
+        }
+    }
+}
+
 /// Why a text is no name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "\"{name}\" is no quantity: expected GAUGE.COLUMN.STATISTIC with peak, peak_time, min, last, mean or steady, \
-     GAUGE.COLUMN@TIME, or one of opening_load, displacement_end, max_displacement, max_speed, max_strain, max_stress, motion"
+     GAUGE.COLUMN@TIME, or one of opening_load, displacement_end, max_displacement, max_speed, max_strain, max_stress, motion, \
+     landing.time, landing.speed, landing.drift, landing.heading, landing.x, landing.y"
 )]
 pub struct NoQuantity {
     /// as it was written
@@ -129,7 +178,8 @@ impl FromStr for QuantityName {
         let text = text.trim();
         let wrong = || NoQuantity { name: text.to_owned() };
         let of_scene = OfScene::ALL.iter().find(|(word, _)| *word == text).map(|(_, of)| Named::Largest(*of));
-        let names = match (text, of_scene) {
+        let of_landing = OfLanding::ALL.iter().find(|of| of.name() == text).map(|of| Named::Landing(*of));
+        let names = match (text, of_scene.or(of_landing)) {
             ("motion", _) => Named::Motion,
             ("displacement_end", _) => Named::DisplacementEnd,
             ("opening_load", _) => Named::OpeningLoad,
@@ -198,7 +248,9 @@ mod tests {
         assert_eq!(tip, Some(("tip".into(), "z".into(), Statistic::At(0.5))));
         assert_eq!(line, Some(("springs[5] lines".into(), "tension_max".into(), Statistic::PeakTime)));
         assert_eq!("motion".parse::<QuantityName>().map(|name| name.is_motion()), Ok(true));
-        for wrong in ["", "riser", "riser.peak", "riser.tension.top", "tip.z@soon", "Motion"] {
+        let landing = "landing.x".parse::<QuantityName>().map(|name| name.names);
+        assert_eq!(landing, Ok(Named::Landing(OfLanding::X)));
+        for wrong in ["", "riser", "riser.peak", "riser.tension.top", "tip.z@soon", "Motion", "landing.z"] {
             assert!(wrong.parse::<QuantityName>().is_err(), "{wrong}");
         }
     }

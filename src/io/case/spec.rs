@@ -168,6 +168,8 @@ pub struct StagesSpec {
     pub events: bool,
     /// nodes of the payload, whose height is told; empty if it is not known
     pub payload: Vec<u32>,
+    /// whether the run ends on the ground, so that it has a landing
+    pub landing: bool,
 }
 
 /// The start of a stage of a run.

@@ -9,6 +9,7 @@ use super::schedule::RowSchedule;
 use super::stages::{StagePlaces, StageReport, Stages, StagesSoFar};
 use super::statistics::SeriesSoFar;
 use crate::case::spec::{GaugeSpec, OutputSpec, ProbeSpec, RowEvery, StagesSpec};
+use crate::drive::event::Fired;
 use crate::drive::max_displacement::Displacement;
 use crate::drive::observer::{AcceptedStep, Energies};
 use crate::model::gauge::{CANOPY_QUANTITIES, NodeGauge, Quantity, ReportLine, TENSION_MAX};
@@ -37,6 +38,8 @@ pub struct GaugesSoFar {
     channels: Vec<SeriesSoFar>,
     quantities: quantities::QuantitiesSoFar,
     stages: StagesSoFar,
+    /// [s] time of the newest values
+    newest: f64,
 }
 
 /// The largest value of a quantity of a gauge, for `summary.json`.
@@ -110,7 +113,7 @@ pub struct GaugesSpec<'a> {
     pub stages: &'a StagesSpec,
     /// interval of the rows of canopies
     pub history: RowEvery,
-    /// [s] end of the run
+    /// [s] planned end of the run
     pub end: f64,
 }
 
@@ -146,8 +149,10 @@ pub(super) struct Gauges {
     every_step: bool,
     /// the rows at which a canopy without any gauge is measured
     sampled: Option<RowSchedule>,
-    /// [s] end of the run
+    /// [s] planned end of the run
     end: f64,
+    /// [s] time of the newest values
+    newest: f64,
 }
 
 impl Gauges {
@@ -169,6 +174,7 @@ impl Gauges {
             every_step: false,
             sampled: None,
             end: spec.end,
+            newest: 0.0,
         };
         for GaugeSpec { name, of, every } in spec.gauges {
             let (columns, places, strength) = Places::of(picture, of);
@@ -212,9 +218,12 @@ impl Gauges {
         Some(first + 2)
     }
 
-    /// Begins a stage at an event at `t` [s], in the state that was measured last.
-    pub(super) fn event(&mut self, t: f64, name: &str) {
-        self.stages.event(t, name);
+    /// Takes up an event in the state that was measured last: a stage may begin at it, or the run end with it.
+    pub(super) fn event(&mut self, event: &Fired) {
+        if let Some(stage) = &event.stage {
+            self.stages.event(event.t, stage);
+        }
+        self.quantities.event(event);
     }
 
     /// Whether no step has to be measured.
@@ -230,14 +239,15 @@ impl Gauges {
     /// What a checkpoint keeps.
     pub(super) fn kept(&self) -> GaugesSoFar {
         let (quantities, stages) = (self.quantities.so_far.clone(), self.stages.so_far.clone());
-        GaugesSoFar { channels: self.series.clone(), quantities, stages }
+        GaugesSoFar { channels: self.series.clone(), quantities, stages, newest: self.newest }
     }
 
     /// Takes up what a checkpoint kept.
     pub(super) fn take_up(&mut self, kept: &GaugesSoFar) {
         if kept.channels.len() == self.series.len() {
-            self.series.copy_from_slice(&kept.channels);
+            self.series.clone_from_slice(&kept.channels);
         }
+        self.newest = kept.newest;
         self.quantities.take_up(&kept.quantities);
         self.stages.take_up(&kept.stages);
     }
@@ -335,10 +345,11 @@ impl Gauges {
     }
 
     fn note(&mut self, t: f64) {
+        self.newest = t;
         for (number, ((series, channel), &value)) in
             self.series.iter_mut().zip(&self.channels).zip(&self.values).enumerate()
         {
-            self.quantities.catch(quantities::Source::Channel(number), series, t, value);
+            self.quantities.catch(&quantities::Source::Channel(number), series, t, value);
             series.note(t, value, channel.quantity.peak, self.end);
         }
         self.stages.note(t, &self.values);
@@ -362,7 +373,7 @@ impl Gauges {
                 t: peak_time,
                 last,
                 last_error: None,
-                steady: series.is_steady(self.end),
+                steady: series.is_steady(self.newest),
                 strength: channel.strength,
                 safety_factor: channel.strength.filter(|_| peak > 0.0).map(|strength| strength / peak),
                 line: channel.quantity.line,
@@ -373,11 +384,11 @@ impl Gauges {
 
     /// The stages so far.
     pub(super) fn stages(&self) -> Vec<StageReport> {
-        self.stages.reports(self.channels(), &self.series, self.end)
+        self.stages.reports(self.channels(), &self.series, self.newest)
     }
 
     /// The quantities so far.
     pub(super) fn quantities(&self) -> Vec<MeasuredQuantity> {
-        self.quantities.measured(&self.series, self.end)
+        self.quantities.measured(&self.series, self.newest)
     }
 }

@@ -6,6 +6,7 @@ use super::gauges::{Gauges, GaugesSoFar, GaugesSpec, MeasuredQuantity, Peak};
 use super::quantity::UnknownQuantity;
 use super::schedule::Schedule;
 use crate::case::spec::OutputSpec;
+use crate::drive::event::Fired;
 use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, States, UpcomingStep, Wants};
 use crate::model::observables::Observables;
 
@@ -116,6 +117,11 @@ impl Observer for LargestValues<'_> {
             self.note(step.max_speed(self.picture), step.max_strain(self.picture));
         }
         self.gauges.accepted(self.picture, step, |_| Ok(()))
+    }
+
+    fn event(&mut self, event: &Fired) -> Result<(), ObserveError> {
+        self.gauges.event(event);
+        Ok(())
     }
 
     fn failed(&mut self) -> Result<(), ObserveError> {

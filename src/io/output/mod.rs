@@ -30,6 +30,7 @@ pub mod recorder;
 mod request;
 pub mod resume;
 pub mod rows;
+mod samples;
 pub mod sanitize;
 pub mod schedule;
 mod series;

@@ -316,9 +316,7 @@ impl Observer for Recorder<'_> {
     }
 
     fn event(&mut self, event: &Fired) -> Result<(), ObserveError> {
-        if let Some(stage) = &event.stage {
-            self.gauges.event(event.t, stage);
-        }
+        self.gauges.event(event);
         Ok(())
     }
 

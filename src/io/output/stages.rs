@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::gauges::Channel;
-use super::statistics::SeriesSoFar;
+use super::statistics::{SeriesSoFar, late_from};
 use crate::case::spec::{StageStart, StagesSpec};
 use crate::model::gauge::{
     ANGLE_OF_ATTACK, AXIAL_SPEED, CANOPY_QUANTITIES, DRAG, DRAG_AREA, DRAG_COEFFICIENT, DYNAMIC_PRESSURE, Quantity,
@@ -225,7 +225,7 @@ impl Stages {
         }
     }
 
-    /// The stages of a run to `end` [s], and its last tenth where the run came to its end.
+    /// The stages of a run that ended at `end` [s], and its last tenth.
     pub(super) fn reports(&self, channels: &[Channel], series: &[SeriesSoFar], end: f64) -> Vec<StageReport> {
         let mut all: Vec<StageReport> = self.so_far.stages.iter().map(|stage| self.report(stage, channels)).collect();
         let late = |number: usize| series.get(number).map(|series| series.late_mean(end)).filter(|v| v.is_finite());
@@ -237,7 +237,7 @@ impl Stages {
         };
         let peaks: Vec<StagePeak> = self.followed.iter().filter_map(mean).collect();
         if !peaks.is_empty() && !self.canopies.is_empty() {
-            let from = SeriesSoFar::late_from(end);
+            let from = late_from(end);
             let speed = |first: &usize| series.get(channel_of(*first, AXIAL_SPEED)?);
             let steady = self.canopies.iter().filter_map(speed).all(|speed| speed.is_steady(end));
             let name = if steady { "steady" } else { "last tenth" }.to_owned();

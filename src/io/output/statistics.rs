@@ -1,7 +1,11 @@
 //! What is kept of a series of values from step to step: its largest and smallest value, its end, its means.
+//!
+//! What is steady is judged over the last tenth of the run, wherever it ends. A run that ends on the ground does not know
+//! its end beforehand, so the beginning of its last tenth is read from [`Samples`].
 
 use serde::{Deserialize, Serialize};
 
+use super::samples::{Sample, Samples};
 use crate::model::gauge::PeakRule;
 use crate::model::quantity::Statistic;
 
@@ -9,11 +13,11 @@ use crate::model::quantity::Statistic;
 const LAST_PART: f64 = 0.1;
 /// [-] Relative change over that part below which a value is steady.
 const STEADY: f64 = 0.01;
-/// Values of that part that are kept, equal times apart.
-const KEPT: u8 = 8;
+/// Values of that part that are compared, equal times apart.
+const LATE_VALUES: u8 = 8;
 
 /// A series of values so far; part of a checkpoint.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SeriesSoFar {
     /// the value with the largest magnitude, or the largest value
     pub peak: f64,
@@ -31,12 +35,9 @@ pub struct SeriesSoFar {
     pub t: f64,
     /// [s] time of the first value
     first: f64,
-    /// [s] time and value with which the last part of the run begins
-    late: [f64; 2],
-    /// integrals over time: of the whole series, and of its last part
-    integrals: [f64; 2],
-    /// values at equal times of the last part, from its beginning
-    kept: [f64; KEPT as usize],
+    /// integral over time
+    integral: f64,
+    samples: Samples,
 }
 
 impl Default for SeriesSoFar {
@@ -50,21 +51,20 @@ impl Default for SeriesSoFar {
             last: f64::NAN,
             t: f64::NAN,
             first: f64::NAN,
-            late: [f64::NEG_INFINITY, f64::NAN],
-            integrals: [0.0; 2],
-            kept: [f64::NAN; KEPT as usize],
+            integral: 0.0,
+            samples: Samples::default(),
         }
     }
 }
 
-impl SeriesSoFar {
-    /// [s] When the last part of a run to `end` [s] begins.
-    pub(super) fn late_from(end: f64) -> f64 {
-        (1.0 - LAST_PART) * end
-    }
+/// [s] When the last part of a run that ended at `end` [s] begins.
+pub(super) fn late_from(end: f64) -> f64 {
+    (1.0 - LAST_PART) * end
+}
 
-    /// Adds the value at `t` [s] of a run to `end` [s], by the trapezoidal rule. A value that is not finite is left
-    /// out.
+impl SeriesSoFar {
+    /// Adds the value at `t` [s] of a run that is planned to `end` [s], by the trapezoidal rule. A value that is not
+    /// finite is left out.
     pub fn note(&mut self, t: f64, value: f64, rule: PeakRule, end: f64) {
         if !value.is_finite() {
             return;
@@ -85,46 +85,48 @@ impl SeriesSoFar {
         if self.first.is_nan() {
             self.first = t;
         }
-        let begins = Self::late_from(end);
-        if t > self.t {
-            let mean = |from: f64| 0.5 * (self.at(from, t, value) + value) * (t - from);
-            let late = if t > begins { mean(self.t.max(begins)) } else { 0.0 };
-            self.integrals = [self.integrals[0] + mean(self.t), self.integrals[1] + late];
-        }
-        if self.late[0] < begins {
-            self.late = [t, value];
-        }
-        for number in (0..KEPT).filter(|_| t >= begins) {
-            let time = begins + LAST_PART * end * f64::from(number) / f64::from(KEPT);
-            let (new, passed) = (self.at(time, t, value), (self.first..=t).contains(&time));
-            let kept = self.kept.get_mut(usize::from(number)).filter(|kept| passed && kept.is_nan());
-            kept.into_iter().for_each(|kept| *kept = new);
-        }
+        let (from, begun) = ([self.t, self.last], t > self.t);
+        let at = |time: f64| {
+            let value = chord(from, [t, value], time);
+            let more = if begun { 0.5 * (from[1] + value) * (time - from[0]) } else { 0.0 };
+            Sample { value, integral: self.integral + more }
+        };
+        self.samples.take(t, end, at);
+        self.integral = at(t).integral;
         (self.t, self.last) = (t, value);
     }
 
     /// The value at `time` [s], between the newest one and `value` at `t` [s].
     pub fn at(&self, time: f64, t: f64, value: f64) -> f64 {
-        if t > self.t { self.last + (value - self.last) * (time - self.t) / (t - self.t) } else { value }
+        chord([self.t, self.last], [t, value], time)
     }
 
     /// Mean over time; the value itself where there is one only.
     pub fn mean(&self) -> f64 {
-        if self.t > self.first { self.integrals[0] / (self.t - self.first) } else { self.last }
+        if self.t > self.first { self.integral / (self.t - self.first) } else { self.last }
     }
 
-    /// Mean over the last tenth of a run to `end` [s]; NaN for a run that did not come so far.
+    /// The series at a time [s] that is not after its newest value.
+    fn before(&self, time: f64) -> Sample {
+        self.samples.at(time, self.t, Sample { value: self.last, integral: self.integral })
+    }
+
+    /// Mean over the last tenth of a run that ended at `end` [s]; NaN for a series that ended before.
     pub fn late_mean(&self, end: f64) -> f64 {
-        let begins = Self::late_from(end).max(self.first);
-        if self.t > begins { self.integrals[1] / (self.t - begins) } else { f64::NAN }
+        let begins = late_from(end).max(self.first);
+        let before = if begins > self.first { self.before(begins).integral } else { 0.0 };
+        if self.t > begins { (self.integral - before) / (self.t - begins) } else { f64::NAN }
     }
 
-    /// Values at equal times of the last tenth of the run; none unless all of them were measured.
-    pub fn late_values(&self) -> Vec<f64> {
-        if self.kept.iter().all(|value| value.is_finite()) { self.kept.to_vec() } else { Vec::new() }
+    /// Values at equal times of the last tenth of a run that ended at `end` [s]; none unless all of them were measured.
+    pub fn late_values(&self, end: f64) -> Vec<f64> {
+        let begins = late_from(end);
+        let time = |number| begins + LAST_PART * end * f64::from(number) / f64::from(LATE_VALUES);
+        let measured = self.first <= begins && time(LATE_VALUES - 1) <= self.t;
+        (0..LATE_VALUES).filter(|_| measured).map(|number| self.before(time(number)).value).collect()
     }
 
-    /// The statistic of a run to `end` [s]; `None` for [`Statistic::At`], which has to be caught on the way.
+    /// The statistic of a run that ended at `end` [s]; `None` for [`Statistic::At`], which has to be caught on the way.
     pub fn statistic(&self, which: Statistic, end: f64) -> Option<f64> {
         Some(match which {
             Statistic::Peak => self.peak,
@@ -137,11 +139,16 @@ impl SeriesSoFar {
         })
     }
 
-    /// Whether it changed by less than 1 % over the last tenth of a run to `end` [s].
+    /// Whether it changed by less than 1 % over the last tenth of a run that ended at `end` [s].
     pub fn is_steady(&self, end: f64) -> bool {
-        let [from, late] = self.late;
-        from >= Self::late_from(end) && (self.last - late).abs() <= STEADY * self.last.abs()
+        let begins = late_from(end).max(self.first);
+        self.t > begins && (self.last - self.before(begins).value).abs() <= STEADY * self.last.abs()
     }
+}
+
+/// The value at `time` on the chord between two points of time and value; the second one's where it is not later.
+fn chord([from, last]: [f64; 2], [t, value]: [f64; 2], time: f64) -> f64 {
+    if t > from { last + (value - last) * (time - from) / (t - from) } else { value }
 }
 
 #[cfg(test)]
@@ -165,6 +172,26 @@ mod tests {
         assert_eq!((series.peak, series.peak_time, series.min, series.last), (100.0, 10.0, 0.0, 100.0));
     }
 
+    /// v = 1 - exp(-t) of a run that is planned to 100 s and ends early: the mean over its own last tenth, and whether it
+    /// is steady there, as a fall with drag is that lands.
+    #[test]
+    fn a_run_that_ends_early_is_judged_by_its_own_end() {
+        let v = |t: f64| 1.0 - (-t).exp();
+        for (end, steady) in [(0.01, false), (2.0, false), (6.3, true), (99.0, true)] {
+            let mut series = SeriesSoFar::default();
+            let steps = 4000;
+            let times = (0..=steps).map(|k| end * f64::from(k) / f64::from(steps));
+            times.for_each(|t| series.note(t, v(t), PeakRule::Largest, 100.0));
+            let exact = 1.0 + ((-end).exp() - (-0.9 * end).exp()) / (0.1 * end);
+            let error = (series.late_mean(end) / exact - 1.0).abs();
+            assert!(error < 2e-5, "{end}: {} {exact}", series.late_mean(end));
+            assert_eq!(series.is_steady(end), steady, "{end}");
+            let values = series.late_values(end);
+            let wrong = values.iter().enumerate().map(|(k, value)| value - v(end * (0.9 + 0.0125 * k as f64)));
+            assert!(values.len() == 8 && wrong.fold(0.0, |a: f64, b| a.max(b.abs())) < 2e-3, "{end}: {values:?}");
+        }
+    }
+
     /// A sine has its largest value between two samples.
     #[test]
     fn what_a_peak_misses_is_that_of_a_parabola() {
@@ -184,7 +211,7 @@ mod tests {
         let line = |n: u32| {
             let mut series = SeriesSoFar::default();
             (0..=n).map(|k| f64::from(k) / f64::from(n)).for_each(|t| series.note(t, t, PeakRule::Largest, 1.0));
-            series.late_values()
+            series.late_values(1.0)
         };
         let wanted = (0..8).map(|k| 0.9 + 0.1 * f64::from(k) / 8.0);
         for values in [line(3), line(1000)] {
@@ -192,7 +219,7 @@ mod tests {
         }
         let mut cut_short = SeriesSoFar::default();
         cut_short.note(0.95, 1.0, PeakRule::Largest, 1.0);
-        assert_eq!(cut_short.late_values(), [0.0; 0]);
+        assert_eq!(cut_short.late_values(1.0), [0.0; 0]);
     }
 
     #[test]

@@ -85,8 +85,8 @@ pub enum Command {
     /// `cpu_seconds` [s], counted work, with mass scaling `added_mass` [kg] and `added_mass_share`, and for every
     /// quantity of a gauge the columns GAUGE.QUANTITY.peak, .peak_time [s], .last (the value at the end) and
     /// .is_steady (whether it changed by less than 1 % over the last tenth of the run), then quantities that are asked
-    /// for, and `note`. Runs that failed are rows
-    /// without these values; `note` says why. A sweep that was stopped continues when the same command is given again.
+    /// for, those of the landing where runs end on the ground (landing.time, .speed, .drift, .heading, .x and .y), and
+    /// `note`. Runs that failed are rows without these values; `note` says why. A sweep that was stopped continues when the same command is given again.
     #[command(after_help = EXIT_STATUS)]
     Sweep(SweepArgs),
     /// Find what a scene requires: what each part of the model does to the numbers of the report, and what it costs

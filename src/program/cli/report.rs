@@ -156,9 +156,7 @@ fn describe_motion(text: &mut String, recorded: &Recorded, step: f64) {
     let error = summary.quantities.get("displacement_end").and_then(|quantity| quantity.error);
     let distance = if error.is_some() { with_error(*distance, error) } else { format!("{distance:.6}") };
     let _ = writeln!(text, "  displacement    {distance} m at the end, the largest, of {displaced}");
-    // Whether a value is steady is judged over the last tenth of the time that was asked for.
-    let early = summary.t_end < 0.999 * recorded.spec.end;
-    summary.peaks.iter().filter_map(|one| peak(one, early)).for_each(|line| text.push_str(&line));
+    summary.peaks.iter().filter_map(peak).for_each(|line| text.push_str(&line));
     text.push_str(&stages::lines(&summary.stages));
 }
 
@@ -181,8 +179,8 @@ fn energy_verdict(outcome: &Outcome) -> String {
 }
 
 /// A line of the report for a value that a reader looks for first: opening load, speed of descent, largest loads.
-/// The drag of a canopy that starts full is no opening load. `early` says that the run ended before its time.
-fn peak(one: &Peak, early: bool) -> Option<String> {
+/// The drag of a canopy that starts full is no opening load.
+fn peak(one: &Peak) -> Option<String> {
     let Peak { t, steady, strength, safety_factor, line, .. } = one;
     let (name, unit) = (one.shown(), if one.unit == "-" { "" } else { &format!(" {}", one.unit) });
     let drag = if *t > 0.0 { "opening load" } else { "largest drag" };
@@ -191,11 +189,7 @@ fn peak(one: &Peak, early: bool) -> Option<String> {
     let line = match ((*line)?, strength, safety_factor) {
         (ReportLine::Drag, ..) => format!("  {drag}    {value}{unit} at t = {t} s ({name}, drag)"),
         (ReportLine::Descent, ..) => {
-            let steady = match (*steady, early) {
-                (true, _) => "steady",
-                (false, true) => "at the end",
-                (false, false) => "at the end, still changing",
-            };
+            let steady = if *steady { "steady" } else { "at the end, still changing" };
             format!("  speed           {last}{unit} {steady} ({name}, against the air)")
         }
         (ReportLine::Ratio { symbol, of }, ..) => format!("  {symbol:<16}{last}{of} at the end ({name})"),

@@ -123,9 +123,6 @@ impl StudyArgs {
     pub(super) fn warn(&self, case: &Case) {
         if !self.print.quiet {
             case.warnings().iter().for_each(|warning| complain(&format!("warning: {warning}")));
-            if case.problem().time.to_ground {
-                complain("note: the runs of a study go on to time.end; time.until ends runs of `solve` only");
-            }
         }
     }
 

@@ -3,7 +3,7 @@
 use super::case_args::Threads;
 use super::interrupt::stop_on_interrupt;
 use super::study::{Budget, CaseFile, ProgressLine, StudyArgs, nothing_lost, typed};
-use super::{CliError, CommandOutput};
+use super::{CliError, CommandOutput, complain};
 use crate::case::Case;
 use crate::study::difference::differences;
 use crate::study::options::{StudyOptions, TypedOptions};
@@ -109,6 +109,12 @@ impl Command<'_> {
 
     fn plan(&self, path: &Path, case: &Case, store: &Store, line: &ProgressLine) -> Result<Plan, CliError> {
         self.args.study.warn(case);
+        if case.problem().time.to_ground && !self.args.study.print.quiet {
+            complain(
+                "note: these runs go on to time.end, since all of them are compared with the reference at the same \
+                 times; their landing.* numbers are those at the ground",
+            );
+        }
         let options = self.options(case)?;
         let section = case.file().study.as_ref().and_then(|study| study.budget_seconds);
         let references = options.stiffness_sweep.len().max(options.models.len()).max(1) as f64;

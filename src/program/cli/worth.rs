@@ -131,7 +131,9 @@ fn lines(quantities: &[MeasuredQuantity], summary: &Summary, kind: &str, how: &s
             _ => {}
         }
     }
-    let _ = writeln!(text, "  ± by the {kind:<7}{how}");
+    // Not wider than the column of all labels.
+    let by = if kind == "step" { "± by the step" } else { "± by tolerance" };
+    let _ = writeln!(text, "  {by:<16}{how}");
     let extrapolated: Vec<String> = quantities
         .iter()
         .filter_map(|quantity| Some((quantity, of(quantity)?.extrapolated?, of(quantity)?.error)))

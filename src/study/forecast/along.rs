@@ -47,16 +47,17 @@ struct Pace {
     step: Sample,
 }
 
-/// The whole run with fixed steps of `h` [s] of which `own` is the first part. `None` where no step could be tried.
+/// The whole run with fixed steps of `h` [s] of which `own` is the first part, and where it lands [s], if the coarse run
+/// does. `None` where no step could be tried.
 pub(super) fn whole_run(
     spec: &ForecastSpec<'_>,
     costs: &NominalCosts,
     method: &MethodChoice,
     h: f64,
     own: &WholeRun,
-) -> Option<Estimate> {
+) -> Option<(Estimate, Option<f64>)> {
     let ForecastSpec { scene, problem, budget, .. } = *spec;
-    let (end, clock) = (problem.time.end, Stopwatch::default());
+    let clock = Stopwatch::default();
     let began = clock.seconds();
     let [most, trials] = [COARSE, TRIALS].map(|share| budget.nominal(Family::Implicit, share * budget.left()));
     let rough = MethodChoice::with_defaults("backward-euler").ok()?;
@@ -64,12 +65,15 @@ pub(super) fn whole_run(
     solver.newton.relative = solver.newton.relative.max(SOLVED);
     pass_events(scene, 0);
     let mut spent = 0.0;
-    let probe = Experiment::new(scene, &rough, solver, Step::Adaptive(ROUGH), end);
+    let probe = Experiment::new(scene, &rough, solver, Step::Adaptive(ROUGH), problem.time.end);
+    let probe = Experiment { ends_by_event: problem.time.to_ground, ..probe };
     let mut enough = |steps: u64, counters: Counters| {
         spent = costs.cost(steps as f64, counters.into());
         spent > most
     };
     let way = SampledStates::until(probe, &mut enough);
+    let landing = Some(way.reached).filter(|reached| way.landed && *reached > own.t_end);
+    let end = landing.unwrap_or(problem.time.end);
     let states = way.beyond(own.t_end, STATES);
     // A rough state far from any motion is given up soon.
     let mut quick = problem.solver;
@@ -123,7 +127,7 @@ pub(super) fn whole_run(
         work: Work::each(|kind| kind(&made.work) + kind(&left.work)),
     };
     // Steps from rough states need more iterations than those of the run itself.
-    Some(Estimate { doubtful: !settled, ..Estimate::from_one(&whole, end, steps) })
+    Some((Estimate { doubtful: !settled, ..Estimate::from_one(&whole, end, steps) }, landing))
 }
 
 /// The last one, then those in the middle of what is left: where trials end early, they still stand for the whole run.

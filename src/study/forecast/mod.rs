@@ -36,7 +36,7 @@ pub use trials::searches;
 use crate::StudyError;
 use crate::accuracy::Accuracy;
 use crate::analysis::critical::CriticalStep;
-use crate::case::spec::Problem;
+use crate::case::spec::{Problem, TimeSpec};
 use crate::drive::clock::{Step, Tolerance};
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::output::frame::Fields;
@@ -152,6 +152,10 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
         Err(NoProspects::TooDear) => (None, None, true),
         Err(NoProspects::Fails { why, instead }) => (instead.map(|found| *found), Some(why), false),
     };
+    // A run that lands costs nothing after it.
+    let landing = prospects.as_ref().and_then(|found| found.landing);
+    let to_landing = landing.map(|end| Problem { time: TimeSpec { end, ..problem.time }, ..problem.clone() });
+    let spec = &ForecastSpec { problem: to_landing.as_ref().unwrap_or(problem), ..*spec };
     let memory = MemorySpec { scene, baseline, output: &output, tangent: tangent.as_ref() };
     let needs = |candidate: &Candidate, step: Step| Needs {
         family: candidate.method.info.family,
@@ -211,10 +215,8 @@ pub fn describe_answer(
     stable: &str,
 ) -> Result<String, StudyError> {
     let scaled_masses = scene.added_mass().is_some();
-    let lines = forecast
-        .prospects
-        .as_ref()
-        .map(|found| found.lines(forecast.refused.is_none(), problem.time.until_rest.is_some(), accuracy));
+    let lines =
+        forecast.prospects.as_ref().map(|found| found.lines(forecast.refused.is_none(), &problem.time, accuracy));
     let own = problem.method.info.name;
     let context = context! { forecast, own, lines, stable, scaled_masses };
     render("check_answer.txt", include_str!("../templates/check_answer.txt"), &context)
@@ -226,7 +228,8 @@ pub fn describe_answer(
 /// What the template engine refuses.
 pub fn describe(problem: &Problem, forecast: &Forecast) -> Result<String, StudyError> {
     let info = problem.method.info;
-    let (own, implicit, end) = (info.name, info.family == Family::Implicit, problem.time.end);
+    let landing = forecast.prospects.as_ref().and_then(|found| found.landing);
+    let (own, implicit, end) = (info.name, info.family == Family::Implicit, landing.unwrap_or(problem.time.end));
     let context = context! { forecast, own, implicit, end };
     render("check.txt", include_str!("../templates/check.txt"), &context)
 }

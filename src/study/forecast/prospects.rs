@@ -13,6 +13,7 @@
 mod runs;
 mod words;
 
+use runs::Course;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -103,6 +104,9 @@ pub struct Prospects {
     pub within: String,
     /// [-] part of the run that was made
     pub part: f64,
+    /// [s] when the run ends on the ground: as in the case's own run, or in the coarse one along which its steps were
+    /// tried; null where neither came to it, and where runs go on to `time.end`
+    pub landing: Option<f64>,
     /// the runs of the case's own method, in words
     #[serde(skip)]
     pub runs: String,
@@ -163,24 +167,26 @@ impl Prospector<'_, '_> {
     /// The prospects beside a run of this method with this step.
     fn from(&self, candidate: &Candidate, step: Step) -> Result<Prospects, NoProspects> {
         let ForecastSpec { problem, budget, .. } = *self.spec;
-        let end = problem.time.end;
         let own_limit = candidate.limit.map_or(f64::INFINITY, |limit| limit.safe());
         let family = candidate.method.info.family;
         let most = budget.nominal(family, OWN * budget.left());
         if most < self.costs.untried(&candidate.method, FEWEST as f64) {
             return Err(NoProspects::TooDear);
         }
-        let own = self.run(candidate, step, end, most).ok_or(NoProspects::TooDear)?;
+        let own = self.run(candidate, step, problem.time.end, most).ok_or(NoProspects::TooDear)?;
         if let Some(time) = own.failed_at {
             return Err(NoProspects::Fails { why: format!("fails at t = {time:.3e} s: {}", own.note), instead: None });
         }
-        let part = own.t_end;
-        let (whole, told_by) = self.course(candidate, &own);
+        let (part, end) = (own.t_end, own.whole_end(problem.time.end));
+        let Course { whole, told_by, landing } = self.course(candidate, &own);
         if part < PART * end && !budget.thorough() {
             let estimate = whole.with((self.besides)(whole.steps));
             let found = Prospects::without_errors(self.spec, self.costs, told_by, estimate);
-            return Ok(Prospects { part: part / end, ..found });
+            return Ok(Prospects { part: part / landing.unwrap_or(end), landing, ..found });
         }
+        // Beside a whole run to the ground others come to the ground too, a little earlier or later.
+        let to = if own.landed { problem.time.end } else { part };
+        let came = |run: &WholeRun| (run.t_end >= part || run.landed) && run.failed_at.is_none();
         let stable = |step: Step| step.fixed().is_none_or(|h| h < own_limit && FEWEST as f64 * h <= part);
         let beside = |times: f64| {
             let left = if budget.thorough() { f64::INFINITY } else { budget.nominal(family, budget.left()) };
@@ -190,18 +196,18 @@ impl Prospector<'_, '_> {
         for times in 1..=2 {
             let step = coarser(step, times);
             let wide = step.tolerance().is_some_and(|tolerance| tolerance.relative >= 1.0);
-            let run = if stable(step) && !wide { self.run(candidate, step, part, beside(1.0)) } else { None };
-            match run.filter(|run| run.t_end >= part && run.failed_at.is_none()) {
+            let run = if stable(step) && !wide { self.run(candidate, step, to, beside(1.0)) } else { None };
+            match run.filter(came) {
                 Some(run) => longer.push(run),
                 None => break,
             }
         }
         // Where no longer step runs, a shorter one says as much.
         let finer = match longer.is_empty() && budget.left() > 0.0 {
-            true => self.run(candidate, coarser(step, -1), part, beside(FINER_COST)),
+            true => self.run(candidate, coarser(step, -1), to, beside(FINER_COST)),
             false => None,
         };
-        let finer = finer.filter(|run| run.t_end >= part && run.failed_at.is_none());
+        let finer = finer.filter(came);
         let order = candidate.method.order();
         let shrinks = match step {
             Step::Fixed(_) => Shrinks::with_steps(order),
@@ -241,7 +247,8 @@ impl Prospector<'_, '_> {
         let made: Vec<String> = made.map(|run| size(run.step)).collect();
         let kind = if step.fixed().is_some() { "steps" } else { "tolerances" };
         let (within, runs) = (self.spec.accuracy.to_string(), format!("{kind} {}", made.join(", ")));
-        Ok(Prospects { this_case, recommended: told, within, part: (part / end).min(1.0), runs })
+        let part = (part / landing.unwrap_or(end)).min(1.0);
+        Ok(Prospects { this_case, recommended: told, within, part, landing, runs })
     }
 
     fn limit_of(&self, name: &str) -> Option<CriticalStep> {
@@ -268,7 +275,8 @@ impl Prospector<'_, '_> {
         let (mut errors, mut worst, mut known) = (BTreeMap::new(), None, true);
         // A part of a run says nothing of its end, where other numbers are asked for too.
         let wanted = || run.quantities.iter().filter(|quantity| quantity.wanted);
-        let early = run.t_end < self.spec.problem.time.end && wanted().any(|quantity| !quantity.at_end());
+        let early =
+            run.t_end < run.whole_end(self.spec.problem.time.end) && wanted().any(|quantity| !quantity.at_end());
         for quantity in wanted() {
             if early && quantity.at_end() {
                 errors.insert(quantity.name.clone(), ErrorForecast::default());
@@ -345,7 +353,7 @@ impl Prospects {
             estimate,
         };
         let within = spec.accuracy.to_string();
-        Prospects { this_case, recommended: Vec::new(), within, part: 0.0, runs: String::new() }
+        Prospects { this_case, recommended: Vec::new(), within, part: 0.0, landing: None, runs: String::new() }
     }
 
     /// Whether the case's own run is one of this method and step.

@@ -17,6 +17,8 @@ pub struct SampledStates {
     states: Vec<Snapshot>,
     /// [s] how far the run came
     pub reached: f64,
+    /// whether it ended on the ground there
+    pub landed: bool,
 }
 
 impl SampledStates {
@@ -33,6 +35,7 @@ impl SampledStates {
     pub fn until(run: Experiment<'_>, enough: &mut dyn FnMut(u64, Counters) -> bool) -> SampledStates {
         let most = (MOST_BYTES / (48 * run.scene.n_dof()).max(1)).clamp(2, MOST);
         let (mut states, mut every) = (Vec::<Snapshot>::new(), 1);
+        let to_ground = run.ends_by_event;
         let outcome = run.run(Start::Initial, None, &mut |event, _| {
             let Event::Boundary(run) = event else { return false };
             let due = |states: &[Snapshot], every| states.last().is_none_or(|last| run.step >= last.step + every);
@@ -49,7 +52,8 @@ impl SampledStates {
             }
             enough(run.step, run.counters)
         });
-        SampledStates { states, reached: outcome.map_or(0.0, |outcome| outcome.t_end) }
+        let (reached, landed) = outcome.map_or((0.0, false), |outcome| (outcome.t_end, outcome.landed()));
+        SampledStates { states, reached, landed: landed && to_ground }
     }
 
     /// At most `count` states after a time [s], evenly among those that were kept.

@@ -72,7 +72,8 @@ impl SweepResult {
         let Measured { run, max_speed, max_strain, displacement_end, peaks, quantities, mass_scaling, .. } = measured;
         let RunResult { status, note, energy_error, repeats, steps, rejected_steps, t_end, counters, .. } = run;
         let completed = status == RowStatus::Completed;
-        let shown: Vec<_> = quantities.into_iter().filter(|one| completed && asked && one.wanted).collect();
+        let shows = |one: &MeasuredQuantity| completed && (asked && one.wanted || one.is_of_landing());
+        let shown: Vec<_> = quantities.into_iter().filter(shows).collect();
         let value = |x: f64| Some(x).filter(|x| completed && x.is_finite());
         SweepResult {
             status,

@@ -2,7 +2,7 @@
 
 use crate::case::json_schema;
 use crate::model::gauge::Quantity as Column;
-use crate::model::quantity::{Named, OfScene, QuantityName, Statistic};
+use crate::model::quantity::{Named, OfLanding, OfScene, QuantityName, Statistic};
 use crate::output::gauges::names::without_rule;
 use serde_json::Value;
 
@@ -68,6 +68,15 @@ pub(super) fn of_quantity(name: &str) -> String {
         Named::OpeningLoad => "opening load".to_owned(),
         Named::DisplacementEnd => "largest displacement at the end".to_owned(),
         Named::Motion => "motion".to_owned(),
+        Named::Landing(of) => match of {
+            OfLanding::Time => "time of the landing",
+            OfLanding::Speed => "speed at the landing",
+            OfLanding::Drift => "drift to the landing",
+            OfLanding::Heading => "heading of the drift",
+            OfLanding::X => "x of the landing",
+            OfLanding::Y => "y of the landing",
+        }
+        .to_owned(),
         Named::Largest(OfScene::Displacement) => "largest displacement".to_owned(),
         Named::Largest(OfScene::Speed) => "largest speed of a node".to_owned(),
         Named::Largest(OfScene::Strain) => "largest strain".to_owned(),
@@ -100,6 +109,7 @@ mod tests {
         assert_eq!(of_quantity("tip.z@0.5"), "z (tip), at 0.5 s");
         assert_eq!(of_quantity("opening_load"), "opening load");
         assert_eq!(of_quantity("energy.kinetic.mean"), "kinetic energy, mean over the run");
+        assert_eq!(of_quantity("landing.speed"), "speed at the landing");
         assert_eq!(of_quantity("steps"), "steps");
     }
 }

@@ -43,7 +43,8 @@ pub(super) fn stages(network: &Network, spec: &NetworkSpec, geometry: Option<&Ge
         starts.push(StageStart { t, name });
     }
     let events = spec.events.iter().any(|event| event.stage.is_some());
-    StagesSpec { starts, events, payload: payload(spec, geometry) }
+    let landing = spec.events.iter().any(|event| event.ends_run);
+    StagesSpec { starts, events, payload: payload(spec, geometry), landing }
 }
 
 /// [s] Where canopies begin to fill, and where the next stages of their drag areas begin.

@@ -28,7 +28,7 @@ pub struct Time {
     /// load, the wind or a support; the summary says so in `at_rest`.
     pub until_rest: Option<UntilRest>,
     /// The run ends before its time where the payload reaches the ground; the report and the summary tell the landing.
-    /// Commands that make many runs of a case, such as `tradeoff`, go on to `end`.
+    /// Runs of `tradeoff` and `stability` go on to `end`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until: Option<Until>,
 }

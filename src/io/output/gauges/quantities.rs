@@ -3,9 +3,10 @@
 use super::names::without_rule;
 use super::places::{PROBE, Places};
 use super::{Channel, Gauges, GaugesSpec};
+use crate::drive::event::{Fired, Landing};
 use crate::drive::observer::Energies;
 use crate::model::gauge::{DRAG, PeakRule, Quantity as Column};
-use crate::model::quantity::{Named, QuantityName, Statistic};
+use crate::model::quantity::{Named, OfLanding, QuantityName, Statistic};
 use crate::output::quantity::{
     ENERGIES, ENERGY, QuantityReport, QuantityReports, UnknownQuantity, column_of, energies, reported,
 };
@@ -40,6 +41,11 @@ impl MeasuredQuantity {
         self.name == "motion"
     }
 
+    /// Whether it is a number of the landing.
+    pub fn is_of_landing(&self) -> bool {
+        OfLanding::ALL.iter().any(|of| of.name() == self.name)
+    }
+
     /// Whether it is a time that only falls on steps.
     pub fn is_time(&self) -> bool {
         self.statistic == Statistic::PeakTime
@@ -71,6 +77,7 @@ pub(super) enum Source {
     Channels(Vec<usize>),
     /// a column of the energy account
     Energy(usize),
+    Landing(OfLanding),
 }
 
 /// A quantity that was found.
@@ -99,6 +106,7 @@ pub(super) struct Quantities {
     pub so_far: QuantitiesSoFar,
     /// [m]
     pub displacement_end: f64,
+    landing: Option<(Fired, Landing)>,
 }
 
 impl Quantities {
@@ -115,7 +123,13 @@ impl Quantities {
             reported.extend("motion".parse());
         }
         let default = spec.quantities.is_empty();
-        let own = ["displacement_end".parse()].into_iter().flatten();
+        // Drift, heading and place may be 0, or nothing but rounding, so their errors are told where they are asked for.
+        let reports = |of: &OfLanding| matches!(of, OfLanding::Time | OfLanding::Speed);
+        let landing = OfLanding::ALL.into_iter().filter(|_| spec.stages.landing);
+        let (told, more): (Vec<_>, Vec<_>) = landing.partition(reports);
+        reported.extend(told.into_iter().filter_map(|of| of.name().parse().ok()));
+        let own = std::iter::once("displacement_end").chain(more.into_iter().map(OfLanding::name));
+        let own = own.filter_map(|name| name.parse().ok());
         for (name, wanted) in reported.into_iter().map(|name| (name, default)).chain(own.map(|name| (name, false))) {
             if found.iter().all(|other: &Found| other.name != name) {
                 found.push(Found { wanted, ..find(gauges, spec, &name)? });
@@ -126,7 +140,7 @@ impl Quantities {
             account: vec![SeriesSoFar::default(); if account { ENERGIES.len() } else { 0 }],
             caught: vec![None; found.len()],
         };
-        Ok(Quantities { found, so_far, displacement_end: f64::NAN })
+        Ok(Quantities { found, so_far, displacement_end: f64::NAN, landing: None })
     }
 
     pub(super) fn take_up(&mut self, kept: &QuantitiesSoFar) {
@@ -136,34 +150,41 @@ impl Quantities {
         }
     }
 
-    /// Adds a row of the account of a run to `end` [s].
+    /// Keeps the landing, if an event is one. A run that continues is told of it again.
+    pub(super) fn event(&mut self, event: &Fired) {
+        self.landing = event.landing.map(|landing| (event.clone(), landing)).or(self.landing.take());
+    }
+
+    fn of_landing(&self, of: OfLanding) -> Option<f64> {
+        let (Fired { t, place: [x, y, _], .. }, Landing { speed, drift, heading, .. }) = self.landing.as_ref()?;
+        match of {
+            OfLanding::Time => Some(*t),
+            OfLanding::Speed => Some(*speed),
+            OfLanding::Drift => Some(*drift),
+            OfLanding::Heading => *heading,
+            OfLanding::X => Some(*x),
+            OfLanding::Y => Some(*y),
+        }
+    }
+
+    /// Adds a row of the account of a run that is planned to `end` [s].
     pub(super) fn account(&mut self, t: f64, ledger: Energies, end: f64) {
         if self.so_far.account.is_empty() {
             return;
         }
-        for (number, value) in energies(ledger).into_iter().enumerate() {
-            let series = self.so_far.account.get(number).copied().unwrap_or_default();
-            self.catch(Source::Energy(number), &series, t, value);
-            if let Some(series) = self.so_far.account.get_mut(number) {
-                series.note(t, value, PeakRule::LargestMagnitude, end);
-            }
+        let QuantitiesSoFar { account, caught } = &mut self.so_far;
+        for (number, (series, value)) in account.iter_mut().zip(energies(ledger)).enumerate() {
+            catch(&self.found, caught, &Source::Energy(number), (series, t, value));
+            series.note(t, value, PeakRule::LargestMagnitude, end);
         }
     }
 
     /// Keeps the values at times between the newest value of a series and the next one, `value` at `t` [s].
-    pub(super) fn catch(&mut self, source: Source, series: &SeriesSoFar, t: f64, value: f64) {
-        for (of, caught) in self.found.iter().zip(&mut self.so_far.caught) {
-            if let Statistic::At(time) = of.statistic
-                && of.source == source
-                && caught.is_none()
-                && time <= t
-            {
-                *caught = Some(series.at(time, t, value)).filter(|value| value.is_finite());
-            }
-        }
+    pub(super) fn catch(&mut self, source: &Source, series: &SeriesSoFar, t: f64, value: f64) {
+        catch(&self.found, &mut self.so_far.caught, source, (series, t, value));
     }
 
-    /// The values, of the series of all channels in a run to `end` [s].
+    /// The values, of the series of all channels in a run that ended at `end` [s].
     pub(super) fn measured(&self, channels: &[SeriesSoFar], end: f64) -> Vec<MeasuredQuantity> {
         let of_series = |found: &Found, caught: Option<f64>, series: &[SeriesSoFar], number: usize| {
             let series = series.get(number)?;
@@ -177,11 +198,12 @@ impl Quantities {
                 several.iter().filter_map(|number| of_series(found, *caught, channels, *number)).reduce(f64::max)
             }
             Source::Energy(number) => of_series(found, *caught, &self.so_far.account, *number),
+            Source::Landing(of) => self.of_landing(*of),
         };
         let series = |source: &Source| match source {
             Source::Channel(number) => channels.get(*number),
             Source::Energy(number) => self.so_far.account.get(*number),
-            Source::Motion | Source::DisplacementEnd | Source::Channels(_) => None,
+            Source::Motion | Source::DisplacementEnd | Source::Channels(_) | Source::Landing(_) => None,
         };
         let between = |number: &usize| channels.get(*number).map_or(0.0, |series| series.missed);
         let missed = |source: &Source| match source {
@@ -189,7 +211,7 @@ impl Quantities {
             source => series(source).map_or(0.0, |series| series.missed),
         };
         let largest = |source: &Source| series(source).map_or(0.0, |of| of.peak.abs().max(of.min.abs()));
-        let late = |source: &Source| series(source).map_or_else(Vec::new, SeriesSoFar::late_values);
+        let late = |source: &Source| series(source).map_or_else(Vec::new, |series| series.late_values(end));
         let measured = |of: (&Found, &Option<f64>)| MeasuredQuantity {
             name: of.0.name.text.clone(),
             unit: of.0.unit,
@@ -204,6 +226,20 @@ impl Quantities {
     }
 }
 
+/// Keeps the values of a source at times between the newest value of its series and the next one, at `t` [s].
+fn catch(found: &[Found], caught: &mut [Option<f64>], source: &Source, next: (&SeriesSoFar, f64, f64)) {
+    let (series, t, value) = next;
+    for (of, caught) in found.iter().zip(caught) {
+        if let Statistic::At(time) = of.statistic
+            && of.source == *source
+            && caught.is_none()
+            && time <= t
+        {
+            *caught = Some(series.at(time, t, value)).filter(|value| value.is_finite());
+        }
+    }
+}
+
 /// What a name means in this run.
 fn find(gauges: &mut Gauges, spec: &GaugesSpec<'_>, name: &QuantityName) -> Result<Found, UnknownQuantity> {
     let made = |unit, source, statistic| Found { name: name.clone(), unit, source, statistic, wanted: true };
@@ -211,6 +247,8 @@ fn find(gauges: &mut Gauges, spec: &GaugesSpec<'_>, name: &QuantityName) -> Resu
     match &name.names {
         Named::Motion => Ok(made("-", Source::Motion, Statistic::Peak)),
         Named::DisplacementEnd => Ok(made("m", Source::DisplacementEnd, Statistic::Last)),
+        Named::Landing(of) if spec.stages.landing => Ok(made(of.unit(), Source::Landing(*of), Statistic::Last)),
+        Named::Landing(_) => Err(unknown(gauges, spec, name, "landing: the case has no time.until".to_owned())),
         Named::Largest(of) => {
             let column = Column::of("largest", of.unit());
             gauges.add(&name.text, None, &[column], Places::Scene(*of), rows);
@@ -284,5 +322,8 @@ fn unknown(gauges: &Gauges, spec: &GaugesSpec<'_>, name: &QuantityName, missing:
     }
     known.extend(spec.probes.iter().map(|probe| format!("{} (probe): x, y, z, vx, vy, vz", probe.name)));
     known.push(format!("{ENERGY}: {}", ENERGIES.join(", ")));
+    if spec.stages.landing {
+        known.push(OfLanding::ALL.map(OfLanding::name).join(", "));
+    }
     UnknownQuantity { name: name.text.clone(), missing, known: format!("gauges and columns: {}", known.join("; ")) }
 }

@@ -29,6 +29,15 @@ const CHEAPER: f64 = 0.8;
 const FINER: i32 = 10;
 /// Most units of work a step, as [`WholeRun::work`] counts it, where a method has made none.
 const UNITS: f64 = 6.0;
+
+/// The whole run of which a part was made.
+pub(super) struct Course {
+    pub whole: Estimate,
+    pub told_by: KnownBy,
+    /// [s] when it ends on the ground, where that is known
+    pub landing: Option<f64>,
+}
+
 impl Prospector<'_, '_> {
     /// Makes a run to `end` [s] or to so much nominal cost [s]; none if it cannot start.
     pub(super) fn run(&self, candidate: &Candidate, step: Step, end: f64, most: f64) -> Option<WholeRun> {
@@ -75,22 +84,25 @@ impl Prospector<'_, '_> {
 
     /// The whole run of which a part was made. Explicit steps cost the same all along a run; those of a long implicit
     /// one are tried along it.
-    pub(super) fn course(&self, candidate: &Candidate, run: &WholeRun) -> (Estimate, KnownBy) {
+    pub(super) fn course(&self, candidate: &Candidate, run: &WholeRun) -> Course {
         let ForecastSpec { problem, budget, .. } = *self.spec;
-        let simple = self.whole(run);
+        let whole = self.whole(run);
         let implicit = candidate.method.info.family == Family::Implicit;
-        let Some(h) = run.step.fixed().filter(|_| implicit && run.t_end < problem.time.end) else {
-            budget.extend(simple.cpu_seconds);
-            return (simple, KnownBy::Part);
-        };
-        budget.extend(simple.cpu_seconds);
-        along::whole_run(self.spec, &self.costs, &candidate.method, h, run)
-            .map_or((simple, KnownBy::Part), |told| (told, KnownBy::Steps))
+        let landing = Some(run.t_end).filter(|_| run.landed);
+        let simple = Course { whole, told_by: KnownBy::Part, landing };
+        budget.extend(whole.cpu_seconds);
+        let left = run.t_end < run.whole_end(problem.time.end);
+        let Some(h) = run.step.fixed().filter(|_| implicit && left) else { return simple };
+        along::whole_run(self.spec, &self.costs, &candidate.method, h, run).map_or(simple, |(whole, landing)| Course {
+            whole,
+            told_by: KnownBy::Steps,
+            landing,
+        })
     }
 
     /// The whole run of which a part was made, if it goes on as it did last.
     pub(super) fn whole(&self, run: &WholeRun) -> Estimate {
-        let end = self.spec.problem.time.end;
+        let end = run.whole_end(self.spec.problem.time.end);
         let late = run.late;
         let [steps, t, seconds] =
             [(run.steps - late.steps) as f64, run.t_end - late.t, (run.seconds - late.seconds).max(0.0)];
@@ -148,7 +160,8 @@ impl Prospector<'_, '_> {
         error: &dyn Fn(&WholeRun, &MeasuredQuantity) -> Option<f64>,
     ) {
         let ForecastSpec { problem, budget, .. } = *self.spec;
-        let (part, end) = (own.t_end, problem.time.end);
+        let (part, end) = (own.t_end, own.whole_end(problem.time.end));
+        let to = if own.landed { problem.time.end } else { part };
         let known_by = if part < end { KnownBy::Part } else { KnownBy::Run };
         for name in OTHERS.into_iter().filter(|name| *name != base) {
             let Some(candidate) = self.candidate(name) else { continue };
@@ -166,8 +179,9 @@ impl Prospector<'_, '_> {
                 if h <= 0.0 || h.is_nan() || dear {
                     break;
                 }
-                let made = self.run(candidate, Step::Fixed(h), part, most);
-                if let Some(run) = made.filter(|run| run.t_end >= part && run.failed_at.is_none()) {
+                let made = self.run(candidate, Step::Fixed(h), to, most);
+                let came = |run: &WholeRun| (run.t_end >= part || run.landed) && run.failed_at.is_none();
+                if let Some(run) = made.filter(came) {
                     let whole = self.whole(&run);
                     let found = self.prospect(candidate, (&run, whole), known_by, &|quantity| error(&run, quantity));
                     let good = within(&&found);

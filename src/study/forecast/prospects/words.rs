@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::{ErrorForecast, KnownBy, Prospect, Prospects};
 use crate::accuracy::Accuracy;
+use crate::case::spec::TimeSpec;
 use crate::format_number::{counted, figures};
 use crate::template::seconds;
 
@@ -21,10 +22,15 @@ pub struct Lines {
 const NUMBERS: usize = 4;
 
 impl Prospects {
-    /// In words; `own` says whether the run that others were compared with is the case's, `rests` whether it ends once
-    /// it is at rest.
-    pub fn lines(&self, own: bool, rests: bool, accuracy: &Accuracy) -> Lines {
-        let Prospects { this_case, recommended, part, runs, .. } = self;
+    /// In words; `own` says whether the run that others were compared with is the case's, `time` when it
+    /// ends.
+    pub fn lines(&self, own: bool, time: &TimeSpec, accuracy: &Accuracy) -> Lines {
+        let Prospects { this_case, recommended, part, runs, landing, .. } = self;
+        let ends = match (time.until_rest, time.to_ground, landing) {
+            (Some(_), ..) => ", as it ends at rest",
+            (None, true, None) => ", as it ends on the ground",
+            _ => "",
+        };
         let steps = if this_case.step.is_some() { "step" } else { "tolerance" };
         let rough = this_case.known_by == KnownBy::Steps && this_case.estimate.doubtful;
         let mut numbers = this_case.described(accuracy);
@@ -57,13 +63,13 @@ impl Prospects {
         };
         Lines {
             own: format!(
-                "{}, {steps} {}: {} steps, {} {}{}",
+                "{}, {steps} {}: {} steps, {} {}{ends}{}",
                 this_case.method,
                 this_case.size(),
                 figures(this_case.estimate.steps, 4),
-                if rests || rough { "at most about" } else { "about" },
+                if !ends.is_empty() || rough { "at most about" } else { "about" },
                 seconds(this_case.cpu_seconds),
-                if rests { ", as it ends at rest" } else { "" }
+                landing.map_or_else(String::new, |t| format!(", to the landing at t = {} s", figures(t, 3)))
             ),
             numbers: match numbers.is_empty() {
                 true => "errors not known, as check makes too little of the run; canopy-fem solve --verify finds them"
