@@ -170,7 +170,7 @@ fn membranes_have_a_safety_factor() {
     assert!(good(run(&bench, "static", &case(99.0, Value::Null), &[])).contains("0.99, it would break"));
     let solved = good(run(&bench, "solve", &case(400.0, json!(400.0)), &[]));
     assert!(
-        solved.contains("  cloth stress    ") && solved.contains("(all), strength 4e5 Pa: safety factor"),
+        solved.contains("  cloth stress    ") && solved.contains("(all), strength 400000 Pa: safety factor"),
         "{solved}"
     );
 }

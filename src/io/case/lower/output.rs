@@ -224,14 +224,19 @@ fn strength_of(triangles: &[u32], membranes: &[MembraneSpec]) -> Option<f64> {
     strengths.all(|other| other == Some(first)).then_some(first)
 }
 
-/// The triangles that a gauge selects.
-fn triangles_of(at: &Pointer, gauge: &Gauge, geometry: &Geometry, faults: &mut Faults<'_>) -> Option<Vec<u32>> {
+/// The triangles that a gauge selects; `why` says what they are for.
+fn triangles_of(
+    at: &Pointer,
+    gauge: &Gauge,
+    why: &str,
+    geometry: &Geometry,
+    faults: &mut Faults<'_>,
+) -> Option<Vec<u32>> {
+    use NodeSelection::{All, Except, Group, Ids};
     match gauge.on.nodes() {
-        Some(
-            on @ (NodeSelection::All | NodeSelection::Ids(_) | NodeSelection::Group(_) | NodeSelection::Except(_)),
-        ) => select::triangles(at, &on, geometry, faults),
+        Some(on @ (All | Ids(_) | Group(_) | Except(_))) => select::triangles(at, &on, geometry, faults),
         _ => {
-            faults.add(at, "\"all\", {\"ids\": [...]} or {\"group\": ...} of triangles: it is measured on them");
+            faults.add(at, format!("\"all\", {{\"ids\": [...]}} or {{\"group\": ...}} of triangles: {why}"));
             None
         }
     }
@@ -240,7 +245,7 @@ fn triangles_of(at: &Pointer, gauge: &Gauge, geometry: &Geometry, faults: &mut F
 /// The gas that a gauge is for: that which the triangles are around.
 fn gas_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Faults<'_>) -> Option<usize> {
     let NodeSet::Mesh(geometry) = scene.nodes else { return None };
-    let triangles = triangles_of(at, gauge, geometry, faults)?;
+    let triangles = triangles_of(at, gauge, "it is measured on those around a gas", geometry, faults)?;
     let around = |gas: &GasSpec| triangles.iter().any(|triangle| gas.triangles.contains(triangle));
     let found: Vec<usize> = (0..).zip(scene.gases?).filter(|(_, gas)| around(gas)).map(|(i, _)| i).collect();
     match found[..] {
@@ -257,7 +262,7 @@ fn gas_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Fault
 /// The triangles of a gauge of membranes that have one.
 fn membranes_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Faults<'_>) -> Option<Vec<u32>> {
     let NodeSet::Mesh(geometry) = scene.nodes else { return None };
-    let mut triangles = triangles_of(at, gauge, geometry, faults)?;
+    let mut triangles = triangles_of(at, gauge, "it is measured on membranes", geometry, faults)?;
     let mut covered = vec![false; geometry.mesh.triangles.len()];
     scene.membranes?.iter().flat_map(|rule| &rule.triangles).for_each(|&t| covered[t as usize] = true);
     triangles.retain(|&t| covered[t as usize]);
