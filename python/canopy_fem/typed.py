@@ -55,6 +55,7 @@ GaugeQuantity: TypeAlias = Literal[
     "stress",
     "strain",
     "wrinkling",
+    "gas",
 ]
 Rows: TypeAlias = npt.NDArray[Any] | Sequence[Sequence[float]]
 """(n, 3); not numpy's ArrayLike, which a text is too"""

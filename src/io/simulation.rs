@@ -63,6 +63,7 @@ mod doubts;
 mod equilibrium;
 mod error;
 mod follow;
+mod idle_loads;
 mod record;
 mod saved;
 mod state;
@@ -78,6 +79,7 @@ pub use equilibrium::{
 };
 pub use error::{SetupError, SimulationError};
 pub use follow::{FollowSpec, FollowedState, follow};
+pub use idle_loads::idle_loads;
 pub use record::{
     EarlierResults, RecordError, RecordSettings, RecordWatch, Recorded, StartLimits, record, record_watched,
 };

@@ -49,6 +49,8 @@ pub enum WarningCode {
     HangingNode,
     /// Springs that start far from their rest length.
     InitialStrain,
+    /// Pressure coefficients on a surface whose outer faces look down or inwards.
+    InsideOut,
     /// Coordinates so large that the canopy would be hundreds of metres across.
     LargeExtent,
     /// Gravity that no planet has.
@@ -71,6 +73,8 @@ pub enum WarningCode {
     NoSuction,
     /// A part without supports, while other parts have supports.
     NoSupport,
+    /// Pressure coefficients of the wind, and no wind.
+    NoWind,
     /// Triangles that lie on other triangles of the same sheet.
     OverlappingTriangles,
     /// A reefing line that is not cut when the canopy begins its last stage, or whose cut no air slows.

@@ -72,6 +72,7 @@ fn sheet() -> NetworkSpec {
         warp: Some([1.0, 0.3, 0.0]),
         wrinkling: true,
         damping_time: 1e-4,
+        strength: None,
     }];
     spec
 }

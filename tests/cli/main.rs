@@ -30,6 +30,7 @@ mod refusals;
 mod report;
 mod results;
 mod resume;
+mod roofs;
 mod sewn;
 mod shell;
 mod stability;

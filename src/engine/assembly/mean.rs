@@ -119,7 +119,7 @@ impl TangentSystem for MeanSystem<'_> {
     }
 
     fn rank_one(&self, which: usize, at: StateRef<'_>, w: Weights, u: &mut [f64], g: &mut [f64]) {
-        self.system.rank_one(which, at, w, u, g);
+        self.system.mean_rank_one(which, (at, self.mean), w, u, g);
     }
 
     fn mean_forces(&self, middle: StateRef<'_>, mean: StepMean, out: &mut Forces) {

@@ -48,7 +48,20 @@ pub trait TangentSystem: System {
         let _ = (which, at, weights, u, g);
     }
 
-    /// The same with every element made positive semidefinite: the compressive geometric stiffness of springs is
+    /// The same of the tangent of [mean forces](TangentSystem::mean_forces), at the middle of a step.
+    fn mean_rank_one(
+        &self,
+        which: usize,
+        (middle, mean): (StateRef<'_>, StepMean),
+        weights: Weights,
+        u: &mut [f64],
+        g: &mut [f64],
+    ) {
+        let _ = mean;
+        self.rank_one(which, middle, weights, u, g);
+    }
+
+    /// [`TangentSystem::assemble`] with every element made positive semidefinite: the compressive geometric stiffness of springs is
     /// dropped. A symmetric W with a mass is then positive definite, and -W^-1 r is a descent direction.
     fn assemble_convex(&self, at: StateRef<'_>, weights: Weights, assembler: &mut Assembler) {
         self.assemble(at, weights, assembler);

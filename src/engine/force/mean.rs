@@ -9,7 +9,7 @@
 //! (Armero & Romero 2001, their internal dissipation of first order): D = chi/2 (s_1 - s_0) . (e_1 - e_0), which is
 //! never negative, as the stress grows with the strain e.
 
-use super::{NodeState, TangentForm, TangentSink};
+use super::{NodeState, RankOne, TangentForm, TangentSink};
 use crate::model::forces::Tally;
 use crate::model::system::{StepMean, Weights};
 use nalgebra::Vector3;
@@ -42,4 +42,11 @@ pub trait MeanForce {
     /// As [`ForceTerm::tangent`](super::ForceTerm::tangent), for all parts. -df/dx is that of a middle which moves
     /// while x_0 stays; other parts than the elastic one have that in the middle.
     fn mean_tangent(&self, step: MeanStep<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink);
+
+    /// As [`ForceTerm::rank_one`](super::ForceTerm::rank_one), of -df/dx as `mean_tangent` has it.
+    fn mean_rank_one(&self, which: usize, step: MeanStep<'_>, w: Weights, part: RankOne<'_>) {
+        let _ = (which, step, w);
+        part.u.fill(Vector3::zeros());
+        part.g.fill(Vector3::zeros());
+    }
 }

@@ -1,6 +1,6 @@
 //! What only some systems have. A system returns such an ability as a value, `None` if it has none.
 
-use super::gauge::CANOPY_QUANTITIES;
+use super::gauge::{CANOPY_QUANTITIES, GAS_QUANTITIES};
 use super::point::Point;
 use super::spec::EventSpec;
 use super::state::{State, StateRef};
@@ -95,6 +95,13 @@ pub trait Air {
     /// through the air. The drag area leaves the breathing out but for a cavity, and has no value there without speed.
     /// The last two have no value without speed, nor while a stage has less than half of its drag area.
     fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()];
+
+    /// Number of gases in closed volumes, in the order of
+    /// [`NetworkSpec::gases`](crate::model::spec::NetworkSpec::gases).
+    fn gases(&self) -> usize;
+
+    /// [`GAS_QUANTITIES`] of a gas: pressure above the ambient one, and volume. NaN where there is no such gas.
+    fn gas_values(&self, gas: usize, at: StateRef<'_>) -> [f64; GAS_QUANTITIES.len()];
 
     /// [N] Tension of a riser below a `mass` [kg], which is part of the node that all canopies are: the size of
     /// D + mass (g - a) with their drag and the force of the air that they take along D, and the acceleration a of the

@@ -59,6 +59,9 @@ pub enum GaugeQuantity {
     Strain,
     /// Shares of the area of the membranes on the selected triangles: `taut_share`, `wrinkled_share`, `slack_share`.
     Wrinkling,
+    /// Gas that the selected triangles are around: its pressure above the ambient one, Pa, `gas_pressure`, and its
+    /// volume, m^3, `gas_volume`. They are triangles of one gas only.
+    Gas,
 }
 
 impl GaugeQuantity {
@@ -77,11 +80,12 @@ impl GaugeQuantity {
             GaugeQuantity::Stress => GaugeKind::Membranes(MembraneGauge::Stress),
             GaugeQuantity::Strain => GaugeKind::Membranes(MembraneGauge::Strain),
             GaugeQuantity::Wrinkling => GaugeKind::Membranes(MembraneGauge::Wrinkling),
+            GaugeQuantity::Gas => GaugeKind::Gas,
         }
     }
 
     /// All of them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Tension,
         Self::Force,
         Self::Reaction,
@@ -94,6 +98,7 @@ impl GaugeQuantity {
         Self::Stress,
         Self::Strain,
         Self::Wrinkling,
+        Self::Gas,
     ];
 
     /// Its columns.
@@ -103,6 +108,7 @@ impl GaugeQuantity {
             GaugeKind::Nodes(of) => of.columns.all(),
             GaugeKind::Cloth => &[CROSSINGS],
             GaugeKind::Membranes(of) => of.columns(),
+            GaugeKind::Gas => &GAS_QUANTITIES,
         }
     }
 }
@@ -118,6 +124,8 @@ pub enum GaugeKind {
     Cloth,
     /// on membrane triangles
     Membranes(MembraneGauge),
+    /// on a gas
+    Gas,
 }
 
 /// What a gauge measures on membrane triangles.
@@ -134,10 +142,7 @@ pub enum MembraneGauge {
 impl MembraneGauge {
     /// The largest value and the mean, or the shares that are taut, wrinkled and slack.
     pub const fn columns(self) -> &'static [Quantity] {
-        const STRESS: [Quantity; 2] = [
-            Quantity::of("stress_max", "Pa").called("largest stress").in_report(ReportLine::Peak("stress")),
-            Quantity::of("stress_mean", "Pa").called("mean stress"),
-        ];
+        const STRESS: [Quantity; 2] = [STRESS_MAX, Quantity::of("stress_mean", "Pa").called("mean stress")];
         const STRAIN: [Quantity; 2] = [
             Quantity::of("strain_max", "-").called("largest strain").in_report(ReportLine::Peak("strain")),
             Quantity::of("strain_mean", "-").called("mean strain"),
@@ -312,6 +317,9 @@ impl NodeColumns {
 /// [N] Largest tension of a spring.
 pub const TENSION_MAX: Quantity =
     Quantity::of("tension_max", "N").called("largest tension").in_report(ReportLine::Peak("tension"));
+/// [Pa] Largest stress of a membrane.
+pub const STRESS_MAX: Quantity =
+    Quantity::of("stress_max", "Pa").called("largest stress").in_report(ReportLine::Peak("stress"));
 /// [N] Size of the sum of reactions.
 pub const REACTION_TOTAL: Quantity =
     Quantity::of("reaction_total", "N").called("reaction").in_report(ReportLine::Peak("reaction"));
@@ -320,6 +328,13 @@ pub const REACTION_MAX: Quantity = Quantity::of("reaction_max", "N").called("lar
 /// Edges of cloth that pass through triangles.
 pub const CROSSINGS: Quantity =
     Quantity::of("crossings", "-").called("crossings of cloth").in_report(ReportLine::Told("crossings"));
+
+/// What a gas shows of itself, in the order of [`gas_values`](super::abilities::Air::gas_values): \[Pa\] pressure above
+/// the ambient one, \[m^3\] volume.
+pub const GAS_QUANTITIES: [Quantity; 2] = [
+    Quantity::signed("gas_pressure", "Pa").in_report(ReportLine::Told("gas pressure")),
+    Quantity::of("gas_volume", "m^3").in_report(ReportLine::Told("gas volume")),
+];
 
 /// [m] Diameter of a circle with the area that a canopy and its openings show along its axis.
 pub const PROJECTED_DIAMETER: Quantity = Quantity::of("projected_diameter", "m");

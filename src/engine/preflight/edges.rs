@@ -25,8 +25,8 @@ pub fn branching(spec: &NetworkSpec, topology: &Topology) -> Option<BranchingEdg
     let mut pressed = vec![spec.air.is_some(); spec.mesh.triangles.len()];
     let canopies = spec.canopies.iter().flat_map(|canopy| &canopy.triangles);
     let zones = spec.surface_pressures.iter().flat_map(|zone| &zone.triangles);
-    let gases = spec.gases.iter().flat_map(|gas| &gas.triangles);
-    for triangle in along_normals.flat_map(|load| &load.triangles).chain(canopies).chain(zones).chain(gases) {
+    // A wall between two gases is around both of them.
+    for triangle in along_normals.flat_map(|load| &load.triangles).chain(canopies).chain(zones) {
         if let Some(flag) = pressed.get_mut(*triangle as usize) {
             *flag = true;
         }

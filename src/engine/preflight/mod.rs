@@ -27,6 +27,8 @@ pub fn network(spec: &NetworkSpec, topology: &Topology, step: Option<f64>) -> Ve
     warnings.extend(crossing::at_start(spec));
     warnings.extend(air::wind_in_plane(spec).map(Warning::from));
     warnings.extend(roofs::roofs(spec).map(Warning::from));
+    warnings.extend(roofs::calm_zones(spec).map(Warning::from));
+    warnings.extend(roofs::inside_out(spec).map(Warning::from));
     warnings.extend(air::closing(spec).map(Warning::from));
     warnings.extend(air::cavities(spec).map(Warning::from));
     warnings.extend(canopies::drag_coefficients(spec).into_iter().map(Warning::from));

@@ -5,7 +5,7 @@ use super::air_pressure::AirPressure;
 use super::apparent::ApparentMass;
 use super::point_canopy::ShownCanopy;
 use super::{Load, ScaledLoad};
-use crate::force::law::gas::GasLaw;
+use crate::force::law::gas::GasData;
 use crate::force::law::series::{LoadFactor, SampledTable};
 use crate::force::law::spring::{Coefficient, Cut, SpringData};
 use crate::force::law::stages::{EventTimes, Stages};
@@ -36,7 +36,7 @@ pub(super) struct Acting {
     /// air that canopies take along
     pub apparent: Vec<ApparentMass>,
     /// gases, by the place of their terms
-    pub gases: Vec<(usize, GasLaw)>,
+    pub gases: Vec<(usize, GasData)>,
 }
 
 /// What a force brings to a scene.
@@ -106,7 +106,7 @@ impl Acting {
             canopies: self.canopies.iter().map(|canopy| canopy.for_run(copies)).collect(),
             pressures: self.pressures.iter().map(|pressure| pressure.for_run(copies)).collect(),
             apparent: self.apparent.iter().map(|canopy| canopy.for_run(copies)).collect(),
-            gases: self.gases.iter().map(|(term, law)| (*term, law.for_run(copies))).collect(),
+            gases: self.gases.iter().map(|(term, gas)| (*term, gas.copy(copies))).collect(),
         }
     }
 }

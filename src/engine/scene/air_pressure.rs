@@ -66,7 +66,7 @@ impl AirPressure {
             AirLaw::Cloth(data) => AirLaw::Cloth(data.for_run(copies)),
             AirLaw::Canopy(data) => AirLaw::Canopy(data.for_run(copies)),
             AirLaw::Rings(data) => AirLaw::Rings(data.for_run(copies).unwrap_or_else(|| data.clone())),
-            AirLaw::Gas(data) => AirLaw::Gas(data.for_run(copies).unwrap_or_else(|| data.clone())),
+            AirLaw::Gas(data) => AirLaw::Gas(data.copy(copies)),
             AirLaw::Surface(data) => AirLaw::Surface(data.for_run(copies).unwrap_or_else(|| data.clone())),
         };
         AirPressure { law, places: self.places.clone() }

@@ -22,7 +22,7 @@ impl Builder<'_> {
         for gas in &self.spec.gases {
             let data = self.gas(gas, start)?;
             self.show_pressure(AirLaw::Gas(data.clone()));
-            self.acting.gases.push((self.acting.terms.len(), data.law.clone()));
+            self.acting.gases.push((self.acting.terms.len(), data.clone()));
             let table = data.law.table.clone();
             self.acting.add(Added::term(Gas::new(data)).by([table]));
         }
@@ -52,7 +52,8 @@ impl Builder<'_> {
         let at_start = gas.volume.unwrap_or(enclosed);
         let by_pressure = matches!(gas.fill, GasFill::Pressure(_));
         let table = scalar(gas.fill.table());
-        let law = GasLaw { ambient: gas.ambient, gamma: gas.gamma, at_start, table, by_pressure };
+        let law =
+            GasLaw { ambient: gas.ambient, gamma: gas.gamma, at_start, table, by_pressure, filled: Arc::default() };
         let (enclosure, beside) = (Arc::new(enclosure), at_start - enclosed);
         Ok(GasData { triangles, enclosure, beside, law, stiffness: [].into() }.stiff_at(start))
     }

@@ -9,6 +9,11 @@ impl Controls for Network {
         &self.acting.loads
     }
 
+    fn fill_gases(&self, share: f64) -> bool {
+        self.acting.gases.iter().for_each(|(_, gas)| gas.law.filled.set(share));
+        !self.acting.gases.is_empty()
+    }
+
     fn external(&self) -> Option<&ExternalForces> {
         self.external.as_ref()
     }

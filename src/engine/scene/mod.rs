@@ -166,6 +166,10 @@ pub trait Controls {
     /// The loads that a program can scale, with their factors.
     fn loads(&self) -> &[ScaledLoad];
 
+    /// Fills gases in closed volumes with a `share` [-] of their pressure above the ambient one in the volume at the
+    /// start, or of their amount above that volume: 1 but for steps of a load. Returns whether there is any gas.
+    fn fill_gases(&self, share: f64) -> bool;
+
     /// The forces from outside, once they are enabled.
     fn external(&self) -> Option<&ExternalForces>;
 

@@ -270,8 +270,8 @@ impl System for Network {
             let rate = (table.at(t1)[0] - table.at(t0)[0]) / (t1 - t0);
             Some(-rate * tallies.get((*part)?.tally)?.power)
         });
-        let filled = self.acting.gases.iter().filter_map(|(term, law)| {
-            let rate = (law.amount(t1) - law.amount(t0)) / (t1 - t0);
+        let filled = self.acting.gases.iter().filter_map(|(term, gas)| {
+            let rate = (gas.law.amount(t1) - gas.law.amount(t0)) / (t1 - t0);
             Some(rate * tallies.get(self.tally_of(*term)?)?.power)
         });
         changes.chain(filled).sum()

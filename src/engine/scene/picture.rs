@@ -8,8 +8,7 @@ use crate::force::law::tension::SpringOutput;
 use crate::mesh::Groups;
 use crate::model::abilities::{Air, SpringDamping, SpringPlace, Springs};
 use crate::model::forces::{Forces, Role};
-use crate::model::gauge::CANOPY_QUANTITIES;
-use crate::model::gauge::NodeQuantity;
+use crate::model::gauge::{CANOPY_QUANTITIES, GAS_QUANTITIES, NodeQuantity};
 use crate::model::motion::motion;
 use crate::model::observables::{MembranePicture, Observables};
 use crate::model::point::Point;
@@ -39,7 +38,7 @@ impl Observables for Network {
     }
 
     fn air(&self) -> Option<&dyn Air> {
-        (self.acting.stream.is_some() || self.presses()).then_some(self)
+        (self.acting.stream.is_some() || !self.acting.gases.is_empty()).then_some(self)
     }
 
     fn triangle_membranes(&self, at: StateRef<'_>, out: &mut [MembranePicture]) {
@@ -230,6 +229,14 @@ impl Air for Network {
 
     fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
         self.shape_of_canopy(canopy, at)
+    }
+
+    fn gases(&self) -> usize {
+        self.acting.gases.len()
+    }
+
+    fn gas_values(&self, gas: usize, at: StateRef<'_>) -> [f64; GAS_QUANTITIES.len()] {
+        self.acting.gases.get(gas).map_or([f64::NAN; 2], |(_, data)| data.pressure_and_volume(node_state(at)))
     }
 
     fn pull_of_points(&self, mass: f64, at: &Point) -> f64 {

@@ -89,6 +89,22 @@ impl TangentSystem for Network {
         term.rank_one(number, node_state(at), w, part);
     }
 
+    fn mean_rank_one(
+        &self,
+        which: usize,
+        (middle, mean): (StateRef<'_>, StepMean),
+        w: Weights,
+        u: &mut [f64],
+        g: &mut [f64],
+    ) {
+        let coupling = which.checked_sub(self.mass_parts()).and_then(|which| self.couplings().nth(which));
+        let Some((of_mean, number)) = coupling.and_then(|(term, number)| Some((term.mean()?, number))) else {
+            return self.rank_one(which, middle, w, u, g);
+        };
+        let part = RankOne { u: bytemuck::cast_slice_mut(u), g: bytemuck::cast_slice_mut(g) };
+        of_mean.mean_rank_one(number, MeanStep { at: node_state(middle), mean }, w, part);
+    }
+
     fn assemble_convex(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
         self.assemble_form(at, w, TangentForm { convex: true, symmetric: false }, assembler);
     }

@@ -1,6 +1,6 @@
 //! The loads, at once or in steps: weight, pressures, forces and displacements of supports grow together from 0, in
-//! steps that grow where they are easy and are cut where they fail. Wind acts in full from the start, as it has no
-//! factor.
+//! steps that grow where they are easy and are cut where they fail. A gas is filled with them, from the ambient
+//! pressure in the volume at the start. Wind acts in full from the start, as it has no factor.
 
 use super::continuation::Continuation;
 use super::failure::StaticFailure;
@@ -28,7 +28,7 @@ pub(super) fn follow(search: &mut Continuation<'_>) -> Result<(), StaticFailure>
         done => return done,
     };
     let moves = put_supports(search.scene, &mut search.at.state, 1.0);
-    if loads(search.scene).is_empty() && !moves {
+    if loads(search.scene).is_empty() && !moves && !fill(search, 1.0) {
         return Err(failure);
     }
     log::info!("not in equilibrium with the full loads at once; they are applied in steps");
@@ -84,9 +84,15 @@ fn levels(search: &mut Continuation<'_>, steps: u32, given: &[f64]) -> Result<()
     Ok(())
 }
 
-/// Scales the loads, `given` at full size, and moves the supports.
+/// Fills gases to a level. Returns whether there are any.
+fn fill(search: &Continuation<'_>, level: f64) -> bool {
+    search.scene.controls().is_some_and(|controls| controls.fill_gases(level))
+}
+
+/// Scales the loads, `given` at full size, fills gases, and moves the supports.
 fn apply(search: &mut Continuation<'_>, given: &[f64], level: f64) {
     loads(search.scene).iter().zip(given).for_each(|(load, given)| load.scale.set(level * given));
+    fill(search, level);
     put_supports(search.scene, &mut search.at.state, level);
     search.refresh();
 }

@@ -199,7 +199,8 @@ impl Sheet {
         let Sheet { of: SheetSpec { modulus, thickness }, wrinkling, damping_time } = self;
         let shear = modulus / (2.0 * (1.0 + OF_NETS));
         let (modulus, poisson) = ([modulus; 2], OF_NETS);
-        MembraneSpec { triangles, thickness, modulus, poisson, shear, warp: None, wrinkling, damping_time }
+        let (warp, strength) = (None, None);
+        MembraneSpec { triangles, thickness, modulus, poisson, shear, warp, wrinkling, damping_time, strength }
     }
 }
 

@@ -253,5 +253,13 @@ pub enum GaugeOf {
         of: MembraneGauge,
         /// triangles with a membrane, at least one, ascending
         triangles: Vec<u32>,
+        /// [Pa] their strength over their thickness, for reports only, if it is known and the same for all
+        #[serde(skip)]
+        strength: Option<f64>,
+    },
+    /// the pressure and the volume of a gas
+    Gas {
+        /// its place in [`NetworkSpec::gases`]
+        gas: usize,
     },
 }

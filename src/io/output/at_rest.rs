@@ -1,17 +1,19 @@
-//! The largest values of an equilibrium, with the places and groups where they are.
+//! The largest values of an equilibrium, with the places and groups where they are, and what does not act there.
 
+use crate::format_number::figures;
 use crate::mesh::Group;
 use crate::model::observables::{MembranePicture, Observables};
 use crate::model::point::Point;
-use crate::model::spec::SpringGroup;
+use crate::model::spec::{MembraneSpec, SpringGroup};
 use crate::model::state::StateRef;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// The largest value of a quantity at rest; of the safety factor the smallest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LargestValue {
     /// `displacement` (from where the search began), `tension`, `stress` (of membranes), `reaction` or `safety_factor`
-    /// (strength over tension)
+    /// (strength over tension; of membranes over the force per width)
     pub quantity: String,
     /// the value
     pub value: f64,
@@ -25,6 +27,24 @@ pub struct LargestValue {
     pub groups: Vec<String>,
     /// [m] where it is: the node, or the middle of the edge or triangle
     pub place: [f64; 3],
+}
+
+/// A load that is 0 at one time, and not at others.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct IdleLoad {
+    /// its key in the network of the case: `loads[0]`, `gas`, `aero.wind`
+    pub load: String,
+    /// [s] when it is 0
+    pub at: f64,
+    /// [s] when it is largest
+    pub largest_at: f64,
+}
+
+impl fmt::Display for IdleLoad {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [at, most] = [self.at, self.largest_at].map(|t| figures(t, 6));
+        write!(f, "{} is 0 at t = {at} s, and largest at t = {most} s: --at {most}", self.load)
+    }
 }
 
 /// What an equilibrium shows first.
@@ -54,8 +74,13 @@ struct Scene<'a> {
 }
 
 impl AtRest {
-    /// Of a point; `start` is where the search began, and `springs` are those of the scene.
-    pub fn of(picture: &dyn Observables, start: StateRef<'_>, at: &Point, springs: &[SpringGroup]) -> Self {
+    /// Of a point; `start` is where the search began, and springs and membranes are those of the scene.
+    pub fn of(
+        picture: &dyn Observables,
+        start: StateRef<'_>,
+        at: &Point,
+        (springs, membranes): (&[SpringGroup], &[MembraneSpec]),
+    ) -> Self {
         let nodes = picture.reference().len();
         let trace = |at: StateRef<'_>| {
             let (mut x, mut v) = (vec![[0.0; 3]; nodes], vec![[0.0; 3]; nodes]);
@@ -81,6 +106,7 @@ impl AtRest {
         let held = reactions.iter().map(|r| if *r == [0.0; 3] { f64::NAN } else { size(*r) });
         largest.push(scene.largest("reaction", "N", Part::Node, held));
         largest.push(scene.safety_factor(state, springs));
+        largest.push(scene.membrane_factor(&sheets, membranes));
         AtRest { largest: largest.into_iter().flatten().collect(), reactions: sum, slack }
     }
 }
@@ -118,6 +144,19 @@ impl Scene<'_> {
             }
         }
         least.map(|found| self.value("safety_factor", "-", Part::Edge, found))
+    }
+
+    /// The smallest strength over force per width of membranes with a strength.
+    fn membrane_factor(&self, sheets: &[MembranePicture], membranes: &[MembraneSpec]) -> Option<LargestValue> {
+        let of_rule = |rule: &MembraneSpec| rule.strength.map(|strength| strength / rule.thickness);
+        let rules = membranes.iter().filter_map(|rule| Some((rule, of_rule(rule)?)));
+        let all = rules.flat_map(|(rule, strength)| rule.triangles.iter().map(move |&triangle| (triangle, strength)));
+        let factors = all.filter_map(|(triangle, strength)| {
+            let [stress, _] = sheets.get(triangle as usize)?.stress;
+            (stress > 0.0).then_some((triangle, strength / stress))
+        });
+        let least = factors.reduce(|least, other| if other.1 < least.1 { other } else { least })?;
+        Some(self.value("safety_factor", "-", Part::Triangle, least))
     }
 
     fn value(&self, quantity: &str, unit: &str, part: Part, (number, value): (u32, f64)) -> LargestValue {

@@ -8,11 +8,13 @@ use super::quantity::UnknownQuantity;
 use super::schedule::RowSchedule;
 use super::stages::{StagePlaces, StageReport, Stages, StagesSoFar};
 use super::statistics::SeriesSoFar;
-use crate::case::spec::{GaugeSpec, OutputSpec, ProbeSpec, RowEvery, StagesSpec};
+use crate::case::spec::{GaugeOf, GaugeSpec, OutputSpec, ProbeSpec, RowEvery, StagesSpec};
 use crate::drive::event::Fired;
 use crate::drive::max_displacement::Displacement;
 use crate::drive::observer::{AcceptedStep, Energies};
-use crate::model::gauge::{CANOPY_QUANTITIES, NodeGauge, Quantity, ReportLine, TENSION_MAX};
+use crate::model::gauge::{
+    CANOPY_QUANTITIES, GAS_QUANTITIES, NodeGauge, Quantity, ReportLine, STRESS_MAX, TENSION_MAX,
+};
 use crate::model::observables::Observables;
 use crate::model::point::Point;
 use crate::model::quantity::QuantityName;
@@ -28,7 +30,7 @@ pub struct Channel {
     pub name: String,
     /// what it measures
     pub quantity: Quantity,
-    /// [N]
+    /// \[N\] of springs, \[Pa\] of membranes
     strength: Option<f64>,
 }
 
@@ -71,7 +73,7 @@ pub struct Peak {
     pub last_error: Option<f64>,
     /// whether the value changed by less than 1 % over the last tenth of the run
     pub steady: bool,
-    /// [N] strength of the springs, if the case gives one
+    /// strength of springs [N], or of membranes over their thickness [Pa], if the case gives one
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub strength: Option<f64>,
     /// [-] strength over the largest value; null without tension
@@ -147,7 +149,7 @@ pub(super) struct Gauges {
     quantities: Quantities,
     stages: Stages,
     every_step: bool,
-    /// the rows at which a canopy without any gauge is measured
+    /// the rows at which a canopy or a gas without any gauge is measured
     sampled: Option<RowSchedule>,
     /// [s] planned end of the run
     end: f64,
@@ -156,8 +158,8 @@ pub(super) struct Gauges {
 }
 
 impl Gauges {
-    /// The gauges of a request. Canopies are measured too: at every step if there are other gauges, else only at the
-    /// rows of the history, because the steps between can then be made in blocks.
+    /// The gauges of a request. Canopies and gases without a gauge are measured too: at every step if there are other
+    /// gauges, else only at the rows of the history, because the steps between can then be made in blocks.
     ///
     /// # Errors
     /// A quantity that is not there.
@@ -186,20 +188,26 @@ impl Gauges {
             let name = if canopies == 1 { "canopy".to_owned() } else { format!("canopy {canopy}") };
             made.add(&name, None, &CANOPY_QUANTITIES, Places::Canopy(canopy), RowSchedule::of(spec.history));
         }
+        let gases = picture.air().map_or(0, |air| air.gases());
+        let measured = |gas: usize| spec.gauges.iter().any(|gauge| gauge.of == GaugeOf::Gas { gas });
+        for gas in (0..gases).filter(|gas| !measured(*gas)) {
+            let name = if gases == 1 { "gas".to_owned() } else { format!("gas {gas}") };
+            made.add(&name, None, &GAS_QUANTITIES, Places::Gas(gas), RowSchedule::of(spec.history));
+        }
         made.shown = [made.gauges.len(), made.channels.len()];
         made.quantities = Quantities::find(&mut made, spec, canopies)?;
         made.every_step = !spec.gauges.is_empty() || made.gauges.len() > made.shown[0];
         let height = made.height(&spec.stages.payload, canopies);
         let places = StagePlaces { canopies: of_canopies, height };
         made.stages = Stages::new(spec.stages, made.channels(), places);
-        made.sampled = (!made.every_step && canopies > 0).then(|| RowSchedule::of(spec.history));
+        made.sampled = (!made.every_step && canopies + gases > 0).then(|| RowSchedule::of(spec.history));
         Ok(made)
     }
 
     fn add(&mut self, name: &str, strength: Option<f64>, columns: &[Quantity], places: Places, rows: RowSchedule) {
         let first = self.channels.len();
         for &quantity in columns {
-            let strength = strength.filter(|_| quantity == TENSION_MAX);
+            let strength = strength.filter(|_| [TENSION_MAX, STRESS_MAX].contains(&quantity));
             self.channels.push(Channel { name: name.to_owned(), quantity, strength });
         }
         let channels = first..self.channels.len();

@@ -185,7 +185,7 @@ pub(super) fn check(spec: &RecorderSpec, nodes: usize) -> Result<(), RecorderErr
                     return bad(&format!("nodes below {nodes}"));
                 }
             }
-            GaugeOf::Springs { .. } | GaugeOf::Pull { .. } | GaugeOf::Membranes { .. } => {}
+            GaugeOf::Springs { .. } | GaugeOf::Pull { .. } | GaugeOf::Membranes { .. } | GaugeOf::Gas { .. } => {}
         }
         if *every == 0 {
             return bad("at least 1 step a row");

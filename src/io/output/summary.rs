@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::at_rest::LargestValue;
+use super::at_rest::{IdleLoad, LargestValue};
 use super::atomic::{Durability, replace};
 use super::crossings::CrossingReport;
 use super::csv::write_fault;
@@ -98,6 +98,9 @@ pub struct EquilibriumReport {
     /// [-] edges whose springs carry nothing
     #[serde(default)]
     pub slack_springs: usize,
+    /// loads that are 0 at this time, and not at others; not given without any
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub idle_loads: Vec<IdleLoad>,
     /// [Hz] of the vibration modes that were asked for, ascending; 0 for a motion that grows
     pub frequencies: Vec<f64>,
     /// whether the tangent K is symmetric there; if not, the modes are those of its symmetric part. Null without modes

@@ -1,6 +1,6 @@
 //! The static equilibrium of a case, with the files of `canopy-fem static`.
 
-use super::{EarlierResults, RecordError, build_scene, check_solver};
+use super::{EarlierResults, RecordError, build_scene, check_solver, idle_loads};
 use crate::analysis::cloth::too_soft;
 use crate::analysis::lowest::{LowMode, LowModes, ModesError, lowest};
 use crate::case::Case;
@@ -111,7 +111,10 @@ pub fn record_static_watched(
     let start = scene.initial_state();
     let equilibrium = statics::find_watched(&*scene, asked, Stop::on(stop), watcher);
     let at_rest = match (&equilibrium.failure, &problem.system) {
-        (None, SystemSpec::Network(spec)) => AtRest::of(&*scene, start.as_ref(), &equilibrium.point, &spec.springs),
+        (None, SystemSpec::Network(spec)) => {
+            let parts = (&spec.springs[..], &spec.membranes[..]);
+            AtRest::of(&*scene, start.as_ref(), &equilibrium.point, parts)
+        }
         _ => AtRest::default(),
     };
     let outcome = outcome(&*scene, &equilibrium);
@@ -131,6 +134,7 @@ pub fn record_static_watched(
         Err(error) => (LowModes::default(), Some(error)),
     };
     write_modes(&*scene, &spec, &equilibrium.point, &modes.modes, replace)?;
+    let idle = idle_loads(problem, &*scene, how.at);
     let interrupted = without_modes == Some(ModesError::Stopped);
     let outcome = Outcome { status: if interrupted { Status::Interrupted } else { outcome.status }, ..outcome };
     let summary = Summary {
@@ -143,7 +147,10 @@ pub fn record_static_watched(
         never_fired: Vec::new(),
         landing: None,
         at_rest: None,
-        equilibrium: Some(report(&*scene, (&equilibrium, at_rest), &outcome, &modes)),
+        equilibrium: Some(EquilibriumReport {
+            idle_loads: idle,
+            ..report(&*scene, (&equilibrium, at_rest), &outcome, &modes)
+        }),
         case_digest,
         ..Summary::new(problem, &*scene, &outcome, f64::INFINITY, stopwatch.read())
     };
@@ -226,6 +233,7 @@ fn report(
         largest: at_rest.largest,
         reaction_sum: at_rest.reactions,
         slack_springs: at_rest.slack,
+        idle_loads: Vec::new(),
         frequencies: modes.modes.iter().map(LowMode::frequency).collect(),
         modes_symmetric: (!modes.modes.is_empty()).then_some(modes.symmetric),
         growing: modes.growing.clone(),

@@ -76,6 +76,9 @@ pub struct CheckArgs {
     /// Check what `canopy-fem static` finds and costs; so are cases without a `time` section
     #[arg(long = "static", conflicts_with_all = ["within", "quantity"])]
     pub at_rest: bool,
+    /// Time of loads, wind and supports [s] for that [default: 0]
+    #[arg(long, value_name = "T", value_parser = super::static_::time, conflicts_with_all = ["within", "quantity"])]
+    pub at: Option<f64>,
     /// Print the model, its cost, and what is predicted of every method, too
     #[arg(long, short)]
     pub all: bool,

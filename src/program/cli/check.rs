@@ -44,6 +44,10 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     if args.at_rest || case.is_at_rest() {
         return check_static::run(args, case);
     }
+    if args.at.is_some() {
+        let why = "--at is for --static, and for cases without a time section";
+        return Err(StudyError::Usage(why.to_owned()).into());
+    }
     let (models, mut problem, source) = KnownModels::of(case);
     let groups = problem.group_totals();
     let system = problem.take_system();

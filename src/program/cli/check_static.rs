@@ -11,7 +11,7 @@ use crate::format_number::{counted, figures};
 use crate::model::stop::Stop;
 use crate::process::Stopwatch;
 use crate::scene::Scene;
-use crate::simulation::{build_scene, check_solver, static_spec, warnings_at_rest};
+use crate::simulation::{build_scene, check_solver, idle_loads, static_spec, warnings_at_rest};
 use crate::statics::{self, Equilibrium, Stability, StaticFailure, Watcher};
 use serde_json::json;
 use std::fmt::Write;
@@ -97,7 +97,9 @@ pub(super) fn run(args: &CheckArgs, case: Case) -> Result<String, CliError> {
     let scene = build_scene(system.with_real_masses(), args.threads.get())?;
     check_solver(&problem, &*scene, &source)?;
     describe_terms(&mut tables, &*scene);
-    let trial = Trial::of(&*scene, static_spec(&problem, 0.0, 1));
+    let at = args.at.unwrap_or(0.0);
+    let trial = Trial::of(&*scene, static_spec(&problem, at, 1));
+    let idle = idle_loads(&problem, &*scene, at);
     let warnings: Vec<String> = warnings_at_rest(&problem).map(ToString::to_string).collect();
     let acknowledged: Vec<String> = problem.acknowledged.iter().map(ToString::to_string).collect();
     if args.print.json {
@@ -114,6 +116,8 @@ pub(super) fn run(args: &CheckArgs, case: Case) -> Result<String, CliError> {
             "seconds": seconds,
             "newton_iterations": found.counters.newton_iterations,
             "load_steps": found.load_steps,
+            "at": at,
+            "idle_loads": idle,
             "matrix_nonzeros": found.linear.map(|linear| linear.matrix_nonzeros),
             "factor_nonzeros": found.linear.and_then(|linear| linear.factor_nonzeros),
             "stability": found.stability,
@@ -129,7 +133,9 @@ pub(super) fn run(args: &CheckArgs, case: Case) -> Result<String, CliError> {
     if args.print.quiet {
         return Ok(String::new());
     }
-    let mut text = super::check::heading(&problem, &warnings) + &trial.describe() + &size;
+    let mut text = super::check::heading(&problem, &warnings) + &trial.describe();
+    idle.iter().for_each(|load| _ = writeln!(text, "  not acting      {load}"));
+    text.push_str(&size);
     text.push_str(&notes(args, "--all: the model", [&acknowledged, &warnings]));
     if args.all {
         let _ = writeln!(text, "\n{}", tables.trim_end());

@@ -199,7 +199,8 @@ fn peak(one: &Peak) -> Option<String> {
         }
         (ReportLine::Ratio { symbol, of }, ..) => format!("  {symbol:<16}{last}{of} at the end ({name})"),
         (ReportLine::Peak(_), Some(strength), Some(factor)) => format!(
-            "  line load       {value}{unit} at t = {t} s ({name}), strength {}{unit}: safety factor {}{}",
+            "  {:<16}{value}{unit} at t = {t} s ({name}), strength {}{unit}: safety factor {}{}",
+            if one.unit == "N" { "line load" } else { "cloth stress" },
             figures(*strength, 4),
             figures(*factor, 3),
             if *factor < 1.0 - 1e-6 { ", it would break" } else { "" }

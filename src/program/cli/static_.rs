@@ -50,7 +50,7 @@ pub struct StaticArgs {
     pub print: Print,
 }
 
-fn time(text: &str) -> Result<f64, String> {
+pub(super) fn time(text: &str) -> Result<f64, String> {
     let t = text.trim().parse().ok().filter(|t: &f64| *t >= 0.0 && t.is_finite());
     t.ok_or_else(|| "expected a time of at least 0, in seconds".to_owned())
 }
@@ -140,6 +140,8 @@ fn report(name: &str, found: &RecordedStatic, out: &Path) -> String {
         counted(u64::from(equilibrium.load_steps), "load step", "load steps"),
     ];
     let residual = equilibrium.residual;
+    let idle = summary.equilibrium.iter().flat_map(|report| &report.idle_loads);
+    idle.for_each(|load| _ = writeln!(text, "  not acting      {load}"));
     let _ = writeln!(text, "  work            {}", work.join(", "));
     let _ = writeln!(text, "  residual        {:.1e} N of {} N", residual.force, figures(residual.scale, 4));
     if let Some(energy) = summary.equilibrium.as_ref().and_then(|report| report.potential_energy) {

@@ -1,7 +1,7 @@
 //! What a good case becomes.
 
 use canopy_fem::case::Case;
-use canopy_fem::case::spec::{Problem, RowEvery, SystemSpec};
+use canopy_fem::case::spec::{GaugeOf, Problem, RowEvery, SystemSpec};
 use canopy_fem::model::spec::{DashpotKind, NetworkSpec, PressureKind, Slack, SpringValues};
 
 use super::common::{assets, base_with};
@@ -226,4 +226,28 @@ fn a_case_with_other_values() {
     assert_eq!(other.problem().case_json["time"]["method"], "hht");
     assert_eq!(other.problem().system, case.problem().system);
     assert!(case.with(&[("time.step".to_owned(), "0".to_owned())]).is_err());
+}
+
+/// A selection without another: nodes, edges, triangles, and one within another.
+#[test]
+fn a_selection_may_leave_a_part_out() {
+    let case = base_with(&[
+        ("system.network.supports", r#"[{"on": {"of": "outer", "except": {"ids": [1, 3]}}, "fix": "xyz"}]"#),
+        ("system.network.springs", r#"[{"on": {"of": "all", "except": "lines"}, "stiffness": 100.0}]"#),
+        (
+            "system.network.loads",
+            r#"[{"on": {"of": "all", "except": {"ids": [1]}}, "pressure": 1.0},
+                {"on": {"of": "all", "except": {"of": "boundary", "except": {"ids": [2]}}}, "force": [0, 0, 1]}]"#,
+        ),
+        ("output.gauges", r#"[{"name": "g", "on": {"of": "boundary", "except": {"ids": [0]}}, "of": "tension"}]"#),
+    ])
+    .unwrap_or_else(|e| panic!("{e}"));
+    let network = network(case.problem());
+    let held: Vec<usize> = (0..5).filter(|node| network.fixed[*node] == [true; 3]).collect();
+    assert_eq!(held, [0, 2]);
+    assert_eq!(network.springs[0].edges, [0, 1, 2, 3, 4]);
+    assert_eq!(network.pressures[0].triangles, [0]);
+    assert_eq!(network.forces[0].nodes, [2, 4]);
+    let of = &case.problem().output.gauges[0].of;
+    assert!(matches!(of, GaugeOf::Springs { edges, .. } if *edges == [1, 3, 4]), "{of:?}");
 }

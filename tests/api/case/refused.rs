@@ -527,3 +527,36 @@ fn motions_that_are_right() {
     ];
     base_with(&sets).expect("all of it is right");
 }
+
+/// A selection without another one leaves something and takes something away.
+#[test]
+fn except_takes_a_part() {
+    refuses(&[
+        (
+            "system.network.supports.0.on={\"of\":\"all\",\"except\":\"all\"}",
+            "/system/network/supports/0/on",
+            "has all 5 nodes",
+        ),
+        (
+            "system.network.supports.0.on={\"of\":{\"ids\":[0]},\"except\":{\"ids\":[1]}}",
+            "/system/network/supports/0/on/except",
+            "no node of",
+        ),
+        (
+            "system.network.supports.0.on={\"of\":\"al\",\"except\":{\"ids\":[1]}}",
+            "/system/network/supports/0/on/of",
+            "did you mean \"all\"",
+        ),
+        (
+            "system.network.supports.0.on={\"of\":\"all\",\"except\":{\"group\":\"gate\"}}",
+            "/system/network/supports/0/on/except/group",
+            "no groups",
+        ),
+        (
+            "system.network.springs.0.on={\"of\":\"lines\",\"except\":\"all\"}",
+            "/system/network/springs/0/on",
+            "has all 1 edges",
+        ),
+        ("system.network.springs.0.on={\"of\":\"all\"}", "/system/network/springs/0/on/of", "known names here"),
+    ]);
+}

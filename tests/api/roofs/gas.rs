@@ -122,6 +122,79 @@ fn a_surface_inside_out_is_the_same() {
     assert!(apart.fold(0.0, f64::max) < 1e-12);
 }
 
+/// A gas has its energy and its pressure in a step of any size: nothing is made and nothing is lost.
+#[test]
+fn energy_momentum_keeps_the_energy_of_a_gas() {
+    for (gas, step) in [
+        (json!({"on": "all", "pressure": 5000.0}), 1e-3),
+        (json!({"on": "all", "pressure": 5000.0, "gamma": 1.0, "ambient": 1000.0}), 4e-3),
+        (json!({"on": "all", "pressure": -300.0, "gamma": 1.667, "ambient": 1000.0, "volume": 0.6}), 1e-2),
+    ] {
+        let mut case = bag(&gas);
+        case["time"] = json!({"end": 200.5 * step, "method": "energy-momentum", "step": step});
+        case["solver"] = json!({"newton": {"relative": 1e-13}});
+        case["system"]["network"]["initial"] =
+            json!({"velocity": [[1, 0, 0], [0, 2, 0], [0, 0, 0], [0, 0, 3], [0, 0, 1], [0, 0, 0]]});
+        let mut exchanged = 0.0_f64;
+        let outcome = follow(&case_of(&case, &[]), |state| exchanged = exchanged.max(state.ledger.kinetic));
+        assert_eq!(outcome.status, Status::Completed, "{gas}: {:?}", outcome.failure);
+        assert!(exchanged > 1.0 && outcome.energy_error < 1e-12, "{gas}: {} of {exchanged} J", outcome.energy_error);
+    }
+}
+
+/// Two chambers with a wall between them, over a rim: a pillow with an inner sheet. Each gas has its own volume, and the
+/// wall feels the difference.
+#[test]
+fn chambers_share_a_wall() {
+    let mut case = pillow();
+    let case_text = |case: &Value| Case::from_text(case.to_string(), "case.json", PathBuf::new(), &[]);
+    let read = case_text(&case).unwrap_or_else(|e| panic!("{e}"));
+    assert!(read.warnings().is_empty(), "{:?}", read.warnings());
+    let scene = build_network(network(&read), Threads::one()).expect("a sound scene");
+    let state = scene.initial_state();
+    let air = scene.air().expect("it has gases");
+    assert_eq!(air.gases(), 2);
+    for (gas, expected) in [(0, [800.0, 1.0 / 3.0]), (1, [300.0, 2.0 / 3.0])] {
+        let found = air.gas_values(gas, state.as_ref());
+        assert!(found.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12), "{found:?} {expected:?}");
+    }
+    let mut pressures = vec![0.0; 12];
+    air.triangle_pressure(state.as_ref(), &mut pressures);
+    assert!((pressures[4].abs() - 500.0).abs() < 1e-9, "the wall: {pressures:?}");
+    // What has no inside is refused, although the rim is held.
+    let refused = |case: &Value| case_text(case).err().map_or_else(String::new, |error| error.to_string());
+    case["system"]["network"]["gas"] = json!({"on": "all", "pressure": 800.0});
+    assert!(refused(&case).contains("3 triangles (0, 4, 8) at the edge 0-1"), "{}", refused(&case));
+    case["system"]["network"]["gas"] =
+        json!([{"on": {"group": "upper"}, "pressure": 800.0}, {"on": {"group": "upper"}, "pressure": 1.0}]);
+    assert!(refused(&case).contains("the triangles of gas 0 again"), "{}", refused(&case));
+    case = pillow();
+    let triangles = &mut case["system"]["network"]["mesh"]["explicit"]["triangles"];
+    (4..8).for_each(|i| triangles[i].as_array_mut().expect("corners").swap(0, 1));
+    let found = refused(&case);
+    assert!(found.contains("which turn opposite ways"), "{found}");
+}
+
+/// A square of 2 m in the x-y plane, held, with a tip 1/2 m above it, a sheet that is 1/4 m above it in its middle, and
+/// one whose middle is 1/4 m below. Volumes are a third of the heights times 4 m^2.
+fn pillow() -> Value {
+    let over = |tip: u32| (0..4).map(move |i| [i, (i + 1) % 4, tip]);
+    let under = |tip: u32| (0..4).map(move |i| [(i + 1) % 4, i, tip]);
+    // The wall turns so that it closes the upper chamber; seen from the lower one all turn inwards.
+    let triangles: Vec<[u32; 3]> = over(4).chain(under(5)).chain(over(6)).collect();
+    json!({"name": "pillow", "system": {"network": {
+        "mesh": {"explicit": {
+            "nodes": [[1, -1, 0], [1, 1, 0], [-1, 1, 0], [-1, -1, 0], [0, 0, 0.5], [0, 0, 0.25], [0, 0, -0.25]],
+            "triangles": triangles,
+            "groups": {"upper": {"triangles": [0, 1, 2, 3, 4, 5, 6, 7]}, "lower": {"triangles": [4, 5, 6, 7, 8, 9, 10, 11]}}
+        }},
+        "mass": {"areal_density": 0.5},
+        "membranes": [{"on": "all", "thickness": 1e-4, "modulus": 1e8, "poisson": 0.3}],
+        "supports": [{"on": {"ids": [0, 1, 2, 3]}, "fix": "xyz"}],
+        "gas": [{"on": {"group": "upper"}, "pressure": 800.0}, {"on": {"group": "lower"}, "pressure": 300.0}]
+    }}, "time": {"end": 0.02, "method": "velocity-verlet", "step": 1e-5}})
+}
+
 #[test]
 fn what_encloses_no_gas_is_refused() {
     let words = |case: &Value| {

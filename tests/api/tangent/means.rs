@@ -58,8 +58,7 @@ fn work(sample: &Sample, forces: &Forces) -> [f64; 2] {
 #[test]
 fn elastic_forces_do_the_work_that_their_energies_lose() {
     let mut lost = 0.0_f64;
-    // The force of a gas is that in the middle of a step.
-    for (name, spec) in scenes().into_iter().filter(|(_, spec)| spec.gases.is_empty()) {
+    for (name, spec) in scenes() {
         let scene = build(spec);
         for seed in 0..super::STATES {
             let (sample, mut forces) = (sample_of(&scene, seed), scene.new_forces());

@@ -34,6 +34,7 @@ fn membranes(wrinkling: bool, damping_time: f64, orthotropic: bool) -> Vec<Membr
         warp: orthotropic.then_some([1.0, 0.4, 0.3]),
         wrinkling,
         damping_time,
+        strength: None,
     };
     vec![spec.clone(), MembraneSpec { triangles: odd, thickness: 2e-3, ..spec }]
 }

@@ -17,15 +17,16 @@
 //! V = sum x_0 . (x_1 x x_2)/6,      d2V/dx_0 dx_1 = -[x_2]x/6 and so on around
 //! -df_i/dx_j = -p d2V/dx_i dx_j + gamma (p + p_a)/V (dV/dx_i)(dV/dx_j)^T      (symmetric)
 //! ```
-//! Openings are closed by flat covers over rims that are held: the ground takes what pushes on them. In steps of an
-//! energy-momentum method the force is that in the middle, so their energy is exact to the square of the step only.
+//! Openings are closed by flat covers over rims that are held: the ground takes what pushes on them.
+
+mod mean;
 
 use crate::force::kernel::batch::{Batch, BufferReads, Elements, Kernel, Records, SceneNumbers};
 use crate::force::kernel::element_block::{NodeVectors, SceneValues, add, vector};
 use crate::force::law::enclosure::Enclosure;
-use crate::force::law::series::Table;
+use crate::force::law::series::{Scale, Table};
 use crate::force::law::triangle::{AreaVector, THIRD};
-use crate::force::{Copies, ForceTerm, NodeState, RankOne, TangentForm, TangentSink};
+use crate::force::{Copies, ForceTerm, MeanForce, NodeState, RankOne, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
@@ -62,6 +63,9 @@ pub struct GasLaw {
     pub table: Arc<Table<1>>,
     /// whether the table is the pressure \[Pa\] above p_a in the volume at the start; else the amount \[m^3\]
     pub by_pressure: bool,
+    /// \[-\] share of it that is filled in: of the pressure, or of what the amount is above the volume at the start. 1
+    /// but for steps of the loads
+    pub filled: Arc<Scale>,
 }
 
 /// (e^(k r) - 1)/k, r where k is 0.
@@ -72,8 +76,12 @@ fn growth(k: f64, r: f64) -> f64 {
 impl GasLaw {
     /// \[m^3\] V_a at time `t` [s].
     pub fn amount(&self, t: f64) -> f64 {
-        let [value] = self.table.at(t);
-        if self.by_pressure { self.at_start * (1.0 + value / self.ambient).powf(1.0 / self.gamma) } else { value }
+        let ([value], filled) = (self.table.at(t), self.filled.get());
+        if self.by_pressure {
+            return self.at_start * (1.0 + filled * value / self.ambient).powf(1.0 / self.gamma);
+        }
+        // Nothing is added to a whole amount, so that it keeps every bit.
+        filled * value + (1.0 - filled) * self.at_start
     }
 
     /// [Pa] p in a volume [m^3].
@@ -97,7 +105,7 @@ impl GasLaw {
     /// That of another run.
     #[must_use]
     pub(crate) fn for_run(&self, copies: &mut Copies) -> Self {
-        GasLaw { table: copies.of(&self.table), ..self.clone() }
+        GasLaw { table: copies.of(&self.table), filled: copies.of(&self.filled), ..self.clone() }
     }
 }
 
@@ -110,8 +118,20 @@ impl GasData {
 
     /// [Pa] p on each of its triangles.
     pub fn pressures<'a>(&'a self, at: NodeState<'a>) -> impl Iterator<Item = f64> + 'a {
-        let pressure = self.law.pressure(at.t, self.volume(NodeVectors::Nodes(at.x)));
+        let [pressure, _] = self.pressure_and_volume(at);
         self.triangles.iter().map(move |_| pressure)
+    }
+
+    /// [Pa] p and \[m^3\] V in a state.
+    pub fn pressure_and_volume(&self, at: NodeState<'_>) -> [f64; 2] {
+        let volume = self.volume(NodeVectors::Nodes(at.x));
+        [self.law.pressure(at.t, volume), volume]
+    }
+
+    /// That of another run.
+    #[must_use]
+    pub(crate) fn copy(&self, copies: &mut Copies) -> Self {
+        GasData { law: self.law.for_run(copies), ..self.clone() }
     }
 
     /// Adds `by` dV/dx.
@@ -119,6 +139,23 @@ impl GasData {
         for &nodes in self.triangles.iter() {
             let part = AreaVector::new(x, nodes).s * (by * THIRD);
             nodes.into_iter().for_each(|node| g[node as usize] += part);
+        }
+    }
+
+    /// Emits -`by` d2V/dx2 at some places of the nodes; nothing where the form is convex.
+    fn emit_geometric(
+        &self,
+        place: impl Fn(u32) -> Vector3<f64>,
+        by: f64,
+        form: TangentForm,
+        sink: &mut dyn TangentSink,
+    ) {
+        let Some([first, ..]) = self.triangles.first() else { return };
+        let (origin, k) = (place(*first), if form.convex { 0.0 } else { by / 6.0 });
+        for &nodes in self.triangles.iter() {
+            let [x0, x1, x2] = nodes.map(|node| (place(node) - origin) * k);
+            let (none, [a, b, c]) = (Matrix3::zeros(), [x0, x1, x2].map(|x| x.cross_matrix()));
+            sink.triangle(nodes, &[[none, c, -b], [-c, none, a], [b, -a, none]]);
         }
     }
 
@@ -178,7 +215,7 @@ impl Kernel<3> for GasData {
     }
 
     fn for_run(&self, copies: &mut Copies) -> Option<Self> {
-        Some(GasData { law: self.law.for_run(copies), ..self.clone() })
+        Some(self.copy(copies))
     }
 }
 
@@ -195,15 +232,8 @@ impl ForceTerm for Gas {
     /// The geometric stiffness has either sign, so the convex form has none of it.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         let data = self.kernel();
-        let Some([first, ..]) = data.triangles.first() else { return };
-        let origin = at.x[*first as usize];
-        let pressure = data.law.pressure(at.t, data.volume(NodeVectors::Nodes(at.x)));
-        let k = if form.convex { 0.0 } else { w.k * pressure / 6.0 };
-        for &nodes in data.triangles.iter() {
-            let [x0, x1, x2] = nodes.map(|node| (at.x[node as usize] - origin) * k);
-            let (none, [a, b, c]) = (Matrix3::zeros(), [x0, x1, x2].map(|x| x.cross_matrix()));
-            sink.triangle(nodes, &[[none, c, -b], [-c, none, a], [b, -a, none]]);
-        }
+        let [pressure, _] = data.pressure_and_volume(at);
+        data.emit_geometric(|node| at.x[node as usize], w.k * pressure, form, sink);
     }
 
     fn rank_one(&self, _: usize, at: NodeState<'_>, w: Weights, RankOne { u, g }: RankOne<'_>) {
@@ -223,6 +253,10 @@ impl ForceTerm for Gas {
     fn coupling_bound(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
         let rows = self.kernel().row_sums(at);
         rows.for_each(|(node, stiffness)| sink.node(node, Matrix3::from_diagonal_element(w.k * stiffness)));
+    }
+
+    fn mean(&self) -> Option<&dyn MeanForce> {
+        Some(self)
     }
 
     fn add_stiffness(&self, nodes: &mut [f64]) {
@@ -245,7 +279,7 @@ mod tests {
         for gamma in [1.0, 1.2, 1.4] {
             let at = |amount: f64| {
                 let table = Arc::new(Table::new(Series { t: vec![0.0], value: vec![[amount]] }));
-                GasLaw { ambient: 9e4, gamma, at_start: 1.0, table, by_pressure: false }
+                GasLaw { ambient: 9e4, gamma, at_start: 1.0, table, by_pressure: false, filled: Arc::default() }
             };
             assert_eq!(at(3.0).energy(0.0, 3.0), [0.0, 0.0]);
             for (amount, volume) in [(3.0, 2.0), (2.0, 3.0), (1.01, 1.0)] {
@@ -262,6 +296,25 @@ mod tests {
                 let expected = 9e4 * ((amount / volume).powf(gamma) - 1.0);
                 assert!((pressure - expected).abs() < 1e-9 * expected.abs());
             }
+        }
+    }
+    /// A share of the pressure in the volume at the start, or of the amount above it; nothing changes when all is in.
+    #[test]
+    fn a_gas_is_filled_in_shares() {
+        for (by_pressure, value) in [(true, 700.0), (false, 1.3)] {
+            let table = Arc::new(Table::new(Series { t: vec![0.0], value: vec![[value]] }));
+            let filled = Arc::new(Scale::default());
+            let law = GasLaw { ambient: 9e4, gamma: 1.4, at_start: 1.1, table, by_pressure, filled: filled.clone() };
+            let whole = law.amount(0.0);
+            for (share, expected) in [(0.0, 0.0), (0.25, 175.0), (1.0, 700.0)] {
+                filled.set(share);
+                if by_pressure {
+                    assert!((law.pressure(0.0, 1.1) - expected).abs() < 1e-9, "{share}");
+                } else {
+                    assert!((law.amount(0.0) - (1.1 + share * 0.2)).abs() < 1e-15, "{share}");
+                }
+            }
+            assert_eq!(law.amount(0.0).to_bits(), whole.to_bits());
         }
     }
 }

@@ -21,6 +21,9 @@ pub struct MembraneSpec {
     pub wrinkling: bool,
     /// [s] time tau of stiffness damping, >= 0
     pub damping_time: f64,
+    /// \[N/m\] its strength, for reports only
+    #[serde(skip)]
+    pub strength: Option<f64>,
 }
 
 /// Bending of the edges between triangles, and of chains of edges.

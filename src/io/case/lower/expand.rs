@@ -163,6 +163,7 @@ fn fill_membrane(rule: &mut MembraneRule, cloth: &ClothMaterial) {
     rule.modulus.get_or_insert(Modulus::Isotropic(cloth.modulus));
     rule.poisson = rule.poisson.or(cloth.poisson);
     rule.damping_time = rule.damping_time.or(cloth.damping_time);
+    rule.strength = rule.strength.or(cloth.strength);
 }
 
 /// A rule for a group, without values.

@@ -8,7 +8,7 @@ use crate::case::pointer::Pointer;
 use crate::case::schema::{Gas, OneOrSeveral, OverTime, ValueTable};
 use crate::format_number::first_few;
 use crate::model::spec::{GasFill, GasSpec, MotionSpec, Series};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Checks and resolves the section; `held` says which directions are held for ever, `[n_nodes][3]`.
 pub(super) fn gases(
@@ -27,6 +27,16 @@ pub(super) fn gases(
             continue;
         }
         let Some(around) = select::triangles(&at.key("on"), &gas.on, geometry, faults) else { continue };
+        if let Some(same) = found.iter().position(|earlier| earlier.triangles == around) {
+            let value = format!("the triangles of gas {same} again");
+            let hint = "one volume holds one gas: give it the pressure or the amount of both";
+            faults.add_value(&at.key("on"), value, "triangles of a volume of its own", Some(hint.to_owned()));
+        }
+        if let Some(fault) = unclosed(geometry, &around) {
+            let hint = "\"orient\" of a mesh file turns triangles alike; select those around one volume only";
+            faults.add_value(&at.key("on"), fault, "triangles that close one volume", Some(hint.to_owned()));
+            continue;
+        }
         let moved: BTreeSet<u32> = motions.iter().flat_map(|motion| &motion.nodes).map(|(node, _)| *node).collect();
         let free = |node: &u32| held.get(*node as usize) != Some(&[true; 3]) || moved.contains(node);
         let open: Vec<u32> = open_nodes(geometry, &around).into_iter().filter(free).collect();
@@ -39,6 +49,31 @@ pub(super) fn gases(
         found.extend(fill.map(|fill| GasSpec { triangles: around, ambient, gamma, volume, fill }));
     }
     found
+}
+
+/// Why some triangles have no inside: an edge between two that turn opposite ways, or one with an odd number of them
+/// beside it. Edges of one triangle are a rim.
+fn unclosed(geometry: &Geometry, triangles: &[u32]) -> Option<String> {
+    let mut beside: BTreeMap<[u32; 2], [Vec<u32>; 2]> = BTreeMap::new();
+    for &triangle in triangles {
+        let Some(&[a, b, c]) = geometry.mesh.triangles.get(triangle as usize) else { continue };
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            let ways = beside.entry([from.min(to), from.max(to)]).or_default();
+            ways[usize::from(from > to)].push(triangle);
+        }
+    }
+    beside.into_iter().find_map(|([a, b], ways)| {
+        let [forward, backward] = ways.each_ref().map(Vec::len);
+        let mut all = ways.concat();
+        all.sort_unstable();
+        let all = first_few(&all);
+        match forward + backward {
+            _ if forward == backward => None,
+            1 => None,
+            n if n % 2 == 0 => Some(format!("triangles {all} at the edge {a}-{b}, which turn opposite ways")),
+            n => Some(format!("{n} triangles ({all}) at the edge {a}-{b}")),
+        }
+    })
 }
 
 /// The nodes of edges that only one of some triangles has, ascending.

@@ -95,8 +95,7 @@ impl Geometry {
 
     /// [-] How many tapes or lines each of these edges of a group stands for; `None` where each is one.
     pub(super) fn strands(&self, on: &EdgeSelection, edges: &[u32]) -> Option<Vec<f64>> {
-        let EdgeSelection::Group(name) = on else { return None };
-        let strands = self.mesh.strands.get(name)?;
+        let strands = self.mesh.strands.get(on.group()?)?;
         Some(edges.iter().map(|edge| strands.get(edge).copied().unwrap_or(1.0)).collect())
     }
 

@@ -116,11 +116,11 @@ pub(crate) fn build(
         Some(SystemSpec::Network(spec)) => (Some(&spec.springs[..]), strengths(spec)),
         _ => (None, Vec::new()),
     };
-    let membranes = match &system {
-        Some(SystemSpec::Network(spec)) => Some(&spec.membranes[..]),
-        _ => None,
+    let (membranes, gases) = match &system {
+        Some(SystemSpec::Network(spec)) => (Some(&spec.membranes[..]), Some(&spec.gases[..])),
+        _ => (None, None),
     };
-    let scene = output::Measurable { nodes, springs: groups, membranes };
+    let scene = output::Measurable { nodes, springs: groups, membranes, gases };
     let output = output::output(file.output.as_ref(), scene, timing.as_ref().map(|t| t.spec), faults);
     let output = output.map(|mut output| {
         output.gauges.extend(strengths);

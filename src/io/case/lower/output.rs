@@ -8,9 +8,10 @@ use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Every, Field, Gauge, NodeSelection, Output, Probe};
 use crate::case::spec::{GaugeOf, GaugeSpec, OutputSpec, ProbeSpec, RowEvery, StagesSpec, TimeSpec};
+use crate::format_number::first_few;
 use crate::model::gauge::NodeQuantity;
 use crate::model::gauge::{GaugeKind, NodeGauge, SpringGauge};
-use crate::model::spec::{MembraneSpec, SpringGroup};
+use crate::model::spec::{GasSpec, MembraneSpec, SpringGroup};
 use crate::vtk::{Compression, FrameFormat, VtuFormat};
 
 /// [-] Largest number of rows of `history.csv` with the default interval, including the first and the last state.
@@ -27,6 +28,8 @@ pub(super) struct Measurable<'a> {
     pub springs: Option<&'a [SpringGroup]>,
     /// `None` if they are not known
     pub membranes: Option<&'a [MembraneSpec]>,
+    /// `None` if they are not known
+    pub gases: Option<&'a [GasSpec]>,
 }
 
 /// Checks the `output` section and fills in its defaults; `None` if the times are unknown.
@@ -142,12 +145,17 @@ fn gauge_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Fau
     };
     Some(match kind {
         GaugeKind::Nodes(of) => GaugeOf::Nodes { of, nodes: nodes_of()? },
-        GaugeKind::Cloth | GaugeKind::Membranes(_) if matches!(nodes, NodeSet::Point(..)) => {
+        GaugeKind::Cloth | GaugeKind::Membranes(_) | GaugeKind::Gas if matches!(nodes, NodeSet::Point(..)) => {
             faults.add_hint(&at.key("of"), "another quantity", "a point has no cloth");
             return None;
         }
         GaugeKind::Cloth => GaugeOf::Cloth { nodes: nodes_of()? },
-        GaugeKind::Membranes(of) => GaugeOf::Membranes { of, triangles: membranes_of(&on, gauge, scene, faults)? },
+        GaugeKind::Membranes(of) => {
+            let triangles = membranes_of(&on, gauge, scene, faults)?;
+            let strength = strength_of(&triangles, scene.membranes.unwrap_or_default());
+            GaugeOf::Membranes { of, triangles, strength }
+        }
+        GaugeKind::Gas => GaugeOf::Gas { gas: gas_of(&on, gauge, scene, faults)? },
         GaugeKind::Springs(SpringGauge::Tension) if matches!(nodes, NodeSet::Point(..)) => {
             GaugeOf::Pull { masses: masses_above(&on, gauge, nodes, faults)? }
         }
@@ -161,7 +169,7 @@ fn gauge_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Fau
 /// Whether the bob of a pendulum can be measured so: it has no springs, no cloth, and no support of its own.
 fn has_bob(kind: GaugeKind) -> bool {
     match kind {
-        GaugeKind::Springs(_) | GaugeKind::Cloth | GaugeKind::Membranes(_) => false,
+        GaugeKind::Springs(_) | GaugeKind::Cloth | GaugeKind::Membranes(_) | GaugeKind::Gas => false,
         GaugeKind::Nodes(NodeGauge { vector, .. }) => match vector {
             NodeQuantity::Position | NodeQuantity::Displacement | NodeQuantity::Velocity | NodeQuantity::Force => true,
             NodeQuantity::Acceleration | NodeQuantity::Reaction => false,
@@ -208,17 +216,53 @@ fn springs_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut F
     Some(edges)
 }
 
+/// [Pa] The strength of the membranes on some triangles over their thickness, if it is the same for all.
+fn strength_of(triangles: &[u32], membranes: &[MembraneSpec]) -> Option<f64> {
+    let rules = membranes.iter().filter(|rule| triangles.iter().any(|t| rule.triangles.binary_search(t).is_ok()));
+    let mut strengths = rules.map(|rule| rule.strength.map(|strength| strength / rule.thickness));
+    let first = strengths.next()??;
+    strengths.all(|other| other == Some(first)).then_some(first)
+}
+
+/// The triangles that a gauge selects; `why` says what they are for.
+fn triangles_of(
+    at: &Pointer,
+    gauge: &Gauge,
+    why: &str,
+    geometry: &Geometry,
+    faults: &mut Faults<'_>,
+) -> Option<Vec<u32>> {
+    use NodeSelection::{All, Except, Group, Ids};
+    match gauge.on.nodes() {
+        Some(on @ (All | Ids(_) | Group(_) | Except(_))) => select::triangles(at, &on, geometry, faults),
+        _ => {
+            faults.add(at, format!("\"all\", {{\"ids\": [...]}} or {{\"group\": ...}} of triangles: {why}"));
+            None
+        }
+    }
+}
+
+/// The gas that a gauge is for: that which the triangles are around.
+fn gas_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Faults<'_>) -> Option<usize> {
+    let NodeSet::Mesh(geometry) = scene.nodes else { return None };
+    let triangles = triangles_of(at, gauge, "it is measured on those around a gas", geometry, faults)?;
+    let around = |gas: &GasSpec| triangles.iter().any(|triangle| gas.triangles.contains(triangle));
+    let found: Vec<usize> = (0..).zip(scene.gases?).filter(|(_, gas)| around(gas)).map(|(i, _)| i).collect();
+    match found[..] {
+        [gas] => return Some(gas),
+        [] => faults.add_hint(at, "triangles around a gas", "the gas section has none with these triangles"),
+        _ => {
+            let value = format!("triangles around the gases {}", first_few(&found));
+            faults.add_value(at, value, "triangles around one gas only", None);
+        }
+    }
+    None
+}
+
 /// The triangles of a gauge of membranes that have one.
 fn membranes_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Faults<'_>) -> Option<Vec<u32>> {
     let NodeSet::Mesh(geometry) = scene.nodes else { return None };
-    let selection = match gauge.on.nodes() {
-        Some(on @ (NodeSelection::All | NodeSelection::Ids(_) | NodeSelection::Group(_))) => on,
-        _ => {
-            faults.add(at, "\"all\", {\"ids\": [...]} or {\"group\": ...} of triangles: it is measured on membranes");
-            return None;
-        }
-    };
-    let mut triangles = select::triangles(at, &selection, geometry, faults)?;
+    let mut triangles = triangles_of(at, gauge, "it is measured on membranes", geometry, faults)?;
     let mut covered = vec![false; geometry.mesh.triangles.len()];
     scene.membranes?.iter().flat_map(|rule| &rule.triangles).for_each(|&t| covered[t as usize] = true);
     triangles.retain(|&t| covered[t as usize]);

@@ -68,6 +68,11 @@ pub(super) fn nodes(
         NodeSelection::Group(name) => {
             return group(&at.key("group"), name, geometry, faults).map(|group| group.select_nodes(&geometry.mesh));
         }
+        NodeSelection::Except(both) => {
+            let of = nodes(&at.key("of"), &both.of, geometry, faults);
+            let except = nodes(&at.key("except"), &both.except, geometry, faults);
+            return without(at, "node", (of?, except?), faults);
+        }
         NodeSelection::All => inside(&|_| true),
         NodeSelection::Boundary => topology.boundary_nodes().to_vec(),
         NodeSelection::Outer => topology.outer_nodes().to_vec(),
@@ -133,6 +138,25 @@ fn extent(nodes: &[[f64; 3]]) -> String {
     format!("; they lie between {:?} and {:?}", low.as_slice(), high.as_slice())
 }
 
+/// What is left of ascending numbers without others. Nothing that is taken away, and nothing that is left, is a fault.
+fn without(at: &Pointer, what: &str, (of, except): (Vec<u32>, Vec<u32>), faults: &mut Faults<'_>) -> Option<Vec<u32>> {
+    let left: Vec<u32> = of.iter().copied().filter(|one| except.binary_search(one).is_err()).collect();
+    match left.len() {
+        0 => {
+            let value = format!("\"except\" has all {} {what}s of \"of\"", of.len());
+            faults.add_value(at, value, format!("a selection of at least one {what}"), None);
+            None
+        }
+        n if n == of.len() => {
+            let hint = format!("leave \"except\" out, or name {what}s that are in \"of\"");
+            let value = format!("\"except\" has no {what} of \"of\"");
+            faults.add_value(&at.key("except"), value, format!("some of the {n} {what}s of \"of\""), Some(hint));
+            None
+        }
+        _ => Some(left),
+    }
+}
+
 /// Which edges a rule selects, `[n_edges]`.
 pub(super) fn edges(
     at: &Pointer,
@@ -167,6 +191,12 @@ pub(super) fn edges(
             }
             flagged(&edges)
         }
+        EdgeSelection::Except(both) => {
+            let of = edges(&at.key("of"), &both.of, geometry, faults);
+            let except = edges(&at.key("except"), &both.except, geometry, faults);
+            let listed = |flags: Vec<bool>| (0_u32..).zip(flags).filter(|(_, on)| *on).map(|(edge, _)| edge).collect();
+            flagged(&without(at, "edge", (listed(of?), listed(except?)), faults)?)
+        }
     };
     if !found.contains(&true) {
         let number = |kind: EdgeKind| of_kind(kind).iter().filter(|hit| **hit).count();
@@ -195,6 +225,11 @@ pub(super) fn triangles(
         NodeSelection::All => Some((0_u32..).take(count).collect()),
         NodeSelection::Ids(list) => ids(&at.key("ids"), list, Range { what: "triangle", count }, faults),
         NodeSelection::Group(name) => triangles_of_group(&at.key("group"), name, geometry, faults),
+        NodeSelection::Except(both) => {
+            let of = triangles(&at.key("of"), &both.of, geometry, faults);
+            let except = triangles(&at.key("except"), &both.except, geometry, faults);
+            without(at, "triangle", (of?, except?), faults)
+        }
         other => {
             let word = other.keyword();
             faults.add_hint(

@@ -10,7 +10,7 @@ use super::select;
 use super::stiffness::{Springs, Stiffness, dashpot, rest_lengths, stiffness};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{EdgeSelection, Factor, FactorTable, Membrane, SlackRule, SpringRule};
+use crate::case::schema::{Factor, FactorTable, Membrane, SlackRule, SpringRule};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
 use crate::model::spec::{ElasticLaw, MembraneSpec, Series, SheetSpec, Slack, SpringGroup, SpringValues, StrengthSpec};
@@ -204,7 +204,7 @@ fn claim(
     faults: &mut Faults<'_>,
 ) -> Option<Vec<u32>> {
     let selected = select::edges(&at.key("on"), &rule.on, geometry, faults)?;
-    let adds = matches!(rule.on, EdgeSelection::Group(_)) && !rule.loads_only;
+    let adds = rule.on.group().is_some() && !rule.loads_only;
     let mut edges = Vec::new();
     let flags = claimed.by_rule.iter_mut().zip(&mut claimed.by_any);
     for (((by_rule, by_any), selected), edge) in flags.zip(selected).zip(0_u32..) {
@@ -277,9 +277,9 @@ fn group(
             Some(dashpot(&at.key("dashpot"), rule, &springs, faults)?)
         }
     };
-    let name = || match &rule.on {
-        EdgeSelection::Group(group) => format!("springs[{number}] {group}"),
-        _ => format!("springs[{number}]"),
+    let name = || match rule.on.group() {
+        Some(group) => format!("springs[{number}] {group}"),
+        None => format!("springs[{number}]"),
     };
     let breaks = rule.strength.filter(|_| rule.breaks).map_or_else(Vec::new, |strength| {
         (0..edges.len()).map(|i| strength * strands.map_or(1.0, |strands| strands[i])).collect()

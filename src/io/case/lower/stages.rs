@@ -55,10 +55,10 @@ fn fillings(spec: &NetworkSpec) -> Vec<(f64, Begins)> {
 
 /// What the cut of these edges begins.
 fn cut(on: &EdgeSelection) -> Begins {
-    match on {
-        EdgeSelection::Group(name) if name.starts_with(REEFING) => Begins::Disreef,
-        EdgeSelection::Group(name) => Begins::Cut(format!("cut of {name}")),
-        _ => Begins::Cut("cut".to_owned()),
+    match on.group() {
+        Some(name) if name.starts_with(REEFING) => Begins::Disreef,
+        Some(name) => Begins::Cut(format!("cut of {name}")),
+        None => Begins::Cut("cut".to_owned()),
     }
 }
 

@@ -117,7 +117,7 @@ pub(super) fn rest_lengths(
 
 /// Whether a rule is for the reefing line of a parachute, or of one of a cluster.
 fn is_reefing(on: &EdgeSelection) -> bool {
-    matches!(on, EdgeSelection::Group(group) if group == "reefing" || group.starts_with("reefing-"))
+    on.group().is_some_and(|group| group == "reefing" || group.starts_with("reefing-"))
 }
 
 /// The key of a rule that has no value at a rest length of 0.

@@ -112,6 +112,7 @@ fn material(at: &Pointer, rule: &MembraneRule, faults: &mut Faults<'_>) -> Optio
         warp,
         wrinkling: rule.wrinkling,
         damping_time,
+        strength: rule.strength,
     };
     (faults.count() == before).then_some(spec)
 }

@@ -37,7 +37,9 @@ pub use method::Method;
 pub use network::{Damping, FrameFile, Initial, InitialFrom, Keep, Mass, Network, NetworkModel, PointMass, Support};
 pub use output::{CrossingSearch, Every, EveryCheckpoint, EverySteps, Field, Gauge, Output, Probe};
 pub use per_node::{PerEdge, PerNode, Vectors};
-pub use select::{Ball, EdgeSelection, NodeOrEdgeSelection, NodeSelection};
+pub use select::{
+    Ball, EdgeSelection, EdgesExcept, NodeOrEdgeSelection, NodeSelection, NodesExcept, NodesOrEdgesExcept,
+};
 pub use solver::{Newton, Solver};
 pub use springs::{Dashpot, DashpotRule, ElasticLawRule, Membrane, SlackRule, SpringRule};
 pub use surface::{BendingRule, MembraneRule, Modulus};

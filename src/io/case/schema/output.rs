@@ -142,7 +142,7 @@ pub struct Gauge {
     /// Name in `gauges.csv`; no two gauges share one.
     #[schemars(length(min = 1, max = 200))]
     pub name: String,
-    /// Where: edges for `tension`, triangles for `stress`, `strain` and `wrinkling`, else nodes.
+    /// Where: edges for `tension`, triangles for `stress`, `strain`, `wrinkling` and `gas`, else nodes.
     pub on: NodeOrEdgeSelection,
     /// What: sums, means and largest values over the selection.
     pub of: GaugeQuantity,

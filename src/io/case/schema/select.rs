@@ -1,11 +1,22 @@
 //! Selections: the `"on"` of supports, springs, loads and probes.
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// The branches as a `oneOf`, that of `except` second: stand-ins are the first and the last one, which hold no others.
+fn one_of(schema: &mut Schema) {
+    if let Some(Value::Array(mut branches)) = schema.remove("anyOf") {
+        branches.rotate_right(1);
+        branches.swap(0, 1);
+        schema.insert("oneOf".to_owned(), branches.into());
+    }
+}
 
 /// Some nodes of the mesh. Nodes count from 0; positions are those of the mesh as given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(transform = one_of)]
 pub enum NodeSelection {
     /// Every node.
     All,
@@ -24,6 +35,19 @@ pub enum NodeSelection {
     /// The members of the mesh's group with this name: its nodes, or, if it lists none, those of its edges and
     /// triangles. Where triangles are selected, its triangles.
     Group(String),
+    /// What one selection has and another has not: `{"of": "outer", "except": {"group": "gate"}}`.
+    #[serde(untagged)]
+    Except(Box<NodesExcept>),
+}
+
+/// Nodes, or triangles, without some of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NodesExcept {
+    /// Those that are left out. Some of them are in `of`, and something is left.
+    pub except: NodeSelection,
+    /// Those from which they are taken.
+    pub of: NodeSelection,
 }
 
 /// A solid sphere.
@@ -40,6 +64,7 @@ pub struct Ball {
 /// Some edges of the mesh; every edge can carry a spring.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(transform = one_of)]
 pub enum EdgeSelection {
     /// Every edge.
     All,
@@ -55,11 +80,36 @@ pub enum EdgeSelection {
     Ids(Vec<u32>),
     /// The edges of the mesh's group with this name: those it lists, or, if it lists none, those of its triangles.
     Group(String),
+    /// What one selection has and another has not: `{"of": "boundary", "except": {"group": "gate"}}`.
+    #[serde(untagged)]
+    Except(Box<EdgesExcept>),
+}
+
+/// Edges without some of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EdgesExcept {
+    /// Those that are left out. Some of them are in `of`, and something is left.
+    pub except: EdgeSelection,
+    /// Those from which they are taken.
+    pub of: EdgeSelection,
+}
+
+impl EdgeSelection {
+    /// The group that it selects, or selects from.
+    pub fn group(&self) -> Option<&str> {
+        match self {
+            Self::Group(name) => Some(name),
+            Self::Except(both) => both.of.group(),
+            _ => None,
+        }
+    }
 }
 
 /// Some nodes or some edges of the mesh.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(transform = one_of)]
 pub enum NodeOrEdgeSelection {
     /// Every node, or every edge.
     All,
@@ -83,6 +133,19 @@ pub enum NodeOrEdgeSelection {
     Sphere(Ball),
     /// The nodes, or the edges, of the mesh's group with this name.
     Group(String),
+    /// What one selection has and another has not: `{"of": "outer", "except": {"group": "gate"}}`.
+    #[serde(untagged)]
+    Except(Box<NodesOrEdgesExcept>),
+}
+
+/// Nodes, edges or triangles without some of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NodesOrEdgesExcept {
+    /// Those that are left out. Some of them are in `of`, and something is left.
+    pub except: NodeOrEdgeSelection,
+    /// Those from which they are taken.
+    pub of: NodeOrEdgeSelection,
 }
 
 impl NodeOrEdgeSelection {
@@ -97,6 +160,10 @@ impl NodeOrEdgeSelection {
             Self::Box(corners) => NodeSelection::Box(*corners),
             Self::Sphere(ball) => NodeSelection::Sphere(*ball),
             Self::Group(name) => NodeSelection::Group(name.clone()),
+            Self::Except(both) => {
+                let (except, of) = (both.except.nodes()?, both.of.nodes()?);
+                NodeSelection::Except(Box::new(NodesExcept { except, of }))
+            }
             Self::Interior | Self::Seams | Self::Lines => return None,
         })
     }
@@ -111,6 +178,10 @@ impl NodeOrEdgeSelection {
             Self::Lines => EdgeSelection::Lines,
             Self::Ids(list) => EdgeSelection::Ids(list.clone()),
             Self::Group(name) => EdgeSelection::Group(name.clone()),
+            Self::Except(both) => {
+                let (except, of) = (both.except.edges()?, both.of.edges()?);
+                EdgeSelection::Except(Box::new(EdgesExcept { except, of }))
+            }
             Self::Outer | Self::Inner | Self::Box(_) | Self::Sphere(_) => return None,
         })
     }
@@ -128,6 +199,7 @@ impl NodeSelection {
             Self::Box(_) => "box",
             Self::Sphere(_) => "sphere",
             Self::Group(_) => "group",
+            Self::Except(_) => "except",
         }
     }
 }

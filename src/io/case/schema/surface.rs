@@ -12,8 +12,8 @@ use super::select::{EdgeSelection, NodeSelection};
 pub struct MembraneRule {
     /// Which triangles: `"all"`, `{"ids": [...]}` or `{"group": ...}`.
     pub on: NodeSelection,
-    /// Name of a cloth, which gives what the rule leaves out of `thickness`, `modulus`, `poisson` and `damping_time`,
-    /// and `mass.areal_density`; without it the first three are required.
+    /// Name of a cloth, which gives what the rule leaves out of `thickness`, `modulus`, `poisson`, `damping_time` and
+    /// `strength`, and `mass.areal_density`; without it the first three are required.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
     /// [m] Thickness t.
@@ -43,6 +43,11 @@ pub struct MembraneRule {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub damping_time: Option<f64>,
+    /// [N/m] Strength: force per width at which the cloth tears. `static` and gauges of stress tell the safety factor,
+    /// this over the larger principal stress times the thickness. Nothing tears.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub strength: Option<f64>,
 }
 
 /// One Young's modulus, or one along the warp and one across it.

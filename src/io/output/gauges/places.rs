@@ -4,7 +4,9 @@ use crate::case::spec::{GaugeOf, ProbeSpec};
 use crate::drive::max_displacement::Displacement;
 use crate::mesh::CrossingFinder;
 use crate::model::abilities::SpringPlace;
-use crate::model::gauge::{CROSSINGS, MembraneGauge, NodeColumns, NodeGauge, Quantity, SpringColumns, SpringGauge};
+use crate::model::gauge::{
+    CROSSINGS, GAS_QUANTITIES, MembraneGauge, NodeColumns, NodeGauge, Quantity, SpringColumns, SpringGauge,
+};
 use crate::model::observables::{MembranePicture, Observables};
 use crate::model::point::Point;
 use crate::model::quantity::OfScene;
@@ -19,6 +21,7 @@ pub(super) enum Places {
     /// edges that carry all canopies of a point, by the masses above them \[kg\]
     Pull(Vec<f64>),
     Canopy(usize),
+    Gas(usize),
     /// a largest value over the whole scene
     Scene(OfScene),
     /// mean positions and velocities of the nodes of a probe
@@ -56,17 +59,18 @@ pub(super) const PROBE: [Quantity; 6] = [
 ];
 
 impl Places {
-    /// The columns of a gauge of the case, where it measures, and the strength [N] of its springs.
+    /// The columns of a gauge of the case, where it measures, and the strength of its springs [N] or membranes [Pa].
     pub(super) fn of(picture: &dyn Observables, of: &GaugeOf) -> (&'static [Quantity], Self, Option<f64>) {
         match of {
             GaugeOf::Nodes { of, nodes } => (of.columns.all(), Places::Nodes(*of, nodes.clone()), None),
             GaugeOf::Pull { masses } => (SpringGauge::Tension.columns().all(), Places::Pull(masses.clone()), None),
             GaugeOf::Cloth { nodes } => (&[CROSSINGS], Places::Cloth(Box::new(Cloth::new(picture, nodes))), None),
-            GaugeOf::Membranes { of, triangles } => {
+            GaugeOf::Membranes { of, triangles, strength } => {
                 let shown = vec![MembranePicture::default(); picture.triangles().len()];
                 let places = Membranes { of: *of, triangles: triangles.clone(), shown };
-                (of.columns(), Places::Membranes(Box::new(places)), None)
+                (of.columns(), Places::Membranes(Box::new(places)), *strength)
             }
+            GaugeOf::Gas { gas } => (&GAS_QUANTITIES, Places::Gas(*gas), None),
             GaugeOf::Springs { of, edges, rule, strength } => {
                 let springs = picture.springs().map_or_else(Vec::new, |springs| springs.springs_on(edges, *rule));
                 (of.columns().all(), Places::Springs(*of, springs), *strength)
@@ -85,6 +89,10 @@ impl Places {
             Places::Canopy(canopy) => {
                 let air = picture.air().into_iter();
                 air.for_each(|air| to.copy_from_slice(&air.canopy_values(*canopy, at.state.as_ref())));
+            }
+            Places::Gas(gas) => {
+                let air = picture.air().into_iter();
+                air.for_each(|air| to.copy_from_slice(&air.gas_values(*gas, at.state.as_ref())));
             }
             Places::Springs(of, springs) => {
                 let all = picture.springs();
