@@ -70,7 +70,7 @@ fn eventful() -> NetworkSpec {
         atmosphere: AtmosphereSpec::Constant { density: 1.2 },
         altitude: 0.0,
     });
-    spec.node_drag = vec![NodeDragSpec { nodes: vec![7, 8], drag_area: 0.01 }];
+    spec.node_drag = vec![NodeDragSpec { nodes: vec![7, 8], drag_area: 0.01, glide: None }];
     spec.line_drag = vec![LineDragSpec { edges: vec![3, 4, 5], diameter: 0.01, coefficient: 1.0 }];
     spec
 }

@@ -37,8 +37,8 @@ fn dotted(at: &Pointer) -> String {
     at.as_str().trim_start_matches("/system/network/").replace('/', ".")
 }
 
-/// Gives schedules the numbers of a parachute's type that they leave out.
-pub(super) fn fill_schedules(
+/// Gives canopies the numbers of a parachute's type that they leave out.
+pub(super) fn fill_canopies(
     at: &Pointer,
     kind: CanopyType,
     whole: &mut Network,
@@ -47,6 +47,14 @@ pub(super) fn fill_schedules(
 ) {
     let Some(aero) = &mut whole.aero else { return };
     for (at, canopy) in canopies(at, aero) {
+        if let (Some(filling), Some(outer)) = (&mut canopy.filling, kind.numbers().outer_pressure)
+            && filling.outer_pressure_coefficient.is_none()
+            && filling.drag_coefficient.is_none()
+        {
+            filling.outer_pressure_coefficient = Some(outer);
+            let (place, outer) = (dotted(&at), figures(outer, 4));
+            taken.push(format!("{place}.filling.outer_pressure_coefficient {outer}: {kind}, by its least CD0"));
+        }
         let Some(schedule) = &mut canopy.schedule else { continue };
         let (at, one) = (at.key("schedule"), matches!(schedule, OneOrSeveral::One(_)));
         let stages = schedule.all_mut();
@@ -93,7 +101,7 @@ fn add_drag(parts: &Parts<'_>, aero: &mut Aero, taken: &mut Vec<String>, faults:
                 figures(coefficient, 4)
             ));
             let on = NodeOrEdgeSelection::Group(group);
-            aero.drag.push(Drag { on, diameter: Some(diameter), coefficient: Some(coefficient), drag_area: None });
+            aero.drag.push(Drag { on, diameter: Some(diameter), coefficient: Some(coefficient), drag_area: None, glide: None });
         }
     }
 }
