@@ -142,7 +142,12 @@ fn sideslip() -> Claim {
     let ran = run(&case_of(&case, &[]));
     let [speed, ..] = steady(ratio);
     let left = Vector::from(ran.velocities[0]).dot(&across) / small;
-    Claim::relative("a sideslip decays as exp(-g t/(V sqrt(1 + R^2)))", left, (-G * t / (speed * 5.0_f64.sqrt())).exp(), 1e-4)
+    Claim::relative(
+        "a sideslip decays as exp(-g t/(V sqrt(1 + R^2)))",
+        left,
+        (-G * t / (speed * 5.0_f64.sqrt())).exp(),
+        1e-4,
+    )
 }
 
 /// In a vertical fall at V the lift is along the heading, R times the drag: by a first step of explicit Euler.

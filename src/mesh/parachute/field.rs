@@ -23,9 +23,6 @@ pub struct FieldNumbers {
     pub projected_diameter: Option<[f64; 2]>,
     /// [-] opening-force coefficient at infinite mass
     pub opening_force: Option<f64>,
-    /// [-] pressure on the outside over q in `filling`; that of flat canopies where there is none. With this one the steady
-    /// drag of tight cloth is the least CD0
-    pub outer_pressure: Option<f64>,
     /// [-] length of the suspension lines over D0, where a case gives none: 1.7 of the Viking canopy, else assumed to
     /// be 1; usual lines have 0.8 to 1
     pub line_length: Option<f64>,
@@ -40,7 +37,6 @@ impl Default for FieldNumbers {
             exponent: None,
             projected_diameter: None,
             opening_force: None,
-            outer_pressure: None,
             line_length: Some(1.0),
         }
     }
@@ -98,10 +94,7 @@ impl CanopyType {
             Self::Conical => row([0.75, 0.90], [None; 2], Some([0.70; 2]), 1.8),
             Self::Biconical => row([0.75, 0.92], [None; 2], Some([0.70; 2]), 1.8),
             Self::Triconical => row([0.80, 0.96], [None; 2], Some([0.70; 2]), 1.8),
-            Self::Hemispherical => FieldNumbers {
-                outer_pressure: Some(-0.39),
-                ..row([0.62, 0.77], [None; 2], Some([0.66; 2]), 1.6)
-            },
+            Self::Hemispherical => row([0.62, 0.77], [None; 2], Some([0.66; 2]), 1.6),
             Self::ExtendedSkirt => row([0.78, 0.87], [Some(10.0), Some(2.0)], Some([0.66, 0.70]), 1.4),
             Self::Annular => row([0.85, 0.95], [None; 2], Some([0.94; 2]), 1.4),
             Self::Cruciform => row([0.60, 0.85], [Some(11.7), None], Some([0.66, 0.72]), 1.2),

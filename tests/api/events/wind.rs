@@ -94,7 +94,10 @@ fn a_wind_by_event_is_that_of_its_table() {
     for (method, order) in [("velocity-verlet", 2), ("newmark", 2), ("rk4", 4), ("esdirk4", 4)] {
         let error = |step: f64| apart(&exact, &ended(&blown(&fixed(method, step, 0.8))));
         let (coarse, fine) = (error(0.05), error(0.0125));
-        assert!(coarse < 0.02 && (fine < 1e-9 || fine < 2.0 * coarse / 4.0_f64.powi(order)), "{method}: {coarse:e} {fine:e}");
+        assert!(
+            coarse < 0.02 && (fine < 1e-9 || fine < 2.0 * coarse / 4.0_f64.powi(order)),
+            "{method}: {coarse:e} {fine:e}"
+        );
     }
 }
 

@@ -56,8 +56,10 @@ pub(super) fn flow(
                     inside: keep one of them";
         faults.add_hint(&at.key("law"), "not together with canopy", hint);
     }
-    let winds =
-        aero.wind.as_ref().map_or_else(|| Some(Winds::calm()), |w| wind::wind(&at.key("wind"), w, (base, plan), faults));
+    let winds = aero
+        .wind
+        .as_ref()
+        .map_or_else(|| Some(Winds::calm()), |w| wind::wind(&at.key("wind"), w, (base, plan), faults));
     let atmosphere = atmosphere(&at.key("atmosphere"), aero, geometry, faults);
     let zoned = match &aero.law {
         Some(PorousLaw::SurfacePressure(zones)) => Some(zones),

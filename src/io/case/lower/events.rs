@@ -75,7 +75,8 @@ impl<'a> Plan<'a> {
         }
         let at = at.key("aero");
         let wind = network.aero.as_ref().and_then(|aero| aero.wind.as_ref());
-        for (i, (at, part)) in wind.map_or_else(Vec::new, |wind| wind::parts(&at.key("wind"), wind)).iter().enumerate() {
+        for (i, (at, part)) in wind.map_or_else(Vec::new, |wind| wind::parts(&at.key("wind"), wind)).iter().enumerate()
+        {
             let own = if let Some(Wind::Sum(_)) = wind { format!("wind.sum[{i}]") } else { "wind".to_owned() };
             plan.add(Waits::Wind(i), at, (None, part.when()), [own, "wind".to_owned(), "wind".to_owned()]);
         }

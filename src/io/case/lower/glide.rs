@@ -31,7 +31,12 @@ pub(super) fn refuse_nets(at: &Pointer, network: &Network, faults: &mut Faults<'
             let at = if let Some(OneOrSeveral::Several(_)) = canopies { at.index(i) } else { at.clone() };
             let hint = "the pressure of a net is even about its axis, so its cloth has no lift: take the network's \
                         \"model\": \"point\", or leave \"glide\" out";
-            faults.add_value(&at.key("glide"), "a net that glides", "a canopy of \"model\": \"point\"", Some(hint.to_owned()));
+            faults.add_value(
+                &at.key("glide"),
+                "a net that glides",
+                "a canopy of \"model\": \"point\"",
+                Some(hint.to_owned()),
+            );
         }
     }
 }

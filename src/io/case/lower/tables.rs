@@ -73,7 +73,9 @@ pub(super) fn warn_of_short_pulses(
                 let rows: Vec<[f64; 4]> = rows.map(|(t, [x, y, z])| [*t, *x, *y, *z]).collect();
                 warn(&at.key("file"), "mean", vector(&rows), steps, faults);
             }
-            WindPart::Gust { gust, when: None } => warn(&at.key("gust"), "mean", short_gust(gust, steps), steps, faults),
+            WindPart::Gust { gust, when: None } => {
+                warn(&at.key("gust"), "mean", short_gust(gust, steps), steps, faults)
+            }
             // Steps end at the corners of what begins with an event.
             WindPart::Table { .. } | WindPart::File { .. } | WindPart::Gust { .. } => {}
             WindPart::Constant(_) | WindPart::Profile { .. } => {}

@@ -15,8 +15,8 @@ pub struct Aero {
     /// [m/s] Wind velocity: a vector, `{"table": [[t, x, y, z], ...]}` over time [s], `{"file": "wind.csv"}` with such
     /// rows (numbers separated by commas, semicolons or tabs; a first row of words is a heading, `#` begins a comment),
     /// `{"profile": [[height, x, y, z], ...]}` over the height above sea level [m], `{"gust": {...}}`, or
-    /// `{"sum": [...]}` of several. Beside a table, file or gust, `when` says from which event its times count. Calm air
-    /// if not given.
+    /// `{"sum": [...]}` of several. Beside a table, file or gust, `when` says from which event its times count. Calm
+    /// air if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wind: Option<Wind>,
     /// Pressure jump over every triangle, driven by the wind's velocity along the triangle's normal relative to the
@@ -132,8 +132,8 @@ pub struct Canopy {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub inflow_loss: Option<f64>,
-    /// Lift of a canopy that glides, such as a Rogallo wing. Only with the network's `model` `"point"`: the pressure of a
-    /// net is even about its axis, and has no lift.
+    /// Lift of a canopy that glides, such as a Rogallo wing. Only with the network's `model` `"point"`: the pressure
+    /// of a net is even about its axis, and has no lift.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub glide: Option<Glide>,
     /// The nodes where the lines meet; if not given, those of the mesh's group `confluence`.
@@ -235,12 +235,12 @@ pub struct Cavity {
 #[serde(deny_unknown_fields)]
 pub struct Filling {
     /// [-] Pressure coefficient Cb on the outside of the canopy; -0.7 if neither it nor `drag_coefficient` is given
-    /// (flat canopies; ringslot about -0.45, ribbon about -0.3), and -0.39 of the type `hemispherical`.
+    /// (flat canopies; ringslot about -0.45, ribbon about -0.3).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMaximum" = 1))]
     pub outer_pressure_coefficient: Option<f64>,
-    /// [-] Measured CD0 of the open canopy, from which Cb = 1 - CD0/0.43: the skirt of an open canopy over lines of one
-    /// nominal diameter has 0.43 S0.
+    /// [-] Measured CD0 of the open canopy; 0.62 for the type `hemispherical` if neither is given. From it Cb = 1 -
+    /// CD0/0.43: the skirt of an open canopy over lines of one nominal diameter has 0.43 S0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub drag_coefficient: Option<f64>,

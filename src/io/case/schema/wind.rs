@@ -97,7 +97,8 @@ fn tagged(key: &str, description: &str, value: Value) -> Value {
 /// An object with one key, and perhaps the event from which its times count.
 fn timed(key: &str, description: &str, value: Value, when: &Value) -> Value {
     let mut made = tagged(key, description, value);
-    let about = "The event from which the times count. There is none of this wind before it; with it, other winds go on.";
+    let about =
+        "The event from which the times count. There is none of this wind before it; with it, other winds go on.";
     made["properties"]["when"] = described(about, when.clone());
     made
 }
