@@ -147,7 +147,7 @@ TYPES = {
     "flat, tight": dict(tight=True, cx=(1.5, 1.7), n=8, j=6, cd=(0.75, 0.80), dp=(0.64, 0.70)),
     "extended skirt, cloth of the C-9": dict(pattern={"type": "extended-skirt"}, cx=1.4, n=10, cd=(0.78, 0.87), dp=(0.66, 0.70)),
     "conical, 25 degrees, cloth of the C-9": dict(pattern={"type": "conical", "cone_angle": 0.436}, cx=1.8, cd=(0.75, 0.90), dp=0.70),
-    "hemispherical, cloth of the C-9": dict(pattern={"type": "hemispherical"}, cx=1.6, cd=(0.62, 0.77), dp=0.66),
+    "hemispherical, cloth of the C-9": dict(pattern={"type": "hemispherical"}, by_cd=True, cx=1.6, cd=(0.62, 0.77), dp=0.66),
     "ringsail, slots 0.08": dict(tight=True, slots=0.08, cx=1.10, n=7, cd=(0.75, 0.85)),
     "ringslot, slots 0.18": dict(tight=True, slots=0.18, outer=-0.45, cx=1.05, n=14, cd=(0.56, 0.65), dp=(0.67, 0.70)),
     "ribbon, slots 0.20": dict(tight=True, slots=0.20, outer=-0.3, cx=1.05, n=14, j=1, cd=(0.45, 0.50), dp=0.67),
@@ -172,7 +172,9 @@ def opening(item):
     if of.get("tight"):
         filling.pop("law")
     if "slots" in of:
-        filling.update(geometric_porosity=of["slots"], outer_pressure_coefficient=of.get("outer", -0.7))
+        filling.update(geometric_porosity=of["slots"])
+    if "outer" in of:
+        filling.update(outer_pressure_coefficient=of["outer"])
     diameter = pattern["nominal_diameter"]
     case["time"] = {"end": 16 * diameter / STREAM, "method": "newmark", "step": STEP}
     flight = fly(case)
@@ -189,7 +191,7 @@ def opening(item):
         points = [(math.log(t), math.log(load)) for t, load in zip(flight.t, flight.load)
                   if 0.6 * filled < t < 0.95 * filled and load > 1e-3 * steady]
         rows.append(Row(f"{name}: exponent of growth", of["j"], slope(points), 1, "Ludtke"))
-    shared = "Cb, by CD0" if "outer" in of else "none"
+    shared = "Cb, by CD0" if "outer" in of or "by_cd" in of else "none"
     rows.append(Row(f"{name}: CD0", of["cd"], flight.steady(flight.drag), 2, "Knacke", shared))
     if "dp" in of:
         rows.append(Row(f"{name}: Dp/D0", of["dp"], flight.steady(flight.width), 2, "Knacke"))

@@ -56,6 +56,7 @@ fn canopy(apparent_mass: Option<f64>) -> Vec<CanopySpec> {
         air: CanopyAir::Coefficient,
         apparent_mass,
         inflow_loss: None,
+        glide: None,
         nominal_area: 1.0,
     }]
 }

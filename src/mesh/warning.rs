@@ -85,6 +85,8 @@ pub enum WarningCode {
     SeamGap,
     /// A pulse of a table, or a gust, shorter than a few steps.
     ShortPulse,
+    /// A canopy of cloth that falls with slack lines until an event opens it.
+    SlackOpening,
     /// A step that is stable only as long as springs that are slack at the start stay so.
     SlackSprings,
     /// A mesh of a few centimetres or less in place of a canopy.

@@ -13,6 +13,8 @@ use serde_json::{Value, json};
 
 use crate::common::run::{Run, case_of, run, run_with};
 
+mod wind;
+
 /// [m/s^2]
 const G: f64 = 9.81;
 /// [kg], [m^2], [kg/m^3] of a body that falls in air
@@ -312,8 +314,9 @@ impl Observer for Copy {
 #[test]
 fn a_run_goes_on_with_the_same_bits() {
     for method in methods() {
-        for time in [fixed(method.name, 3e-3, 0.8), adaptive(method.name, 1e-3, 0.8)] {
-            let mut problem = case_of(&chain(&time), &[]).problem().clone();
+        let times = [fixed(method.name, 3e-3, 0.8), adaptive(method.name, 1e-3, 0.8)];
+        for (time, case) in times.iter().flat_map(|time| [(time, chain(time)), (time, wind::blown(time))]) {
+            let mut problem = case_of(&case, &[]).problem().clone();
             let scene = build_scene(problem.take_system(), 1).expect("the case is good");
             let spec: RunSpec = problem.run_spec();
             let stop = AtomicBool::new(false);

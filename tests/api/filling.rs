@@ -52,6 +52,43 @@ fn small() -> Value {
     })
 }
 
+/// [-] Cb of the first canopy.
+fn outer(case: &Case) -> f64 {
+    match &network(case).canopies[0].air {
+        CanopyAir::Rings(rings) => rings.outer_pressure_coefficient,
+        other => panic!("{other:?} does not fill ring by ring"),
+    }
+}
+
+/// A hemisphere of tight cloth falls as its least CD0 says, 0.62, where none is told; a flat canopy keeps -0.7, and what
+/// is told stays.
+#[test]
+fn the_outer_pressure_is_by_type() {
+    let mut case = small();
+    assert_eq!(outer(&case_of(&case, &[])), -0.7);
+    let parachute = &mut case["system"]["network"]["mesh"]["parachute"];
+    parachute["type"] = json!("hemispherical");
+    parachute["start"] = json!("flat");
+    parachute["gores"] = json!(12);
+    let told = format!("{FILLING}.outer_pressure_coefficient");
+    assert_eq!(outer(&case_of(&case, &[(&told, "-0.5")])), -0.5);
+    case["system"]["network"]["aero"]["canopy"]["filling"] = json!({});
+    case["system"]["network"]["initial"]["velocity"] = json!([0, 0, -7.0]);
+    case["time"] = json!({"end": 3.0, "method": "backward-euler", "step": 4e-3});
+    let case = case_of(&case, &[]);
+    assert_eq!(outer(&case), 1.0 - 0.62 / 0.43);
+    assert!(case.problem().taken.iter().any(|told| told.starts_with("aero.canopy.filling.drag_coefficient 0.62")));
+    let spec = network(&case);
+    let fallen = run(&case);
+    assert_eq!(fallen.outcome.status, Status::Completed);
+    let payload = spec.mesh.groups["payload"].nodes[0] as usize;
+    let speed = -fallen.velocities[payload][2];
+    let weight = 9.81 * spec.mass.iter().sum::<f64>();
+    let area = 2.0 * weight / (1.225 * speed * speed) - 0.1;
+    let coefficient = area / spec.canopies[0].nominal_area;
+    assert!((coefficient - 0.62).abs() < 0.02, "CD0 {coefficient}, {speed} m/s");
+}
+
 #[test]
 fn a_filling_without_a_meaning_is_refused() {
     let key = |key: &str| format!("{FILLING}.{key}");

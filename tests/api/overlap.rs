@@ -67,10 +67,11 @@ fn eventful() -> NetworkSpec {
         wind: series(vec![(0.0, [1.0, 0.0, 0.0]), (0.0221, [1.0, 0.0, 0.0]), (0.0224, [0.0, 2.0, 1.0])]),
         gusts: vec![GustSpec { start: 0.0071, duration: 3e-4, velocity: [0.0, 0.0, 20.0] }],
         profile: None,
+        by_event: Vec::new(),
         atmosphere: AtmosphereSpec::Constant { density: 1.2 },
         altitude: 0.0,
     });
-    spec.node_drag = vec![NodeDragSpec { nodes: vec![7, 8], drag_area: 0.01 }];
+    spec.node_drag = vec![NodeDragSpec { nodes: vec![7, 8], drag_area: 0.01, glide: None }];
     spec.line_drag = vec![LineDragSpec { edges: vec![3, 4, 5], diameter: 0.01, coefficient: 1.0 }];
     spec
 }

@@ -56,12 +56,13 @@ fn sheet() -> NetworkSpec {
         air: CanopyAir::Coefficient,
         apparent_mass: None,
         inflow_loss: None,
+        glide: None,
         nominal_area: 1.0,
     }];
     let coefficient = Series { t: vec![0.0, 1.5, 3.0], value: vec![0.8, -1.2, -0.3] };
     spec.surface_pressures = vec![SurfacePressureSpec { triangles: (50..9500).collect(), coefficient }];
     spec.line_drag = vec![LineDragSpec { edges: (0..4000).collect(), diameter: 0.01, coefficient: 1.1 }];
-    spec.node_drag = vec![NodeDragSpec { nodes: (7..4500).collect(), drag_area: 1e-4 }];
+    spec.node_drag = vec![NodeDragSpec { nodes: (7..4500).collect(), drag_area: 1e-4, glide: None }];
     spec.rayleigh = Some(RayleighSpec { mass: 0.1, stiffness: 1e-4 });
     spec.membranes = vec![MembraneSpec {
         triangles: (300..8000).collect(),

@@ -28,6 +28,7 @@ mod equilibrium;
 mod events;
 mod forces;
 mod free_fall;
+mod glide;
 mod hanging_chain;
 mod hencky;
 mod inflated;
@@ -102,6 +103,7 @@ const GROUPS: &[Group] = &[
     ("elastic pendulum", elastic_pendulum::claims),
     ("force laws", forces::claims),
     ("free fall through air", free_fall::claims),
+    ("glide", glide::claims),
     ("Taylor's parachute", inflated::taylor),
     ("Taylor's parachute by static", inflated::taylor_static),
     ("reefed parachute", inflated::reefed),

@@ -127,6 +127,31 @@ fn check_lists_events() {
     assert!(ended.stdout.contains("[event-at-start]") || ended.stderr.contains("[event-at-start]"), "{}", ended.stdout);
 }
 
+/// Cloth that falls with slack lines until an event opens it is warned of, where Newton's iteration is to solve it.
+#[test]
+fn an_opening_of_slack_cloth_is_warned_of() {
+    let bench = Bench::new();
+    let case = format!("{}/docs/guide/cases/uav.json", env!("CARGO_MANIFEST_DIR"));
+    let check = |sets: &[&str]| {
+        let sets = sets.iter().flat_map(|set| ["--set", set]);
+        let ended = bench.run(&[&["check", &case][..], &sets.collect::<Vec<_>>()].concat());
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        format!("{}{}", ended.stdout, ended.stderr)
+    };
+    let net = ["system.network.model=null", "time.tolerance=null", "time.step=0.002", "time.end=4"];
+    let warned = check(&[&net[..], &["time.method=\"newmark\""]].concat());
+    let words = "no pressure before the event \"shot\" opens it";
+    assert!(warned.contains("[slack-opening]") && warned.contains(words), "{warned}");
+    let held = r#"system.network.supports=[{"on":{"group":"canopy"},"fix":"xyz","when":{"after":"shot"}}]"#;
+    for other in [
+        check(&[&net[..], &["time.method=\"velocity-verlet\"", "time.step=1e-5"]].concat()),
+        check(&[&net[..], &["time.method=\"newmark\"", held]].concat()),
+        check(&["time.method=\"newmark\""]),
+    ] {
+        assert!(!other.contains("[slack-opening]"), "{other}");
+    }
+}
+
 /// What contradicts itself is refused, with its place.
 #[test]
 fn what_cannot_be_meant_is_refused() {

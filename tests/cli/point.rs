@@ -189,6 +189,36 @@ fn events_and_stages_are_those_of_the_case() {
     }
 }
 
+/// A canopy with a glide ratio and a payload with drag glide steadily by lift over both drags, against the wind; a net
+/// refuses to.
+#[test]
+fn a_point_glides_and_a_net_does_not() {
+    let (ratio, payload) = (2.0, 0.5);
+    let mut case = c9();
+    let network = &mut case["system"]["network"];
+    network["aero"]["canopy"]["glide"] = json!({"ratio": ratio, "heading": 270});
+    network["aero"]["wind"] = json!([4, -1, 0]);
+    case["time"] = json!({"end": 60, "method": "dormand-prince", "tolerance": {"relative": 1e-8, "absolute": 1e-6}});
+    let gauges = case["output"]["gauges"].as_array_mut().expect("gauges");
+    gauges.push(json!({"name": "all", "on": "all", "of": "velocity"}));
+    let m = mass(&case);
+    let (_, summary) = solved(&case, &[]);
+    let (lift, drag) = (ratio * AREA, AREA + payload);
+    let speed = (2.0 * m * GRAVITY / (DENSITY * lift.hypot(drag))).sqrt();
+    let [forward, down] = [lift, drag].map(|part| speed * part / lift.hypot(drag));
+    near("speed", peak(&summary, "canopy", "axial_speed")[1], speed, 1e-5);
+    near("drag", peak(&summary, "canopy", "drag")[1], 0.5 * DENSITY * speed * speed * AREA, 1e-5);
+    for (column, expected) in [("velocity_x", 4.0 - forward), ("velocity_y", -1.0), ("velocity_z", -down)] {
+        near(column, peak(&summary, "all", column)[1], expected, 1e-4);
+    }
+    let bench = written(&case);
+    let ended = bench.run(&["check", "case.json", "--set", "system.network.model=null"]);
+    assert_eq!(ended.code, Some(2), "{}", ended.stdout);
+    for words in ["/system/network/aero/canopy/glide:", "a net that glides", "\"model\": \"point\""] {
+        assert!(ended.stderr.contains(words), "no {words}: {}", ended.stderr);
+    }
+}
+
 /// What a point cannot have is refused at its key.
 #[test]
 fn what_a_point_has_not_is_refused() {

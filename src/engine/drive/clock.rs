@@ -143,12 +143,12 @@ impl EventSteps {
         let ratio = t / self.steps.step;
         let nearest = ratio.round();
         let slack = SLACK.max(4.0 * f64::EPSILON * nearest);
-        let at_an_end =
-            (nearest >= 0.0 && (ratio - nearest).abs() <= slack) || self.divided.iter().any(|(_, of)| *of == t);
+        let before = self.divided.partition_point(|(_, of)| *of < t);
+        let known = self.divided.get(before).is_some_and(|(_, of)| *of == t);
+        let at_an_end = (nearest >= 0.0 && (ratio - nearest).abs() <= slack) || known;
         if at_an_end || t > self.steps.end - slack * self.steps.step || t <= 0.0 {
             return;
         }
-        let before = self.divided.partition_point(|(_, of)| *of < t);
         let within = (ratio as u64).min(self.steps.count - 1);
         self.divided[before..].iter_mut().for_each(|(number, _)| *number += 1);
         self.divided.insert(before, (within + before as u64 + 1, t));

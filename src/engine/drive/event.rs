@@ -163,11 +163,17 @@ impl EventWatch {
         &self.fired
     }
 
-    /// [s] The times at which steps end: of events that have happened, and of those whose time is known.
+    /// [s] The times at which steps end: of events that have happened, of the corners of winds that have begun with
+    /// them, and of those whose time is known.
     pub(super) fn times<'a>(&'a self, scene: &'a dyn Scene) -> impl Iterator<Item = f64> + 'a {
-        let named = scene.events().map_or(&[][..], |events| events.named());
-        let acting = self.fired.iter().filter(|one| named.get(one.event).is_some_and(EventSpec::acts));
-        acting.map(|one| one.t).chain(self.armed.iter().map(|(t, _)| *t))
+        let happened = scene.events().into_iter().flat_map(|events| {
+            let acts = |one: &&Fired| events.named().get(one.event).is_some_and(EventSpec::acts);
+            self.fired.iter().filter(acts).flat_map(|one| {
+                let corners = events.corners_after(one.event).into_iter().filter(|since| *since > 0.0);
+                std::iter::once(one.t).chain(corners.map(|since| one.t + since))
+            })
+        });
+        happened.chain(self.armed.iter().map(|(t, _)| *t))
     }
 
     /// Whether an event lies in a step between two times [s] that is only told.

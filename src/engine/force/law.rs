@@ -15,6 +15,7 @@ pub mod drag;
 pub mod enclosure;
 pub mod follower_pressure;
 pub mod gas;
+pub mod glide;
 pub mod gravity;
 pub mod inflow;
 pub(in crate::force) mod mean_bar;

@@ -161,6 +161,12 @@ pub trait Events {
         [0.0; 3]
     }
 
+    /// [s] Times at which a wind that begins with one of these has a corner, from its time on: steps end there too.
+    fn corners_after(&self, event: usize) -> Vec<f64> {
+        let _ = event;
+        Vec::new()
+    }
+
     /// Says when each of these has happened [s], infinite where it has not, and with what speed against the air [m/s];
     /// those beyond the list have not. Returns whether forces, masses and tangents found before do not fit any more.
     fn set_happened(&self, happened: &[[f64; 2]]) -> bool {

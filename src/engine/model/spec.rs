@@ -4,17 +4,20 @@
 use serde::{Deserialize, Serialize};
 
 use crate::mesh::Mesh;
-use std::f64::consts::TAU;
 
 mod canopy;
 mod event;
+mod glide;
 mod over_time;
 mod spring_values;
+mod stream;
 mod surface;
 pub use canopy::{CanopyAir, CanopySpec, CavitySpec, ClothSpec, FillingSpec, RingsSpec};
 pub use event::{Condition, EventSpec, Trigger, Watched};
+pub use glide::GlideSpec;
 pub use over_time::{MotionSpec, Series, support_velocity};
 pub use spring_values::SpringValues;
+pub use stream::{AtmosphereSpec, EventWind, GustSpec, StreamSpec, WindOverTime};
 pub use surface::{BendingSpec, MembraneSpec};
 
 /// How the tension of a spring grows with its strain r = e/l0, before any slack.
@@ -155,93 +158,6 @@ pub struct AirSpec {
     pub wind: Series<[f64; 3]>,
 }
 
-/// A one-minus-cosine gust: velocity/2 (1 - cos(2 pi (t - start)/duration)) within its duration.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct GustSpec {
-    /// [m/s] at its peak
-    pub velocity: [f64; 3],
-    /// [s] start
-    pub start: f64,
-    /// [s] duration, > 0
-    pub duration: f64,
-}
-
-impl GustSpec {
-    /// [m/s] Its velocity at time `t` [s].
-    pub fn at(&self, t: f64) -> [f64; 3] {
-        let share = self.share(t);
-        self.velocity.map(|v| share * v)
-    }
-
-    /// [-] Share of the velocity at its peak at time `t` [s].
-    pub fn share(&self, t: f64) -> f64 {
-        Self::shape((t - self.start) / self.duration)
-    }
-
-    fn shape(phase: f64) -> f64 {
-        if (0.0..=1.0).contains(&phase) { 0.5 * (1.0 - (TAU * phase).cos()) } else { 0.0 }
-    }
-
-    /// [-] The share as a table: as trapezoidal sums of a period are exact, it has the integral of the gust.
-    pub fn rows(&self) -> Series<[f64; 1]> {
-        const ROWS: u32 = 32;
-        let phases = || (0..=ROWS).map(|row| f64::from(row) / f64::from(ROWS));
-        Series {
-            t: phases().map(|phase| self.start + phase * self.duration).collect(),
-            value: phases().map(|phase| [Self::shape(phase)]).collect(),
-        }
-    }
-}
-
-/// The density of the air over the height above sea level.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub enum AtmosphereSpec {
-    /// The same at all heights.
-    Constant {
-        /// [kg/m^3]
-        density: f64,
-    },
-    /// density exp(-height/scale_height)
-    Exponential {
-        /// [kg/m^3] at sea level
-        density: f64,
-        /// [m]
-        scale_height: f64,
-    },
-    /// The standard atmosphere (ISO 2533).
-    Isa,
-}
-
-/// The stream that canopies, lines and payloads meet.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct StreamSpec {
-    /// [m/s] wind over time, at all heights
-    pub wind: Series<[f64; 3]>,
-    /// gusts, added to it
-    pub gusts: Vec<GustSpec>,
-    /// [m, m/s] wind over the height above sea level, added to it
-    pub profile: Option<Series<[f64; 3]>>,
-    /// density of the air
-    pub atmosphere: AtmosphereSpec,
-    /// [m] height of z = 0 above sea level
-    pub altitude: f64,
-}
-
-impl StreamSpec {
-    /// [m/s] The wind at time `t` [s] and a height `z` [m] of the scene.
-    pub fn wind_at(&self, t: f64, z: f64) -> [f64; 3] {
-        let profile = self.profile.as_ref().map(|profile| profile.at(self.altitude + z));
-        let parts = self.gusts.iter().map(|gust| gust.at(t)).chain(profile);
-        parts.fold(self.wind.at(t), |sum, part| std::array::from_fn(|i| sum[i] + part[i]))
-    }
-
-    /// A wind over time [m/s] at all heights, in air of 1.225 kg/m^3 (sea level, standard atmosphere).
-    pub fn of_wind(wind: Series<[f64; 3]>) -> Self {
-        let atmosphere = AtmosphereSpec::Constant { density: 1.225 };
-        StreamSpec { wind, gusts: Vec::new(), profile: None, atmosphere, altitude: 0.0 }
-    }
-}
-
 /// The drag of lines in a cross-flow.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct LineDragSpec {
@@ -260,6 +176,9 @@ pub struct NodeDragSpec {
     pub nodes: Vec<u32>,
     /// [m^2] drag area of each of them
     pub drag_area: f64,
+    /// lift, if they glide
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub glide: Option<GlideSpec>,
 }
 
 /// The wind on a zone of a surface, by pressure coefficients: cp q against the outer normal.
@@ -444,13 +363,9 @@ impl NetworkSpec {
 
     /// [m/s] A bound on the speed of the wind.
     pub fn fastest_wind(&self) -> f64 {
-        let fastest = |series: &Series<[f64; 3]>| series.value.iter().map(speed).fold(0.0, f64::max);
         match (&self.stream, &self.air) {
-            (Some(StreamSpec { wind, gusts, profile, .. }), _) => {
-                let gusts: f64 = gusts.iter().map(|gust| speed(&gust.velocity)).sum();
-                fastest(wind) + gusts + profile.as_ref().map_or(0.0, fastest)
-            }
-            (None, air) => air.as_ref().map_or(0.0, |air| fastest(&air.wind)),
+            (Some(stream), _) => stream.fastest_wind(),
+            (None, air) => air.as_ref().map_or(0.0, |air| stream::fastest(&air.wind)),
         }
     }
 }
@@ -460,10 +375,6 @@ pub(crate) fn ascending(mut times: Vec<f64>) -> Vec<f64> {
     times.sort_by(f64::total_cmp);
     times.dedup();
     times
-}
-
-fn speed([x, y, z]: &[f64; 3]) -> f64 {
-    x.hypot(*y).hypot(*z)
 }
 
 /// A simple pendulum: m L^2 theta'' = -m g L sin(theta) - c theta'. Its bob is node 0 at (L sin, 0, -L cos).

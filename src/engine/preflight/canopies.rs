@@ -29,7 +29,7 @@ const MEASURED: f64 = 0.6;
 const STANDARD: f64 = 86e3;
 
 /// What words call a canopy.
-fn name(spec: &NetworkSpec, canopy: usize) -> String {
+pub(super) fn name(spec: &NetworkSpec, canopy: usize) -> String {
     if spec.canopies.len() == 1 { "the canopy".to_owned() } else { format!("canopy {canopy}") }
 }
 
@@ -42,27 +42,31 @@ pub struct ImplausibleDrag {
     pub drag_area: f64,
     /// [m^2] S0
     pub nominal_area: f64,
+    /// [-] force of the air over that drag, above 1 where the canopy glides
+    pub lifted: f64,
 }
 
-/// Compares the drag areas at the ends of schedules with the nominal areas.
+/// Compares the drag areas at the ends of schedules with the nominal areas; of canopies that glide, lift and drag.
 pub fn drag_coefficients(spec: &NetworkSpec) -> Vec<ImplausibleDrag> {
     let [least, most] = COEFFICIENTS;
     let implausible = |(i, canopy): (usize, &CanopySpec)| {
         let (drag_area, nominal_area) = (canopy.air.stages().last()?.drag_area, canopy.nominal_area);
-        let fits = (least..=most).contains(&(drag_area / nominal_area));
-        (!fits).then(|| ImplausibleDrag { canopy: name(spec, i), drag_area, nominal_area })
+        let lifted = canopy.glide.as_ref().map_or(1.0, |glide| 1.0_f64.hypot(glide.ratio));
+        let fits = (least..=most).contains(&(lifted * drag_area / nominal_area));
+        (!fits).then(|| ImplausibleDrag { canopy: name(spec, i), drag_area, nominal_area, lifted })
     };
     spec.canopies.iter().enumerate().filter_map(implausible).collect()
 }
 
 impl fmt::Display for ImplausibleDrag {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ImplausibleDrag { canopy, drag_area, nominal_area } = self;
+        let ImplausibleDrag { canopy, drag_area, nominal_area, lifted } = self;
         let [coefficient, area, nominal] =
-            [drag_area / nominal_area, *drag_area, *nominal_area].map(|number| figures(number, 3));
+            [lifted * drag_area / nominal_area, *drag_area, *nominal_area].map(|number| figures(number, 3));
+        let of = if *lifted > 1.0 { "coefficient of lift and drag together" } else { "drag coefficient" };
         write!(
             f,
-            "{canopy} has a drag coefficient of {coefficient}: a drag area of {area} m^2 on S0 = {nominal} m^2; canopies have \
+            "{canopy} has a {of} of {coefficient}: a drag area of {area} m^2 on S0 = {nominal} m^2; canopies have \
              0.3 to 1.2: is the drag area that of another canopy? drag_coefficient gives it by S0"
         )
     }

@@ -1,7 +1,8 @@
-//! Events whose conditions hold at the start already.
+//! Events whose conditions hold at the start already, and those that open canopies of cloth.
 
+use super::canopies::name;
 use crate::format_number::figures;
-use crate::model::spec::{Condition, EventSpec, NetworkSpec, Trigger, Watched};
+use crate::model::spec::{CanopyAir, CanopySpec, Condition, EventSpec, NetworkSpec, Trigger, Watched};
 use crate::warning::{Warning, WarningCode};
 use std::fmt;
 
@@ -62,5 +63,42 @@ impl fmt::Display for AtStart {
 impl From<AtStart> for Warning {
     fn from(found: AtStart) -> Self {
         Warning::new(WarningCode::EventAtStart, found.to_string())
+    }
+}
+
+/// A canopy of cloth that is free and has no pressure until an event.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SlackOpening {
+    /// which one, in words
+    pub canopy: String,
+    /// name of the event
+    pub event: String,
+}
+
+/// Finds canopies of cloth whose first stage waits for an event, and whose skirt no support holds until then.
+pub fn slack_openings(spec: &NetworkSpec) -> Vec<SlackOpening> {
+    let free = |node: &u32| spec.fixed.get(*node as usize).is_some_and(|fixed| *fixed == [false; 3]);
+    let opens = |(i, canopy): (usize, &CanopySpec)| {
+        let CanopyAir::Filling(stages) = &canopy.air else { return None };
+        let event = spec.events.get(stages.first()?.event?)?.name.clone();
+        canopy.skirt.iter().any(free).then(|| SlackOpening { canopy: name(spec, i), event })
+    };
+    spec.canopies.iter().enumerate().filter_map(opens).collect()
+}
+
+impl fmt::Display for SlackOpening {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let SlackOpening { canopy, event } = self;
+        write!(
+            f,
+            "{canopy} has no pressure before the event \"{event}\" opens it: it falls with slack lines, and when they snap taut, \
+             Newton's iteration mostly stops; begin the run at line stretch, or take the network's \"model\": \"point\""
+        )
+    }
+}
+
+impl From<SlackOpening> for Warning {
+    fn from(found: SlackOpening) -> Self {
+        Warning::new(WarningCode::SlackOpening, found.to_string())
     }
 }

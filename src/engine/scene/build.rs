@@ -13,7 +13,7 @@ use super::check_values::BuildError;
 use super::events::Phases;
 use super::network::{Built, Network};
 use super::numbering::Numbering;
-use super::point_canopy::{PointCanopy, ShownCanopy};
+use super::point_canopy::ShownCanopy;
 use super::triggers::{self, Triggers};
 use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::air::{Air, AirData};
@@ -23,7 +23,6 @@ use crate::force::law::base_acceleration::BaseAcceleration;
 use crate::force::law::canopy::{AirModel, Canopy, CanopyData};
 use crate::force::law::cavity::Cavity;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
-use crate::force::law::drag::{LineDrag, LineDragData, NodeDrag, NodeDragData};
 use crate::force::law::enclosure::Enclosure;
 use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::law::gravity::Gravity;
@@ -40,8 +39,8 @@ use crate::force::law::triangle::AreaVector;
 use crate::force::schedule::threads::Threads;
 use crate::mesh::unit_vector::unit_vector;
 use crate::model::spec::{
-    CanopyAir, CanopySpec, DashpotKind, FillingSpec, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, Series,
-    SpringGroup, StreamSpec, ascending, support_velocity,
+    CanopyAir, DashpotKind, FillingSpec, NetworkSpec, PressureKind, Series, SpringGroup, StreamSpec, ascending,
+    support_velocity,
 };
 use crate::startup::{Phase, timed};
 use nalgebra::Vector3;
@@ -148,7 +147,7 @@ fn initial_velocity(spec: &NetworkSpec) -> Vec<[f64; 3]> {
 }
 
 /// [s] Beginnings and ends of stages whose start is known.
-fn filling_times(stages: &[FillingSpec]) -> Vec<[f64; 2]> {
+pub(super) fn filling_times(stages: &[FillingSpec]) -> Vec<[f64; 2]> {
     let known = stages.iter().filter(|stage| stage.event.is_none());
     known.map(|stage| [stage.start, stage.start + stage.duration]).collect()
 }
@@ -350,7 +349,7 @@ impl Builder<'_> {
     }
 
     /// Stages of a canopy, with the events at which some start.
-    fn stages(&mut self, given: &[FillingSpec]) -> Stages {
+    pub(super) fn stages(&mut self, given: &[FillingSpec]) -> Stages {
         let stages = Stages::new(given, self.acting.event_times.clone());
         if given.iter().any(|stage| stage.event.is_some()) {
             self.acting.stages.push(stages.clone());
@@ -360,43 +359,6 @@ impl Builder<'_> {
 
     fn show_canopy(&mut self, shape: CanopyShape) {
         self.acting.canopies.push(ShownCanopy::Cloth(Box::new(shape)));
-    }
-
-    /// A canopy that is a node with a drag area.
-    fn point_canopy(&mut self, canopy: &CanopySpec, stages: &[FillingSpec], stream: &Arc<Stream>) {
-        let Some(node) = canopy.skirt.first().map(|node| self.node(*node)) else { return };
-        let (changes, stages) = (filling_times(stages), self.stages(stages));
-        if let Some(factor) = canopy.apparent_mass {
-            let volume = Volume::Point { nominal_area: canopy.nominal_area, stages: stages.clone() };
-            let (stream, term) = (stream.clone(), self.acting.terms.len());
-            self.acting.apparent.push(ApparentMass { nodes: [(node, 1.0)].into(), volume, factor, stream, term });
-        }
-        let data = NodeDragData { nodes: [[node]].into(), drag_area: 0.0, stages, stream: stream.clone() };
-        let shown = PointCanopy { node, drag: data.clone(), nominal_area: canopy.nominal_area };
-        self.acting.canopies.push(ShownCanopy::Point(shown));
-        self.acting.add(Added { changes, ..Added::term(NodeDrag::new(data)) });
-    }
-
-    fn drag(&mut self) {
-        let Some(stream) = self.acting.stream.clone() else { return };
-        for LineDragSpec { edges, diameter, coefficient } in &self.spec.line_drag {
-            let ends = |edge: u32| self.spec.mesh.edges[edge as usize].map(|i| self.node(i));
-            let mut segments: Vec<[u32; 2]> = edges.iter().map(|&edge| ends(edge)).collect();
-            segments.sort_unstable_by_key(|[a, b]| (*a.min(b), *a.max(b)));
-            let (segments, width, stream) = (segments.into(), diameter * coefficient, stream.clone());
-            self.acting.add(Added::term(LineDrag::new(LineDragData { segments, width, stream })));
-        }
-        for NodeDragSpec { nodes, drag_area } in &self.spec.node_drag {
-            let mut nodes: Vec<[u32; 1]> = nodes.iter().map(|&i| [self.node(i)]).collect();
-            nodes.sort_unstable();
-            let (nodes, drag_area, stream) = (nodes.into(), *drag_area, stream.clone());
-            self.acting.add(Added::term(NodeDrag::new(NodeDragData {
-                nodes,
-                drag_area,
-                stages: Stages::none(),
-                stream,
-            })));
-        }
     }
 
     fn loads(&mut self, start: &[Vector3<f64>]) {

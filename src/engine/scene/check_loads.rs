@@ -3,8 +3,8 @@
 use super::check_values::{BuildError, below, finite, length, times, vectors};
 use crate::mesh::Mesh;
 use crate::model::spec::{
-    AtmosphereSpec, CanopyAir, CavitySpec, ClothSpec, FillingSpec, GasFill, GasSpec, GustSpec, NetworkSpec,
-    PressureKind, RingsSpec, StreamSpec,
+    AtmosphereSpec, CanopyAir, CavitySpec, ClothSpec, EventWind, FillingSpec, GasFill, GasSpec, GlideSpec, GustSpec,
+    NetworkSpec, PressureKind, RingsSpec, StreamSpec, WindOverTime,
 };
 
 pub(super) fn loads(spec: &NetworkSpec) -> Result<(), BuildError> {
@@ -64,15 +64,22 @@ fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
     match &spec.stream {
         None if needs_air => return Err(BuildError::NoStream),
         None => {}
-        Some(StreamSpec { wind, gusts, profile, atmosphere, altitude }) => {
+        Some(StreamSpec { wind, gusts, profile, by_event, atmosphere, altitude }) => {
             for (what, table) in [("wind", Some(wind)), ("wind profile", profile.as_ref())] {
                 let Some(table) = table else { continue };
                 times(what, table)?;
                 vectors(what, &table.value)?;
             }
-            for GustSpec { velocity, start, duration } in gusts {
-                vectors("gust", &[*velocity])?;
-                finite("gust", &[*start, *duration])?;
+            gusts.iter().try_for_each(gust)?;
+            for EventWind { event, over_time } in by_event {
+                below("event", &[*event as u32], spec.events.len())?;
+                match over_time {
+                    WindOverTime::Table(table) => {
+                        times("wind", table)?;
+                        vectors("wind", &table.value)?;
+                    }
+                    WindOverTime::Gust(one) => gust(one)?,
+                }
             }
             finite("altitude", &[*altitude])?;
             match atmosphere {
@@ -95,6 +102,10 @@ fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
         finite("pressure coefficient", &canopy.pressure_coefficient)?;
         finite("apparent mass", canopy.apparent_mass.as_slice())?;
         finite("inflow loss", canopy.inflow_loss.as_slice())?;
+        canopy.glide.as_ref().map_or(Ok(()), glide)?;
+        if canopy.glide.is_some() && !matches!(canopy.air, CanopyAir::Point(_)) {
+            return Err(BuildError::Glide { reason: "is for canopies that are points: cloth has no lift" });
+        }
         match &canopy.air {
             CanopyAir::Coefficient => {}
             CanopyAir::Filling(stages) | CanopyAir::Point(stages) if stages.is_empty() => {
@@ -125,6 +136,22 @@ fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
     for drag in &spec.node_drag {
         below("node", &drag.nodes, nodes.len())?;
         finite("drag area", &[drag.drag_area])?;
+        drag.glide.as_ref().map_or(Ok(()), glide)?;
+    }
+    Ok(())
+}
+
+fn gust(GustSpec { velocity, start, duration }: &GustSpec) -> Result<(), BuildError> {
+    vectors("gust", &[*velocity])?;
+    finite("gust", &[*start, *duration])
+}
+
+fn glide(GlideSpec { ratio, heading }: &GlideSpec) -> Result<(), BuildError> {
+    finite("glide ratio", &[*ratio])?;
+    times("heading", heading)?;
+    finite("heading", &heading.value)?;
+    if *ratio <= 0.0 {
+        return Err(BuildError::Glide { reason: "needs a ratio of lift over drag above 0" });
     }
     Ok(())
 }

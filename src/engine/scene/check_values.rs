@@ -140,6 +140,12 @@ pub enum BuildError {
         /// what is wrong
         reason: &'static str,
     },
+    /// A glide without a meaning.
+    #[error("a glide {reason}")]
+    Glide {
+        /// what is wrong
+        reason: &'static str,
+    },
     /// A canopy that cannot fill ring by ring.
     #[error("a canopy that fills ring by ring {reason}{}", at_row(*row))]
     Rings {

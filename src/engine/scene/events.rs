@@ -254,11 +254,12 @@ impl Events for Network {
     }
 
     fn corners(&self) -> Vec<f64> {
-        let started: Vec<[f64; 2]> = self.acting.stages.iter().flat_map(|stages| stages.changes()).collect();
+        let mut started: Vec<f64> = self.acting.stages.iter().flat_map(|stages| stages.changes()).flatten().collect();
+        started.extend(self.acting.stream.iter().flat_map(|stream| stream.corners_begun()));
         if started.is_empty() {
             return self.built.corners.clone();
         }
-        ascending(self.built.corners.iter().copied().chain(started.into_iter().flatten()).collect())
+        ascending(self.built.corners.iter().copied().chain(started).collect())
     }
 
     fn sample_tables(&self, h: Option<f64>) {
@@ -298,9 +299,14 @@ impl Events for Network {
         self.acting.stream.as_ref().map_or([0.0; 3], |stream| stream.at(t, z).wind[0].into())
     }
 
+    fn corners_after(&self, event: usize) -> Vec<f64> {
+        self.acting.stream.as_ref().map_or_else(Vec::new, |stream| stream.corners_after(event).collect())
+    }
+
     fn set_happened(&self, happened: &[[f64; 2]]) -> bool {
         let of = &self.acting.event_times;
         (0..of.count()).for_each(|event| of.set(event, happened.get(event).copied().unwrap_or([f64::INFINITY, 0.0])));
+        self.acting.stream.iter().for_each(|stream| stream.set_happened(|event| of.of(event)[0]));
         self.begin_phase(self.passed())
     }
 

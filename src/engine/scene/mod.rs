@@ -12,6 +12,7 @@ mod bound_by_triangles;
 mod branches;
 mod build;
 mod build_bending;
+mod build_drag;
 mod build_gas;
 mod build_rings;
 mod build_surface;

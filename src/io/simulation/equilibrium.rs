@@ -59,7 +59,7 @@ pub struct RecordedStatic {
 }
 
 /// Warnings that tell of steps and motion.
-const OF_A_RUN: [WarningCode; 11] = [
+const OF_A_RUN: [WarningCode; 12] = [
     WarningCode::BrakedRotation,
     WarningCode::EventAtStart,
     WarningCode::EventBeyondEnd,
@@ -67,6 +67,7 @@ const OF_A_RUN: [WarningCode; 11] = [
     WarningCode::LongStep,
     WarningCode::LostMotion,
     WarningCode::ShortPulse,
+    WarningCode::SlackOpening,
     WarningCode::StepAboveCritical,
     WarningCode::StepBeyondEnd,
     WarningCode::StepDashpot,

@@ -77,6 +77,7 @@ fn canopy() -> Vec<CanopySpec> {
         air: CanopyAir::Coefficient,
         apparent_mass: None,
         inflow_loss: None,
+        glide: None,
         nominal_area: 1.0,
     }]
 }
@@ -110,7 +111,30 @@ fn line_drag() -> Vec<LineDragSpec> {
 }
 
 fn node_drag() -> Vec<NodeDragSpec> {
-    vec![NodeDragSpec { nodes: vec![1, 4, 6], drag_area: 0.4 }]
+    vec![NodeDragSpec { nodes: vec![1, 4, 6], drag_area: 0.4, glide: None }]
+}
+
+/// The same with a lift whose heading changes.
+fn gliding() -> Vec<NodeDragSpec> {
+    let heading = Series { t: vec![0.0, 1.0], value: vec![-70.0, 230.0] };
+    let glide = Some(GlideSpec { ratio: 2.3, heading });
+    node_drag().into_iter().map(|one| NodeDragSpec { glide: glide.clone(), ..one }).collect()
+}
+
+/// A canopy that is a node, and glides.
+fn gliding_point() -> Vec<CanopySpec> {
+    let heading = Series { t: vec![0.0], value: vec![40.0] };
+    let point = |one: CanopySpec| CanopySpec {
+        triangles: Vec::new(),
+        pressure_coefficient: Vec::new(),
+        air: CanopyAir::Point(one.air.stages().to_vec()),
+        skirt: vec![4],
+        apex: vec![4],
+        confluence: vec![4],
+        glide: Some(GlideSpec { ratio: 1.7, heading: heading.clone() }),
+        ..one
+    };
+    filling_canopy().into_iter().map(point).collect()
 }
 
 /// A closed surface, one corner of which is held.
@@ -165,6 +189,8 @@ pub fn uneven_scenes() -> Vec<(&'static str, NetworkSpec)> {
         ("surface pressure in uneven air", air(NetworkSpec { surface_pressures: surface_pressures(), ..patch() })),
         ("line drag in uneven air", air(NetworkSpec { line_drag: line_drag(), ..patch() })),
         ("node drag in uneven air", air(NetworkSpec { node_drag: node_drag(), ..patch() })),
+        ("gliding nodes in uneven air", air(NetworkSpec { node_drag: gliding(), ..patch() })),
+        ("gliding point in uneven air", air(NetworkSpec { canopies: gliding_point(), ..patch() })),
     ]
 }
 
@@ -254,5 +280,6 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
     list.push(("surface pressure", air(NetworkSpec { surface_pressures: surface_pressures(), ..patch() })));
     list.push(("line drag", air(NetworkSpec { line_drag: line_drag(), ..patch() })));
     list.push(("node drag", air(NetworkSpec { node_drag: node_drag(), ..patch() })));
+    list.push(("gliding nodes", air(NetworkSpec { node_drag: gliding(), ..patch() })));
     list
 }

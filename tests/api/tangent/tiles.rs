@@ -63,6 +63,7 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
             air: one.air.clone(),
             apparent_mass: one.apparent_mass,
             inflow_loss: one.inflow_loss,
+            glide: one.glide.clone(),
             nominal_area: one.nominal_area,
         })
     });

@@ -3,7 +3,8 @@
 //! ```text
 //! line:  d = x_b - x_a, L = |d|, e = d/L,  u = wind - (v_a + v_b)/2,  V_n = u - (u . e) e
 //!        f = rho Cd D L |V_n| V_n/2, half to each end
-//! node:  u = wind - v,  f = rho CdS |u| u/2,  CdS by stages over time where the node is a canopy
+//! node:  u = wind - v,  f = rho CdS |u| u/2,  CdS by stages over time where the node is a canopy; with the lift of a
+//!        `glide` this is multiplied by a matrix
 //! ```
 //! Wind and density are those at the height of the segment's middle, or of the node. With h = rho Cd D/2,
 //! P = I - e e^T and G = |V_n| I + V_n V_n^T/|V_n|, the exact tangents of the whole force are
@@ -13,6 +14,7 @@
 
 use crate::force::kernel::batch::{Batch, BufferReads, Elements, Kernel, Records};
 use crate::force::kernel::element_block::vector;
+use crate::force::law::glide::Glide;
 use crate::force::law::stages::Stages;
 use crate::force::law::stream::{AirState, Stream};
 use crate::force::{Copies, ForceTerm, NodeState, TangentForm, TangentSink, outer};
@@ -47,6 +49,8 @@ pub struct NodeDragData {
     pub drag_area: f64,
     /// stages of what is added to it; none but for canopies that are points
     pub stages: Stages,
+    /// lift, if they glide
+    pub glide: Option<Glide>,
     /// the air around them
     pub stream: Arc<Stream>,
 }
@@ -163,7 +167,15 @@ impl ForceTerm for LineDrag {
 impl NodeDragData {
     /// [N] The force on a node at a place [m] with a velocity [m/s].
     pub fn force(&self, t: f64, x: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {
-        self.drag(t, v, &self.stream.at(t, x.z)).force
+        self.with_lift(t, self.drag(t, v, &self.stream.at(t, x.z))).force
+    }
+
+    /// A drag with its lift.
+    fn with_lift(&self, t: f64, drag: Drag) -> Drag {
+        let Some(glide) = &self.glide else { return drag };
+        let Drag { force, by_wind, by_side, by_height } = drag;
+        let m = glide.matrix(t);
+        Drag { force: m * force, by_wind: m * by_wind, by_side, by_height: m * by_height }
     }
 
     fn drag(&self, t: f64, v: Vector3<f64>, air: &AirState) -> Drag {
@@ -193,7 +205,8 @@ impl Kernel<1> for NodeDragData {
     }
 
     fn for_run(&self, copies: &mut Copies) -> Option<Self> {
-        Some(NodeDragData { stream: copies.of(&self.stream), stages: self.stages.for_run(copies), ..self.clone() })
+        let (stages, glide) = (self.stages.for_run(copies), self.glide.as_ref().map(|glide| glide.for_run(copies)));
+        Some(NodeDragData { stream: copies.of(&self.stream), stages, glide, ..self.clone() })
     }
 }
 
@@ -203,17 +216,17 @@ impl ForceTerm for NodeDrag {
     }
 
     fn symmetric(&self) -> bool {
-        self.kernel().stream.is_uniform()
+        self.kernel().stream.is_uniform() && self.kernel().glide.is_none()
     }
 
-    /// The symmetric form is the velocity part.
+    /// The symmetric form is the velocity part of the drag: that of the lift is not symmetric.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         let data = self.kernel();
         for &[node] in data.nodes.iter() {
             let (x, v) = (at.x[node as usize], at.v[node as usize]);
-            let Drag { by_wind, by_height, .. } = data.drag(at.t, v, &data.stream.at(at.t, x.z));
-            let k = if form.symmetric { 0.0 } else { w.k };
-            sink.node(node, by_wind * w.c - outer(by_height, Vector3::z()) * k);
+            let drag = data.drag(at.t, v, &data.stream.at(at.t, x.z));
+            let (drag, k) = if form.symmetric { (drag, 0.0) } else { (data.with_lift(at.t, drag), w.k) };
+            sink.node(node, drag.by_wind * w.c - outer(drag.by_height, Vector3::z()) * k);
         }
     }
 

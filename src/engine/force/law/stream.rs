@@ -1,18 +1,20 @@
 //! The stream that canopies, lines and payloads meet: wind over time and height, density over height.
 //!
 //! ```text
-//! w(t, z) = table(t) + sum of gusts(t) + profile(altitude + z),      gust(t) = A/2 (1 - cos(2 pi (t - t0)/T))
+//! w(t, z) = table(t) + sum of gusts(t) + profile(altitude + z) + sum of winds(t - t_e) from the time t_e of an event on
+//! gust(t) = A/2 (1 - cos(2 pi (t - t0)/T))
 //! ```
 //! Profile and atmosphere are functions of the height above sea level. Fixed steps would miss a short gust, or take it
-//! for a longer one, so it is then a table that is treated as any other (`step_samples`).
+//! for a longer one, so it is then a table that is treated as any other (`step_samples`). Steps end at the corners of a
+//! wind that has begun with an event.
 
 use crate::force::Copies;
 use crate::force::law::atmosphere::density;
 use crate::force::law::series::{SampledTable, Table};
 use crate::force::law::step_samples::sampled_by_steps;
-use crate::model::spec::{AtmosphereSpec, GustSpec, Series, StreamSpec};
+use crate::model::spec::{AtmosphereSpec, EventWind, GustSpec, Series, StreamSpec};
 use nalgebra::Vector3;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
 /// A stream in a run.
@@ -25,9 +27,41 @@ pub struct Stream {
     gusts: Vec<Gust>,
     /// [m, m/s] over the height above sea level
     profile: Option<Arc<Series<[f64; 3]>>>,
+    by_event: Vec<BegunWind>,
     atmosphere: AtmosphereSpec,
     /// [m] height of z = 0 above sea level
     altitude: f64,
+}
+
+/// A wind that begins with an event.
+#[derive(Debug)]
+struct BegunWind {
+    given: Arc<EventWind>,
+    /// [s] when its event has happened, infinite until then
+    begun: AtomicU64,
+}
+
+impl Clone for BegunWind {
+    fn clone(&self) -> Self {
+        BegunWind { given: self.given.clone(), begun: AtomicU64::new(self.begun.load(Ordering::Relaxed)) }
+    }
+}
+
+impl BegunWind {
+    fn new(given: EventWind) -> Self {
+        BegunWind { given: Arc::new(given), begun: AtomicU64::new(f64::INFINITY.to_bits()) }
+    }
+
+    /// [s] When it has begun.
+    fn begun(&self) -> Option<f64> {
+        Some(f64::from_bits(self.begun.load(Ordering::Relaxed))).filter(|t| t.is_finite())
+    }
+
+    /// [m/s] Its velocity, if it has begun.
+    fn at(&self, t: f64) -> Option<Vector3<f64>> {
+        let since = t - self.begun()?;
+        (since >= 0.0).then(|| self.given.over_time.at(since).into())
+    }
 }
 
 /// [-] A gust of fewer steps is replaced by a table. The samples of a longer one have its integral to 0.2 %: they miss
@@ -82,19 +116,40 @@ pub struct AirState {
 impl Clone for Stream {
     /// Another stream like it; what a run replaces in one of them it does not replace in the other.
     fn clone(&self) -> Self {
-        let Stream { table, gusts, profile, atmosphere, altitude, .. } = self;
-        let (atmosphere, altitude, held) = (*atmosphere, *altitude, AtomicBool::new(self.is_held()));
-        Stream { table: table.clone(), held, gusts: gusts.clone(), profile: profile.clone(), atmosphere, altitude }
+        let Stream { table, gusts, profile, by_event, .. } = self;
+        let (table, gusts, held) = (table.clone(), gusts.clone(), AtomicBool::new(self.is_held()));
+        Stream { table, held, gusts, profile: profile.clone(), by_event: by_event.clone(), ..*self }
     }
 }
 
 impl Stream {
     /// A stream whose wind has at least one row and increasing times.
     pub fn new(spec: StreamSpec) -> Self {
-        let StreamSpec { wind, gusts, profile, atmosphere, altitude } = spec;
+        let StreamSpec { wind, gusts, profile, by_event, atmosphere, altitude } = spec;
         let (table, held) = (Table::new(wind), AtomicBool::new(false));
         let (gusts, profile) = (gusts.into_iter().map(Gust::new).collect(), profile.map(Arc::new));
-        Stream { table, held, gusts, profile, atmosphere, altitude }
+        let by_event = by_event.into_iter().map(BegunWind::new).collect();
+        Stream { table, held, gusts, profile, by_event, atmosphere, altitude }
+    }
+
+    /// Says when events have happened, by their number: [s], infinite where one has not.
+    pub fn set_happened(&self, at: impl Fn(usize) -> f64) {
+        self.by_event.iter().for_each(|wind| wind.begun.store(at(wind.given.event).to_bits(), Ordering::Relaxed));
+    }
+
+    /// [s] Corners of the winds that have begun with an event.
+    pub fn corners_begun(&self) -> impl Iterator<Item = f64> {
+        self.by_event.iter().flat_map(|wind| {
+            let begun = wind.begun();
+            let corners = begun.map_or_else(Vec::new, |_| wind.given.over_time.corners());
+            corners.into_iter().map(move |t| t + begun.unwrap_or(f64::INFINITY))
+        })
+    }
+
+    /// [s] Corners of the winds that begin with an event, from its time on.
+    pub fn corners_after(&self, event: usize) -> impl Iterator<Item = f64> {
+        let of_event = self.by_event.iter().filter(move |wind| wind.given.event == event);
+        of_event.flat_map(|wind| wind.given.over_time.corners())
     }
 
     /// Replaces the wind by a constant velocity [m/s] at all heights, or goes back to it.
@@ -114,8 +169,9 @@ impl Stream {
 
     /// [m/s] The part of the wind that is the same at all heights.
     pub fn uniform_wind(&self, t: f64) -> Vector3<f64> {
-        let gusts = if self.is_held() { &[][..] } else { &self.gusts };
-        gusts.iter().map(|gust| gust.at(t)).fold(Vector3::from(self.table.at(t)), |sum, one| sum + one)
+        let (gusts, by_event) = if self.is_held() { (&[][..], &[][..]) } else { (&self.gusts[..], &self.by_event[..]) };
+        let parts = gusts.iter().map(|gust| gust.at(t)).chain(by_event.iter().filter_map(|wind| wind.at(t)));
+        parts.fold(Vector3::from(self.table.at(t)), |sum, one| sum + one)
     }
 
     /// [m/s] The winds at time `t` [s] at the rows of the profile; between two rows the wind is between theirs.
@@ -140,10 +196,9 @@ impl Stream {
 }
 
 impl SampledTable for Stream {
-    /// Rows of the wind, and begin, peak and end of gusts. The peak is there for steps as long as a gust.
+    /// Rows of the wind, and begin, peak and end of gusts.
     fn corners(&self) -> Vec<f64> {
-        let times = |gust: &GustSpec| [0.0, 0.5, 1.0].map(|share| gust.start + share * gust.duration);
-        let gusts = self.gusts.iter().flat_map(|gust| times(&gust.given));
+        let gusts = self.gusts.iter().flat_map(|gust| gust.given.corners());
         self.table.corners().into_iter().chain(gusts).collect()
     }
 

@@ -1,5 +1,6 @@
 //! Canopies that the air fills: their parts, and what sets the pressure in them.
 
+use super::GlideSpec;
 use serde::Serialize;
 
 /// The air in a canopy: a pressure along the normals of its triangles.
@@ -26,6 +27,9 @@ pub struct CanopySpec {
     /// [-] k, > 0, of the pressure k rho u|u|/2 that a canopy with a coefficient or with stages loses while its volume
     /// grows by u times the area of its mouth
     pub inflow_loss: Option<f64>,
+    /// lift of a canopy that glides, which is a point
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub glide: Option<GlideSpec>,
     /// [m^2] S0 of cloth, gaps and vents, for coefficients in results and warnings
     pub nominal_area: f64,
 }

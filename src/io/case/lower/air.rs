@@ -2,7 +2,9 @@
 //! dp = linear v_n + quadratic v_n |v_n|.
 
 use super::coefficients::{Coefficients, checked_coefficients};
+use super::events::Plan;
 use super::geometry::{Geometry, TriangleUse, triangles};
+use super::glide::glide;
 use super::wind::{self, Winds};
 use super::{canopy, select, zones};
 use crate::case::diagnostics::Faults;
@@ -34,11 +36,11 @@ pub(super) struct Flow {
 /// Heights above sea level [m] that the standard atmosphere has.
 const STANDARD: [f64; 2] = [-5e3, 86e3];
 
-/// Checks and resolves the section; files are found from the folder `base`.
+/// Checks and resolves the section with the events of the case; files are found from the folder `base`.
 pub(super) fn flow(
     at: &Pointer,
     aero: Option<&Aero>,
-    base: &Path,
+    (base, plan): (&Path, &Plan<'_>),
     geometry: Option<&Geometry>,
     faults: &mut Faults<'_>,
 ) -> Flow {
@@ -54,8 +56,10 @@ pub(super) fn flow(
                     inside: keep one of them";
         faults.add_hint(&at.key("law"), "not together with canopy", hint);
     }
-    let winds =
-        aero.wind.as_ref().map_or_else(|| Some(Winds::calm()), |w| wind::wind(&at.key("wind"), w, base, faults));
+    let winds = aero
+        .wind
+        .as_ref()
+        .map_or_else(|| Some(Winds::calm()), |w| wind::wind(&at.key("wind"), w, (base, plan), faults));
     let atmosphere = atmosphere(&at.key("atmosphere"), aero, geometry, faults);
     let zoned = match &aero.law {
         Some(PorousLaw::SurfacePressure(zones)) => Some(zones),
@@ -95,10 +99,10 @@ pub(super) fn flow(
     for (i, one) in aero.drag.iter().enumerate() {
         drag(&at.key("drag").index(i), one, geometry, &mut flow, faults);
     }
-    let Some(Winds { table, gusts, profile }) = winds else { return flow };
-    if in_stream || !gusts.is_empty() {
+    let Some(Winds { table, gusts, profile, by_event }) = winds else { return flow };
+    if in_stream || !gusts.is_empty() || !by_event.is_empty() {
         let altitude = aero.altitude.unwrap_or(0.0);
-        flow.stream = Some(StreamSpec { wind: table, gusts, profile, atmosphere, altitude });
+        flow.stream = Some(StreamSpec { wind: table, gusts, profile, by_event, atmosphere, altitude });
     }
     flow
 }
@@ -145,6 +149,10 @@ fn air(
 
 fn drag(at: &Pointer, drag: &Drag, geometry: Option<&Geometry>, flow: &mut Flow, faults: &mut Faults<'_>) {
     let selects = |what: &str| format!("a selection of {what}");
+    let lift = drag.glide.as_ref().and_then(|given| glide(&at.key("glide"), given, faults));
+    if drag.glide.is_some() && drag.drag_area.is_none() {
+        faults.add_value(&at.key("glide"), "a glide without a drag_area", "only beside drag_area", None);
+    }
     match (drag.diameter, drag.coefficient, drag.drag_area) {
         (Some(diameter), Some(coefficient), None) => {
             let Some(on) = drag.on.edges() else {
@@ -176,7 +184,7 @@ fn drag(at: &Pointer, drag: &Drag, geometry: Option<&Geometry>, flow: &mut Flow,
             let nodes = geometry.and_then(|geometry| select::nodes(&at.key("on"), &on, geometry, faults));
             let Some(nodes) = nodes else { return };
             let drag_area = area / nodes.len() as f64;
-            flow.node_drag.push(NodeDragSpec { nodes, drag_area });
+            flow.node_drag.push(NodeDragSpec { nodes, drag_area, glide: lift });
         }
         _ => {
             let value = "drag that is neither that of lines nor that of bodies";

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use super::coefficients::checked_coefficients;
 use super::filling::{self, SkirtMotion};
 use super::geometry::{Geometry, TriangleUse, triangles};
+use super::glide::glide;
 use super::numbers::rising;
 use super::rings;
 use super::select;
@@ -31,6 +32,7 @@ pub(super) fn canopy(
 ) -> Option<CanopySpec> {
     let before = faults.count();
     let pressure = pressure(at, canopy, faults);
+    let glide = canopy.glide.as_ref().and_then(|given| glide(&at.key("glide"), given, faults));
     if canopy.law.is_some() && canopy.schedule.is_none() {
         let hint = "cavity and filling have a law of their own, for table the cloth makes no difference";
         faults.add_value(&at.key("law"), "a law without a schedule", "only beside schedule", Some(hint.to_owned()));
@@ -76,6 +78,7 @@ pub(super) fn canopy(
         air,
         apparent_mass,
         inflow_loss,
+        glide,
         nominal_area,
     };
     Some(parts)
@@ -102,6 +105,7 @@ fn pressure<'a>(at: &Pointer, canopy: &'a Canopy, faults: &mut Faults<'_>) -> Op
         on: _,
         apparent_mass: _,
         inflow_loss: _,
+        glide: _,
         confluence: _,
         skirt: _,
     } = canopy;

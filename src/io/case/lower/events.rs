@@ -4,9 +4,10 @@
 use super::geometry::Geometry;
 use super::select;
 use super::stages::after_cut;
+use super::wind;
 use crate::case::diagnostics::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Network, NodeOrEdgeSelection, OneOrSeveral, Until, When};
+use crate::case::schema::{Network, NodeOrEdgeSelection, OneOrSeveral, Until, When, Wind};
 use crate::model::spec::{CanopyAir, CanopySpec, Condition, EventSpec, Trigger, Watched};
 
 /// The group of the payload, which events look at if they do not say what, and whose height reports tell.
@@ -21,6 +22,8 @@ pub(super) enum Waits {
     Springs(usize),
     /// a stage of a canopy, by the places of both
     Stage(usize, usize),
+    /// a part of the wind, by its place
+    Wind(usize),
     /// the end of the run
     End,
 }
@@ -70,8 +73,15 @@ impl<'a> Plan<'a> {
             let words = [own, "cut".to_owned(), after_cut(&rule.on)];
             plan.add(Waits::Springs(i), &at, (rule.cut, rule.when.as_ref()), words);
         }
+        let at = at.key("aero");
+        let wind = network.aero.as_ref().and_then(|aero| aero.wind.as_ref());
+        for (i, (at, part)) in wind.map_or_else(Vec::new, |wind| wind::parts(&at.key("wind"), wind)).iter().enumerate()
+        {
+            let own = if let Some(Wind::Sum(_)) = wind { format!("wind.sum[{i}]") } else { "wind".to_owned() };
+            plan.add(Waits::Wind(i), at, (None, part.when()), [own, "wind".to_owned(), "wind".to_owned()]);
+        }
         let canopies = network.aero.as_ref().and_then(|aero| aero.canopy.as_ref());
-        let at = at.key("aero").key("canopy");
+        let at = at.key("canopy");
         for (i, canopy) in canopies.map_or(&[][..], OneOrSeveral::all).iter().enumerate() {
             let Some(stages) = &canopy.schedule else { continue };
             let (at, own) = match canopies {

@@ -90,7 +90,7 @@ pub(super) fn network(
         }
     }
     if let Some(parachute) = parachute {
-        air::fill_schedules(&at.key("aero"), parachute.kind, &mut whole, &mut taken, faults);
+        air::fill_canopies(&at.key("aero"), parachute.kind, &mut whole, &mut taken, faults);
     }
     cloths.give_mass(&at.key("mass"), &mut whole.mass, faults);
     (whole != *network).then_some(Expanded { network: whole, taken })

@@ -12,6 +12,7 @@ mod expand;
 mod filling;
 mod gas;
 pub(crate) mod geometry;
+mod glide;
 mod initial;
 mod loads;
 mod mass;
@@ -42,6 +43,7 @@ use super::pointer::Pointer;
 use super::schema::{CaseFile, System};
 use super::spec::{GaugeOf, GaugeSpec, Problem, SystemSpec};
 use crate::format_number::figures;
+use crate::integrate::registry::Family;
 use crate::model::gauge::SpringGauge;
 use crate::model::spec::{NetworkSpec, PendulumSpec, SpringGroup, StrengthSpec};
 use crate::preflight;
@@ -99,6 +101,10 @@ pub(crate) fn build(
             if let (Some(spec), Some(timing)) = (&spec, &timing) {
                 let long = preflight::canopies::filling(spec, timing.spec.end);
                 long.into_iter().for_each(|warning| faults.pass_on(warning.into()));
+                if timing.method.info.family == Family::Implicit {
+                    let slack = preflight::events::slack_openings(spec);
+                    slack.into_iter().for_each(|warning| faults.pass_on(warning.into()));
+                }
             }
             let mass_scaling = timing.as_ref().and_then(|timing| timing.mass_scaling);
             (spec.map(|spec| SystemSpec::Network(Box::new(NetworkSpec { mass_scaling, ..spec }))), geometry)

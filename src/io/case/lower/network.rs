@@ -3,6 +3,7 @@
 use super::air::{self, Flow};
 use super::events::{self, Plan, Sights};
 use super::geometry::Geometry;
+use super::glide;
 use super::initial::{self, EarlierRun, initial};
 use super::numbers::series;
 use super::point::{Whole, point};
@@ -51,8 +52,9 @@ pub(super) fn network(
     let masses_known = faults.count() == before && readable(&["mass", "supports", "springs", "membranes"], faults);
     let rayleigh = rayleigh(network.damping.as_ref());
     let Flow { air, surface_pressures, stream, mut canopies, line_drag, node_drag } =
-        air::flow(&at.key("aero"), network.aero.as_ref(), base, geometry, faults);
+        air::flow(&at.key("aero"), network.aero.as_ref(), (base, plan), geometry, faults);
     plan.put_into(&mut canopies);
+    glide::refuse_nets(at, network, faults);
     let base_acceleration = base_acceleration(at, network, faults);
     let loads = loads::loads(&at.key("loads"), &network.loads, network.gravity, geometry, faults);
     let geometry = geometry?;

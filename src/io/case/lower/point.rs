@@ -163,7 +163,11 @@ fn lumped(full: &NetworkSpec, whole: &Whole) -> NetworkSpec {
     let velocity: [f64; 3] = std::array::from_fn(|axis| if fixed[axis] { 0.0 } else { velocity[axis] });
     let at_point = |list: &[(u32, [bool; 3])]| vec![(0, directions(list.iter().map(|(_, of)| *of)))];
     let count = |nodes: &[u32]| nodes.len() as f64;
-    let drag_area = full.node_drag.iter().map(|drag| drag.drag_area * count(&drag.nodes));
+    let node_drag = full.node_drag.iter().map(|drag| NodeDragSpec {
+        nodes: vec![0],
+        drag_area: drag.drag_area * count(&drag.nodes),
+        glide: drag.glide.clone(),
+    });
     let forces = full.forces.iter().map(|load| NodalLoad {
         nodes: vec![0],
         force: load.force.map(|f| f * count(&load.nodes)),
@@ -186,7 +190,7 @@ fn lumped(full: &NetworkSpec, whole: &Whole) -> NetworkSpec {
         gravity: full.gravity,
         stream: full.stream.clone(),
         canopies: full.canopies.iter().map(canopy).collect(),
-        node_drag: drag_area.map(|drag_area| NodeDragSpec { nodes: vec![0], drag_area }).collect(),
+        node_drag: node_drag.collect(),
         forces: forces.collect(),
         displacement: if full.displacement.is_empty() { Vec::new() } else { vec![place(&full.displacement)] },
         velocity: vec![velocity],
@@ -213,6 +217,7 @@ fn canopy(full: &CanopySpec) -> CanopySpec {
         air: CanopyAir::Point(full.air.stages().to_vec()),
         apparent_mass: full.apparent_mass,
         inflow_loss: None,
+        glide: full.glide.clone(),
         nominal_area: full.nominal_area,
     }
 }

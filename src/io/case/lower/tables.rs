@@ -64,16 +64,20 @@ pub(super) fn warn_of_short_pulses(
     let wind = network.aero.as_ref().and_then(|aero| aero.wind.as_ref());
     for (at, part) in wind.into_iter().flat_map(|wind| wind::parts(&at.key("aero").key("wind"), wind)) {
         match part {
-            WindPart::Table { table } => warn(&at.key("table"), "mean", vector(table), steps, faults),
+            WindPart::Table { table, when: None } => warn(&at.key("table"), "mean", vector(table), steps, faults),
             // The sum of all tables is at hand, the file is not.
-            WindPart::File { .. } => {
+            WindPart::File { when: None, .. } => {
                 let of_stream = spec.stream.as_ref().map(|stream| &stream.wind);
                 let sum = of_stream.or_else(|| spec.air.as_ref().map(|air| &air.wind));
                 let rows = sum.into_iter().flat_map(|sum| sum.t.iter().zip(&sum.value));
                 let rows: Vec<[f64; 4]> = rows.map(|(t, [x, y, z])| [*t, *x, *y, *z]).collect();
                 warn(&at.key("file"), "mean", vector(&rows), steps, faults);
             }
-            WindPart::Gust { gust } => warn(&at.key("gust"), "mean", short_gust(gust, steps), steps, faults),
+            WindPart::Gust { gust, when: None } => {
+                warn(&at.key("gust"), "mean", short_gust(gust, steps), steps, faults)
+            }
+            // Steps end at the corners of what begins with an event.
+            WindPart::Table { .. } | WindPart::File { .. } | WindPart::Gust { .. } => {}
             WindPart::Constant(_) | WindPart::Profile { .. } => {}
         }
     }

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use super::events::{Plan, Waits};
 use super::numbers::{rising, series};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Wind, WindPart};
-use crate::model::spec::{GustSpec, Series};
+use crate::case::schema::{Gust, Wind, WindPart};
+use crate::model::spec::{EventWind, GustSpec, Series, WindOverTime};
 
 /// A wind, summed by kind.
 #[derive(Clone, Debug)]
@@ -17,12 +18,15 @@ pub(super) struct Winds {
     pub gusts: Vec<GustSpec>,
     /// [m/s] over the height above sea level [m], added to it
     pub profile: Option<Series<[f64; 3]>>,
+    /// those that begin with events, added to it
+    pub by_event: Vec<EventWind>,
 }
 
 impl Winds {
     /// Calm air.
     pub(super) fn calm() -> Self {
-        Winds { table: Series { t: vec![0.0], value: vec![[0.0; 3]] }, gusts: Vec::new(), profile: None }
+        let table = Series { t: vec![0.0], value: vec![[0.0; 3]] };
+        Winds { table, gusts: Vec::new(), profile: None, by_event: Vec::new() }
     }
 }
 
@@ -34,24 +38,39 @@ pub(super) fn parts<'a>(at: &Pointer, wind: &'a Wind) -> Vec<(Pointer, &'a WindP
     }
 }
 
-/// Checks a wind and sums its parts; files are found from the folder `base`.
-pub(super) fn wind(at: &Pointer, wind: &Wind, base: &Path, faults: &mut Faults<'_>) -> Option<Winds> {
-    let parts = parts(at, wind);
+/// Checks a wind and sums its parts by the events of `plan`; files are found from the folder `base`.
+pub(super) fn wind(
+    at: &Pointer,
+    wind: &Wind,
+    (base, plan): (&Path, &Plan<'_>),
+    faults: &mut Faults<'_>,
+) -> Option<Winds> {
     let before = faults.count();
-    let (mut tables, mut profiles, mut gusts) = (Vec::new(), Vec::new(), Vec::new());
-    for (at, part) in parts {
+    let (mut tables, mut profiles, mut gusts, mut by_event) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for (i, (at, part)) in parts(at, wind).into_iter().enumerate() {
+        let event = plan.event(Waits::Wind(i));
+        let mut add = |table| match event {
+            Some(event) => by_event.push(EventWind { event, over_time: WindOverTime::Table(table) }),
+            None => tables.push(table),
+        };
         let split = |[t, x, y, z]: &[f64; 4]| (*t, [*x, *y, *z]);
         match part {
-            WindPart::Constant(wind) => tables.push(Series { t: vec![0.0], value: vec![*wind] }),
-            WindPart::Table { table } => tables.extend(series(&at.key("table"), table.iter().map(split), faults)),
+            WindPart::Constant(wind) => add(Series { t: vec![0.0], value: vec![*wind] }),
+            WindPart::Table { table, .. } => {
+                series(&at.key("table"), table.iter().map(split), faults).into_iter().for_each(add);
+            }
             WindPart::Profile { profile } => {
                 profiles.extend(rising(&at.key("profile"), "height", profile.iter().map(split), faults));
             }
-            WindPart::Gust { gust } => {
-                gusts.push(GustSpec { velocity: gust.velocity, start: gust.start, duration: gust.duration });
+            WindPart::Gust { gust: Gust { velocity, start, duration }, .. } => {
+                let gust = GustSpec { velocity: *velocity, start: *start, duration: *duration };
+                match event {
+                    Some(event) => by_event.push(EventWind { event, over_time: WindOverTime::Gust(gust) }),
+                    None => gusts.push(gust),
+                }
             }
-            WindPart::File { file } => match read(&base.join(file)) {
-                Ok(rows) => tables.extend(series(&at.key("file"), rows.iter().map(split), faults)),
+            WindPart::File { file, .. } => match read(&base.join(file)) {
+                Ok(rows) => series(&at.key("file"), rows.iter().map(split), faults).into_iter().for_each(add),
                 Err(reason) => {
                     let allowed = "a text file with rows of t, x, y, z in s and m/s, separated by commas";
                     faults.add_hint(&at.key("file"), allowed, reason);
@@ -60,7 +79,8 @@ pub(super) fn wind(at: &Pointer, wind: &Wind, base: &Path, faults: &mut Faults<'
         }
     }
     let table = sum(tables).unwrap_or_else(|| Winds::calm().table);
-    (faults.count() == before && faults.readable(at)).then(|| Winds { table, gusts, profile: sum(profiles) })
+    let found = faults.count() == before && faults.readable(at);
+    found.then(|| Winds { table, gusts, profile: sum(profiles), by_event })
 }
 
 /// The sum of tables, which is linear between the rows of all of them. `None` without tables.

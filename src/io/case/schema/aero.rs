@@ -1,6 +1,7 @@
 //! The air: what blows through and against the cloth, what fills canopies, and the drag of lines and bodies.
 
 use super::event::When;
+use super::glide::Glide;
 use super::select::{NodeOrEdgeSelection, NodeSelection};
 use super::wind::{Atmosphere, Wind, numbers};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -14,7 +15,8 @@ pub struct Aero {
     /// [m/s] Wind velocity: a vector, `{"table": [[t, x, y, z], ...]}` over time [s], `{"file": "wind.csv"}` with such
     /// rows (numbers separated by commas, semicolons or tabs; a first row of words is a heading, `#` begins a comment),
     /// `{"profile": [[height, x, y, z], ...]}` over the height above sea level [m], `{"gust": {...}}`, or
-    /// `{"sum": [...]}` of several. Calm air if not given.
+    /// `{"sum": [...]}` of several. Beside a table, file or gust, `when` says from which event its times count. Calm
+    /// air if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wind: Option<Wind>,
     /// Pressure jump over every triangle, driven by the wind's velocity along the triangle's normal relative to the
@@ -130,6 +132,10 @@ pub struct Canopy {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub inflow_loss: Option<f64>,
+    /// Lift of a canopy that glides, such as a Rogallo wing. Only with the network's `model` `"point"`: the pressure
+    /// of a net is even about its axis, and has no lift.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub glide: Option<Glide>,
     /// The nodes where the lines meet; if not given, those of the mesh's group `confluence`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confluence: Option<NodeSelection>,
@@ -233,8 +239,8 @@ pub struct Filling {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMaximum" = 1))]
     pub outer_pressure_coefficient: Option<f64>,
-    /// [-] Measured CD0 of the open canopy, from which Cb = 1 - CD0/0.43: the skirt of an open canopy over lines of one
-    /// nominal diameter has 0.43 S0.
+    /// [-] Measured CD0 of the open canopy; 0.62 for the type `hemispherical` if neither is given. From it Cb = 1 -
+    /// CD0/0.43: the skirt of an open canopy over lines of one nominal diameter has 0.43 S0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub drag_coefficient: Option<f64>,
@@ -343,6 +349,9 @@ pub struct Drag {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub drag_area: Option<f64>,
+    /// Lift of a body that glides; only beside `drag_area`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub glide: Option<Glide>,
 }
 
 /// Pressure jump as a function of v_n, or pressure coefficients by zone.

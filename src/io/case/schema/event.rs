@@ -11,7 +11,7 @@ use super::select::NodeOrEdgeSelection;
 #[serde(deny_unknown_fields)]
 pub struct When {
     /// Name of the event, for `after` and for reports; its place in the case if not given, such as `supports[0]`,
-    /// `springs[2]` or `canopy.schedule[1]`.
+    /// `springs[2]`, `canopy.schedule[1]` or `wind`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1, max = 100))]
     pub name: Option<String>,

@@ -6,6 +6,7 @@
 pub mod aero;
 mod event;
 pub mod gas;
+pub mod glide;
 pub mod loads;
 pub mod material;
 pub mod method;
@@ -31,6 +32,7 @@ pub use aero::{
 };
 pub use event::{Until, When};
 pub use gas::Gas;
+pub use glide::Glide;
 pub use loads::{Load, PressureKindKey};
 pub use material::{ClothMaterial, LineMaterial, Material, MaterialMap, Materials};
 pub use method::Method;

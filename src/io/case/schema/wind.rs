@@ -1,5 +1,6 @@
 //! The wind, and the density of the air over height.
 
+use super::event::When;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -32,11 +33,17 @@ pub enum WindPart {
     Table {
         /// [s, m/s] rows of time and velocity, times strictly increasing; linear between rows, constant outside them
         table: Vec<[f64; 4]>,
+        /// the event from which the times count
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        when: Option<Box<When>>,
     },
     /// over time, from a file
     File {
         /// a text file with such rows, separated by commas, beside the case
         file: String,
+        /// the event from which the times count
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        when: Option<Box<When>>,
     },
     /// over height
     Profile {
@@ -47,7 +54,20 @@ pub enum WindPart {
     Gust {
         /// its shape
         gust: Gust,
+        /// the event from which its start counts
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        when: Option<Box<When>>,
     },
+}
+
+impl WindPart {
+    /// The event that it begins with, if there is one.
+    pub fn when(&self) -> Option<&When> {
+        match self {
+            WindPart::Table { when, .. } | WindPart::File { when, .. } | WindPart::Gust { when, .. } => when.as_deref(),
+            WindPart::Constant(_) | WindPart::Profile { .. } => None,
+        }
+    }
 }
 
 /// A one-minus-cosine gust: velocity/2 (1 - cos(2 pi (t - start)/duration)), 0 before and after. Where it lasts less
@@ -70,35 +90,51 @@ pub(super) fn numbers(n: usize) -> Value {
 }
 
 /// An object with one key.
-fn tagged(key: &str, description: &str, mut value: Value) -> Value {
+fn tagged(key: &str, description: &str, value: Value) -> Value {
+    json!({"type": "object", "properties": {key: described(description, value)}, "required": [key], "additionalProperties": false})
+}
+
+/// An object with one key, and perhaps the event from which its times count.
+fn timed(key: &str, description: &str, value: Value, when: &Value) -> Value {
+    let mut made = tagged(key, description, value);
+    let about =
+        "The event from which the times count. There is none of this wind before it; with it, other winds go on.";
+    made["properties"]["when"] = described(about, when.clone());
+    made
+}
+
+fn described(description: &str, mut value: Value) -> Value {
     if let Some(value) = value.as_object_mut() {
         value.insert("description".to_owned(), json!(description));
     }
-    json!({"type": "object", "properties": {key: value}, "required": [key], "additionalProperties": false})
+    value
 }
 
 impl WindPart {
     fn schemas(generator: &mut SchemaGenerator) -> Vec<Value> {
         let rows = || json!({"type": "array", "items": numbers(4), "minItems": 1});
         let gust = generator.subschema_for::<Gust>().to_value();
+        let when = generator.subschema_for::<When>().to_value();
         vec![
             numbers(3),
-            tagged(
+            timed(
                 "table",
                 "[s, m/s] Rows of time and velocity, times strictly increasing; linear between rows, constant outside them.",
                 rows(),
+                &when,
             ),
-            tagged(
+            timed(
                 "file",
                 "Path of a text file with such rows of time and velocity, separated by commas; from the folder of the case.",
                 json!({"type": "string"}),
+                &when,
             ),
             tagged(
                 "profile",
                 "[m, m/s] Rows of height above sea level and velocity, heights strictly increasing; linear between rows, constant outside them.",
                 rows(),
             ),
-            tagged("gust", "A one-minus-cosine gust.", gust),
+            timed("gust", "A one-minus-cosine gust.", gust, &when),
         ]
     }
 }

@@ -37,8 +37,8 @@ fn dotted(at: &Pointer) -> String {
     at.as_str().trim_start_matches("/system/network/").replace('/', ".")
 }
 
-/// Gives schedules the numbers of a parachute's type that they leave out.
-pub(super) fn fill_schedules(
+/// Gives canopies the numbers of a parachute's type that they leave out.
+pub(super) fn fill_canopies(
     at: &Pointer,
     kind: CanopyType,
     whole: &mut Network,
@@ -47,6 +47,13 @@ pub(super) fn fill_schedules(
 ) {
     let Some(aero) = &mut whole.aero else { return };
     for (at, canopy) in canopies(at, aero) {
+        // Flat canopies are near their CD0 without one, and slots take a part of the others' drag.
+        if let (Some(filling), CanopyType::Hemispherical) = (&mut canopy.filling, kind)
+            && filling.outer_pressure_coefficient.is_none()
+            && filling.drag_coefficient.is_none()
+        {
+            fill_coefficient(&at.key("filling"), &mut filling.drag_coefficient, kind, taken);
+        }
         let Some(schedule) = &mut canopy.schedule else { continue };
         let (at, one) = (at.key("schedule"), matches!(schedule, OneOrSeveral::One(_)));
         let stages = schedule.all_mut();
@@ -93,7 +100,13 @@ fn add_drag(parts: &Parts<'_>, aero: &mut Aero, taken: &mut Vec<String>, faults:
                 figures(coefficient, 4)
             ));
             let on = NodeOrEdgeSelection::Group(group);
-            aero.drag.push(Drag { on, diameter: Some(diameter), coefficient: Some(coefficient), drag_area: None });
+            aero.drag.push(Drag {
+                on,
+                diameter: Some(diameter),
+                coefficient: Some(coefficient),
+                drag_area: None,
+                glide: None,
+            });
         }
     }
 }
@@ -124,12 +137,18 @@ fn fill_drag(
     if stage.drag_area.is_some() || stage.drag_coefficient.is_some() {
         return;
     }
-    let Some([low, high]) = kind.numbers().drag_coefficient else {
+    fill_coefficient(at, &mut stage.drag_coefficient, kind, taken);
+    if stage.drag_coefficient.is_none() {
         let hint = format!("no measured CD0 of type \"{kind}\" was found, so it has no default");
         let allowed = "exactly one of drag_area and drag_coefficient";
-        return faults.add_value(at, "a stage without a drag area", allowed, Some(hint));
-    };
-    stage.drag_coefficient = Some(low);
+        faults.add_value(at, "a stage without a drag area", allowed, Some(hint));
+    }
+}
+
+/// Gives a drag coefficient that is left out the CD0 of a type, if that is known.
+fn fill_coefficient(at: &Pointer, place: &mut Option<f64>, kind: CanopyType, taken: &mut Vec<String>) {
+    let Some([low, high]) = kind.numbers().drag_coefficient else { return };
+    *place = Some(low);
     let [low, high] = [low, high].map(|cd| figures(cd, 4));
     let source = FieldNumbers::source();
     taken.push(format!("{}.drag_coefficient {low}: {kind}, {low} to {high} by {source}", dotted(at)));
