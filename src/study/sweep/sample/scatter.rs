@@ -239,8 +239,8 @@ fn indices(sampled: &Sampled, rows: &[SweepRow], quantity: &Quantity) -> Vec<Ind
         let groups: Vec<Vec<f64>> =
             rows.chunks_exact(sampled.group()).filter_map(|group| group.iter().map(ended).collect()).collect();
         let found = saltelli(&groups);
-        let index = |(i, factor)| {
-            let of = |kind: usize| found.get(i).map(|both| both[kind]);
+        let index = |(i, factor): (usize, String)| {
+            let of = |kind: usize| found.get(i).map(|both: &[Estimate; 2]| both[kind]);
             Index { factor, first: of(0), total: of(1) }
         };
         return names.enumerate().map(index).collect();
