@@ -1,7 +1,7 @@
 //! The options of `canopy-fem sweep` for values that are drawn from distributions.
 
 use crate::study::StudyError;
-use crate::study::sweep::sample::{Factor, Rule, Sampled, Sampling, is_drawn};
+use crate::study::sweep::sample::{Input, Rule, Sampled, Sampling, is_drawn};
 
 /// How values are drawn.
 #[derive(Clone, Debug, clap::Args)]
@@ -49,7 +49,7 @@ impl SampleArgs {
             _ => return Err(StudyError::Usage("--ellipse: expected two columns, X,Y".to_owned())),
         };
         Ok(Some(Sampled {
-            factors: Factor::parse_all(vary)?,
+            inputs: Input::parse_all(vary)?,
             samples: samples as usize,
             sampling: self.sampling,
             seed: self.seed,

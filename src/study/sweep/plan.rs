@@ -200,8 +200,7 @@ impl SweepPlanner<'_> {
         if !self.errors {
             return Ok(jobs);
         }
-        let medians: BTreeMap<String, Value> =
-            sampled.values(&vec![0.5; sampled.factors.len()]).into_iter().collect();
+        let medians: BTreeMap<String, Value> = sampled.values(&vec![0.5; sampled.inputs.len()]).into_iter().collect();
         let median = SweepJob { values: medians.clone(), ..SweepJob::default() };
         let at_medians = self.case.with(&median.overrides())?;
         let keys: Vec<String> = sampled.keys().cloned().collect();

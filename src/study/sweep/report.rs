@@ -173,7 +173,8 @@ impl SweepReport<'_> {
             }
         }
         let first = charts(plan, rows, shown.get(..1).unwrap_or_default(), Size::default());
-        let legend = first.first().filter(|_| sample.is_none()).map(|chart| legend_samples(&chart.lines)).unwrap_or_default();
+        let legend =
+            first.first().filter(|_| sample.is_none()).map(|chart| legend_samples(&chart.lines)).unwrap_or_default();
         let case_json = serde_json::to_string_pretty(&plan.case).map_err(|e| StudyError::Page(e.to_string()))?;
         let told = self.told(all, shown);
         let notes = reasons(rows.iter().map(|row| (named(plan, row, ""), row.result.status, row.result.note.as_str())));
@@ -184,7 +185,7 @@ impl SweepReport<'_> {
                 words => sample.sampled.words(), tables => sample.scatter.tables(sample.sampled),
                 until => sample.scatter.until.as_ref().map(Until::words), completed => sample.scatter.completed,
                 failed => sample.scatter.failed.iter().map(Failed::words).collect::<Vec<_>>(),
-                factors => sample.sampled.factors.iter().map(|f| [f.name(), f.law.words()]).collect::<Vec<_>>(),
+                inputs => sample.sampled.inputs.iter().map(|f| [f.name(), f.law.words()]).collect::<Vec<_>>(),
             }
         });
         let failures = self.failures();

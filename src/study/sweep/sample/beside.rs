@@ -110,7 +110,12 @@ impl Errors {
         let Some(median) = beside.iter().find(|row| row.job.beside == Some(Beside::Median)).and_then(&of) else {
             return Errors::default();
         };
-        let errors = Errors { median: Some(median), step: step(beside, &of, median), mesh: mesh(beside, &of, median), largest: None };
+        let errors = Errors {
+            median: Some(median),
+            step: step(beside, &of, median),
+            mesh: mesh(beside, &of, median),
+            largest: None,
+        };
         let parts = [("scatter", Some(deviation)), ("step", errors.step), ("mesh", errors.mesh)];
         let known = parts.into_iter().filter_map(|(name, size)| Some((name, size?)));
         let largest = known.filter(|(_, size)| *size > 0.0).max_by(|a, b| a.1.total_cmp(&b.1));
@@ -138,7 +143,8 @@ fn step(beside: &[SweepRow], of: &dyn Fn(&SweepRow) -> Option<f64>, own: f64) ->
 /// The error by the mesh: of each count from the run with twice as many, as if it fell with their square.
 fn mesh(beside: &[SweepRow], of: &dyn Fn(&SweepRow) -> Option<f64>, own: f64) -> Option<f64> {
     let finer = beside.iter().filter(|row| matches!(row.job.beside, Some(Beside::Mesh(_))));
-    let errors = finer.map(|row| Shrinks::with_steps(2).worth(Runs { own, finer: Some(of(row)?), ..Runs::default() }).error);
+    let errors =
+        finer.map(|row| Shrinks::with_steps(2).worth(Runs { own, finer: Some(of(row)?), ..Runs::default() }).error);
     let errors: Option<Vec<f64>> = errors.collect();
     errors.filter(|errors| !errors.is_empty()).map(|errors| errors.iter().sum())
 }

@@ -1,14 +1,14 @@
 //! Which points of the distributions are run: independent draws, Latin hypercubes or Sobol' points, the same for a seed
 //! on every machine.
 //!
-//! A point has a coordinate above 0 and below 1 for each factor, whose value is there in its distribution
+//! A point has a coordinate above 0 and below 1 for each input, whose value is there in its distribution
 //! ([`Law::at`](super::law::Law::at)). In Saltelli's design (Saltelli et al. 2010, Comput. Phys. Commun. 181, 259-270) a
 //! group of rows is a point A, a point B, and A with each coordinate in turn from B.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::factor::Factor;
+use super::input::Input;
 use super::rule::Rule;
 use super::sobol::{self, Coordinate};
 use crate::error::StudyError;
@@ -45,7 +45,7 @@ impl Sampling {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sampled {
     /// what is drawn
-    pub factors: Vec<Factor>,
+    pub inputs: Vec<Input>,
     /// points; with `indices` each is a group of rows
     pub samples: usize,
     /// how they are chosen
@@ -63,12 +63,12 @@ pub struct Sampled {
 impl Sampled {
     /// Rows that belong together: the points of Saltelli's design that differ by a coordinate.
     pub fn group(&self) -> usize {
-        if self.indices { self.factors.len() + 2 } else { 1 }
+        if self.indices { self.inputs.len() + 2 } else { 1 }
     }
 
     /// All keys that are drawn.
     pub fn keys(&self) -> impl Iterator<Item = &String> {
-        self.factors.iter().flat_map(|factor| &factor.keys)
+        self.inputs.iter().flat_map(|input| &input.keys)
     }
 
     /// All rows.
@@ -83,18 +83,18 @@ impl Sampled {
         (1..=rows.div_ceil(step)).map(move |batch| (batch * step).min(rows))
     }
 
-    /// Keys and values of a point of the distributions, a coordinate a factor.
+    /// Keys and values of a point of the distributions, a coordinate a input.
     pub fn values(&self, point: &[f64]) -> Vec<(String, Value)> {
-        let of = |(factor, u): (&Factor, &f64)| factor.keys.clone().into_iter().zip(factor.law.at(*u));
-        self.factors.iter().zip(point).flat_map(of).collect()
+        let of = |(input, u): (&Input, &f64)| input.keys.clone().into_iter().zip(input.law.at(*u));
+        self.inputs.iter().zip(point).flat_map(of).collect()
     }
 
     /// The point of every row.
     ///
     /// # Errors
-    /// More factors than Sobol' points have coordinates.
+    /// More inputs than Sobol' points have coordinates.
     pub fn points(&self) -> Result<Vec<Vec<f64>>, StudyError> {
-        let d = self.factors.len();
+        let d = self.inputs.len();
         let coordinates = if self.indices { 2 * d } else { d };
         let points = match self.sampling {
             Sampling::Random => (0..self.samples).map(|row| random(self.seed, row, coordinates)).collect(),
@@ -179,8 +179,8 @@ mod tests {
     use super::*;
 
     fn sampled(sampling: Sampling, samples: usize, d: usize) -> Sampled {
-        let factor = |i: usize| Factor { keys: vec![format!("k{i}")], law: Law::Uniform { from: 0.0, to: 1.0 } };
-        Sampled { factors: (0..d).map(factor).collect(), samples, sampling, seed: 7, ..Sampled::default() }
+        let input = |i: usize| Input { keys: vec![format!("k{i}")], law: Law::Uniform { from: 0.0, to: 1.0 } };
+        Sampled { inputs: (0..d).map(input).collect(), samples, sampling, seed: 7, ..Sampled::default() }
     }
 
     /// Of N points each N-th of every coordinate holds one, for Sobol' points where N is a power of two.

@@ -80,15 +80,14 @@ impl Ellipse {
 mod tests {
     use super::*;
     use crate::mesh::random::SplitMix64;
-    use statrs::distribution::{ContinuousCDF, Normal};
+    use crate::sweep::sample::normal::normal_quantile;
 
     /// Normal points with deviations 3 and 1, turned by 30 degrees: the ellipse is theirs, it holds 95 % of them, and
     /// half are within the radius. Standard errors of 20,000 points are half a percent.
     #[test]
     fn normal_points_have_their_ellipse() {
         let mut numbers = SplitMix64::of_seed(11);
-        let normal = Normal::standard();
-        let mut draw = || normal.inverse_cdf(((numbers.draw() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64);
+        let mut draw = || normal_quantile(((numbers.draw() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64);
         let (sin, cos) = 30_f64.to_radians().sin_cos();
         let points: Vec<[f64; 2]> = (0..20_000)
             .map(|_| {

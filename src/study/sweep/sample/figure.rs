@@ -100,9 +100,9 @@ impl Of<'_> {
     /// The number over the key with the largest index, if its values are numbers.
     fn over_strongest(&self) -> Option<Figure> {
         let share = |i: usize| self.distribution.indices.get(i).and_then(|index| Some(index.first?.value));
-        let known = (0..self.sampled.factors.len()).filter_map(|i| Some((i, share(i)?)));
+        let known = (0..self.sampled.inputs.len()).filter_map(|i| Some((i, share(i)?)));
         let (strongest, _) = known.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let [key] = self.sampled.factors.get(strongest)?.keys.as_slice() else { return None };
+        let [key] = self.sampled.inputs.get(strongest)?.keys.as_slice() else { return None };
         let points = self.runs().map(|(y, row)| Some((row.job.values.get(key)?.as_f64()?, y)));
         let points: Vec<(f64, f64)> = points.collect::<Option<_>>()?;
         let line = Line {
@@ -134,7 +134,8 @@ fn landing(
     rows: &[SweepRow],
     scatter: &Scatter,
 ) -> Result<Option<Figure>, StudyError> {
-    let (Some(landing), Some(Points { labels, points, .. })) = (&scatter.landing, landing_points(sampled, rows)?) else {
+    let (Some(landing), Some(Points { labels, points, .. })) = (&scatter.landing, landing_points(sampled, rows)?)
+    else {
         return Ok(None);
     };
     let ellipse = &landing.ellipse;

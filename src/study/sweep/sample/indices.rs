@@ -1,11 +1,11 @@
-//! Which factor makes how much of the scatter: Sobol' indices. The first-order index S_i = Var(E(y | x_i)) / Var(y) is
+//! Which input makes how much of the scatter: Sobol' indices. The first-order index S_i = Var(E(y | x_i)) / Var(y) is
 //! the share that x_i makes alone; the total index is the share that would be left if all others were known.
 //!
 //! [`given_data`] finds first-order indices from any sample, [`saltelli`] both from the rows of Saltelli's design.
 
 use serde::Serialize;
 
-use super::estimate::{Estimate, mean_of, normal_quantile};
+use super::estimate::{Estimate, errors_of_margin, mean_of};
 use crate::mesh::random::SplitMix64;
 
 /// Samples of the bootstrap (Efron 1979, Ann. Stat. 7, 1-26), whose scatter is that of an estimate.
@@ -13,20 +13,20 @@ const RESAMPLED: usize = 200;
 /// Fewest rows with the same value for which the values are classes.
 const CLASS: usize = 5;
 
-/// The indices of a factor.
+/// The indices of a input.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Index {
     /// names of its keys
-    pub factor: String,
+    pub input: String,
     /// [-] its own share; `None` where it cannot be estimated
     pub first: Option<Estimate>,
     /// [-] its share with all that it does together with others; only from Saltelli's design
     pub total: Option<Estimate>,
 }
 
-/// First-order index of one factor from a sample: `places` are its coordinates or classes, `values` the results.
+/// First-order index of one input from a sample: `places` are its coordinates or classes, `values` the results.
 ///
-/// The rows are divided by the factor into M parts of as many rows, with a straight line fitted in each. What the lines
+/// The rows are divided by the input into M parts of as many rows, with a straight line fitted in each. What the lines
 /// leave is the rest of the variance: S = 1 - (SSR/(n - 2 M))/(SST/(n - 1)), as Pearson's correlation ratio for given data
 /// (Plischke, Borgonovo & Smith 2013, Eur. J. Oper. Res. 226, 536-550), but with lines in place of constants, which a
 /// smooth dependence follows to the fourth power of the width of a part. Where a value is there five times in the mean,
@@ -75,10 +75,10 @@ fn below(n: usize, numbers: &mut SplitMix64) -> usize {
 fn margin_of(resampled: &[f64]) -> f64 {
     let mean = mean_of(resampled);
     let variance = resampled.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (resampled.len() as f64 - 1.0);
-    normal_quantile() * variance.sqrt()
+    errors_of_margin() * variance.sqrt()
 }
 
-/// The share of the variance that the factor explains, corrected for the numbers that were fitted; rows are sorted.
+/// The share of the variance that the input explains, corrected for the numbers that were fitted; rows are sorted.
 fn explained(rows: &[(f64, f64)], parts: &Parts) -> Option<f64> {
     let n = rows.len();
     let mean = rows.iter().map(|row| row.1).sum::<f64>() / n as f64;
@@ -112,7 +112,7 @@ fn left_by_fit(part: &[(f64, f64)], line: bool) -> (f64, usize) {
     if line && xx > 0.0 { ((yy - xy * xy / xx).max(0.0), 2) } else { (yy, 1) }
 }
 
-/// First-order and total indices of all factors from groups of rows: a group has the results at A, at B, and at A with
+/// First-order and total indices of all inputs from groups of rows: a group has the results at A, at B, and at A with
 /// each coordinate in turn from B. Jansen's estimators (Jansen 1999, Comput. Phys. Commun. 117, 35-43; Saltelli et al.
 /// 2010): S_i = 1 - E (f(B) - f(AB_i))^2 / 2V and S_Ti = E (f(A) - f(AB_i))^2 / 2V, with the variance V of the results at
 /// A and B. Empty of fewer than ten groups, and where nothing varies.
@@ -136,7 +136,7 @@ pub fn saltelli(groups: &[Vec<f64>]) -> Vec<[Estimate; 2]> {
 
 /// First-order and total indices from these groups.
 fn jansen(groups: &[Vec<f64>], chosen: &[usize]) -> Option<Vec<[f64; 2]>> {
-    let factors = groups.first()?.len().checked_sub(2)?;
+    let inputs = groups.first()?.len().checked_sub(2)?;
     let rows = || chosen.iter().filter_map(|number| groups.get(*number));
     let ends: Vec<f64> = rows().flat_map(|row| [row[0], row[1]]).collect();
     let mean = mean_of(&ends);
@@ -144,12 +144,12 @@ fn jansen(groups: &[Vec<f64>], chosen: &[usize]) -> Option<Vec<[f64; 2]>> {
     let half = |from: usize, i: usize| {
         rows().map(|row| (row[from] - row[2 + i]).powi(2)).sum::<f64>() / (2.0 * chosen.len() as f64 * variance)
     };
-    (variance > 0.0).then(|| (0..factors).map(|i| [1.0 - half(1, i), half(0, i)]).collect())
+    (variance > 0.0).then(|| (0..inputs).map(|i| [1.0 - half(1, i), half(0, i)]).collect())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::factor::Factor;
+    use super::super::input::Input;
     use super::super::law::Law;
     use super::*;
     use crate::sweep::sample::{Sampled, Sampling};
@@ -169,9 +169,9 @@ mod tests {
     }
 
     fn design(sampling: Sampling, samples: usize, indices: bool) -> Vec<Vec<f64>> {
-        let factor = |i: usize| Factor { keys: vec![format!("k{i}")], law: Law::Uniform { from: -PI, to: PI } };
-        let factors: Vec<Factor> = (0..3).map(factor).collect();
-        let sampled = Sampled { factors, samples, sampling, seed: 3, indices, ..Sampled::default() };
+        let input = |i: usize| Input { keys: vec![format!("k{i}")], law: Law::Uniform { from: -PI, to: PI } };
+        let inputs: Vec<Input> = (0..3).map(input).collect();
+        let sampled = Sampled { inputs, samples, sampling, seed: 3, indices, ..Sampled::default() };
         let points = sampled.points().expect("points");
         points.iter().map(|point| point.iter().map(|u| PI * (2.0 * u - 1.0)).collect()).collect()
     }
@@ -197,7 +197,9 @@ mod tests {
 
     #[test]
     fn ishigami_by_given_data() {
-        for (sampling, n, most) in [(Sampling::Random, 4000, 0.05), (Sampling::Lhs, 1000, 0.09), (Sampling::Sobol, 1024, 0.09)] {
+        for (sampling, n, most) in
+            [(Sampling::Random, 4000, 0.05), (Sampling::Lhs, 1000, 0.09), (Sampling::Sobol, 1024, 0.09)]
+        {
             let rows = design(sampling, n, false);
             let values: Vec<f64> = rows.iter().map(|x| ishigami(x)).collect();
             for (i, exact) in exact().0.into_iter().enumerate() {

@@ -61,7 +61,9 @@ impl Rule {
             let statistic = match statistic {
                 "mean" => Statistic::Mean,
                 "sd" => Statistic::Sd,
-                other => Statistic::Percentile(other.strip_prefix('p')?.parse().ok().filter(|p| *p > 0.0 && *p < 100.0)?),
+                other => {
+                    Statistic::Percentile(other.strip_prefix('p')?.parse().ok().filter(|p| *p > 0.0 && *p < 100.0)?)
+                }
             };
             let rule = Rule { column: column.trim().to_owned(), statistic, share: 0.01 * percent };
             (percent > 0.0 && percent.is_finite() && !rule.column.is_empty()).then_some(rule)

@@ -204,9 +204,16 @@ fn failed(rows: &[SweepRow]) -> Vec<Failed> {
 
 /// The distribution of a column; `None` of fewer than two numbers. In Saltelli's design only the points A and B are a
 /// sample of the distributions.
-fn distribution(sampled: &Sampled, rows: &[SweepRow], beside: &[SweepRow], quantity: &Quantity) -> Option<Distribution> {
-    let sample: Vec<(f64, &SweepRow)> =
-        column(quantity, rows).into_iter().filter(|(_, row)| !sampled.indices || row.job.run % sampled.group() < 2).collect();
+fn distribution(
+    sampled: &Sampled,
+    rows: &[SweepRow],
+    beside: &[SweepRow],
+    quantity: &Quantity,
+) -> Option<Distribution> {
+    let sample: Vec<(f64, &SweepRow)> = column(quantity, rows)
+        .into_iter()
+        .filter(|(_, row)| !sampled.indices || row.job.run % sampled.group() < 2)
+        .collect();
     let mut sorted: Vec<f64> = sample.iter().map(|(x, _)| *x).collect();
     if sorted.len() < 2 {
         return None;
@@ -232,24 +239,24 @@ fn distribution(sampled: &Sampled, rows: &[SweepRow], beside: &[SweepRow], quant
 }
 
 fn indices(sampled: &Sampled, rows: &[SweepRow], quantity: &Quantity) -> Vec<Index> {
-    let names = sampled.factors.iter().map(super::factor::Factor::name);
+    let names = sampled.inputs.iter().map(super::input::Input::name);
     if sampled.indices {
         let ended = |row: &SweepRow| quantity.of(row).filter(|_| row.result.status == RowStatus::Completed);
         // A group counts if all of its runs have the number.
         let groups: Vec<Vec<f64>> =
             rows.chunks_exact(sampled.group()).filter_map(|group| group.iter().map(ended).collect()).collect();
         let found = saltelli(&groups);
-        let index = |(i, factor): (usize, String)| {
+        let index = |(i, input): (usize, String)| {
             let of = |kind: usize| found.get(i).map(|both: &[Estimate; 2]| both[kind]);
-            Index { factor, first: of(0), total: of(1) }
+            Index { input, first: of(0), total: of(1) }
         };
         return names.enumerate().map(index).collect();
     }
     let found = column(quantity, rows);
     let y: Vec<f64> = found.iter().map(|(y, _)| *y).collect();
-    let index = |(factor, name): (&super::factor::Factor, String)| {
-        let texts: Vec<Vec<String>> = found.iter().map(|(_, row)| texts(&factor.keys, row)).collect();
-        let numbers: Option<Vec<f64>> = match factor.keys.as_slice() {
+    let index = |(input, name): (&super::input::Input, String)| {
+        let texts: Vec<Vec<String>> = found.iter().map(|(_, row)| texts(&input.keys, row)).collect();
+        let numbers: Option<Vec<f64>> = match input.keys.as_slice() {
             [_] => texts.iter().map(|text| text.first()?.parse().ok()).collect(),
             _ => None,
         };
@@ -264,9 +271,9 @@ fn indices(sampled: &Sampled, rows: &[SweepRow], quantity: &Quantity) -> Vec<Ind
                 given_data(&places, &y).filter(|_| known.len() * 5 <= texts.len())
             }
         };
-        Index { factor: name, first, total: None }
+        Index { input: name, first, total: None }
     };
-    sampled.factors.iter().zip(names).map(index).collect()
+    sampled.inputs.iter().zip(names).map(index).collect()
 }
 
 /// The values of some keys of a run.
@@ -408,10 +415,10 @@ impl Scatter {
     fn index_table(&self, title: &str, of: fn(&Index) -> Option<Estimate>, sampled: &Sampled) -> Table {
         let cell = |q: &Distribution, i: usize| q.indices.get(i).and_then(of).map_or_else(|| "-".to_owned(), told);
         let head = [String::new()].into_iter().chain(self.quantities.iter().map(|q| q.name.clone())).collect();
-        let line = |(i, factor): (usize, &super::factor::Factor)| {
-            [factor.name()].into_iter().chain(self.quantities.iter().map(move |q| cell(q, i))).collect::<Vec<String>>()
+        let line = |(i, input): (usize, &super::input::Input)| {
+            [input.name()].into_iter().chain(self.quantities.iter().map(move |q| cell(q, i))).collect::<Vec<String>>()
         };
-        let rows: Vec<Vec<String>> = [head].into_iter().chain(sampled.factors.iter().enumerate().map(line)).collect();
+        let rows: Vec<Vec<String>> = [head].into_iter().chain(sampled.inputs.iter().enumerate().map(line)).collect();
         let note = if sampled.indices {
             "By Saltelli's design and Jansen's estimators, with intervals of 95 % by resampling."
         } else {
@@ -434,7 +441,11 @@ impl Landing {
             line("points within it [%]", number(100.0 * ellipse.within)),
             line("radius that holds half of the points", number(ellipse.half_radius)),
         ];
-        Table::new("Ellipse", rows, "The ellipse holds 95 % of a normal distribution with the same covariance.".to_owned())
+        Table::new(
+            "Ellipse",
+            rows,
+            "The ellipse holds 95 % of a normal distribution with the same covariance.".to_owned(),
+        )
     }
 }
 

@@ -20,7 +20,7 @@ const EXPECTED: &str = "expected KEY=normal:MEAN±SD, KEY=normal:MEAN±SD,A..B, 
 
 /// Keys that are drawn together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Factor {
+pub struct Input {
     /// dotted paths in the case
     pub keys: Vec<String>,
     /// how their values are distributed
@@ -39,17 +39,17 @@ fn law_of(text: &str) -> Option<(&str, &str, &str)> {
     ["normal", "lognormal", "uniform", "table"].contains(&law.trim()).then_some((key.trim(), law.trim(), rest.trim()))
 }
 
-impl Factor {
+impl Input {
     /// Reads a text of `--vary`. The values of a list or a range are equally likely. Files are found from here.
     ///
     /// # Errors
     /// The text with its fault, and what is allowed.
     pub fn parse(text: &str) -> Result<Self, StudyError> {
         let wrong = |why: &str| StudyError::Usage(format!("--vary {text}: {why}"));
-        let factor = match (text.strip_prefix(ROWS), law_of(text)) {
+        let input = match (text.strip_prefix(ROWS), law_of(text)) {
             (Some(file), _) => {
                 let (keys, rows, weights) = rows_of(file.trim()).map_err(|why| wrong(&why))?;
-                Factor { keys, law: Law::Rows { rows, weights } }
+                Input { keys, law: Law::Rows { rows, weights } }
             }
             (None, Some((key, law, rest))) if !key.is_empty() => {
                 let law = match law {
@@ -57,24 +57,27 @@ impl Factor {
                     "table" => table(rest),
                     _ => normal(rest, law == "lognormal"),
                 };
-                Factor { keys: vec![key.to_owned()], law: law.map_err(|why| wrong(&why))? }
+                Input { keys: vec![key.to_owned()], law: law.map_err(|why| wrong(&why))? }
             }
             _ => {
                 let Vary { key, values, .. } = Vary::parse(text)?;
                 let weights = vec![1.0; values.len()];
-                Factor { keys: vec![key], law: Law::Rows { rows: values.into_iter().map(|v| vec![v]).collect(), weights } }
+                Input {
+                    keys: vec![key],
+                    law: Law::Rows { rows: values.into_iter().map(|v| vec![v]).collect(), weights },
+                }
             }
         };
-        factor.law.fault().map_or(Ok(factor), |why| Err(wrong(&why)))
+        input.law.fault().map_or(Ok(input), |why| Err(wrong(&why)))
     }
 
     /// All of them; no key may be there twice.
     ///
     /// # Errors
-    /// As [`Factor::parse`]; a key that is there twice.
+    /// As [`Input::parse`]; a key that is there twice.
     pub fn parse_all(texts: &[String]) -> Result<Vec<Self>, StudyError> {
-        let all = texts.iter().map(|text| Factor::parse(text)).collect::<Result<Vec<_>, _>>()?;
-        let keys: Vec<&String> = all.iter().flat_map(|factor| &factor.keys).collect();
+        let all = texts.iter().map(|text| Input::parse(text)).collect::<Result<Vec<_>, _>>()?;
+        let keys: Vec<&String> = all.iter().flat_map(|input| &input.keys).collect();
         match keys.iter().enumerate().find(|(i, key)| keys[..*i].contains(*key)) {
             Some((_, key)) => Err(StudyError::Usage(format!("--vary {key} is given twice"))),
             None => Ok(all),
@@ -172,14 +175,16 @@ mod tests {
 
     #[test]
     fn distributions_as_typed() {
-        let law = |text: &str| Factor::parse(text).expect("good").law;
+        let law = |text: &str| Input::parse(text).expect("good").law;
         assert_eq!(law("k=normal:3±0.5"), Law::Normal { mean: 3.0, sd: 0.5, within: None });
         assert_eq!(law("k=normal:-200+-5%"), Law::Normal { mean: -200.0, sd: 10.0, within: None });
         assert_eq!(law("k=normal:3±1,0..5"), Law::Normal { mean: 3.0, sd: 1.0, within: Some([0.0, 5.0]) });
         assert_eq!(law("k=lognormal:2±10%"), Law::Lognormal { mean: 2.0, sd: 0.2 });
         assert_eq!(law("k=uniform:-1..4"), Law::Uniform { from: -1.0, to: 4.0 });
         assert_eq!(law("k=a,b"), Law::Rows { rows: vec![vec![json!("a")], vec![json!("b")]], weights: vec![1.0; 2] });
-        assert!(is_drawn("k=normal:1±1") && is_drawn("rows:a.csv") && !is_drawn("k=log:1..2:3") && !is_drawn("k=normal"));
+        assert!(
+            is_drawn("k=normal:1±1") && is_drawn("rows:a.csv") && !is_drawn("k=log:1..2:3") && !is_drawn("k=normal")
+        );
     }
 
     #[test]
@@ -188,15 +193,15 @@ mod tests {
         let path = |name: &str| folder.path().join(name).display().to_string();
         let write = |name: &str, text: &str| std::fs::write(path(name), text).expect("written");
         write("set.csv", "a.b,weight,c\n1,2,\"[0, 0, 5]\"\n2.5,1,word\n");
-        let factor = Factor::parse(&format!("rows:{}", path("set.csv"))).expect("good");
-        assert_eq!(factor.keys, ["a.b", "c"]);
+        let input = Input::parse(&format!("rows:{}", path("set.csv"))).expect("good");
+        assert_eq!(input.keys, ["a.b", "c"]);
         let rows = vec![vec![json!(1), json!([0, 0, 5])], vec![json!(2.5), json!("word")]];
-        assert_eq!(factor.law, Law::Rows { rows, weights: vec![2.0, 1.0] });
+        assert_eq!(input.law, Law::Rows { rows, weights: vec![2.0, 1.0] });
         write("table.csv", "value, cumulative\n0, 0\n2, 0.5\n3, 1\n");
-        let factor = Factor::parse(&format!("k=table:{}", path("table.csv"))).expect("good");
-        assert_eq!(factor.law, Law::Table { values: vec![0.0, 2.0, 3.0], cumulative: vec![0.0, 0.5, 1.0] });
+        let input = Input::parse(&format!("k=table:{}", path("table.csv"))).expect("good");
+        assert_eq!(input.law, Law::Table { values: vec![0.0, 2.0, 3.0], cumulative: vec![0.0, 0.5, 1.0] });
         write("bad.csv", "value,cumulative\n0,0\n2,0.5\n");
-        let error = Factor::parse(&format!("k=table:{}", path("bad.csv"))).expect_err("no end").to_string();
+        let error = Input::parse(&format!("k=table:{}", path("bad.csv"))).expect_err("no end").to_string();
         assert!(error.contains("from 0 to 1"), "{error}");
     }
 
@@ -213,9 +218,9 @@ mod tests {
             ("k=uniform:3..3", "first below"),
             ("k=table:none.csv", "none.csv"),
         ] {
-            let error = Factor::parse(text).expect_err(text).to_string();
+            let error = Input::parse(text).expect_err(text).to_string();
             assert!(error.contains(why) && error.contains(text), "{text}: {error}");
         }
-        assert!(Factor::parse_all(&["k=uniform:0..1".to_owned(), "k=1,2".to_owned()]).is_err());
+        assert!(Input::parse_all(&["k=uniform:0..1".to_owned(), "k=1,2".to_owned()]).is_err());
     }
 }
