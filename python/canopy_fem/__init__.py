@@ -33,7 +33,7 @@ from .errors import (
 )
 from .results import Result, load, run, static
 from .simulation import Motion, Network, Simulation
-from .studies import check, program, rollout, stability, sweep, tradeoff
+from .studies import Sample, check, program, rollout, sample, stability, sweep, tradeoff
 
 __all__ = [
     "CanopyError",
@@ -50,6 +50,7 @@ __all__ = [
     "Network",
     "Result",
     "Rollout",
+    "Sample",
     "Simulation",
     "SimulationError",
     "Step",
@@ -61,6 +62,7 @@ __all__ = [
     "program",
     "rollout",
     "run",
+    "sample",
     "schema",
     "stability",
     "static",

@@ -13,6 +13,7 @@ import sysconfig
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from . import _core
 from .case import Case, as_case, plain
 from .errors import CanopyError, CaseError
 
-__all__ = ["check", "program", "rollout", "stability", "sweep", "tradeoff"]
+__all__ = ["Sample", "check", "program", "rollout", "sample", "stability", "sweep", "tradeoff"]
 
 # [s] for the program to end after an interrupt.
 _PATIENCE = 10.0
@@ -157,6 +158,69 @@ def sweep(
     if isinstance(arguments, str):
         raise TypeError(f"arguments are a list of texts, such as {arguments.split()!r}, not one text")
     return _study("sweep", case, out, [*varied, *arguments], replace)
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What `sample` returns."""
+
+    rows: list[dict[str, Any]]
+    """a dictionary a run, with the columns of sweep.csv"""
+    summary: dict[str, Any]
+    """what they say, as `scatter` in sweep.json has it: `quantities` with mean, deviation, percentiles and indices,
+    `failed`, `landing`"""
+
+
+def sample(
+    case: Any,
+    vary: Mapping[str, Any],
+    samples: int,
+    quantities: Sequence[str] = (),
+    *,
+    sampling: str = "lhs",
+    seed: int = 1,
+    out: str | os.PathLike[str] | None = None,
+    arguments: list[str] | tuple[str, ...] = (),
+    replace: bool = False,
+) -> Sample:
+    """The study of ``canopy-fem sweep --samples``: values of the case are drawn from distributions, and the scatter of
+    its numbers is measured.
+
+    Args:
+        case: a `Case`, a case file or a dictionary.
+        vary: distributions by dotted path, ``"normal:45±5"``, ``"uniform:1..3"``, ``"lognormal:2±10%"`` or
+            ``"table:file.csv"``; a list has equally likely values. The key ``"rows"`` names a csv file whose rows are
+            drawn as a whole.
+        samples: number of runs.
+        quantities: names of the numbers that are asked for, such as ``"riser.tension.peak"``.
+        sampling: ``"lhs"``, ``"sobol"`` or ``"random"``.
+        seed: of the random numbers; the same seed has the same rows.
+        out: folder for sweep.csv, .json, .svg and .html; they are not kept if left out.
+        arguments: further arguments of the command, e.g. ``["--until", "2% of p99 riser.tension.peak"]``.
+        replace: replace an earlier sweep in the folder.
+
+    Raises:
+        CaseError: the case has faults with one of the values, or the arguments do not fit.
+        TypeError: `vary` is no dictionary.
+
+    >>> swing = {"pendulum": {"length": 1, "mass": 2, "damping": 0, "gravity": 9.81, "angle": 0.5}}
+    >>> case = {"name": "swing", "system": swing, "time": {"end": 0.1, "step": 1e-3, "method": "rk4"}}
+    >>> found = sample(case, {"system.pendulum.angle": "uniform:0.4..0.6"}, 8)
+    >>> len(found.rows), found.summary["quantities"][0]["runs"]
+    (8, 8)
+    """
+    if not isinstance(vary, Mapping):
+        raise TypeError(f"vary is a dictionary of dotted paths and distributions, not {type(vary).__name__}")
+    if isinstance(arguments, str) or isinstance(quantities, str):
+        raise TypeError("arguments and quantities are lists of texts, not one text")
+    drawn = [f"--vary=rows:{law}" if key == "rows" else f"--vary={key}={_values(key, law)}" for key, law in vary.items()]
+    asked = [f"--quantity={name}" for name in quantities]
+    more = [*drawn, *asked, f"--samples={samples}", f"--sampling={sampling}", f"--seed={seed}", *arguments]
+    with tempfile.TemporaryDirectory(prefix="canopy-fem-") as scratch:
+        folder = Path(scratch) / "sample" if out is None else Path(os.fspath(out))
+        rows = _study("sweep", case, folder, more, replace)
+        told = json.loads((folder / "sweep.json").read_text(encoding="utf-8"))
+    return Sample(rows, told["scatter"])
 
 
 def _values(key: Any, values: Any) -> str:

@@ -74,6 +74,23 @@ def test_ctrl_c_ends_the_program_of_a_study(tmp_path):
     assert not any("canopy-fem" in line and "sweep" in line for line in own), own
 
 
+def test_a_sample_has_rows_and_a_summary(small, tmp_path):
+    """Rows are those of the seed; the summary is of the numbers that were asked for."""
+    (tmp_path / "sets.csv").write_text("time.end,weight\n0.02,1\n0.03,3\n")
+    vary = {"rows": str(tmp_path / "sets.csv"), "time.step": [1e-3, 5e-4]}
+    one = cf.sample(small, vary, 12, ["max_speed"], seed=3, arguments=["--no-errors"])
+    two = cf.sample(small, vary, 12, ["max_speed"], seed=3, arguments=["--no-errors", "--threads", "1"])
+    assert len(one.rows) == 12 and [row["time.end"] for row in one.rows].count(0.03) == 9
+    assert [row["max_speed"] for row in one.rows] == [row["max_speed"] for row in two.rows]
+    (speed,) = one.summary["quantities"]
+    mean = sum(row["max_speed"] for row in one.rows) / 12
+    assert speed["name"] == "max_speed" and abs(speed["mean"]["value"] - mean) < 1e-12 * mean
+    with pytest.raises(cf.CaseError, match="standard deviation"):
+        cf.sample(small, {"time.end": "normal:1"}, 12)
+    with pytest.raises(TypeError):
+        cf.sample(small, ["time.end"], 12)
+
+
 def test_rollout_is_the_same_for_every_number_of_threads(small):
     """Variants of one case run at once; each is the run of a simulation, in the order given."""
     base = cf.Case(small)

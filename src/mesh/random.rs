@@ -10,8 +10,8 @@ impl SplitMix64 {
         Self(seed)
     }
 
-    /// Numbers for the given attempt at a mesh with the given seed.
-    pub(crate) fn new(seed: u64, attempt: u64) -> Self {
+    /// Numbers for the given attempt, as at a mesh, with the given seed; other attempts have other numbers.
+    pub fn new(seed: u64, attempt: u64) -> Self {
         let mut mixed = Self::of_seed(seed);
         Self(mixed.draw().wrapping_add(attempt))
     }

@@ -6,6 +6,7 @@ pub(crate) mod page;
 mod quantities;
 mod refusals;
 mod require;
+mod sample;
 mod sharing;
 mod sweep;
 pub mod table;

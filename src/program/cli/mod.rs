@@ -21,6 +21,7 @@ pub mod progress;
 mod report;
 pub mod require;
 mod resume;
+mod sample;
 pub mod schema;
 mod shell;
 mod solve;

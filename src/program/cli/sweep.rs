@@ -1,6 +1,7 @@
 //! `canopy-fem sweep`: a case over values of its keys.
 
 use super::interrupt::stop_on_interrupt;
+use super::sample::SampleArgs;
 use super::study::{CaseFile, ProgressLine, StudyArgs, plan_of, runs_at_once, typed};
 use super::{CliError, CommandOutput};
 use crate::case::Case;
@@ -21,10 +22,16 @@ pub struct SweepArgs {
     #[command(flatten)]
     pub study: StudyArgs,
     /// Values of a key of the case: KEY=A..B:N (N numbers with equal differences), KEY=log:A..B:N (with equal ratios)
-    /// or KEY=a,b,c (numbers, words or JSON). The key is a dotted path as in --set. Several --vary make a grid
+    /// or KEY=a,b,c (numbers, words or JSON). The key is a dotted path as in --set. Several --vary make a grid.
+    /// With --samples a distribution: KEY=normal:MEAN±SD (+- and SD% too; ,A..B cuts off), KEY=lognormal:MEAN±SD,
+    /// KEY=uniform:A..B, KEY=table:FILE.csv (columns value and cumulative, or value and weight), or rows:FILE.csv,
+    /// whose rows are drawn as a whole: its columns are keys, and perhaps weight
     #[arg(long, value_name = "KEY=VALUES", required_unless_present_any = ["shard", "merge"],
           conflicts_with_all = ["shard", "merge"])]
     pub vary: Vec<String>,
+    /// distributions
+    #[command(flatten)]
+    pub sample: SampleArgs,
     /// Column of sweep.csv to draw; may be given several times [default: the quantities that are asked for, else the
     /// first peaks of the gauges, else displacement and speed]
     #[arg(long, value_name = "COLUMN")]
@@ -78,10 +85,12 @@ impl Command<'_> {
     /// The plan that the arguments ask for; a shard or a merge follows that of the folder.
     fn asked(&self, path: &Path, case: &Case) -> Result<SweepPlan, CliError> {
         self.args.study.may_plan()?;
-        let vary = Vary::parse_all(&self.args.vary)?;
+        let sampled = self.args.sample.sampled(&self.args.vary)?;
+        let vary = if sampled.is_some() { Vec::new() } else { Vary::parse_all(&self.args.vary)? };
         self.args.study.warn(case);
         let command = Rerun::here(typed()).command;
-        Ok(SweepPlanner { case, case_file: path, vary, command, stop: self.stop }.make()?)
+        let errors = !self.args.sample.no_errors;
+        Ok(SweepPlanner { case, case_file: path, vary, sampled, errors, command, stop: self.stop }.make()?)
     }
 
     fn make_runs(

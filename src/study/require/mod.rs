@@ -18,8 +18,10 @@ mod report;
 mod run;
 pub mod variants;
 
+pub use change::ErrorOf;
 pub use combine::{Combiner, Lean};
 pub use compare::{Comparison, Number};
 pub use plan::{RequireJob, RequirePlan, RequirePlanner};
 pub use report::{FILES, RequireReport, clear, planned};
 pub use run::{RequireResult, RequireRow, RequireRunner, rows_of};
+pub use variants::Variants;

@@ -2,7 +2,7 @@
 
 use super::plan::{SweepPlan, plain};
 use super::run::SweepRow;
-use super::table::Quantity;
+use super::table::{Quantity, named as column_named};
 use super::vary::Vary;
 use super::words::with_unit;
 use crate::error::StudyError;
@@ -33,15 +33,8 @@ pub(super) fn chosen<'q>(
     rows: &[SweepRow],
     asked: &[String],
 ) -> Result<Vec<&'q Quantity>, StudyError> {
-    let named = |name: &String| {
-        let found = all.iter().find(|quantity| quantity.name == *name);
-        found.ok_or_else(|| {
-            let names: Vec<&str> = all.iter().map(|quantity| quantity.name.as_str()).collect();
-            StudyError::Usage(format!("--plot {name}: there is no such column; there are {}", names.join(", ")))
-        })
-    };
     if !asked.is_empty() {
-        return asked.iter().map(named).collect();
+        return asked.iter().map(|name| column_named(all, "--plot", name)).collect();
     }
     let quantity = |column: &&Quantity| rows.iter().any(|row| row.result.quantities.contains_key(&column.name));
     let quantities: Vec<&Quantity> = all.iter().filter(quantity).collect();
@@ -67,8 +60,11 @@ pub(super) fn across(plan: &SweepPlan) -> Option<&Vary> {
     numeric.rev().max_by_key(|vary| vary.values.len()).or_else(|| plan.vary.first())
 }
 
-/// Values of a run in few words: those of all keys, or of all but one.
+/// Values of a run in few words: those of all keys, or of all but one; of a sample, its number.
 pub(super) fn named(plan: &SweepPlan, row: &SweepRow, without: &str) -> String {
+    if plan.sampled.is_some() {
+        return format!("run {}", row.job.run);
+    }
     let keys = plan.vary.iter().filter(|vary| vary.key != without);
     let word = |vary: &Vary| Some(format!("{} = {}", short(&vary.key), rounded(vary, row.job.values.get(&vary.key)?)));
     keys.filter_map(word).collect::<Vec<_>>().join(", ")
@@ -115,7 +111,7 @@ fn method_name(value: &serde_json::Value) -> Option<String> {
 }
 
 /// The end of a key, from its last word on that is no number of an entry.
-fn short(key: &str) -> &str {
+pub(super) fn short(key: &str) -> &str {
     let word = key.rsplit('.').find(|word| word.parse::<usize>().is_err()).unwrap_or(key);
     key.rfind(word).and_then(|at| key.get(at..)).unwrap_or(key)
 }

@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::result::SweepResult;
+use super::sample::Sampled;
+use super::sample::beside::{Beside, runs_beside};
 use super::vary::Vary;
 use crate::case::Case;
 use crate::difference::differences;
@@ -40,7 +42,10 @@ pub struct SweepPlan {
     pub case: Value,
     /// what varies; the values of the last key follow each other
     pub vary: Vec<Vary>,
-    /// all runs
+    /// what is drawn in place of a grid of values
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sampled: Option<Sampled>,
+    /// all runs; those beside a sample come last
     pub jobs: Vec<SweepJob>,
 }
 
@@ -53,6 +58,9 @@ pub struct SweepJob {
     pub run: usize,
     /// the values of the keys that vary
     pub values: BTreeMap<String, Value>,
+    /// what it shows beside a sample, if it is no part of it
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beside: Option<Beside>,
     /// checksum of its case, with the files that it names
     pub case_digest: String,
 }
@@ -117,8 +125,12 @@ pub struct SweepPlanner<'a> {
     pub case: &'a Case,
     /// its file, as typed
     pub case_file: &'a Path,
-    /// what varies
+    /// what varies in a grid
     pub vary: Vec<Vary>,
+    /// what is drawn in place of it
+    pub sampled: Option<Sampled>,
+    /// whether step and mesh are compared with the scatter of a sample
+    pub errors: bool,
     /// the command, for reports
     pub command: String,
     /// set when the user interrupts
@@ -131,13 +143,12 @@ impl SweepPlanner<'_> {
     /// # Errors
     /// A value that makes a bad case, too many runs, or an interrupt.
     pub fn make(&self) -> Result<SweepPlan, StudyError> {
-        let sizes = self.vary.iter().map(|vary| vary.values.len());
-        let count = sizes.clone().try_fold(1_usize, usize::checked_mul).filter(|count| *count <= MOST);
-        let count = count.ok_or_else(|| {
-            let sizes: Vec<String> = sizes.map(|n| n.to_string()).collect();
-            StudyError::Usage(format!("{} runs; a sweep has at most {MOST}", sizes.join(" times ")))
-        })?;
         let problem = self.case.problem();
+        let drawn = |key: &String| Vary { key: key.clone(), ..Vary::default() };
+        let (vary, jobs) = match &self.sampled {
+            Some(sampled) => (sampled.keys().map(drawn).collect(), self.drawn(sampled)?),
+            None => (self.vary.clone(), self.grid()?),
+        };
         Ok(SweepPlan {
             format: FORMAT,
             program: PROGRAM.to_owned(),
@@ -145,26 +156,70 @@ impl SweepPlanner<'_> {
             command: self.command.clone(),
             case_file: self.case_file.display().to_string(),
             case: problem.case_json.clone(),
-            vary: self.vary.clone(),
-            jobs: (0..count).map(|run| self.job(run)).collect::<Result<_, _>>()?,
+            vary,
+            sampled: self.sampled.clone(),
+            jobs,
         })
     }
 
-    fn job(&self, run: usize) -> Result<SweepJob, StudyError> {
+    /// The runs of a grid.
+    fn grid(&self) -> Result<Vec<SweepJob>, StudyError> {
+        let sizes = self.vary.iter().map(|vary| vary.values.len());
+        let count = sizes.clone().try_fold(1_usize, usize::checked_mul).filter(|count| *count <= MOST);
+        let count = count.ok_or_else(|| {
+            let sizes: Vec<String> = sizes.map(|n| n.to_string()).collect();
+            StudyError::Usage(format!("{} runs; a sweep has at most {MOST}", sizes.join(" times ")))
+        })?;
+        let at = |run: usize| {
+            let mut rest = run;
+            let mut values = BTreeMap::new();
+            for vary in self.vary.iter().rev() {
+                let value = vary.values.get(rest % vary.values.len()).cloned().unwrap_or_default();
+                values.insert(vary.key.clone(), value);
+                rest /= vary.values.len();
+            }
+            let words: Vec<String> = self.vary.iter().filter_map(|vary| values.get(&vary.key)).map(plain).collect();
+            let stem: String = file_stem(&words.join("-")).chars().take(LONGEST).collect();
+            SweepJob { id: format!("{run:05}-{stem}"), run, values, ..SweepJob::default() }
+        };
+        (0..count).map(|run| self.checked(at(run))).collect()
+    }
+
+    /// The rows of a sample, and the runs beside it.
+    fn drawn(&self, sampled: &Sampled) -> Result<Vec<SweepJob>, StudyError> {
+        let count = sampled.rows();
+        if count > MOST {
+            return Err(StudyError::Usage(format!("{count} runs; a sweep has at most {MOST}")));
+        }
+        let mut jobs = Vec::with_capacity(count);
+        for (run, point) in sampled.points()?.iter().enumerate() {
+            let values = sampled.values(point).into_iter().collect();
+            let job = SweepJob { id: format!("{run:05}-sample"), run, values, ..SweepJob::default() };
+            jobs.push(self.checked(job)?);
+        }
+        if !self.errors {
+            return Ok(jobs);
+        }
+        let medians: BTreeMap<String, Value> = sampled.values(&vec![0.5; sampled.inputs.len()]).into_iter().collect();
+        let median = SweepJob { values: medians.clone(), ..SweepJob::default() };
+        let at_medians = self.case.with(&median.overrides())?;
+        let keys: Vec<String> = sampled.keys().cloned().collect();
+        for (number, (beside, changes)) in runs_beside(&at_medians, &keys)?.into_iter().enumerate() {
+            let mut values = medians.clone();
+            values.extend(changes);
+            let run = count + number;
+            let job =
+                SweepJob { id: format!("{run:05}-beside"), run, values, beside: Some(beside), ..SweepJob::default() };
+            jobs.push(self.checked(job)?);
+        }
+        Ok(jobs)
+    }
+
+    /// A run with the checksum of its case.
+    fn checked(&self, mut job: SweepJob) -> Result<SweepJob, StudyError> {
         if self.stop.load(Ordering::Relaxed) {
             return Err(StudyError::Interrupted);
         }
-        let mut rest = run;
-        let mut values = BTreeMap::new();
-        for vary in self.vary.iter().rev() {
-            let value = vary.values.get(rest % vary.values.len()).cloned().unwrap_or_default();
-            values.insert(vary.key.clone(), value);
-            rest /= vary.values.len();
-        }
-        let mut job = SweepJob { run, values, ..SweepJob::default() };
-        let words: Vec<String> = self.vary.iter().filter_map(|vary| job.values.get(&vary.key)).map(plain).collect();
-        let stem: String = file_stem(&words.join("-")).chars().take(LONGEST).collect();
-        job.id = format!("{run:05}-{stem}");
         let varied = |source| StudyError::Varied { values: job.described(), source };
         let case = self.case.with(&job.overrides()).map_err(varied)?;
         job.case_digest = fingerprint_of(case.problem())?.digest();
@@ -182,6 +237,11 @@ impl SweepPlan {
         Ok(Case::from_text(self.case.to_string(), &self.case_file, base, &[])?)
     }
 
+    /// How many runs are rows of the table; the others are beside a sample.
+    pub fn rows(&self) -> usize {
+        self.sampled.as_ref().map_or(self.jobs.len(), Sampled::rows).min(self.jobs.len())
+    }
+
     /// How another plan of the same folder differs; `None` if it does not.
     pub fn difference(&self, now: &SweepPlan) -> Option<String> {
         if self.case != now.case {
@@ -191,8 +251,11 @@ impl SweepPlan {
                 differences(&self.case, &now.case)
             ));
         }
-        if self.vary != now.vary {
+        if self.vary != now.vary || self.sampled != now.sampled {
             return Some("other keys or values were varied".to_owned());
+        }
+        if self.jobs.len() != now.jobs.len() {
+            return Some("other runs beside the sample were asked for".to_owned());
         }
         let changed = self.jobs.iter().zip(&now.jobs).find(|(was, is)| was != is);
         changed.map(|(_, is)| format!("a file that its case names is not what it was, with {}", is.described()))

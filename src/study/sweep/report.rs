@@ -9,11 +9,14 @@ use serde::Serialize;
 use super::figure::{across, charts, chosen, named};
 use super::plan::{SweepPlan, plain};
 use super::run::SweepRow;
+use super::sample::Sampled;
+use super::sample::figure::{Figure, figures};
+use super::sample::scatter::{Failed, Scatter, Until, counted};
 use super::table::{Quantity, cells, header, quantities};
 use crate::error::StudyError;
 use crate::plan::PROGRAM;
 use crate::planned_runs::CaseJob;
-use crate::plot::chart::Size;
+use crate::plot::chart::{Chart, Size};
 use crate::plot::layout::{legend_samples, svg_grid};
 use crate::report::{Machine, Rerun};
 use crate::row::RowStatus;
@@ -27,7 +30,31 @@ const PRINTED: usize = 40;
 /// [px] Charts of the page, on wide and on narrow screens.
 const PAGE: [Size; 2] = [Size { width: 900, height: 480 }, Size { width: 460, height: 420 }];
 
+/// Columns of a landing, which are told of every sample.
+const LANDING: &str = "landing.";
+
+/// A sample as it is shown.
+struct Sample<'a> {
+    sampled: &'a Sampled,
+    scatter: Scatter,
+    figures: Vec<Figure>,
+    /// the runs beside it
+    beside: &'a [SweepRow],
+}
+
+/// What the page is made from.
+struct Page<'a> {
+    /// columns that are drawn
+    shown: &'a [&'a Quantity],
+    all: &'a [Quantity],
+    /// names of the columns of the table
+    head: &'a [String],
+    table: &'a [Vec<String>],
+    sample: Option<&'a Sample<'a>>,
+}
+
 /// A sweep and how it is shown.
+#[derive(Clone, Copy)]
 pub struct SweepReport<'a> {
     /// the plan
     pub plan: &'a SweepPlan,
@@ -45,25 +72,71 @@ impl SweepReport<'_> {
     /// # Errors
     /// A column that is not there, a picture or a page that cannot be made, or the system's answer.
     pub fn write(&self, out: &Path) -> Result<String, StudyError> {
+        let (rows, beside) = self.rows.split_at(self.plan.rows().min(self.rows.len()));
+        match &self.plan.sampled {
+            Some(sampled) => {
+                let rows = rows.get(..counted(sampled, rows)?).unwrap_or(rows);
+                SweepReport { rows, ..*self }.write_rows(out, beside)
+            }
+            None => SweepReport { rows, ..*self }.write_rows(out, beside),
+        }
+    }
+
+    /// The same of the rows that count.
+    fn write_rows(&self, out: &Path, beside: &[SweepRow]) -> Result<String, StudyError> {
         let &SweepReport { plan, rows, .. } = self;
         let all = quantities(rows);
-        let shown = chosen(&all, rows, self.plot)?;
+        let mut shown = chosen(&all, rows, self.plot)?;
+        let mut sample = None;
+        if let Some(sampled) = &plan.sampled {
+            if self.plot.is_empty() {
+                let landing = all.iter().filter(|column| column.name.starts_with(LANDING));
+                let more: Vec<&Quantity> =
+                    landing.filter(|column| shown.iter().all(|other| other.name != column.name)).collect();
+                shown.extend(more);
+            }
+            let scatter = Scatter::of(sampled, rows, beside, &shown)?;
+            let figures = figures(plan, sampled, rows, &shown, &scatter)?;
+            sample = Some(Sample { sampled, scatter, figures, beside });
+        }
         let table: Vec<Vec<String>> = rows.iter().map(|row| cells(plan, &all, row)).collect();
         let head = header(plan, &all);
         let csv = context! { head, rows => table };
-        let drawn = charts(plan, rows, &shown, Size { width: if shown.len() > 1 { 640 } else { 900 }, height: 440 });
+        let size = Size { width: if shown.len() > 1 { 640 } else { 900 }, height: 440 };
+        let drawn: Vec<Chart> = match &sample {
+            Some(sample) if !sample.figures.is_empty() => {
+                sample.figures.iter().map(|figure| Chart { size, ..figure.chart.clone() }).collect()
+            }
+            _ => charts(plan, rows, &shown, size),
+        };
+        let page = Page { shown: &shown, all: &all, head: &head, table: &table, sample: sample.as_ref() };
         let made = [
             ("sweep.csv", render("sweep.csv", include_str!("../templates/sweep.csv"), &csv)?),
-            ("sweep.json", self.json(&all)?),
+            ("sweep.json", self.json(&all, sample.as_ref())?),
             ("sweep.svg", svg_grid(&drawn, 2)?),
-            ("sweep.html", self.html(&all, &shown, &head, &table)?),
+            ("sweep.html", self.html(&page)?),
         ];
         let files = write_files(out, &FILES, &made)?;
-        self.text(&shown, &files)
+        match &sample {
+            Some(sample) => self.text_of(sample, &files),
+            None => self.text(&shown, &files),
+        }
+    }
+
+    /// What the command prints of a sample.
+    fn text_of(&self, sample: &Sample<'_>, files: &[PathBuf]) -> Result<String, StudyError> {
+        let scatter = &sample.scatter;
+        text(context! {
+            stage => "sample", plan => self.plan, files, words => sample.sampled.words(),
+            runs_of_sample => scatter.runs,
+            completed => scatter.completed, tables => scatter.tables(sample.sampled),
+            until => scatter.until.as_ref().map(Until::words),
+            failed => scatter.failed.iter().take(PRINTED).map(Failed::words).collect::<Vec<_>>(),
+        })
     }
 
     /// `sweep.json`: all that is known of a sweep.
-    fn json(&self, all: &[Quantity]) -> Result<String, StudyError> {
+    fn json(&self, all: &[Quantity], sample: Option<&Sample<'_>>) -> Result<String, StudyError> {
         #[derive(Serialize)]
         struct Json<'a> {
             version: &'a str,
@@ -71,42 +144,55 @@ impl SweepReport<'_> {
             plan: &'a SweepPlan,
             units: BTreeMap<&'a str, &'a str>,
             rows: &'a [SweepRow],
+            #[serde(skip_serializing_if = "Option::is_none")]
+            scatter: Option<&'a Scatter>,
+            #[serde(skip_serializing_if = "Option::is_none")]
+            beside: Option<&'a [SweepRow]>,
             machine: &'a Machine,
         }
         let &SweepReport { plan, rows, how: Rerun { command, machine }, .. } = self;
         let units = all.iter().filter(|q| !q.unit.is_empty()).map(|q| (q.name.as_str(), q.unit.as_str())).collect();
-        let text = serde_json::to_string_pretty(&Json { version: PROGRAM, command, plan, units, rows, machine });
+        let (scatter, beside) = (sample.map(|sample| &sample.scatter), sample.map(|sample| sample.beside));
+        let json = Json { version: PROGRAM, command, plan, units, rows, scatter, beside, machine };
+        let text = serde_json::to_string_pretty(&json);
         Ok(text.map_err(|e| StudyError::Page(format!("sweep.json: {e}")))? + "\n")
     }
 
     /// `sweep.html`: one page that needs nothing beside it.
-    fn html(
-        &self,
-        all: &[Quantity],
-        shown: &[&Quantity],
-        head: &[String],
-        table: &[Vec<String>],
-    ) -> Result<String, StudyError> {
+    fn html(&self, page: &Page<'_>) -> Result<String, StudyError> {
+        let &Page { shown, all, head, table, sample } = page;
         let &SweepReport { plan, rows, how: Rerun { command, machine }, .. } = self;
         let mut figures = Vec::new();
-        for quantity in shown {
+        for Figure { chart, caption } in sample.iter().flat_map(|sample| &sample.figures) {
+            figures.push(PageFigure::of(chart, caption.as_str(), PAGE)?);
+        }
+        for quantity in shown.iter().filter(|_| sample.is_none()) {
             for chart in charts(plan, rows, &[quantity], Size::default()) {
                 let caption = format!("{} over {}.", quantity.words(), across(plan).map_or("", |vary| &vary.key));
                 figures.push(PageFigure::of(&chart, caption, PAGE)?);
             }
         }
         let first = charts(plan, rows, shown.get(..1).unwrap_or_default(), Size::default());
-        let legend = first.first().map(|chart| legend_samples(&chart.lines)).unwrap_or_default();
+        let legend =
+            first.first().filter(|_| sample.is_none()).map(|chart| legend_samples(&chart.lines)).unwrap_or_default();
         let case_json = serde_json::to_string_pretty(&plan.case).map_err(|e| StudyError::Page(e.to_string()))?;
         let told = self.told(all, shown);
         let notes = reasons(rows.iter().map(|row| (named(plan, row, ""), row.result.status, row.result.note.as_str())));
         let label = |name: &String| all.iter().find(|q| q.name == *name).map_or_else(|| name.clone(), Quantity::label);
         let head: Vec<String> = head.iter().map(label).collect();
+        let scatter = sample.map(|sample| {
+            context! {
+                words => sample.sampled.words(), tables => sample.scatter.tables(sample.sampled),
+                until => sample.scatter.until.as_ref().map(Until::words), completed => sample.scatter.completed,
+                failed => sample.scatter.failed.iter().map(Failed::words).collect::<Vec<_>>(),
+                inputs => sample.sampled.inputs.iter().map(|f| [f.name(), f.law.words()]).collect::<Vec<_>>(),
+            }
+        });
         let failures = self.failures();
         let failed: Vec<bool> = rows.iter().map(|row| row.result.status != RowStatus::Completed).collect();
         let page = context! {
             version => PROGRAM, command, machine, plan, case_json, told, figures, legend, head, table, failures,
-            failed, notes,
+            failed, notes, scatter,
         };
         render("sweep.html", include_str!("../templates/sweep.html"), &page)
     }

@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::plan::{SweepJob, SweepPlan};
 use super::result::SweepResult;
+use super::sample::Sampled;
+use super::sample::scatter::until;
 use crate::error::StudyError;
 use crate::output::gauges::MeasuredQuantity;
 use crate::planned_runs::PlannedRuns;
@@ -29,13 +31,41 @@ pub struct SweepRow {
 pub type SweepRunner<'a> = PlannedRuns<'a, SweepPlan>;
 
 impl SweepRunner<'_> {
-    /// Makes every run of the share that is not finished. Returns why runs were left out, by identifier.
+    /// Makes every run of the share that is not finished. A rule that ends a sample is looked at after every batch of
+    /// rows, unless this is a share: shares do not know of each other's results. Returns why runs were left out, by
+    /// identifier.
     ///
     /// # Errors
     /// An interrupt, another case than the plan's, or files that cannot be read or written.
     pub fn run(&self) -> Result<BTreeMap<String, String>, StudyError> {
+        match &self.plan.sampled {
+            Some(sampled) if sampled.until.is_some() && self.shard.is_none() => self.in_batches(sampled),
+            _ => self.jobs(self.share()),
+        }
+    }
+
+    fn in_batches(&self, sampled: &Sampled) -> Result<BTreeMap<String, String>, StudyError> {
+        let (rows, beside) = self.plan.jobs.split_at(self.plan.rows());
+        let mut made: Vec<SweepRow> = Vec::new();
+        for end in sampled.batches() {
+            let batch = rows.get(made.len()..end).unwrap_or_default();
+            let left = self.jobs(batch.iter())?;
+            if !left.is_empty() {
+                return Ok(left);
+            }
+            for job in batch {
+                made.push(row_of(self.store, job, &left)?);
+            }
+            if until(sampled, &made)?.is_some_and(|until| until.met) {
+                break;
+            }
+        }
+        self.jobs(beside.iter())
+    }
+
+    fn jobs<'j>(&self, jobs: impl Iterator<Item = &'j SweepJob>) -> Result<BTreeMap<String, String>, StudyError> {
         let mut wanted = Vec::new();
-        for job in self.share() {
+        for job in jobs {
             if self.store.measured(job)?.is_none() {
                 wanted.push(job);
             }
@@ -103,9 +133,10 @@ pub fn rows_of(
     store: &Store<SweepPlan>,
     left: &BTreeMap<String, String>,
 ) -> Result<Vec<SweepRow>, StudyError> {
-    let row = |job: &SweepJob| {
-        let not_run = || SweepResult { note: left.get(&job.id).cloned().unwrap_or_default(), ..SweepResult::default() };
-        Ok(SweepRow { job: job.clone(), result: store.measured(job)?.unwrap_or_else(not_run) })
-    };
-    plan.jobs.iter().map(row).collect()
+    plan.jobs.iter().map(|job| row_of(store, job, left)).collect()
+}
+
+fn row_of(store: &Store<SweepPlan>, job: &SweepJob, left: &BTreeMap<String, String>) -> Result<SweepRow, StudyError> {
+    let not_run = || SweepResult { note: left.get(&job.id).cloned().unwrap_or_default(), ..SweepResult::default() };
+    Ok(SweepRow { job: job.clone(), result: store.measured(job)?.unwrap_or_else(not_run) })
 }

@@ -3,6 +3,7 @@
 use super::plan::{SweepPlan, plain};
 use super::run::SweepRow;
 use super::words;
+use crate::error::StudyError;
 use crate::output::gauges::Peak;
 use crate::row::RowStatus;
 
@@ -154,6 +155,17 @@ pub(super) fn quantities(rows: &[SweepRow]) -> Vec<Quantity> {
         }
     }
     all
+}
+
+/// The column with a name that `option` asks for.
+///
+/// # Errors
+/// A name that is no column of numbers, with those that are.
+pub(super) fn named<'q>(all: &'q [Quantity], option: &str, name: &str) -> Result<&'q Quantity, StudyError> {
+    all.iter().find(|quantity| quantity.name == name).ok_or_else(|| {
+        let names: Vec<&str> = all.iter().map(|quantity| quantity.name.as_str()).collect();
+        StudyError::Usage(format!("{option} {name}: there is no such column; there are {}", names.join(", ")))
+    })
 }
 
 /// Names of all columns of `sweep.csv`.

@@ -17,7 +17,7 @@ const DIGITS: usize = 11;
 pub struct Vary {
     /// dotted path in the case, as `--set` takes it
     pub key: String,
-    /// its values, in the order of the runs
+    /// its values, in the order of the runs; empty where they are drawn
     pub values: Vec<Value>,
     /// whether the values have equal ratios
     pub log: bool,
@@ -124,7 +124,7 @@ fn rounded(x: f64) -> f64 {
 }
 
 /// As JSON; a whole number is written as one, so that keys that count take it.
-fn number(x: f64) -> Value {
+pub(super) fn number(x: f64) -> Value {
     const EXACT: f64 = 9.0e15;
     if x.fract() == 0.0 && x.abs() < EXACT { Value::from(x as i64) } else { Value::from(x) }
 }
@@ -153,11 +153,15 @@ fn list(text: &str) -> Result<Vec<Value>, String> {
     if parts.len() > MOST {
         return Err(format!("{} values; a list has at most {MOST}", parts.len()));
     }
-    let value = |part: &String| match part.trim() {
+    parts.iter().map(|part| list_value(part)).collect()
+}
+
+/// A value of a list or of a file: JSON, or plain text.
+pub(super) fn list_value(text: &str) -> Result<Value, String> {
+    match text.trim() {
         "" => Err("a value is missing between two commas".to_owned()),
-        part => Ok(serde_json::from_str(part).unwrap_or_else(|_| Value::String(part.to_owned()))),
-    };
-    parts.iter().map(value).collect()
+        text => Ok(serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.to_owned()))),
+    }
 }
 
 #[cfg(test)]
