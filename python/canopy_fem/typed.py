@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
-    "CaseSource", "DashpotKind", "Force", "Gauge", "GaugeQuantity", "Graded", "Kind", "Law", "Method", "Parachute",
-    "Pattern", "Slack", "Table",
+    "CaseSource", "DashpotKind", "EnergyColumn", "Force", "Gauge", "GaugeQuantity", "Graded", "Initial", "Kept", "Kind",
+    "Law", "Method", "Parachute", "Pattern", "Place", "Slack", "Table",
 ]  # fmt: skip
 
 CaseSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any]
@@ -56,8 +56,20 @@ GaugeQuantity: TypeAlias = Literal[
     "strain",
     "wrinkling",
 ]
+Kept: TypeAlias = Literal["positions", "velocities", "gauges", "energies", "peaks", "peak_times"]
+"""what `canopy_fem.rollout` keeps"""
+EnergyColumn: TypeAlias = Literal["kinetic", "elastic", "gravity", "external_work", "dissipated", "numerical"]
+Place: TypeAlias = str | int | tuple[int, ...]
+"""a group, or numbers of nodes or edges"""
 Rows: TypeAlias = npt.NDArray[Any] | Sequence[Sequence[float]]
 """(n, 3); not numpy's ArrayLike, which a text is too"""
+Initial: TypeAlias = (
+    tuple[npt.ArrayLike, npt.ArrayLike]
+    | Mapping[Literal["positions", "velocities"], npt.ArrayLike]
+    | bytes
+    | list[bytes]
+)
+"""positions [m] and velocities [m/s], or snapshots"""
 Force: TypeAlias = Rows | Callable[[float, npt.NDArray[np.float64], npt.NDArray[np.float64]], npt.ArrayLike]
 """[N] (n, 3), or a function of time [s], positions [m] and velocities [m/s]"""
 
