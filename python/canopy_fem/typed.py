@@ -9,12 +9,14 @@ from typing import Any, Literal, TypeAlias, TypedDict
 import numpy as np
 import numpy.typing as npt
 
+from .case_types import CaseDict
+
 __all__ = [
-    "CaseSource", "DashpotKind", "EnergyColumn", "Force", "Gauge", "GaugeQuantity", "Graded", "Initial", "Kept", "Kind",
-    "Law", "Method", "Parachute", "Pattern", "Place", "Slack", "Table",
+    "CaseDict", "CaseSource", "DashpotKind", "EnergyColumn", "Force", "Gauge", "GaugeQuantity", "Graded", "Initial",
+    "Kept", "Kind", "Law", "Method", "Parachute", "Pattern", "Place", "Slack", "Table",
 ]  # fmt: skip
 
-CaseSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any]
+CaseSource: TypeAlias = "str | os.PathLike[str] | CaseDict"
 """a case file, or a dictionary with its keys"""
 Method: TypeAlias = Literal[
     "explicit-euler",

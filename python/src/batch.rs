@@ -7,7 +7,7 @@ use crate::record::{TOLD_EVERY, checked_threads};
 use crate::rollout::{Rollout, run_spec};
 use crate::select::{mesh_of, selected};
 use crate::simulation::load_name;
-use canopy_fem::case::Case as EngineCase;
+use canopy_fem::case::{Case as EngineCase, CaseError};
 use canopy_fem::output::samples::{SampleArrays, SampleSpec, Samples};
 use canopy_fem::scene::Scene;
 use canopy_fem::simulation::{Load, RecordError, Simulation, SimulationError};
@@ -21,7 +21,7 @@ use std::time::Instant;
 
 /// Nodes or edges: a group, or numbers.
 #[derive(Clone, FromPyObject)]
-enum Place {
+pub(crate) enum Place {
     Group(String),
     Numbers(Vec<u32>),
 }
@@ -141,12 +141,12 @@ impl Initial {
             return Ok(());
         }
         let n = simulation.node_count();
-        let own = |given: &Option<Vec<[f64; 3]>>, now: Vec<[f64; 3]>| match given {
+        let own = |given: Option<&Vec<[f64; 3]>>, now: Vec<[f64; 3]>| match given {
             Some(all) => all.get(run * n..(run + 1) * n).map(<[_]>::to_vec).unwrap_or_default(),
             None => now,
         };
         let (x, v) = (simulation.positions(), simulation.velocities());
-        simulation.set_state(&own(&self.positions, x), &own(&self.velocities, v))
+        simulation.set_state(&own(self.positions.as_ref(), x), &own(self.velocities.as_ref(), v))
     }
 }
 
@@ -176,8 +176,20 @@ enum Fault {
     Python(PyErr),
 }
 
-impl<E: Into<RecordError>> From<E> for Fault {
-    fn from(error: E) -> Self {
+impl From<RecordError> for Fault {
+    fn from(error: RecordError) -> Self {
+        Fault::Record(error)
+    }
+}
+
+impl From<SimulationError> for Fault {
+    fn from(error: SimulationError) -> Self {
+        Fault::Record(error.into())
+    }
+}
+
+impl From<CaseError> for Fault {
+    fn from(error: CaseError) -> Self {
         Fault::Record(error.into())
     }
 }

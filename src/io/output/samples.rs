@@ -135,27 +135,23 @@ impl<'a, 'o> Samples<'a, 'o> {
     /// Writes the row of the next time.
     fn keep(&mut self, picture: &dyn Observables, at: &Point, ledger: Energies) {
         let Samples { spec, next, gauges, arrays, trace: [positions, velocities], .. } = self;
-        let place = |all: usize| {
-            let size = all / spec.times.len().max(1);
-            *next * size..(*next + 1) * size
-        };
+        let (number, times) = (*next, spec.times.len());
         let SampleArrays { positions: to_x, velocities: to_v, gauges: to_gauges, energies: to_energies, .. } = arrays;
         if !to_x.is_empty() || !to_v.is_empty() {
             picture.trace(at.state.as_ref(), positions, velocities);
         }
         for (to, from) in [(to_x, &*positions), (to_v, &*velocities)] {
-            let to = &mut to[place(to.len())];
-            let rows = to.as_chunks_mut::<3>().0.iter_mut();
+            let rows = row_of(to, number, times).as_chunks_mut::<3>().0.iter_mut();
             match spec.nodes {
                 [] => rows.zip(from).for_each(|(to, from)| *to = *from),
                 nodes => rows.zip(nodes).for_each(|(to, node)| *to = from[*node as usize]),
             }
         }
         if !to_gauges.is_empty() {
-            to_gauges[place(to_gauges.len())].copy_from_slice(gauges.values_at(picture, at));
+            row_of(to_gauges, number, times).copy_from_slice(gauges.values_at(picture, at));
         }
         if !to_energies.is_empty() {
-            to_energies[place(to_energies.len())].copy_from_slice(&energies(ledger));
+            row_of(to_energies, number, times).copy_from_slice(&energies(ledger));
         }
         *next += 1;
     }
@@ -171,6 +167,12 @@ impl<'a, 'o> Samples<'a, 'o> {
         self.keep(picture, &between, ledger);
         self.between = between;
     }
+}
+
+/// A row of an array of `rows` rows.
+fn row_of(all: &mut [f64], number: usize, rows: usize) -> &mut [f64] {
+    let size = all.len() / rows.max(1);
+    &mut all[number * size..(number + 1) * size]
 }
 
 /// Whether a time lies at the end of a step, up to rounding.
