@@ -59,7 +59,7 @@ class Reefing(gymnasium.Env[Observation, Observation]):
         """`settle` [s] is the time before the first episode, in which the descent becomes steady."""
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float32)
         low, high = np.array([0.0, self.SHORT, -50.0], np.float32), np.array([100.0, self.LONG, 50.0], np.float32)
-        self.observation_space = gymnasium.spaces.Box(low, high)
+        self.observation_space, self.limits = gymnasium.spaces.Box(low, high), (low, high)
         self.sim = cf.Simulation(descent())
         self.payload = self.sim.select("payload")
         self.sim.advance(settle)
@@ -104,7 +104,7 @@ class Reefing(gymnasium.Env[Observation, Observation]):
     def _observed(self) -> Observation:
         load = self.sim.gauges["riser tension_max"] / 1000.0
         seen = np.array([load, self.cord, self._fall()], np.float32)
-        return np.clip(seen, self.observation_space.low, self.observation_space.high)
+        return np.clip(seen, *self.limits)
 
 
 def fly(env: Reefing, rule: bool) -> float:

@@ -282,7 +282,7 @@ def _grid(cases: list[Case], times: npt.ArrayLike | None, every: float | None, i
     if not (every > 0 and np.isfinite(every)):
         raise ValueError("every must be a time [s] above 0")
     grid = np.arange(int(end / every * (1 + 1e-12)) + 1) * every
-    return np.minimum(grid, end)
+    return np.minimum(grid, end).astype(np.float64)
 
 
 def _of_snapshots(initial: Any) -> bool:

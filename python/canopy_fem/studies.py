@@ -24,7 +24,7 @@ from .case import Case, as_case, plain
 from .errors import CanopyError, CaseError
 
 if TYPE_CHECKING:
-    from .typed import CaseSource, Initial, Kept, Place
+    from .typed import CaseSource, Initial, Kept
 
 __all__ = ["check", "program", "rollout", "stability", "sweep", "tradeoff"]
 
@@ -43,8 +43,8 @@ def rollout(  # type: ignore[overload-overlap]  # a text is a case here, and non
     out: Mapping[str, npt.NDArray[Any]] | None = None,
     nodes: Sequence[int] | npt.NDArray[Any] | None = None,
     initial: Initial | None = None,
-    forces: Mapping[Place, npt.ArrayLike] | None = None,
-    rest_scale: Mapping[Place, npt.ArrayLike] | None = None,
+    forces: Mapping[Any, npt.ArrayLike] | None = None,
+    rest_scale: Mapping[Any, npt.ArrayLike] | None = None,
     loads: Mapping[str, npt.ArrayLike] | None = None,
     wind: npt.ArrayLike | None = None,
     threads: int | None = None,
@@ -59,8 +59,8 @@ def rollout(
     out: Mapping[str, npt.NDArray[Any]] | None = None,
     nodes: Sequence[int] | npt.NDArray[Any] | None = None,
     initial: Initial | None = None,
-    forces: Mapping[Place, npt.ArrayLike] | None = None,
-    rest_scale: Mapping[Place, npt.ArrayLike] | None = None,
+    forces: Mapping[Any, npt.ArrayLike] | None = None,
+    rest_scale: Mapping[Any, npt.ArrayLike] | None = None,
     loads: Mapping[str, npt.ArrayLike] | None = None,
     wind: npt.ArrayLike | None = None,
     threads: int | None = None,
@@ -84,8 +84,8 @@ def rollout(
     out: Mapping[str, npt.NDArray[Any]] | None = None,
     nodes: Sequence[int] | npt.NDArray[Any] | None = None,
     initial: Initial | None = None,
-    forces: Mapping[Place, npt.ArrayLike] | None = None,
-    rest_scale: Mapping[Place, npt.ArrayLike] | None = None,
+    forces: Mapping[Any, npt.ArrayLike] | None = None,
+    rest_scale: Mapping[Any, npt.ArrayLike] | None = None,
     loads: Mapping[str, npt.ArrayLike] | None = None,
     wind: npt.ArrayLike | None = None,
     threads: int | None = None,
@@ -137,7 +137,7 @@ def rollout(
     """
     workers = threads or os.cpu_count() or 1
     numbers = None if nodes is None else _whole(nodes)
-    more = {"overrides": overrides, "keep": keep, "out": out, "initial": initial, "forces": forces}
+    more: dict[str, Any] = {"overrides": overrides, "keep": keep, "out": out, "initial": initial, "forces": forces}
     more |= {"rest_scale": rest_scale, "loads": loads, "wind": wind}
     if times is not None or isinstance(cases, (str, os.PathLike, Mapping, Case)):
         return run_batch(
@@ -147,7 +147,7 @@ def rollout(
             nodes=numbers,
             threads=workers,
             progress=progress,
-            **more,  # type: ignore[arg-type]
+            **more,
         )
     given = [name for name, value in more.items() if value is not None] + (["progress"] if progress else [])
     if given:

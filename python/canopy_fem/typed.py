@@ -13,7 +13,7 @@ from .case_types import CaseDict
 
 __all__ = [
     "CaseDict", "CaseSource", "DashpotKind", "EnergyColumn", "Force", "Gauge", "GaugeQuantity", "Graded", "Initial",
-    "Kept", "Kind", "Law", "Method", "Parachute", "Pattern", "Place", "Slack", "Table",
+    "Kept", "Kind", "Law", "Method", "Parachute", "Pattern", "Slack", "Table",
 ]  # fmt: skip
 
 CaseSource: TypeAlias = "str | os.PathLike[str] | CaseDict"
@@ -61,16 +61,9 @@ GaugeQuantity: TypeAlias = Literal[
 Kept: TypeAlias = Literal["positions", "velocities", "gauges", "energies", "peaks", "peak_times"]
 """what `canopy_fem.rollout` keeps"""
 EnergyColumn: TypeAlias = Literal["kinetic", "elastic", "gravity", "external_work", "dissipated", "numerical"]
-Place: TypeAlias = str | int | tuple[int, ...]
-"""a group, or numbers of nodes or edges"""
 Rows: TypeAlias = npt.NDArray[Any] | Sequence[Sequence[float]]
 """(n, 3); not numpy's ArrayLike, which a text is too"""
-Initial: TypeAlias = (
-    tuple[npt.ArrayLike, npt.ArrayLike]
-    | Mapping[Literal["positions", "velocities"], npt.ArrayLike]
-    | bytes
-    | list[bytes]
-)
+Initial: TypeAlias = tuple[npt.ArrayLike, npt.ArrayLike] | Mapping[str, npt.ArrayLike] | bytes | list[bytes]
 """positions [m] and velocities [m/s], or snapshots"""
 Force: TypeAlias = Rows | Callable[[float, npt.NDArray[np.float64], npt.NDArray[np.float64]], npt.ArrayLike]
 """[N] (n, 3), or a function of time [s], positions [m] and velocities [m/s]"""

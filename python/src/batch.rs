@@ -11,7 +11,7 @@ use canopy_fem::case::{Case as EngineCase, CaseError};
 use canopy_fem::output::samples::{SampleArrays, SampleSpec, Samples};
 use canopy_fem::scene::Scene;
 use canopy_fem::simulation::{Load, RecordError, Simulation, SimulationError};
-use numpy::{PyArrayDyn, PyReadonlyArrayDyn, PyReadwriteArrayDyn, PyUntypedArrayMethods};
+use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -70,7 +70,7 @@ def test_times_within_steps_are_interpolated(gauged):
 def test_actions_act_as_in_a_loop():
     """Forces, wind, rest lengths and loads that change at the times have the bits of a simulation set in a loop."""
     case = cloth()
-    case["system"]["network"]["aero"] = {"panels": [{"on": "all", "normal": 1.0}], "wind": {"velocity": [0, 0, 0]}}
+    case["system"]["network"]["aero"] = {"law": {"pressure_coefficient": {"cp": 1.0}}, "wind": [0, 0, 0.5]}
     case = cf.Case(case)
     t = np.arange(5) * EVERY
     rng = np.random.default_rng(1)
