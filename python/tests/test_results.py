@@ -224,8 +224,8 @@ def test_results_are_saved_and_closed(small, tmp_path):
     with cf.run(small) as result:
         folder = result.folder
         saved = result.save(tmp_path / "kept")
-        names = sorted(path.name for path in folder.iterdir())
-        assert sorted(path.name for path in saved.folder.iterdir()) == names
+        names = sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
+        assert sorted(path.relative_to(saved.folder) for path in saved.folder.rglob("*") if path.is_file()) == names
         assert all((saved.folder / name).read_bytes() == (folder / name).read_bytes() for name in names)
         history = result.history
     assert not folder.exists() and result.status == "completed" and (result.history == history).all()
