@@ -281,8 +281,8 @@ def _grid(cases: list[Case], times: npt.ArrayLike | None, every: float | None, i
         return np.array([0.0, end])
     if not (every > 0 and np.isfinite(every)):
         raise ValueError("every must be a time [s] above 0")
-    grid = np.arange(int(end / every * (1 + 1e-12)) + 1) * every
-    return np.minimum(grid, end).astype(np.float64)
+    multiples: _Array = np.arange(int(end / every * (1 + 1e-12)) + 1, dtype=np.float64) * every
+    return np.minimum(multiples, end)
 
 
 def _of_snapshots(initial: Any) -> bool:
