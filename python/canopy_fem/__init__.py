@@ -8,7 +8,7 @@ The engine of the program ``canopy-fem``. Units are SI; nodes, edges and triangl
 `static`                           the equilibrium of a case, and the modes about it
 `Simulation`                       a scene in motion: step by step, with forces and changes from outside
 `Network`                          masses and springs from arrays
-`rollout`                          many runs at once, on a pool of threads
+`rollout`, `Batch`                 many runs at once, on a pool of threads
 `check`, `tradeoff`, `sweep`, …    studies
 `coupling`, `kratos`, `precice`    couplings with flow solvers
 `embedded`, `embedded_coupling`    thin surfaces in a flow of Kratos
@@ -19,6 +19,7 @@ The engine of the program ``canopy-fem``. Units are SI; nodes, edges and triangl
 
 from . import mesh
 from ._core import Energies, Rollout, Step, __version__, methods, schema
+from .batch import ENERGIES, Batch
 from .case import Case
 from .errors import (
     CanopyError,
@@ -36,6 +37,8 @@ from .simulation import Motion, Network, Simulation
 from .studies import Sample, check, program, rollout, sample, stability, sweep, tradeoff
 
 __all__ = [
+    "ENERGIES",
+    "Batch",
     "CanopyError",
     "Case",
     "CaseError",

@@ -26,13 +26,14 @@ __all__ = [
     "record",
     "record_static",
     "rollout",
+    "rollout_batch",
     "_panic",
 ]
 
 __version__: str
 
 _Rows = npt.NDArray[np.float64]
-_Numbers = npt.NDArray[np.uint32]
+_Numbers = npt.NDArray[np.int64]
 _Path = str | PathLike[str]
 _Overrides = Sequence[tuple[str, str]]
 
@@ -57,6 +58,10 @@ class Case:
     def text(self) -> str: ...
     @property
     def digest(self) -> str: ...
+    @property
+    def node_count(self) -> int: ...
+    @property
+    def channels(self) -> list[tuple[str, str]]: ...
     def to_dict(self) -> dict[str, Any]: ...
 
 @disjoint_base
@@ -168,6 +173,14 @@ class Simulation:
     @property
     def tension(self) -> _Rows: ...
     @property
+    def accelerations(self) -> _Rows: ...
+    @property
+    def gauges(self) -> dict[str, float]: ...
+    @property
+    def gauge_units(self) -> dict[str, str]: ...
+    @property
+    def peaks(self) -> dict[str, float]: ...
+    @property
     def energies(self) -> Energies: ...
     @property
     def counters(self) -> dict[str, int]: ...
@@ -263,5 +276,19 @@ def record_static(
 ) -> tuple[dict[str, Any], list[str]]: ...
 def rollout(
     cases: Sequence[Case], *, threads: int, nodes: Sequence[int] | None, every: float | None
+) -> list[Rollout]: ...
+def rollout_batch(
+    cases: Sequence[Case],
+    *,
+    variants: Sequence[_Overrides],
+    times: Sequence[float],
+    nodes: Sequence[int],
+    channels: Sequence[str],
+    arrays: Mapping[str, _Rows],
+    runs: int,
+    actions: Sequence[tuple[str, str | Sequence[int], _Rows]],
+    initial: Mapping[str, Any],
+    threads: int,
+    progress: Callable[[int, int], object] | None,
 ) -> list[Rollout]: ...
 def _panic() -> None: ...

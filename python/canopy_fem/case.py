@@ -18,6 +18,7 @@ from .errors import CaseError, Fault
 
 if TYPE_CHECKING:
     from .results import Result
+    from .typed import CaseSource
 
 __all__ = ["Case", "as_case"]
 
@@ -54,7 +55,7 @@ class Case:
 
     def __init__(
         self,
-        source: str | os.PathLike[str] | Mapping[str, Any] | Case,
+        source: CaseSource | Case,
         overrides: Overrides | None = None,
         *,
         base: str | os.PathLike[str] | None = None,
@@ -103,8 +104,8 @@ class Case:
         """What is doubtful about it and not acknowledged, a sentence each."""
         return self._core.warnings
 
-    def to_dict(self) -> dict[str, Any]:
-        """The case as it is run, overrides included."""
+    def to_dict(self) -> Any:
+        """The case as it is run, overrides included: a dictionary."""
         return self._core.to_dict()
 
     def with_overrides(self, overrides: Overrides) -> Case:

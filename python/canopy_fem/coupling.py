@@ -15,7 +15,7 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +24,9 @@ from .case import Case
 from .errors import CanopyError, CouplingError, CouplingLost, Diverged, SimulationError
 from .mesh import Mesh
 from .simulation import Motion, Simulation
+
+if TYPE_CHECKING:
+    from .typed import CaseSource
 
 __all__ = ["Frames", "Interface", "Structure", "frames"]
 
@@ -193,7 +196,7 @@ class Structure:
 
     def __init__(
         self,
-        case: str | os.PathLike[str] | Mapping[str, Any] | Case,
+        case: CaseSource | Case,
         groups: Iterable[str],
         *,
         dimensions: int = 3,

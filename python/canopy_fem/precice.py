@@ -107,9 +107,9 @@ class Adapter:
         sizes = {self.participant.get_mesh_dimensions(mesh) for mesh in self._meshes}
         if len(sizes) > 1:
             raise CouplingError(f"the meshes have {sorted(sizes)} dimensions: all of a participant must have the same")
-        case = own["case"]
+        case: Any = own["case"] if isinstance(own["case"], Mapping) else self._folder / own["case"]
         self.structure = Structure(
-            case if isinstance(case, Mapping) else self._folder / case,
+            case,
             [mesh.group for mesh in self._meshes.values()],
             dimensions=sizes.pop(),
             depth=own.get("depth"),

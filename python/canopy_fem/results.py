@@ -27,6 +27,8 @@ from .simulation import teller
 from .studies import program
 
 if TYPE_CHECKING:
+    from typing_extensions import Self
+
     from .typed import CaseSource, Table
 
 __all__ = ["CaseWarning", "Page", "Quantity", "Result", "load", "run", "static"]
@@ -203,6 +205,8 @@ class Result:
 
     A result can be copied and pickled. One in a temporary folder takes its files along, so it may come from another
     process; one in a folder of yours only knows where that is.
+
+    A temporary folder goes with its result, or at the end of a block: ``with cf.run(case) as result: …``.
     """
 
     __slots__ = ("__weakref__", "_keeper", "_tables", "folder", "summary")
@@ -245,6 +249,38 @@ class Result:
             path = self.folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Removes the files, if they are in a temporary folder that no copy of this result uses. The summary stays, and
+        so do tables that were read."""
+        self._keeper = None
+
+    def save(self, folder: str | os.PathLike[str], *, replace: bool = False) -> Result:
+        """Copies all files into a folder; the result there.
+
+        Args:
+            folder: where they go; it is made if it is not there.
+            replace: replace earlier results in it.
+
+        Raises:
+            OSError: a folder with other files in it, files that cannot be written, or a result that was closed.
+        """
+        to = Path(os.fspath(folder))
+        if not self.folder.is_dir():
+            raise FileNotFoundError(f"the files of this result are gone: {self.folder}")
+        if to.exists() and any(to.iterdir()):
+            if not replace:
+                raise FileExistsError(f"{to} is not empty: give replace=True for a folder of results")
+            load(to)
+            shutil.rmtree(to)
+        shutil.copytree(self.folder, to, dirs_exist_ok=True)
+        return Result(to, copy.deepcopy(self.summary))
 
     @property
     def status(self) -> str:
@@ -346,12 +382,55 @@ class Result:
 
         return pandas.DataFrame(self._table(table))
 
-    def to_pyvista(self, t: float | None = None) -> Any:
+    def to_polars(self, table: Table = "history") -> Any:
+        """The same as a polars DataFrame, whose columns Arrow has.
+
+        Raises:
+            ImportError: polars is not installed.
+        """
+        import polars
+
+        rows = self._table(table)
+        return polars.DataFrame({name: rows[name] for name in rows.dtype.names or ()})
+
+    def to_xarray(self) -> Any:
+        """The history as an xarray.Dataset over t [s], and each column of a gauge, ``"name quantity"``, over a t of its
+        own.
+
+        Raises:
+            ImportError: xarray is not installed.
+        """
+        import xarray
+
+        rows = self.history
+        made = {name: ("t", rows[name]) for name in rows.dtype.names or () if name != "t"}
+        times: dict[str, Any] = {"t": rows["t"]}
+        for name, quantity in dict.fromkeys(
+            zip(self.gauges["name"].tolist(), self.gauges["quantity"].tolist(), strict=True)
+        ):
+            t, values = self.gauge(name, quantity)
+            own = next((other for other, known in times.items() if np.array_equal(known, t)), f"t {name}")
+            times[own] = t
+            made[f"{name} {quantity}"] = (own, values)
+        return xarray.Dataset(made, times)
+
+    def to_pyvista(self, t: float | None = None, into: Any = None) -> Any:
         """The frame nearest to a time [s], or the last one, as a pyvista.UnstructuredGrid with all its fields.
+
+        Args:
+            t: time of the frame.
+            into: a grid of an earlier call, which shows that frame from then on, also where a plotter has it.
 
         Raises:
             ImportError: pyvista is not installed.
         """
+        grid = self._grid(t)
+        if into is None:
+            return grid
+        into.copy_from(grid)
+        return into
+
+    def _grid(self, t: float | None) -> Any:
         import pyvista
 
         file = self._one_file()

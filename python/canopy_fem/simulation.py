@@ -34,6 +34,9 @@ class Motion(NamedTuple):
     velocities: _Array
     """[m/s] (n, 3)"""
 
+    def __repr__(self) -> str:
+        return f"<Motion of {len(self.positions)} nodes>"
+
 
 class Network(_core.Network):
     """Masses and springs from arrays, without JSON. Every method returns the network itself, for the next one.
@@ -131,6 +134,11 @@ class Network(_core.Network):
 
     def _recipe(self) -> tuple[Any, Any]:
         return self._made, list(self._parts)
+
+    def __repr__(self) -> str:
+        mesh, added = self._made[0], ", ".join(name for name, _, _ in self._parts)
+        nodes = len(mesh.nodes if isinstance(mesh, _core.Mesh) else mesh)
+        return f"<Network: {nodes} nodes; {added or 'nothing added'}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _network, (type(self), *self._recipe()), getattr(self, "__dict__", None)
@@ -312,6 +320,23 @@ class Simulation(_core.Simulation):
         """Factors [-] of loads: ``"gravity"``, ``"pressure 0"``, ``"force 0"``, … in the order of the case."""
         return Loads(self)
 
+    def to_pyvista(self, into: Any = None) -> Any:
+        """The scene as it is now, as a pyvista.PolyData with velocities [m/s] of its nodes.
+
+        Args:
+            into: a mesh of an earlier call, which shows the present state from then on, also where a plotter has it.
+
+        Raises:
+            ImportError: pyvista is not installed.
+        """
+        from .mesh import to_pyvista
+
+        if into is None:
+            into = to_pyvista(_core.Mesh(self.reference, edges=self.edges, triangles=self.triangles))
+        into.points = self.positions.copy()
+        into.point_data["velocity"] = self.velocities
+        return into
+
     def __repr__(self) -> str:
         return f"<Simulation: {self.node_count} nodes, t = {self.time:g} of {self.end:g} s, step {self.step_count}>"
 
@@ -412,7 +437,9 @@ class Forces(MutableMapping[str, Any]):
         return len(self._sim.acting_forces())
 
     def __repr__(self) -> str:
-        return f"Forces({self._sim.acting_forces()!r})"
+        acting = self._sim.acting_forces().items()
+        named = [f"{name!r}: {'a function' if callable(force) else f'array {force.shape}'}" for name, force in acting]
+        return f"Forces({{{', '.join(named)}}})"
 
 
 class RestScales:

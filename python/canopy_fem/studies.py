@@ -11,17 +11,21 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy.typing as npt
 
 from . import _core
+from .batch import Batch, run_batch
 from .case import Case, as_case, plain
 from .errors import CanopyError, CaseError
+
+if TYPE_CHECKING:
+    from .typed import CaseSource, Initial, Kept
 
 __all__ = ["Sample", "check", "program", "rollout", "sample", "stability", "sweep", "tradeoff"]
 
@@ -29,35 +33,129 @@ __all__ = ["Sample", "check", "program", "rollout", "sample", "stability", "swee
 _PATIENCE = 10.0
 
 
+@overload
+def rollout(  # type: ignore[overload-overlap]  # a text is a case here, and none of several
+    cases: Case | CaseSource,
+    *,
+    overrides: Iterable[Mapping[str, Any]] | None = None,
+    times: npt.ArrayLike | None = None,
+    every: float | None = None,
+    keep: Sequence[Kept] | None = None,
+    out: Mapping[str, npt.NDArray[Any]] | None = None,
+    nodes: Sequence[int] | npt.NDArray[Any] | None = None,
+    initial: Initial | None = None,
+    forces: Mapping[Any, npt.ArrayLike] | None = None,
+    rest_scale: Mapping[Any, npt.ArrayLike] | None = None,
+    loads: Mapping[str, npt.ArrayLike] | None = None,
+    wind: npt.ArrayLike | None = None,
+    threads: int | None = None,
+    progress: bool | Callable[[int, int], object] = False,
+) -> Batch: ...
+@overload
 def rollout(
-    cases: Iterable[Any],
+    cases: Iterable[Case | CaseSource],
+    *,
+    times: npt.ArrayLike,
+    keep: Sequence[Kept] | None = None,
+    out: Mapping[str, npt.NDArray[Any]] | None = None,
+    nodes: Sequence[int] | npt.NDArray[Any] | None = None,
+    initial: Initial | None = None,
+    forces: Mapping[Any, npt.ArrayLike] | None = None,
+    rest_scale: Mapping[Any, npt.ArrayLike] | None = None,
+    loads: Mapping[str, npt.ArrayLike] | None = None,
+    wind: npt.ArrayLike | None = None,
+    threads: int | None = None,
+    progress: bool | Callable[[int, int], object] = False,
+) -> Batch: ...
+@overload
+def rollout(
+    cases: Iterable[Case | CaseSource],
     *,
     threads: int | None = None,
     nodes: Sequence[int] | npt.NDArray[Any] | None = None,
     every: float | None = None,
-) -> list[_core.Rollout]:
-    """Runs cases at once on a pool of threads, one case a thread, in memory. The order is that of the cases; results do
-    not depend on the number of threads.
+) -> list[_core.Rollout]: ...
+def rollout(
+    cases: Any,
+    *,
+    overrides: Iterable[Mapping[str, Any]] | None = None,
+    times: npt.ArrayLike | None = None,
+    every: float | None = None,
+    keep: Sequence[Kept] | None = None,
+    out: Mapping[str, npt.NDArray[Any]] | None = None,
+    nodes: Sequence[int] | npt.NDArray[Any] | None = None,
+    initial: Initial | None = None,
+    forces: Mapping[Any, npt.ArrayLike] | None = None,
+    rest_scale: Mapping[Any, npt.ArrayLike] | None = None,
+    loads: Mapping[str, npt.ArrayLike] | None = None,
+    wind: npt.ArrayLike | None = None,
+    threads: int | None = None,
+    progress: bool | Callable[[int, int], object] = False,
+) -> Batch | list[_core.Rollout]:
+    """Many runs at once on a pool of threads, a run a thread, in memory; results do not depend on their number.
+
+    Of one case, and of several with `times`, it returns a `Batch`: arrays (runs, times, …). A time within a step shows
+    the state interpolated there, as frames do. Of several cases without `times` it returns a list with a `Rollout` of
+    each, whose states are those at the ends of steps.
+
+    What is set on the way, `forces`, `rest_scale`, `loads` and `wind`, has an axis for the runs and one for the times,
+    or spreads to them as numpy's arrays do. A value acts from the end of the first step that reaches its time until
+    that of the next one, as if the simulation were set there; a row shows what is before that. A value that is what it
+    was costs nothing.
 
     Args:
-        cases: cases, case files or dictionaries. `Case.with_overrides` makes variants of one case without making its
-            mesh again.
+        cases: one case, case file or dictionary, or several.
+        overrides: variants of one case, a run each: other values by dotted path. Its text is not read again, and its
+            mesh is made again only where its section changes.
+        times: [s] (times,), ascending.
+        every: [s] times at its multiples up to the end of the longest case; the start and the end if both are left
+            out. Of a list of cases without `times`: a state at the end of the first step that reaches each multiple.
+        keep: what is kept: "positions", "velocities", "gauges", "energies", "peaks", "peak_times"; gauges and energies
+            if left out. For peaks every step is measured.
+        out: arrays of float64 to be filled, by those names, which are kept as well.
+        nodes: nodes of positions and velocities, (n,); all if left out.
+        initial: positions [m] and velocities [m/s], a pair or a dictionary, each (n, 3) or (runs, n, 3); or snapshots
+            of a `Simulation`, one for all runs or one each, from whose times the runs go on.
+        forces: [N] by group or numbers of nodes: (runs, times, 3), on each of its nodes, or (runs, times, k, 3).
+        rest_scale: [-] by group or numbers of edges: (runs, times).
+        loads: [-] by name, as `Simulation.loads`: (runs, times).
+        wind: [m/s] (runs, times, 3).
         threads: number of threads; that of the processors if left out.
-        nodes: nodes to keep, (k,); all if left out.
-        every: [s] keep the state at the end of the first step that reaches each multiple of it; only the first and the
-            last state if left out.
+        progress: True for a line on standard error, or a function of the runs made and of all runs.
 
     Raises:
         CaseError: a case with faults.
-        ValueError, TypeError: nodes that do not exist, and other arguments out of range.
+        ValueError, TypeError, KeyError: nodes that do not exist, arrays of another shape, and other arguments out of
+            range.
 
     A run that diverges or cannot be solved is no exception here: its `status` and `failure` say so.
+
+    >>> swing = {"pendulum": {"length": 1, "mass": 2, "damping": 0, "gravity": 9.81, "angle": 0.5}}
+    >>> case = {"name": "swing", "system": swing, "time": {"end": 0.1, "step": 1e-3, "method": "rk4"}}
+    >>> batch = rollout(case, overrides=[{"system.pendulum.angle": angle} for angle in (0.1, 0.2)], every=0.05)
+    >>> batch.energies.shape
+    (2, 3, 6)
     """
-    if isinstance(cases, (str, Case)):
-        raise TypeError("cases are a list of cases")
+    workers = threads or os.cpu_count() or 1
+    numbers = None if nodes is None else _whole(nodes)
+    more: dict[str, Any] = {"overrides": overrides, "keep": keep, "out": out, "initial": initial, "forces": forces}
+    more |= {"rest_scale": rest_scale, "loads": loads, "wind": wind}
+    if times is not None or isinstance(cases, (str, os.PathLike, Mapping, Case)):
+        return run_batch(
+            cases,
+            times=times,
+            every=every,
+            nodes=numbers,
+            threads=workers,
+            progress=progress,
+            **more,
+        )
+    given = [name for name, value in more.items() if value is not None] + (["progress"] if progress else [])
+    if given:
+        raise TypeError(f"{', '.join(given)}: of several cases these need times")
     made = [as_case(case)._core for case in cases]
-    numbers = None if nodes is None else [int(node) for node in _whole(nodes)]
-    return _core.rollout(made, threads=threads or os.cpu_count() or 1, nodes=numbers, every=every)
+    whole = None if numbers is None else [int(node) for node in numbers]
+    return _core.rollout(made, threads=workers, nodes=whole, every=every)
 
 
 def _whole(nodes: Any) -> Any:

@@ -9,12 +9,14 @@ from typing import Any, Literal, TypeAlias, TypedDict
 import numpy as np
 import numpy.typing as npt
 
+from .case_types import CaseDict
+
 __all__ = [
-    "CaseSource", "DashpotKind", "Force", "Gauge", "GaugeQuantity", "Graded", "Kind", "Law", "Method", "Parachute",
-    "Pattern", "Slack", "Table",
+    "CaseDict", "CaseSource", "DashpotKind", "EnergyColumn", "Force", "Gauge", "GaugeQuantity", "Graded", "Initial",
+    "Kept", "Kind", "Law", "Method", "Parachute", "Pattern", "Slack", "Table",
 ]  # fmt: skip
 
-CaseSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any]
+CaseSource: TypeAlias = "str | os.PathLike[str] | CaseDict"
 """a case file, or a dictionary with its keys"""
 Method: TypeAlias = Literal[
     "explicit-euler",
@@ -57,8 +59,13 @@ GaugeQuantity: TypeAlias = Literal[
     "wrinkling",
     "gas",
 ]
+Kept: TypeAlias = Literal["positions", "velocities", "gauges", "energies", "peaks", "peak_times"]
+"""what `canopy_fem.rollout` keeps"""
+EnergyColumn: TypeAlias = Literal["kinetic", "elastic", "gravity", "external_work", "dissipated", "numerical"]
 Rows: TypeAlias = npt.NDArray[Any] | Sequence[Sequence[float]]
 """(n, 3); not numpy's ArrayLike, which a text is too"""
+Initial: TypeAlias = tuple[npt.ArrayLike, npt.ArrayLike] | Mapping[str, npt.ArrayLike] | bytes | list[bytes]
+"""positions [m] and velocities [m/s], or snapshots"""
 Force: TypeAlias = Rows | Callable[[float, npt.NDArray[np.float64], npt.NDArray[np.float64]], npt.ArrayLike]
 """[N] (n, 3), or a function of time [s], positions [m] and velocities [m/s]"""
 

@@ -32,12 +32,18 @@ fn own_rows<'py>(py: Python<'py>, rows: Vec<[f64; 3]>) -> PyResult<Bound<'py, Py
     PyArray1::from_vec(py, rows.into_flattened()).reshape(shape)
 }
 
+/// Numbers of nodes, edges or triangles, shape (n,), read-only: int64, numpy's own type of indices.
+pub(crate) fn of_indices<'py>(py: Python<'py>, list: &[u32]) -> Bound<'py, PyArray1<i64>> {
+    of_list(py, list.iter().copied().map(i64::from).collect())
+}
+
 /// Node numbers, shape (n, N), read-only.
 pub(crate) fn of_numbers<'py, const N: usize>(
     py: Python<'py>,
     rows: &[[u32; N]],
-) -> PyResult<Bound<'py, PyArray2<u32>>> {
-    PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), N]).map(read_only)
+) -> PyResult<Bound<'py, PyArray2<i64>>> {
+    let numbers = rows.as_flattened().iter().copied().map(i64::from).collect();
+    PyArray1::from_vec(py, numbers).reshape([rows.len(), N]).map(read_only)
 }
 
 /// A value as an array of numbers of `kinds` (numpy's letters), with a shape that is checked before anything is copied.

@@ -1,23 +1,26 @@
 //! Cases.
 
-use crate::errors::of_case;
+use crate::errors::{of_case, of_record, of_simulation};
 use crate::interrupt::watched;
 use crate::values::from_json;
 use canopy_fem::case::{self, fingerprint::Fingerprint};
 use canopy_fem::integrate::registry::{Family, methods as registry};
+use canopy_fem::output::samples::Samples;
 use canopy_fem::scene::Scene;
 use canopy_fem::simulation::{RecordError, build_scene, check_solver};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A case that was read and has no faults.
 #[pyclass(module = "canopy_fem._core", frozen)]
 pub struct Case {
     /// shared with runs
     pub case: Arc<case::Case>,
+    /// its scene for one thread, once runs of it were asked for
+    scene: Mutex<Option<Arc<dyn Scene>>>,
 }
 
 type Overrides = Vec<(String, String)>;
@@ -96,6 +99,20 @@ impl Case {
         made.map(|made| made.digest()).map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
+    /// Its number of nodes.
+    #[getter]
+    fn node_count(&self, py: Python<'_>) -> PyResult<usize> {
+        Ok(self.scene(py)?.reference().len())
+    }
+
+    /// The columns of its gauges and of its canopies, "name quantity", and their units.
+    #[getter]
+    fn channels(&self, py: Python<'_>) -> PyResult<Vec<(String, &'static str)>> {
+        let channels = Samples::channels(&*self.scene(py)?, &self.case.problem().output);
+        let channels = channels.map_err(|error| of_simulation(py, error.into()))?;
+        Ok(channels.into_iter().map(|of| (format!("{} {}", of.gauge, of.quantity), of.unit)).collect())
+    }
+
     /// The case as it is run, overrides included.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         from_json(py, &self.case.problem().case_json)
@@ -105,7 +122,23 @@ impl Case {
 impl Case {
     fn of(py: Python<'_>, read: impl FnOnce() -> Result<case::Case, case::CaseError> + Send) -> PyResult<Self> {
         let case = watched(py, |_| read(), |_| Ok(()))?.map_err(|error| of_case(py, error))?;
-        Ok(Case { case: Arc::new(case) })
+        Ok(Case { case: Arc::new(case), scene: Mutex::default() })
+    }
+
+    /// Its scene for one thread, which is kept: any number of runs may begin from it.
+    pub(crate) fn scene(&self, py: Python<'_>) -> PyResult<Arc<dyn Scene>> {
+        let made = watched(
+            py,
+            |_| {
+                let mut kept = self.scene.lock().unwrap_or_else(PoisonError::into_inner);
+                match &*kept {
+                    Some(scene) => Ok(scene.clone()),
+                    None => scene_of(&self.case, 1).map(|scene| kept.insert(scene).clone()),
+                }
+            },
+            |_| Ok(()),
+        )?;
+        made.map_err(|error| of_record(py, error))
     }
 }
 

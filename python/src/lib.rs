@@ -5,6 +5,7 @@
 //! Every call gives the interpreter free while the engine works. Panics become `InternalError`.
 
 mod arrays;
+mod batch;
 mod case;
 mod errors;
 mod forces;
@@ -14,6 +15,7 @@ mod mesh;
 mod network;
 mod record;
 mod rollout;
+mod select;
 mod simulation;
 mod values;
 
@@ -39,6 +41,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(record::record, module)?)?;
     module.add_function(wrap_pyfunction!(record::record_static, module)?)?;
     module.add_function(wrap_pyfunction!(rollout::rollout, module)?)?;
+    module.add_function(wrap_pyfunction!(batch::rollout_batch, module)?)?;
     module.add_function(wrap_pyfunction!(errors::_panic, module)?)?;
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Meshes.
 
-use crate::arrays::{index_rows, indices, of_list, of_numbers, of_rows, rows};
+use crate::arrays::{index_rows, indices, of_indices, of_numbers, of_rows, rows};
 use crate::errors::{CaseError, engine, of_mesh};
 use crate::interrupt::watched;
 use canopy_fem::mesh::read::Imported;
@@ -35,8 +35,8 @@ pub struct Mesh {
 /// Nodes, edges, triangles, groups; seams, displacement, notes.
 type Parts<'py> = (
     Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<u32>>,
-    Bound<'py, PyArray2<u32>>,
+    Bound<'py, PyArray2<i64>>,
+    Bound<'py, PyArray2<i64>>,
     Bound<'py, PyDict>,
     (Vec<u32>, Bound<'py, PyArray2<f64>>, Vec<String>),
 );
@@ -74,20 +74,20 @@ impl Mesh {
 
     /// pairs of nodes, (m, 2); a copy, read-only
     #[getter]
-    fn edges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+    fn edges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
         of_numbers(py, &self.mesh.edges)
     }
 
     /// triples of nodes, (k, 3); a copy, read-only
     #[getter]
-    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
         of_numbers(py, &self.mesh.triangles)
     }
 
     /// edges of the radial seams; a copy, read-only
     #[getter]
-    fn seams<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        of_list(py, self.mesh.seams.clone())
+    fn seams<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        of_indices(py, &self.mesh.seams)
     }
 
     /// named parts: {name: {"nodes": numbers, "edges": numbers, "triangles": numbers}}
@@ -98,7 +98,7 @@ impl Mesh {
             let group = PyDict::new(py);
             for (kind, list) in [("nodes", nodes), ("edges", edges), ("triangles", triangles)] {
                 if !list.is_empty() {
-                    group.set_item(kind, of_list(py, list.clone()))?;
+                    group.set_item(kind, of_indices(py, list))?;
                 }
             }
             all.set_item(name, group)?;

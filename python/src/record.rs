@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Time between two calls of a progress function.
-const TOLD_EVERY: Duration = Duration::from_millis(100);
+pub(crate) const TOLD_EVERY: Duration = Duration::from_millis(100);
 
 /// Keeps the time of the newest step where another thread reads it.
 struct Clock<'a>(&'a AtomicU64);

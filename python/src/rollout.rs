@@ -7,10 +7,12 @@ use crate::interrupt::watched;
 use crate::record::checked_threads;
 use crate::values::{Energies, from_json};
 use canopy_fem::case::Case as EngineCase;
+use canopy_fem::case::spec::Problem;
+use canopy_fem::drive::at_rest::AtRest;
 use canopy_fem::drive::observer::{self, AcceptedStep, ObserveError, Observer, Point, UpcomingStep, Wants};
 use canopy_fem::drive::{Failure, Outcome, Status};
 use canopy_fem::scene::Scene;
-use canopy_fem::simulation::{RecordError, Simulation, SimulationError};
+use canopy_fem::simulation::{RecordError, RunSpec, Simulation, SimulationError};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -37,6 +39,13 @@ struct End {
     ledger: observer::Energies,
     energy_error: f64,
     failure: Option<Failure>,
+}
+
+impl Rollout {
+    /// Of which nothing was kept here.
+    pub(crate) fn ended(outcome: Outcome) -> Self {
+        Rollout { seen: Seen::default(), outcome: outcome.into() }
+    }
 }
 
 impl From<Outcome> for End {
@@ -190,6 +199,11 @@ struct Kept<'a> {
     every: Option<f64>,
 }
 
+/// As a case runs to its end with its files.
+pub(crate) fn run_spec(problem: &Problem) -> RunSpec {
+    RunSpec { ends_by_event: problem.time.to_ground, ..problem.run_spec() }
+}
+
 fn run(case: &EngineCase, kept: Kept<'_>, stop: &AtomicBool) -> Result<Rollout, RecordError> {
     let problem = case.problem();
     let scene = scene_of(case, 1)?;
@@ -197,13 +211,16 @@ fn run(case: &EngineCase, kept: Kept<'_>, stop: &AtomicBool) -> Result<Rollout, 
     if let Some((place, &node)) = kept.nodes.iter().enumerate().find(|(_, node)| **node as usize >= n) {
         return Err(SimulationError::NoNode { what: "nodes: place", place, node, nodes: n }.into());
     }
-    let mut simulation = Simulation::from_scene(&*scene, problem.run_spec())?;
+    let mut simulation = Simulation::from_scene(&*scene, run_spec(problem))?;
     let scene = simulation.scene();
     let Kept { nodes, every } = kept;
     let seen = Seen { nodes: if nodes.is_empty() { n } else { nodes.len() }, ..Seen::default() };
     let (positions, velocities) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
     let mut keeper = Keeper { scene: &*scene, nodes, every, next: 1.0, positions, velocities, seen };
-    let outcome = simulation.run(&mut [&mut keeper], stop)?;
+    let mut rest = problem.time.until_rest.map(|rest| AtRest::new(&*scene, rest, problem.time.end));
+    let mut all: Vec<&mut dyn Observer> = vec![&mut keeper];
+    all.extend(rest.as_mut().map(|rest| rest as &mut dyn Observer));
+    let outcome = simulation.run(&mut all, stop)?;
     Ok(Rollout { seen: keeper.seen, outcome: outcome.into() })
 }
 

@@ -1,16 +1,17 @@
 //! The simulation that a program drives.
 
-use crate::arrays::{filled, indices, of_list, of_numbers, of_rows, rows, vector};
+use crate::arrays::{filled, indices, of_indices, of_list, of_numbers, of_rows, rows, vector};
 use crate::case::{Case, scene_of};
 use crate::errors::{CaseError, SimulationError, engine, of_record, of_simulation};
 use crate::forces::{PythonForce, Raised};
 use crate::interrupt::{LOOK, looking};
 use crate::network::Network;
 use crate::record::checked_threads;
+use crate::select::{mesh_of, selected};
 use crate::values::{Energies, Step, from_json};
 use canopy_fem::drive::clock::{self, Tolerance};
 use canopy_fem::integrate::registry::MethodChoice;
-use canopy_fem::mesh::{Mesh, Topology};
+use canopy_fem::mesh::Mesh;
 use canopy_fem::simulation::{self as door, Load, RecordError, RunSpec, SimulationError as Refusal, StepInfo};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
@@ -85,7 +86,9 @@ impl Simulation {
                 let case = case.get().case.clone();
                 engine(py, move || {
                     let settings = RunSpec { threads, keep_going, free_steps, ..case.problem().run_spec() };
-                    Ok::<_, RecordError>(door::Simulation::from_scene(&*scene_of(&case, threads)?, settings)?)
+                    let mut sim = door::Simulation::from_scene(&*scene_of(&case, threads)?, settings)?;
+                    sim.measure(&case.problem().output)?;
+                    Ok::<_, RecordError>(sim)
                 })?
             }
             (_, Ok(network), Some(settings)) => {
@@ -98,14 +101,7 @@ impl Simulation {
         let mut sim = made.map_err(|error| of_record(py, error))?;
         let raised = Arc::<Raised>::default();
         sim.stop_on(raised.flag.clone());
-        let scene = sim.scene();
-        let mesh = Mesh {
-            nodes: scene.reference().to_vec(),
-            edges: scene.edges().to_vec(),
-            triangles: scene.triangles().to_vec(),
-            groups: scene.groups().clone(),
-            ..Mesh::default()
-        };
+        let mesh = mesh_of(&*sim.scene());
         Ok(Simulation { sim: Mutex::new(sim), raised, functions: Mutex::default(), waiting: Mutex::default(), mesh })
     }
 
@@ -361,8 +357,8 @@ impl Simulation {
     ///     KeyError: no such group; the message lists those of the scene.
     ///     ValueError: another kind.
     #[pyo3(signature = (name, kind="nodes"))]
-    fn select<'py>(&self, py: Python<'py>, name: &str, kind: &str) -> PyResult<Bound<'py, PyArray1<u32>>> {
-        Ok(of_list(py, self.selected(name, kind)?))
+    fn select<'py>(&self, py: Python<'py>, name: &str, kind: &str) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        Ok(of_indices(py, &selected(&self.mesh, name, kind)?))
     }
 
     /// Names of the groups.
@@ -444,6 +440,43 @@ impl Simulation {
         Ok(of_list(py, self.lock()?.tensions()))
     }
 
+    /// [m/s^2] accelerations by the forces that act now, (n, 3); 0 in held directions; a copy, read-only
+    #[getter]
+    fn accelerations<'py>(&self, py: Python<'py>) -> Rows<'py> {
+        of_rows(py, self.with(py, |sim| Ok(sim.accelerations()))?)
+    }
+
+    /// what the gauges of the case and its canopies show now, by "name quantity", each in its SI unit
+    #[getter]
+    fn gauges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        for value in self.with(py, |sim| Ok(sim.gauges()))? {
+            all.set_item(format!("{} {}", value.of.gauge, value.of.quantity), value.value)?;
+        }
+        Ok(all)
+    }
+
+    /// units of the gauges, by "name quantity"
+    #[getter]
+    fn gauge_units<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        for of in self.lock()?.channels() {
+            all.set_item(format!("{} {}", of.gauge, of.quantity), of.unit)?;
+        }
+        Ok(all)
+    }
+
+    /// peaks of the gauges over all steps so far, by "name quantity", as `Result.peaks` has them; of components those
+    /// of the largest magnitude. `set_state` begins them anew, and `restore` takes up those of the snapshot.
+    #[getter]
+    fn peaks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        for peak in self.lock()?.peaks() {
+            all.set_item(format!("{} {}", peak.name, peak.quantity), peak.value)?;
+        }
+        Ok(all)
+    }
+
     /// energy account of the present state
     #[getter]
     fn energies(&self, py: Python<'_>) -> PyResult<Energies> {
@@ -465,13 +498,13 @@ impl Simulation {
 
     /// pairs of nodes, (m, 2); a copy, read-only
     #[getter]
-    fn edges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+    fn edges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
         of_numbers(py, &self.mesh.edges)
     }
 
     /// triples of nodes, (k, 3); a copy, read-only
     #[getter]
-    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
         of_numbers(py, &self.mesh.triangles)
     }
 }
@@ -539,39 +572,10 @@ impl Simulation {
             py.check_signals()?;
         }
     }
-
-    fn selected(&self, name: &str, kind: &str) -> PyResult<Vec<u32>> {
-        let mesh = &self.mesh;
-        let all = match kind {
-            "nodes" => mesh.nodes.len(),
-            "edges" => mesh.edges.len(),
-            "triangles" => mesh.triangles.len(),
-            _ => return Err(PyValueError::new_err(format!("kind is \"{kind}\": give nodes, edges or triangles"))),
-        };
-        if let Some(group) = mesh.groups.get(name) {
-            return Ok(match kind {
-                "nodes" => group.select_nodes(mesh),
-                "edges" => group.select_edges(mesh),
-                _ => group.triangles.clone(),
-            });
-        }
-        let topology = || Topology::new(mesh).map_err(|error| crate::errors::of_mesh(&error));
-        match (name, kind) {
-            ("all", _) => Ok((0..all as u32).collect()),
-            ("boundary", "nodes") => Ok(topology()?.boundary_nodes().to_vec()),
-            ("outer", "nodes") => Ok(topology()?.outer_nodes().to_vec()),
-            ("inner", "nodes") => Ok(topology()?.inner_nodes().to_vec()),
-            _ => {
-                let known: Vec<&str> = mesh.groups.keys().map(String::as_str).collect();
-                let text = format!("there are no {kind} of \"{name}\"; groups here: {}", known.join(", "));
-                Err(PyKeyError::new_err(text))
-            }
-        }
-    }
 }
 
 /// "gravity", "pressure 0", "force 0".
-fn load_name(load: Load) -> String {
+pub(crate) fn load_name(load: Load) -> String {
     match load {
         Load::Gravity => "gravity".to_owned(),
         Load::Pressure(place) => format!("pressure {place}"),

@@ -217,3 +217,53 @@ def test_page_of_a_run(tmp_path):
         frame.unlink()
     with pytest.raises(cf.CanopyError, match="is not there"):
         result.show()
+
+
+def test_results_are_saved_and_closed(small, tmp_path):
+    """A block ends with its temporary folder; what was saved stays, and is the same to the byte."""
+    with cf.run(small) as result:
+        folder = result.folder
+        saved = result.save(tmp_path / "kept")
+        names = sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
+        assert sorted(path.relative_to(saved.folder) for path in saved.folder.rglob("*") if path.is_file()) == names
+        assert all((saved.folder / name).read_bytes() == (folder / name).read_bytes() for name in names)
+        history = result.history
+    assert not folder.exists() and result.status == "completed" and (result.history == history).all()
+    with pytest.raises(FileNotFoundError, match="gone"):
+        result.save(tmp_path / "again")
+    with pytest.raises(FileExistsError, match="replace=True"):
+        saved.save(tmp_path / "kept")
+    with pytest.raises(OSError):
+        (tmp_path / "mine").mkdir()
+        (tmp_path / "mine" / "letter.txt").write_text("mine")
+        saved.save(tmp_path / "mine", replace=True)
+    assert (tmp_path / "mine" / "letter.txt").exists()
+    assert cf.load(tmp_path / "kept").save(tmp_path / "other").history.tobytes() == history.tobytes()
+
+
+def test_tables_go_to_polars_and_xarray(small):
+    pytest.importorskip("polars")
+    pytest.importorskip("xarray")
+    small["output"]["gauges"] = [{"name": "cloth", "on": "all", "of": "tension", "every": 5}]
+    result = cf.run(small)
+    assert result.to_polars()["kinetic"].to_list() == result.history["kinetic"].tolist()
+    assert result.to_polars("gauges").columns == ["t", "name", "quantity", "value"]
+    data = result.to_xarray()
+    t, values = result.gauge("cloth", "tension_max")
+    shown = data["cloth tension_max"]
+    assert (shown.values == values).all() and (shown[shown.dims[0]].values == t).all()
+    assert (data.kinetic.values == result.history["kinetic"]).all()
+
+
+def test_grids_are_updated_in_place(small):
+    pytest.importorskip("pyvista")
+    result = cf.run(small)
+    grid = result.to_pyvista(0.0)
+    first = grid.points.copy()
+    assert result.to_pyvista(0.2, into=grid) is grid and (grid.points != first).any()
+    sim = cf.Simulation(small)
+    mesh = sim.to_pyvista()
+    sim.step(20)
+    assert sim.to_pyvista(mesh) is mesh
+    np.testing.assert_allclose(mesh.points, sim.positions)
+    np.testing.assert_allclose(mesh.point_data["velocity"], sim.velocities)

@@ -208,7 +208,7 @@ def test_state_is_set_and_read(sim):
     own = sim.read_positions()
     own[:] = 7.0
     assert (sim.positions == x).all()
-    assert sim.edges.dtype == np.uint32 and sim.triangles.shape == (72, 3)
+    assert sim.edges.dtype == np.int64 and sim.triangles.shape == (72, 3)
 
 
 def test_arrays_are_read_only(sim):

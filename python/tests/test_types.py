@@ -1,5 +1,6 @@
 """Checkers of types refuse what the engine would refuse."""
 
+import importlib.util
 import subprocess
 import sys
 from typing import get_args
@@ -23,11 +24,17 @@ cf.mesh.parachute(nominal_diamter=3)
 cf.Simulation(case).select("a", kind="node")
 cf.tradeoff(case, arguments="--methods rk4")
 cf.Simulation(case).forces["c"] = "wrong"
+cf.Case({"name": "x", "sytem": {}})
+cf.Case({"time": {"methd": "rk4"}})
+cf.Case({"time": {"method": "newmrk"}})
+cf.Case({"output": {"fields": ["tensions"]}})
+cf.rollout(case, keep=["position"])
 """
 RIGHT = """
 import numpy as np
 
 import canopy_fem as cf
+from canopy_fem.typed import CaseDict
 
 case = cf.Case({"name": "a"}, {"time.step": 1e-3})
 net = cf.Network(np.zeros((1, 3)), mass=[1.0])
@@ -40,6 +47,26 @@ cf.mesh.parachute(type="flat-circular", nominal_diameter=3.0, gores=12, radial_s
 cf.mesh.disc(radius=1.0, nodes=100, seed=3)
 cf.run({"name": "a"}).to_pandas("probes")
 cf.tradeoff("c.json", arguments=["--methods", "rk4"])
+whole: CaseDict = {
+    "name": "whole",
+    "system": {
+        "network": {
+            "mesh": cf.mesh.disc(radius=1.0, nodes=100),
+            "mass": {"areal_density": 0.1},
+            "springs": [{"on": "all", "stiffness": 1e3, "slack": "tension-only"}],
+            "supports": [{"on": {"ids": [0]}, "fix": "xyz"}],
+            "gravity": np.array([0.0, 0.0, -9.81]),
+        }
+    },
+    "time": {"end": 1.0, "method": {"hht": {"alpha": -0.1}}, "step": 1e-3},
+    "output": {"fields": ["tension"], "gauges": [{"name": "a", "on": "all", "of": "tension"}]},
+}
+cf.Case(whole)
+cf.Case(case.to_dict(), base="cases")
+batch = cf.rollout(case, every=0.1, wind=[0.0, 0.0, 1.0], forces={"skirt": np.zeros((2, 3, 3))}, initial=b"")
+batch.energy("kinetic").sum()
+[run.status for run in cf.rollout([case, case], every=0.1)]
+cf.rollout(["a.json", "b.json"], times=[0.0, 1.0]).to_pandas()
 """
 
 
@@ -54,7 +81,7 @@ def test_mypy_refuses_mistakes(tmp_path):
     pytest.importorskip("mypy")
     told = checked(MISTAKES, tmp_path)
     found = {int(line.split(":")[1]) for line in told.splitlines() if ": error:" in line}
-    assert found == set(range(6, 14)), told
+    assert found == set(range(6, 19)), told
     assert "Success" in checked(RIGHT, tmp_path)
 
 
@@ -66,6 +93,14 @@ def test_arguments_of_commands_are_a_list(small):
     ):
         with pytest.raises(TypeError, match="a list of texts, such as"):
             study(small, arguments="--methods rk4")
+
+
+def test_types_of_a_case_are_those_of_its_schema():
+    """python/tools/case_types.py makes the file that is there."""
+    spec = importlib.util.spec_from_file_location("case_types", ROOT / "python" / "tools" / "case_types.py")
+    tool = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(tool)
+    assert tool.TARGET.read_text(encoding="utf-8") == tool.Types(cf.schema()).text()
 
 
 def test_types_name_what_the_engine_has():

@@ -36,6 +36,8 @@
 //! | look at a step first | [`Simulation::attempt`]; [`Simulation::accept`] or [`Simulation::drop_attempt`] |
 //! | read nodes | [`Simulation::positions`], [`Simulation::velocities`], [`Simulation::reactions`] |
 //! | read springs and energies | [`Simulation::tensions`], [`Simulation::energies`] |
+//! | read accelerations, gauges and their peaks | [`Simulation::accelerations`], [`Simulation::measure`] |
+//! | keep a run at given times | [`crate::output::samples`], [`Simulation::run_sampled`] |
 //! | read what it cost | [`Simulation::counters`] |
 //! | set positions and velocities | [`Simulation::set_state`] |
 //! | set the wind | [`Simulation::set_wind`] |
@@ -64,7 +66,9 @@ mod equilibrium;
 mod error;
 mod follow;
 mod idle_loads;
+mod observe;
 mod record;
+mod sampled;
 mod saved;
 mod state;
 
@@ -80,9 +84,11 @@ pub use equilibrium::{
 pub use error::{SetupError, SimulationError};
 pub use follow::{FollowSpec, FollowedState, follow};
 pub use idle_loads::idle_loads;
+pub use observe::GaugeValue;
 pub use record::{
     EarlierResults, RecordError, RecordSettings, RecordWatch, Recorded, StartLimits, record, record_watched,
 };
+pub use sampled::Act;
 pub use state::NodeMotion;
 
 use crate::case::spec::{Problem, SystemSpec};
@@ -95,6 +101,7 @@ use crate::integrate::stepper::{Scheme, Stepper};
 use crate::interrupt;
 use crate::model::spec::NetworkSpec;
 use crate::model::stop::Stop;
+use crate::output::live::LiveGauges;
 use crate::scene::{Pendulum, Scene, build_network, build_network_with};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
@@ -170,6 +177,8 @@ pub struct Simulation {
     resumed: bool,
     /// when it is set, no failure is looked into
     stop: Option<Arc<AtomicBool>>,
+    /// away only while steps are made
+    gauges: Option<LiveGauges>,
 }
 
 impl Simulation {
@@ -261,6 +270,7 @@ impl Simulation {
             changed: Changed::Nothing,
             resumed: false,
             stop: None,
+            gauges: None,
         }
     }
 
@@ -329,8 +339,15 @@ impl Simulation {
     ) -> Result<StepInfo, SimulationError> {
         self.idle()?;
         let mut limit = until;
-        let mut all: Vec<&mut dyn Observer> = observers.iter_mut().map(|o| &mut **o as &mut dyn Observer).collect();
-        all.push(&mut limit);
+        self.watched(observers, Some(&mut limit), |sim, all| sim.make_steps(until, all, pause))
+    }
+
+    fn make_steps(
+        &mut self,
+        until: StopAt,
+        observers: &mut [&mut dyn Observer],
+        pause: &mut dyn FnMut() -> bool,
+    ) -> Result<StepInfo, SimulationError> {
         while !until.reached(self.state.steps, self.state.from.state.t) {
             let made = self.at_work(Stop::NEVER, |run, stepper| {
                 if run.next().is_none() {
@@ -339,9 +356,9 @@ impl Simulation {
                 if !run.spec.keep_going {
                     run.state.failure = None;
                 }
-                match run.step_block(stepper, &mut all)? {
+                match run.step_block(stepper, observers)? {
                     true => Ok(Some(StepEnd::Accepted)),
-                    false => run.advance(stepper, &mut all).map(Some),
+                    false => run.advance(stepper, observers).map(Some),
                 }
             })?;
             match made {
@@ -362,9 +379,11 @@ impl Simulation {
     pub fn run(&mut self, observers: &mut [&mut dyn Observer], stop: &AtomicBool) -> Result<Outcome, SimulationError> {
         self.idle()?;
         let begins = self.state.steps == 0 && !self.resumed;
-        self.at_work(Stop::on(stop), |run, stepper| match begins {
-            true => run.begin(stepper, observers),
-            false => run.go_on(stepper, observers),
+        self.watched(observers, None, |sim, observers| {
+            sim.at_work(Stop::on(stop), |run, stepper| match begins {
+                true => run.begin(stepper, observers),
+                false => run.go_on(stepper, observers),
+            })
         })
     }
 

@@ -2,6 +2,7 @@
 
 pub mod names;
 mod places;
+mod present;
 mod quantities;
 
 use super::quantity::UnknownQuantity;
@@ -19,6 +20,7 @@ use crate::model::observables::Observables;
 use crate::model::point::Point;
 use crate::model::quantity::QuantityName;
 use places::Places;
+pub use present::ChannelName;
 pub use quantities::MeasuredQuantity;
 use quantities::Quantities;
 use serde::{Deserialize, Serialize};

@@ -10,8 +10,8 @@ use crate::model::quantity::QuantityName;
 
 /// Name of the gauge of the energy account.
 pub(super) const ENERGY: &str = "energy";
-/// Columns of the energy account, in the order of [`energies`].
-pub(super) const ENERGIES: [&str; 6] = ["kinetic", "elastic", "gravity", "external_work", "dissipated", "numerical"];
+/// Columns of an energy account.
+pub const ENERGIES: [&str; 6] = ["kinetic", "elastic", "gravity", "external_work", "dissipated", "numerical"];
 
 /// [J] The columns of an account.
 pub(super) fn energies(account: Energies) -> [f64; 6] {

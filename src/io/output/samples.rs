@@ -1,124 +1,248 @@
-//! Samples of a series at equal times, as few for a long run as for a short one.
+//! A run at given times, written into arrays of a program.
 //!
-//! Sample k is taken at k times their interval. Where all places are taken, every other sample is given up and the
-//! interval is doubled. So the last tenth of a run holds at least eight of them, wherever the run ends, and its steady
-//! value needs no knowledge of that end beforehand.
+//! A time within a step shows the state [interpolated](super::hermite) there, as frames do, with forces evaluated at it
+//! where gauges are kept; the energy account is linear in between. A time at the end of a step, up to rounding, shows
+//! that end. What a run does not come to, or comes to in a state that is not
+//! [credible](crate::drive::observer::AcceptedStep::credible), keeps the NaN it begins with.
 
-use serde::{Deserialize, Serialize};
+use super::gauges::{ChannelName, Gauges};
+use super::hermite::interpolate;
+use super::quantity::{UnknownQuantity, energies};
+use super::schedule::tolerance;
+use crate::case::spec::OutputSpec;
+use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, States, UpcomingStep, Wants};
+use crate::model::observables::Observables;
+use crate::model::point::Point;
 
-/// Most samples that are kept.
-const PLACES: usize = 160;
-/// Intervals in a run that comes to its planned end: its last tenth begins at one of the samples.
-const INTERVALS: f64 = 80.0;
-/// How many times finer the first interval is, a power of two: a run may end after this share of its time.
-const FINER: f64 = 1024.0;
+/// Names of the columns of an energy account.
+pub use super::quantity::ENERGIES;
 
-/// A series at a time, with its integral over time up to there.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Sample {
-    pub value: f64,
-    pub integral: f64,
+/// Where samples of a run are kept; an empty slice keeps nothing.
+#[derive(Debug, Default)]
+pub struct SampleArrays<'o> {
+    /// [m] `[n_times * n_nodes * 3]`
+    pub positions: &'o mut [f64],
+    /// [m/s] `[n_times * n_nodes * 3]`
+    pub velocities: &'o mut [f64],
+    /// in the units of the columns, `[n_times * n_channels]`
+    pub gauges: &'o mut [f64],
+    /// [J] in the order of [`ENERGIES`], `[n_times * 6]`
+    pub energies: &'o mut [f64],
+    /// peaks over all steps, `[n_channels]`
+    pub peaks: &'o mut [f64],
+    /// [s] their times, `[n_channels]`
+    pub peak_times: &'o mut [f64],
 }
 
-/// The samples so far; part of a checkpoint.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Samples {
-    /// [s] time between two; 0 before the first one
-    every: f64,
-    taken: Vec<Sample>,
-}
-
-impl Samples {
-    /// Takes the samples that are due up to `t` [s], in a run that is planned to `end` [s].
-    pub(super) fn take(&mut self, t: f64, end: f64, at: impl Fn(f64) -> Sample) {
-        if self.taken.is_empty() {
-            self.every = end / INTERVALS / FINER;
-        }
-        // Once in a run, and once after a resumption.
-        if self.taken.capacity() < PLACES {
-            self.taken.reserve_exact(PLACES - self.taken.len());
-        }
-        // Each turn takes a sample or doubles the interval, after which half of the places are free.
-        loop {
-            let time = self.taken.len() as f64 * self.every;
-            if time > t || !(self.every > 0.0) {
-                return;
-            }
-            if self.taken.len() < PLACES {
-                self.taken.push(at(time));
-                continue;
-            }
-            let mut even = false;
-            self.taken.retain(|_| {
-                even = !even;
-                even
-            });
-            self.every *= 2.0;
-        }
-    }
-
-    /// The series at `time` [s], before `now`, its newest sample at `t` [s]: the value on the chord, the integral on
-    /// the cubic through the integrals with the values as slopes.
-    pub(super) fn at(&self, time: f64, t: f64, now: Sample) -> Sample {
-        let number = ((time / self.every) as usize).min(self.taken.len().saturating_sub(1));
-        let Some(&from) = self.taken.get(number) else { return now };
-        let start = number as f64 * self.every;
-        let (end, to) = self.taken.get(number + 1).map_or((t, now), |next| (start + self.every, *next));
-        let h = end - start;
-        if !(h > 0.0) {
-            return from;
-        }
-        let s = ((time - start) / h).min(1.0);
-        let (d, p0, p1) = (to.integral - from.integral, h * from.value, h * to.value);
-        let integral = from.integral + s * (p0 + s * ((3.0 * d - 2.0 * p0 - p1) + s * (p0 + p1 - 2.0 * d)));
-        Sample { value: from.value + s * (to.value - from.value), integral }
+impl SampleArrays<'_> {
+    /// Fills all of them with NaN.
+    fn clear(&mut self) {
+        let SampleArrays { positions, velocities, gauges, energies, peaks, peak_times } = self;
+        [positions, velocities, gauges, energies, peaks, peak_times].into_iter().for_each(|all| all.fill(f64::NAN));
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// What is kept of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct SampleSpec<'a> {
+    /// [s] ascending
+    pub times: &'a [f64],
+    /// nodes of positions and velocities, below the number of nodes; all if empty
+    pub nodes: &'a [u32],
+    /// gauges of the case
+    pub output: &'a OutputSpec,
+    /// [s] end of the run
+    pub end: f64,
+}
 
-    /// v = 3 t^2 with its integral t^3, a cubic: what is between the samples is exact, in steps of any size.
-    #[test]
-    fn any_time_is_known_from_few_samples() {
-        let of = |t: f64| Sample { value: 3.0 * t * t, integral: t.powi(3) };
-        for (steps, until) in [(1, 10.0), (7, 10.0), (5000, 10.0), (5000, 0.003), (5000, 3.7)] {
-            let mut samples = Samples::default();
-            for step in 0..=steps {
-                samples.take(until * f64::from(step) / f64::from(steps), 10.0, of);
-            }
-            assert!(samples.taken.len() <= PLACES && samples.taken.capacity() == PLACES);
-            assert!(samples.taken.len() >= 24, "{until}: {}", samples.taken.len());
-            for share in [0.0, 0.123, 0.9, 0.99, 1.0] {
-                let (time, scale) = (share * until, until.powi(3));
-                let found = samples.at(time, until, of(until));
-                assert!((found.integral - time.powi(3)).abs() < 1e-14 * scale, "{steps} {until} {share}: {found:?}");
-            }
+/// Samples of a run. They hold no scene, which a program may change between two parts of a run.
+#[derive(Debug)]
+pub struct Samples<'a, 'o> {
+    spec: SampleSpec<'a>,
+    /// number of the next time
+    next: usize,
+    gauges: Gauges,
+    arrays: SampleArrays<'o>,
+    /// account at the start of the next step
+    ledger: Energies,
+    between: Point,
+    /// [m] and [m/s] of all nodes
+    trace: [Vec<[f64; 3]>; 2],
+}
+
+impl<'a, 'o> Samples<'a, 'o> {
+    /// Of a run that has not begun. Arrays have the lengths of [`SampleArrays`], or are empty.
+    ///
+    /// # Errors
+    /// A quantity that is not there.
+    pub fn new(
+        picture: &dyn Observables,
+        spec: SampleSpec<'a>,
+        mut arrays: SampleArrays<'o>,
+    ) -> Result<Self, UnknownQuantity> {
+        arrays.clear();
+        let n = picture.reference().len();
+        Ok(Samples {
+            spec,
+            next: 0,
+            gauges: Gauges::alone(picture, &spec.output.gauges, spec.output.history_every, spec.end)?,
+            arrays,
+            ledger: Energies::default(),
+            between: Point { state: picture.initial_state(), forces: picture.new_forces() },
+            trace: [(); 2].map(|()| vec![[0.0; 3]; n]),
+        })
+    }
+
+    /// The columns of the gauges of a case.
+    ///
+    /// # Errors
+    /// As [`Samples::new`].
+    pub fn channels(picture: &dyn Observables, output: &OutputSpec) -> Result<Vec<ChannelName>, UnknownQuantity> {
+        Ok(Gauges::alone(picture, &output.gauges, output.history_every, 0.0)?.names())
+    }
+
+    /// [s] The times.
+    pub fn times(&self) -> &'a [f64] {
+        self.spec.times
+    }
+
+    /// Shows them the state at which the run begins. Times before it are passed over.
+    pub(crate) fn begin(&mut self, picture: &dyn Observables, at: &Point, ledger: Energies) {
+        let t = at.state.t;
+        self.ledger = ledger;
+        let slack = tolerance(t, t);
+        self.next = self.spec.times.partition_point(|time| *time < t - slack);
+        if self.measures() {
+            self.gauges.skip(t);
+            // Nothing is written, so nothing fails.
+            let _: Result<(), ObserveError> = self.gauges.step(picture, 0, at, true, |_| Ok(()));
+        }
+        while self.spec.times.get(self.next).is_some_and(|time| *time <= t + slack) {
+            self.keep(picture, at, ledger);
         }
     }
 
-    /// The beginning of the last tenth of a run that comes to its end is a sample, whatever the end.
-    #[test]
-    fn the_last_tenth_of_a_planned_run_begins_at_a_sample() {
-        for end in [1.0, 0.3, 7.1, 1e4 / 3.0] {
-            let mut samples = Samples::default();
-            (0..=1000).for_each(|k| {
-                samples.take(end * f64::from(k) / 1000.0, end, |value| Sample { value, integral: 0.0 });
-            });
-            let place = 0.9 * end / samples.every;
-            assert!((place - place.round()).abs() < 1e-9, "{end}: {place}");
-        }
+    /// The observer of a part of the run.
+    pub(crate) fn observing<'s>(&'s mut self, picture: &'s dyn Observables) -> Sampling<'s, 'a, 'o> {
+        Sampling { samples: self, picture }
     }
 
-    #[test]
-    fn a_run_without_a_time_has_no_samples() {
-        for end in [0.0, f64::NAN] {
-            let mut samples = Samples::default();
-            samples.take(0.0, end, |_| Sample { value: 1.0, integral: 0.0 });
-            assert!(samples.taken.is_empty());
-            let now = Sample { value: 2.0, integral: 3.0 };
-            assert_eq!(samples.at(0.0, 0.0, now), now);
+    /// Whether gauges look at every step.
+    fn measures(&self) -> bool {
+        !self.arrays.peaks.is_empty() || !self.arrays.peak_times.is_empty()
+    }
+
+    /// Writes the row of the next time.
+    fn keep(&mut self, picture: &dyn Observables, at: &Point, ledger: Energies) {
+        let Samples { spec, next, gauges, arrays, trace: [positions, velocities], .. } = self;
+        let (number, times) = (*next, spec.times.len());
+        let SampleArrays { positions: to_x, velocities: to_v, gauges: to_gauges, energies: to_energies, .. } = arrays;
+        if !to_x.is_empty() || !to_v.is_empty() {
+            picture.trace(at.state.as_ref(), positions, velocities);
         }
+        for (to, from) in [(to_x, &*positions), (to_v, &*velocities)] {
+            let rows = row_of(to, number, times).as_chunks_mut::<3>().0.iter_mut();
+            match spec.nodes {
+                [] => rows.zip(from).for_each(|(to, from)| *to = *from),
+                nodes => rows.zip(nodes).for_each(|(to, node)| *to = from[*node as usize]),
+            }
+        }
+        if !to_gauges.is_empty() {
+            row_of(to_gauges, number, times).copy_from_slice(gauges.values_at(picture, at));
+        }
+        if !to_energies.is_empty() {
+            row_of(to_energies, number, times).copy_from_slice(&energies(ledger));
+        }
+        *next += 1;
+    }
+
+    /// Writes the row of the next time, at a share of the step between two points.
+    fn keep_between(&mut self, picture: &dyn Observables, [start, end]: [&Point; 2], fraction: f64, ledger: Energies) {
+        // Moved out and back, because `keep` needs the rest of `self`.
+        let mut between = std::mem::take(&mut self.between);
+        interpolate(start.state.as_ref(), end.state.as_ref(), fraction, &mut between.state);
+        if !self.arrays.gauges.is_empty() {
+            picture.evaluate(between.state.as_ref(), &mut between.forces);
+        }
+        self.keep(picture, &between, ledger);
+        self.between = between;
+    }
+}
+
+/// A row of an array of `rows` rows.
+fn row_of(all: &mut [f64], number: usize, rows: usize) -> &mut [f64] {
+    let size = all.len() / rows.max(1);
+    &mut all[number * size..(number + 1) * size]
+}
+
+/// Whether a time lies at the end of a step, up to rounding.
+fn at_end(time: f64, from: f64, to: f64) -> bool {
+    time >= to - tolerance(from, to)
+}
+
+/// Keeps samples of a part of a run.
+pub struct Sampling<'s, 'a, 'o> {
+    samples: &'s mut Samples<'a, 'o>,
+    picture: &'s dyn Observables,
+}
+
+impl Observer for Sampling<'_, '_, '_> {
+    fn wants(&self, next: UpcomingStep) -> Wants {
+        let (UpcomingStep { step, from, t }, samples) = (next, &*self.samples);
+        let due = samples.spec.times.get(samples.next).filter(|time| **time <= t + tolerance(from, t));
+        let sampled = match due {
+            None => States::None,
+            Some(time) if at_end(*time, from, t) => States::End,
+            Some(_) => States::BothEnds,
+        };
+        let measured = Wants::end_if(samples.measures() && samples.gauges.wants(step, [from, t]));
+        Wants { states: sampled.max(measured.states), strain: false }
+    }
+
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        let Sampling { samples, picture } = self;
+        if samples.measures() {
+            samples.gauges.accepted(*picture, step, |_| Ok(()))?;
+        }
+        let (from, to, before) = (step.from, step.t, std::mem::replace(&mut samples.ledger, step.ledger));
+        let due = |samples: &Samples<'_, '_>| {
+            let time = samples.spec.times.get(samples.next).copied();
+            time.filter(|time| *time <= to + tolerance(from, to))
+        };
+        while let Some(time) = due(samples) {
+            match (step.start, step.end) {
+                (_, Some(end)) if step.credible && at_end(time, from, to) => samples.keep(*picture, end, step.ledger),
+                (Some(start), Some(end)) if step.credible => {
+                    let fraction = ((time - from) / (to - from)).clamp(0.0, 1.0);
+                    let ledger = between(before, step.ledger, fraction);
+                    samples.keep_between(*picture, [start, end], fraction, ledger);
+                }
+                // The run gives every state that is wanted, so this one is not credible.
+                _ => samples.next += 1,
+            }
+        }
+        Ok(())
+    }
+
+    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
+        let Samples { gauges, arrays: SampleArrays { peaks, peak_times, .. }, .. } = &mut *self.samples;
+        for (number, [peak, t]) in gauges.extremes().enumerate() {
+            peaks.get_mut(number).into_iter().for_each(|to| *to = peak);
+            peak_times.get_mut(number).into_iter().for_each(|to| *to = t);
+        }
+        Ok(())
+    }
+}
+
+/// The account at a share of a step.
+fn between(before: Energies, after: Energies, share: f64) -> Energies {
+    let part = |of: fn(&Energies) -> f64| of(&before) + share * (of(&after) - of(&before));
+    Energies {
+        kinetic: part(|of| of.kinetic),
+        elastic: part(|of| of.elastic),
+        gravity: part(|of| of.gravity),
+        external_work: part(|of| of.external_work),
+        dissipated: part(|of| of.dissipated),
+        numerical: part(|of| of.numerical),
     }
 }

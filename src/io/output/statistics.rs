@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::samples::{Sample, Samples};
+use super::thinned::{Sample, Samples};
 use crate::model::gauge::PeakRule;
 use crate::model::quantity::Statistic;
 

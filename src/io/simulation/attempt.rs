@@ -58,16 +58,19 @@ impl Simulation {
     /// # Errors
     /// When there is none, or when its end cannot be right; then it is dropped.
     pub fn accept(&mut self) -> Result<StepInfo, SimulationError> {
-        match self.pending.take() {
+        let from = match self.pending.take() {
             None => return Err(SimulationError::Attempt { pending: false }),
-            Some(Pending::Adaptive(_)) => {}
+            Some(Pending::Adaptive(before)) => before.t,
             Some(Pending::Fixed(report)) => {
+                let from = self.time();
                 let end = self.at_work(Stop::NEVER, |run, stepper| run.accept_fixed(stepper, &report))?;
                 if end != StepEnd::Accepted {
                     return Err(self.failed());
                 }
+                from
             }
-        }
+        };
+        self.measure_step(from);
         Ok(self.info())
     }
 

@@ -2,6 +2,7 @@
 
 use crate::drive::{Failure, RunError};
 use crate::integrate::stepper::NeedsNetwork;
+use crate::output::quantity::UnknownQuantity;
 use crate::scene::{BuildError, Load};
 
 /// Why a good case cannot be made ready.
@@ -43,6 +44,9 @@ pub enum SimulationError {
         /// [s] time
         t: f64,
     },
+    /// A gauge measures what the scene does not have.
+    #[error(transparent)]
+    Gauge(#[from] UnknownQuantity),
     /// An attempted step waits for [`Simulation::accept`] or [`Simulation::drop_attempt`]; or there is none.
     #[error("{}", if *.pending { "an attempted step is neither accepted nor dropped" } else { "no step was attempted" })]
     Attempt {

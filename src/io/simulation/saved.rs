@@ -6,6 +6,8 @@ use crate::drive::Snapshot;
 use crate::drive::clock::{JoinedAt, Step, Tolerance};
 use crate::model::state::State;
 use crate::model::stop::Stop;
+use crate::output::gauges::GaugesSoFar;
+use crate::output::live::LiveGauges;
 use crate::scene::{ExternalForces, ExternalKind, Load, pass_events};
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +23,8 @@ struct Saved {
     loads: Vec<(Load, f64)>,
     /// `[n_edges]`
     rest_scales: Vec<f64>,
+    /// what gauges have measured, if there are some
+    gauges: Option<GaugesSoFar>,
 }
 
 /// What a snapshot must fit.
@@ -66,7 +70,7 @@ impl Origin {
 const FREE: &str = "steps of given sizes";
 
 /// Program and version, at the beginning of a snapshot, and the format of what follows.
-const PROGRAM: &str = concat!("canopy-fem state ", env!("CARGO_PKG_VERSION"), " 3");
+const PROGRAM: &str = concat!("canopy-fem state ", env!("CARGO_PKG_VERSION"), " 4");
 
 impl Simulation {
     /// Goes on from a snapshot, with a scheme that starts anew and then takes up what it carried.
@@ -92,8 +96,8 @@ impl Simulation {
         })?;
         let forces = self.outside().map(ExternalForces::values).unwrap_or_default();
         let (loads, rest_scales) = (self.load_factors(), self.rest_scales());
-        let made_by = self.origin();
-        let saved = Saved { made_by, snapshot, forces, wind: self.wind, loads, rest_scales };
+        let (made_by, wind, gauges) = (self.origin(), self.wind, self.gauges.as_ref().map(LiveGauges::so_far));
+        let saved = Saved { made_by, snapshot, forces, wind, loads, rest_scales, gauges };
         let mut bytes = Vec::new();
         postcard::to_io(&(PROGRAM, saved), &mut bytes).map_err(|error| SimulationError::Snapshot(error.to_string()))?;
         checksum::append(&mut bytes);
@@ -155,7 +159,7 @@ impl Simulation {
         if program != PROGRAM {
             return Err(unreadable(&format!("it is of \"{program}\", and this is \"{PROGRAM}\"")));
         }
-        let Saved { made_by, snapshot, forces, wind, loads, rest_scales } = saved;
+        let Saved { made_by, snapshot, forces, wind, loads, rest_scales, gauges } = saved;
         let (spec, own, Snapshot { t, x, v, .. }) = (&self.spec, self.origin(), &snapshot);
         let needed = self.scene.n_dof();
         if made_by.numbering != own.numbering || [x.len(), v.len()] != [needed; 2] {
@@ -199,6 +203,7 @@ impl Simulation {
                 self.begin(steps, held.unwrap_or(state))?;
             }
         }
+        self.measure_from_here(gauges.as_ref())?;
         Ok(differences)
     }
 }

@@ -114,12 +114,8 @@ impl Simulation {
     /// [J] The energy account at the present state, with what loads and rest lengths that were set since the last step
     /// have given or taken at once.
     pub fn energies(&self) -> Energies {
-        if self.changed == Changed::Nothing {
-            return self.state.row;
-        }
-        let mut at = Point { state: self.state.from.state.clone(), forces: self.scene.new_forces() };
-        self.scene.evaluate(at.state.as_ref(), &mut at.forces);
-        self.state.changed_account(&*self.scene, &at, Elastic::FromOutside).1
+        let changed = self.changed_point();
+        changed.map_or(self.state.row, |at| self.state.changed_account(&*self.scene, &at, Elastic::FromOutside).1)
     }
 
     /// Work done so far.
@@ -182,7 +178,8 @@ impl Simulation {
         let controls = self.scene.controls();
         let state = controls.and_then(|controls| controls.state_of(joined.t, positions, velocities));
         let state = state.ok_or(SimulationError::Unsupported("positions that can be set"))?;
-        self.begin(joined.step, state)
+        self.begin(joined.step, state)?;
+        self.measure_from_here(None)
     }
 
     /// Begins anew from a state after `steps` steps; counted work stays.
