@@ -33,7 +33,7 @@ from .errors import (
 )
 from .results import Result, load, run, static
 from .simulation import Motion, Network, Simulation
-from .studies import check, program, rollout, stability, sweep, tradeoff
+from .studies import check, gradient, program, rollout, stability, sweep, tradeoff
 
 __all__ = [
     "CanopyError",
@@ -55,6 +55,7 @@ __all__ = [
     "Step",
     "__version__",
     "check",
+    "gradient",
     "load",
     "mesh",
     "methods",

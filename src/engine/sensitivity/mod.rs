@@ -13,6 +13,7 @@
 //!
 //! Source: Griewank & Walther 2008, chapter 3 (the forward mode), on the steps as a whole.
 
+mod apparent_slope;
 pub mod difference;
 mod error;
 mod linearisation;

@@ -1,5 +1,6 @@
 //! The tangent-linear run: derivatives of all vectors of a run, from step to step along with it.
 
+use super::apparent_slope::ApparentSlope;
 use super::error::SensitivityError;
 use super::linearisation::Linearisation;
 use super::parameter::Parameter;
@@ -192,10 +193,19 @@ impl<'a> TangentRun<'a> {
             linear.pick(&slope, &mut picked_x);
             linear.mass_times(&picked_x, &mut m);
             b.iter_mut().zip(&m).for_each(|(b, m)| *b = m - *b);
-            linear.solve(&mut b).map_err(failed)?;
             slope.fill(0.0);
-            linear.put(&b, &mut slope);
-            columns.push(slope);
+            let mut apparent = ApparentSlope::of(*scene, at, acceleration);
+            let found = loop {
+                let mut next = b.clone();
+                apparent.subtract([dx, dv], own, &slope, linear, &mut next);
+                linear.solve(&mut next).map_err(failed)?;
+                linear.put(&next, &mut slope);
+                if apparent.settled(&next) {
+                    break slope;
+                }
+                crate::interrupt::check().map_err(|source| failed(source.into()))?;
+            };
+            columns.push(found);
         }
         Ok(())
     }
