@@ -7,7 +7,7 @@ fn written(bench: &Bench) -> &'static str {
     let case = json!({
         "name": "weight",
         "system": {"network": {
-            "mesh": {"explicit": {"nodes": [[0, 0, 0], [0, 0, -1.3]], "springs": [[0, 1]], "triangles": []}},
+            "mesh": {"explicit": {"nodes": [[0, 0, 0], [0, 0, -1.15]], "springs": [[0, 1]], "triangles": []}},
             "mass": {"nodal": 0.7},
             "springs": [{"on": "all", "stiffness": 50.0, "rest_length": 1.1}],
             "supports": [{"on": {"ids": [0]}, "fix": "xyz"}],

@@ -10,8 +10,8 @@ pub const PLACES: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
 pub const RELATIVE: f64 = 1e-3;
 /// [-] Share of a difference by which those of one and of two steps disagree at most where f is smooth; that is h^2.
 const SMOOTH: f64 = 1e-4;
-/// [-] Share of a value that counts as no difference: over a step it is 1e-7 of the value over the parameter.
-const NOTHING: f64 = 1e-10;
+/// [-] Share of a value that counts as no difference: over a step it is 1e-6 of the value over the parameter.
+const NOTHING: f64 = 1e-9;
 
 /// A derivative, and what the differences say of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -23,6 +23,14 @@ pub enum SensitivityError {
         /// what is different
         what: &'static str,
     },
+    /// A scheme of a program's own does not tell all that its derivative needs.
+    #[error(
+        "the scheme does not tell the accelerations of stage {number}, which is implicit (Integrator::stage_acceleration)"
+    )]
+    Stage {
+        /// stage, counted from 0
+        number: usize,
+    },
     /// The matrix of a step cannot be set up.
     #[error(transparent)]
     Pattern(#[from] PatternError),

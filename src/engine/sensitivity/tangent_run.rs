@@ -127,7 +127,10 @@ impl<'a> TangentRun<'a> {
                     let f = to.forces.total.iter().zip(self.scene.inverse_mass());
                     Some(f.map(|(f, m)| f * m).collect())
                 }
-                true => stepper.stage_acceleration(number).map(<[f64]>::to_vec),
+                true => {
+                    let found = stepper.stage_acceleration(number).ok_or(SensitivityError::Stage { number })?;
+                    Some(found.to_vec())
+                }
                 false => None,
             };
             self.stage(form, number, t, found)?;
@@ -166,17 +169,15 @@ impl<'a> TangentRun<'a> {
     ) -> Result<(), SensitivityError> {
         let TangentRun { scene, linear, directions, columns, forces, buffers: [x, v, dx, dv], .. } = self;
         let (stage, own) = (&form.stages[number], form.own(number));
-        if let Some(found) = found {
-            columns.push(found);
-            combine(&stage.x, columns, x);
-            combine(&stage.v, columns, v);
-        } else {
-            combine(&stage.x, columns, x);
-            combine(&stage.v, columns, v);
-            scene.evaluate(StateRef { t, x, v }, forces);
-            columns.push(forces.total.iter().zip(scene.inverse_mass()).map(|(f, m)| f * m).collect());
+        columns.extend(found);
+        combine(&stage.x, columns, x);
+        combine(&stage.v, columns, v);
+        scene.evaluate(StateRef { t, x, v }, forces);
+        // Of an implicit stage, that at the very state at which differences are taken: without the rest of its solve.
+        let acceleration: Vec<f64> = forces.total.iter().zip(scene.inverse_mass()).map(|(f, m)| f * m).collect();
+        if own == [0.0; 2] {
+            columns.push(acceleration.clone());
         }
-        let Some(acceleration) = columns.last() else { return Ok(()) };
         let at = StateRef { t, x, v };
         let failed = |source| SensitivityError::Linear { t, source };
         linear.set(*scene, at, own).map_err(failed)?;
@@ -189,12 +190,12 @@ impl<'a> TangentRun<'a> {
             linear.pick(dv, &mut picked_v);
             linear.forces(&picked_x, &picked_v, &mut b);
             let mut slope = vec![0.0; scene.n_dof()];
-            parameter.acceleration_slope(at, acceleration, &mut slope);
+            parameter.acceleration_slope(at, &acceleration, &mut slope);
             linear.pick(&slope, &mut picked_x);
             linear.mass_times(&picked_x, &mut m);
             b.iter_mut().zip(&m).for_each(|(b, m)| *b = m - *b);
             slope.fill(0.0);
-            let mut apparent = ApparentSlope::of(*scene, at, acceleration);
+            let mut apparent = ApparentSlope::of(*scene, at, &acceleration);
             let found = loop {
                 let mut next = b.clone();
                 apparent.subtract([dx, dv], own, &slope, linear, &mut next);

@@ -4,7 +4,7 @@ use super::case_args::{CaseArgs, Print, Threads};
 use super::interrupt::stop_on_interrupt;
 use super::{CliError, CommandOutput, complain};
 use crate::case::Case;
-use crate::format_number::{counted, figures};
+use crate::format_number::{counted, figures, first_few};
 use crate::model::stop::Stop;
 use crate::study::gradient::{Derivative, GradientReport, GradientSpec, QuantityGradient, gradient};
 use std::fmt::Write;
@@ -79,7 +79,7 @@ fn of_quantity(of: &QuantityGradient) -> String {
     }
     let note = |which: &dyn Fn(&Derivative) -> bool| {
         let keys: Vec<&str> = derivatives.iter().filter(|of| which(of)).map(|of| of.by.as_str()).collect();
-        keys.join(", ")
+        first_few(&keys)
     };
     let one_sided = note(&|of| of.one_sided);
     if !one_sided.is_empty() {
@@ -95,7 +95,7 @@ fn of_quantity(of: &QuantityGradient) -> String {
         let _ = writeln!(
             text,
             "  note: laws switch within the differences by {switching}, in up to {} % of the stages of steps, as where a \
-             spring goes slack; the derivative is then exact only nearly. --verify compares it with whole runs",
+             spring goes slack; the derivative is then nearly exact, and differences of whole runs are less so",
             figures(100.0 * most, 2)
         );
     }
