@@ -34,7 +34,7 @@ from .errors import (
 )
 from .results import Result, load, run, static
 from .simulation import Motion, Network, Simulation
-from .studies import Sample, check, program, rollout, sample, stability, sweep, tradeoff
+from .studies import Sample, check, gradient, program, rollout, sample, stability, sweep, tradeoff
 
 __all__ = [
     "ENERGIES",
@@ -59,6 +59,7 @@ __all__ = [
     "Step",
     "__version__",
     "check",
+    "gradient",
     "load",
     "mesh",
     "methods",

@@ -27,7 +27,7 @@ from .errors import CanopyError, CaseError
 if TYPE_CHECKING:
     from .typed import CaseSource, Initial, Kept
 
-__all__ = ["Sample", "check", "program", "rollout", "sample", "stability", "sweep", "tradeoff"]
+__all__ = ["Sample", "check", "gradient", "program", "rollout", "sample", "stability", "sweep", "tradeoff"]
 
 # [s] for the program to end after an interrupt.
 _PATIENCE = 10.0
@@ -186,6 +186,51 @@ def check(case: Any, *, within: float | str | None = None, quantities: Sequence[
         given += ["--quantity", name]
     with _file_of(as_case(case)) as arguments:
         return dict(json.loads(_call(["check", *arguments, "--json", *given])))
+
+
+def gradient(
+    case: Any,
+    of: str | Sequence[str] = (),
+    *,
+    by: str | Sequence[str],
+    verify: bool = False,
+    threads: int = 1,
+) -> dict[str, dict[str, float]]:
+    """Exact derivatives of the numbers of a run: those of ``canopy-fem gradient``, by quantity and key.
+
+    Args:
+        case: a `Case`, a case file or a dictionary. Its steps are fixed.
+        of: names of quantities, such as ``"riser.tension.peak"``; those of the case, else those of the report, if left
+            out.
+        by: keys of numbers of the case, as for `--set`; or unique ends of keys, or keys that hold numbers.
+        verify: compare with differences of whole runs; a derivative that differs by more than 1e-3 of it then raises.
+        threads: threads of a scene above 2,000 nodes.
+
+    Returns:
+        Of each quantity, each key with its derivative, in the unit of the quantity over that of the key; the most
+        important key first.
+
+    Raises:
+        CaseError: the case has faults, or a quantity, a key or the method has no derivative.
+        CanopyError: the run fails, or derivatives are not those of whole runs.
+    """
+    quantities, keys = ([one] if isinstance(one, str) else list(one) for one in (of, by))
+    given = ["--threads", str(int(threads)), *(["--verify"] if verify else [])]
+    for flag, names in (("--of", quantities), ("--by", keys)):
+        for name in names:
+            given += [flag, name]
+    with _file_of(as_case(case)) as arguments:
+        report = json.loads(_call(["gradient", *arguments, "--json", *given]))
+    found: dict[str, dict[str, float]] = {}
+    for quantity in report["quantities"]:
+        for one in quantity["derivatives"]:
+            value, by_runs = one["value"], one.get("by_runs")
+            if by_runs is not None and abs(value - by_runs) > 1e-3 * max(abs(value), abs(by_runs)):
+                raise CanopyError(
+                    f"{quantity['name']} by {one['by']}: {value} is not {by_runs}, the difference of whole runs"
+                )
+            found.setdefault(quantity["name"], {})[one["by"]] = value
+    return found
 
 
 def tradeoff(

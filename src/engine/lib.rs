@@ -19,6 +19,7 @@ pub mod integrate;
 pub mod model;
 pub mod preflight;
 pub mod scene;
+pub mod sensitivity;
 pub mod solve;
 pub mod statics;
 

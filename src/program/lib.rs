@@ -72,6 +72,7 @@
 
 pub mod cli;
 
+pub use canopy_fem_io::sensitivity;
 pub use canopy_fem_io::{analysis, assembly, drive, force, integrate, model, preflight, scene, solve, statics};
 pub use canopy_fem_io::{case, output, simulation};
 pub use canopy_fem_io::{checksum, format_number, input_file, interrupt, mesh, process, startup, vtk, warning};

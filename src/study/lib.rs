@@ -24,6 +24,7 @@ pub mod experiment;
 pub mod export;
 pub mod forecast;
 pub mod frames;
+pub mod gradient;
 mod keeper;
 mod measure;
 mod method_look;
@@ -53,7 +54,7 @@ pub mod view;
 pub mod whole_run;
 pub mod worth;
 
-use canopy_fem_io::{analysis, assembly, drive, force, integrate, model, scene, solve};
+use canopy_fem_io::{analysis, assembly, drive, force, integrate, model, scene, sensitivity, solve};
 use canopy_fem_io::{case, checksum, format_number, input_file, mesh, output, process, simulation, vtk};
 pub use error::StudyError;
 pub use method_look::{method_color, method_mark};

@@ -18,6 +18,7 @@ mod events;
 mod examples;
 mod filling;
 mod globalised;
+mod gradient;
 mod inflow;
 mod linear;
 mod materials;

@@ -12,6 +12,7 @@ mod events;
 mod export;
 mod failures;
 mod gauges;
+mod gradient;
 mod group_frames;
 mod initial_from;
 mod landing;

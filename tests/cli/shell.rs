@@ -59,6 +59,7 @@ fn options_are_the_same_for_all_commands() {
         ("solve", "--set --threads --quiet --json --out --force"),
         ("static", "--set --threads --quiet --json --out --force"),
         ("check", "--set --threads --quiet --json"),
+        ("gradient", "--set --threads --quiet --json"),
         ("tradeoff", "--set --threads --quiet --json --out --force"),
         ("sweep", "--set --threads --quiet --json --out --force"),
         ("require", "--set --threads --quiet --json --out --force"),

@@ -43,6 +43,14 @@ pub trait TangentSystem: System {
         let _ = (at, residual);
     }
 
+    /// Overwrites `out` [N] `[n_dof]` with what the [mass parts](TangentSystem::mass_parts) and what goes with them take
+    /// from the other forces at a state, for accelerations `a` [m/s^2] `[n_dof]`. Its derivatives by the state are not
+    /// in the tangent.
+    fn apparent_force(&self, at: StateRef<'_>, a: &[f64], out: &mut [f64]) {
+        let _ = (at, a);
+        out.fill(0.0);
+    }
+
     /// Overwrites u and g `[n_dof]` with one of these parts at a state.
     fn rank_one(&self, which: usize, at: StateRef<'_>, weights: Weights, u: &mut [f64], g: &mut [f64]) {
         let _ = (which, at, weights, u, g);

@@ -11,7 +11,7 @@ mod step_block;
 
 use super::clock::Tick;
 use super::error::RunError;
-use super::event::EventWatch;
+use super::event::{EventWatch, Fired};
 use super::failure::Failure;
 use super::ledger::Ledger;
 use super::observer::{Energies, Observer, Occasion, Resumable};
@@ -337,6 +337,16 @@ impl RunState {
             doubt: None,
             blocks: step_block::StepBlocks::default(),
         }
+    }
+
+    /// Number of events of the scene that are passed.
+    pub fn passed(&self) -> usize {
+        self.passed
+    }
+
+    /// The events that have happened.
+    pub fn fired(&self) -> &[Fired] {
+        self.events.fired()
     }
 
     /// What a snapshot is made of.

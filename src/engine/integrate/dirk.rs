@@ -11,6 +11,7 @@
 //! whose slope is known.
 
 use super::backward_euler::BackwardEuler;
+use super::form::{StepForm, of_tableau};
 use super::forward::left_to_engine;
 use super::implicit::{Implicit, StageAttempt};
 use super::runge_kutta::{Slope, Stage, advance, weighted};
@@ -107,6 +108,17 @@ impl Integrator<dyn TangentSystem> for Dirk {
     }
 
     left_to_engine!();
+
+    fn form(&self, h: f64, _: bool) -> Option<StepForm> {
+        let row = |stage: &Stage| (stage.c, stage.a.iter().copied().chain([self.tableau.gamma]).collect());
+        let stages: Vec<_> = std::iter::once((0.0, Vec::new())).chain(self.tableau.stages.iter().map(row)).collect();
+        let b = stages.last().map_or_else(Vec::new, |(_, row)| row.clone());
+        Some(of_tableau(h, &stages, &b))
+    }
+
+    fn stage_acceleration(&self, stage: usize) -> Option<&[f64]> {
+        self.slopes.get(stage).map(|slope| slope.v.as_slice())
+    }
 
     fn laws_changed(
         &mut self,

@@ -16,6 +16,7 @@
 use super::balance::{go_on, is_nearer_to_expected};
 use super::equations::{DofData, Equations, Guess, LinearState, StepStart, Workspace, scales};
 use super::factor_cache::FactorCache;
+use super::form::{Carry, StepForm, of_map};
 use super::stage::{NewmarkParameters, StageMap};
 use super::tangents::Tangents;
 pub use super::tangents::{Factor, cached_factor, refusal};
@@ -301,6 +302,15 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         let made = self.start_with(system, at);
         (self.a, self.trend, (self.made_with, self.attempted, self.anew, self.relative)) = (a, trend, flags);
         made
+    }
+
+    fn form(&self, h: f64, _: bool) -> Option<StepForm> {
+        let own = self.scheme.map(h);
+        let bridge = self.anew && own.lag() != 0.0;
+        let map = if bridge { StageMap::newmark(TRAPEZOIDAL, h) } else { own };
+        let kept = self.made_with == 0.0 || self.made_with == h || map.am == 0.0 && map.af == 0.0;
+        let carry = Carry { ratio: if kept { 1.0 } else { h / self.made_with }, lag: bridge.then(|| own.lag()) };
+        (!self.relative).then(|| of_map(map, carry))
     }
 
     fn drop_unsaved(&mut self) {

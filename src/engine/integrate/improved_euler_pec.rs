@@ -12,6 +12,7 @@
 //! Where a program changes values at t_n, d_n goes on with the forces at the corrected state added that the new values
 //! make more there: so d_n and d_{n+1} both have them, and the impulse of a constant force is exact.
 
+use super::form::{StageForm, StepForm, sum, unit};
 use super::updates::{Product, acceleration, accumulate, accumulate_product, add_scaled, power_of_forces, weigh};
 use super::{CarriedState, Counters, Integrator, StageWork, StepError, StepInput, StepReport};
 use crate::model::point::Point;
@@ -109,6 +110,18 @@ impl Integrator<dyn System> for ImprovedEulerPec {
             self.relative = true;
         }
         true
+    }
+
+    /// Its slope d_n = (v~, a~) is carried.
+    fn form(&self, h: f64, _: bool) -> Option<StepForm> {
+        let [x, v, d_x, d_v, a] = [0, 1, 2, 3, 4].map(unit);
+        let predicted = sum(&[(1.0, &v), (h, &d_v)]);
+        let stage = StageForm { c: 1.0, x: sum(&[(1.0, &x), (h, &d_x)]), v: predicted.clone() };
+        let half = 0.5 * h;
+        let next_x = sum(&[(1.0, &x), (half, &d_x), (half, &predicted)]);
+        let next_v = sum(&[(1.0, &v), (half, &d_v), (half, &a)]);
+        let start = vec![[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        (!self.relative).then(|| StepForm { start, stages: vec![stage], next: vec![next_x, next_v, predicted, a] })
     }
 
     fn save(&self) -> CarriedState {

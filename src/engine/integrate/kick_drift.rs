@@ -1,5 +1,6 @@
 //! Schemes that a [`KickDriftScheme`] describes: a single step and a block of steps are made the same way.
 
+use super::form::{StageForm, StepForm, sum, unit};
 use super::updates::{Product, add_product};
 use super::{CarriedState, Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
@@ -89,6 +90,26 @@ impl Integrator<dyn System> for KickDriftSteps {
 
     fn lags(&self, system: &dyn System) -> bool {
         self.scheme.lags && system.velocity_dependent()
+    }
+
+    /// Where forces lag, the step begins with those at x_n and the velocities of the middle before; else with those of
+    /// the state.
+    fn form(&self, h: f64, velocity_dependent: bool) -> Option<StepForm> {
+        let KickDriftScheme { begin, drift, end, .. } = (self.scheme.step)(h, velocity_dependent);
+        let (x_n, v_n, end) = (unit(0), unit(1), end.unwrap_or(0.0));
+        let [a, next_a] = [unit(2), unit(3)];
+        let v_h = sum(&[(1.0, &v_n), (begin, &a)]);
+        let x = sum(&[(1.0, &x_n), (drift, &v_h)]);
+        let v = sum(&[(1.0, &v_h), (end, &next_a)]);
+        if self.scheme.lags {
+            let stages = vec![StageForm { c: 1.0, x: x.clone(), v: v_h }];
+            return Some(StepForm { start: vec![[0.0, 0.0, 1.0]], stages, next: vec![x, v, next_a] });
+        }
+        let mut stages = vec![StageForm { c: 0.0, x: x_n, v: v_n.clone() }];
+        if end != 0.0 {
+            stages.push(StageForm { c: 1.0, x: x.clone(), v: sum(&[(1.0, &v_n), (begin + end, &a)]) });
+        }
+        Some(StepForm { start: Vec::new(), stages, next: vec![x, v] })
     }
 
     fn save(&self) -> CarriedState {

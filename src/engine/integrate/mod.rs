@@ -65,6 +65,7 @@ pub mod euler_cromer;
 pub mod euler_richardson;
 pub mod explicit_euler;
 mod factor_cache;
+pub mod form;
 mod forward;
 pub mod generalized_alpha;
 pub mod hht;
@@ -327,6 +328,18 @@ pub trait Integrator<S: ?Sized>: Send {
     /// h^p in steps of h by a scheme of order p, as the error at the end of a run does; the error of the step itself
     /// falls as h^(p+1) ([`PairInfo`]). Schemes without a pair leave `out`.
     fn embedded_error(&mut self, _step: StepInput<'_, S>, _to: &Point, _out: ErrorEstimate<'_>) {}
+
+    /// The next step of `h` [s] as a [general linear method](form), from what the scheme carries now; `None` for schemes
+    /// whose derivatives are not known so. `velocity_dependent` says whether a force depends on velocity.
+    fn form(&self, _h: f64, _velocity_dependent: bool) -> Option<form::StepForm> {
+        None
+    }
+
+    /// [m/s^2] Accelerations M^-1 f of a stage of the step attempted last `[n_dof]`, where the scheme has found them and
+    /// the step does not end there.
+    fn stage_acceleration(&self, _stage: usize) -> Option<&[f64]> {
+        None
+    }
 
     /// Degree of freedom of an unknown; the same number for schemes without unknowns.
     fn dof_of_unknown(&self, unknown: usize) -> usize {

@@ -16,6 +16,7 @@
 //! summed as the stages come. Other methods hold all slopes; their sums are formed before they are added to y_n, so
 //! that they lose no digits to a far origin.
 
+use super::form::{StepForm, of_tableau};
 use super::stepper::Scheme;
 use super::updates::{Slopes, acceleration, accumulate, accumulate_slopes, follow, follow_on, power};
 use super::{Counters, ErrorEstimate, Integrator, PairInfo, StageWork, StepError, StepInput, StepReport};
@@ -201,6 +202,12 @@ impl Integrator<dyn System> for RungeKutta {
         // The ledger's mean of both ends is more accurate than the work of the first slope alone.
         let work = (!self.tableau.stages.is_empty()).then_some(work);
         Ok(StepReport { work, forces_at_end: true, ..Default::default() })
+    }
+
+    fn form(&self, h: f64, _: bool) -> Option<StepForm> {
+        let later = self.tableau.stages.iter().map(|stage| (stage.c, stage.a.to_vec()));
+        let stages: Vec<_> = std::iter::once((0.0, Vec::new())).chain(later).collect();
+        Some(of_tableau(h, &stages, self.tableau.b))
     }
 
     fn pair(&self) -> Option<PairInfo> {

@@ -1,5 +1,6 @@
 //! A scheme bound to a scene that has the interface the scheme needs.
 
+use super::form::StepForm;
 use super::{CarriedState, Counters, ErrorEstimate, Integrator, LawChange, PairInfo, StepError, StepInput, StepReport};
 use crate::assembly::{SceneInterfaces, TangentSystem};
 use crate::model::point::Point;
@@ -184,6 +185,16 @@ impl<'a> Stepper<'a> {
         each!(&mut self.0, scheme, system => {
             scheme.embedded_error(StepInput { system: *system, from, h, t_next }, to, out);
         });
+    }
+
+    /// See [`Integrator::form`].
+    pub fn form(&self, h: f64) -> Option<StepForm> {
+        each!(&self.0, scheme, system => scheme.form(h, system.velocity_dependent()))
+    }
+
+    /// See [`Integrator::stage_acceleration`].
+    pub fn stage_acceleration(&self, stage: usize) -> Option<&[f64]> {
+        each!(&self.0, scheme, _system => scheme.stage_acceleration(stage))
     }
 
     /// Degree of freedom of an unknown of an implicit scheme.

@@ -168,6 +168,15 @@ impl Network {
         }
     }
 
+    /// Overwrites `out` [N] with b (m A + m' V), for accelerations [m/s^2] of the nodes.
+    pub(super) fn apparent_force_of(&self, at: NodeState<'_>, acceleration: &[Vector3<f64>], out: &mut [Vector3<f64>]) {
+        out.fill(Vector3::zeros());
+        for canopy in &self.acting.apparent {
+            let force = canopy.force(at, canopy.mean(acceleration));
+            canopy.nodes.iter().for_each(|&(node, share)| out[node as usize] -= share * force);
+        }
+    }
+
     /// A part m b b^T of the mass, along one axis: overwrites u with m b, and g with b.
     pub(super) fn apparent_part(&self, which: usize, at: NodeState<'_>, [u, g]: [&mut [f64]; 2]) {
         u.fill(0.0);

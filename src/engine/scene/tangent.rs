@@ -79,6 +79,10 @@ impl TangentSystem for Network {
         self.with_apparent(node_state(at), bytemuck::cast_slice_mut(residual));
     }
 
+    fn apparent_force(&self, at: StateRef<'_>, a: &[f64], out: &mut [f64]) {
+        self.apparent_force_of(node_state(at), by_node(a), bytemuck::cast_slice_mut(out));
+    }
+
     fn rank_one(&self, which: usize, at: StateRef<'_>, w: Weights, u: &mut [f64], g: &mut [f64]) {
         if which < self.mass_parts() {
             self.apparent_part(which, node_state(at), [&mut *u, &mut *g]);

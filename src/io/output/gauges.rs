@@ -1,5 +1,6 @@
 //! Gauges: what `gauges.csv`, the peaks and the quantities in `summary.json` hold.
 
+pub mod derivatives;
 pub mod names;
 mod places;
 mod present;

@@ -2,6 +2,7 @@
 
 use super::case_args::{CheckArgs, SolveArgs};
 use super::export::ExportArgs;
+use super::gradient::GradientArgs;
 use super::init::InitArgs;
 use super::mesh::{MeshArgs, MeshCommand};
 use super::methods::MethodsArgs;
@@ -99,6 +100,13 @@ pub enum Command {
     /// the combinations are made by --merge.
     #[command(after_help = EXIT_STATUS)]
     Require(RequireArgs),
+    /// Find exact derivatives of the numbers of a run with respect to numbers of its case
+    ///
+    /// One run gives the derivatives of all quantities by all keys: those of the discrete motion itself, found by the
+    /// tangent-linear run. The most important key comes first: that of which 1 % more changes the quantity most. The
+    /// command writes no files. Steps are fixed ones.
+    #[command(after_help = EXIT_STATUS)]
+    Gradient(GradientArgs),
     /// Measure the largest stable step of every method on this scene, and compare it with the predicted one
     ///
     /// Finds the limit by bisection with real runs. Writes stability.csv, .json, .html and .svg (the stability
@@ -161,6 +169,7 @@ impl Command {
             Command::Tradeoff(args) => args.study.print.json,
             Command::Sweep(args) => args.study.print.json,
             Command::Require(args) => args.study.print.json,
+            Command::Gradient(args) => args.print.json,
             Command::Stability(args) => args.print.json,
             Command::Methods(args) => args.json,
             Command::Mesh(MeshArgs { command: MeshCommand::Inspect(args) }) => args.json,

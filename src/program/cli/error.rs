@@ -15,6 +15,7 @@ use crate::output::resume::ResumeError;
 use crate::plot::PlotError;
 use crate::simulation::{RecordError, SetupError, SimulationError};
 use crate::study::StudyError;
+use crate::study::gradient::GradientError;
 
 /// Any failure of a command.
 #[derive(Debug, thiserror::Error)]
@@ -62,6 +63,12 @@ pub enum CliError {
     /// A study failed.
     #[error(transparent)]
     Study(#[from] StudyError),
+    /// A run has no derivatives.
+    #[error(transparent)]
+    Gradient(#[from] GradientError),
+    /// Results cannot be printed.
+    #[error("the results cannot be printed: {0}")]
+    Json(serde_json::Error),
     /// An example case cannot be written.
     #[error(transparent)]
     Init(#[from] InitError),
@@ -105,6 +112,7 @@ impl CliError {
             CliError::Mesh(e) => e.exit_status(),
             CliError::Plot(e) => e.exit_status(),
             CliError::Study(e) => e.exit_status(),
+            CliError::Gradient(e) => e.exit_status(),
             CliError::Method(_) => 2,
             CliError::Init(InitError::Write { .. }) => 1,
             CliError::Init(_) => 2,
@@ -115,6 +123,7 @@ impl CliError {
             | CliError::Observe(_)
             | CliError::Run(_)
             | CliError::Export(_)
+            | CliError::Json(_)
             | CliError::Simulation(_) => 1,
         }
     }

@@ -8,6 +8,7 @@ mod check_static;
 mod check_system;
 mod error;
 pub mod export;
+pub mod gradient;
 pub mod init;
 mod interrupt;
 mod known_models;
@@ -89,6 +90,7 @@ fn dispatch(command: &Command) -> Result<CommandOutput, CliError> {
         Command::Tradeoff(args) => tradeoff::run(args),
         Command::Sweep(args) => sweep::run(args),
         Command::Require(args) => require::run(args),
+        Command::Gradient(args) => gradient::run(args),
         Command::Plot(args) => plot::run(args).map(done),
         Command::View(args) => view::run(args).map(done),
         Command::Export(args) => export::run(args).map(done),

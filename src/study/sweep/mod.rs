@@ -22,3 +22,4 @@ pub use report::{FILES, SweepReport, clear, planned};
 pub use result::SweepResult;
 pub use run::{SweepRow, SweepRunner, rows_of};
 pub use vary::Vary;
+pub use words::unit_of;

@@ -19,6 +19,13 @@ pub(super) fn with_unit(key: &str) -> String {
     }
 }
 
+/// The unit of a key of the case, as [`with_unit`] has it; empty where it has none.
+pub fn unit_of(key: &str) -> String {
+    let schema = json_schema();
+    let path: Vec<&str> = key.split('.').collect();
+    unit(&schema, &schema, &path).unwrap_or_default().to_owned()
+}
+
 /// A unit as people write it.
 pub(super) fn shown(unit: &str) -> String {
     unit.replace("^2", "²").replace("^3", "³")

@@ -143,6 +143,12 @@ impl Quantities {
         Ok(Quantities { found, so_far, displacement_end: f64::NAN, landing: None })
     }
 
+    /// Name, source and statistic of those that are asked for.
+    pub(super) fn wanted(&self) -> impl Iterator<Item = (&str, &Source, Statistic)> {
+        let wanted = self.found.iter().filter(|found| found.wanted);
+        wanted.map(|found| (found.name.text.as_str(), &found.source, found.statistic))
+    }
+
     pub(super) fn take_up(&mut self, kept: &QuantitiesSoFar) {
         let alike = kept.account.len() == self.so_far.account.len() && kept.caught.len() == self.so_far.caught.len();
         if alike {

@@ -1,0 +1,154 @@
+//! Derivatives of the quantities of a run with respect to numbers of its case, exact for the steps that the run makes.
+//!
+//! Every number of a case is a parameter, by its key. The derivatives are those of the tangent-linear run
+//! ([`crate::sensitivity`]), which goes along with the run once for all quantities and parameters. They do not tell what
+//! the steps themselves do to the numbers: `solve --verify` tells that.
+
+mod error;
+mod keys;
+mod run;
+mod verify;
+
+pub use error::GradientError;
+pub use keys::KeyValue;
+
+use crate::case::Case;
+use crate::model::stop::Stop;
+use crate::sensitivity::Switches;
+use crate::simulation::build_scene;
+use crate::sweep::unit_of;
+use keys::{Variant, resolve};
+use run::{Followed, follow};
+use serde::{Deserialize, Serialize};
+
+/// What is asked for.
+#[derive(Clone, Copy)]
+pub struct GradientSpec<'a> {
+    /// the case; its quantities are those of which derivatives are found
+    pub case: &'a Case,
+    /// keys of the case
+    pub by: &'a [String],
+    /// threads of a scene above 2,000 nodes
+    pub threads: usize,
+    /// whether each derivative is compared with differences of whole runs
+    pub verify: bool,
+    /// set when the user interrupts
+    pub interrupt: Stop<'a>,
+}
+
+/// The derivatives of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GradientReport {
+    /// name of the case
+    pub case: String,
+    /// its method
+    pub method: String,
+    /// steps of the run
+    pub steps: u64,
+    /// factorisations of the run
+    pub run_factorizations: u64,
+    /// factorisations of the tangent-linear run
+    pub factorizations: u64,
+    /// quantities
+    pub quantities: Vec<QuantityGradient>,
+}
+
+/// A quantity with its derivatives.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct QuantityGradient {
+    /// its name
+    pub name: String,
+    /// its unit
+    pub unit: String,
+    /// its value
+    pub value: Option<f64>,
+    /// [s] when a peak is reached
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub peak_time: Option<f64>,
+    /// derivatives, the most important first
+    pub derivatives: Vec<Derivative>,
+}
+
+/// A derivative of a quantity with respect to a number of the case.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Derivative {
+    /// the number, by its key
+    pub by: String,
+    /// its unit; empty where it is not known
+    pub by_unit: String,
+    /// its value
+    pub at: f64,
+    /// the derivative, in the unit of the quantity over that of the number
+    pub value: f64,
+    /// [-] relative change of the quantity over that of the number; null where one of them is 0
+    pub elasticity: Option<f64>,
+    /// whether the quantity has another derivative on each side, as where the largest of several values changes places
+    pub one_sided: bool,
+    /// [-] share of stages of steps in which a law switches within the differences by this number
+    pub switching: f64,
+    /// the derivative by differences of whole runs, if these are asked for
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub by_runs: Option<f64>,
+}
+
+/// Finds the derivatives.
+///
+/// # Errors
+/// A key that is no number of the scene, a quantity or a method without derivative, or a run that fails.
+pub fn gradient(spec: &GradientSpec<'_>) -> Result<GradientReport, GradientError> {
+    let numbers = resolve(spec.case, spec.by)?;
+    let mut problem = spec.case.problem().clone();
+    let scene = build_scene(problem.take_system(), spec.threads)?;
+    let mut variants = Vec::with_capacity(numbers.len());
+    for number in &numbers {
+        variants.push(Variant::of(spec.case, number)?);
+    }
+    let built = variants.iter().map(|variant| variant.scenes(spec.threads)).collect::<Result<Vec<_>, _>>()?;
+    let parameters = numbers.iter().zip(built).map(|(number, scenes)| (number.key.clone(), scenes, number.h()));
+    let followed = follow(&problem, &*scene, parameters.collect(), spec.interrupt)?;
+    let by_runs = if spec.verify { Some(verify::by_runs(spec, &numbers, &variants)?) } else { None };
+    Ok(report(&problem.name, problem.method.info.name, &numbers, followed, by_runs.as_deref()))
+}
+
+/// `by_runs`: of each number, each quantity.
+fn report(
+    case: &str,
+    method: &str,
+    numbers: &[KeyValue],
+    followed: Followed,
+    by_runs: Option<&[Vec<Option<f64>>]>,
+) -> GradientReport {
+    let Followed { quantities, switches, steps, run_factorizations, factorizations } = followed;
+    let share = |Switches { stages, of }: &Switches| if *of > 0 { *stages as f64 / *of as f64 } else { 0.0 };
+    let quantity = |(place, of): (usize, crate::output::gauges::derivatives::QuantityDerivatives)| {
+        let derivative = |(number, (key, slope)): (usize, (&KeyValue, _))| {
+            let crate::sensitivity::difference::Slope { value, switches: one_sided } = slope;
+            let elasticity = of.value.filter(|of| *of != 0.0 && key.value != 0.0).map(|of| value * key.value / of);
+            Derivative {
+                by: key.key.clone(),
+                by_unit: unit_of(&key.key),
+                at: key.value,
+                value,
+                elasticity,
+                one_sided,
+                switching: switches.get(number).map_or(0.0, share),
+                by_runs: by_runs.and_then(|all| *all.get(number)?.get(place)?),
+            }
+        };
+        let mut derivatives: Vec<Derivative> =
+            numbers.iter().zip(of.slopes.iter().copied()).enumerate().map(derivative).collect();
+        // What has no elasticity comes last, in the order of the keys.
+        let size = |of: &Derivative| of.elasticity.map_or(-1.0, f64::abs);
+        derivatives.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        let (name, unit, value, peak_time) = (of.name, of.unit.to_owned(), of.value, of.peak_time);
+        QuantityGradient { name, unit, value, peak_time, derivatives }
+    };
+    GradientReport {
+        case: case.to_owned(),
+        method: method.to_owned(),
+        steps,
+        run_factorizations,
+        factorizations,
+        quantities: quantities.into_iter().enumerate().map(quantity).collect(),
+    }
+}
