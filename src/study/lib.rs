@@ -22,6 +22,7 @@ pub mod difference;
 mod error;
 pub mod experiment;
 pub mod export;
+pub mod fit;
 pub mod forecast;
 pub mod frames;
 pub mod gradient;

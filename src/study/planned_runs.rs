@@ -111,7 +111,7 @@ impl<P: StudyPlan<Job: CaseJob + Sync> + Sync> PlannedRuns<'_, P> {
 ///
 /// # Errors
 /// The first failure.
-fn each<T: Sync>(
+pub(super) fn each<T: Sync>(
     items: &[T],
     threads: usize,
     work: impl Fn(&T) -> Result<(), StudyError> + Sync,

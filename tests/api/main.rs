@@ -17,6 +17,7 @@ mod door;
 mod events;
 mod examples;
 mod filling;
+mod fit;
 mod globalised;
 mod gradient;
 mod inflow;

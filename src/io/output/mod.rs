@@ -20,6 +20,7 @@ pub mod folder;
 pub mod frame;
 mod frame_arrays;
 pub(crate) mod frame_files;
+pub mod gauge_rows;
 pub mod gauges;
 pub mod hermite;
 pub mod largest;

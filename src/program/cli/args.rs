@@ -2,6 +2,7 @@
 
 use super::case_args::{CheckArgs, SolveArgs};
 use super::export::ExportArgs;
+use super::fit::FitArgs;
 use super::gradient::GradientArgs;
 use super::init::InitArgs;
 use super::mesh::{MeshArgs, MeshCommand};
@@ -87,9 +88,17 @@ pub enum Command {
     /// quantity of a gauge the columns GAUGE.QUANTITY.peak, .peak_time [s], .last (the value at the end) and
     /// .is_steady (whether it changed by less than 1 % over the last tenth of the run), then quantities that are asked
     /// for, those of the landing where runs end on the ground (landing.time, .speed, .drift, .heading, .x and .y), and
-    /// `note`. Runs that failed are rows without these values; `note` says why. A sweep that was stopped continues when the same command is given again.
+    /// `note`. Runs that failed are rows without these values; `note` says why. A sweep that was stopped continues when
+    /// the same command is given again.
     #[command(after_help = EXIT_STATUS)]
     Sweep(SweepArgs),
+    /// Fit values of a case's keys to measured curves, with their errors
+    ///
+    /// Finds by least squares the values with which gauges of the run come nearest to tables of data, and how well the
+    /// data determine them: standard errors, intervals of 95 %, correlations. Writes fit.json, .csv, .svg and .html, and
+    /// fitted.json: the case with these values. A value that the data do not determine is told.
+    #[command(after_help = EXIT_STATUS)]
+    Fit(FitArgs),
     /// Find what a scene requires: what each part of the model does to the numbers of the report, and what it costs
     ///
     /// Runs the case with one change at a time: coarser and finer meshes and steps, the other model of the cloth, parts
@@ -168,6 +177,7 @@ impl Command {
             Command::Check(args) => args.print.json || args.expand,
             Command::Tradeoff(args) => args.study.print.json,
             Command::Sweep(args) => args.study.print.json,
+            Command::Fit(args) => args.print.json,
             Command::Require(args) => args.study.print.json,
             Command::Gradient(args) => args.print.json,
             Command::Stability(args) => args.print.json,
@@ -191,6 +201,8 @@ const OTHER_COMMANDS: &[(&str, &str)] = &[
     ("equilibrium", "static"),
     ("modes", "static"),
     ("compare", "tradeoff"),
+    ("calibrate", "fit"),
+    ("identify", "fit"),
     ("new", "init"),
     ("convert", "mesh"),
 ];

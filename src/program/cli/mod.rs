@@ -8,6 +8,7 @@ mod check_static;
 mod check_system;
 mod error;
 pub mod export;
+pub mod fit;
 pub mod gradient;
 pub mod init;
 mod interrupt;
@@ -89,6 +90,7 @@ fn dispatch(command: &Command) -> Result<CommandOutput, CliError> {
         Command::Mesh(args) => Ok(done(mesh::run(args)?)),
         Command::Tradeoff(args) => tradeoff::run(args),
         Command::Sweep(args) => sweep::run(args),
+        Command::Fit(args) => fit::run(args),
         Command::Require(args) => require::run(args),
         Command::Gradient(args) => gradient::run(args),
         Command::Plot(args) => plot::run(args).map(done),
