@@ -175,3 +175,48 @@ fn the_end_on_the_ground_is_steady() {
     assert!(last["name"] == "steady" && (from - 0.9 * to).abs() < 1e-9 * to, "{last}");
     assert_eq!(last["to"], summary["t_end"]);
 }
+
+/// A weight of 5 kg on three lines below a triangle of cloth that is held. Each line bears less than the weight.
+fn torn(last_breaks: bool) -> Value {
+    let line = |id: u32, strength: f64, breaks: bool| {
+        json!({"on": {"ids": [id]}, "stiffness": 2000.0, "strength": strength, "breaks": breaks})
+    };
+    json!({
+        "name": "torn",
+        "system": {"network": {
+            "mesh": {"explicit": {
+                "nodes": [[1, 0, 1], [-0.5, 0.9, 1], [-0.5, -0.9, 1], [0, 0, 0]],
+                "springs": [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]],
+                "triangles": [[0, 1, 2]],
+                "groups": {"payload": {"nodes": [3]}}
+            }},
+            "mass": {"nodal": [0.1, 0.1, 0.1, 5.0]},
+            "springs": [
+                {"on": {"ids": [0, 1, 2]}, "stiffness": 2000.0},
+                line(3, 12.0, true), line(4, 15.0, true), line(5, 18.0, last_breaks)
+            ],
+            "supports": [{"on": {"ids": [0, 1, 2]}, "fix": "xyz"}],
+            "gravity": [0, 0, -G]
+        }},
+        "time": {"end": 1.0, "method": "velocity-verlet", "step": 0.001}
+    })
+}
+
+/// Where the last line breaks the payload is lost, and report and summary say when; one line that holds is enough.
+#[test]
+fn a_payload_whose_lines_all_break_is_lost() {
+    let bench = Bench::new();
+    let ended = solve(&bench, &torn(true), &[]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let summary = bench.results().summary();
+    let events = summary["events"].as_array().expect("events");
+    assert_eq!(events.len(), 3, "{events:?}");
+    let (lost, last) = (&summary["payload_lost"], &events[2]);
+    assert_eq!((&lost["time"], &lost["last"]), (&last["time"], &last["name"]));
+    assert!(ended.stdout.contains("payload         lost at t = ") && ended.stdout.contains("edge 5 has broken"));
+    let ended = solve(&bench, &torn(false), &["--force"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let summary = bench.results().summary();
+    assert_eq!(summary["events"].as_array().map(Vec::len), Some(2));
+    assert!(summary["payload_lost"].is_null() && !ended.stdout.contains("lost at"), "{}", ended.stdout);
+}

@@ -311,3 +311,21 @@ fn the_results_of_another_case_are_replaced_whole() {
     assert!(names.iter().all(|name| name.starts_with("other_") || name == "sail_notes.txt"), "{names:?}");
     assert!(names.len() > 2 && bench.path("out/other.pvd").exists() && !bench.path("out/sail.pvd").exists());
 }
+
+/// What was made of an earlier run in the same folder is told, until it is made anew.
+#[test]
+fn pages_of_an_earlier_run_are_told() {
+    let bench = Bench::new();
+    let solve = |flags: &[&str]| {
+        let ended = bench.solve(flags);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        ended.stderr
+    };
+    let shows = |text: &str, file: &str| text.contains(&format!("{file} shows an earlier run"));
+    assert!(!shows(&solve(&["--view"]), "view.html"));
+    assert_eq!(bench.run(&["export", "out", "--to", "glb"]).code, Some(0));
+    let again = solve(&["--force"]);
+    assert!(shows(&again, "view.html") && shows(&again, ".glb") && !shows(&again, ".usda"), "{again}");
+    assert!(!shows(&solve(&["--force", "--view"]), "view.html"));
+    assert_eq!(solve(&["--force", "--quiet"]), "");
+}

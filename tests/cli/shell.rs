@@ -42,6 +42,9 @@ fn templates_run_without_a_warning() {
         let checked = done(&bench, &["check", &file, "--end", "0.01"]);
         assert!(checked.starts_with(&format!("{template}: no faults\n")), "{checked}");
     }
+    // Without a name the case has that of the template.
+    done(&bench, &["init", "--template", "drop", "--force"]);
+    assert!(bench.run(&["init", "--template", "drop"]).stderr.contains("drop.json exists already"));
     // A template that does not exist, and a list with a name.
     for wrong in [&["init", "x", "--template", "sail"][..], &["init", "x", "--list"], &["init"]] {
         assert_eq!(bench.run(wrong).code, Some(2), "{wrong:?}");

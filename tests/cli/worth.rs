@@ -151,3 +151,14 @@ fn a_run_is_the_same_with_its_errors() {
         assert!(a == b, "{file}");
     }
 }
+
+/// What a tolerance gives stands in the column of all other lines of the report.
+#[test]
+fn errors_by_a_tolerance_have_a_line() {
+    let bench = Bench::new();
+    let case = oscillator(&bench, "dop853", 0.01);
+    let ended = bench.run(&["solve", case, "--out", "out", "--verify", "--tolerance", "1e-5"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let line = "  ± by tolerance  beside tolerance 1e-4, tolerance 1e-3\n";
+    assert!(ended.stdout.contains(line), "{}", ended.stdout);
+}

@@ -13,6 +13,7 @@ mod error;
 pub mod event;
 pub mod failure;
 pub mod ledger;
+pub mod lost_payload;
 pub mod max_displacement;
 pub mod observer;
 mod outcome;

@@ -31,6 +31,9 @@ pub trait Springs {
     /// The edges that have a spring, ascending.
     fn spring_edges(&self) -> Vec<u32>;
 
+    /// The edges that have a spring which is neither cut nor broken in this run so far; an edge may be there twice.
+    fn whole_edges(&self) -> Vec<u32>;
+
     /// The springs on some edges (ascending), of one rule or of all.
     fn springs_on(&self, edges: &[u32], rule: Option<usize>) -> Vec<SpringPlace>;
 

@@ -123,6 +123,10 @@ impl Springs for Network {
         edges
     }
 
+    fn whole_edges(&self) -> Vec<u32> {
+        self.carrying().flat_map(|batch| batch.edges.iter().copied()).collect()
+    }
+
     fn springs_on(&self, edges: &[u32], rule: Option<usize>) -> Vec<SpringPlace> {
         let batches =
             self.acting.springs.iter().zip(0_u32..).filter(|(batch, _)| rule.is_none_or(|r| r == batch.group as usize));

@@ -15,6 +15,7 @@ use super::stages::StageReport;
 use crate::analysis::growing::GrowingMotion;
 use crate::case::spec::Problem;
 use crate::drive::event::{Fired, Landing};
+use crate::drive::lost_payload::LostPayload;
 use crate::drive::observer::{Energies, ObserveError};
 use crate::drive::{Failure, Outcome, Status};
 use crate::integrate::Counters;
@@ -211,6 +212,9 @@ pub struct Summary {
     /// the landing; not given unless the case has `time.until` and the ground was reached
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub landing: Option<Landing>,
+    /// the break after which the payload hung on no canopy any more; not given where it still does
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub payload_lost: Option<LostPayload>,
     /// whether the run ended because its scene was at rest; not given unless the case has `time.until_rest`
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_rest: Option<bool>,
@@ -267,6 +271,7 @@ impl Summary {
             events: EventReport::all(&outcome.fired),
             never_fired: outcome.unmet.clone(),
             landing: outcome.fired.iter().find_map(|fired| fired.landing),
+            payload_lost: None,
             at_rest: problem.time.until_rest.map(|_| outcome.ended_early && !outcome.landed()),
             equilibrium: None,
             failure: outcome.failure.clone(),

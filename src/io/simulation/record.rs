@@ -13,6 +13,7 @@ use crate::case::{Case, CaseError};
 use crate::drive::at_rest::AtRest;
 use crate::drive::cloth_strain::ClothStrain;
 use crate::drive::critical_step_monitor::{CriticalStepMonitor, LeastStep, Monitored};
+use crate::drive::lost_payload::LostPayload;
 use crate::drive::max_displacement::{Displacement, MaxDisplacement};
 use crate::drive::observer::{AcceptedStep, ObserveError, Observer, UpcomingStep, Wants};
 use crate::drive::{Outcome, Status};
@@ -274,6 +275,7 @@ impl Prepared<'_> {
             groups: self.groups.clone(),
             startup: self.timer.read(),
             mass_scaling: scene.added_mass(),
+            payload_lost: LostPayload::find(&**scene, &problem.output.stages.payload, &outcome.fired),
             failure_groups: outcome.failure.as_ref().map(|failure| failure.groups(scene.parts())).unwrap_or_default(),
             ..Summary::new(problem, &**scene, &outcome, limits.taut.step, stopwatch.read())
         };

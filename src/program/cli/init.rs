@@ -29,6 +29,11 @@ pub enum Template {
 }
 
 impl Template {
+    /// Its name on the command line.
+    fn name(self) -> String {
+        self.to_possible_value().unwrap_or_default().get_name().to_owned()
+    }
+
     fn text(self) -> &'static str {
         match self {
             Template::Canopy => include_str!("templates/canopy.jsonc"),
@@ -43,8 +48,8 @@ impl Template {
 /// Write a commented example case.
 #[derive(Clone, Debug, clap::Args)]
 pub struct InitArgs {
-    /// Name of the case; the file is NAME.json
-    #[arg(required_unless_present = "list")]
+    /// Name of the case; the file is NAME.json [default: the name of the template that is given]
+    #[arg(required_unless_present_any = ["list", "template"])]
     pub name: Option<String>,
     /// Example to write
     #[arg(long, value_enum, default_value_t, value_name = "TEMPLATE")]
@@ -107,11 +112,11 @@ fn list() -> String {
 /// # Errors
 /// A name that cannot be a file name, a file that exists (without `force`), or a failed write.
 pub fn write(args: &InitArgs, folder: &Path) -> Result<PathBuf, InitError> {
-    let given = args.name.as_deref().unwrap_or_default();
+    let given = &args.name.clone().unwrap_or_else(|| args.template.name());
     let name = given.strip_suffix(".json").unwrap_or(given);
     let plain = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.');
     if name.is_empty() || name.starts_with(['.', '-']) || name.chars().count() > 200 || !name.chars().all(plain) {
-        return Err(InitError::Name { name: given.to_owned() });
+        return Err(InitError::Name { name: given.clone() });
     }
     let path = folder.join(format!("{name}.json"));
     let shown = path.display().to_string();

@@ -5,6 +5,7 @@ use super::stages;
 use super::terminal::coloured;
 use crate::analysis::warnings::worth;
 use crate::drive::event::{Fired, Landing};
+use crate::drive::lost_payload::LostPayload;
 use crate::drive::max_displacement::Displacement;
 use crate::drive::{Failure, Outcome, Status};
 use crate::format_number::{counted, figures, with_error};
@@ -51,6 +52,10 @@ pub(super) fn report(name: &str, recorded: &Recorded, errors: &str, out: &Path) 
         let _ = writeln!(text, "  mass scaling    {}", added.text());
     }
     describe_events(&mut text, outcome);
+    if let Some(LostPayload { time, last }) = &summary.payload_lost {
+        let t = figures(*time, 8);
+        let _ = writeln!(text, "  payload         lost at t = {t} s: no canopy holds it after {last} has broken");
+    }
     describe_cost(&mut text, outcome, summary);
     if !failed {
         let _ = writeln!(text, "  energy error    {}", energy_verdict(outcome));

@@ -5,6 +5,7 @@ use super::progress::{Display, Progress};
 use super::report::{already_done, describe, report};
 use super::resume::finished_run;
 use super::terminal::interject;
+use super::view::PAGE;
 use super::worth::{Accounted, as_override};
 use super::{CliError, CommandOutput, SolveArgs, complain};
 use crate::case::Case;
@@ -18,8 +19,10 @@ use crate::output::summary::Summary;
 use crate::plot::PlotError;
 use crate::simulation::{EarlierResults, RecordSettings, RecordWatch, record_watched};
 use crate::startup::{Phase, StartupTimer, timed};
+use crate::study::export::AnimationFormat;
 use crate::study::view::Recording;
 use crate::warning::Warning;
+use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
@@ -35,6 +38,9 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     if let Some(summary) = args.resume.then(|| finished_run(&out, problem)).flatten() {
         problem.warnings.iter().for_each(warned);
         let view = view(args, &out)?;
+    if !args.print.quiet {
+        tell_outdated(&out, &name, args.view);
+    }
         let text = printed(args, &summary, &out, || already_done(&summary, &name, &out) + &view)?;
         return Ok(CommandOutput { text, code: 0 });
     }
@@ -91,6 +97,20 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
         Status::Interrupted => 130,
     };
     Ok(CommandOutput { text, code })
+}
+
+/// Tells what was made of an earlier run of the same name, in this folder under its usual name.
+fn tell_outdated(out: &Path, name: &str, viewed: bool) {
+    let page = (!viewed).then(|| (out.join(PAGE), format!("canopy-fem view {}", out.display())));
+    let animation = |format: &AnimationFormat| {
+        let ending = format.ending();
+        let path = out.join(format!("{}.{ending}", file_stem(name)));
+        (path, format!("canopy-fem export {} --to {ending}", out.display()))
+    };
+    let all = page.into_iter().chain(AnimationFormat::value_variants().iter().map(animation));
+    for (path, again) in all.filter(|(path, _)| path.is_file()) {
+        complain(&format!("note: {} shows an earlier run; {again} makes it anew", path.display()));
+    }
 }
 
 /// Writes the page of the run, if it is asked for; its line of the report. A run that ended before its first frame has

@@ -47,7 +47,7 @@ impl SweepReport<'_> {
     pub fn write(&self, out: &Path) -> Result<String, StudyError> {
         let &SweepReport { plan, rows, .. } = self;
         let all = quantities(rows);
-        let shown = chosen(&all, rows, self.plot)?;
+        let shown = chosen(&all, (plan, rows), self.plot)?;
         let table: Vec<Vec<String>> = rows.iter().map(|row| cells(plan, &all, row)).collect();
         let head = header(plan, &all);
         let csv = context! { head, rows => table };

@@ -112,6 +112,14 @@ impl EventSpec {
         !matches!(self.trigger, Trigger::Told(_))
     }
 
+    /// The edges whose springs it looks at; none if it looks at nodes.
+    pub fn edges(&self) -> &[u32] {
+        match &self.of {
+            Watched::Springs { edges, .. } => edges,
+            Watched::Nodes(_) => &[],
+        }
+    }
+
     /// Whether it is that a spring breaks.
     pub fn breaks(&self) -> bool {
         matches!(self.of, Watched::Springs { group: Some(_), .. })
