@@ -38,9 +38,6 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     if let Some(summary) = args.resume.then(|| finished_run(&out, problem)).flatten() {
         problem.warnings.iter().for_each(warned);
         let view = view(args, &out)?;
-    if !args.print.quiet {
-        tell_outdated(&out, &name, args.view);
-    }
         let text = printed(args, &summary, &out, || already_done(&summary, &name, &out) + &view)?;
         return Ok(CommandOutput { text, code: 0 });
     }
@@ -86,6 +83,9 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     let outcome = &recorded.outcome;
     if let Some(failure) = &outcome.failure {
         complain(&describe(&recorded.summary, failure));
+    }
+    if !args.print.quiet {
+        tell_outdated(&out, &name, args.view);
     }
     let view = view(args, &out)?;
     let text = printed(args, &recorded.summary, &out, || report(&name, &recorded, &errors, &out) + &view)?;
