@@ -13,6 +13,7 @@ use super::ranking::{QuantityResult, ReferenceQuantity};
 use super::row::{Job, RowStatus, RunResult, StepSetting};
 use super::runner::{PreparedVariant, RunEnd, Runner};
 use super::store::{ComparedSoFar, Unfinished};
+use crate::drive::event::Fired;
 use crate::drive::observer::{
     AcceptedStep, Energies, ObserveError, Observer, Point, Resumable, States, UpcomingStep, Wants,
 };
@@ -148,6 +149,10 @@ impl Observer for Watcher<'_, '_> {
     fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         self.sampler.accepted(step)?;
         self.quantities.as_mut().map_or(Ok(()), |values| values.accepted(step))
+    }
+
+    fn event(&mut self, event: &Fired) -> Result<(), ObserveError> {
+        self.quantities.as_mut().map_or(Ok(()), |values| values.event(event))
     }
 
     fn failed(&mut self) -> Result<(), ObserveError> {

@@ -11,6 +11,7 @@ use super::prepared_case::PreparedCase;
 use super::ranking::ReferenceQuantity;
 use super::worth::{KnownError, Runs, Shrinks, Worth};
 use crate::case::spec::{OutputSpec, RowEvery};
+use crate::drive::event::Fired;
 use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::output::gauges::MeasuredQuantity;
 use crate::output::largest::LargestValues;
@@ -100,6 +101,10 @@ impl Observer for Thinned<'_> {
         let [every, from] = self.steps;
         let last = step.t + 0.5 * step.h() > self.end;
         if last || step.step % every == from { self.values.accepted(step) } else { Ok(()) }
+    }
+
+    fn event(&mut self, event: &Fired) -> Result<(), ObserveError> {
+        self.values.event(event)
     }
 
     fn failed(&mut self) -> Result<(), ObserveError> {

@@ -17,8 +17,12 @@ pub fn coarser(step: Step, times: i32) -> Step {
     match step {
         Step::Fixed(h) => Step::Fixed(h * 2.0_f64.powi(times)),
         Step::Adaptive(Tolerance { relative, absolute }) => {
-            let factor = 10.0_f64.powi(times);
-            Step::Adaptive(Tolerance { relative: relative * factor, absolute: absolute * factor })
+            // Ten times 1e-6 is told as 1e-5.
+            let times_ten = |tolerance: f64| {
+                let product = tolerance * 10.0_f64.powi(times);
+                format!("{product:.12e}").parse().unwrap_or(product)
+            };
+            Step::Adaptive(Tolerance { relative: times_ten(relative), absolute: times_ten(absolute) })
         }
     }
 }

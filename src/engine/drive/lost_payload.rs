@@ -26,7 +26,8 @@ impl LostPayload {
         let sides = || triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c]]);
         // With the first `broken` breaks only.
         let hangs = |broken: usize| {
-            let later = breaks.iter().skip(broken).filter_map(|one| named.get(one.event)).flat_map(|event| event.edges());
+            let later =
+                breaks.iter().skip(broken).filter_map(|one| named.get(one.event)).flat_map(|event| event.edges());
             let joined = whole.iter().chain(later).filter_map(ends).chain(sides());
             let part = components(scene.reference().len(), joined);
             let part_of = |node: &u32| part.get(*node as usize);

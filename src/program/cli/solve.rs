@@ -87,6 +87,9 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     if let Some(failure) = &outcome.failure {
         complain(&describe(&recorded.summary, failure));
     }
+    if !args.print.quiet {
+        tell_outdated(&out, &name, args.view);
+    }
     let view = view(args, &out)?;
     let text = printed(args, &recorded.summary, &out, || report(&name, &recorded, &errors, &out) + &view)?;
     let code = match outcome.status {

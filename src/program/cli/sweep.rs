@@ -33,7 +33,7 @@ pub struct SweepArgs {
     #[command(flatten)]
     pub sample: SampleArgs,
     /// Column of sweep.csv to draw; may be given several times [default: the quantities that are asked for, else the
-    /// first peaks of the gauges, else displacement and speed]
+    /// first peaks of the gauges with speed and drift of a landing, else displacement and speed]
     #[arg(long, value_name = "COLUMN")]
     pub plot: Vec<String>,
     /// Runs at the same time, each on one thread; results are the same for every number [default: number of cores]

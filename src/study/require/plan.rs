@@ -172,7 +172,9 @@ fn with_numbers(case: &Case) -> Result<Case, StudyError> {
     match (motion, problem.output.quantities.is_empty()) {
         (false, _) => Ok(case.clone()),
         (true, true) => {
-            let names = serde_json::json!(WITHOUT_GAUGES).to_string();
+            let landing = wanted.iter().filter(|quantity| quantity.is_of_landing()).map(|quantity| quantity.name.as_str());
+            let names: Vec<&str> = WITHOUT_GAUGES.into_iter().chain(landing).collect();
+            let names = serde_json::json!(names).to_string();
             Ok(case.with(&[("study.quantities".to_owned(), names)])?)
         }
         (true, false) => Err(StudyError::Usage(

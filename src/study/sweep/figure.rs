@@ -8,9 +8,11 @@ use super::words::with_unit;
 use crate::error::StudyError;
 use crate::format_number::figures;
 use crate::method_look::{curve_color, method_colors, method_mark};
+use crate::model::quantity::OfLanding;
 use crate::plot::chart::{Align, Axis, Chart, Line, MarginPanel, Marker, Note, PanelMark, PanelSide, Scale, Size};
 use crate::report::style::failure;
 use crate::row::RowStatus;
+use serde_json::Value;
 
 /// Quantities that are drawn if nobody asks for others.
 const SHOWN: usize = 4;
@@ -23,20 +25,28 @@ const DIGITS: [usize; 3] = [3, 5, 8];
 /// The key whose values are methods.
 const METHOD: &str = "time.method";
 
+/// What is drawn of a landing that nobody has asked for.
+const LANDING: [OfLanding; 2] = [OfLanding::Speed, OfLanding::Drift];
+
 /// The quantities that are drawn: the columns of `--plot`, else the quantities that are asked for, else the peaks of
-/// the gauges, else motion and speed.
+/// the gauges and the landing, else motion and speed.
 ///
 /// # Errors
 /// A name that is no column of numbers.
 pub(super) fn chosen<'q>(
     all: &'q [Quantity],
-    rows: &[SweepRow],
+    (plan, rows): (&SweepPlan, &[SweepRow]),
     asked: &[String],
 ) -> Result<Vec<&'q Quantity>, StudyError> {
     if !asked.is_empty() {
         return asked.iter().map(|name| column_named(all, "--plot", name)).collect();
     }
-    let quantity = |column: &&Quantity| rows.iter().any(|row| row.result.quantities.contains_key(&column.name));
+    let by_case = plan.case.pointer("/study/quantities").and_then(Value::as_array);
+    let in_case = |name: &str| by_case.is_some_and(|names| names.iter().any(|one| one.as_str() == Some(name)));
+    let measured = |name: &str| rows.iter().any(|row| row.result.quantities.contains_key(name));
+    // Those of a landing are always there.
+    let of_landing = |name: &str| OfLanding::ALL.iter().any(|of| of.name() == name);
+    let quantity = |Quantity { name, .. }: &&Quantity| measured(name) && (in_case(name) || !of_landing(name));
     let quantities: Vec<&Quantity> = all.iter().filter(quantity).collect();
     if !quantities.is_empty() {
         return Ok(quantities);
@@ -48,7 +58,8 @@ pub(super) fn chosen<'q>(
         let largest = quantity.name.replace("_sum.", "_max.").replace("_mean.", "_max.");
         largest != quantity.name && peaks().any(|other| other.name == largest && column(other) == column(quantity))
     };
-    let peaks: Vec<&Quantity> = peaks().filter(|quantity| !repeats(quantity)).take(SHOWN).collect();
+    let landing = all.iter().filter(|quantity| LANDING.iter().any(|of| of.name() == quantity.name));
+    let peaks: Vec<&Quantity> = peaks().filter(|quantity| !repeats(quantity)).take(SHOWN).chain(landing).collect();
     let plain = ["displacement_end", "max_speed"];
     Ok(if peaks.is_empty() { all.iter().filter(|q| plain.contains(&q.name.as_str())).collect() } else { peaks })
 }

@@ -86,7 +86,7 @@ impl SweepReport<'_> {
     fn write_rows(&self, out: &Path, beside: &[SweepRow]) -> Result<String, StudyError> {
         let &SweepReport { plan, rows, .. } = self;
         let all = quantities(rows);
-        let mut shown = chosen(&all, rows, self.plot)?;
+        let mut shown = chosen(&all, (plan, rows), self.plot)?;
         let mut sample = None;
         if let Some(sampled) = &plan.sampled {
             if self.plot.is_empty() {

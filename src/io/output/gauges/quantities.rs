@@ -254,7 +254,7 @@ fn find(gauges: &mut Gauges, spec: &GaugesSpec<'_>, name: &QuantityName) -> Resu
         Named::Motion => Ok(made("-", Source::Motion, Statistic::Peak)),
         Named::DisplacementEnd => Ok(made("m", Source::DisplacementEnd, Statistic::Last)),
         Named::Landing(of) if spec.stages.landing => Ok(made(of.unit(), Source::Landing(*of), Statistic::Last)),
-        Named::Landing(_) => Err(unknown(gauges, spec, name, "landing: the case has no time.until".to_owned())),
+        Named::Landing(_) => Err(unknown(gauges, spec, name, "landing without time.until".to_owned())),
         Named::Largest(of) => {
             let column = Column::of("largest", of.unit());
             gauges.add(&name.text, None, &[column], Places::Scene(*of), rows);
