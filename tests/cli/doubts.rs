@@ -48,7 +48,7 @@ fn check_and_solve_warn_with_numbers() {
         ("N.initial.velocity=[0,0,-350]", "m/s, 1.03 times the speed of sound"),
         ("N.springs.0.rest_scale=0.5", "starts with a strain of 1 (length"),
         ("N.springs.0.dashpot={\"relative\":\"step\"}", "a \"step\" dashpot has c = k h"),
-        ("N.mass.nodal=0.009", "0.054 kg on 2 m^2 of triangles are 0.027 kg/m^2; cloth has 0.03 to 0.6"),
+        ("N.mass.nodal=0.009", "0.054 kg on 2 m^2 of triangles are 0.027 kg/m^2; cloth has 0.03 to 1.8"),
     ] {
         let set = set.replace("N.", N);
         let arguments = [&LIGHT[..], &["--method", "newmark", "--set", &set]].concat();

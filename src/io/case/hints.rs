@@ -289,7 +289,9 @@ pub(crate) fn places_of(root: &Value, key: &str) -> Vec<String> {
 /// The keys of an object in all its forms, with their schemas; `0` for the entries of a list.
 fn members<'a>(root: &'a Value, schema: &'a Value) -> Vec<(String, &'a Value)> {
     let schema = meant(root, schema);
-    let branches = schema.get("oneOf").and_then(Value::as_array).into_iter().flatten();
+    // A selection without another holds the same keys again.
+    let again = |branch: &&Value| meant(root, branch).pointer("/properties/except").is_some();
+    let branches = schema.get("oneOf").and_then(Value::as_array).into_iter().flatten().filter(|one| !again(one));
     let own = schema.get("properties").and_then(Value::as_object).into_iter().flat_map(Map::iter);
     let items = schema.get("items").map(|items| ("0".to_owned(), items));
     let own = own.map(|(key, schema)| (key.clone(), schema)).chain(items);

@@ -17,8 +17,8 @@ fn close(a: f64, b: f64) {
     assert!((a - b).abs() <= 1e-12 * b.abs(), "{a} instead of {b}");
 }
 
-/// Every case that comes with the program parses and builds; those of the thesis' canopies are heavier than cloth, the
-/// wind of its first one is faster than light, and its spring pendulum's springs are stretched far.
+/// Every case that comes with the program parses and builds; the thesis' cloths are heavier than
+/// cloth, the wind of its first canopy is faster than light, and its spring pendulum's springs are stretched far.
 #[test]
 fn assets_build() {
     let names: Vec<String> = assets()

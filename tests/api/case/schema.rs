@@ -152,7 +152,9 @@ fn outside(root: &Value, schema: &Value) -> Vec<(String, Value)> {
             }
         }
     }
-    for branch in schema["oneOf"].as_array().into_iter().flatten() {
+    // A selection without another holds selections, without end.
+    let endless = |branch: &&Value| branch["$ref"].as_str().is_some_and(|name| name.ends_with("Except"));
+    for branch in schema["oneOf"].as_array().into_iter().flatten().filter(|branch| !endless(branch)) {
         found.extend(outside(root, branch));
     }
     for (key, property) in schema["properties"].as_object().into_iter().flatten() {

@@ -142,8 +142,8 @@ fn energy_momentum_keeps_the_energy_of_a_gas() {
     }
 }
 
-/// Two chambers with a wall between them, over a rim: a pillow with an inner sheet. Each gas has its own volume, and the
-/// wall feels the difference.
+/// Two chambers with a wall between them, over a rim: a pillow with an inner sheet. Each gas has its own volume, and
+/// the wall feels the difference.
 #[test]
 fn chambers_share_a_wall() {
     let mut case = pillow();

@@ -20,7 +20,7 @@ const STRAIN: f64 = 0.5;
 
 /// [kg/m^2] Areal densities from the lightest canopy cloth (PIA-C-44378: 0.038) to roof cloth (PTFE on glass: 1.5;
 /// PVC on polyester, French type V: 1.45), with a margin for belts and coatings.
-const CLOTH: [f64; 2] = [0.03, 2.0];
+const CLOTH: [f64; 2] = [0.03, 1.8];
 
 /// [kg/m^3] Air at sea level and 15 degrees Celsius.
 const SEA_LEVEL: f64 = 1.225;

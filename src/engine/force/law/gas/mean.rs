@@ -5,8 +5,8 @@
 //! p = (U(V_0) - U(V_1))/(V_1 - V_0) = p_a [(V_a/V_0)^gamma phi - 1],     L = ln(V_1/V_0)
 //! phi = (1 - e^((1-gamma) L))/((gamma-1)(e^L - 1)),      1 where L is 0
 //! ```
-//! dV/dx is quadratic in x, so that G is dV/dx in the middle and a twelfth of that of the change x_1 - x_0. The amount is
-//! that in the middle. With a middle that moves while x_0 stays, and g_1 = dV/dx at x_1,
+//! dV/dx is quadratic in x, so that G is dV/dx in the middle and a twelfth of that of the change x_1 - x_0. The amount
+//! is that in the middle. With a middle that moves while x_0 stays, and g_1 = dV/dx at x_1,
 //! ```text
 //! -df/dx = -p d2V/dx2 at x + (x_1 - x_0)/6  -  2 dp/dV_1 G g_1^T      (of rank one, not symmetric)
 //! dp/dV_1 = (p(V_1) - p)/(V_1 - V_0)
