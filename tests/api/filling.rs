@@ -60,8 +60,8 @@ fn outer(case: &Case) -> f64 {
     }
 }
 
-/// A hemisphere of tight cloth falls as its least CD0 says, 0.62, where none is told; a flat canopy keeps -0.7, and what
-/// is told stays.
+/// A hemisphere of tight cloth falls as its least CD0 says, 0.62, where none is told; a flat canopy keeps -0.7, and
+/// what is told stays.
 #[test]
 fn the_outer_pressure_is_by_type() {
     let mut case = small();

@@ -89,11 +89,14 @@ fn a_wind_by_event_is_that_of_its_table() {
         [0.5, 0, 0], {"table": rows}, {"gust": {"velocity": [0, -5, 1], "start": at + 0.33, "duration": 0.37}}
     ]});
     let timed = ended(&timed);
-    let apart = |a: &Run, b: &Run| (0..3).map(|i| (a.positions[0][i] - b.positions[0][i]).abs()).fold(0.0, f64::max);
+    let apart = |a: &Run, b: &Run| {
+        let [a, b] = [a, b].map(|run| [run.positions[0], run.velocities[0]].concat());
+        a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
     assert!(apart(&exact, &timed) < 1e-8, "{:e}", apart(&exact, &timed));
     for (method, order) in [("velocity-verlet", 2), ("newmark", 2), ("rk4", 4), ("esdirk4", 4)] {
         let error = |step: f64| apart(&exact, &ended(&blown(&fixed(method, step, 0.8))));
-        let (coarse, fine) = (error(0.05), error(0.0125));
+        let (coarse, fine) = (error(0.025), error(0.00625));
         assert!(
             coarse < 0.02 && (fine < 1e-9 || fine < 2.0 * coarse / 4.0_f64.powi(order)),
             "{method}: {coarse:e} {fine:e}"

@@ -1,7 +1,7 @@
 //! The stream that canopies, lines and payloads meet: wind over time and height, density over height.
 //!
 //! ```text
-//! w(t, z) = table(t) + sum of gusts(t) + profile(altitude + z) + sum of winds(t - t_e) from the time t_e of an event on
+//! w(t, z) = table(t) + sum of gusts(t) + profile(altitude + z) + sum of winds(t - t_e) from their events t_e on
 //! gust(t) = A/2 (1 - cos(2 pi (t - t0)/T))
 //! ```
 //! Profile and atmosphere are functions of the height above sea level. Fixed steps would miss a short gust, or take it
