@@ -80,8 +80,9 @@ fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
-/// The deflection of a spring is linear in the load: of a normal load it is normal, with mean m a/k and deviation m s/k.
-/// A Latin hypercube of 200 has the mean to a thousandth of the deviation, and percentiles to a fifth of it at the ends.
+/// The deflection of a spring is linear in the load: of a normal load it is normal, with mean m a/k and deviation m
+/// s/k. A Latin hypercube of 200 has the mean to a thousandth of the deviation, and percentiles to a fifth of it at
+/// the ends.
 #[test]
 fn the_linear_response_of_a_normal_is_normal() {
     let bench = spring();
@@ -110,8 +111,8 @@ fn the_linear_response_of_a_normal_is_normal() {
     assert_eq!(Results(bench.path("one")).summary()["peaks"][0]["last"].as_f64(), Some(found[worst]));
 }
 
-/// A mass falls at sqrt(2 m g / (rho CdA)) at last. Of an area uniform from 1 to 3 m^2, here as a table of its distribution
-/// function, all percentiles of the speed are known.
+/// A mass falls at sqrt(2 m g / (rho CdA)) at last. Of an area uniform from 1 to 3 m^2, here as a table of its
+/// distribution function, all percentiles of the speed are known.
 #[test]
 fn a_falling_mass_has_the_distribution_of_its_terminal_speed() {
     let bench = falling();
