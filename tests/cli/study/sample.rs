@@ -80,8 +80,9 @@ fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
-/// The deflection of a spring is linear in the load: of a normal load it is normal, with mean m a/k and deviation m s/k.
-/// A Latin hypercube of 200 has the mean to a thousandth of the deviation, and percentiles to a few hundredths.
+/// The deflection of a spring is linear in the load: of a normal load it is normal, with mean m a/k and deviation m
+/// s/k. A Latin hypercube of 200 has the mean to a thousandth of the deviation, and percentiles to a fifth of it at
+/// the ends.
 #[test]
 fn the_linear_response_of_a_normal_is_normal() {
     let bench = spring();
@@ -98,7 +99,7 @@ fn the_linear_response_of_a_normal_is_normal() {
     assert!((number(&deflection["sd"]["value"]) - sd).abs() < 0.02 * sd, "{deflection}");
     let normal = [-2.326_347_874, -1.644_853_627, 0.0, 1.644_853_627, 2.326_347_874];
     for (quantile, z) in deflection["quantiles"].as_array().expect("five").iter().zip(normal) {
-        assert!((number(&quantile["value"]) - mean - sd * z).abs() < 0.1 * sd, "{quantile}, z = {z}");
+        assert!((number(&quantile["value"]) - mean - sd * z).abs() < 0.2 * sd, "{quantile}, z = {z}");
     }
     // All of the scatter comes from the one key.
     assert!(number(&deflection["indices"][0]["first"]["value"]) > 0.99, "{deflection}");
@@ -110,8 +111,8 @@ fn the_linear_response_of_a_normal_is_normal() {
     assert_eq!(Results(bench.path("one")).summary()["peaks"][0]["last"].as_f64(), Some(found[worst]));
 }
 
-/// A mass falls at sqrt(2 m g / (rho CdA)) at last. Of an area uniform from 1 to 3 m^2, here as a table of its distribution
-/// function, all percentiles of the speed are known.
+/// A mass falls at sqrt(2 m g / (rho CdA)) at last. Of an area uniform from 1 to 3 m^2, here as a table of its
+/// distribution function, all percentiles of the speed are known.
 #[test]
 fn a_falling_mass_has_the_distribution_of_its_terminal_speed() {
     let bench = falling();
@@ -229,8 +230,7 @@ fn scatter_step_and_mesh_are_compared() {
         "name": "chain",
         "system": {"network": {
             "mesh": {"chain": {"from": [0, 0, 0], "to": [1, 0, 0], "segments": 4}},
-            "mass": {"nodal": 0.1},
-            "springs": [{"on": "all", "axial_rigidity": 100.0}],
+            "springs": [{"on": "all", "axial_rigidity": 100.0, "linear_density": 0.1}],
             "supports": [{"on": {"ids": [0]}, "fix": "xyz"}],
             "gravity": [0, 0, -9.81]
         }},
@@ -246,7 +246,7 @@ fn scatter_step_and_mesh_are_compared() {
     };
     let (narrow, wide) = (compare("narrow", "1e-9"), compare("wide", "3"));
     assert!(number(&narrow["step"]) > 0.0 && number(&narrow["mesh"]) > 0.0, "{narrow}");
-    assert_ne!(narrow["largest"], "scatter");
+    assert_eq!(narrow["largest"], "mesh");
     assert_eq!(wide["largest"], "scatter", "{wide}");
     assert!((number(&narrow["step"]) - number(&wide["step"])).abs() < 1e-12, "both are at the medians");
 }

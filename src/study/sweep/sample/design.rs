@@ -2,8 +2,8 @@
 //! on every machine.
 //!
 //! A point has a coordinate above 0 and below 1 for each input, whose value is there in its distribution
-//! ([`Law::at`](super::law::Law::at)). In Saltelli's design (Saltelli et al. 2010, Comput. Phys. Commun. 181, 259-270) a
-//! group of rows is a point A, a point B, and A with each coordinate in turn from B.
+//! ([`Law::at`](super::law::Law::at)). In Saltelli's design (Saltelli et al. 2010, Comput. Phys. Commun. 181, 259-270)
+//! a group of rows is a point A, a point B, and A with each coordinate in turn from B.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

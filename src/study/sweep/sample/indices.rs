@@ -27,10 +27,10 @@ pub struct Index {
 /// First-order index of one input from a sample: `places` are its coordinates or classes, `values` the results.
 ///
 /// The rows are divided by the input into M parts of as many rows, with a straight line fitted in each. What the lines
-/// leave is the rest of the variance: S = 1 - (SSR/(n - 2 M))/(SST/(n - 1)), as Pearson's correlation ratio for given data
-/// (Plischke, Borgonovo & Smith 2013, Eur. J. Oper. Res. 226, 536-550), but with lines in place of constants, which a
-/// smooth dependence follows to the fourth power of the width of a part. Where a value is there five times in the mean,
-/// the parts are its classes. `None` of fewer than ten rows, and where nothing varies.
+/// leave is the rest of the variance: S = 1 - (SSR/(n - 2 M))/(SST/(n - 1)), as Pearson's correlation ratio for given
+/// data (Plischke, Borgonovo & Smith 2013, Eur. J. Oper. Res. 226, 536-550), but with lines in place of constants,
+/// which a smooth dependence follows to the fourth power of the width of a part. Where a value is there five times in
+/// the mean, the parts are its classes. `None` of fewer than ten rows, and where nothing varies.
 pub fn given_data(places: &[f64], values: &[f64]) -> Option<Estimate> {
     let n = places.len().min(values.len());
     let mut rows: Vec<(f64, f64)> = places.iter().copied().zip(values.iter().copied()).collect();
@@ -114,8 +114,8 @@ fn left_by_fit(part: &[(f64, f64)], line: bool) -> (f64, usize) {
 
 /// First-order and total indices of all inputs from groups of rows: a group has the results at A, at B, and at A with
 /// each coordinate in turn from B. Jansen's estimators (Jansen 1999, Comput. Phys. Commun. 117, 35-43; Saltelli et al.
-/// 2010): S_i = 1 - E (f(B) - f(AB_i))^2 / 2V and S_Ti = E (f(A) - f(AB_i))^2 / 2V, with the variance V of the results at
-/// A and B. Empty of fewer than ten groups, and where nothing varies.
+/// 2010): S_i = 1 - E (f(B) - f(AB_i))^2 / 2V and S_Ti = E (f(A) - f(AB_i))^2 / 2V, with the variance V of the results
+/// at A and B. Empty of fewer than ten groups, and where nothing varies.
 pub fn saltelli(groups: &[Vec<f64>]) -> Vec<[Estimate; 2]> {
     let n = groups.len();
     if n < 10 {

@@ -8,8 +8,8 @@ pub(super) fn normal_share(x: f64) -> f64 {
 }
 
 /// The value below which the share p of the standard normal distribution is, for p above 0 and below 1. Hastings's
-/// rational formula (Abramowitz & Stegun 1964, 26.2.23) is within 4.5e-4; two steps by Halley's rule, of third order, leave
-/// rounding only.
+/// rational formula (Abramowitz & Stegun 1964, 26.2.23) is within 4.5e-4; two steps by Halley's rule, of third order,
+/// leave rounding only.
 pub(super) fn normal_quantile(p: f64) -> f64 {
     if p > 0.5 {
         // 1 - p is exact here, and the lower tail has all its digits.

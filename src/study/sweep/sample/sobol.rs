@@ -1,10 +1,10 @@
 //! Sobol' points: the same share of every box whose sides are powers of one half, as far as their number allows.
 //!
 //! The k-th point is the exclusive or of the direction numbers v_j at the digits j of the Gray code of k (Antonov and
-//! Saleev 1979, USSR Comput. Math. Math. Phys. 19, 252-256; the order of SciPy). The numbers follow a recurrence along a
-//! primitive polynomial, from first numbers that make pairs of coordinates even too: S. Joe and F. Y. Kuo 2008, SIAM J.
-//! Sci. Comput. 30, 2635-2654, file new-joe-kuo-6.21201, Copyright (c) 2008 Frances Y. Kuo and Stephen Joe, which may be
-//! used, copied and changed under the BSD licence of its page (three clauses, without any warranty).
+//! Saleev 1979, USSR Comput. Math. Math. Phys. 19, 252-256; the order of SciPy). The numbers follow a recurrence along
+//! a primitive polynomial, from first numbers that make pairs of coordinates even too: S. Joe and F. Y. Kuo 2008, SIAM
+//! J. Sci. Comput. 30, 2635-2654, file new-joe-kuo-6.21201, Copyright (c) 2008 Frances Y. Kuo and Stephen Joe, which
+//! may be used, copied and changed under the BSD licence of its page (three clauses, without any warranty).
 
 /// Most coordinates of a point.
 pub(super) const MOST: usize = DIRECTIONS.len();
