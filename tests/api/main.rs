@@ -35,6 +35,7 @@ mod overlap;
 mod parachute;
 mod readme;
 mod roofs;
+mod samples;
 mod sew;
 mod simulation;
 mod stability;
