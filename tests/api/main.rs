@@ -37,6 +37,7 @@ mod overlap;
 mod parachute;
 mod readme;
 mod roofs;
+mod samples;
 mod sew;
 mod simulation;
 mod stability;
