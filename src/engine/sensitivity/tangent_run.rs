@@ -88,7 +88,9 @@ impl<'a> TangentRun<'a> {
     /// As [`TangentRun::start`].
     pub fn restart(&mut self, passed: usize, from: &Point, form: &StepForm) -> Result<(), SensitivityError> {
         self.directions.iter().for_each(|of| of.parameter.pass_events(passed));
+        let before = self.linear.factorizations;
         self.linear = Linearisation::new(self.scene)?;
+        self.linear.factorizations = before;
         self.begin(from, form)
     }
 

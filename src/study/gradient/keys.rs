@@ -22,9 +22,14 @@ pub struct KeyValue {
 }
 
 impl KeyValue {
-    /// The step of differences, in its unit.
+    /// The step of differences at a state, in its unit.
     pub(super) fn h(&self) -> f64 {
-        if self.value == 0.0 { RELATIVE } else { RELATIVE * self.value.abs() }
+        self.share(RELATIVE)
+    }
+
+    /// A share of the number, in its unit; of 0, that of 1.
+    pub(super) fn share(&self, share: f64) -> f64 {
+        if self.value == 0.0 { share } else { share * self.value.abs() }
     }
 }
 
@@ -32,9 +37,10 @@ impl KeyValue {
 pub(super) struct Variant(pub [Case; 4]);
 
 impl Variant {
-    pub(super) fn of(case: &Case, number: &KeyValue) -> Result<Self, GradientError> {
+    /// Its values are `h` apart.
+    pub(super) fn of(case: &Case, number: &KeyValue, h: f64) -> Result<Self, GradientError> {
         let beside = |place: f64| {
-            let value = number.value + place * number.h();
+            let value = number.value + place * h;
             let source = |source| GradientError::Beside { key: number.key.clone(), value, source };
             case.with(&[(number.key.clone(), format!("{value:e}"))]).map_err(source)
         };

@@ -101,12 +101,12 @@ pub fn gradient(spec: &GradientSpec<'_>) -> Result<GradientReport, GradientError
     let scene = build_scene(problem.take_system(), spec.threads)?;
     let mut variants = Vec::with_capacity(numbers.len());
     for number in &numbers {
-        variants.push(Variant::of(spec.case, number)?);
+        variants.push(Variant::of(spec.case, number, number.h())?);
     }
     let built = variants.iter().map(|variant| variant.scenes(spec.threads)).collect::<Result<Vec<_>, _>>()?;
     let parameters = numbers.iter().zip(built).map(|(number, scenes)| (number.key.clone(), scenes, number.h()));
     let followed = follow(&problem, &*scene, parameters.collect(), spec.interrupt)?;
-    let by_runs = if spec.verify { Some(verify::by_runs(spec, &numbers, &variants)?) } else { None };
+    let by_runs = if spec.verify { Some(verify::by_runs(spec, &numbers)?) } else { None };
     Ok(report(&problem.name, problem.method.info.name, &numbers, followed, by_runs.as_deref()))
 }
 

@@ -9,16 +9,17 @@ use crate::simulation::build_scene;
 
 /// [-] Residual of implicit steps of these runs: that of the case may be as large as what is compared.
 const SOLVED: f64 = 1e-12;
+/// [-] Share of a number by which these runs differ: smaller than that at a state, as a run bends with its numbers far
+/// more than forces do, and not so small that the residuals of its steps matter.
+const SHARE: f64 = 1e-4;
 
 /// The derivatives by central differences of order four, of each number and each quantity; `None` where a run has no
 /// value.
-pub(super) fn by_runs(
-    spec: &GradientSpec<'_>,
-    numbers: &[KeyValue],
-    variants: &[Variant],
-) -> Result<Vec<Vec<Option<f64>>>, GradientError> {
+pub(super) fn by_runs(spec: &GradientSpec<'_>, numbers: &[KeyValue]) -> Result<Vec<Vec<Option<f64>>>, GradientError> {
     let mut all = Vec::with_capacity(numbers.len());
-    for (number, variant) in numbers.iter().zip(variants) {
+    for number in numbers {
+        let h = number.share(SHARE);
+        let variant = Variant::of(spec.case, number, h)?;
         let mut values: Vec<Vec<Option<f64>>> = Vec::with_capacity(4);
         for case in &variant.0 {
             let mut problem = case.problem().clone();
@@ -31,7 +32,7 @@ pub(super) fn by_runs(
         let of = |quantity: usize| {
             let mut at = values.iter().map(|values| values.get(quantity).copied().flatten());
             let mut next = || at.next().flatten();
-            Some(derivative([next()?, next()?, next()?, next()?], number.h()))
+            Some(derivative([next()?, next()?, next()?, next()?], h))
         };
         all.push((0..quantities).map(of).collect());
     }
