@@ -84,6 +84,7 @@ impl GaugeDerivatives {
                 (Source::Energy(_), _) => "it is a sum over the steps of the account",
                 (Source::Motion, _) => "it is no number",
                 (Source::DisplacementEnd, _) => "name a gauge or a probe of the nodes",
+                (Source::Landing(_), _) => "the time of the landing moves",
             };
             return Err(NoDerivative::Without { name: name.to_owned(), why });
         }
