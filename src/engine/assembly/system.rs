@@ -69,8 +69,8 @@ pub trait TangentSystem: System {
         self.rank_one(which, middle, weights, u, g);
     }
 
-    /// [`TangentSystem::assemble`] with every element made positive semidefinite: the compressive geometric stiffness of
-    /// springs is dropped. A symmetric W with a mass is then positive definite, and -W^-1 r is a descent direction.
+    /// [`TangentSystem::assemble`] with every element made positive semidefinite: the compressive geometric stiffness
+    /// of springs is dropped. A symmetric W with a mass is then positive definite, and -W^-1 r is a descent direction.
     fn assemble_convex(&self, at: StateRef<'_>, weights: Weights, assembler: &mut Assembler) {
         self.assemble(at, weights, assembler);
     }
