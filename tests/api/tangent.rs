@@ -245,7 +245,9 @@ fn symmetric_tangents_are_symmetric_and_near() {
             let sample = Sample::new(&scene, seed);
             let w = Weights { m: 0.0, c: 0.4, k: 1.3 };
             let damping = Weights { m: 0.0, c: 1.0, k: 0.0 };
-            let pairs = [(w, scene.symmetric()), (damping, true)];
+            // The damping is symmetric but for that of a lift, of which the symmetric form has nothing.
+            let lifted = name.starts_with("gliding");
+            let pairs = [(w, scene.symmetric()), (damping, !lifted)];
             for (w, _) in pairs.into_iter().filter(|(_, same)| *same) {
                 let (found, expected) = (symmetric_matrix(&scene, &sample, w, false), exact(&sample, w));
                 for (j, (found, expected)) in found.iter().zip(&expected).enumerate() {
