@@ -356,9 +356,10 @@ def sample(
         raise TypeError(f"vary is a dictionary of dotted paths and distributions, not {type(vary).__name__}")
     if isinstance(arguments, str) or isinstance(quantities, str):
         raise TypeError("arguments and quantities are lists of texts, not one text")
-    drawn = [f"--vary=rows:{law}" if key == "rows" else f"--vary={key}={_values(key, law)}" for key, law in vary.items()]
+    drawn = [f"rows:{law}" if key == "rows" else f"{key}={_values(key, law)}" for key, law in vary.items()]
     asked = [f"--quantity={name}" for name in quantities]
-    more = [*drawn, *asked, f"--samples={samples}", f"--sampling={sampling}", f"--seed={seed}", *arguments]
+    design = [f"--samples={samples}", f"--sampling={sampling}", f"--seed={seed}"]
+    more = [*(f"--vary={text}" for text in drawn), *asked, *design, *arguments]
     with tempfile.TemporaryDirectory(prefix="canopy-fem-") as scratch:
         folder = Path(scratch) / "sample" if out is None else Path(os.fspath(out))
         rows = _study("sweep", case, folder, more, replace)

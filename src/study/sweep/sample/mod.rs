@@ -1,8 +1,7 @@
 //! Samples of distributions in place of a grid of values: what is drawn, and what the runs say.
 //!
 //! ```text
-//! --vary --input, law--> distributions --design, sobol--> rows --run--> columns --estimate, indices, ellipse-->
-//! scatter
+//! --vary --input, law--> distributions --design, sobol--> rows --run--> columns --estimate, indices--> scatter
 //! ```
 //! Rows are planned before any of them runs, so shares of them run anywhere. [`scatter`] is all that is said of them,
 //! and [`beside`] sets the errors by step and mesh against it.
