@@ -222,7 +222,8 @@ fn values_that_the_data_do_not_determine_are_told() {
         let data = vec![format!("{}:mass.position_x", file.display())];
         fit(&Asked { case: &case, data, vary, offset: None, starts: 1, threads: 1 }).expect("it fits")
     };
-    let determined = |fit: &Fit| fit.estimate.values.iter().map(|v| (v.determined, v.standard_error.is_some())).collect();
+    let determined =
+        |fit: &Fit| fit.estimate.values.iter().map(|v| (v.determined, v.standard_error.is_some())).collect();
     let both = asked(&["system.network.springs.0.stiffness=1..9", "system.network.mass.nodal=1..9"]);
     let told: Vec<(bool, bool)> = determined(&both);
     assert_eq!(told, [(false, false); 2]);
@@ -251,7 +252,8 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
             write(&file, points, *sigma, *of == "line.tension", &mut noise);
             data.push(format!("{}:{of}", file.display()));
         }
-        let fit = fit(&Asked { case: &chain(), data, vary: &vary, offset: None, starts: 1, threads: 2 }).expect("it fits");
+        let fit =
+            fit(&Asked { case: &chain(), data, vary: &vary, offset: None, starts: 1, threads: 2 }).expect("it fits");
         for ((count, value), (_, exact)) in inside.iter_mut().zip(&fit.estimate.values).zip(SEVEN) {
             let holds = |Fitted { interval, .. }: &Fitted| interval.is_some_and(|[a, b]| a <= exact && exact <= b);
             *count += usize::from(holds(value));

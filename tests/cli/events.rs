@@ -203,9 +203,7 @@ fn the_end_on_the_ground_is_steady() {
 
 /// A weight of 5 kg on three lines below a triangle of cloth that is held. Each line bears less than the weight.
 fn torn(last_breaks: bool) -> Value {
-    let line = |id: u32, strength: f64, breaks: bool| {
-        json!({"on": {"ids": [id]}, "stiffness": 2000.0, "strength": strength, "breaks": breaks})
-    };
+    let line = |id: u32, strength: f64, breaks: bool| json!({"on": {"ids": [id]}, "stiffness": 2000.0, "strength": strength, "breaks": breaks});
     json!({
         "name": "torn",
         "system": {"network": {

@@ -38,9 +38,9 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     if let Some(summary) = args.resume.then(|| finished_run(&out, problem)).flatten() {
         problem.warnings.iter().for_each(warned);
         let view = view(args, &out)?;
-    if !args.print.quiet {
-        tell_outdated(&out, &name, args.view);
-    }
+        if !args.print.quiet {
+            tell_outdated(&out, &name, args.view);
+        }
         let text = printed(args, &summary, &out, || already_done(&summary, &name, &out) + &view)?;
         return Ok(CommandOutput { text, code: 0 });
     }

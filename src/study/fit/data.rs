@@ -118,7 +118,12 @@ impl DataSet {
         let (t, value, sigma) = match *numbers {
             [t, value] => (t, value, None),
             [t, value, sigma] => (t, value, Some(sigma)),
-            _ => return Err(format!("expected 2 or 3 numbers (time, value, standard deviation), found {}", numbers.len())),
+            _ => {
+                return Err(format!(
+                    "expected 2 or 3 numbers (time, value, standard deviation), found {}",
+                    numbers.len()
+                ));
+            }
         };
         if !numbers.iter().all(|x| x.is_finite()) {
             return Err("a number is not finite".to_owned());

@@ -95,8 +95,7 @@ impl Estimate {
             jacobian.row_mut(i).scale_mut(after / before);
         }
         let at_end = |u: f64| u <= 0.0 || u >= 1.0;
-        let inside: Vec<usize> =
-            minimum.u.iter().enumerate().filter(|(_, u)| !at_end(**u)).map(|(i, _)| i).collect();
+        let inside: Vec<usize> = minimum.u.iter().enumerate().filter(|(_, u)| !at_end(**u)).map(|(i, _)| i).collect();
         let errors = Errors::of(&jacobian.select_columns(&inside));
         let points = minimum.residuals.len();
         let freedom = points.saturating_sub(minimum.u.len());
@@ -131,7 +130,8 @@ impl Estimate {
         };
         let n = parameters.len();
         let given = sets.iter().any(|set| !set.sigma.is_empty());
-        let weighted: f64 = minimum.residuals.iter().zip(&before).zip(&after).map(|((r, b), a)| (r * a / b).powi(2)).sum();
+        let weighted: f64 =
+            minimum.residuals.iter().zip(&before).zip(&after).map(|((r, b), a)| (r * a / b).powi(2)).sum();
         Estimate {
             values: parameters.iter().enumerate().map(value).collect(),
             correlation: (0..n).map(|i| (0..n).map(|j| correlation(i, j)).collect()).collect(),
@@ -234,7 +234,9 @@ mod tests {
     /// Tables of Student's t at 97.5 %: within 1 %.
     #[test]
     fn the_factor_of_an_interval_is_students() {
-        for (freedom, table) in [(1, 12.706), (2, 4.303), (3, 3.182), (4, 2.776), (10, 2.228), (30, 2.042), (1000, 1.962)] {
+        for (freedom, table) in
+            [(1, 12.706), (2, 4.303), (3, 3.182), (4, 2.776), (10, 2.228), (30, 2.042), (1000, 1.962)]
+        {
             let t = student(freedom);
             assert!((t / table - 1.0).abs() < 0.01, "{freedom}: {t} for {table}");
         }

@@ -121,7 +121,8 @@ impl FitReport<'_> {
         let key = |value: &Fitted| value.parameter.key.clone();
         for value in &estimate.values {
             if !value.determined {
-                doubts.push(format!("{} is not determined by the data: fix it, or add data that it acts on", key(value)));
+                doubts
+                    .push(format!("{} is not determined by the data: fix it, or add data that it acts on", key(value)));
             } else if value.at_end_of_range {
                 doubts.push(format!("{} is at an end of its range: widen the range", key(value)));
             }
