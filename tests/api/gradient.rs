@@ -128,9 +128,11 @@ fn recurrence(method: &str, h: f64, steps: u32, [k, m, rest]: [Dual; 3]) -> [Dua
 /// which the steps are no small part: w h is 0.34.
 #[test]
 fn derivatives_are_those_of_the_recurrence() {
-    let (h, steps) = (0.04, 57);
+    let h = 0.04;
     for method in ["explicit-euler", "euler-cromer", "velocity-verlet", "rk4", "newmark", "backward-euler"] {
         let keys = ["stiffness", "mass.nodal", "rest_length"];
+        // Explicit Euler makes energy.
+        let steps = if method == "explicit-euler" { 15 } else { 57 };
         let report = found(&oscillator(method, h, steps), &keys, 1, false).expect("derivatives");
         for (place, key) in keys.iter().enumerate() {
             let mut parameters = [STIFFNESS, MASS, REST].map(number);
@@ -216,7 +218,7 @@ fn net(method: &Value) -> Case {
                 "gauges": [{"name": "all", "on": "all", "of": "tension"},
                            {"name": "rim", "on": "boundary", "of": "reaction"}]
             },
-            "study": {"quantities": ["middle.z.last", "middle.vz.last", "all.tension_max.last", "rim.reaction_z.mean",
+            "study": {"quantities": ["middle.z.last", "middle.vz.last", "all.tension_sum.last", "rim.reaction_z.mean",
                                      "middle.z@0.0253"]}
         }),
         &[],
