@@ -379,8 +379,9 @@ fn laws_that_switch_within_the_differences_are_told() {
 #[test]
 fn what_has_no_derivative_says_so() {
     let base = net(&json!("newmark"));
-    let kick = r#"[{"on": "boundary", "fix": "xyz", "motion": {"table": [[0, 0, 0, 0], [0.02, 0, 0, 0.01]]}}]"#;
-    let cases: [(&[(&str, &str)], &[&str], &str); 11] = [
+    const KICK: &str = r#"[{"on": "boundary", "fix": "xyz", "motion": {"table": [[0, 0, 0, 0], [0.02, 0, 0, 0.01]]}}]"#;
+    type Row = (&'static [(&'static str, &'static str)], &'static [&'static str], &'static str);
+    let cases: [Row; 11] = [
         (&[], &["stiffnes"], "the case has no number there"),
         (&[], &["time.step"], "time.step is no part of the scene"),
         (&[], &["velocity.3", "nodal"], "the case has no number there"),
@@ -398,7 +399,7 @@ fn what_has_no_derivative_says_so() {
         (&[("time.method", "multirate")], &["cp"], "by multirate is not known"),
         (&[("study.quantities", "[\"energy.kinetic.peak\"]")], &["cp"], "energy.kinetic.peak has no derivative"),
         (&[("study.quantities", "[\"middle.z.peak_time\"]")], &["cp"], "it is a time, and falls on steps"),
-        (&[("system.network.supports", kick)], &["cp"], "a support gets another velocity"),
+        (&[("system.network.supports", KICK)], &["cp"], "a support gets another velocity"),
         (&[("system.network.supports.0.until", "0.02")], &["until"], "changes the times of events"),
     ];
     for (sets, by, words) in cases {
