@@ -128,9 +128,11 @@ fn recurrence(method: &str, h: f64, steps: u32, [k, m, rest]: [Dual; 3]) -> [Dua
 /// which the steps are no small part: w h is 0.34.
 #[test]
 fn derivatives_are_those_of_the_recurrence() {
-    let (h, steps) = (0.04, 57);
+    let h = 0.04;
     for method in ["explicit-euler", "euler-cromer", "velocity-verlet", "rk4", "newmark", "backward-euler"] {
         let keys = ["stiffness", "mass.nodal", "rest_length"];
+        // Explicit Euler makes energy.
+        let steps = if method == "explicit-euler" { 15 } else { 57 };
         let report = found(&oscillator(method, h, steps), &keys, 1, false).expect("derivatives");
         for (place, key) in keys.iter().enumerate() {
             let mut parameters = [STIFFNESS, MASS, REST].map(number);
@@ -216,7 +218,7 @@ fn net(method: &Value) -> Case {
                 "gauges": [{"name": "all", "on": "all", "of": "tension"},
                            {"name": "rim", "on": "boundary", "of": "reaction"}]
             },
-            "study": {"quantities": ["middle.z.last", "middle.vz.last", "all.tension_max.last", "rim.reaction_z.mean",
+            "study": {"quantities": ["middle.z.last", "middle.vz.last", "all.tension_sum.last", "rim.reaction_z.mean",
                                      "middle.z@0.0253"]}
         }),
         &[],
@@ -377,8 +379,9 @@ fn laws_that_switch_within_the_differences_are_told() {
 #[test]
 fn what_has_no_derivative_says_so() {
     let base = net(&json!("newmark"));
-    let kick = r#"[{"on": "boundary", "fix": "xyz", "motion": {"table": [[0, 0, 0, 0], [0.02, 0, 0, 0.01]]}}]"#;
-    let cases: [(&[(&str, &str)], &[&str], &str); 11] = [
+    const KICK: &str = r#"[{"on": "boundary", "fix": "xyz", "motion": {"table": [[0, 0, 0, 0], [0.02, 0, 0, 0.01]]}}]"#;
+    type Row = (&'static [(&'static str, &'static str)], &'static [&'static str], &'static str);
+    let cases: [Row; 11] = [
         (&[], &["stiffnes"], "the case has no number there"),
         (&[], &["time.step"], "time.step is no part of the scene"),
         (&[], &["velocity.3", "nodal"], "the case has no number there"),
@@ -396,7 +399,7 @@ fn what_has_no_derivative_says_so() {
         (&[("time.method", "multirate")], &["cp"], "by multirate is not known"),
         (&[("study.quantities", "[\"energy.kinetic.peak\"]")], &["cp"], "energy.kinetic.peak has no derivative"),
         (&[("study.quantities", "[\"middle.z.peak_time\"]")], &["cp"], "it is a time, and falls on steps"),
-        (&[("system.network.supports", kick)], &["cp"], "a support gets another velocity"),
+        (&[("system.network.supports", KICK)], &["cp"], "a support gets another velocity"),
         (&[("system.network.supports.0.until", "0.02")], &["until"], "changes the times of events"),
     ];
     for (sets, by, words) in cases {

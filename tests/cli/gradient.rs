@@ -1,6 +1,6 @@
 //! `canopy-fem gradient`: what it prints, and its exit statuses.
 
-use crate::bench::Bench;
+use crate::bench::{Bench, contents};
 use serde_json::{Value, json};
 
 fn written(bench: &Bench) -> &'static str {
@@ -46,12 +46,13 @@ fn derivatives_are_ranked_with_their_units() {
 fn json_holds_the_derivatives() {
     let bench = Bench::new();
     let case = written(&bench);
+    let before = contents(&bench.path(""));
     let ended = bench.run(&["gradient", case, "--of", "line.tension.peak", "--by", "mass", "--json"]);
     let report: Value = serde_json::from_str(&ended.stdout).expect("json");
     let one = &report["quantities"][0]["derivatives"][0];
     assert_eq!((one["by"].as_str(), one["by_unit"].as_str()), (Some("system.network.mass.nodal"), Some("kg")));
     assert!(one["value"].as_f64().expect("a number") > 0.0 && report["factorizations"] == 100, "{report}");
-    assert!(std::fs::read_dir(bench.path("")).expect("a folder").count() == 1, "nothing is written");
+    assert_eq!(contents(&bench.path("")), before, "nothing is written");
 }
 
 /// Bad usage and what has no derivative end with status 2 and say what to do; a run that fails with 3.

@@ -43,9 +43,9 @@ pub trait TangentSystem: System {
         let _ = (at, residual);
     }
 
-    /// Overwrites `out` [N] `[n_dof]` with what the [mass parts](TangentSystem::mass_parts) and what goes with them take
-    /// from the other forces at a state, for accelerations `a` [m/s^2] `[n_dof]`. Its derivatives by the state are not
-    /// in the tangent.
+    /// Overwrites `out` [N] `[n_dof]` with what the [mass parts](TangentSystem::mass_parts) and what goes with them
+    /// take from the other forces at a state, for accelerations `a` [m/s^2] `[n_dof]`. Its derivatives by the state are
+    /// not in the tangent.
     fn apparent_force(&self, at: StateRef<'_>, a: &[f64], out: &mut [f64]) {
         let _ = (at, a);
         out.fill(0.0);

@@ -10,8 +10,8 @@
 
 use super::stage::StageMap;
 
-/// [-, s or s^2] The shares of the vectors that a step begins with, then of the accelerations of its stages. Shares that
-/// are left out at the end are 0.
+/// [-, s or s^2] The shares of the vectors that a step begins with, then of the accelerations of its stages. Shares
+/// that are left out at the end are 0.
 pub type Row = Vec<f64>;
 
 /// A stage of a step.

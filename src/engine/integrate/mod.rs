@@ -329,14 +329,14 @@ pub trait Integrator<S: ?Sized>: Send {
     /// falls as h^(p+1) ([`PairInfo`]). Schemes without a pair leave `out`.
     fn embedded_error(&mut self, _step: StepInput<'_, S>, _to: &Point, _out: ErrorEstimate<'_>) {}
 
-    /// The next step of `h` [s] as a [general linear method](form), from what the scheme carries now; `None` for schemes
-    /// whose derivatives are not known so. `velocity_dependent` says whether a force depends on velocity.
+    /// The next step of `h` [s] as a [general linear method](form), from what the scheme carries now; `None` for
+    /// schemes whose derivatives are not known so. `velocity_dependent` says whether a force depends on velocity.
     fn form(&self, _h: f64, _velocity_dependent: bool) -> Option<form::StepForm> {
         None
     }
 
-    /// [m/s^2] Accelerations M^-1 f of a stage of the step attempted last `[n_dof]`, where the scheme has found them and
-    /// the step does not end there.
+    /// [m/s^2] Accelerations M^-1 f of a stage of the step attempted last `[n_dof]`, where the scheme has found them
+    /// and the step does not end there.
     fn stage_acceleration(&self, _stage: usize) -> Option<&[f64]> {
         None
     }

@@ -6,10 +6,10 @@
 //! ```text
 //! W dg = -K dx^ - C dv^ + M e dp,     W = M + alpha K + beta C,     e = d(M^-1 f)/dp at a given state
 //! ```
-//! K and C are the exact tangents at the stage, so that the derivative is that of the discrete motion itself, not of the
-//! motion that it approximates. e is found by [central differences of order four](difference) between scenes with other
-//! values of the parameter, at one state. So every number that a scene is built from is a parameter, and no law knows
-//! of it. The tangent-linear run ([`TangentRun`]) goes along with the run.
+//! K and C are the exact tangents at the stage, so that the derivative is that of the discrete motion itself, not of
+//! the motion that it approximates. e is found by [central differences of order four](difference) between scenes with
+//! other values of the parameter, at one state. So every number that a scene is built from is a parameter, and no law
+//! knows of it. The tangent-linear run ([`TangentRun`]) goes along with the run.
 //!
 //! Source: Griewank & Walther 2008, chapter 3 (the forward mode), on the steps as a whole.
 

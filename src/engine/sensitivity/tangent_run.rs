@@ -249,8 +249,8 @@ impl<'a> TangentRun<'a> {
         self.directions.get(number).map(|of| [of.columns[0].as_slice(), of.columns[1].as_slice()])
     }
 
-    /// Calls `measure` with the scenes of a parameter, [each at its place](Parameter::along) along the derivative of the
-    /// state `at`.
+    /// Calls `measure` with the scenes of a parameter, [each at its place](Parameter::along) along the derivative of
+    /// the state `at`.
     pub fn along(&mut self, number: usize, at: StateRef<'_>, measure: impl FnMut(usize, &dyn Scene, &Point)) {
         let TangentRun { directions, force_v, .. } = self;
         let Some(Direction { parameter, columns, force_v: dv }) = directions.get_mut(number) else { return };

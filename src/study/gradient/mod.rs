@@ -1,8 +1,8 @@
 //! Derivatives of the quantities of a run with respect to numbers of its case, exact for the steps that the run makes.
 //!
 //! Every number of a case is a parameter, by its key. The derivatives are those of the tangent-linear run
-//! ([`crate::sensitivity`]), which goes along with the run once for all quantities and parameters. They do not tell what
-//! the steps themselves do to the numbers: `solve --verify` tells that.
+//! ([`crate::sensitivity`]), which goes along with the run once for all quantities and parameters. They do not tell
+//! what the steps themselves do to the numbers: `solve --verify` tells that.
 
 mod error;
 mod keys;

@@ -1,7 +1,7 @@
 //! Derivatives of the quantities of a run with respect to parameters, from those of its gauges at the ends of steps.
 //!
-//! A peak and a least value are those of a step, so that their derivatives are those of the gauge in that step: the time
-//! of a peak moves by whole steps only. Means and values at a time are sums of values with fixed weights.
+//! A peak and a least value are those of a step, so that their derivatives are those of the gauge in that step: the
+//! time of a peak moves by whole steps only. Means and values at a time are sums of values with fixed weights.
 
 use super::quantities::Source;
 use super::{Gauges, GaugesSpec};
