@@ -182,7 +182,7 @@ pub fn inside_out(spec: &NetworkSpec) -> Option<InsideOut> {
     let mut found: BTreeMap<u32, (Vec<u32>, f64, Vector3<f64>, f64)> = BTreeMap::new();
     for &triangle in spec.surface_pressures.iter().flat_map(|zone| &zone.triangles) {
         let sheet = sheets.of(triangle)?;
-        let [a, b, c] = spec.mesh.triangles.get(triangle as usize)?.map(|node| place(node));
+        let [a, b, c] = spec.mesh.triangles.get(triangle as usize)?.map(&place);
         let s = 0.5 * (b - a).cross(&(c - a));
         let (list, area, sum, volume) = found.entry(sheet).or_default();
         list.push(triangle);

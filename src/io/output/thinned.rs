@@ -41,7 +41,7 @@ impl Samples {
         // Each turn takes a sample or doubles the interval, after which half of the places are free.
         loop {
             let time = self.taken.len() as f64 * self.every;
-            if time > t || !(self.every > 0.0) {
+            if time > t || self.every.is_nan() || self.every <= 0.0 {
                 return;
             }
             if self.taken.len() < PLACES {
@@ -65,7 +65,7 @@ impl Samples {
         let start = number as f64 * self.every;
         let (end, to) = self.taken.get(number + 1).map_or((t, now), |next| (start + self.every, *next));
         let h = end - start;
-        if !(h > 0.0) {
+        if h <= 0.0 {
             return from;
         }
         let s = ((time - start) / h).min(1.0);

@@ -202,7 +202,7 @@ impl Errors {
     }
 
     fn correlation(&self, i: usize, j: usize) -> Option<f64> {
-        let at = |i: usize, j: usize| self.covariance.get((i, j)).map(|c: &f64| *c);
+        let at = |i: usize, j: usize| self.covariance.as_slice().get(i + j * self.covariance.nrows()).copied();
         (self.determined(i) && self.determined(j)).then_some(())?;
         if i == j { Some(1.0) } else { Some(at(i, j)? / (at(i, i)? * at(j, j)?).sqrt()) }
     }

@@ -106,6 +106,9 @@ struct Curves {
     quantities: Vec<Quantity>,
 }
 
+/// A minimum and the standard deviations of the sets with which its residuals are weighted.
+type Found = (Minimum, Vec<f64>);
+
 struct Model<'a> {
     spec: &'a FitSpec<'a>,
     sets: &'a [DataSet],
@@ -214,7 +217,7 @@ impl Model<'_> {
 
     /// Searches from a start; where noise is not given, again with the noise that the residuals have shown. Returns the
     /// minimum and the standard deviations with which its residuals are weighted.
-    fn search(&self, from: &[f64]) -> Result<(StartResult, Option<(Minimum, Vec<f64>)>), StudyError> {
+    fn search(&self, from: &[f64]) -> Result<(StartResult, Option<Found>), StudyError> {
         let values = |u: &[f64]| -> Vec<f64> { self.values(u).collect() };
         let mut result = StartResult { from: values(from), ..StartResult::default() };
         let mut taken: Vec<f64> = self.sets.iter().map(DataSet::scale).collect();

@@ -37,7 +37,7 @@ impl Parameter {
         let wrong = |why: &str| StudyError::Usage(format!("--vary {text}: {why}"));
         let form = "expected KEY=A..B or KEY=log:A..B, the range in which the value is searched";
         let (key, given) = text.split_once('=').filter(|(key, _)| !key.trim().is_empty()).ok_or_else(|| wrong(form))?;
-        Ok(Parameter { key: key.trim().to_owned(), range: Range::parse(given).map_err(|why| wrong(&why.to_string()))? })
+        Ok(Parameter { key: key.trim().to_owned(), range: Range::parse(given).map_err(wrong)? })
     }
 
     /// All parameters; none may be there twice.

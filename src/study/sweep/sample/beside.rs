@@ -33,15 +33,15 @@ pub enum Beside {
     Mesh(String),
 }
 
+/// A run beside a case, and the keys that it changes there.
+pub(in crate::sweep) type Changed = (Beside, Vec<(String, Value)>);
+
 /// Runs beside a case at the medians: what each is, and the keys that it changes there. There are none by steps where
 /// keys of the steps are drawn, and none by meshes where the mesh has no finer one.
 ///
 /// # Errors
 /// A case that cannot be summed up.
-pub(in crate::sweep) fn runs_beside(
-    case: &Case,
-    drawn: &[String],
-) -> Result<Vec<(Beside, Vec<(String, Value)>)>, StudyError> {
+pub(in crate::sweep) fn runs_beside(case: &Case, drawn: &[String]) -> Result<Vec<Changed>, StudyError> {
     let mut all = vec![(Beside::Median, Vec::new())];
     if !drawn.iter().any(|key| key.starts_with("time") && key != "time.end") {
         all.extend(steps(case)?);
@@ -59,7 +59,7 @@ pub(in crate::sweep) fn runs_beside(
 }
 
 /// Runs with twice and four times the step; with half of it where twice the step is not stable.
-fn steps(case: &Case) -> Result<Vec<(Beside, Vec<(String, Value)>)>, StudyError> {
+fn steps(case: &Case) -> Result<Vec<Changed>, StudyError> {
     let prepared = match PreparedCase::of(case.problem().clone(), 1) {
         Ok(prepared) => prepared,
         // The samples say why.

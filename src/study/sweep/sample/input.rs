@@ -139,8 +139,11 @@ fn table(file: &str) -> Result<Law, String> {
     Ok(Law::Rows { rows, weights })
 }
 
+/// Keys, rows and weights.
+type Rows = (Vec<String>, Vec<Vec<Value>>, Vec<f64>);
+
 /// A file whose columns are keys, but for one that may be `weight`: keys, rows and weights.
-fn rows_of(file: &str) -> Result<(Vec<String>, Vec<Vec<Value>>, Vec<f64>), String> {
+fn rows_of(file: &str) -> Result<Rows, String> {
     let (head, rows) = read(file)?;
     let weight = head.iter().position(|name| name == WEIGHT);
     let keys: Vec<usize> = (0..head.len()).filter(|at| Some(*at) != weight).collect();
