@@ -50,10 +50,12 @@ class Aero(TypedDict, total=False):
 
 class AeroWindTable(TypedDict, total=False):
     table: Sequence[Numbers] | npt.NDArray[Any]
+    when: When
 
 
 class AeroWindFile(TypedDict, total=False):
     file: Text
+    when: When
 
 
 class AeroWindProfile(TypedDict, total=False):
@@ -62,6 +64,7 @@ class AeroWindProfile(TypedDict, total=False):
 
 class AeroWindGust(TypedDict, total=False):
     gust: Gust
+    when: When
 
 
 class AeroWindSum(TypedDict, total=False):
@@ -70,10 +73,12 @@ class AeroWindSum(TypedDict, total=False):
 
 class AeroWindSumSumTable(TypedDict, total=False):
     table: Sequence[Numbers] | npt.NDArray[Any]
+    when: When
 
 
 class AeroWindSumSumFile(TypedDict, total=False):
     file: Text
+    when: When
 
 
 class AeroWindSumSumProfile(TypedDict, total=False):
@@ -82,6 +87,7 @@ class AeroWindSumSumProfile(TypedDict, total=False):
 
 class AeroWindSumSumGust(TypedDict, total=False):
     gust: Gust
+    when: When
 
 
 class AnnulusParameters(TypedDict, total=False):
@@ -145,6 +151,7 @@ class Canopy(TypedDict, total=False):
     cavity: Cavity | None
     confluence: NodeSelection | None
     filling: Filling | None
+    glide: Glide | None
     inflow_loss: float | None
     law: ClothLaw | None
     on: NodeSelection
@@ -296,10 +303,11 @@ class Drag(TypedDict, total=False):
     coefficient: float | None
     diameter: float | None
     drag_area: float | None
+    glide: Glide | None
     on: NodeOrEdgeSelection
 
 
-EdgeSelection: TypeAlias = 'Literal["all", "boundary", "interior", "seams", "lines"] | EdgeSelectionIds | EdgeSelectionGroup'
+EdgeSelection: TypeAlias = 'Literal["all", "boundary", "interior", "seams", "lines"] | EdgesExcept | EdgeSelectionIds | EdgeSelectionGroup'
 """Some edges of the mesh; every edge can carry a spring."""
 
 
@@ -313,6 +321,13 @@ class EdgeSelectionGroup(TypedDict, total=False):
     """The edges of the mesh's group with this name: those it lists, or, if it lists none, those of its triangles."""
 
     group: Text
+
+
+EdgesExcept = TypedDict("EdgesExcept", {
+    "except": "EdgeSelection",
+    "of": "EdgeSelection",
+}, total=False)
+"""Edges without some of them."""
 
 
 ElasticLawRule: TypeAlias = 'Literal["linear", "green"] | ElasticLawRuleTable'
@@ -455,8 +470,19 @@ class Gauge(TypedDict, total=False):
     on: NodeOrEdgeSelection
 
 
-GaugeQuantity: TypeAlias = 'Literal["tension", "force", "reaction", "acceleration", "velocity", "speed", "displacement", "position", "crossings", "stress", "strain", "wrinkling"]'
+GaugeQuantity: TypeAlias = 'Literal["tension", "force", "reaction", "acceleration", "velocity", "speed", "displacement", "position", "crossings", "stress", "strain", "wrinkling", "gas"]'
 """What a gauge measures."""
+
+
+class Glide(TypedDict, total=False):
+    """A lift beside the drag, L = `ratio` D. It is normal to the velocity against the air and lies in the vertical
+    plane of the `heading`: up and forward in a glide, along the heading in a vertical fall. In steady flight the
+    path through the air sinks by arctan(1/ratio). The wind carries both along, so the course over the ground is
+    another one. Motion across the plane is sideslip, which has drag and no lift. While a canopy fills, its lift
+    grows with its drag."""
+
+    heading: float | ValueTable
+    ratio: float
 
 
 class Group(TypedDict, total=False):
@@ -584,6 +610,7 @@ class MembraneRule(TypedDict, total=False):
     on: NodeSelection
     poisson: float | None
     shear: float | None
+    strength: float | None
     thickness: float | None
     warp: Numbers | None
     wrinkling: bool
@@ -837,7 +864,7 @@ class Newton(TypedDict, total=False):
     strategy: Strategy
 
 
-NodeOrEdgeSelection: TypeAlias = 'Literal["all", "boundary", "outer", "inner", "interior", "seams", "lines"] | NodeOrEdgeSelectionIds | NodeOrEdgeSelectionBox | NodeOrEdgeSelectionSphere | NodeOrEdgeSelectionGroup'
+NodeOrEdgeSelection: TypeAlias = 'Literal["all", "boundary", "outer", "inner", "interior", "seams", "lines"] | NodesOrEdgesExcept | NodeOrEdgeSelectionIds | NodeOrEdgeSelectionBox | NodeOrEdgeSelectionSphere | NodeOrEdgeSelectionGroup'
 """Some nodes or some edges of the mesh."""
 
 
@@ -865,7 +892,7 @@ class NodeOrEdgeSelectionGroup(TypedDict, total=False):
     group: Text
 
 
-NodeSelection: TypeAlias = 'Literal["all", "boundary", "outer", "inner"] | NodeSelectionIds | NodeSelectionBox | NodeSelectionSphere | NodeSelectionGroup'
+NodeSelection: TypeAlias = 'Literal["all", "boundary", "outer", "inner"] | NodesExcept | NodeSelectionIds | NodeSelectionBox | NodeSelectionSphere | NodeSelectionGroup'
 """Some nodes of the mesh. Nodes count from 0; positions are those of the mesh as given."""
 
 
@@ -892,6 +919,20 @@ class NodeSelectionGroup(TypedDict, total=False):
     triangles. Where triangles are selected, its triangles."""
 
     group: Text
+
+
+NodesExcept = TypedDict("NodesExcept", {
+    "except": "NodeSelection",
+    "of": "NodeSelection",
+}, total=False)
+"""Nodes, or triangles, without some of them."""
+
+
+NodesOrEdgesExcept = TypedDict("NodesOrEdgesExcept", {
+    "except": "NodeOrEdgeSelection",
+    "of": "NodeOrEdgeSelection",
+}, total=False)
+"""Nodes, edges or triangles without some of them."""
 
 
 class Output(TypedDict, total=False):
@@ -1260,7 +1301,7 @@ class VectorTable(TypedDict, total=False):
     table: Sequence[Numbers] | npt.NDArray[Any]
 
 
-WarningCode: TypeAlias = 'Literal["mass-scaling", "air-pressure", "areal-density", "branching-edge", "braked-rotation", "cloth-crossing", "closing-canopy", "coincident-nodes", "disk-space", "drag-area", "drag-coefficient", "energy-dissipated", "energy-made", "event-at-start", "event-beyond-end", "experimental-model", "failed-start", "filling-beyond-end", "hanging-node", "initial-strain", "large-extent", "large-gravity", "large-mass", "leaning-canopy", "long-step", "loose-lines", "loose-nodes", "lost-motion", "mesh-file", "no-suction", "no-support", "overlapping-triangles", "reefing-line", "rounded-coordinates", "seam-gap", "short-pulse", "slack-springs", "small-extent", "small-hole", "step-above-critical", "step-beyond-end", "step-dashpot", "strained-cloth", "stray-triangles", "supersonic-speed", "thin-air", "tight-cloth", "unlikely-material", "unselected-edges", "unused-rule", "up-axis", "wind-in-plane"]'
+WarningCode: TypeAlias = 'Literal["mass-scaling", "air-pressure", "areal-density", "branching-edge", "braked-rotation", "cloth-crossing", "closing-canopy", "coincident-nodes", "disk-space", "drag-area", "drag-coefficient", "energy-dissipated", "energy-made", "event-at-start", "event-beyond-end", "experimental-model", "failed-start", "filling-beyond-end", "hanging-node", "initial-strain", "inside-out", "large-extent", "large-gravity", "large-mass", "leaning-canopy", "long-step", "loose-lines", "loose-nodes", "lost-motion", "mesh-file", "no-suction", "no-support", "no-wind", "overlapping-triangles", "reefing-line", "rounded-coordinates", "seam-gap", "short-pulse", "slack-opening", "slack-springs", "small-extent", "small-hole", "step-above-critical", "step-beyond-end", "step-dashpot", "strained-cloth", "stray-triangles", "supersonic-speed", "thin-air", "tight-cloth", "unlikely-material", "unselected-edges", "unused-rule", "up-axis", "wind-in-plane"]'
 """Kinds of warnings, by their codes in a case."""
 
 
