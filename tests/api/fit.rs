@@ -94,7 +94,7 @@ fn falling(load: f64) -> Value {
         "system": {"network": {
             "mesh": {"explicit": {"nodes": [[0, 0, 0]], "springs": []}},
             "mass": {"nodal": 2.0},
-            "loads": [{"on": "all", "nodal": [load, 0, 0]}]
+            "loads": [{"on": "all", "force": [load, 0, 0]}]
         }},
         "time": {"end": 2.0, "method": "velocity-verlet", "step": 0.02},
         "output": {"gauges": [{"name": "mass", "on": "all", "of": "position"}]}
@@ -150,7 +150,7 @@ fn a_linear_fit_is_the_closed_form() {
         let fit = fit(&Asked {
             case: &falling(1.0),
             data: vec![format!("{}:mass.position_x", file.display())],
-            vary: &["system.network.loads.0.nodal.0=0..10"],
+            vary: &["system.network.loads.0.force.0=0..10"],
             offset: None,
             starts: 1,
             threads: 1,
@@ -291,7 +291,7 @@ fn faults_of_a_fit_are_told() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("x.csv");
     let case = falling(1.0);
-    let key = "system.network.loads.0.nodal.0=0..10";
+    let key = "system.network.loads.0.force.0=0..10";
     let fault = |content: &str, of: &str, vary: &[&str], offset| {
         std::fs::write(&file, content).expect("data are written");
         let data = vec![format!("{}:{of}", file.display())];
@@ -321,6 +321,6 @@ fn faults_of_a_fit_are_told() {
         let told = fault(content, of, &[vary], offset);
         assert!(told.contains(words), "{told}");
     }
-    let three = ["system.network.mass.nodal=1..3", key, "system.network.loads.0.nodal.1=0..1"];
+    let three = ["system.network.mass.nodal=1..3", key, "system.network.loads.0.force.1=0..1"];
     assert!(fault(good, "mass.position_x", &three, None).contains("2 points of data cannot determine 3 values"));
 }

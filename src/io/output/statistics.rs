@@ -1,7 +1,7 @@
 //! What is kept of a series of values from step to step: its largest and smallest value, its end, its means.
 //!
-//! What is steady is judged over the last tenth of the run, wherever it ends. A run that ends on the ground does not know
-//! its end beforehand, so the beginning of its last tenth is read from [`Samples`].
+//! What is steady is judged over the last tenth of the run, wherever it ends. A run that ends on the ground does not
+//! know its end beforehand, so the beginning of its last tenth is read from samples that were kept on the way.
 
 use serde::{Deserialize, Serialize};
 
@@ -172,8 +172,8 @@ mod tests {
         assert_eq!((series.peak, series.peak_time, series.min, series.last), (100.0, 10.0, 0.0, 100.0));
     }
 
-    /// v = 1 - exp(-t) of a run that is planned to 100 s and ends early: the mean over its own last tenth, and whether it
-    /// is steady there, as a fall with drag is that lands.
+    /// v = 1 - exp(-t) of a run that is planned to 100 s and ends early: the mean over its own last tenth, and whether
+    /// it is steady there, as a fall with drag is that lands.
     #[test]
     fn a_run_that_ends_early_is_judged_by_its_own_end() {
         let v = |t: f64| 1.0 - (-t).exp();

@@ -8,8 +8,8 @@ use super::least_squares::Minimum;
 use super::parameter::Parameter;
 
 /// [-] Ratio of the singular values of J, its columns scaled to length 1, below which a combination of values is not
-/// determined.
-const SINGULAR: f64 = 1e-6;
+/// determined; far above what differences leave of columns that are parallel.
+const SINGULAR: f64 = 1e-4;
 /// [-] Part that a value has in such a combination from which on it is told.
 const PART: f64 = 0.1;
 
@@ -84,8 +84,8 @@ pub(super) fn sigma_of(sets: &[DataSet], taken: &[f64], residuals: &[f64], value
 }
 
 impl Estimate {
-    /// Of a minimum whose residuals were weighted with the standard deviations `taken`; those of sets without given noise
-    /// follow from the residuals.
+    /// Of a minimum whose residuals were weighted with the standard deviations `taken`; those of sets without given
+    /// noise follow from the residuals.
     pub(super) fn of(minimum: &Minimum, parameters: &[Parameter], sets: &[DataSet], taken: &[f64]) -> Self {
         let found = sigma_of(sets, taken, &minimum.residuals, minimum.u.len());
         let before = weights(sets, taken);

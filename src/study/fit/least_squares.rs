@@ -1,9 +1,9 @@
 //! Least squares within the unit cube by Levenberg and Marquardt's method.
 //!
-//! A step s solves (J^T J + lambda D^2) s = -J^T r, where D has the lengths of the columns of J, for the numbers that are
-//! not held at an end of [0, 1] (Moré 1978, "The Levenberg–Marquardt algorithm: implementation and theory"). It is cut at
-//! the cube. lambda follows the ratio of actual to predicted reduction (Nielsen 1999, "Damping parameter in Marquardt's
-//! method", section 3). A trial without a result counts as one that is worse.
+//! A step s solves (J^T J + lambda D^2) s = -J^T r, where D has the lengths of the columns of J, for the numbers that
+//! are not held at an end of [0, 1] (Moré 1978, "The Levenberg–Marquardt algorithm: implementation and theory"). It is
+//! cut at the cube. lambda follows the ratio of actual to predicted reduction (Nielsen 1999, "Damping parameter in
+//! Marquardt's method", section 3). A trial without a result counts as one that is worse.
 //!
 //! The registries' `levenberg-marquardt` has neither bounds nor trials that fail, and needs a second nalgebra.
 

@@ -47,8 +47,8 @@ struct Pace {
     step: Sample,
 }
 
-/// The whole run with fixed steps of `h` [s] of which `own` is the first part, and where it lands [s], if the coarse run
-/// does. `None` where no step could be tried.
+/// The whole run with fixed steps of `h` [s] of which `own` is the first part, and where it lands [s], if the coarse
+/// run does. `None` where no step could be tried.
 pub(super) fn whole_run(
     spec: &ForecastSpec<'_>,
     costs: &NominalCosts,
