@@ -19,7 +19,7 @@ pub(super) fn with_unit(key: &str) -> String {
     }
 }
 
-/// The unit of a key of the case, as [`with_unit`] has it; empty where it has none.
+/// The unit of a key of the case, as axes show it; empty where it has none.
 pub fn unit_of(key: &str) -> String {
     let schema = json_schema();
     let path: Vec<&str> = key.split('.').collect();
