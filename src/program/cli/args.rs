@@ -95,8 +95,8 @@ pub enum Command {
     /// Fit values of a case's keys to measured curves, with their errors
     ///
     /// Finds by least squares the values with which gauges of the run come nearest to tables of data, and how well the
-    /// data determine them: standard errors, intervals of 95 %, correlations. Writes fit.json, .csv, .svg and .html, and
-    /// fitted.json: the case with these values. A value that the data do not determine is told.
+    /// data determine them: standard errors, intervals of 95 %, correlations. Writes fit.json, .csv, .svg and .html,
+    /// and fitted.json: the case with these values. A value that the data do not determine is told.
     #[command(after_help = EXIT_STATUS)]
     Fit(FitArgs),
     /// Find what a scene requires: what each part of the model does to the numbers of the report, and what it costs

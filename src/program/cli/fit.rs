@@ -16,9 +16,9 @@ use std::path::PathBuf;
 pub struct FitArgs {
     /// Case file (JSON; // comments and trailing commas are allowed)
     pub case: PathBuf,
-    /// Measured curve and the gauge it is held against: FILE:GAUGE.COLUMN, such as riser.csv:riser.tension. The file has
-    /// time [s], value and perhaps the standard deviation of the value. FILE:GAUGE.COLUMN*FACTOR multiplies the values,
-    /// for other units. May be given several times
+    /// Measured curve and the gauge it is held against: FILE:GAUGE.COLUMN, such as riser.csv:riser.tension. The file
+    /// has time [s], value and perhaps the standard deviation of the value. FILE:GAUGE.COLUMN*FACTOR multiplies the
+    /// values, for other units. May be given several times
     #[arg(long, value_name = "FILE:GAUGE.COLUMN", required = true)]
     pub data: Vec<String>,
     /// A key of the case that is fitted, with the range in which it is searched: KEY=A..B, or KEY=log:A..B for a value

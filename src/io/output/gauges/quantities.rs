@@ -123,7 +123,7 @@ impl Quantities {
             reported.extend("motion".parse());
         }
         let default = spec.quantities.is_empty();
-        // Drift, heading and place may be 0, or nothing but rounding, so their errors are told where they are asked for.
+        // Drift, heading and place may be 0, or nothing but rounding: their errors are told where they are asked for.
         let reports = |of: &OfLanding| matches!(of, OfLanding::Time | OfLanding::Speed);
         let landing = OfLanding::ALL.into_iter().filter(|_| spec.stages.landing);
         let (told, more): (Vec<_>, Vec<_>) = landing.partition(reports);
