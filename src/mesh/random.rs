@@ -25,6 +25,11 @@ impl SplitMix64 {
         z ^ (z >> 31)
     }
 
+    /// [-] evenly spread, above 0 and below 1
+    pub fn uniform(&mut self) -> f64 {
+        ((self.draw() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
     /// [-] evenly spread in [-1, 1)
     pub(crate) fn signed(&mut self) -> f64 {
         // The upper 53 bits fill a double's mantissa exactly.

@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::data::DataSet;
 use super::least_squares::Minimum;
 use super::parameter::Parameter;
+use crate::sweep::sample::student_quantile;
 
 /// [-] Ratio of the singular values of J, its columns scaled to length 1, below which a combination of values is not
 /// determined; far above what differences leave of columns that are parallel.
@@ -209,21 +210,13 @@ impl Errors {
 }
 
 /// The factor of a standard error that gives an interval of 95 %: Student's t with so many degrees of freedom, within
-/// 1 % (Abramowitz & Stegun 1964, 26.7.5, and the closed forms for one and two).
-pub(super) fn student(freedom: usize) -> f64 {
-    /// normal deviate of 97.5 %
-    const Z: f64 = 1.959_963_984_540_054;
-    let n = freedom as f64;
+/// 1 %.
+fn student(freedom: usize) -> f64 {
     match freedom {
         0 => f64::INFINITY,
+        // The closed form, where the expansion is too coarse.
         1 => (0.475 * std::f64::consts::PI).tan(),
-        2 => 0.95 * (2.0 / (1.0 - 0.95 * 0.95_f64)).sqrt(),
-        _ => {
-            let g1 = (Z.powi(3) + Z) / 4.0;
-            let g2 = (5.0 * Z.powi(5) + 16.0 * Z.powi(3) + 3.0 * Z) / 96.0;
-            let g3 = (3.0 * Z.powi(7) + 19.0 * Z.powi(5) + 17.0 * Z.powi(3) - 15.0 * Z) / 384.0;
-            Z + g1 / n + g2 / n.powi(2) + g3 / n.powi(3)
-        }
+        _ => student_quantile(0.975, freedom as f64),
     }
 }
 

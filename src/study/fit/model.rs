@@ -14,12 +14,12 @@ use crate::case::Case;
 use crate::drive::{Explain, Status};
 use crate::error::StudyError;
 use crate::experiment::{Experiment, Start};
-use crate::mesh::random::SplitMix64;
 use crate::model::gauge::Quantity;
 use crate::model::stop::Stop;
 use crate::output::gauge_rows::{ColumnName, GaugeRows};
 use crate::planned_runs::each;
 use crate::simulation::build_scene;
+use crate::sweep::sample::hypercube;
 
 /// Searches from one start, each with the noise that the one before has shown.
 const ROUNDS: usize = 4;
@@ -261,30 +261,15 @@ impl Model<'_> {
     }
 
     /// The case itself, as far as it is in the ranges, then a Latin hypercube: each start is in another part of each
-    /// range (McKay, Beckman & Conover 1979).
+    /// range.
     fn starts(&self) -> Vec<Vec<f64>> {
         let (spec, problem) = (self.spec, self.spec.case.problem());
         let place = |parameter: &Parameter| {
             let value = if parameter.key == OFFSET { Some(0.0) } else { parameter.in_case(&problem.case_json) };
             value.and_then(|value| parameter.range.place(value)).unwrap_or(0.5)
         };
-        let more = spec.starts.saturating_sub(1) as usize;
-        let mut random = SplitMix64::of_seed(spec.seed);
-        let mut draw = || (random.draw() >> 11) as f64 / (1_u64 << 53) as f64;
-        let mut all = vec![vec![0.0; self.parameters.len()]; more];
-        for i in 0..self.parameters.len() {
-            let mut parts: Vec<usize> = (0..more).collect();
-            for last in (1..more).rev() {
-                parts.swap(last, ((draw() * (last + 1) as f64) as usize).min(last));
-            }
-            for (start, part) in all.iter_mut().zip(parts) {
-                if let Some(u) = start.get_mut(i) {
-                    *u = (part as f64 + draw()) / more as f64;
-                }
-            }
-        }
         let mut starts = vec![self.parameters.iter().map(place).collect()];
-        starts.append(&mut all);
+        starts.extend(hypercube(spec.seed, 0, 0..spec.starts.saturating_sub(1) as usize, self.parameters.len()));
         starts
     }
 

@@ -5,6 +5,8 @@
 //! ([`Law::at`](super::law::Law::at)). In Saltelli's design (Saltelli et al. 2010, Comput. Phys. Commun. 181, 259-270)
 //! a group of rows is a point A, a point B, and A with each coordinate in turn from B.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -121,25 +123,33 @@ impl Sampled {
         let size = if self.until.is_some() { BATCH } else { self.samples.max(1) };
         let mut points = Vec::with_capacity(self.samples);
         for (number, from) in (0..self.samples).step_by(size).enumerate() {
-            let count = size.min(self.samples - from);
-            let orders: Vec<Vec<usize>> = (0..coordinates)
-                // The seeds of the orders are none of those of the places within the parts.
-                .map(|i| shuffled(count, SplitMix64::new(!self.seed, (number * coordinates + i) as u64)))
-                .collect();
-            points.extend((0..count).map(|row| {
-                let within = random(self.seed, from + row, coordinates);
-                let place = |(order, u): (&Vec<usize>, f64)| (order[row] as f64 + u) / count as f64;
-                orders.iter().zip(within).map(place).collect::<Vec<f64>>()
-            }));
+            let rows = from..self.samples.min(from + size);
+            points.extend(hypercube(self.seed, number, rows, coordinates));
         }
         points
     }
 }
 
+/// A Latin hypercube of rows, the `number`-th of its seed: each is in another part of each coordinate (McKay, Beckman &
+/// Conover 1979).
+pub(crate) fn hypercube(seed: u64, number: usize, rows: Range<usize>, coordinates: usize) -> Vec<Vec<f64>> {
+    let count = rows.len();
+    let orders: Vec<Vec<usize>> = (0..coordinates)
+        // The seeds of the orders are none of those of the places within the parts.
+        .map(|i| shuffled(count, SplitMix64::new(!seed, (number * coordinates + i) as u64)))
+        .collect();
+    let point = |(part, row): (usize, usize)| {
+        let within = random(seed, row, coordinates);
+        let place = |(order, u): (&Vec<usize>, f64)| (order[part] as f64 + u) / count as f64;
+        orders.iter().zip(within).map(place).collect()
+    };
+    rows.enumerate().map(point).collect()
+}
+
 /// Independent coordinates of a row.
 fn random(seed: u64, row: usize, coordinates: usize) -> Vec<f64> {
     let mut numbers = SplitMix64::new(seed, row as u64);
-    (0..coordinates).map(|_| ((numbers.draw() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64).collect()
+    (0..coordinates).map(|_| numbers.uniform()).collect()
 }
 
 /// The numbers below `count` in a random order (Fisher and Yates).

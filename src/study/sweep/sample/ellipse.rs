@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn normal_points_have_their_ellipse() {
         let mut numbers = SplitMix64::of_seed(11);
-        let mut draw = || normal_quantile(((numbers.draw() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64);
+        let mut draw = || normal_quantile(numbers.uniform());
         let (sin, cos) = 30_f64.to_radians().sin_cos();
         let points: Vec<[f64; 2]> = (0..20_000)
             .map(|_| {

@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn intervals_hold_what_they_say() {
         let mut numbers = SplitMix64::of_seed(5);
-        let mut draw = || -(((numbers.draw() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64).ln();
+        let mut draw = || -numbers.uniform().ln();
         let mut missed = [0; 5];
         let trials = 2000;
         for _ in 0..trials {

@@ -19,6 +19,8 @@ pub mod rule;
 pub mod scatter;
 mod sobol;
 
+pub(crate) use design::hypercube;
 pub use design::{Sampled, Sampling};
 pub use input::{Input, is_drawn};
+pub(crate) use normal::student_quantile;
 pub use rule::Rule;

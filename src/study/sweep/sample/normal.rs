@@ -26,7 +26,7 @@ pub(super) fn normal_quantile(p: f64) -> f64 {
 
 /// The value below which the share p of Student's t with v degrees of freedom is, by the expansion of Cornish and
 /// Fisher (Abramowitz & Stegun 1964, 26.7.5): at 97.5 % within 1 % from v = 2 on, and 1e-5 from v = 9 on.
-pub(super) fn student_quantile(p: f64, v: f64) -> f64 {
+pub(crate) fn student_quantile(p: f64, v: f64) -> f64 {
     let z = normal_quantile(p);
     let powers = |coefficients: &[f64]| coefficients.iter().rev().fold(0.0, |sum, c| sum * z * z + c) * z;
     let terms = [
