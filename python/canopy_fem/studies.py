@@ -195,20 +195,26 @@ def gradient(
     by: str | Sequence[str],
     verify: bool = False,
     threads: int = 1,
-) -> dict[str, dict[str, float]]:
+    states: int | None = None,
+) -> dict[str, dict[str, Any]]:
     """Exact derivatives of the numbers of a run: those of ``canopy-fem gradient``, by quantity and key.
 
     Args:
         case: a `Case`, a case file or a dictionary. Its steps are fixed.
         of: names of quantities, such as ``"riser.tension.peak"``; those of the case, else those of the report, if left
             out.
-        by: keys of numbers of the case, as for `--set`; or unique ends of keys, or keys that hold numbers.
+        by: keys of numbers of the case, as for `--set`; or unique ends of keys, or keys that hold numbers; or what each
+            spring or node has: ``"each.stiffness"``, ``"each.rest_length"``, ``"each.mass"``, ``"each.force"``,
+            ``"each.position"``, ``"each.velocity"``.
         verify: compare with differences of whole runs; a derivative that differs by more than 1e-3 of it then raises.
         threads: threads of a scene above 2,000 nodes.
+        states: steps that are kept at once for derivatives by each spring or node, at least 2; with fewer than the run
+            has, parts of it are made again.
 
     Returns:
         Of each quantity, each key with its derivative, in the unit of the quantity over that of the key; the most
-        important key first.
+        important key first. By each spring or node the derivatives are an array: ``(n_edges,)``, NaN on an edge without
+        spring, ``(n_nodes,)`` for masses, or ``(n_nodes, 3)``.
 
     Raises:
         CaseError: the case has faults, or a quantity, a key or the method has no derivative.
@@ -216,12 +222,13 @@ def gradient(
     """
     quantities, keys = ([one] if isinstance(one, str) else list(one) for one in (of, by))
     given = ["--threads", str(int(threads)), *(["--verify"] if verify else [])]
+    given += [] if states is None else ["--states", str(int(states))]
     for flag, names in (("--of", quantities), ("--by", keys)):
         for name in names:
             given += [flag, name]
     with _file_of(as_case(case)) as arguments:
         report = json.loads(_call(["gradient", *arguments, "--json", *given]))
-    found: dict[str, dict[str, float]] = {}
+    found: dict[str, dict[str, Any]] = {}
     for quantity in report["quantities"]:
         for one in quantity["derivatives"]:
             value, by_runs = one["value"], one.get("by_runs")
@@ -230,6 +237,10 @@ def gradient(
                     f"{quantity['name']} by {one['by']}: {value} is not {by_runs}, the difference of whole runs"
                 )
             found.setdefault(quantity["name"], {})[one["by"]] = value
+        for all_of in quantity.get("each", ()):
+            values = np.array(all_of["values"], dtype=float)
+            shape = (-1, 3) if all_of["components"] == 3 else (-1,)
+            found.setdefault(quantity["name"], {})[all_of["by"]] = values.reshape(shape)
     return found
 
 

@@ -36,6 +36,7 @@
 //! | look at a step first | [`Simulation::attempt`]; [`Simulation::accept`] or [`Simulation::drop_attempt`] |
 //! | read nodes | [`Simulation::positions`], [`Simulation::velocities`], [`Simulation::reactions`] |
 //! | read springs and energies | [`Simulation::tensions`], [`Simulation::energies`] |
+//! | read derivatives of the state by numbers of the case | [`Simulation::follow_derivatives`] |
 //! | read accelerations, gauges and their peaks | [`Simulation::accelerations`], [`Simulation::measure`] |
 //! | keep a run at given times | [`crate::output::samples`], [`Simulation::run_sampled`] |
 //! | read what it cost | [`Simulation::counters`] |
@@ -61,6 +62,7 @@
 mod attempt;
 mod builder;
 mod derivative;
+mod derivatives;
 mod doubts;
 mod equilibrium;
 mod error;
@@ -77,6 +79,7 @@ pub use crate::force::law::bar_law::{BarForce, BarLaw, Bars};
 pub use crate::scene::{ForceDerivative, Load, NodalForce};
 pub use builder::{NetworkBuilder, SpringLaw};
 pub use derivative::{DerivativeError, derivative_error};
+pub use derivatives::StateDerivative;
 pub use doubts::{check_solver, doubts_at_end, doubts_at_start};
 pub use equilibrium::{
     RecordedStatic, StaticSettings, record_static, record_static_watched, static_spec, warnings_at_rest,
@@ -103,6 +106,7 @@ use crate::model::spec::NetworkSpec;
 use crate::model::stop::Stop;
 use crate::output::live::LiveGauges;
 use crate::scene::{Pendulum, Scene, build_network, build_network_with};
+use crate::sensitivity::TangentRun;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
@@ -179,6 +183,8 @@ pub struct Simulation {
     stop: Option<Arc<AtomicBool>>,
     /// away only while steps are made
     gauges: Option<LiveGauges>,
+    /// derivatives that go along; away only while steps are made
+    tangent: Option<TangentRun>,
 }
 
 impl Simulation {
@@ -271,6 +277,7 @@ impl Simulation {
             resumed: false,
             stop: None,
             gauges: None,
+            tangent: None,
         }
     }
 
@@ -348,6 +355,9 @@ impl Simulation {
         observers: &mut [&mut dyn Observer],
         pause: &mut dyn FnMut() -> bool,
     ) -> Result<StepInfo, SimulationError> {
+        if let Some(tangent) = self.tangent.take() {
+            return self.make_followed_steps(tangent, until, observers, pause);
+        }
         while !until.reached(self.state.steps, self.state.from.state.t) {
             let made = self.at_work(Stop::NEVER, |run, stepper| {
                 if run.next().is_none() {

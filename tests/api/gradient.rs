@@ -46,11 +46,11 @@ fn number(value: f64) -> Dual {
 
 fn found(case: &Case, by: &[&str], threads: usize, verify: bool) -> Result<GradientReport, GradientError> {
     let by: Vec<String> = by.iter().map(|key| (*key).to_owned()).collect();
-    gradient(&GradientSpec { case, by: &by, threads, verify, interrupt: Stop::NEVER })
+    gradient(&GradientSpec { case, by: &by, states: None, threads, verify, interrupt: Stop::NEVER })
 }
 
 /// The derivative of a quantity by a key.
-fn of(report: &GradientReport, quantity: &str, key: &str) -> f64 {
+pub(crate) fn of(report: &GradientReport, quantity: &str, key: &str) -> f64 {
     let quantity = report.quantities.iter().find(|of| of.name == quantity).expect("the quantity");
     quantity.derivatives.iter().find(|of| of.by.ends_with(key)).expect("the key").value
 }
@@ -194,7 +194,7 @@ fn a_falling_mass_has_the_derivatives_of_its_recurrence() {
 }
 
 /// A taut net in the wind, with all kinds of numbers: smooth, nonlinear, damped, and not symmetric.
-fn net(method: &Value) -> Case {
+pub(crate) fn net(method: &Value) -> Case {
     case_of(
         &json!({
             "name": "gradient",

@@ -20,6 +20,7 @@ mod filling;
 mod fit;
 mod globalised;
 mod gradient;
+mod gradient_elements;
 mod inflow;
 mod linear;
 mod materials;

@@ -76,14 +76,23 @@ impl Pattern {
 
     /// y = W p for `values` [nonzeros] on this pattern, both triangles of a symmetric W; `p` and `y` `[n]`.
     pub fn multiply(&self, values: &[f64], p: &[f64], y: &mut [f64]) {
+        self.product::<false>(values, p, y);
+    }
+
+    /// y = W^T p.
+    pub fn multiply_transposed(&self, values: &[f64], p: &[f64], y: &mut [f64]) {
+        self.product::<true>(values, p, y);
+    }
+
+    fn product<const TRANSPOSED: bool>(&self, values: &[f64], p: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for j in 0..self.n() {
             let first = self.col_ptr[j] as usize;
             for (&i, value) in self.column(j).iter().zip(&values[first..]) {
-                let i = i as usize;
-                y[i] += value * p[j];
-                if self.symmetric && i != j {
-                    y[j] += value * p[i];
+                let [row, column] = if TRANSPOSED { [j, i as usize] } else { [i as usize, j] };
+                y[row] += value * p[column];
+                if self.symmetric && row != column {
+                    y[column] += value * p[row];
                 }
             }
         }

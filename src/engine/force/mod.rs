@@ -154,6 +154,11 @@ pub trait ForceTerm: kernel::batch::BlockForces {
         let _ = (at, w, sink);
     }
 
+    /// Whether its force on each node is proportional to the mass of that node, and depends on no other mass.
+    fn by_mass(&self) -> bool {
+        false
+    }
+
     /// Its elastic part as a mean over a step; `None` if that is the force in the middle, or if it has none.
     fn mean(&self) -> Option<&dyn MeanForce> {
         None

@@ -38,6 +38,16 @@ pub struct StepForm {
 }
 
 impl StepForm {
+    /// What makes all vectors of a first step of x and v, with M^-1 f there as its only stage.
+    pub fn beginning(&self) -> StepForm {
+        let stages = match self.start.is_empty() {
+            true => Vec::new(),
+            false => vec![StageForm { c: 0.0, x: unit(0), v: unit(1) }],
+        };
+        let next = [unit(0), unit(1)].into_iter().chain(self.start.iter().map(|row| row.to_vec()));
+        StepForm { start: Vec::new(), stages, next: next.collect() }
+    }
+
     /// Vectors that a step begins with.
     pub fn carried(&self) -> usize {
         2 + self.start.len()

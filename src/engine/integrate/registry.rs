@@ -7,7 +7,7 @@ use super::energy_momentum::EnergyMomentum;
 use super::euler_cromer::EULER_CROMER;
 use super::generalized_alpha::GeneralizedAlpha;
 use super::hht::Hht;
-use super::implicit::Implicit;
+use super::implicit::{Implicit, SolverSpec};
 use super::improved_euler_pec::ImprovedEulerPec;
 use super::kang::Kang;
 use super::linear_step::{LinearStep, Pencil};
@@ -27,6 +27,19 @@ pub use other_names::{OtherName, other_name};
 /// All methods, in the order `canopy-fem methods` prints them.
 pub fn methods() -> &'static [MethodInfo] {
     METHODS
+}
+
+/// The names of all methods that say [what a step is made of](super::form), as derivatives of runs need.
+pub fn with_form() -> String {
+    let has = |info: &MethodInfo| {
+        let defaults: Vec<f64> = info.parameters.iter().map(|p| p.default).collect();
+        match (info.build)(&defaults, SolverSpec::default()) {
+            Scheme::Explicit(scheme) => scheme.form(1.0, true).is_some(),
+            Scheme::Implicit(scheme) => scheme.form(1.0, true).is_some(),
+            Scheme::Graph(scheme) => scheme.form(1.0, true).is_some(),
+        }
+    };
+    methods().iter().filter(|info| has(info)).map(|info| info.name).collect::<Vec<_>>().join(", ")
 }
 
 static METHODS: &[MethodInfo] = &[

@@ -41,6 +41,9 @@ pub(super) struct ApparentMass {
     pub term: usize,
 }
 
+/// [m] Half of a difference over heights, over which the density of the air is a straight line to nine digits.
+const HEIGHT: f64 = 0.1;
+
 /// [-] Volume of Taylor's shape over D0^3: pi 0.7627^2/24.
 const TAYLOR: f64 = 0.076_14;
 
@@ -86,6 +89,10 @@ struct Entrained {
     velocity: Vector3<f64>,
     /// [m/s] V and the wind
     absolute: Vector3<f64>,
+    /// [m^3] Vol
+    volume: f64,
+    /// [kg/m^3] k rho, and [kg/m^4] its slope over height
+    densities: [f64; 2],
 }
 
 impl ApparentMass {
@@ -105,14 +112,46 @@ impl ApparentMass {
     }
 
     fn entrained(&self, at: NodeState<'_>) -> Entrained {
+        self.entrained_at(at, self.mean(at.x).z)
+    }
+
+    /// The same in the air at height `z` [m].
+    fn entrained_at(&self, at: NodeState<'_>, z: f64) -> Entrained {
         let origin = self.nodes.first().map_or(Vector3::zeros(), |&(node, _)| at.x[node as usize]);
         let ([volume, rate], absolute) = (self.volume.at(at, origin), self.mean(at.v));
-        let air = self.stream.at(at.t, self.mean(at.x).z);
+        let air = self.stream.at(at.t, z);
         let [density, slope] = air.density;
         // Turned inside out, a canopy encloses no air.
         let factor = if volume > 0.0 { self.factor } else { 0.0 };
         let growth = factor * (density * rate + slope * absolute.z * volume);
-        Entrained { mass: factor * density * volume, growth, velocity: absolute - air.wind[0], absolute }
+        let (velocity, densities) = (absolute - air.wind[0], [factor * density, factor * slope]);
+        Entrained { mass: factor * density * volume, growth, velocity, absolute, volume, densities }
+    }
+
+    /// Adds the derivatives of p . (m A + m' V) by positions and velocities to `out`, for a fixed A [m/s^2]; `p` is the
+    /// mean of a vector over the nodes.
+    fn add_slopes(&self, at: NodeState<'_>, [p, a]: [Vector3<f64>; 2], out: [&mut [Vector3<f64>]; 2]) {
+        let [by_x, by_v] = out;
+        let found = self.entrained(at);
+        let Entrained { growth, velocity, absolute, volume, densities: [density, slope], .. } = found;
+        let along = p.dot(&velocity);
+        let by_volume = density * p.dot(&a) + slope * absolute.z * along;
+        let by_rate = density * along;
+        if let Volume::Cloth(enclosure) = &self.volume {
+            enclosure.add_rate_gradient([at.x, at.v], [by_volume, by_rate], by_x);
+            enclosure.add_rate_gradient([at.x, at.v], [by_rate, 0.0], by_v);
+        }
+        let z = self.mean(at.x).z;
+        let [below, above] = [z - HEIGHT, z + HEIGHT].map(|z| {
+            let Entrained { mass, growth, velocity, .. } = self.entrained_at(at, z);
+            p.dot(&(mass * a + growth * velocity))
+        });
+        let by_height = (above - below) / (2.0 * HEIGHT);
+        let by_velocity = growth * p + Vector3::new(0.0, 0.0, slope * volume * along);
+        for &(node, share) in self.nodes.iter() {
+            by_x[node as usize].z += share * by_height;
+            by_v[node as usize] += share * by_velocity;
+        }
     }
 
     /// [N] What it does to a canopy whose acceleration is known.
@@ -143,7 +182,7 @@ impl Network {
         let [total, external] = sums;
         let inverse_mass = by_node(&self.phase().inverse_mass);
         for canopy in &self.acting.apparent {
-            let Entrained { mass, growth, velocity, absolute } = canopy.entrained(at);
+            let Entrained { mass, growth, velocity, absolute, .. } = canopy.entrained(at);
             let (a, s) = (canopy.acceleration(total, inverse_mass), canopy.mobility(inverse_mass));
             let lost = growth * velocity;
             let accelerated = (a - lost.component_mul(&s)).component_div(&(mass * s).add_scalar(1.0));
@@ -174,6 +213,22 @@ impl Network {
         for canopy in &self.acting.apparent {
             let force = canopy.force(at, canopy.mean(acceleration));
             canopy.nodes.iter().for_each(|&(node, share)| out[node as usize] -= share * force);
+        }
+    }
+
+    /// Overwrites `out` with J_x^T p and J_v^T p, for the derivatives J of [`Network::apparent_force_of`] by positions
+    /// and velocities at these accelerations [m/s^2].
+    pub(super) fn apparent_slopes(
+        &self,
+        at: NodeState<'_>,
+        [acceleration, p]: [&[Vector3<f64>]; 2],
+        [by_x, by_v]: [&mut [Vector3<f64>]; 2],
+    ) {
+        by_x.fill(Vector3::zeros());
+        by_v.fill(Vector3::zeros());
+        for canopy in &self.acting.apparent {
+            let means = [p, acceleration].map(|of| canopy.mean(of));
+            canopy.add_slopes(at, means, [&mut *by_x, &mut *by_v]);
         }
     }
 

@@ -4,6 +4,7 @@
 //! [`crate::model::observables::Observables`] and is in the user's numbering again.
 
 mod acting;
+mod adjoint;
 mod air_pressure;
 mod apparent;
 mod arrangement;
@@ -34,12 +35,14 @@ pub mod numbering;
 mod pendulum;
 mod picture;
 mod point_canopy;
+mod product;
 mod reach;
 mod stiff_part;
 mod suspect;
 mod tangent;
 mod triggers;
 
+pub use adjoint::Adjoint;
 pub use bound::BoundBuffer;
 pub use build::{build_network, build_network_with};
 pub use check_values::BuildError;
@@ -112,6 +115,11 @@ pub trait Scene: TangentSystem + Observables {
 
     /// The same, also what is set for the whole scene at once.
     fn controls_mut(&mut self) -> Option<&mut dyn Controls> {
+        None
+    }
+
+    /// What an adjoint run needs of it; `None` if it has no nodes and springs of its own.
+    fn adjoint(&self) -> Option<&dyn Adjoint> {
         None
     }
 

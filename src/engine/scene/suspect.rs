@@ -1,10 +1,10 @@
 //! What a failure report says about a node of a network, and the size of a network.
 
+use super::adjoint::Adjoint;
 use super::arrangement::TermPart;
 use super::network::{Network, by_node, node_state};
 use super::{BoundBuffer, Controls, Scene, Suspect};
-use crate::assembly::{SceneInterfaces, TangentSystem};
-use crate::force::{TangentForm, TangentSink};
+use crate::assembly::SceneInterfaces;
 use crate::model::abilities::Events;
 use crate::model::added_mass::AddedMass;
 use crate::model::at_dof::AtDof;
@@ -12,7 +12,7 @@ use crate::model::bounds::extent;
 use crate::model::forces::Role;
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -105,19 +105,12 @@ impl Scene for Network {
         self.sharper_node_bound(at, w)
     }
 
+    fn adjoint(&self) -> Option<&dyn Adjoint> {
+        Some(self)
+    }
+
     fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {
-        y.fill(0.0);
-        let mut product = Product { p: by_node(p), y: bytemuck::cast_slice_mut(y) };
-        self.emit_tangents(at, w, TangentForm::EXACT, &mut product);
-        let mut part = [Vec::new(), Vec::new()];
-        for which in 0..self.rank_ones() {
-            let [u, g] = &mut part;
-            u.resize(p.len(), 0.0);
-            g.resize(p.len(), 0.0);
-            self.rank_one(which, at, w, u, g);
-            let amount: f64 = g.iter().zip(p).map(|(g, p)| g * p).sum();
-            y.iter_mut().zip(u).for_each(|(y, u)| *y += amount * *u);
-        }
+        self.product::<false>(at, w, p, y);
         for (y, &fixed) in y.iter_mut().zip(self.phase().fixed.as_flattened()) {
             if fixed {
                 *y = 0.0;
@@ -140,42 +133,5 @@ impl Network {
             }
         }
         worst.map(|(_, edge)| edge)
-    }
-}
-
-/// Multiplies emitted blocks by a vector instead of storing them: y += A p.
-struct Product<'a> {
-    p: &'a [Vector3<f64>],
-    y: &'a mut [Vector3<f64>],
-}
-
-impl Product<'_> {
-    /// An element with any blocks.
-    fn element<const N: usize>(&mut self, nodes: [u32; N], blocks: &[[Matrix3<f64>; N]; N]) {
-        for (&i, row) in nodes.iter().zip(blocks) {
-            for (&j, block) in nodes.iter().zip(row) {
-                self.y[i as usize] += *block * self.p[j as usize];
-            }
-        }
-    }
-}
-
-impl TangentSink for Product<'_> {
-    fn pair(&mut self, [i, j]: [u32; 2], block: Matrix3<f64>) {
-        self.y[i as usize] += block * self.p[j as usize];
-    }
-
-    fn edge(&mut self, [a, b]: [u32; 2], block: Matrix3<f64>) {
-        let d = block * (self.p[a as usize] - self.p[b as usize]);
-        self.y[a as usize] += d;
-        self.y[b as usize] -= d;
-    }
-
-    fn segment(&mut self, nodes: [u32; 2], blocks: &[[Matrix3<f64>; 2]; 2]) {
-        self.element(nodes, blocks);
-    }
-
-    fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]) {
-        self.element(nodes, blocks);
     }
 }

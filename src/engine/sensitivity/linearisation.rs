@@ -21,6 +21,13 @@ struct SolvedPart {
     divisor: f64,
 }
 
+/// Solves with a factor of an earlier W after which a new one is made.
+const MOST: usize = 12;
+/// [-] Share of a solution below which a correction ends the repetition.
+const SOLVED: f64 = 1e-13;
+/// [-] Share of the correction before that a correction must fall below.
+const FALLING: f64 = 0.3;
+
 /// The tangents of a stage, over the free degrees of freedom.
 pub(super) struct Linearisation {
     assembler: Assembler,
@@ -28,8 +35,16 @@ pub(super) struct Linearisation {
     damping: Matrix,
     stiffness: Matrix,
     whole: Matrix,
+    /// whether W^T is solved with. The factor of an earlier W is then kept as long as it serves: there are as many
+    /// solves as quantities, which are few, and each of them takes several with such a factor
+    transposed: bool,
+    /// the parts of the W that is factorised
     parts: Vec<SolvedPart>,
     solver: Option<Box<dyn LinearSolver>>,
+    /// values of the W that is factorised; empty before
+    factored: Vec<f64>,
+    /// whether that is the W of this stage
+    exact: bool,
     /// whether W is more than M and its parts
     implicit: bool,
     /// factorisations so far
@@ -42,20 +57,21 @@ const DAMPING: Weights = Weights { m: 0.0, c: 1.0, k: 0.0 };
 const STIFFNESS: Weights = Weights { m: 0.0, c: 0.0, k: 1.0 };
 
 impl Linearisation {
-    /// For a scene between two events.
-    pub(super) fn new(scene: &dyn Scene) -> Result<Self, PatternError> {
+    /// For a scene between two events; W^T is solved with if `transposed`.
+    pub(super) fn new(scene: &dyn Scene, transposed: bool) -> Result<Self, PatternError> {
         let [mass, damping, stiffness, whole] = [(); 4].map(|()| Matrix::default());
         let dofs = [(); 2].map(|()| vec![0.0; scene.n_dof()]);
-        let assembler = scene.assembler()?;
-        let (parts, solver) = (Vec::new(), None);
         Ok(Linearisation {
-            assembler,
+            assembler: scene.assembler()?,
             mass,
             damping,
             stiffness,
             whole,
-            parts,
-            solver,
+            transposed,
+            parts: Vec::new(),
+            solver: None,
+            factored: Vec::new(),
+            exact: false,
             implicit: false,
             factorizations: 0,
             dofs,
@@ -77,39 +93,56 @@ impl Linearisation {
         own.iter().zip(&self.assembler.pattern.dof).for_each(|(own, &dof)| all[dof as usize] = *own);
     }
 
-    /// Finds the tangents at a state, and factorises W with the shares alpha [s^2] and beta [s] of the stage's
-    /// acceleration in its state.
-    pub(super) fn set(
+    /// Finds the tangents at a state, and W with the shares alpha [s^2] and beta [s] of the stage's acceleration in its
+    /// state.
+    pub(super) fn set(&mut self, scene: &dyn Scene, at: StateRef<'_>, own: [f64; 2]) -> Result<(), LinearError> {
+        let mut mass = std::mem::take(&mut self.mass);
+        let mut damping = std::mem::take(&mut self.damping);
+        let mut stiffness = std::mem::take(&mut self.stiffness);
+        self.find(scene, at, MASS, &mut mass);
+        self.find(scene, at, DAMPING, &mut damping);
+        self.find(scene, at, STIFFNESS, &mut stiffness);
+        (self.mass, self.damping, self.stiffness) = (mass, damping, stiffness);
+        self.set_whole(scene, at, own)
+    }
+
+    /// Finds W alone.
+    pub(super) fn set_whole(
         &mut self,
         scene: &dyn Scene,
         at: StateRef<'_>,
         [alpha, beta]: [f64; 2],
     ) -> Result<(), LinearError> {
-        let mut mass = std::mem::take(&mut self.mass);
-        let mut damping = std::mem::take(&mut self.damping);
-        let mut stiffness = std::mem::take(&mut self.stiffness);
         let mut whole = std::mem::take(&mut self.whole);
-        self.find(scene, at, MASS, &mut mass);
-        self.find(scene, at, DAMPING, &mut damping);
-        self.find(scene, at, STIFFNESS, &mut stiffness);
-        self.implicit = alpha != 0.0 || beta != 0.0;
         self.find(scene, at, Weights { m: 1.0, c: beta, k: alpha }, &mut whole);
-        (self.mass, self.damping, self.stiffness, self.whole) = (mass, damping, stiffness, whole);
-        if self.implicit {
-            let solver = match &mut self.solver {
-                Some(solver) => solver,
-                None => {
-                    let made = solver_for(self.assembler.pattern.clone(), LinearChoice::Auto, scene.workers())?;
-                    self.solver.insert(made)
-                }
-            };
-            solver.factor(&self.whole.values)?;
-            self.factorizations += 1;
+        self.whole = whole;
+        self.implicit = alpha != 0.0 || beta != 0.0;
+        if self.implicit && self.solver.is_none() {
+            let pattern = self.assembler.pattern.clone();
+            self.solver = Some(solver_for(pattern, LinearChoice::Auto, scene.workers())?);
         }
+        let keeps = self.transposed && self.implicit && !self.factored.is_empty();
+        self.exact = false;
+        if keeps { Ok(()) } else { self.factor() }
+    }
+
+    /// Factorises W, and solves with its parts.
+    fn factor(&mut self) -> Result<(), LinearError> {
+        match &mut self.solver {
+            Some(solver) if self.implicit => {
+                solver.factor(&self.whole.values)?;
+                self.factorizations += 1;
+                self.factored.clone_from(&self.whole.values);
+            }
+            // The parts below are then those of M.
+            _ if !self.whole.parts.is_empty() => self.factored.clear(),
+            _ => {}
+        }
+        self.exact = true;
         self.parts.clear();
-        for [u, g] in std::mem::take(&mut self.whole.parts) {
-            let mut z = u;
-            self.solve(&mut z)?;
+        for [u, g] in self.whole.parts.clone() {
+            let [mut z, g] = if self.transposed { [g, u] } else { [u, g] };
+            self.solve_with_factor(&mut z)?;
             let divisor = 1.0 + dot(&g, &z);
             if divisor == 0.0 || !divisor.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
@@ -157,8 +190,55 @@ impl Linearisation {
         }
     }
 
-    /// Replaces b `[n]` by W^-1 b.
+    /// out = W y, or W^T y.
+    fn whole_times(&self, y: &[f64], out: &mut [f64]) {
+        if !self.transposed {
+            return self.times(&self.whole, y, out);
+        }
+        self.assembler.pattern.multiply_transposed(&self.whole.values, y, out);
+        for [u, g] in &self.whole.parts {
+            let share = dot(u, y);
+            out.iter_mut().zip(g).for_each(|(out, g)| *out += share * g);
+        }
+    }
+
+    /// Replaces b `[n]` by W^-1 b, or W^-T b; with the factor of an earlier W as long as repetition gains digits fast.
     pub(super) fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
+        if !self.exact {
+            let mut x = b.to_vec();
+            self.solve_with_factor(&mut x)?;
+            if self.refine(b, &mut x)? {
+                b.copy_from_slice(&x);
+                return Ok(());
+            }
+            self.factor()?;
+        }
+        self.solve_with_factor(b)
+    }
+
+    /// Corrects x until W x = b. Returns whether it came to that.
+    fn refine(&mut self, b: &[f64], x: &mut [f64]) -> Result<bool, LinearError> {
+        let largest = |of: &[f64]| of.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let (mut residual, mut before) = (vec![0.0; b.len()], f64::INFINITY);
+        for _ in 0..MOST {
+            self.whole_times(x, &mut residual);
+            residual.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
+            self.solve_with_factor(&mut residual)?;
+            x.iter_mut().zip(&residual).for_each(|(x, d)| *x += d);
+            let (correction, size) = (largest(&residual), largest(x));
+            if correction <= SOLVED * size {
+                return Ok(true);
+            }
+            if !(correction < FALLING * before) {
+                return Ok(false);
+            }
+            before = correction;
+        }
+        Ok(false)
+    }
+
+    /// Solves with the W that is factorised.
+    fn solve_with_factor(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
         self.solve_entries(b)?;
         for SolvedPart { g, z, divisor } in &self.parts {
             let share = dot(g, b) / divisor;
@@ -167,10 +247,11 @@ impl Linearisation {
         Ok(())
     }
 
-    /// The same for the entries of W on the pattern alone.
+    /// The same for its entries on the pattern alone.
     fn solve_entries(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
         match (&mut self.solver, self.implicit) {
-            (Some(solver), true) => solver.solve(&self.whole.values, b),
+            (Some(solver), true) if self.transposed => solver.solve_transposed(&self.factored, b),
+            (Some(solver), true) => solver.solve(&self.factored, b),
             _ => {
                 let pattern = &self.assembler.pattern;
                 for (i, b) in (0..).zip(b.iter_mut()) {

@@ -16,6 +16,16 @@ pub struct Switches {
     pub of: u64,
 }
 
+/// A number that a scene is built from, with scenes that have other values of it.
+pub struct Varied {
+    /// its name
+    pub name: String,
+    /// scenes with its value at the [places](PLACES) around its own
+    pub scenes: [Box<dyn Scene>; 4],
+    /// its step, in its own unit
+    pub h: f64,
+}
+
 /// A number that a scene is built from.
 pub struct Parameter {
     /// its name
@@ -34,16 +44,15 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// A parameter of `scene`, whose run starts at `start`, by its step `h` and the scenes at its [places](PLACES).
-    /// `steps` [s] is the size of the steps, with which tables are sampled.
+    /// A parameter of `scene`, whose run starts at `start`. `steps` [s] is the size of the steps, with which tables are
+    /// sampled.
     ///
     /// # Errors
     /// Scenes that differ in more than numbers.
     pub fn new(
-        name: String,
         scene: &dyn Scene,
         start: &State,
-        (scenes, h): ([Box<dyn Scene>; 4], f64),
+        Varied { name, scenes, h }: Varied,
         steps: Option<f64>,
     ) -> Result<Self, SensitivityError> {
         let fault = |what| SensitivityError::OtherScene { parameter: name.clone(), what };

@@ -1,12 +1,12 @@
 //! The tangent-linear run: derivatives of all vectors of a run, from step to step along with it.
 
 use super::apparent_slope::ApparentSlope;
+use super::columns::{Columns, combine, lagging, rows_of};
 use super::error::SensitivityError;
 use super::linearisation::Linearisation;
 use super::parameter::Parameter;
-use crate::integrate::form::{Row, StageForm, StepForm};
+use crate::integrate::form::{Row, StepForm};
 use crate::integrate::stepper::Stepper;
-use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::state::StateRef;
 use crate::scene::Scene;
@@ -33,33 +33,20 @@ struct Direction {
 }
 
 /// The tangent-linear run of some parameters.
-pub struct TangentRun<'a> {
-    scene: &'a dyn Scene,
+pub struct TangentRun {
     linear: Linearisation,
     directions: Vec<Direction>,
-    /// the vectors themselves
-    columns: Vec<Vec<f64>>,
-    /// [m/s] velocities at which the forces of the state were found, where these lag
-    force_v: Option<Vec<f64>>,
-    forces: Forces,
-    buffers: [Vec<f64>; 4],
+    columns: Columns,
+    buffers: [Vec<f64>; 2],
 }
 
-/// out = the sum of a row's shares of columns.
-fn combine(row: &Row, columns: &[Vec<f64>], out: &mut [f64]) {
-    out.fill(0.0);
-    for (share, column) in row.iter().zip(columns).filter(|(share, _)| **share != 0.0) {
-        out.iter_mut().zip(column).for_each(|(out, value)| *out += share * value);
-    }
-}
-
-impl<'a> TangentRun<'a> {
+impl TangentRun {
     /// At the start of a run, `from`, whose first step has this form.
     ///
     /// # Errors
     /// A matrix that cannot be set up or solved with.
     pub fn start(
-        scene: &'a dyn Scene,
+        scene: &dyn Scene,
         parameters: Vec<Parameter>,
         from: &Point,
         form: &StepForm,
@@ -70,15 +57,12 @@ impl<'a> TangentRun<'a> {
         });
         let zero = || vec![0.0; scene.n_dof()];
         let mut run = TangentRun {
-            scene,
-            linear: Linearisation::new(scene)?,
+            linear: Linearisation::new(scene, false)?,
             directions: directions.collect(),
-            columns: vec![from.state.x.clone(), from.state.v.clone()],
-            force_v: None,
-            forces: scene.new_forces(),
-            buffers: [(); 4].map(|()| zero()),
+            columns: Columns::new(scene, from),
+            buffers: [zero(), zero()],
         };
-        run.begin(from, form)?;
+        run.begin(scene, from, form)?;
         Ok(run)
     }
 
@@ -86,28 +70,31 @@ impl<'a> TangentRun<'a> {
     ///
     /// # Errors
     /// As [`TangentRun::start`].
-    pub fn restart(&mut self, passed: usize, from: &Point, form: &StepForm) -> Result<(), SensitivityError> {
+    pub fn restart(
+        &mut self,
+        scene: &dyn Scene,
+        (passed, from): (usize, &Point),
+        form: &StepForm,
+    ) -> Result<(), SensitivityError> {
         self.directions.iter().for_each(|of| of.parameter.pass_events(passed));
         let before = self.linear.factorizations;
-        self.linear = Linearisation::new(self.scene)?;
+        self.linear = Linearisation::new(scene, false)?;
         self.linear.factorizations = before;
-        self.begin(from, form)
+        self.begin(scene, from, form)
     }
 
     /// What the scheme carries besides positions and velocities, from those.
-    fn begin(&mut self, from: &Point, form: &StepForm) -> Result<(), SensitivityError> {
-        self.columns.truncate(2);
+    fn begin(&mut self, scene: &dyn Scene, from: &Point, form: &StepForm) -> Result<(), SensitivityError> {
+        self.columns.begin();
         self.directions.iter_mut().for_each(|of| of.columns.truncate(2));
-        self.force_v = None;
-        if form.start.is_empty() || self.directions.is_empty() {
+        if self.directions.is_empty() {
             return Ok(());
         }
-        let explicit =
-            StepForm { stages: vec![StageForm { c: 0.0, x: vec![1.0], v: vec![0.0, 1.0] }], ..StepForm::default() };
-        self.stage(&explicit, 0, from.state.t, None)?;
-        let rows: Vec<Row> =
-            [vec![1.0], vec![0.0, 1.0]].into_iter().chain(form.start.iter().map(|row| row.to_vec())).collect();
-        self.end(&rows);
+        let beginning = form.beginning();
+        for number in 0..beginning.stages.len() {
+            self.stage(scene, &beginning, (number, from.state.t), None)?;
+        }
+        self.end(&beginning.next);
         Ok(())
     }
 
@@ -115,43 +102,29 @@ impl<'a> TangentRun<'a> {
     ///
     /// # Errors
     /// A matrix that cannot be solved with, or derivatives that are not finite.
-    pub fn step(&mut self, stepper: &Stepper<'_>, step: StepEnds<'_>) -> Result<(), SensitivityError> {
-        let StepEnds { form, h, from, to } = step;
+    pub fn step(
+        &mut self,
+        scene: &dyn Scene,
+        stepper: &Stepper<'_>,
+        step: StepEnds<'_>,
+    ) -> Result<(), SensitivityError> {
+        let StepEnds { form, to, .. } = step;
         if self.directions.is_empty() {
             return Ok(());
         }
-        let last = form.stages.len().saturating_sub(1);
         for (number, stage) in form.stages.iter().enumerate() {
-            let t = if stage.c == 1.0 { to.state.t } else { from.state.t + stage.c * h };
-            let implicit = form.own(number) != [0.0; 2];
-            let found: Option<Vec<f64>> = match implicit {
-                true if number == last => {
-                    let f = to.forces.total.iter().zip(self.scene.inverse_mass());
-                    Some(f.map(|(f, m)| f * m).collect())
-                }
-                true => {
-                    let found = stepper.stage_acceleration(number).ok_or(SensitivityError::Stage { number })?;
-                    Some(found.to_vec())
-                }
-                false => None,
-            };
-            self.stage(form, number, t, found)?;
+            let found = Columns::found(scene, stepper, (form, number), to)?;
+            self.stage(scene, form, (number, Columns::time(stage, &step)), found)?;
         }
         if stepper.lags() {
-            let Some(stage) = form.stages.last() else { return Ok(()) };
-            let of = |columns: &[Vec<f64>]| {
-                let mut v = vec![0.0; self.scene.n_dof()];
-                combine(&stage.v, columns, &mut v);
-                v
-            };
-            self.force_v = Some(of(&self.columns));
-            let all: Vec<Vec<f64>> = self.directions.iter().map(|direction| of(&direction.columns)).collect();
-            self.directions.iter_mut().zip(all).for_each(|(direction, v)| direction.force_v = v);
+            let n = scene.n_dof();
+            self.columns.force_v = lagging(form, &self.columns.all, n);
+            for direction in &mut self.directions {
+                direction.force_v = lagging(form, &direction.columns, n).unwrap_or_default();
+            }
         }
         self.end(&form.next);
-        // The run's own bits, without the rounding of the rows.
-        self.columns[0].copy_from_slice(&to.state.x);
-        self.columns[1].copy_from_slice(&to.state.v);
+        self.columns.settle(&to.state);
         for direction in &self.directions {
             if !direction.columns.iter().flatten().all(|value| value.is_finite()) {
                 let parameter = direction.parameter.name.clone();
@@ -164,25 +137,24 @@ impl<'a> TangentRun<'a> {
     /// Adds the acceleration of a stage, and its derivatives, to the columns; `found` is that of an implicit stage.
     fn stage(
         &mut self,
+        scene: &dyn Scene,
         form: &StepForm,
-        number: usize,
-        t: f64,
+        (number, t): (usize, f64),
         found: Option<Vec<f64>>,
     ) -> Result<(), SensitivityError> {
-        let TangentRun { scene, linear, directions, columns, forces, buffers: [x, v, dx, dv], .. } = self;
+        let TangentRun { linear, directions, columns, buffers: [dx, dv] } = self;
         let (stage, own) = (&form.stages[number], form.own(number));
-        columns.extend(found);
-        combine(&stage.x, columns, x);
-        combine(&stage.v, columns, v);
-        scene.evaluate(StateRef { t, x, v }, forces);
+        let explicit = found.is_none();
+        columns.place(stage, found);
         // Of an implicit stage, that at the very state at which differences are taken: without the rest of its solve.
-        let acceleration: Vec<f64> = forces.total.iter().zip(scene.inverse_mass()).map(|(f, m)| f * m).collect();
-        if own == [0.0; 2] {
-            columns.push(acceleration.clone());
+        let acceleration = columns.acceleration(scene, t);
+        if explicit {
+            columns.all.push(acceleration.clone());
         }
+        let [x, v] = &columns.stage;
         let at = StateRef { t, x, v };
         let failed = |source| SensitivityError::Linear { t, source };
-        linear.set(*scene, at, own).map_err(failed)?;
+        linear.set(scene, at, own).map_err(failed)?;
         let n = linear.n();
         let [mut b, mut m, mut picked_x, mut picked_v] = [(); 4].map(|()| vec![0.0; n]);
         for Direction { parameter, columns, .. } in directions {
@@ -197,7 +169,7 @@ impl<'a> TangentRun<'a> {
             linear.mass_times(&picked_x, &mut m);
             b.iter_mut().zip(&m).for_each(|(b, m)| *b = m - *b);
             slope.fill(0.0);
-            let mut apparent = ApparentSlope::of(*scene, at, &acceleration);
+            let mut apparent = ApparentSlope::of(scene, at, &acceleration);
             let found = loop {
                 let mut next = b.clone();
                 apparent.subtract([dx, dv], own, &slope, linear, &mut next);
@@ -215,17 +187,9 @@ impl<'a> TangentRun<'a> {
 
     /// The columns at the end of a step.
     fn end(&mut self, next: &[Row]) {
-        let n = self.scene.n_dof();
-        let end = |columns: &mut Vec<Vec<f64>>| {
-            let made = next.iter().map(|row| {
-                let mut made = vec![0.0; n];
-                combine(row, columns, &mut made);
-                made
-            });
-            *columns = made.collect();
-        };
-        end(&mut self.columns);
-        self.directions.iter_mut().for_each(|direction| end(&mut direction.columns));
+        let n = self.columns.stage[0].len();
+        self.columns.end(next);
+        self.directions.iter_mut().for_each(|direction| direction.columns = rows_of(next, &direction.columns, n));
     }
 
     /// Number of parameters.
@@ -252,7 +216,7 @@ impl<'a> TangentRun<'a> {
     /// Calls `measure` with the scenes of a parameter, [each at its place](Parameter::along) along the derivative of
     /// the state `at`.
     pub fn along(&mut self, number: usize, at: StateRef<'_>, measure: impl FnMut(usize, &dyn Scene, &Point)) {
-        let TangentRun { directions, force_v, .. } = self;
+        let TangentRun { directions, columns: Columns { force_v, .. }, .. } = self;
         let Some(Direction { parameter, columns, force_v: dv }) = directions.get_mut(number) else { return };
         let lagging = force_v.as_ref().map(|v| [v.as_slice(), dv.as_slice()]);
         parameter.along(at, [&columns[0], &columns[1]], lagging, measure);

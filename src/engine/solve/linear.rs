@@ -243,6 +243,14 @@ pub trait LinearSolver: Send {
     /// W is indefinite, or too badly conditioned.
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError>;
 
+    /// Replaces `b` `[n]` by W^-T b: the same as W^-1 b for solvers of symmetric matrices.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::solve`].
+    fn solve_transposed(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
+        self.solve(values, b)
+    }
+
     /// Sets the accuracy of further solves; direct solvers ignore it.
     fn set_accuracy(&mut self, accuracy: Accuracy) {
         let _ = accuracy;

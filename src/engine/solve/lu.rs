@@ -66,9 +66,23 @@ impl Lu {
             .map_err(|e| failed(format!("{e:?}")))?;
         let scratch = symbolic
             .factorize_numeric_lu_scratch::<f64>(PAR, Default::default())
-            .or(symbolic.solve_in_place_scratch::<f64>(1, PAR));
+            .or(symbolic.solve_in_place_scratch::<f64>(1, PAR))
+            .or(symbolic.solve_transpose_in_place_scratch::<f64>(1, PAR));
         let memory = MemBuffer::try_new(scratch).map_err(|_| failed("out of memory".into()))?;
         Ok(Lu { pattern, full, symbolic, numeric: NumericLu::new(), memory, factored: false, factorizations: 0 })
+    }
+
+    fn solve_with(
+        &mut self,
+        b: &mut [f64],
+        solve: impl FnOnce(LuRef<'_, u32, f64>, MatMut<'_, f64>, &mut MemStack),
+    ) -> Result<(), LinearError> {
+        if !self.factored {
+            return Err(LinearError::Singular { unknown: None });
+        }
+        let (n, lu) = (b.len(), LuRef::new_unchecked(&self.symbolic, &self.numeric));
+        solve(lu, MatMut::from_column_major_slice_mut(b, n, 1), MemStack::new(&mut self.memory));
+        check_solution(b, &ALONE)
     }
 }
 
@@ -102,17 +116,11 @@ impl LinearSolver for Lu {
     }
 
     fn solve(&mut self, _values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
-        if !self.factored {
-            return Err(LinearError::Singular { unknown: None });
-        }
-        let n = b.len();
-        LuRef::new_unchecked(&self.symbolic, &self.numeric).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(b, n, 1),
-            PAR,
-            MemStack::new(&mut self.memory),
-        );
-        check_solution(b, &ALONE)
+        self.solve_with(b, |lu, b, stack| lu.solve_in_place_with_conj(Conj::No, b, PAR, stack))
+    }
+
+    fn solve_transposed(&mut self, _values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
+        self.solve_with(b, |lu, b, stack| lu.solve_transpose_in_place_with_conj(Conj::No, b, PAR, stack))
     }
 
     fn work(&self) -> SolverWork {

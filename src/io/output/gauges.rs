@@ -2,9 +2,11 @@
 
 pub mod derivatives;
 pub mod names;
+mod place_seeds;
 mod places;
 mod present;
 mod quantities;
+pub mod seeds;
 
 use super::quantity::UnknownQuantity;
 use super::schedule::RowSchedule;

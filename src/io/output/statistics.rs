@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::thinned::{Sample, Samples};
+use super::thinned::{Between, Sample, Samples};
 use crate::model::gauge::PeakRule;
 use crate::model::quantity::Statistic;
 
@@ -139,6 +139,50 @@ impl SeriesSoFar {
         })
     }
 
+    /// [-] The weights of the values of this series, measured at `times` [s], in a statistic of a run that ended at `end`
+    /// [s]: those of a peak or a least value are those of its step.
+    pub fn weights(&self, which: Statistic, (times, values): (&[f64], &[f64]), end: f64) -> Vec<f64> {
+        let whole = |place: Option<usize>| {
+            let mut weights = vec![0.0; times.len()];
+            place.into_iter().for_each(|place| weights[place] = 1.0);
+            weights
+        };
+        match which {
+            Statistic::Peak | Statistic::PeakTime => whole(times.iter().position(|t| *t == self.peak_time)),
+            Statistic::Min => whole(values.iter().position(|value| *value == self.min)),
+            Statistic::Last => whole(times.len().checked_sub(1)),
+            Statistic::At(time) => chord_weights(times, time),
+            Statistic::Mean if self.t > self.first => {
+                scaled(&integral_weights(times, self.t), 1.0 / (self.t - self.first))
+            }
+            Statistic::Mean => whole(times.len().checked_sub(1)),
+            Statistic::Steady => self.late_weights(times, end),
+        }
+    }
+
+    /// Those of [`SeriesSoFar::late_mean`].
+    fn late_weights(&self, times: &[f64], end: f64) -> Vec<f64> {
+        let begins = late_from(end).max(self.first);
+        let mut weights = integral_weights(times, self.t);
+        if begins > self.first
+            && let Some(Between { times: [start, stop], share: s, .. }) = self.samples.around(begins, self.t)
+        {
+            // The cubic of the samples between two of them.
+            let h = stop - start;
+            let (s2, s3) = (s * s, s * s * s);
+            let parts = [
+                (1.0 - 3.0 * s2 + 2.0 * s3, integral_weights(times, start)),
+                (3.0 * s2 - 2.0 * s3, integral_weights(times, stop)),
+                (h * (s - 2.0 * s2 + s3), chord_weights(times, start)),
+                (h * (s3 - s2), chord_weights(times, stop)),
+            ];
+            for (share, part) in parts {
+                weights.iter_mut().zip(&part).for_each(|(weight, part)| *weight -= share * part);
+            }
+        }
+        scaled(&weights, 1.0 / (self.t - begins))
+    }
+
     /// Whether it changed by less than 1 % over the last tenth of a run that ended at `end` [s].
     pub fn is_steady(&self, end: f64) -> bool {
         let begins = late_from(end).max(self.first);
@@ -151,9 +195,67 @@ fn chord([from, last]: [f64; 2], [t, value]: [f64; 2], time: f64) -> f64 {
     if t > from { last + (value - last) * (time - from) / (t - from) } else { value }
 }
 
+fn scaled(weights: &[f64], by: f64) -> Vec<f64> {
+    weights.iter().map(|weight| by * weight).collect()
+}
+
+/// [-] The weights of values at `times` [s] in the value at `time` [s], on the chord between two of them.
+fn chord_weights(times: &[f64], time: f64) -> Vec<f64> {
+    let mut weights = vec![0.0; times.len()];
+    let after = times.partition_point(|t| *t < time).min(times.len().saturating_sub(1));
+    match after.checked_sub(1).map(|before| (before, times[before])) {
+        Some((before, from)) if times[after] > from => {
+            let share = (time - from) / (times[after] - from);
+            (weights[before], weights[after]) = (1.0 - share, share);
+        }
+        _ => weights.iter_mut().skip(after).take(1).for_each(|weight| *weight = 1.0),
+    }
+    weights
+}
+
+/// [s] Those in the integral up to `time` [s], by the trapezoidal rule.
+fn integral_weights(times: &[f64], time: f64) -> Vec<f64> {
+    let mut weights = vec![0.0; times.len()];
+    let mut last = 0;
+    for (place, pair) in times.windows(2).enumerate().take_while(|(_, pair)| pair[1] <= time) {
+        let half = 0.5 * (pair[1] - pair[0]);
+        weights[place] += half;
+        weights[place + 1] += half;
+        last = place + 1;
+    }
+    let rest = times.get(last).map_or(0.0, |t| time - t);
+    if rest > 0.0 && last + 1 < times.len() {
+        weights[last] += 0.5 * rest;
+        chord_weights(times, time).iter().zip(&mut weights).for_each(|(share, weight)| *weight += 0.5 * rest * share);
+    }
+    weights
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Every statistic is the sum of the values with their weights: of a run that comes to its end, and of one that ends
+    /// early, between two samples.
+    #[test]
+    fn statistics_are_sums_with_weights() {
+        for (planned, until) in [(10.0, 10.0), (10.0, 3.7), (100.0, 10.0), (10.0, 0.4)] {
+            let mut series = SeriesSoFar::default();
+            let times: Vec<f64> = (0..=700).map(|k| until * f64::from(k) / 700.0).collect();
+            let values: Vec<f64> = times.iter().map(|t| (3.0 * t).sin() + 0.2 * t).collect();
+            times.iter().zip(&values).for_each(|(t, value)| series.note(*t, *value, PeakRule::Largest, planned));
+            let all = [Statistic::Peak, Statistic::Min, Statistic::Last, Statistic::Mean, Statistic::Steady];
+            for which in all {
+                let weights = series.weights(which, (&times, &values), until);
+                let sum: f64 = weights.iter().zip(&values).map(|(weight, value)| weight * value).sum();
+                let value = series.statistic(which, until).expect("a value");
+                assert!((sum - value).abs() < 1e-12, "{which:?} to {until}: {sum} for {value}");
+            }
+            let weights = series.weights(Statistic::At(0.123), (&times, &values), until);
+            let sum: f64 = weights.iter().zip(&values).map(|(weight, value)| weight * value).sum();
+            assert!((sum - (0.369_f64.sin() + 0.0246)).abs() < 3e-4, "{sum}");
+        }
+    }
 
     /// v = t^2 over ten seconds, in steps that do not meet the beginning of the last part.
     #[test]

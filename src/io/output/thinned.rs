@@ -60,19 +60,37 @@ impl Samples {
     /// The series at `time` [s], before `now`, its newest sample at `t` [s]: the value on the chord, the integral on
     /// the cubic through the integrals with the values as slopes.
     pub(super) fn at(&self, time: f64, t: f64, now: Sample) -> Sample {
-        let number = ((time / self.every) as usize).min(self.taken.len().saturating_sub(1));
+        let Some(Between { number, times: [start, end], share: s }) = self.around(time, t) else { return now };
         let Some(&from) = self.taken.get(number) else { return now };
-        let start = number as f64 * self.every;
-        let (end, to) = self.taken.get(number + 1).map_or((t, now), |next| (start + self.every, *next));
+        let to = self.taken.get(number + 1).copied().unwrap_or(now);
         let h = end - start;
         if h <= 0.0 {
             return from;
         }
-        let s = ((time - start) / h).min(1.0);
         let (d, p0, p1) = (to.integral - from.integral, h * from.value, h * to.value);
         let integral = from.integral + s * (p0 + s * ((3.0 * d - 2.0 * p0 - p1) + s * (p0 + p1 - 2.0 * d)));
         Sample { value: from.value + s * (to.value - from.value), integral }
     }
+
+    /// Where `time` [s] is between two samples, the newest of them at `t` [s]; `None` before there is any.
+    pub(super) fn around(&self, time: f64, t: f64) -> Option<Between> {
+        let number = ((time / self.every) as usize).min(self.taken.len().checked_sub(1)?);
+        let start = number as f64 * self.every;
+        let end = if number + 1 < self.taken.len() { start + self.every } else { t };
+        let share = if end > start { ((time - start) / (end - start)).min(1.0) } else { 0.0 };
+        Some(Between { number, times: [start, end], share })
+    }
+}
+
+/// A time between two samples.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Between {
+    /// number of the first one
+    pub number: usize,
+    /// [s] their times
+    pub times: [f64; 2],
+    /// [-] where the time is, from the first to the second
+    pub share: f64,
 }
 
 #[cfg(test)]

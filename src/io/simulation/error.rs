@@ -4,6 +4,7 @@ use crate::drive::{Failure, RunError};
 use crate::integrate::stepper::NeedsNetwork;
 use crate::output::quantity::UnknownQuantity;
 use crate::scene::{BuildError, Load};
+use crate::sensitivity::SensitivityError;
 
 /// Why a good case cannot be made ready.
 #[derive(Debug, thiserror::Error)]
@@ -108,6 +109,15 @@ pub enum SimulationError {
     /// [`Simulation::scene`].
     #[error("the scene is in use: drop what `Simulation::scene` has returned before this change")]
     SceneInUse,
+    /// Derivatives by numbers of the case that are not known.
+    #[error("derivatives of the state: {why}")]
+    Derivatives {
+        /// why
+        why: &'static str,
+    },
+    /// The scene, a parameter or the method has no derivative.
+    #[error(transparent)]
+    Sensitivity(#[from] SensitivityError),
     /// The bytes are no snapshot of this version of the library.
     #[error("the snapshot cannot be read: {0}")]
     Snapshot(String),

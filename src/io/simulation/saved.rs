@@ -78,6 +78,8 @@ impl Simulation {
         let mut stepper = bind_spec(&self.spec, &*self.scene)?;
         let state = RunState::restore(&*self.scene, &mut stepper, &self.spec, snapshot)?;
         (self.state, self.scheme, self.pending) = (state, Some(stepper.unbind()), None);
+        // They are those of the run so far.
+        self.tangent = None;
         self.changed = Changed::Nothing;
         Ok(())
     }

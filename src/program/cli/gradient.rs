@@ -6,7 +6,9 @@ use super::{CliError, CommandOutput, complain};
 use crate::case::Case;
 use crate::format_number::{counted, figures, first_few};
 use crate::model::stop::Stop;
-use crate::study::gradient::{Derivative, GradientReport, GradientSpec, QuantityGradient, gradient};
+use crate::study::gradient::{
+    Derivative, ElementDerivatives, GradientReport, GradientSpec, QuantityGradient, gradient,
+};
 use std::fmt::Write;
 
 /// `gradient`.
@@ -20,12 +22,17 @@ pub struct GradientArgs {
     #[arg(long, value_name = "NAME")]
     pub of: Vec<String>,
     /// A number of the case by its key, as in --set, or by the end of its key where no other ends so; or a key that
-    /// holds numbers, for all of them. May be given several times
+    /// holds numbers, for all of them; or what each spring or node has: each.stiffness, each.rest_length, each.mass,
+    /// each.force, each.position, each.velocity. May be given several times
     #[arg(long, value_name = "KEY", required = true)]
     pub by: Vec<String>,
     /// Compare each derivative with that by differences of four whole runs
     #[arg(long)]
     pub verify: bool,
+    /// Steps that are kept at once for derivatives by each spring or node; parts of a run that has more are made again
+    /// [default: what 256 MiB hold, at least 20]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..))]
+    pub states: Option<u64>,
     /// threads
     #[command(flatten)]
     pub threads: Threads,
@@ -41,7 +48,8 @@ pub(super) fn run(args: &GradientArgs) -> Result<CommandOutput, CliError> {
     }
     let interrupt = Stop::on(stop_on_interrupt());
     let threads = args.threads.get();
-    let found = gradient(&GradientSpec { case: &case, by: &args.by, threads, verify: args.verify, interrupt })?;
+    let (by, states, verify) = (&args.by, args.states, args.verify);
+    let found = gradient(&GradientSpec { case: &case, by, states, threads, verify, interrupt })?;
     let text = match (args.print.json, args.print.quiet) {
         (true, _) => serde_json::to_string_pretty(&found).map(|text| text + "\n").map_err(CliError::Json)?,
         (false, true) => String::new(),
@@ -54,23 +62,33 @@ pub(super) fn run(args: &GradientArgs) -> Result<CommandOutput, CliError> {
 const FIGURES: usize = 8;
 
 fn report(found: &GradientReport) -> String {
-    let GradientReport { case, method, steps, run_factorizations, factorizations, quantities } = found;
+    let GradientReport { case, method, steps, again, run_factorizations, factorizations, quantities } = found;
     let mut text = format!("{case}: derivatives of a run of {} by {method}\n", counted(*steps, "step", "steps"));
     if *factorizations > 0 {
         let _ =
             writeln!(text, "  factorisations  {run_factorizations} by the run, {factorizations} by its derivatives");
     }
+    if *again > 0 {
+        let _ = writeln!(text, "  made again      {}, as not all are kept at once", counted(*again, "step", "steps"));
+    }
     for quantity in quantities {
         text.push_str(&of_quantity(quantity));
+    }
+    if quantities.iter().any(|of| !of.each.is_empty()) {
+        text.push_str("  note: --json has the derivative by each spring or node\n");
     }
     text
 }
 
 fn of_quantity(of: &QuantityGradient) -> String {
-    let QuantityGradient { name, unit, value, peak_time, derivatives } = of;
+    let QuantityGradient { name, unit, value, peak_time, derivatives, each } = of;
     let value = value.map_or_else(|| "no value".to_owned(), |value| format!("{} {unit}", figures(value, FIGURES)));
     let when = peak_time.map_or_else(String::new, |t| format!(" at t = {} s", figures(t, 6)));
     let mut text = format!("\n{name} = {value}{when}\n");
+    text.push_str(&of_elements(each, unit));
+    if derivatives.is_empty() {
+        return text;
+    }
     let width = derivatives.iter().map(|of| of.by.chars().count()).max().unwrap_or(0);
     let relative = "1 % more changes it by";
     let _ = writeln!(text, "  {:width$}  {:>16}  {:>22}  {relative}", "by", "at", "derivative");
@@ -102,13 +120,36 @@ fn of_quantity(of: &QuantityGradient) -> String {
     text
 }
 
-fn line(one: &Derivative, (unit, width): (&str, usize)) -> String {
-    let Derivative { by, by_unit, at, value, elasticity, by_runs, .. } = one;
-    let of_unit = match (unit, by_unit.as_str()) {
+/// The derivatives by what each spring or node has: the largest of them, and what all do together.
+fn of_elements(each: &[ElementDerivatives], unit: &str) -> String {
+    let mut text = String::new();
+    if each.is_empty() {
+        return text;
+    }
+    let _ = writeln!(text, "  {:16}  {:>24}  {:22}  1 % more of all changes it by", "by", "largest derivative", "of");
+    for ElementDerivatives { by, by_unit, largest, elasticity, .. } in each {
+        let (value, place) = largest.as_ref().map_or_else(
+            || ("-".to_owned(), "-"),
+            |of| (format!("{} {}", figures(of.value, FIGURES), over(unit, by_unit)), of.place.as_str()),
+        );
+        let change = elasticity.map_or_else(|| "-".to_owned(), |of| format!("{} %", figures(of, 4)));
+        let _ = writeln!(text, "  {by:16}  {value:>24}  {place:22}  {change}");
+    }
+    text
+}
+
+/// A unit over another one.
+fn over(unit: &str, by: &str) -> String {
+    match (unit, by) {
         (unit, "" | "-") => unit.to_owned(),
         (unit, by) if by.contains(['/', '*', ' ']) => format!("{unit}/({by})"),
         (unit, by) => format!("{unit}/{by}"),
-    };
+    }
+}
+
+fn line(one: &Derivative, (unit, width): (&str, usize)) -> String {
+    let Derivative { by, by_unit, at, value, elasticity, by_runs, .. } = one;
+    let of_unit = over(unit, by_unit);
     let at = format!("{} {by_unit}", figures(*at, 6));
     let derivative = format!("{} {of_unit}", figures(*value, FIGURES));
     let change = elasticity.map_or_else(|| "-".to_owned(), |of| format!("{} %", figures(of, 4)));

@@ -110,7 +110,20 @@ impl Run<'_> {
     /// # Errors
     /// When the scheme cannot start again at an event.
     pub fn accept_fixed(&mut self, stepper: &mut Stepper<'_>, report: &StepReport) -> Result<StepEnd, RunError> {
-        self.accept_step(stepper, StepPart::Last, report, &mut [])
+        self.accept_watched(stepper, report, &mut [])
+    }
+
+    /// The same with observers.
+    ///
+    /// # Errors
+    /// As [`Run::accept_fixed`], and when an observer cannot write.
+    pub fn accept_watched(
+        &mut self,
+        stepper: &mut Stepper<'_>,
+        report: &StepReport,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<StepEnd, RunError> {
+        self.accept_step(stepper, StepPart::Last, report, observers)
     }
 
     /// The watch's report on a step; for a state that has left the scene, `left` says whether it is finite.

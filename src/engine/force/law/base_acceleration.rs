@@ -69,6 +69,10 @@ impl ForceTerm for BaseAcceleration {
         &[INFO]
     }
 
+    fn by_mass(&self) -> bool {
+        true
+    }
+
     fn symmetric(&self) -> bool {
         true
     }

@@ -286,6 +286,26 @@ pub fn axial_force(springs: &SpringData, at: NodeState<'_>, i: usize, c: f64) ->
     axial_state(springs, elastic_state(springs, springs.at(at.t, at.x), i), at.v, (i, c)).damping.force
 }
 
+/// [N] Tension of spring `i` with its dashpot along it, of coefficient `axial` [N s/m] if it has one, where its stiffness
+/// and its rest length are these factors times its own.
+pub fn scaled_tension(
+    springs: &SpringData,
+    at: NodeState<'_>,
+    (i, axial): (usize, Option<f64>),
+    [stiffness, rest_length]: [f64; 2],
+) -> f64 {
+    let springs_at = springs.at(at.t, at.x);
+    let (stretch, own) = (springs.stretch(springs_at, i), springs.bar(springs_at, i));
+    let bar = Bar { k: stiffness * own.k, l0: rest_length * own.l0 };
+    let e = stretch.length - bar.l0;
+    let elastic = tension(&springs.curve, springs.slack, bar, e);
+    let Some(c) = axial else { return elastic.force };
+    let [a, b] = springs.nodes[i].map(|node| node as usize);
+    let rate = stretch.n.dot(&(at.v[b] - at.v[a]));
+    let damping = with_law!(&springs.curve, springs.slack, law => dashpot::axial(&law, elastic, (bar, c), [e, rate]));
+    elastic.force + damping.force
+}
+
 /// Stretch and elastic tension of spring `i`.
 fn elastic_state(springs: &SpringData, at: SpringsAt<'_>, i: usize) -> (Stretch, Tension) {
     let stretch = springs.stretch(at, i);

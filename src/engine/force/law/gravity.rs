@@ -76,6 +76,10 @@ impl ForceTerm for Gravity {
         &[INFO]
     }
 
+    fn by_mass(&self) -> bool {
+        true
+    }
+
     fn symmetric(&self) -> bool {
         true
     }

@@ -56,6 +56,10 @@ impl ForceTerm for RayleighMass {
         &[INFO]
     }
 
+    fn by_mass(&self) -> bool {
+        true
+    }
+
     fn symmetric(&self) -> bool {
         true
     }

@@ -70,24 +70,33 @@ pub struct GaugeDerivatives {
     measured: f64,
 }
 
+/// The gauges of the quantities that a case asks for.
+///
+/// # Errors
+/// A quantity that is not there or has no derivative.
+pub(super) fn with_derivatives(picture: &dyn Observables, spec: &GaugesSpec<'_>) -> Result<Gauges, NoDerivative> {
+    let gauges = Gauges::new(picture, spec)?;
+    for (name, source, statistic) in gauges.quantities.wanted() {
+        let why = match (source, statistic) {
+            (_, Statistic::PeakTime) => "it is a time, and falls on steps",
+            (Source::Channel(_) | Source::Channels(_), _) => continue,
+            (Source::Energy(_), _) => "it is a sum over the steps of the account",
+            (Source::Motion, _) => "it is no number",
+            (Source::DisplacementEnd, _) => "name a gauge or a probe of the nodes",
+            (Source::Landing(_), _) => "the time of the landing moves",
+        };
+        return Err(NoDerivative::Without { name: name.to_owned(), why });
+    }
+    Ok(gauges)
+}
+
 impl GaugeDerivatives {
     /// Those of the quantities that a case asks for, with respect to some parameters.
     ///
     /// # Errors
     /// A quantity that is not there or has no derivative.
     pub fn new(picture: &dyn Observables, spec: &GaugesSpec<'_>, parameters: usize) -> Result<Self, NoDerivative> {
-        let gauges = Gauges::new(picture, spec)?;
-        for (name, source, statistic) in gauges.quantities.wanted() {
-            let why = match (source, statistic) {
-                (_, Statistic::PeakTime) => "it is a time, and falls on steps",
-                (Source::Channel(_) | Source::Channels(_), _) => continue,
-                (Source::Energy(_), _) => "it is a sum over the steps of the account",
-                (Source::Motion, _) => "it is no number",
-                (Source::DisplacementEnd, _) => "name a gauge or a probe of the nodes",
-                (Source::Landing(_), _) => "the time of the landing moves",
-            };
-            return Err(NoDerivative::Without { name: name.to_owned(), why });
-        }
+        let gauges = with_derivatives(picture, spec)?;
         let (channels, found) = (gauges.channels.len(), gauges.quantities.wanted().count());
         Ok(GaugeDerivatives {
             before: gauges.series.clone(),
@@ -168,14 +177,7 @@ impl GaugeDerivatives {
     pub fn results(&self) -> Vec<QuantityDerivatives> {
         let end = self.gauges.end;
         let of = |(number, (name, source, statistic)): (usize, (&str, &Source, Statistic))| {
-            let channel = match source {
-                Source::Channel(channel) => *channel,
-                Source::Channels(several) => {
-                    let peak = |channel: &usize| self.gauges.series[*channel].peak;
-                    several.iter().copied().max_by(|a, b| peak(a).total_cmp(&peak(b)))?
-                }
-                _ => return None,
-            };
+            let channel = self.gauges.channel_of(source)?;
             let series = self.gauges.series.get(channel)?;
             let slopes = self.tracks.iter().zip(&self.caught).map(|(tracks, caught)| {
                 let Track { peak, min, series, switches } = &tracks[channel];
