@@ -2,12 +2,13 @@
 
 use crate::case::{Case, scene_of};
 use crate::errors::of_record;
-use crate::interrupt::watched;
+use crate::interrupt::pooled;
 use crate::record::{TOLD_EVERY, checked_threads};
 use crate::rollout::{Rollout, run_spec};
 use crate::select::{mesh_of, selected};
 use crate::simulation::load_name;
 use canopy_fem::case::{Case as EngineCase, CaseError};
+use canopy_fem::mesh::Mesh;
 use canopy_fem::output::samples::{SampleArrays, SampleSpec, Samples};
 use canopy_fem::scene::Scene;
 use canopy_fem::simulation::{Load, RecordError, Simulation, SimulationError};
@@ -15,6 +16,8 @@ use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArrayDyn,
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::borrow::Cow;
+use std::cell::OnceCell;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -27,9 +30,9 @@ pub(crate) enum Place {
 }
 
 impl Place {
-    fn numbers(&self, scene: &dyn Scene, kind: &str) -> PyResult<Vec<u32>> {
+    fn numbers(&self, mesh: &OnceCell<Mesh>, scene: &dyn Scene, kind: &str) -> PyResult<Vec<u32>> {
         match self {
-            Place::Group(name) => selected(&mesh_of(scene), name, kind),
+            Place::Group(name) => selected(mesh.get_or_init(|| mesh_of(scene)), name, kind),
             Place::Numbers(numbers) => Ok(numbers.clone()),
         }
     }
@@ -51,10 +54,13 @@ struct Action {
     values: Vec<f64>,
 }
 
+/// Nodes or edges of each action; none of loads and wind.
+type Sites = Vec<Vec<u32>>;
+
 /// The same, as a scene knows it.
 enum Acts<'a> {
-    Force { name: String, nodes: Vec<u32>, of: &'a Action },
-    RestScale { edges: Vec<u32>, of: &'a Action },
+    Force { name: String, nodes: &'a [u32], of: &'a Action },
+    RestScale { edges: &'a [u32], of: &'a Action },
     Load(Load, &'a Action),
     Wind(&'a Action),
 }
@@ -71,25 +77,36 @@ impl Action {
         &self.values[row * self.size..(row + 1) * self.size]
     }
 
-    fn of_scene(&self, scene: &dyn Scene, simulation: &Simulation) -> PyResult<Acts<'_>> {
+    /// Where the actions act in a scene. Its mesh is copied once, and only where a group is named.
+    fn sites(all: &[Action], scene: &dyn Scene) -> PyResult<Sites> {
+        let mesh = OnceCell::new();
+        let site = |action: &Action| match action.what.as_str() {
+            "force" => action.nodes(&mesh, scene),
+            "rest_scale" => action.place.numbers(&mesh, scene, "edges"),
+            _ => Ok(Vec::new()),
+        };
+        all.iter().map(site).collect()
+    }
+
+    fn nodes(&self, mesh: &OnceCell<Mesh>, scene: &dyn Scene) -> PyResult<Vec<u32>> {
+        let (name, nodes) = (self.place.name(), self.place.numbers(mesh, scene, "nodes")?);
+        let all = scene.reference().len();
+        if let Some((place, &node)) = nodes.iter().enumerate().find(|(_, node)| **node as usize >= all) {
+            let error = SimulationError::NoNode { what: "force: place", place, node, nodes: all };
+            return Err(PyValueError::new_err(error.to_string()));
+        }
+        if self.size != 3 && self.size != 3 * nodes.len() {
+            let text =
+                format!("the force on {name} needs the shape (runs, times, 3) or (runs, times, {}, 3)", nodes.len());
+            return Err(PyValueError::new_err(text));
+        }
+        Ok(nodes)
+    }
+
+    fn of_scene<'a>(&'a self, site: &'a [u32], simulation: &Simulation) -> PyResult<Acts<'a>> {
         match self.what.as_str() {
-            "force" => {
-                let (name, nodes) = (self.place.name(), self.place.numbers(scene, "nodes")?);
-                let all = scene.reference().len();
-                if let Some((place, &node)) = nodes.iter().enumerate().find(|(_, node)| **node as usize >= all) {
-                    let error = SimulationError::NoNode { what: "force: place", place, node, nodes: all };
-                    return Err(PyValueError::new_err(error.to_string()));
-                }
-                if self.size != 3 && self.size != 3 * nodes.len() {
-                    let text = format!(
-                        "the force on {name} needs the shape (runs, times, 3) or (runs, times, {}, 3)",
-                        nodes.len()
-                    );
-                    return Err(PyValueError::new_err(text));
-                }
-                Ok(Acts::Force { name, nodes, of: self })
-            }
-            "rest_scale" => Ok(Acts::RestScale { edges: self.place.numbers(scene, "edges")?, of: self }),
+            "force" => Ok(Acts::Force { name: self.place.name(), nodes: site, of: self }),
+            "rest_scale" => Ok(Acts::RestScale { edges: site, of: self }),
             "load" => {
                 let (name, loads) = (self.place.name(), simulation.load_factors());
                 let found = loads.iter().find(|(load, _)| load_name(*load) == name);
@@ -161,8 +178,12 @@ struct Plan<'a> {
     cases: &'a [Arc<EngineCase>],
     /// the scene, where all runs have the same
     scene: Option<Arc<dyn Scene>>,
+    /// where actions act in it
+    sites: Option<Sites>,
     variants: &'a [Vec<(String, String)>],
     times: &'a [f64],
+    /// whether the runs end with the last of the times
+    ends: bool,
     nodes: &'a [u32],
     /// names of the columns of the gauges; empty where none are kept
     channels: &'a [String],
@@ -209,10 +230,14 @@ impl Plan<'_> {
         self.fits(run, &arrays, &*scene, problem)?;
         let mut simulation = Simulation::from_scene(&*scene, spec)?;
         self.initial.begin(&mut simulation, run)?;
-        let acts = self.actions.iter().map(|action| action.of_scene(&*scene, &simulation));
+        let sites = match &self.sites {
+            Some(sites) => Cow::Borrowed(sites),
+            None => Cow::Owned(Action::sites(self.actions, &*scene).map_err(Fault::Python)?),
+        };
+        let acts = self.actions.iter().zip(&*sites).map(|(action, site)| action.of_scene(site, &simulation));
         let acts = acts.collect::<PyResult<Vec<Acts<'_>>>>().map_err(Fault::Python)?;
         let end = simulation.end();
-        let spec = SampleSpec { times: self.times, nodes: self.nodes, output: &problem.output, end };
+        let spec = SampleSpec { times: self.times, nodes: self.nodes, output: &problem.output, end, ends_run: self.ends };
         let mut samples = Samples::new(&*scene, spec, arrays).map_err(SimulationError::from)?;
         let mut force = vec![[0.0; 3]; n];
         let mut act = |simulation: &mut Simulation, time: usize| {
@@ -264,13 +289,14 @@ fn parts(array: &mut [f64], runs: usize) -> Vec<&mut [f64]> {
 
 /// Runs cases on a pool of threads, and writes them into arrays (runs, times, …); how they ended.
 #[pyfunction]
-#[pyo3(signature = (cases, *, variants, times, nodes, channels, arrays, runs, actions, initial, threads, progress))]
+#[pyo3(signature = (cases, *, variants, times, ends, nodes, channels, arrays, runs, actions, initial, threads, progress))]
 #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
 pub(crate) fn rollout_batch(
     py: Python<'_>,
     cases: Vec<Bound<'_, Case>>,
     variants: Vec<Vec<(String, String)>>,
     times: Vec<f64>,
+    ends: bool,
     nodes: Vec<u32>,
     channels: Vec<String>,
     arrays: &Bound<'_, PyDict>,
@@ -294,11 +320,14 @@ pub(crate) fn rollout_batch(
         _ => None,
     };
     let cases: Vec<Arc<EngineCase>> = cases.iter().map(|case| case.get().case.clone()).collect();
+    let sites = scene.as_ref().map(|scene| Action::sites(&actions, &**scene)).transpose()?;
     let plan = Plan {
         cases: &cases,
         scene,
+        sites,
         variants: &variants,
         times: &times,
+        ends,
         nodes: &nodes,
         channels: &channels,
         initial: &initial,
@@ -306,33 +335,27 @@ pub(crate) fn rollout_batch(
     };
     let jobs = Mutex::new(jobs_of(&mut written, runs)?.into_iter());
     let (made, mut told) = (AtomicUsize::new(0), (Instant::now(), 0));
-    let done = watched(
-        py,
-        |stop| {
-            let done = Mutex::new(Vec::with_capacity(runs));
-            let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
-            let work = || {
-                while let Some(job) = next().filter(|_| !stop.load(Ordering::Relaxed)) {
-                    let (run, result) = (job.run, plan.run(job, stop));
-                    made.fetch_add(1, Ordering::Relaxed);
-                    done.lock().unwrap_or_else(PoisonError::into_inner).push((run, result));
-                }
-            };
-            std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
-            done.into_inner().unwrap_or_else(PoisonError::into_inner)
-        },
-        |py| {
-            let now = made.load(Ordering::Relaxed);
-            match &progress {
-                Some(progress) if now > told.1 && told.0.elapsed() > TOLD_EVERY => {
-                    told = (Instant::now(), now);
-                    progress.call1(py, (now, runs)).map(drop)
-                }
-                _ => Ok(()),
+    let work = |stop: &AtomicBool| {
+        let mut done = Vec::new();
+        let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
+        while let Some(job) = next().filter(|_| !stop.load(Ordering::Relaxed)) {
+            let (run, result) = (job.run, plan.run(job, stop));
+            made.fetch_add(1, Ordering::Relaxed);
+            done.push((run, result));
+        }
+        done
+    };
+    let done = pooled(py, threads, work, |py| {
+        let now = made.load(Ordering::Relaxed);
+        match &progress {
+            Some(progress) if now > told.1 && told.0.elapsed() > TOLD_EVERY => {
+                told = (Instant::now(), now);
+                progress.call1(py, (now, runs)).map(drop)
             }
-        },
-    );
-    let mut done = done?;
+            _ => Ok(()),
+        }
+    });
+    let mut done: Vec<(usize, Result<Rollout, Fault>)> = done?.into_iter().flatten().collect();
     progress.map(|progress| progress.call1(py, (runs, runs))).transpose()?;
     done.sort_by_key(|(run, _)| *run);
     let ended = done.into_iter().map(|(_, result)| {

@@ -25,6 +25,7 @@
 //! | make a scene in code | [`NetworkBuilder`], [`Simulation::new`] |
 //! | take scene, method and step of a case file | [`Simulation::from_case`], or [`follow`] to run it to its end |
 //! | write the files of `canopy-fem solve` | [`record`] |
+//! | the same in memory | [`record_in_memory`] |
 //! | find an equilibrium, as `canopy-fem static` | [`record_static`], [`crate::statics`] |
 //! | only its scene, another method | [`build_scene`], [`Problem::run_spec`], [`Simulation::from_scene`] |
 //! | make several runs of one scene, also at the same time | [`Simulation::from_scene`] for each |
@@ -86,7 +87,8 @@ pub use follow::{FollowSpec, FollowedState, follow};
 pub use idle_loads::idle_loads;
 pub use observe::GaugeValue;
 pub use record::{
-    EarlierResults, RecordError, RecordSettings, RecordWatch, Recorded, StartLimits, record, record_watched,
+    EarlierResults, MemorySettings, RecordError, RecordSettings, RecordWatch, Recorded, StartLimits, record,
+    record_in_memory, record_watched,
 };
 pub use sampled::Act;
 pub use state::NodeMotion;
