@@ -6,6 +6,7 @@ import html
 import sys
 import time
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any
 
 __all__ = ["teller"]
@@ -48,15 +49,14 @@ def _notebook() -> Callable[[float, str], None] | None:
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     if getattr(shell, "kernel", None) is None:
         return None
-    from IPython.display import HTML, display
-
+    parts = import_module("IPython.display")
     handle: list[Any] = []
 
     def show(share: float, text: str) -> None:
-        drawn = HTML(f'<progress value="{share:.4f}" max="1"></progress> {html.escape(text)}')
+        drawn = parts.HTML(f'<progress value="{share:.4f}" max="1"></progress> {html.escape(text)}')
         if handle:
             handle[0].update(drawn)
         else:
-            handle.append(display(drawn, display_id=True))
+            handle.append(parts.display(drawn, display_id=True))
 
     return show

@@ -383,8 +383,9 @@ class Result:
         Raises:
             CanopyError: the program is not there, or the run has no frames that can be shown.
         """
+        own = self.folder
         with tempfile.TemporaryDirectory() as folder:
-            command = [str(program()), "view", str(self.folder), "--out", folder, "--quiet"]
+            command = [str(program()), "view", str(own), "--out", folder, "--quiet"]
             ended = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
             if ended.returncode != 0:
                 raise CanopyError(ended.stderr.strip().removeprefix("error: "))

@@ -1,12 +1,13 @@
 //! Runs of a rollout at the same times, in arrays, with what a program sets on the way.
 
-use crate::case::{Case, scene_of};
+use crate::case::{Case, own_scene, scene_of};
 use crate::errors::of_record;
 use crate::interrupt::pooled;
 use crate::record::{TOLD_EVERY, checked_threads};
 use crate::rollout::{Rollout, run_spec};
 use crate::select::{mesh_of, selected};
 use crate::simulation::load_name;
+use canopy_fem::case::spec::Problem;
 use canopy_fem::case::{Case as EngineCase, CaseError};
 use canopy_fem::mesh::Mesh;
 use canopy_fem::output::samples::{SampleArrays, SampleSpec, Samples};
@@ -216,29 +217,50 @@ impl From<CaseError> for Fault {
 }
 
 impl Plan<'_> {
-    fn run(&self, Job { run, arrays }: Job<'_>, stop: &AtomicBool) -> Result<Rollout, Fault> {
-        let base = &self.cases[if self.cases.len() == 1 { 0 } else { run }];
-        let case = match self.variants.get(run) {
-            Some(overrides) => Arc::new(base.with(overrides)?),
-            None => base.clone(),
-        };
-        let (problem, scene) = (case.problem(), self.scene.clone().map_or_else(|| scene_of(&case, 1), Ok)?);
-        let (spec, n) = (run_spec(problem), scene.reference().len());
+    /// Makes a run, with the scene of all or one of its own.
+    fn run(&self, job: Job<'_>, stop: &AtomicBool) -> Result<Rollout, Fault> {
+        let base = &self.cases[if self.cases.len() == 1 { 0 } else { job.run }];
+        match (&self.scene, self.variants.get(job.run)) {
+            (Some(scene), _) => self.run_in(job, base.problem(), (scene.for_run().into(), scene), stop),
+            (None, Some(overrides)) => {
+                let (problem, scene) = own_scene(base.with(overrides)?)?;
+                self.run_in(job, &problem, (scene.clone(), &scene), stop)
+            }
+            (None, None) => {
+                let scene = scene_of(base, 1)?;
+                self.run_in(job, base.problem(), (scene.clone(), &scene), stop)
+            }
+        }
+    }
+
+    /// The same in a scene of its own, which shows what `scene` does.
+    fn run_in(
+        &self,
+        Job { run, arrays }: Job<'_>,
+        problem: &Problem,
+        (own, scene): (Arc<dyn Scene>, &Arc<dyn Scene>),
+        stop: &AtomicBool,
+    ) -> Result<Rollout, Fault> {
+        let n = scene.reference().len();
         if let Some((place, &node)) = self.nodes.iter().enumerate().find(|(_, node)| **node as usize >= n) {
             return Err(SimulationError::NoNode { what: "nodes: place", place, node, nodes: n }.into());
         }
-        self.fits(run, &arrays, &*scene, problem)?;
-        let mut simulation = Simulation::from_scene(&*scene, spec)?;
-        self.initial.begin(&mut simulation, run)?;
+        self.has_nodes(run, &arrays, n)?;
         let sites = match &self.sites {
             Some(sites) => Cow::Borrowed(sites),
-            None => Cow::Owned(Action::sites(self.actions, &*scene).map_err(Fault::Python)?),
+            None => Cow::Owned(Action::sites(self.actions, &**scene).map_err(Fault::Python)?),
         };
+        let mut simulation = Simulation::of_own(own, run_spec(problem))?;
+        self.initial.begin(&mut simulation, run)?;
         let acts = self.actions.iter().zip(&*sites).map(|(action, site)| action.of_scene(site, &simulation));
         let acts = acts.collect::<PyResult<Vec<Acts<'_>>>>().map_err(Fault::Python)?;
         let end = simulation.end();
-        let spec = SampleSpec { times: self.times, nodes: self.nodes, output: &problem.output, end, ends_run: self.ends };
-        let mut samples = Samples::new(&*scene, spec, arrays).map_err(SimulationError::from)?;
+        let spec =
+            SampleSpec { times: self.times, nodes: self.nodes, output: &problem.output, end, ends_run: self.ends };
+        let mut samples = Samples::new(&*simulation.scene(), spec, arrays).map_err(SimulationError::from)?;
+        if self.scene.is_none() {
+            self.has_gauges(run, &samples)?;
+        }
         let mut force = vec![[0.0; 3]; n];
         let mut act = |simulation: &mut Simulation, time: usize| {
             acts.iter().try_for_each(|acts| acts.set(simulation, run * self.times.len() + time, &mut force))
@@ -248,29 +270,28 @@ impl Plan<'_> {
         Ok(Rollout::ended(outcome))
     }
 
-    /// Checks that the run has the nodes and gauges of the first one.
-    fn fits(
-        &self,
-        run: usize,
-        arrays: &SampleArrays<'_>,
-        scene: &dyn Scene,
-        problem: &canopy_fem::case::spec::Problem,
-    ) -> Result<(), Fault> {
-        let (n, times) = (scene.reference().len(), self.times.len());
-        let other = |what: String| Err(Fault::Python(PyValueError::new_err(format!("run {run} {what}"))));
+    /// Checks that a run has the nodes of the first one.
+    fn has_nodes(&self, run: usize, arrays: &SampleArrays<'_>, n: usize) -> Result<(), Fault> {
+        let times = self.times.len();
         let kept = [&arrays.positions, &arrays.velocities].into_iter().find(|all| !all.is_empty());
-        if let Some(all) = kept.filter(|all| self.nodes.is_empty() && all.len() != 3 * times * n) {
-            let first = all.len() / (3 * times);
-            return other(format!("has {n} nodes, and the first has {first}: name the nodes to keep"));
-        }
-        if !self.channels.is_empty() {
-            let own = Samples::channels(scene, &problem.output).map_err(SimulationError::from)?;
-            let own: Vec<String> = own.iter().map(|of| format!("{} {}", of.gauge, of.quantity)).collect();
-            if own != self.channels {
-                return other(format!("has other gauges than the first: {}", own.join(", ")));
+        match kept.filter(|all| self.nodes.is_empty() && all.len() != 3 * times * n) {
+            Some(all) => {
+                let first = all.len() / (3 * times);
+                let text = format!("run {run} has {n} nodes, and the first has {first}: name the nodes to keep");
+                Err(Fault::Python(PyValueError::new_err(text)))
             }
+            None => Ok(()),
         }
-        Ok(())
+    }
+
+    /// The same for its gauges, if they are kept.
+    fn has_gauges(&self, run: usize, samples: &Samples<'_, '_>) -> Result<(), Fault> {
+        let own: Vec<String> = samples.columns().iter().map(|of| format!("{} {}", of.gauge, of.quantity)).collect();
+        if self.channels.is_empty() || own == self.channels {
+            return Ok(());
+        }
+        let text = format!("run {run} has other gauges than the first: {}", own.join(", "));
+        Err(Fault::Python(PyValueError::new_err(text)))
     }
 }
 

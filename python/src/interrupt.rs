@@ -98,7 +98,8 @@ fn attended<R>(
             Err(RecvTimeoutError::Disconnected) => return (all, raised),
             Err(RecvTimeoutError::Timeout) if raised.is_some() => {}
             Err(RecvTimeoutError::Timeout) => {
-                let look = |py: Python<'_>| py.check_signals().and_then(|()| logs::tell(py)).and_then(|()| meanwhile(py));
+                let look =
+                    |py: Python<'_>| py.check_signals().and_then(|()| logs::tell(py)).and_then(|()| meanwhile(py));
                 raised = Python::attach(look).err();
                 stop.fetch_or(raised.is_some(), Ordering::Relaxed);
             }

@@ -72,9 +72,7 @@ pub(crate) fn tell(py: Python<'_>) -> PyResult<()> {
     }
     let lines = std::mem::take(&mut *WAITING.lines.lock().unwrap_or_else(PoisonError::into_inner));
     let logger = logger(py)?;
-    lines.into_iter().try_for_each(|(level, line)| {
-        logger.call_method1("log", (number(level), "%s", line)).map(drop)
-    })
+    lines.into_iter().try_for_each(|(level, line)| logger.call_method1("log", (number(level), "%s", line)).map(drop))
 }
 
 fn logger(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {

@@ -13,6 +13,10 @@ struct Kept {
 
 static KEPT: Mutex<Option<Kept>> = Mutex::new(None);
 
+/// [byte] memory of which the allocator of glibc keeps twice as much for the next run, once a block of it was freed.
+/// Without it, it returns the memory of every small run to the system, and has it cleared again for the next one.
+const KEPT_MEMORY: usize = 8 << 20;
+
 /// The pool, with `threads` threads or more. It is made at the first call, again where more threads are asked for, and
 /// again in a process that was forked: of a pool, a fork has the memory and not the threads.
 ///
@@ -28,6 +32,7 @@ pub(crate) fn of(_py: Python<'_>, threads: usize) -> PyResult<Arc<ThreadPool>> {
     {
         return Ok(pool.clone());
     }
+    drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT_MEMORY)));
     let made = ThreadPoolBuilder::new().num_threads(threads).thread_name(|number| format!("rollout {number}")).build();
     let pool = Arc::new(made.map_err(|error| PyOSError::new_err(error.to_string()))?);
     let before = kept.replace(Kept { process, pool: pool.clone() });

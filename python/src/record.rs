@@ -8,9 +8,7 @@ use crate::values::{Energies, from_json};
 use canopy_fem::drive::observer::{self, AcceptedStep, ObserveError, Observer, UpcomingStep, Wants};
 use canopy_fem::output::rows::HistoryRow;
 use canopy_fem::output::tables::Tables;
-use canopy_fem::simulation::{
-    self, EarlierResults, MemorySettings, RecordSettings, StaticSettings, record_in_memory,
-};
+use canopy_fem::simulation::{self, EarlierResults, MemorySettings, RecordSettings, StaticSettings, record_in_memory};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -234,8 +234,11 @@ impl Simulation {
         Self::of_own(scene.for_run().into(), spec)
     }
 
-    /// A scene that no other run has.
-    fn of_own(scene: Arc<dyn Scene>, spec: RunSpec) -> Result<Self, SimulationError> {
+    /// The same with a scene that no other run has, without a copy.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn of_own(scene: Arc<dyn Scene>, spec: RunSpec) -> Result<Self, SimulationError> {
         let mut stepper = bind_spec(&spec, &*scene)?;
         let state = RunState::start(&*scene, &mut stepper, &spec, scene.initial_state())?;
         let scheme = stepper.unbind();

@@ -231,7 +231,12 @@ fn advice_knows_that_implicit_methods_take_real_masses() {
         let ended = run(&bench, &case, &["solve", "--force", "--out", "out"]);
         let advice = " s or smaller, or time.method=backward-euler without time.mass_scaling";
         assert!(ended.code == Some(3) && ended.stderr.matches(advice).count() >= 2, "{}", ended.stderr);
-        assert_eq!(ended.stderr.matches("time.method=").count(), ended.stderr.matches(advice).count(), "{}", ended.stderr);
+        assert_eq!(
+            ended.stderr.matches("time.method=").count(),
+            ended.stderr.matches(advice).count(),
+            "{}",
+            ended.stderr
+        );
     }
     let mut slack = pair(0.01, 0.02);
     slack["system"]["network"]["springs"][0]["slack"] = json!("tension-only");

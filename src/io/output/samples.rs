@@ -106,6 +106,11 @@ impl<'a, 'o> Samples<'a, 'o> {
         Ok(Gauges::alone(picture, &output.gauges, output.history_every, 0.0)?.names())
     }
 
+    /// The columns of the gauges.
+    pub fn columns(&self) -> Vec<ChannelName> {
+        self.gauges.names()
+    }
+
     /// [s] The times.
     pub fn times(&self) -> &'a [f64] {
         self.spec.times
