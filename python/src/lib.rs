@@ -4,6 +4,7 @@
 //!
 //! Every call gives the interpreter free while the engine works. Panics become `InternalError`.
 
+mod actions;
 mod arrays;
 mod batch;
 mod case;

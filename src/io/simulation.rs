@@ -82,13 +82,13 @@ pub use doubts::{check_solver, doubts_at_end, doubts_at_start};
 pub use equilibrium::{
     RecordedStatic, StaticSettings, record_static, record_static_watched, static_spec, warnings_at_rest,
 };
-pub use error::{SetupError, SimulationError};
+pub use error::{RecordError, SetupError, SimulationError};
 pub use follow::{FollowSpec, FollowedState, follow};
 pub use idle_loads::idle_loads;
 pub use observe::GaugeValue;
 pub use record::{
-    EarlierResults, MemorySettings, RecordError, RecordSettings, RecordWatch, Recorded, StartLimits, record,
-    record_in_memory, record_watched,
+    EarlierResults, MemorySettings, RecordSettings, RecordWatch, Recorded, StartLimits, record, record_in_memory,
+    record_watched,
 };
 pub use sampled::Act;
 pub use state::NodeMotion;

@@ -40,16 +40,16 @@ pub struct Tables {
 
 /// Where a recorder puts what it shows.
 #[derive(Debug)]
-pub(super) enum Sink {
+pub(super) enum Destination {
     /// into files, which another thread writes
     Files(ResultWriter),
     /// into memory
-    Memory(Box<MemorySink>),
+    Memory(Box<MemoryTables>),
 }
 
 /// Tables that grow, and the frame that probes are read from.
 #[derive(Debug)]
-pub(super) struct MemorySink {
+pub(super) struct MemoryTables {
     tables: Tables,
     probes: Vec<ProbeSpec>,
     size: FrameSize,
@@ -58,11 +58,11 @@ pub(super) struct MemorySink {
     withdrawn: bool,
 }
 
-impl MemorySink {
+impl MemoryTables {
     pub(super) fn new(probes: &[ProbeSpec], channels: Vec<[String; 2]>, size: FrameSize) -> Self {
         let followed = probes.iter().map(|probe| probe.name.clone()).collect();
         let tables = Tables { channels, followed, ..Tables::default() };
-        MemorySink { tables, probes: probes.to_vec(), size, frame: None, withdrawn: false }
+        MemoryTables { tables, probes: probes.to_vec(), size, frame: None, withdrawn: false }
     }
 
     fn keep(&mut self, message: Message) {
@@ -93,23 +93,23 @@ impl MemorySink {
     }
 }
 
-impl Sink {
+impl Destination {
     /// A frame to fill, which still has its old content.
     ///
     /// # Errors
     /// As [`ResultWriter::empty_frame`].
     pub(super) fn empty_frame(&mut self) -> Result<Frame, ObserveError> {
         match self {
-            Sink::Files(writer) => writer.empty_frame(),
-            Sink::Memory(memory) => Ok(memory.frame.take().unwrap_or_else(|| Frame::new(memory.size))),
+            Destination::Files(writer) => writer.empty_frame(),
+            Destination::Memory(memory) => Ok(memory.frame.take().unwrap_or_else(|| Frame::new(memory.size))),
         }
     }
 
     /// Takes back a frame that is not shown.
     pub(super) fn recycle(&mut self, frame: Frame) {
         match self {
-            Sink::Files(writer) => writer.recycle(frame),
-            Sink::Memory(memory) => memory.frame = Some(frame),
+            Destination::Files(writer) => writer.recycle(frame),
+            Destination::Memory(memory) => memory.frame = Some(frame),
         }
     }
 
@@ -119,8 +119,8 @@ impl Sink {
     /// As there.
     pub(super) fn checkpoint(&mut self, checkpoint: Box<Checkpoint>) -> Result<(), ObserveError> {
         match self {
-            Sink::Files(writer) => writer.checkpoint(checkpoint),
-            Sink::Memory(_) => Ok(()),
+            Destination::Files(writer) => writer.checkpoint(checkpoint),
+            Destination::Memory(_) => Ok(()),
         }
     }
 
@@ -130,8 +130,8 @@ impl Sink {
     /// As [`ResultWriter::send`].
     pub(super) fn send(&mut self, message: Message) -> Result<(), ObserveError> {
         match self {
-            Sink::Files(writer) => writer.send(message),
-            Sink::Memory(memory) => {
+            Destination::Files(writer) => writer.send(message),
+            Destination::Memory(memory) => {
                 memory.keep(message);
                 Ok(())
             }
@@ -144,16 +144,16 @@ impl Sink {
     /// As [`ResultWriter::finish`].
     pub(super) fn finish(&mut self) -> Result<(), ObserveError> {
         match self {
-            Sink::Files(writer) => writer.finish(),
-            Sink::Memory(_) => Ok(()),
+            Destination::Files(writer) => writer.finish(),
+            Destination::Memory(_) => Ok(()),
         }
     }
 
     /// What was kept in memory so far; nothing of what went into files.
     pub(super) fn take_tables(&mut self) -> Tables {
         match self {
-            Sink::Files(_) => Tables::default(),
-            Sink::Memory(memory) => std::mem::take(&mut memory.tables),
+            Destination::Files(_) => Tables::default(),
+            Destination::Memory(memory) => std::mem::take(&mut memory.tables),
         }
     }
 }

@@ -1,15 +1,15 @@
 //! A whole run that writes the files of `canopy-fem solve`, and gives its warnings.
 
 use super::{
-    RunSpec, SetupError, Simulation, SimulationError, bind, build_scene, check_solver, doubts_at_end, doubts_at_start,
+    RecordError, RunSpec, Simulation, SimulationError, bind, build_scene, check_solver, doubts_at_end, doubts_at_start,
 };
 use crate::analysis::critical::{CriticalStep, has_limit};
 use crate::analysis::taut::WhileSlack;
 use crate::analysis::warnings::{limit_at_start, while_slack};
-use crate::assembly::{ExportError, write_matrix_market};
-use crate::case::fingerprint::{Fingerprint, FingerprintError};
+use crate::assembly::write_matrix_market;
+use crate::case::Case;
+use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::Problem;
-use crate::case::{Case, CaseError};
 use crate::drive::at_rest::AtRest;
 use crate::drive::cloth_strain::ClothStrain;
 use crate::drive::critical_step_monitor::{CriticalStepMonitor, LeastStep, Monitored};
@@ -20,11 +20,9 @@ use crate::drive::{Outcome, Status};
 use crate::model::group_totals::GroupTotals;
 use crate::model::stop::Stop;
 use crate::output::checkpoint::Checkpoint;
-use crate::output::folder::{CHECKPOINT, FolderError, ResultFolder, SUMMARY};
+use crate::output::folder::{CHECKPOINT, ResultFolder, SUMMARY};
 use crate::output::gauges::MeasuredQuantity;
-use crate::output::modes::ModesWriteError;
-use crate::output::recorder::{CheckpointSpec, Recorder, RecorderError, RecorderSpec};
-use crate::output::resume::ResumeError;
+use crate::output::recorder::{CheckpointSpec, Recorder, RecorderSpec};
 use crate::output::summary::Summary;
 use crate::output::tables::Tables;
 use crate::scene::Scene;
@@ -117,41 +115,6 @@ pub struct StartLimits {
     pub taut: CriticalStep,
     /// springs that are slack, and the longer critical step as long as they are
     pub while_slack: Option<WhileSlack>,
-}
-
-/// Why a run has no files.
-#[derive(Debug, thiserror::Error)]
-pub enum RecordError {
-    /// The solver of the case does not fit its scene.
-    #[error(transparent)]
-    Case(#[from] CaseError),
-    /// The scene cannot be built.
-    #[error(transparent)]
-    Setup(#[from] SetupError),
-    /// The run cannot start.
-    #[error(transparent)]
-    Simulation(#[from] SimulationError),
-    /// The folder cannot be used.
-    #[error(transparent)]
-    Folder(#[from] FolderError),
-    /// There is no checkpoint of this case.
-    #[error(transparent)]
-    Resume(#[from] ResumeError),
-    /// Results cannot be prepared.
-    #[error(transparent)]
-    Recorder(#[from] RecorderError),
-    /// Results cannot be written.
-    #[error(transparent)]
-    Observe(#[from] ObserveError),
-    /// Modes cannot be written.
-    #[error(transparent)]
-    Modes(#[from] ModesWriteError),
-    /// Matrices cannot be written.
-    #[error(transparent)]
-    Export(#[from] ExportError),
-    /// The files that the case names have no checksum.
-    #[error(transparent)]
-    Fingerprint(#[from] FingerprintError),
 }
 
 /// Runs a case to its end, to its failure or until `stop` is set, and writes all files of `canopy-fem solve`, byte for
