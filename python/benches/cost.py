@@ -8,6 +8,8 @@ MuJoCo stands beside where that is installed.
 """
 
 import resource
+import subprocess
+import tempfile
 import time
 from pathlib import Path
 
@@ -15,7 +17,9 @@ import numpy as np
 
 import canopy_fem as cf
 
-CLOTH = Path(__file__).resolve().parents[2] / "assets" / "cases" / "cloth-k1000.json"
+ROOT = Path(__file__).resolve().parents[2]
+CLOTH = ROOT / "assets" / "cases" / "cloth-k1000.json"
+DROP = ROOT / "docs" / "guide" / "cases" / "two-stage.json"
 STEPS = 500
 
 
@@ -89,6 +93,33 @@ def rollouts():
     print(f"gain {best[1][0] / best[2][0]:.2f}; by processor time at most {2 * best[1][1] / best[2][1]:.2f}")
 
 
+def drops():
+    """1,000 drops of the guide's load under a canopy that opens in two stages, with other masses: processor time of
+    `rollout` beside that of `canopy-fem sweep`, whose runs are those of the Rust engine, in turns."""
+    masses = [float(mass) for mass in np.linspace(400, 600, 1000)]
+    key = "system.network.mass.points.0.total"
+    case = cf.Case(DROP)
+    with tempfile.TemporaryDirectory() as folder:
+        command = [cf.program(), "sweep", DROP, "--vary", f"{key}={','.join(map(repr, masses))}", "--threads", "1"]
+        ways = {
+            "canopy-fem sweep": lambda: subprocess.run([*command, "--out", f"{folder}/out", "--force", "--quiet"]),
+            "rollout, 1 thread": lambda: cf.rollout(case, overrides=[{key: mass} for mass in masses], threads=1),
+            "rollout, 2 threads": lambda: cf.rollout(case, overrides=[{key: mass} for mass in masses], threads=2),
+        }
+        for _ in range(3):
+            for way, go in ways.items():
+                before, start = used(), time.perf_counter()
+                go()
+                clock = time.perf_counter() - start
+                print(f"1,000 drops, {way:<20} processor {used() - before:.2f} s, clock {clock:.2f} s")
+
+
+def used():
+    """[s] processor time of this process and of those that it has started."""
+    both = [resource.getrusage(of) for of in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(of.ru_utime + of.ru_stime for of in both)
+
+
 MUJOCO = """<mujoco>
 <option timestep="{step}" gravity="0 0 -9.81" integrator="{integrator}"><flag contact="disable"/></option>
 <worldbody>
@@ -124,4 +155,5 @@ if __name__ == "__main__":
     steps("velocity-verlet", 5e-4)
     steps("newmark", 5e-3)
     rollouts()
+    drops()
     mujoco_flex()

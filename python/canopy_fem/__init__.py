@@ -32,7 +32,8 @@ from .errors import (
     InternalError,
     SimulationError,
 )
-from .results import Result, load, run, static
+from .results import Result, load
+from .runs import run, static
 from .simulation import Motion, Network, Simulation
 from .studies import Sample, check, gradient, program, rollout, sample, stability, sweep, tradeoff
 

@@ -28,6 +28,7 @@ __all__ = [
     "rollout",
     "rollout_batch",
     "_panic",
+    "_listen",
 ]
 
 __version__: str
@@ -264,13 +265,13 @@ def _rollout_of(bytes: bytes) -> Rollout: ...
 def frame_times(file: _Path) -> list[float]: ...
 def record(
     case: Case,
-    out: _Path,
+    out: _Path | None,
     *,
     earlier: str,
     threads: int,
     keep_going: bool,
     progress: Callable[[float, float], object] | None,
-) -> tuple[dict[str, Any], list[str]]: ...
+) -> tuple[dict[str, Any], list[str], dict[str, Any] | None]: ...
 def record_static(
     case: Case, out: _Path, *, replace: bool, threads: int, at: float, load_steps: int, modes: int
 ) -> tuple[dict[str, Any], list[str]]: ...
@@ -282,6 +283,7 @@ def rollout_batch(
     *,
     variants: Sequence[_Overrides],
     times: Sequence[float],
+    ends: bool,
     nodes: Sequence[int],
     channels: Sequence[str],
     arrays: Mapping[str, _Rows],
@@ -292,3 +294,4 @@ def rollout_batch(
     progress: Callable[[int, int], object] | None,
 ) -> list[Rollout]: ...
 def _panic() -> None: ...
+def _listen() -> None: ...

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -13,6 +12,9 @@ import numpy.typing as npt
 
 from . import _core
 from .case import Case, _assignments, as_case
+from .logs import listen, log
+from .names import unknown
+from .progress import teller
 
 if TYPE_CHECKING:
     from .typed import EnergyColumn, Kept
@@ -40,42 +42,74 @@ class Batch:
     A row is NaN where its run did not come to that time: it ended or failed before. `status` and `failures` say so.
     """
 
-    __slots__ = ("__weakref__", "_runs", "channels", "energies", "gauges", "nodes", "peak_times", "peaks", "positions",
-                 "t", "units", "velocities")  # fmt: skip
-
-    t: _Array
-    """[s] (times,)"""
-    nodes: npt.NDArray[np.int64] | None
-    """nodes that were kept, (n,); None for all"""
-    channels: list[str]
-    """columns of the gauges, ``"name quantity"``"""
-    units: list[str]
-    """their units"""
-    positions: _Array
-    """[m] (runs, times, n, 3)"""
-    velocities: _Array
-    """[m/s] (runs, times, n, 3)"""
-    gauges: _Array
-    """(runs, times, channels) in the units of the channels"""
-    energies: _Array
-    """[J] (runs, times, 6): the energy account, with the columns `ENERGIES`; external_work, dissipated and numerical
-    are sums since the start"""
-    peaks: _Array
-    """(runs, channels): peaks of the gauges over all steps, as `Result.peaks` has them"""
-    peak_times: _Array
-    """[s] (runs, channels)"""
+    __slots__ = ("__weakref__", "_arrays", "_channels", "_nodes", "_runs", "_t", "_units")
 
     def __init__(self, t: _Array, nodes: Any, channels: list[tuple[str, str]], arrays: Mapping[str, _Array]) -> None:
-        self.t, self.nodes = t, nodes
-        self.channels, self.units = [name for name, _ in channels], [unit for _, unit in channels]
+        self._t, self._nodes, self._arrays = t, nodes, dict(arrays)
+        self._channels, self._units = [name for name, _ in channels], [unit for _, unit in channels]
         self._runs: list[_core.Rollout] = []
-        for name, array in arrays.items():
-            setattr(self, name, array)
 
-    def __getattr__(self, name: str) -> Any:
-        if name in _KEPT:
+    def _kept(self, name: str) -> _Array:
+        if name not in self._arrays:
             raise AttributeError(f"{name} were not kept: give rollout keep=[{name!r}]")
-        raise AttributeError(f"a batch has no {name!r}")
+        return self._arrays[name]
+
+    @property
+    def t(self) -> _Array:
+        """[s] Times of the rows, (times,)."""
+        return self._t
+
+    @property
+    def nodes(self) -> npt.NDArray[np.int64] | None:
+        """Nodes that were kept, (n,); None for all."""
+        return self._nodes  # type: ignore[no-any-return]
+
+    @property
+    def channels(self) -> list[str]:
+        """Columns of the gauges, ``"name quantity"``."""
+        return self._channels
+
+    @property
+    def units(self) -> list[str]:
+        """Units of the columns."""
+        return self._units
+
+    @property
+    def positions(self) -> _Array:
+        """[m] (runs, times, n, 3)"""
+        return self._kept("positions")
+
+    @property
+    def velocities(self) -> _Array:
+        """[m/s] (runs, times, n, 3)"""
+        return self._kept("velocities")
+
+    @property
+    def gauges(self) -> _Array:
+        """(runs, times, channels) in the units of the channels; `gauge` has one column by its name."""
+        return self._kept("gauges")
+
+    @property
+    def energies(self) -> _Array:
+        """[J] (runs, times, 6): the energy account, with the columns `ENERGIES`; external_work, dissipated and
+        numerical are sums since the start."""
+        return self._kept("energies")
+
+    @property
+    def peaks(self) -> _Array:
+        """(runs, channels) in the units of the channels: peaks of the gauges, as `Result.peaks` has them; of components
+        the value of the largest magnitude. They are those over all steps that the rollout made, so from the snapshot on
+        where a run begins from one, and up to the last of `times` where there are `times`.
+
+        Raises:
+            AttributeError: they were not kept; give `rollout` ``keep=["peaks"]``.
+        """
+        return self._kept("peaks")
+
+    @property
+    def peak_times(self) -> _Array:
+        """[s] (runs, channels): when the peaks were."""
+        return self._kept("peak_times")
 
     def __len__(self) -> int:
         return len(self._runs)
@@ -113,8 +147,7 @@ class Batch:
         """
         own = [channel for channel in self.channels if channel.rsplit(" ", 1)[0] == name]
         if not own:
-            names = sorted({channel.rsplit(" ", 1)[0] for channel in self.channels})
-            raise KeyError(f"there is no gauge {name!r}; there are: {', '.join(names) or 'none'}")
+            raise unknown("gauge", name, sorted({channel.rsplit(" ", 1)[0] for channel in self.channels}))
         if quantity is None and len(own) == 1:
             return self.gauges[:, :, self.channels.index(own[0])]
         if f"{name} {quantity}" not in own:
@@ -151,7 +184,7 @@ class Batch:
             "peaks": ("run", "channel"),
             "peak_times": ("run", "channel"),
         }
-        kept = {name: (dimensions[name], getattr(self, name)) for name in _KEPT if hasattr(self, name)}
+        kept = {name: (dimensions[name], self._arrays[name]) for name in _KEPT if name in self._arrays}
         used = {dimension for names, _ in kept.values() for dimension in names} | {"run", "time"}
         own = {name: values for name, values in coordinates.items() if name in used}
         made = xarray.Dataset(kept, own)
@@ -185,18 +218,18 @@ class Batch:
             "t": np.tile(self.t, len(self)),
         }
         for array, names in (("gauges", self.channels), ("energies", ENERGIES)):
-            if hasattr(self, array):
-                values = getattr(self, array)
+            if array in self._arrays:
+                values = self._arrays[array]
                 columns |= {name: values[:, :, place].ravel() for place, name in enumerate(names)}
         return columns
 
     def _node_count(self) -> int:
-        kept = next((getattr(self, name) for name in ("positions", "velocities") if hasattr(self, name)), None)
+        kept = next((self._arrays[name] for name in ("positions", "velocities") if name in self._arrays), None)
         return 0 if kept is None else int(kept.shape[2])
 
     def __repr__(self) -> str:
         failed = len(self.failures)
-        kept = ", ".join(name for name in _KEPT if hasattr(self, name))
+        kept = ", ".join(name for name in _KEPT if name in self._arrays)
         return f"<Batch: {len(self)} runs, {len(self.t)} times, {failed} failed; {kept}>"
 
 
@@ -250,10 +283,13 @@ def run_batch(
     }
     arrays = {name: _place(name, (out or {}).get(name), shapes[name]) for name in wanted}
     batch = Batch(grid, nodes, channels, arrays)
+    listen()
+    log.info("rollout of %d runs begins: %s, threads %d", runs, cases[0].name, threads)
     batch._runs = _core.rollout_batch(
         [case._core for case in cases],
         variants=variants,
         times=grid.tolist(),
+        ends=times is not None,
         nodes=[] if nodes is None else [int(node) for node in nodes],
         channels=batch.channels,
         arrays=arrays,
@@ -261,8 +297,11 @@ def run_batch(
         actions=actions,
         initial={name: _spread_start(name, value, runs, core) for name, value in start.items()},
         threads=threads,
-        progress=_teller(progress),
+        progress=teller(progress, _runs_made(), "the runs made and of all runs"),
     )
+    log.info("rollout of %d runs ended, %d steps", runs, batch.steps.sum())
+    for run, failure in batch.failures.items():
+        log.warning("run %d %s at t = %g s: %s", run, batch.status[run], failure["time"], failure["cause"])
     return batch
 
 
@@ -377,16 +416,6 @@ def _place(name: str, given: Any, shape: tuple[int, ...]) -> _Array:
     return given
 
 
-def _teller(progress: Any) -> Callable[[int, int], object] | None:
-    if progress is False or progress is None or callable(progress):
-        return progress or None
-    if progress is not True:
-        raise TypeError("progress is True, False or a function of the runs made and of all runs")
+def _runs_made() -> Callable[[int, int], str]:
     began = time.monotonic()
-
-    def line(made: int, runs: int) -> None:
-        end = "\n" if made == runs else ""
-        told = f"\r{made} of {runs} runs, {time.monotonic() - began:.0f} s"
-        print(told, end=end, file=sys.stderr, flush=True)
-
-    return line
+    return lambda made, runs: f"{made} of {runs} runs, {time.monotonic() - began:.0f} s"

@@ -118,7 +118,7 @@ class Case:
 
     def static(self, out: str | os.PathLike[str] | None = None, **options: Any) -> Result:
         """Its equilibrium: `canopy_fem.static` of this case, with its options."""
-        from .results import static
+        from .runs import static
 
         return static(self, out, **options)
 

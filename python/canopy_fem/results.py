@@ -1,19 +1,17 @@
-"""Runs that write files, and what the files hold."""
+"""What runs have left: summary, tables and frames."""
 
 from __future__ import annotations
 
 import copy
-import csv
 import html
 import json
 import os
 import shutil
 import subprocess
 import tempfile
-import warnings as python_warnings
 import weakref
 import xml.etree.ElementTree as xml
-from collections.abc import Callable
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -21,17 +19,17 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from .case import Case, as_case
-from .errors import CanopyError, CaseWarning, Diverged
-from .simulation import teller
+from .errors import CanopyError
+from .names import Named, unknown
 from .studies import program
+from .tables import empty, of_columns, read
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-    from .typed import CaseSource, Table
+    from .typed import Table
 
-__all__ = ["CaseWarning", "Page", "Quantity", "Result", "load", "run", "static"]
+__all__ = ["Page", "Quantity", "Result", "load"]
 
 
 class Quantity(NamedTuple):
@@ -45,97 +43,7 @@ class Quantity(NamedTuple):
     """Estimate of its error by the steps, in its unit; None unless ``canopy-fem solve --verify`` made the run."""
 
 
-_WHOLE = {"step", "newton_iterations", "node", "mode"}
-_TEXT = {"name", "quantity", "axis"}
-
-
-def run(
-    case: Case | CaseSource,
-    out: str | os.PathLike[str] | None = None,
-    *,
-    threads: int = 1,
-    replace: bool = False,
-    resume: bool = False,
-    keep_going: bool = False,
-    progress: bool | Callable[[float, float], object] = False,
-    check: bool = True,
-) -> Result:
-    """Runs a case to its end and writes the files of ``canopy-fem solve``, byte for byte.
-
-    Each warning of the program is a `CaseWarning`.
-
-    Args:
-        case: a `Case`, a case file or a dictionary.
-        out: folder for the files; a temporary one, which the result removes with itself, if left out.
-        threads: threads of scenes above 2,000 nodes; results do not depend on it.
-        replace: replace earlier results in the folder.
-        resume: go on from the checkpoint in the folder.
-        keep_going: go on past a divergence until a value is not finite.
-        progress: True for a line on standard error, or a function of time [s] and end [s], called ten times a second.
-        check: raise Diverged for a run that fails; its ``result`` has the files up to there.
-
-    Raises:
-        CaseError: a case with faults.
-        Diverged: a run that diverged or could not be solved.
-        OSError: a folder with earlier results, or files that cannot be written.
-        KeyboardInterrupt: Ctrl-C; the folder then has a checkpoint.
-    """
-    case = as_case(case)
-    if replace and resume:
-        raise ValueError("give either replace or resume")
-    folder, keeper = _folder(out)
-    earlier = "resume" if resume else "replace" if replace else "keep"
-    summary, found = _core.record(
-        case._core, folder, earlier=earlier, threads=threads, keep_going=keep_going, progress=teller(progress)
-    )
-    for warning in found:
-        python_warnings.warn(warning, CaseWarning, stacklevel=2)
-    return _checked(Result(folder, summary, keeper), check)
-
-
-def static(
-    case: Case | CaseSource,
-    out: str | os.PathLike[str] | None = None,
-    *,
-    at: float = 0.0,
-    modes: int = 0,
-    load_steps: int = 1,
-    threads: int = 1,
-    replace: bool = False,
-    check: bool = True,
-) -> Result:
-    """Finds the equilibrium of a case and writes the files of ``canopy-fem static``, byte for byte.
-
-    Args:
-        case: a `Case`, a case file or a dictionary; its `time` section is not needed.
-        out: folder for the files; a temporary one, which the result removes with itself, if left out.
-        at: time of loads, wind and supports [s].
-        modes: number of vibration modes to find about the equilibrium: `Result.modes`.
-        load_steps: steps in which the loads are applied; 1 applies them at once, and in steps if that fails.
-        threads: threads of scenes above 2,000 nodes; results do not depend on it.
-        replace: replace earlier results in the folder.
-        check: raise Diverged where no equilibrium is found; its ``result`` has the files.
-
-    Parts that no force keeps in place are named in a `CaseWarning` and in ``result.equilibrium["findings"]``.
-
-    Raises:
-        CaseError: a case with faults.
-        Diverged: no equilibrium was found.
-        OSError: a folder with earlier results, or files that cannot be written.
-        ValueError: a number out of range, or more modes than the scene has.
-        KeyboardInterrupt: Ctrl-C.
-    """
-    case = as_case(case, at_rest=True)
-    folder, keeper = _folder(out)
-    summary, found = _core.record_static(
-        case._core, folder, replace=replace, threads=threads, at=at, load_steps=load_steps, modes=modes
-    )
-    for warning in found:
-        python_warnings.warn(warning, CaseWarning, stacklevel=2)
-    return _checked(Result(folder, summary, keeper), check)
-
-
-class _Keeper:
+class Keeper:
     """A temporary folder that goes with this object, or with the interpreter, but only in the process that made it."""
 
     def __init__(self) -> None:
@@ -148,23 +56,12 @@ def _remove(folder: str, process: int) -> None:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def _folder(out: str | os.PathLike[str] | None) -> tuple[Path, _Keeper | None]:
+def folder_of(out: str | os.PathLike[str] | None) -> tuple[Path, Keeper | None]:
     """Where results go, and what keeps that folder if it is a temporary one."""
     if out is not None:
         return Path(os.fspath(out)), None
-    keeper = _Keeper()
+    keeper = Keeper()
     return keeper.folder / "results", keeper
-
-
-def _checked(result: Result, check: bool) -> Result:
-    failure = result.failure
-    if check and failure is not None:
-        error = Diverged(
-            f"{result.status} at t = {failure['time']} s: {failure['cause']}; {failure['advice']}", failure
-        )
-        error.result = result
-        raise error
-    return result
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
@@ -203,33 +100,57 @@ class Result:
     `history`, `probes` and `gauges` are numpy structured arrays with the columns of the files, read when first asked
     for; columns are e.g. ``result.history["kinetic"]`` [J].
 
+    A result of a run without files has them from the start, and no frames: `times` is empty then.
+
     A result can be copied and pickled. One in a temporary folder takes its files along, so it may come from another
     process; one in a folder of yours only knows where that is.
 
     A temporary folder goes with its result, or at the end of a block: ``with cf.run(case) as result: …``.
     """
 
-    __slots__ = ("__weakref__", "_keeper", "_tables", "folder", "summary")
+    __slots__ = ("__weakref__", "_folder", "_keeper", "_tables", "summary")
 
-    folder: Path
-    """where the files are"""
     summary: dict[str, Any]
     """what summary.json holds"""
 
-    def __init__(self, folder: Path, summary: dict[str, Any], keeper: _Keeper | None = None) -> None:
-        self.folder = folder
+    def __init__(
+        self,
+        folder: Path | None,
+        summary: dict[str, Any],
+        keeper: Keeper | None = None,
+        tables: Mapping[str, Any] | None = None,
+    ) -> None:
+        self._folder = folder
         self.summary = summary
         self._keeper = keeper
-        self._tables: dict[str, npt.NDArray[Any]] = {}
+        self._tables: dict[str, npt.NDArray[Any]] = {} if tables is None else of_columns(tables)
+
+    @property
+    def folder(self) -> Path:
+        """Where the files are.
+
+        Raises:
+            CanopyError: the run has none: it was made with ``files=False``.
+        """
+        if self._folder is None:
+            raise CanopyError("this run has no files: it was made with files=False; its tables are in memory")
+        return self._folder
+
+    def _again(self, summary: dict[str, Any]) -> Result:
+        made = Result(self._folder, summary, self._keeper)
+        # Tables cannot be written to, and files do not change, so they serve both.
+        made._tables = dict(self._tables)
+        return made
 
     def __copy__(self) -> Result:
-        return Result(self.folder, self.summary, self._keeper)
+        return self._again(self.summary)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Result:
-        # Files do not change, so one folder serves both.
-        return Result(self.folder, copy.deepcopy(self.summary, memo), self._keeper)
+        return self._again(copy.deepcopy(self.summary, memo))
 
     def __getstate__(self) -> dict[str, Any]:
+        if self._folder is None:
+            return {"summary": self.summary, "tables": self._tables}
         if self._keeper is None:
             return {"summary": self.summary, "folder": self.folder.absolute()}
         paths = sorted(path for path in self.folder.rglob("*") if path.is_file())
@@ -239,11 +160,13 @@ class Result:
         }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.summary, self._tables, self._keeper = state["summary"], {}, None
-        if "folder" in state:
-            self.folder = state["folder"]
+        self.summary, self._keeper = state["summary"], None
+        self._tables, self._folder = state.get("tables", {}), state.get("folder")
+        for table in self._tables.values():
+            table.flags.writeable = False
+        if "files" not in state:
             return
-        self.folder, self._keeper = _folder(None)
+        self._folder, self._keeper = folder_of(None)
         self.folder.mkdir()
         for name, content in state["files"].items():
             path = self.folder / name
@@ -295,14 +218,16 @@ class Result:
     @property
     def peaks(self) -> dict[str, float]:
         """Largest values of the gauges, by ``"name quantity"``."""
-        return {f"{peak['name']} {peak['quantity']}": peak["value"] for peak in self.summary.get("peaks", [])}
+        found = {f"{peak['name']} {peak['quantity']}": peak["value"] for peak in self.summary.get("peaks", [])}
+        return Named("gauge", found)
 
     @property
     def quantities(self) -> dict[str, Quantity]:
         """The numbers of the report, or those that ``study.quantities`` of the case asks for, by name, such as
         ``"riser.tension.peak"``."""
         found = self.summary.get("quantities", {})
-        return {name: Quantity(of["value"], of["unit"], of.get("error")) for name, of in found.items()}
+        made = {name: Quantity(of["value"], of["unit"], of.get("error")) for name, of in found.items()}
+        return Named("quantity", made)
 
     @property
     def history(self) -> npt.NDArray[Any]:
@@ -343,8 +268,7 @@ class Result:
         if quantity is None and len(known) == 1:
             quantity = known[0]
         if not known:
-            names = sorted(set(self.gauges["name"].tolist()))
-            raise KeyError(f"there is no gauge {name!r}; there are: {', '.join(names) or 'none'}")
+            raise unknown("gauge", name, sorted(set(self.gauges["name"].tolist())))
         if quantity is None:
             raise KeyError(f"gauge {name!r} has several quantities: {', '.join(known)}; name one of them")
         if quantity not in known:
@@ -355,6 +279,8 @@ class Result:
     @property
     def times(self) -> npt.NDArray[np.float64]:
         """[s] Times of the frames."""
+        if self._folder is None:
+            return np.array([])
         file = self._one_file()
         return np.array(_core.frame_times(file) if file else [t for t, _ in self._frames()])
 
@@ -457,8 +383,9 @@ class Result:
         Raises:
             CanopyError: the program is not there, or the run has no frames that can be shown.
         """
+        own = self.folder
         with tempfile.TemporaryDirectory() as folder:
-            command = [str(program()), "view", str(self.folder), "--out", folder, "--quiet"]
+            command = [str(program()), "view", str(own), "--out", folder, "--quiet"]
             ended = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
             if ended.returncode != 0:
                 raise CanopyError(ended.stderr.strip().removeprefix("error: "))
@@ -493,7 +420,7 @@ class Result:
     def _repr_html_(self) -> str:
         rows = [("status", self.status), ("steps", self.summary["steps"]), ("end [s]", f"{self.summary['t_end']:g}")]
         rows += [("energy error", f"{self.summary['energy_error']:.2e}")]
-        rows += [("folder", "temporary" if self._keeper else self.folder)]
+        rows += [("folder", "none" if self._folder is None else "temporary" if self._keeper else self._folder)]
         rows += [(name, f"{value:.6g}") for name, value in self.peaks.items() if value is not None]
         cells = "".join(f"<tr><td>{html.escape(str(a))}</td><td>{html.escape(str(b))}</td></tr>" for a, b in rows)
         return f"<b>{html.escape(repr(self))}</b><table>{cells}</table>"
@@ -501,8 +428,10 @@ class Result:
     def _table(self, name: str) -> npt.NDArray[Any]:
         if name not in ("history", "probes", "gauges", "modes"):
             raise KeyError(f"no table {name!r}; there are history, probes, gauges and modes")
+        if name not in self._tables and self._folder is None:
+            return empty(name)
         if name not in self._tables:
-            self._tables[name] = _read(self.folder / f"{name}.csv", name)
+            self._tables[name] = read(self.folder / f"{name}.csv", name)
         return self._tables[name]
 
     def _one_file(self) -> Path | None:
@@ -515,31 +444,3 @@ class Result:
             return []
         entries = xml.parse(lists[0]).getroot().iter("DataSet")
         return [(float(entry.attrib["timestep"]), self.folder / entry.attrib["file"]) for entry in entries]
-
-
-_HEADERS = {
-    "probes": "t,name,node,x,y,z,vx,vy,vz",
-    "gauges": "t,name,quantity,value",
-    "modes": "mode,frequency,omega_squared,node,axis,mass_x,mass_y,mass_z,growth,error",
-}
-
-
-def _read(path: Path, table: str) -> npt.NDArray[Any]:
-    """A .csv file as a structured array; an empty one where the case asked for none."""
-    if not path.exists() and table in _HEADERS:
-        names, rows = _HEADERS[table].split(","), []
-    else:
-        with path.open(encoding="utf-8", newline="") as file:
-            names, *rows = csv.reader(file)
-    columns = {name: [row[place] for row in rows] for place, name in enumerate(names)}
-
-    def kind(name: str) -> str:
-        if name in _TEXT:
-            return f"U{max((len(text) for text in columns[name]), default=1)}"
-        return "i8" if name in _WHOLE else "f8"
-
-    made = np.empty(len(rows), dtype=[(name, kind(name)) for name in names])
-    for name, values in columns.items():
-        made[name] = np.array(values, dtype=made.dtype[name]) if values else []
-    made.flags.writeable = False
-    return made

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import html
-import sys
-import time
-import warnings
-from collections.abc import Callable, Iterator, Mapping, MutableMapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -14,12 +11,16 @@ import numpy.typing as npt
 
 from . import _core
 from .case import Case, as_case
-from .errors import CaseError, CaseWarning
+from .controls import Forces, Loads, RestScales
+from .errors import CaseError
+from .logs import doubt, listen, log
+from .names import Named
+from .progress import teller
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-    from .typed import CaseSource, DashpotKind, Force, Law, Method, Slack
+    from .typed import CaseSource, DashpotKind, Law, Method, Slack
 
 __all__ = ["Motion", "Network", "Simulation"]
 
@@ -196,6 +197,7 @@ class Simulation(_core.Simulation):
         tolerance: float | None = None,
         end: float | None = None,
     ) -> Self:
+        listen()
         how: dict[str, Any] = {"method": method, "step": step, "tolerance": tolerance, "end": end}
         common: dict[str, Any] = {"threads": threads, "keep_going": keep_going, "free_steps": free_steps}
         if not isinstance(source, _core.Network):
@@ -253,26 +255,29 @@ class Simulation(_core.Simulation):
         differs = super().restore(state)
         if differs:
             text = f"the snapshot is of another scene or run, so the scheme begins anew: {'; '.join(differs)}"
-            warnings.warn(text, CaseWarning, stacklevel=2)
+            doubt(text, stacklevel=2)
         return differs
 
     def run(self, progress: bool | Callable[[float, float], object] = False) -> _core.Step | None:
         """Makes all steps that are left; the last one, or None if there was none left.
 
         Args:
-            progress: True for a line on standard error, or a function of time [s] and end [s].
+            progress: True for a line on standard error, in a notebook a bar; or a function of time [s] and end [s].
 
         Raises:
             Diverged: a step diverged or could not be solved.
         """
-        tell = teller(progress)
+        tell = told_time(progress)
         end, step = self.end, None
+        listen()
+        log.info("run from t = %g s to %g s begins", self.time, end)
         while self.time < end * (1 - 1e-15):
             # Small enough for ten calls a second in most scenes, and without effect on the bits.
             until = min(end, self.time + (end / 200 if tell else end))
             step = self.run_until(until)
             if tell:
                 tell(self.time, end)
+        log.info("run ended at t = %g s after %d steps", self.time, self.step_count)
         return step
 
     def attempt(self, step: float | None = None) -> Motion:
@@ -289,6 +294,23 @@ class Simulation(_core.Simulation):
             ValueError: a step of 0 or less, or not finite.
         """
         return Motion(*super().attempt(step))
+
+    @property
+    def gauges(self) -> dict[str, float]:
+        """What the gauges of the case and its canopies show now, by ``"name quantity"``, each in its SI unit: of the
+        forces that act now, with what was set since the last step."""
+        return Named("gauge", super().gauges)
+
+    @property
+    def gauge_units(self) -> dict[str, str]:
+        """Units of the gauges, by ``"name quantity"``."""
+        return Named("gauge", super().gauge_units)
+
+    @property
+    def peaks(self) -> dict[str, float]:
+        """Peaks of the gauges over all steps so far, by ``"name quantity"``, as `Result.peaks` has them; of components
+        those of the largest magnitude. `set_state` begins them anew, and `restore` takes up those of the snapshot."""
+        return Named("gauge", super().peaks)
 
     @property
     def forces(self) -> Forces:
@@ -379,121 +401,6 @@ def _method(method: Any) -> tuple[str, dict[str, float]]:
     raise TypeError('a method is its name, or {"name": {"parameter": value}}')
 
 
-def teller(progress: Any) -> Callable[[float, float], object] | None:
-    """The function that is told of progress."""
-    if progress is False or progress is None:
-        return None
-    if callable(progress):
-        return progress  # type: ignore[no-any-return]
-    if progress is not True:
-        raise TypeError("progress is True, False or a function of time and end")
-    last = [0.0]
-
-    def line(t: float, end: float) -> None:
-        now = time.monotonic()
-        if now - last[0] >= 0.1 or t >= end:
-            last[0] = now
-            print(f"\r{100 * t / end:3.0f} %  t {t:.4g} of {end:.4g} s", end="", file=sys.stderr, flush=True)
-            if t >= end:
-                print(file=sys.stderr)
-
-    return line
-
-
-class Forces(MutableMapping[str, Any]):
-    """Forces from outside that act, by name; see `Simulation.forces`."""
-
-    __slots__ = ("_sim",)
-
-    def __init__(self, sim: Simulation) -> None:
-        self._sim = sim
-
-    def __setitem__(self, name: str, force: Force) -> None:
-        if not isinstance(name, str):
-            raise TypeError(f"a force has a text as its name, not {name!r}")
-        if callable(force):
-            self.add(name, force)
-        else:
-            self._sim.set_force(name, force)
-
-    def add(
-        self, name: str, function: Callable[[float, _Array, _Array], npt.ArrayLike], *, velocity_dependent: bool = True
-    ) -> None:
-        """Sets a force that a function computes. One that does not depend on velocities costs velocity Verlet one call
-        a step less."""
-        self._sim.set_force_law(name, function, velocity_dependent=velocity_dependent)
-
-    def __getitem__(self, name: str) -> Any:
-        return self._sim.acting_forces()[name]
-
-    def __delitem__(self, name: str) -> None:
-        if not self._sim.remove_force(name):
-            raise KeyError(name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._sim.acting_forces())
-
-    def __len__(self) -> int:
-        return len(self._sim.acting_forces())
-
-    def __repr__(self) -> str:
-        acting = self._sim.acting_forces().items()
-        named = [f"{name!r}: {'a function' if callable(force) else f'array {force.shape}'}" for name, force in acting]
-        return f"Forces({{{', '.join(named)}}})"
-
-
-class RestScales:
-    """Factors of rest lengths; see `Simulation.rest_scale`."""
-
-    __slots__ = ("_sim",)
-
-    def __init__(self, sim: Simulation) -> None:
-        self._sim = sim
-
-    # Without it, Python would go through numbers of edges.
-    __iter__ = None
-
-    def _edges(self, key: Any) -> Any:
-        return self._sim.select(key, "edges") if isinstance(key, str) else np.atleast_1d(key)
-
-    def __setitem__(self, key: Any, factor: float) -> None:
-        """Sets the factor of a group, or of edges by number, from now on."""
-        self._sim.set_rest_scale(self._edges(key), factor)
-
-    def __getitem__(self, key: Any) -> _Array:
-        """The factors of these edges, (k,), NaN where there is no spring; read-only."""
-        factors: _Array = self._sim.rest_scales()[self._edges(key)]
-        factors.flags.writeable = False
-        return factors
-
-    def __repr__(self) -> str:
-        factors = self._sim.rest_scales()
-        changed = np.flatnonzero(np.isfinite(factors) & (factors != 1.0))
-        return f"RestScales({ {int(edge): float(factors[edge]) for edge in changed} })"
-
-
-class Loads(MutableMapping[str, float]):
-    """Factors of loads; see `Simulation.loads`."""
-
-    __slots__ = ("_sim",)
-
-    def __init__(self, sim: Simulation) -> None:
-        self._sim = sim
-
-    def __setitem__(self, name: str, factor: float) -> None:
-        self._sim.set_load_factor(name, factor)
-
-    def __getitem__(self, name: str) -> float:
-        return dict(self._sim.load_factors())[name]
-
-    def __delitem__(self, name: str) -> None:
-        raise TypeError("a load cannot be removed; set its factor to 0")
-
-    def __iter__(self) -> Iterator[str]:
-        return iter([name for name, _ in self._sim.load_factors()])
-
-    def __len__(self) -> int:
-        return len(self._sim.load_factors())
-
-    def __repr__(self) -> str:
-        return f"Loads({dict(self)!r})"
+def told_time(progress: Any) -> Callable[[float, float], object] | None:
+    """The function that is told of the time [s] that a run has come to, and of its end."""
+    return teller(progress, lambda t, end: f"t {t:.4g} of {end:.4g} s", "time and end")

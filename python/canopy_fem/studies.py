@@ -92,7 +92,8 @@ def rollout(
     threads: int | None = None,
     progress: bool | Callable[[int, int], object] = False,
 ) -> Batch | list[_core.Rollout]:
-    """Many runs at once on a pool of threads, a run a thread, in memory; results do not depend on their number.
+    """Many runs at once on a pool of threads, a run a thread, in memory; results do not depend on their number. The
+    threads stay for the next call.
 
     Of one case, and of several with `times`, it returns a `Batch`: arrays (runs, times, …). A time within a step shows
     the state interpolated there, as frames do. Of several cases without `times` it returns a list with a `Rollout` of
@@ -107,7 +108,7 @@ def rollout(
         cases: one case, case file or dictionary, or several.
         overrides: variants of one case, a run each: other values by dotted path. Its text is not read again, and its
             mesh is made again only where its section changes.
-        times: [s] (times,), ascending.
+        times: [s] (times,), ascending. A run makes no step after the first that reaches the last of them.
         every: [s] times at its multiples up to the end of the longest case; the start and the end if both are left
             out. Of a list of cases without `times`: a state at the end of the first step that reaches each multiple.
         keep: what is kept: "positions", "velocities", "gauges", "energies", "peaks", "peak_times"; gauges and energies
@@ -121,7 +122,8 @@ def rollout(
         loads: [-] by name, as `Simulation.loads`: (runs, times).
         wind: [m/s] (runs, times, 3).
         threads: number of threads; that of the processors if left out.
-        progress: True for a line on standard error, or a function of the runs made and of all runs.
+        progress: True for a line on standard error, in a notebook a bar; or a function of the runs made and of all
+            runs.
 
     Raises:
         CaseError: a case with faults.

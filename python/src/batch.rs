@@ -1,126 +1,24 @@
 //! Runs of a rollout at the same times, in arrays, with what a program sets on the way.
 
-use crate::case::{Case, scene_of};
+use crate::actions::{Action, Acts, Place, Sites};
+use crate::case::{Case, own_scene, scene_of};
 use crate::errors::of_record;
-use crate::interrupt::watched;
+use crate::interrupt::pooled;
 use crate::record::{TOLD_EVERY, checked_threads};
 use crate::rollout::{Rollout, run_spec};
-use crate::select::{mesh_of, selected};
-use crate::simulation::load_name;
+use canopy_fem::case::spec::Problem;
 use canopy_fem::case::{Case as EngineCase, CaseError};
 use canopy_fem::output::samples::{SampleArrays, SampleSpec, Samples};
 use canopy_fem::scene::Scene;
-use canopy_fem::simulation::{Load, RecordError, Simulation, SimulationError};
-use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArrayDyn, PyUntypedArrayMethods};
+use canopy_fem::simulation::{RecordError, Simulation, SimulationError};
+use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArrayDyn};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-
-/// Nodes or edges: a group, or numbers.
-#[derive(Clone, FromPyObject)]
-pub(crate) enum Place {
-    Group(String),
-    Numbers(Vec<u32>),
-}
-
-impl Place {
-    fn numbers(&self, scene: &dyn Scene, kind: &str) -> PyResult<Vec<u32>> {
-        match self {
-            Place::Group(name) => selected(&mesh_of(scene), name, kind),
-            Place::Numbers(numbers) => Ok(numbers.clone()),
-        }
-    }
-
-    fn name(&self) -> String {
-        match self {
-            Place::Group(name) => name.clone(),
-            Place::Numbers(numbers) => format!("nodes {numbers:?}"),
-        }
-    }
-}
-
-/// What is set on the way: values of all runs and times, each of `size` numbers.
-struct Action {
-    what: String,
-    place: Place,
-    size: usize,
-    /// `[runs * times * size]`
-    values: Vec<f64>,
-}
-
-/// The same, as a scene knows it.
-enum Acts<'a> {
-    Force { name: String, nodes: Vec<u32>, of: &'a Action },
-    RestScale { edges: Vec<u32>, of: &'a Action },
-    Load(Load, &'a Action),
-    Wind(&'a Action),
-}
-
-impl Action {
-    /// For arrays (runs, times, …).
-    fn read((what, place, array): (String, Place, PyReadonlyArrayDyn<'_, f64>)) -> PyResult<Self> {
-        let values = array.as_slice().map_err(|error| PyValueError::new_err(error.to_string()))?.to_vec();
-        let size = array.shape().iter().skip(2).product();
-        Ok(Action { what, place, size, values })
-    }
-
-    fn row(&self, row: usize) -> &[f64] {
-        &self.values[row * self.size..(row + 1) * self.size]
-    }
-
-    fn of_scene(&self, scene: &dyn Scene, simulation: &Simulation) -> PyResult<Acts<'_>> {
-        match self.what.as_str() {
-            "force" => {
-                let (name, nodes) = (self.place.name(), self.place.numbers(scene, "nodes")?);
-                let all = scene.reference().len();
-                if let Some((place, &node)) = nodes.iter().enumerate().find(|(_, node)| **node as usize >= all) {
-                    let error = SimulationError::NoNode { what: "force: place", place, node, nodes: all };
-                    return Err(PyValueError::new_err(error.to_string()));
-                }
-                if self.size != 3 && self.size != 3 * nodes.len() {
-                    let text = format!(
-                        "the force on {name} needs the shape (runs, times, 3) or (runs, times, {}, 3)",
-                        nodes.len()
-                    );
-                    return Err(PyValueError::new_err(text));
-                }
-                Ok(Acts::Force { name, nodes, of: self })
-            }
-            "rest_scale" => Ok(Acts::RestScale { edges: self.place.numbers(scene, "edges")?, of: self }),
-            "load" => {
-                let (name, loads) = (self.place.name(), simulation.load_factors());
-                let found = loads.iter().find(|(load, _)| load_name(*load) == name);
-                found.map(|(load, _)| Acts::Load(*load, self)).ok_or_else(|| {
-                    let known: Vec<String> = loads.iter().map(|(load, _)| load_name(*load)).collect();
-                    PyKeyError::new_err(format!("there is no load \"{name}\"; the scene has: {}", known.join(", ")))
-                })
-            }
-            _ => Ok(Acts::Wind(self)),
-        }
-    }
-}
-
-impl Acts<'_> {
-    /// Sets the values of a row; `force` has a row for each node.
-    fn set(&self, simulation: &mut Simulation, row: usize, force: &mut [[f64; 3]]) -> Result<(), SimulationError> {
-        match self {
-            Acts::Force { name, nodes, of } => {
-                let values = of.row(row).as_chunks::<3>().0;
-                force.fill([0.0; 3]);
-                for (place, node) in nodes.iter().enumerate() {
-                    force[*node as usize] = values[if values.len() == 1 { 0 } else { place }];
-                }
-                simulation.set_force(name, force)
-            }
-            Acts::RestScale { edges, of } => simulation.set_rest_scale(edges, of.row(row)[0]),
-            Acts::Load(load, of) => simulation.set_load_factor(*load, of.row(row)[0]),
-            Acts::Wind(of) => simulation.set_wind(of.row(row).first_chunk().copied()),
-        }
-    }
-}
 
 /// What all runs begin with.
 #[derive(Default)]
@@ -161,8 +59,12 @@ struct Plan<'a> {
     cases: &'a [Arc<EngineCase>],
     /// the scene, where all runs have the same
     scene: Option<Arc<dyn Scene>>,
+    /// where actions act in it
+    sites: Option<Sites>,
     variants: &'a [Vec<(String, String)>],
     times: &'a [f64],
+    /// whether the runs end with the last of the times
+    ends: bool,
     nodes: &'a [u32],
     /// names of the columns of the gauges; empty where none are kept
     channels: &'a [String],
@@ -195,25 +97,50 @@ impl From<CaseError> for Fault {
 }
 
 impl Plan<'_> {
-    fn run(&self, Job { run, arrays }: Job<'_>, stop: &AtomicBool) -> Result<Rollout, Fault> {
-        let base = &self.cases[if self.cases.len() == 1 { 0 } else { run }];
-        let case = match self.variants.get(run) {
-            Some(overrides) => Arc::new(base.with(overrides)?),
-            None => base.clone(),
-        };
-        let (problem, scene) = (case.problem(), self.scene.clone().map_or_else(|| scene_of(&case, 1), Ok)?);
-        let (spec, n) = (run_spec(problem), scene.reference().len());
+    /// Makes a run, with the scene of all or one of its own.
+    fn run(&self, job: Job<'_>, stop: &AtomicBool) -> Result<Rollout, Fault> {
+        let base = &self.cases[if self.cases.len() == 1 { 0 } else { job.run }];
+        match (&self.scene, self.variants.get(job.run)) {
+            (Some(scene), _) => self.run_in(job, base.problem(), (scene.for_run().into(), scene), stop),
+            (None, Some(overrides)) => {
+                let (problem, scene) = own_scene(base.with(overrides)?)?;
+                self.run_in(job, &problem, (scene.clone(), &scene), stop)
+            }
+            (None, None) => {
+                let scene = scene_of(base, 1)?;
+                self.run_in(job, base.problem(), (scene.clone(), &scene), stop)
+            }
+        }
+    }
+
+    /// The same in a scene of its own, which shows what `scene` does.
+    fn run_in(
+        &self,
+        Job { run, arrays }: Job<'_>,
+        problem: &Problem,
+        (own, scene): (Arc<dyn Scene>, &Arc<dyn Scene>),
+        stop: &AtomicBool,
+    ) -> Result<Rollout, Fault> {
+        let n = scene.reference().len();
         if let Some((place, &node)) = self.nodes.iter().enumerate().find(|(_, node)| **node as usize >= n) {
             return Err(SimulationError::NoNode { what: "nodes: place", place, node, nodes: n }.into());
         }
-        self.fits(run, &arrays, &*scene, problem)?;
-        let mut simulation = Simulation::from_scene(&*scene, spec)?;
+        self.has_nodes(run, &arrays, n)?;
+        let sites = match &self.sites {
+            Some(sites) => Cow::Borrowed(sites),
+            None => Cow::Owned(Action::sites(self.actions, &**scene).map_err(Fault::Python)?),
+        };
+        let mut simulation = Simulation::of_own(own, run_spec(problem))?;
         self.initial.begin(&mut simulation, run)?;
-        let acts = self.actions.iter().map(|action| action.of_scene(&*scene, &simulation));
+        let acts = self.actions.iter().zip(&*sites).map(|(action, site)| action.of_scene(site, &simulation));
         let acts = acts.collect::<PyResult<Vec<Acts<'_>>>>().map_err(Fault::Python)?;
         let end = simulation.end();
-        let spec = SampleSpec { times: self.times, nodes: self.nodes, output: &problem.output, end };
-        let mut samples = Samples::new(&*scene, spec, arrays).map_err(SimulationError::from)?;
+        let spec =
+            SampleSpec { times: self.times, nodes: self.nodes, output: &problem.output, end, ends_run: self.ends };
+        let mut samples = Samples::new(&*simulation.scene(), spec, arrays).map_err(SimulationError::from)?;
+        if self.scene.is_none() {
+            self.has_gauges(run, &samples)?;
+        }
         let mut force = vec![[0.0; 3]; n];
         let mut act = |simulation: &mut Simulation, time: usize| {
             acts.iter().try_for_each(|acts| acts.set(simulation, run * self.times.len() + time, &mut force))
@@ -223,29 +150,28 @@ impl Plan<'_> {
         Ok(Rollout::ended(outcome))
     }
 
-    /// Checks that the run has the nodes and gauges of the first one.
-    fn fits(
-        &self,
-        run: usize,
-        arrays: &SampleArrays<'_>,
-        scene: &dyn Scene,
-        problem: &canopy_fem::case::spec::Problem,
-    ) -> Result<(), Fault> {
-        let (n, times) = (scene.reference().len(), self.times.len());
-        let other = |what: String| Err(Fault::Python(PyValueError::new_err(format!("run {run} {what}"))));
+    /// Checks that a run has the nodes of the first one.
+    fn has_nodes(&self, run: usize, arrays: &SampleArrays<'_>, n: usize) -> Result<(), Fault> {
+        let times = self.times.len();
         let kept = [&arrays.positions, &arrays.velocities].into_iter().find(|all| !all.is_empty());
-        if let Some(all) = kept.filter(|all| self.nodes.is_empty() && all.len() != 3 * times * n) {
-            let first = all.len() / (3 * times);
-            return other(format!("has {n} nodes, and the first has {first}: name the nodes to keep"));
-        }
-        if !self.channels.is_empty() {
-            let own = Samples::channels(scene, &problem.output).map_err(SimulationError::from)?;
-            let own: Vec<String> = own.iter().map(|of| format!("{} {}", of.gauge, of.quantity)).collect();
-            if own != self.channels {
-                return other(format!("has other gauges than the first: {}", own.join(", ")));
+        match kept.filter(|all| self.nodes.is_empty() && all.len() != 3 * times * n) {
+            Some(all) => {
+                let first = all.len() / (3 * times);
+                let text = format!("run {run} has {n} nodes, and the first has {first}: name the nodes to keep");
+                Err(Fault::Python(PyValueError::new_err(text)))
             }
+            None => Ok(()),
         }
-        Ok(())
+    }
+
+    /// The same for its gauges, if they are kept.
+    fn has_gauges(&self, run: usize, samples: &Samples<'_, '_>) -> Result<(), Fault> {
+        let own: Vec<String> = samples.columns().iter().map(|of| format!("{} {}", of.gauge, of.quantity)).collect();
+        if self.channels.is_empty() || own == self.channels {
+            return Ok(());
+        }
+        let text = format!("run {run} has other gauges than the first: {}", own.join(", "));
+        Err(Fault::Python(PyValueError::new_err(text)))
     }
 }
 
@@ -264,13 +190,14 @@ fn parts(array: &mut [f64], runs: usize) -> Vec<&mut [f64]> {
 
 /// Runs cases on a pool of threads, and writes them into arrays (runs, times, …); how they ended.
 #[pyfunction]
-#[pyo3(signature = (cases, *, variants, times, nodes, channels, arrays, runs, actions, initial, threads, progress))]
+#[pyo3(signature = (cases, *, variants, times, ends, nodes, channels, arrays, runs, actions, initial, threads, progress))]
 #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
 pub(crate) fn rollout_batch(
     py: Python<'_>,
     cases: Vec<Bound<'_, Case>>,
     variants: Vec<Vec<(String, String)>>,
     times: Vec<f64>,
+    ends: bool,
     nodes: Vec<u32>,
     channels: Vec<String>,
     arrays: &Bound<'_, PyDict>,
@@ -294,11 +221,14 @@ pub(crate) fn rollout_batch(
         _ => None,
     };
     let cases: Vec<Arc<EngineCase>> = cases.iter().map(|case| case.get().case.clone()).collect();
+    let sites = scene.as_ref().map(|scene| Action::sites(&actions, &**scene)).transpose()?;
     let plan = Plan {
         cases: &cases,
         scene,
+        sites,
         variants: &variants,
         times: &times,
+        ends,
         nodes: &nodes,
         channels: &channels,
         initial: &initial,
@@ -306,33 +236,27 @@ pub(crate) fn rollout_batch(
     };
     let jobs = Mutex::new(jobs_of(&mut written, runs)?.into_iter());
     let (made, mut told) = (AtomicUsize::new(0), (Instant::now(), 0));
-    let done = watched(
-        py,
-        |stop| {
-            let done = Mutex::new(Vec::with_capacity(runs));
-            let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
-            let work = || {
-                while let Some(job) = next().filter(|_| !stop.load(Ordering::Relaxed)) {
-                    let (run, result) = (job.run, plan.run(job, stop));
-                    made.fetch_add(1, Ordering::Relaxed);
-                    done.lock().unwrap_or_else(PoisonError::into_inner).push((run, result));
-                }
-            };
-            std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
-            done.into_inner().unwrap_or_else(PoisonError::into_inner)
-        },
-        |py| {
-            let now = made.load(Ordering::Relaxed);
-            match &progress {
-                Some(progress) if now > told.1 && told.0.elapsed() > TOLD_EVERY => {
-                    told = (Instant::now(), now);
-                    progress.call1(py, (now, runs)).map(drop)
-                }
-                _ => Ok(()),
+    let work = |stop: &AtomicBool| {
+        let mut done = Vec::new();
+        let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
+        while let Some(job) = next().filter(|_| !stop.load(Ordering::Relaxed)) {
+            let (run, result) = (job.run, plan.run(job, stop));
+            made.fetch_add(1, Ordering::Relaxed);
+            done.push((run, result));
+        }
+        done
+    };
+    let done = pooled(py, threads, work, |py| {
+        let now = made.load(Ordering::Relaxed);
+        match &progress {
+            Some(progress) if now > told.1 && told.0.elapsed() > TOLD_EVERY => {
+                told = (Instant::now(), now);
+                progress.call1(py, (now, runs)).map(drop)
             }
-        },
-    );
-    let mut done = done?;
+            _ => Ok(()),
+        }
+    });
+    let mut done: Vec<(usize, Result<Rollout, Fault>)> = done?.into_iter().flatten().collect();
     progress.map(|progress| progress.call1(py, (runs, runs))).transpose()?;
     done.sort_by_key(|(run, _)| *run);
     let ended = done.into_iter().map(|(_, result)| {

@@ -3,7 +3,8 @@
 use crate::errors::{of_case, of_record, of_simulation};
 use crate::interrupt::watched;
 use crate::values::from_json;
-use canopy_fem::case::{self, fingerprint::Fingerprint};
+use canopy_fem::case::spec::{Problem, SystemSpec};
+use canopy_fem::case::{self, Source, fingerprint::Fingerprint};
 use canopy_fem::integrate::registry::{Family, methods as registry};
 use canopy_fem::output::samples::Samples;
 use canopy_fem::scene::Scene;
@@ -148,8 +149,28 @@ impl Case {
 /// A specification that contradicts itself, and a solver that does not fit the scene.
 pub(crate) fn scene_of(case: &case::Case, threads: usize) -> Result<Arc<dyn Scene>, RecordError> {
     let problem = case.problem();
-    let scene = build_scene(problem.system.clone(), threads)?;
-    check_solver(problem, &*scene, case.source())?;
+    built(problem, problem.system.clone(), case.source(), threads)
+}
+
+/// The same for a case that goes with its run: nothing is copied.
+///
+/// # Errors
+/// As [`scene_of`].
+pub(crate) fn own_scene(case: case::Case) -> Result<(Problem, Arc<dyn Scene>), RecordError> {
+    let (mut problem, source) = case.split();
+    let system = problem.take_system();
+    let scene = built(&problem, system, &source, 1)?;
+    Ok((problem, scene))
+}
+
+fn built(
+    problem: &Problem,
+    system: SystemSpec,
+    source: &Source,
+    threads: usize,
+) -> Result<Arc<dyn Scene>, RecordError> {
+    let scene = build_scene(system, threads)?;
+    check_solver(problem, &*scene, source)?;
     Ok(scene.into())
 }
 

@@ -3,6 +3,7 @@
 use canopy_fem::case::CaseError as BadCase;
 use canopy_fem::drive::{Failure, RunError};
 use canopy_fem::mesh::MeshError;
+use canopy_fem::output::folder::FolderError;
 use canopy_fem::simulation::{RecordError, SetupError, SimulationError as Refusal};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
@@ -97,6 +98,11 @@ pub(crate) fn of_record(py: Python<'_>, error: RecordError) -> PyErr {
         RecordError::Case(error) => of_case(py, error),
         RecordError::Simulation(error) => of_simulation(py, error),
         RecordError::Setup(error) => of_simulation(py, Refusal::Setup(error)),
+        RecordError::Folder(FolderError::HoldsResults { folder, found, resumable }) => {
+            let resume = if resumable { " resume=True to go on from their checkpoint," } else { "" };
+            let ways = format!("give replace=True to replace them,{resume} or another folder");
+            PyOSError::new_err(format!("{folder} already holds results ({found}); {ways}"))
+        }
         other => PyOSError::new_err(other.to_string()),
     }
 }

@@ -4,6 +4,7 @@
 //!
 //! Every call gives the interpreter free while the engine works. Panics become `InternalError`.
 
+mod actions;
 mod arrays;
 mod batch;
 mod case;
@@ -11,8 +12,10 @@ mod errors;
 mod forces;
 mod frames;
 mod interrupt;
+mod logs;
 mod mesh;
 mod network;
+mod pool;
 mod record;
 mod rollout;
 mod select;
@@ -24,6 +27,7 @@ use pyo3::prelude::*;
 /// The compiled part of canopy_fem. Use the names of canopy_fem itself.
 #[pymodule(gil_used = false)]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    logs::install();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<case::Case>()?;
     module.add_class::<mesh::Mesh>()?;
@@ -43,5 +47,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(rollout::rollout, module)?)?;
     module.add_function(wrap_pyfunction!(batch::rollout_batch, module)?)?;
     module.add_function(wrap_pyfunction!(errors::_panic, module)?)?;
+    module.add_function(wrap_pyfunction!(logs::_listen, module)?)?;
     Ok(())
 }

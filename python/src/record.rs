@@ -1,13 +1,17 @@
 //! Whole runs with their files.
 
+use crate::arrays::of_list;
 use crate::case::Case;
 use crate::errors::of_record;
 use crate::interrupt::watched;
-use crate::values::from_json;
-use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer, UpcomingStep, Wants};
-use canopy_fem::simulation::{self, EarlierResults, RecordSettings, StaticSettings};
+use crate::values::{Energies, from_json};
+use canopy_fem::drive::observer::{self, AcceptedStep, ObserveError, Observer, UpcomingStep, Wants};
+use canopy_fem::output::rows::HistoryRow;
+use canopy_fem::output::tables::Tables;
+use canopy_fem::simulation::{self, EarlierResults, MemorySettings, RecordSettings, StaticSettings, record_in_memory};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -29,18 +33,19 @@ impl Observer for Clock<'_> {
     }
 }
 
-/// Runs a case and writes its files; the summary as a dictionary, and warnings.
+/// Runs a case and writes its files, or gives its tables if there is no folder for them; the summary as a dictionary,
+/// warnings, and the tables.
 #[pyfunction]
 #[pyo3(signature = (case, out, *, earlier, threads, keep_going, progress))]
 pub(crate) fn record<'py>(
     py: Python<'py>,
     case: &Case,
-    out: PathBuf,
+    out: Option<PathBuf>,
     earlier: &str,
     threads: usize,
     keep_going: bool,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(Bound<'py, PyAny>, Vec<String>)> {
+) -> PyResult<(Bound<'py, PyAny>, Vec<String>, Option<Bound<'py, PyDict>>)> {
     let earlier = match earlier {
         "keep" => EarlierResults::Keep,
         "replace" => EarlierResults::Replace,
@@ -54,10 +59,18 @@ pub(crate) fn record<'py>(
     let done = watched(
         py,
         |stop| {
-            let how = RecordSettings { earlier, threads, keep_going, ..RecordSettings::new(&out) };
             let mut clock = Clock(&time);
             let observers: &mut [&mut dyn Observer] = if progress.is_some() { &mut [&mut clock] } else { &mut [] };
-            simulation::record(&case, how, observers, stop)
+            match &out {
+                Some(out) => {
+                    let how = RecordSettings { earlier, threads, keep_going, ..RecordSettings::new(out) };
+                    simulation::record(&case, how, observers, stop).map(|recorded| (recorded, None))
+                }
+                None => {
+                    let done = record_in_memory(&case, MemorySettings { threads, keep_going }, observers, stop);
+                    done.map(|(recorded, tables)| (recorded, Some(tables)))
+                }
+            }
         },
         |py| match &progress {
             Some(function) if told.elapsed() >= TOLD_EVERY => {
@@ -67,9 +80,47 @@ pub(crate) fn record<'py>(
             _ => Ok(()),
         },
     )?;
-    let recorded = done.map_err(|error| of_record(py, error))?;
+    let (recorded, tables) = done.map_err(|error| of_record(py, error))?;
     let warnings = recorded.warnings.iter().map(ToString::to_string).collect();
-    Ok((from_json(py, &recorded.summary)?, warnings))
+    let tables = tables.map(|tables| columns(py, &tables)).transpose()?;
+    Ok((from_json(py, &recorded.summary)?, warnings, tables))
+}
+
+/// The columns of the tables, by the names of tables and columns; probes and channels of gauges by their numbers.
+fn columns<'py>(py: Python<'py>, tables: &Tables) -> PyResult<Bound<'py, PyDict>> {
+    let Tables { history, followed, probes, gauges, channels } = tables;
+    let all = PyDict::new(py);
+    let numbers = |of: &dyn Fn(&HistoryRow) -> f64| of_list(py, history.iter().map(of).collect());
+    let table = PyDict::new(py);
+    table.set_item("t", numbers(&|row| row.t))?;
+    table.set_item("step", of_list(py, history.iter().map(|row| row.step).collect()))?;
+    for (column, (name, _)) in Energies::from(observer::Energies::default()).entries().into_iter().enumerate() {
+        table.set_item(name, numbers(&|row| Energies::from(row.ledger).entries()[column].1))?;
+    }
+    table.set_item("newton_iterations", of_list(py, history.iter().map(|row| row.newton_iterations).collect()))?;
+    table.set_item("residual", numbers(&|row| row.residual))?;
+    table.set_item("max_speed", numbers(&|row| row.max_speed))?;
+    table.set_item("max_strain", numbers(&|row| row.max_strain))?;
+    all.set_item("history", table)?;
+    let table = PyDict::new(py);
+    table.set_item("t", of_list(py, probes.iter().map(|row| row.t).collect()))?;
+    table.set_item("name", of_list(py, probes.iter().map(|row| row.probe as u64).collect()))?;
+    table.set_item("node", of_list(py, probes.iter().map(|row| row.node).collect()))?;
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        table.set_item(name, of_list(py, probes.iter().map(|row| row.position[axis]).collect()))?;
+    }
+    for (axis, name) in ["vx", "vy", "vz"].into_iter().enumerate() {
+        table.set_item(name, of_list(py, probes.iter().map(|row| row.velocity[axis]).collect()))?;
+    }
+    all.set_item("probes", table)?;
+    let table = PyDict::new(py);
+    table.set_item("t", of_list(py, gauges.iter().map(|row| row.t).collect()))?;
+    table.set_item("channel", of_list(py, gauges.iter().map(|row| row.channel as u64).collect()))?;
+    table.set_item("value", of_list(py, gauges.iter().map(|row| row.value).collect()))?;
+    all.set_item("gauges", table)?;
+    all.set_item("followed", followed)?;
+    all.set_item("channels", channels.iter().map(|[name, quantity]| (name, quantity)).collect::<Vec<_>>())?;
+    Ok(all)
 }
 
 /// Finds the equilibrium of a case and writes its files; the summary as a dictionary, and warnings.

@@ -3,7 +3,7 @@
 use crate::arrays::{of_list, of_rows, read_only};
 use crate::case::{Case, scene_of};
 use crate::errors::of_record;
-use crate::interrupt::watched;
+use crate::interrupt::pooled;
 use crate::record::checked_threads;
 use crate::values::{Energies, from_json};
 use canopy_fem::case::Case as EngineCase;
@@ -18,8 +18,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 
 /// A run of a rollout: what was seen of it, and how it ended.
 #[pyclass(module = "canopy_fem", frozen)]
@@ -250,21 +250,15 @@ pub(crate) fn rollout(
     let cases: Vec<Arc<EngineCase>> = cases.iter().map(|case| case.get().case.clone()).collect();
     let (nodes, next) = (nodes.unwrap_or_default(), AtomicUsize::new(0));
     let kept = Kept { nodes: &nodes, every };
-    let mut done: Vec<(usize, Result<Rollout, RecordError>)> = watched(
-        py,
-        |stop| {
-            let done = Mutex::new(Vec::new());
-            let work = || {
-                while let Some((number, case)) = take(&next, &cases, stop) {
-                    let result = run(case, kept, stop);
-                    done.lock().unwrap_or_else(PoisonError::into_inner).push((number, result));
-                }
-            };
-            std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
-            done.into_inner().unwrap_or_else(PoisonError::into_inner)
-        },
-        |_| Ok(()),
-    )?;
+    let work = |stop: &AtomicBool| {
+        let mut done = Vec::new();
+        while let Some((number, case)) = take(&next, &cases, stop) {
+            done.push((number, run(case, kept, stop)));
+        }
+        done
+    };
+    let done = pooled(py, threads, work, |_| Ok(()))?;
+    let mut done: Vec<(usize, Result<Rollout, RecordError>)> = done.into_iter().flatten().collect();
     done.sort_by_key(|(number, _)| *number);
     done.into_iter().map(|(_, result)| result.map_err(|error| of_record(py, error))).collect()
 }

@@ -5,6 +5,7 @@ use crate::case::{Case, scene_of};
 use crate::errors::{CaseError, SimulationError, engine, of_record, of_simulation};
 use crate::forces::{PythonForce, Raised};
 use crate::interrupt::{LOOK, looking};
+use crate::logs;
 use crate::network::Network;
 use crate::record::checked_threads;
 use crate::select::{mesh_of, selected};
@@ -554,7 +555,7 @@ impl Simulation {
         let done = engine(py, || looking(&self.raised, || act(sim)))?;
         match self.raised.take() {
             Some(error) => Err(error),
-            None => done.map_err(|error| of_simulation(py, error)),
+            None => logs::tell(py).and_then(|()| done.map_err(|error| of_simulation(py, error))),
         }
     }
 

@@ -26,7 +26,8 @@ pub struct Energies {
 }
 
 impl Energies {
-    fn entries(&self) -> [(&'static str, f64); 6] {
+    /// The columns, by name.
+    pub(crate) fn entries(&self) -> [(&'static str, f64); 6] {
         let Energies { kinetic, elastic, gravity, external_work, dissipated, numerical } = *self;
         [
             ("kinetic", kinetic),

@@ -1,5 +1,10 @@
 """Rollouts in arrays: the same numbers as runs made one by one, for any number of threads."""
 
+import multiprocessing
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from pathlib import Path
+
 import numpy as np
 import pytest
 from conftest import CASES, cloth
@@ -251,3 +256,56 @@ def test_runs_end_where_solve_ends(tmp_path):
     assert np.isnan(batch.positions[0, batch.t > ended + 1e-9]).all()
     assert np.isfinite(batch.positions[0, batch.t <= ended]).all()
     assert cf.rollout([case])[0].t_end == ended
+
+
+def test_runs_end_with_the_last_of_their_times(gauged):
+    """With `times` no step is made after the first that reaches the last of them; with `every` runs go to their end.
+    Peaks are those of the steps that were made."""
+    short = cf.rollout(gauged, times=[0.0, 0.05], keep=["positions", "peaks"])
+    assert short.steps.tolist() == [50] and short.status == ["completed"]
+    sim = cf.Simulation(gauged)
+    sim.run_until(0.05)
+    assert (short.positions[0, 1] == sim.positions).all()
+    assert dict(zip(short.channels, short.peaks[0], strict=True)) == sim.peaks
+    assert cf.rollout(gauged, times=[0.0, 0.0505]).steps.tolist() == [51]
+    assert cf.rollout(gauged, every=0.15).steps.tolist() == [200]
+    acted = cf.rollout(gauged, times=[0.0, 0.025, 0.05], loads={"gravity": [1.0, 1.0, 0.0]}, keep=["positions"])
+    assert acted.steps.tolist() == [50] and (acted.positions[0, 2] == sim.positions).all()
+    late = cf.rollout(gauged, times=[0.01], initial=sim.snapshot(), keep=["positions"])
+    assert late.steps.tolist() == [50] and np.isnan(late.positions).all()
+
+
+def test_threads_stay_for_the_next_rollout(gauged):
+    """A second rollout starts no thread: those of the first are there still, and have the same bits."""
+    task = Path("/proc/self/task")
+    if not task.exists():
+        pytest.skip("counts threads by /proc")
+
+    def pool():
+        return {entry.name for entry in task.iterdir() if (entry / "comm").read_text().startswith("rollout")}
+
+    first = cf.rollout(gauged, overrides=[{}] * 4, keep=ALL, threads=2)
+    threads = pool()
+    assert len(threads) >= 2
+    again = cf.rollout(gauged, overrides=[{}] * 4, keep=ALL, threads=2)
+    assert pool() == threads and kept(again) == kept(first)
+    cf.rollout([gauged] * 2, threads=2)
+    assert pool() == threads
+
+
+@pytest.mark.parametrize("start", ["fork", "spawn"])
+def test_processes_have_the_same_bits(gauged, start):
+    """Cases go to processes and batches come back as pickles; forked ones make threads of their own."""
+    if start not in multiprocessing.get_all_start_methods():
+        pytest.skip(f"this system has no {start}")
+    changes = [{KEY: k} for k in (100.0, 200.0, 300.0, 400.0)]
+    here = cf.rollout(gauged, overrides=changes, every=EVERY, keep=ALL, threads=2)
+    context = multiprocessing.get_context(start)
+    share = partial(cf.rollout, gauged, every=EVERY, keep=ALL, threads=2)
+    with ProcessPoolExecutor(2, mp_context=context) as pool:
+        parts = [pool.submit(share, overrides=changes[place::2]) for place in range(2)]
+        parts = [part.result(timeout=120) for part in parts]
+    for place, part in enumerate(parts):
+        for name in ALL:
+            assert (getattr(part, name) == getattr(here, name)[place::2]).all(), name
+        assert part.status == ["completed"] * 2 and part.channels == here.channels

@@ -25,6 +25,7 @@
 //! | make a scene in code | [`NetworkBuilder`], [`Simulation::new`] |
 //! | take scene, method and step of a case file | [`Simulation::from_case`], or [`follow`] to run it to its end |
 //! | write the files of `canopy-fem solve` | [`record`] |
+//! | the same in memory | [`record_in_memory`] |
 //! | find an equilibrium, as `canopy-fem static` | [`record_static`], [`crate::statics`] |
 //! | only its scene, another method | [`build_scene`], [`Problem::run_spec`], [`Simulation::from_scene`] |
 //! | make several runs of one scene, also at the same time | [`Simulation::from_scene`] for each |
@@ -84,12 +85,13 @@ pub use doubts::{check_solver, doubts_at_end, doubts_at_start};
 pub use equilibrium::{
     RecordedStatic, StaticSettings, record_static, record_static_watched, static_spec, warnings_at_rest,
 };
-pub use error::{SetupError, SimulationError};
+pub use error::{RecordError, SetupError, SimulationError};
 pub use follow::{FollowSpec, FollowedState, follow};
 pub use idle_loads::idle_loads;
 pub use observe::GaugeValue;
 pub use record::{
-    EarlierResults, RecordError, RecordSettings, RecordWatch, Recorded, StartLimits, record, record_watched,
+    EarlierResults, MemorySettings, RecordSettings, RecordWatch, Recorded, StartLimits, record, record_in_memory,
+    record_watched,
 };
 pub use sampled::Act;
 pub use state::NodeMotion;
@@ -238,8 +240,11 @@ impl Simulation {
         Self::of_own(scene.for_run().into(), spec)
     }
 
-    /// A scene that no other run has.
-    fn of_own(scene: Arc<dyn Scene>, spec: RunSpec) -> Result<Self, SimulationError> {
+    /// The same with a scene that no other run has, without a copy.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn of_own(scene: Arc<dyn Scene>, spec: RunSpec) -> Result<Self, SimulationError> {
         let mut stepper = bind_spec(&spec, &*scene)?;
         let state = RunState::start(&*scene, &mut stepper, &spec, scene.initial_state())?;
         let scheme = stepper.unbind();

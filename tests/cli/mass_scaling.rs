@@ -229,15 +229,20 @@ fn advice_knows_that_implicit_methods_take_real_masses() {
             case["system"]["network"]["springs"][0]["dashpot"] = dashpot.clone();
         }
         let ended = run(&bench, &case, &["solve", "--force", "--out", "out"]);
-        let advice = " s or smaller, or --method backward-euler without time.mass_scaling";
+        let advice = " s or smaller, or time.method=backward-euler without time.mass_scaling";
         assert!(ended.code == Some(3) && ended.stderr.matches(advice).count() >= 2, "{}", ended.stderr);
-        assert_eq!(ended.stderr.matches("--method").count(), ended.stderr.matches(advice).count(), "{}", ended.stderr);
+        assert_eq!(
+            ended.stderr.matches("time.method=").count(),
+            ended.stderr.matches(advice).count(),
+            "{}",
+            ended.stderr
+        );
     }
     let mut slack = pair(0.01, 0.02);
     slack["system"]["network"]["springs"][0]["slack"] = json!("tension-only");
     slack["system"]["network"]["springs"][0]["rest_scale"] = json!(1.25);
     let ended = run(&bench, &slack, &["check"]);
-    let said = "or --method backward-euler without time.mass_scaling [slack-springs]";
+    let said = "or time.method=backward-euler without time.mass_scaling [slack-springs]";
     assert!(ended.stdout.contains(said), "{}", ended.stdout);
     let refused = run(&bench, &slack, &["solve", "--method", "backward-euler", "--force", "--out", "out"]);
     assert_eq!(refused.code, Some(2), "{}", refused.stderr);

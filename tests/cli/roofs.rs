@@ -106,9 +106,9 @@ fn loads_that_do_not_act_are_told() {
         told.map(|line| line[18..].to_owned()).collect::<Vec<_>>()
     };
     let at_start = [
-        "loads[1] is 0 at t = 0 s, and largest at t = 2 s: --at 2",
-        "gas is 0 at t = 0 s, and largest at t = 3 s: --at 3",
-        "aero.wind is 0 at t = 0 s, and largest at t = 1 s: --at 1",
+        "loads[1] is 0 at t = 0 s, and largest at t = 2 s: take at=2",
+        "gas is 0 at t = 0 s, and largest at t = 3 s: take at=3",
+        "aero.wind is 0 at t = 0 s, and largest at t = 1 s: take at=1",
     ];
     assert_eq!(lines(&good(run(&bench, "static", &case, &[]))), at_start);
     let idle = bench.results().summary()["equilibrium"]["idle_loads"].clone();
@@ -117,7 +117,7 @@ fn loads_that_do_not_act_are_told() {
     for (command, more) in [("static", &["--at", "0.5"][..]), ("check", &["--static", "--at", "0.5"])] {
         assert_eq!(
             lines(&good(run(&bench, command, &case, more))),
-            ["loads[1] is 0 at t = 0.5 s, and largest at t = 2 s: --at 2"]
+            ["loads[1] is 0 at t = 0.5 s, and largest at t = 2 s: take at=2"]
         );
     }
     let json: Value =

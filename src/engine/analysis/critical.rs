@@ -95,7 +95,7 @@ pub fn remedy(limit: &CriticalStep, h: f64) -> String {
     match MethodChoice::with_defaults("velocity-verlet").map(|verlet| critical_step(&verlet, limit.rates)) {
         Ok(verlet) if verlet.is_finite() => {
             let step = figures(ADVISED * verlet, 2);
-            format!("take --method velocity-verlet with a step of {step} s or smaller, or {implicit}")
+            format!("take time.method=velocity-verlet with a step of {step} s or smaller, or {implicit}")
         }
         _ => format!("take {implicit}"),
     }
@@ -105,9 +105,9 @@ pub fn remedy(limit: &CriticalStep, h: f64) -> String {
 /// for those that scaled masses make slower.
 pub fn implicit_for(rates: Rates, h: f64) -> &'static str {
     if rates.scaled_masses {
-        return "--method backward-euler without time.mass_scaling";
+        return "time.method=backward-euler without time.mass_scaling";
     }
-    if h * rates.frequency <= JUMPS { "--method newmark" } else { "--method backward-euler" }
+    if h * rates.frequency <= JUMPS { "time.method=newmark" } else { "time.method=backward-euler" }
 }
 
 /// Limits on the cost of an analysis.

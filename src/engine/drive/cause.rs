@@ -86,7 +86,7 @@ impl DiagnosisInput<'_> {
         let mut answer = found.unwrap_or_default();
         if answer.advice.is_empty() {
             answer.advice = format!(
-                "take a step of {} s or smaller, some damping, or a method that damps: --method backward-euler",
+                "take a step of {} s or smaller, some damping, or a method that damps: time.method=backward-euler",
                 figures(0.1 * self.h, 2)
             );
         }
@@ -123,7 +123,7 @@ impl DiagnosisInput<'_> {
                 figures(100.0 * error, 2)
             ),
             advice: format!(
-                "check loads, wind, speeds and supports; or end the run before t = {} s, or use --keep-going",
+                "check loads, wind, speeds and supports; or end the run before t = {} s (time.end), or let it keep going",
                 figures(self.last.t, 3)
             ),
             ..Diagnosis::default()
@@ -305,12 +305,12 @@ impl DiagnosisInput<'_> {
         );
         let step = format!("a step of {} s or smaller", figures(RESOLVED / found.frequency, 2));
         let advice = match (self.method.info.family, self.method.info.linear.always_dissipates) {
-            (Family::Explicit, _) => format!("take {step}, or --method rk4"),
+            (Family::Explicit, _) => format!("take {step}, or time.method=rk4"),
             (_, true) if self.turns_dashpots() => {
                 format!("take a step of {} s or smaller, or dashpots of a shorter time", figures(0.1 * self.h, 2))
             }
             (_, true) => format!("take {step}"),
-            _ => format!("take --method backward-euler, {}or {step}", self.dashpots()),
+            _ => format!("take time.method=backward-euler, {}or {step}", self.dashpots()),
         };
         Some(Diagnosis { why, advice, critical: None, dof: Some(found.frequency_dof) })
     }

@@ -179,7 +179,7 @@ impl FailureContext<'_> {
             "take a step of {} s or smaller, or more solver.newton.max_iterations; a net that buckles or goes slack in \
              large steps may need some damping{}",
             figures(step, 2),
-            if self.method.info.linear.always_dissipates { "" } else { ", or --method backward-euler" }
+            if self.method.info.linear.always_dissipates { "" } else { ", or time.method=backward-euler" }
         );
         self.report(suspect, cause, advice)
     }

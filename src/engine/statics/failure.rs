@@ -91,13 +91,13 @@ impl StaticFailure {
     pub fn advice(&self) -> String {
         let text = match self {
             StaticFailure::AllHeld { next: Some(next), .. } => {
-                return format!("take a time at which supports have let go: --at {}", figures(*next, 6));
+                return format!("take a time at which supports have let go: at={}", figures(*next, 6));
             }
             StaticFailure::AllHeld { next: None, .. } => "free at least one direction of one node",
             StaticFailure::NoSupport { loose } => return hold(loose),
             StaticFailure::Left { loose: Some(loose), .. } => return hold(loose),
             StaticFailure::NotConverged { .. } => {
-                "apply the loads in steps (--load-steps 20), allow more iterations (solver.newton.max_iterations), or \
+                "apply the loads in 20 steps, allow more iterations (solver.newton.max_iterations), or \
                  start nearer: take initial.from of a run with damping"
             }
             StaticFailure::Left { .. } => {

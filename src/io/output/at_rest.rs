@@ -43,7 +43,7 @@ pub struct IdleLoad {
 impl fmt::Display for IdleLoad {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [at, most] = [self.at, self.largest_at].map(|t| figures(t, 6));
-        write!(f, "{} is 0 at t = {at} s, and largest at t = {most} s: --at {most}", self.load)
+        write!(f, "{} is 0 at t = {at} s, and largest at t = {most} s: take at={most}", self.load)
     }
 }
 

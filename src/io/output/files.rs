@@ -10,7 +10,7 @@ use super::atomic::{Durability, part_path, replace};
 use super::checkpoint::Checkpoint;
 use super::csv::{CsvFile, write_fault};
 use super::folder::{CHECKPOINT, SUMMARY};
-use super::frame::{Fields, Frame};
+use super::frame::{Fields, Frame, FrameSize};
 use super::gauges::GaugeRow;
 use super::pvd::CollectionMark;
 use super::resume::FilePrefix;
@@ -57,6 +57,18 @@ pub struct FilesSpec<'a> {
     pub gauges: Vec<[String; 2]>,
     /// encoding of the frames' arrays
     pub format: VtuFormat,
+}
+
+impl FilesSpec<'_> {
+    /// Sizes of the frames of the run.
+    pub(super) fn frame_size(&self) -> FrameSize {
+        FrameSize {
+            nodes: self.reference.len(),
+            edges: self.edges.len(),
+            triangles: self.triangles.len(),
+            fields: self.fields,
+        }
+    }
 }
 
 /// State of the result files when a checkpoint was written.

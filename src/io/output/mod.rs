@@ -40,5 +40,6 @@ pub mod space;
 pub mod stages;
 pub mod statistics;
 pub mod summary;
+pub mod tables;
 mod thinned;
 pub mod writer;

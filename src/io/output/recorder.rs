@@ -12,6 +12,7 @@ use super::rows::HistoryRow;
 use super::schedule::CheckpointSchedule;
 use super::schedule::{FrameDue, RowSchedule, Schedule, TimeInStep, tolerance};
 use super::stages::StageReport;
+use super::tables::{Destination, MemoryTables, Tables};
 use super::writer::{Message, ResultWriter};
 use crate::case::spec::RowEvery;
 use crate::drive::event::Fired;
@@ -63,7 +64,7 @@ pub struct Recorder<'a> {
     waiting: Option<HistoryRow>,
     between: State,
     forces: Forces,
-    writer: ResultWriter,
+    writer: Destination,
     checkpoints: Option<CheckpointSchedule>,
     /// the last credible state, if newer ones are not credible
     last_good: Option<LastGood>,
@@ -85,9 +86,28 @@ impl<'a> Recorder<'a> {
     pub fn new(picture: &'a dyn Observables, spec: &RecorderSpec) -> Result<Self, RecorderError> {
         check(spec, picture.reference().len())?;
         let gauges = Gauges::new(picture, &spec.gauges(spec.history_every))?;
-        let writer = ResultWriter::start(&files_spec(picture, spec, &gauges))?;
+        let writer = Destination::Files(ResultWriter::start(&files_spec(picture, spec, &gauges))?);
         let mark = RecorderState { history_every: spec.history_every, ..RecorderState::default() };
         Ok(Self::around(picture, gauges, spec, writer, mark))
+    }
+
+    /// The same in memory: no file is created, and frames only give the rows of probes.
+    ///
+    /// # Errors
+    /// When the request is out of range.
+    pub fn in_memory(picture: &'a dyn Observables, spec: &RecorderSpec) -> Result<Self, RecorderError> {
+        check(spec, picture.reference().len())?;
+        let gauges = Gauges::new(picture, &spec.gauges(spec.history_every))?;
+        let files = files_spec(picture, spec, &gauges);
+        let (size, channels) = (files.frame_size(), files.gauges);
+        let writer = Destination::Memory(Box::new(MemoryTables::new(&spec.probes, channels, size)));
+        let mark = RecorderState { history_every: spec.history_every, ..RecorderState::default() };
+        Ok(Self::around(picture, gauges, spec, writer, mark))
+    }
+
+    /// What a recorder in memory has kept so far, which it then has no more.
+    pub fn take_tables(&mut self) -> Tables {
+        self.writer.take_tables()
     }
 
     /// Reopens the files of an earlier run and cuts them off at its checkpoint.
@@ -103,7 +123,7 @@ impl<'a> Recorder<'a> {
         let RecorderState { history_every, gauges: so_far, .. } = &checkpoint.recorder;
         let mut gauges = Gauges::new(picture, &spec.gauges(*history_every))?;
         gauges.take_up(so_far);
-        let writer = ResultWriter::resume(&files_spec(picture, spec, &gauges), &checkpoint.files)?;
+        let writer = Destination::Files(ResultWriter::resume(&files_spec(picture, spec, &gauges), &checkpoint.files)?);
         Ok(Self::around(picture, gauges, spec, writer, checkpoint.recorder.clone()))
     }
 
@@ -111,7 +131,7 @@ impl<'a> Recorder<'a> {
         picture: &'a dyn Observables,
         gauges: Gauges,
         spec: &RecorderSpec,
-        writer: ResultWriter,
+        writer: Destination,
         mark: RecorderState,
     ) -> Self {
         let RecorderState { next_frame, shown, waiting, history_every, gauges: _, crossings: kept } = mark;

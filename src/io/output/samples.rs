@@ -53,6 +53,8 @@ pub struct SampleSpec<'a> {
     pub output: &'a OutputSpec,
     /// [s] end of the run
     pub end: f64,
+    /// whether the run ends with the first step that reaches the last of the times
+    pub ends_run: bool,
 }
 
 /// Samples of a run. They hold no scene, which a program may change between two parts of a run.
@@ -61,6 +63,8 @@ pub struct Samples<'a, 'o> {
     spec: SampleSpec<'a>,
     /// number of the next time
     next: usize,
+    /// whether the newest state is credible
+    credible: bool,
     gauges: Gauges,
     arrays: SampleArrays<'o>,
     /// account at the start of the next step
@@ -85,6 +89,7 @@ impl<'a, 'o> Samples<'a, 'o> {
         Ok(Samples {
             spec,
             next: 0,
+            credible: true,
             gauges: Gauges::alone(picture, &spec.output.gauges, spec.output.history_every, spec.end)?,
             arrays,
             ledger: Energies::default(),
@@ -99,6 +104,11 @@ impl<'a, 'o> Samples<'a, 'o> {
     /// As [`Samples::new`].
     pub fn channels(picture: &dyn Observables, output: &OutputSpec) -> Result<Vec<ChannelName>, UnknownQuantity> {
         Ok(Gauges::alone(picture, &output.gauges, output.history_every, 0.0)?.names())
+    }
+
+    /// The columns of the gauges.
+    pub fn columns(&self) -> Vec<ChannelName> {
+        self.gauges.names()
     }
 
     /// [s] The times.
@@ -205,6 +215,7 @@ impl Observer for Sampling<'_, '_, '_> {
             samples.gauges.accepted(*picture, step, |_| Ok(()))?;
         }
         let (from, to, before) = (step.from, step.t, std::mem::replace(&mut samples.ledger, step.ledger));
+        samples.credible = step.credible;
         let due = |samples: &Samples<'_, '_>| {
             let time = samples.spec.times.get(samples.next).copied();
             time.filter(|time| *time <= to + tolerance(from, to))
@@ -222,6 +233,12 @@ impl Observer for Sampling<'_, '_, '_> {
             }
         }
         Ok(())
+    }
+
+    fn ends_run(&self) -> bool {
+        // A run that is about to fail goes on until it is known why.
+        let Samples { spec, next, credible, .. } = &*self.samples;
+        spec.ends_run && *credible && *next >= spec.times.len()
     }
 
     fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {

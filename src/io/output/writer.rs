@@ -92,12 +92,7 @@ impl ResultWriter {
     }
 
     fn spawn(files: ResultFiles, spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
-        let size = FrameSize {
-            nodes: spec.reference.len(),
-            edges: spec.edges.len(),
-            triangles: spec.triangles.len(),
-            fields: spec.fields,
-        };
+        let size = spec.frame_size();
         let most = most_frames(size);
         let (to_thread, messages) = sync_channel(WAITING);
         let (give_back, returned) = sync_channel(most);

@@ -53,10 +53,16 @@ fn unsuitable_solver(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpe
 }
 
 /// Warnings about a case on its built scene, also those that it acknowledges: a step above the critical one, much added
-/// mass, frames that do not fit on the disk of `out`. `limit` is the critical step at the start with all springs taut.
-pub fn doubts_at_start(planned: Planned<'_>, problem: &Problem, limit: CriticalStep, out: &Path) -> Vec<Warning> {
+/// mass, frames that do not fit on the disk of `out`, if there are files. `limit` is the critical step at the start with all springs taut.
+pub fn doubts_at_start(
+    planned: Planned<'_>,
+    problem: &Problem,
+    limit: CriticalStep,
+    out: Option<&Path>,
+) -> Vec<Warning> {
     let Planned { scene, .. } = planned;
-    let found = [mass_warning(scene), step_warning(planned, limit), disk_warning(problem, scene, out)];
+    let disk = out.and_then(|out| disk_warning(problem, scene, out));
+    let found = [mass_warning(scene), step_warning(planned, limit), disk];
     found.into_iter().flatten().collect()
 }
 

@@ -1,8 +1,16 @@
 //! Why there is no simulation, and why one does not go on.
 
+use crate::assembly::ExportError;
+use crate::case::CaseError;
+use crate::case::fingerprint::FingerprintError;
+use crate::drive::observer::ObserveError;
 use crate::drive::{Failure, RunError};
 use crate::integrate::stepper::NeedsNetwork;
+use crate::output::folder::FolderError;
+use crate::output::modes::ModesWriteError;
 use crate::output::quantity::UnknownQuantity;
+use crate::output::recorder::RecorderError;
+use crate::output::resume::ResumeError;
 use crate::scene::{BuildError, Load};
 use crate::sensitivity::SensitivityError;
 
@@ -130,4 +138,39 @@ impl From<BuildError> for SimulationError {
     fn from(error: BuildError) -> Self {
         SimulationError::Setup(SetupError::Build(error))
     }
+}
+
+/// Why a run has no files.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// The solver of the case does not fit its scene.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// The scene cannot be built.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The run cannot start.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The folder cannot be used.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// There is no checkpoint of this case.
+    #[error(transparent)]
+    Resume(#[from] ResumeError),
+    /// Results cannot be prepared.
+    #[error(transparent)]
+    Recorder(#[from] RecorderError),
+    /// Results cannot be written.
+    #[error(transparent)]
+    Observe(#[from] ObserveError),
+    /// Modes cannot be written.
+    #[error(transparent)]
+    Modes(#[from] ModesWriteError),
+    /// Matrices cannot be written.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// The files that the case names have no checksum.
+    #[error(transparent)]
+    Fingerprint(#[from] FingerprintError),
 }

@@ -1,15 +1,15 @@
 //! A whole run that writes the files of `canopy-fem solve`, and gives its warnings.
 
 use super::{
-    RunSpec, SetupError, Simulation, SimulationError, bind, build_scene, check_solver, doubts_at_end, doubts_at_start,
+    RecordError, RunSpec, Simulation, SimulationError, bind, build_scene, check_solver, doubts_at_end, doubts_at_start,
 };
 use crate::analysis::critical::{CriticalStep, has_limit};
 use crate::analysis::taut::WhileSlack;
 use crate::analysis::warnings::{limit_at_start, while_slack};
-use crate::assembly::{ExportError, write_matrix_market};
-use crate::case::fingerprint::{Fingerprint, FingerprintError};
+use crate::assembly::write_matrix_market;
+use crate::case::Case;
+use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::Problem;
-use crate::case::{Case, CaseError};
 use crate::drive::at_rest::AtRest;
 use crate::drive::cloth_strain::ClothStrain;
 use crate::drive::critical_step_monitor::{CriticalStepMonitor, LeastStep, Monitored};
@@ -20,12 +20,11 @@ use crate::drive::{Outcome, Status};
 use crate::model::group_totals::GroupTotals;
 use crate::model::stop::Stop;
 use crate::output::checkpoint::Checkpoint;
-use crate::output::folder::{CHECKPOINT, FolderError, ResultFolder, SUMMARY};
+use crate::output::folder::{CHECKPOINT, ResultFolder, SUMMARY};
 use crate::output::gauges::MeasuredQuantity;
-use crate::output::modes::ModesWriteError;
-use crate::output::recorder::{CheckpointSpec, Recorder, RecorderError, RecorderSpec};
-use crate::output::resume::ResumeError;
+use crate::output::recorder::{CheckpointSpec, Recorder, RecorderSpec};
 use crate::output::summary::Summary;
+use crate::output::tables::Tables;
 use crate::scene::Scene;
 use crate::startup::{self, Phase, StartupTimer, timed};
 use crate::warning::{Warning, WarningCode};
@@ -118,41 +117,6 @@ pub struct StartLimits {
     pub while_slack: Option<WhileSlack>,
 }
 
-/// Why a run has no files.
-#[derive(Debug, thiserror::Error)]
-pub enum RecordError {
-    /// The solver of the case does not fit its scene.
-    #[error(transparent)]
-    Case(#[from] CaseError),
-    /// The scene cannot be built.
-    #[error(transparent)]
-    Setup(#[from] SetupError),
-    /// The run cannot start.
-    #[error(transparent)]
-    Simulation(#[from] SimulationError),
-    /// The folder cannot be used.
-    #[error(transparent)]
-    Folder(#[from] FolderError),
-    /// There is no checkpoint of this case.
-    #[error(transparent)]
-    Resume(#[from] ResumeError),
-    /// Results cannot be prepared.
-    #[error(transparent)]
-    Recorder(#[from] RecorderError),
-    /// Results cannot be written.
-    #[error(transparent)]
-    Observe(#[from] ObserveError),
-    /// Modes cannot be written.
-    #[error(transparent)]
-    Modes(#[from] ModesWriteError),
-    /// Matrices cannot be written.
-    #[error(transparent)]
-    Export(#[from] ExportError),
-    /// The files that the case names have no checksum.
-    #[error(transparent)]
-    Fingerprint(#[from] FingerprintError),
-}
-
 /// Runs a case to its end, to its failure or until `stop` is set, and writes all files of `canopy-fem solve`, byte for
 /// byte but for costs in `summary.json`. More observers may watch.
 ///
@@ -179,29 +143,77 @@ pub fn record_watched(
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
 ) -> Result<Recorded, RecordError> {
+    let asked = Asked { files: Some(how), threads: how.threads, keep_going: how.keep_going };
+    Ok(whole(case, asked, watch, observers, stop)?.0)
+}
+
+/// How [`record_in_memory`] runs a case.
+#[derive(Clone, Copy, Debug)]
+pub struct MemorySettings {
+    /// threads for the force passes of scenes above 2,000 nodes, at least 1; results do not depend on it
+    pub threads: usize,
+    /// go on past a divergence until a value stops being finite
+    pub keep_going: bool,
+}
+
+/// Runs a case as [`record`] does, and keeps the tables in memory instead of the files: with the same values. Frames are
+/// not kept, and there is no checkpoint.
+///
+/// # Errors
+/// As [`record`], but for those of files.
+pub fn record_in_memory(
+    case: &Case,
+    how: MemorySettings,
+    observers: &mut [&mut dyn Observer],
+    stop: &AtomicBool,
+) -> Result<(Recorded, Tables), RecordError> {
+    let MemorySettings { threads, keep_going } = how;
+    whole(case.clone(), Asked { files: None, threads, keep_going }, RecordWatch::NONE, observers, stop)
+}
+
+/// How a case is run; into memory without `files`.
+#[derive(Clone, Copy)]
+struct Asked<'a> {
+    files: Option<RecordSettings<'a>>,
+    threads: usize,
+    keep_going: bool,
+}
+
+fn whole(
+    case: Case,
+    asked: Asked<'_>,
+    watch: RecordWatch<'_>,
+    observers: &mut [&mut dyn Observer],
+    stop: &AtomicBool,
+) -> Result<(Recorded, Tables), RecordError> {
     let timer = StartupTimer::open();
     let (mut problem, source) = case.split();
     let told = Told::of(&problem, watch);
     let case = Fingerprint::of(&problem)?;
-    let earlier = (how.earlier == EarlierResults::Resume).then(|| reopen(&problem, how.out, &case)).transpose()?;
+    let resumed = asked.files.filter(|how| how.earlier == EarlierResults::Resume);
+    let earlier = resumed.map(|how| reopen(&problem, how.out, &case)).transpose()?;
     let (groups, system) = (problem.group_totals(), problem.take_system());
-    let scene: Arc<dyn Scene> = timed(Phase::Scene, || build_scene(system, how.threads))?.into();
+    let scene: Arc<dyn Scene> = timed(Phase::Scene, || build_scene(system, asked.threads))?.into();
     // An unsuitable solver or method is refused before any file is created.
     check_solver(&problem, &*scene, &source)?;
     bind(&problem, &*scene)?;
     (watch.begins)();
     let (folder, checkpoint) = match earlier {
-        Some((folder, checkpoint)) => (folder, Some(checkpoint)),
+        Some((folder, checkpoint)) => (Some(folder), Some(checkpoint)),
         None => {
-            let replace = how.earlier == EarlierResults::Replace;
-            (timed(Phase::Files, || ResultFolder::prepare(how.out, &problem.name, replace))?, None)
+            let prepare = |how: RecordSettings<'_>| {
+                let replace = how.earlier == EarlierResults::Replace;
+                timed(Phase::Files, || ResultFolder::prepare(how.out, &problem.name, replace))
+            };
+            (asked.files.map(prepare).transpose()?, None)
         }
     };
-    let (keep_going, threads, ends_by_event) = (how.keep_going, how.threads, problem.time.to_ground);
+    let Asked { files, threads, keep_going } = asked;
+    let ends_by_event = problem.time.to_ground;
     let spec = RunSpec { keep_going, threads, ends_by_event, ..problem.run_spec() };
     let prepared = Prepared { problem, scene, spec, folder, case, groups, timer, stop, told };
     let limits = timed(Phase::CriticalStep, || prepared.limits());
-    if let Some(dir) = how.matrices {
+    if let Some(dir) = files.and_then(|how| how.matrices) {
         let scene = &*prepared.scene;
         write_matrix_market(scene, scene.initial_state().as_ref(), dir, &|dof| scene.name_of(dof))?;
     }
@@ -213,7 +225,8 @@ struct Prepared<'a> {
     problem: Problem,
     scene: Arc<dyn Scene>,
     spec: RunSpec,
-    folder: ResultFolder,
+    /// none for a run in memory
+    folder: Option<ResultFolder>,
     case: Fingerprint,
     groups: BTreeMap<String, GroupTotals>,
     timer: StartupTimer,
@@ -227,7 +240,7 @@ impl Prepared<'_> {
         let plan = self.spec.planned(&*self.scene, Stop::on(self.stop));
         let taut = limit_at_start(plan);
         let while_slack = while_slack(plan, taut);
-        let doubts = doubts_at_start(plan, &self.problem, taut, self.folder.dir());
+        let doubts = doubts_at_start(plan, &self.problem, taut, self.folder.as_ref().map(ResultFolder::dir));
         doubts.into_iter().for_each(|warning| self.told.tell(warning));
         StartLimits { taut, while_slack }
     }
@@ -238,15 +251,17 @@ impl Prepared<'_> {
         limits: StartLimits,
         checkpoint: Option<Checkpoint>,
         observers: &mut [&mut dyn Observer],
-    ) -> Result<Recorded, RecordError> {
+    ) -> Result<(Recorded, Tables), RecordError> {
         let Prepared { problem, scene, spec, stop, told, .. } = &self;
         let spent = checkpoint.as_ref().map(|checkpoint| checkpoint.spent).unwrap_or_default();
         let (stopwatch, every) = (startup::stopwatch(spent), problem.output.checkpoint_every);
         // Settings that were derived at the start of the earlier run are kept.
         let case = checkpoint.as_ref().map_or_else(|| self.case.clone(), |checkpoint| checkpoint.case.clone());
         let (case_digest, resumed_from) = (case.digest(), checkpoint.as_ref().map(|c| c.snapshot.t));
-        let recorder = timed(Phase::Files, || self.recorder(checkpoint.as_ref()))?;
-        let mut recorder = recorder.with_checkpoints(CheckpointSpec { case, every, stopwatch });
+        let mut recorder = timed(Phase::Files, || self.recorder(checkpoint.as_ref()))?;
+        if self.folder.is_some() {
+            recorder = recorder.with_checkpoints(CheckpointSpec { case, every, stopwatch });
+        }
         let (mut farthest, mut strained) = (MaxDisplacement::new(&**scene), ClothStrain::new(&**scene, spec.end));
         let mut rest = problem.time.until_rest.map(|rest| AtRest::new(&**scene, rest, spec.end));
         let tell = |warning| told.tell(warning);
@@ -281,10 +296,12 @@ impl Prepared<'_> {
         };
         let quantities = recorder.quantities();
         let summary = summary.with_quantities(&quantities);
-        summary.write(&self.folder.file(SUMMARY))?;
-        // The checkpoint of an interrupt, which the case did not ask for.
-        if outcome.status == Status::Completed && every.is_none() {
-            self.folder.remove_checkpoint()?;
+        if let Some(folder) = &self.folder {
+            summary.write(&folder.file(SUMMARY))?;
+            // The checkpoint of an interrupt, which the case did not ask for.
+            if outcome.status == Status::Completed && every.is_none() {
+                folder.remove_checkpoint()?;
+            }
         }
         if let Some(linear) = &summary.linear {
             log::info!("linear solver at the end: {}, {}", linear.solver, linear.reason);
@@ -295,7 +312,8 @@ impl Prepared<'_> {
         let least = monitor.and_then(|monitor| monitor.least());
         let (displacement, last_frame) = (farthest.found, recorder.shown());
         let displaced = scene.node_in_words(displacement.node as u32);
-        Ok(Recorded {
+        let tables = recorder.take_tables();
+        let recorded = Recorded {
             spec,
             outcome,
             summary,
@@ -306,11 +324,16 @@ impl Prepared<'_> {
             displacement,
             displaced,
             last_frame,
-        })
+        };
+        Ok((recorded, tables))
     }
 
     fn recorder(&self, checkpoint: Option<&Checkpoint>) -> Result<Recorder<'_>, RecordError> {
-        let (scene, recorded) = (&*self.scene, RecorderSpec::of(&self.problem, self.folder.dir()));
+        let scene = &*self.scene;
+        let Some(folder) = &self.folder else {
+            return Ok(Recorder::in_memory(scene, &RecorderSpec::of(&self.problem, Path::new("")))?);
+        };
+        let recorded = RecorderSpec::of(&self.problem, folder.dir());
         let Some(checkpoint) = checkpoint else { return Ok(Recorder::new(scene, &recorded)?) };
         self.spec.passes(scene, &checkpoint.snapshot).map_err(SimulationError::from)?;
         Ok(Recorder::resume(scene, &recorded, checkpoint)?)

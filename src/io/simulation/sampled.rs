@@ -11,7 +11,8 @@ use std::sync::atomic::AtomicBool;
 pub type Act<'a> = dyn FnMut(&mut Simulation, usize) -> Result<(), SimulationError> + 'a;
 
 impl Simulation {
-    /// Makes all steps that are left, as [`Simulation::run`], and keeps samples of them. `act` is called with the
+    /// Makes all steps that are left, as [`Simulation::run`], or those up to the last of the times
+    /// ([`SampleSpec::ends_run`](crate::output::samples::SampleSpec::ends_run)), and keeps samples of them. `act` is called with the
     /// number of each time of the samples, at the end of the first step that reaches it: what it sets acts from the
     /// next step on, and is not in the sample of that time. A run with `until_rest` ends once its scene is at rest.
     ///
@@ -22,11 +23,11 @@ impl Simulation {
     /// let case = Case::from_file(path, &[])?;
     /// let (problem, mut sim) = (case.problem(), Simulation::from_case(case.problem(), 1)?);
     /// let (times, mut x) = ([0.0, 0.5, 1.0], vec![0.0; 3 * 2 * 3]);
-    /// let spec = SampleSpec { times: &times, nodes: &[], output: &problem.output, end: sim.end() };
+    /// let spec = SampleSpec { times: &times, nodes: &[], output: &problem.output, end: sim.end(), ends_run: true };
     /// let arrays = SampleArrays { positions: &mut x, ..SampleArrays::default() };
     /// let mut samples = Samples::new(&*sim.scene(), spec, arrays)?;
     /// sim.run_sampled(&mut samples, None, None, &AtomicBool::new(false))?;
-    /// assert_eq!(x[3], 12.0);
+    /// assert_eq!((x[3], sim.time()), (12.0, 1.0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///

@@ -99,7 +99,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let forecast = forecast(&spec);
     // Trial runs have passed events.
     pass_events(scene, 0);
-    let mut found = doubts_at_start(plan, &problem, limit, &models.folder);
+    let mut found = doubts_at_start(plan, &problem, limit, Some(&models.folder));
     found.extend(later_warning(plan, limit, later));
     let (acknowledged, warnings) = problem.sort_out(found);
     let words = |early: &[Warning], late: &[Warning]| early.iter().chain(late).map(Warning::to_string).collect();
@@ -210,7 +210,7 @@ impl Stability {
             if let (false, true, Some(wh)) = (self.fails, self.linear_only, self.switching) {
                 let why = format!(
                     "the method has no largest stable step there; springs go slack here, nothing damps them, and w h = {} for \
-                     the fastest: expect it to make energy, which --method backward-euler does not",
+                     the fastest: expect it to make energy, which time.method=backward-euler does not",
                     figures(wh, 3)
                 );
                 return ("on linear scenes", why);

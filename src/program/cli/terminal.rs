@@ -127,7 +127,8 @@ mod tests {
     /// the text.
     #[test]
     fn long_lines_are_broken_at_spaces() {
-        let line = "  advice          take a step of 3.1e-4 s or smaller, or --method backward-euler, or another case";
+        let line =
+            "  advice          take a step of 3.1e-4 s or smaller, or time.method=backward-euler, or another case";
         for width in [40, 60, 80] {
             let wrapped = wrap(line, width);
             let lines: Vec<&str> = wrapped.lines().collect();

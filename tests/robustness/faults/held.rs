@@ -90,7 +90,7 @@ fn the_program_takes_such_a_case() {
     assert_eq!(summary(folder.path(), "held")["status"], "completed");
     let run = program(folder.path(), &case, &["static", "--force"]);
     assert_eq!(run.status, Some(3), "{}", run.stdout);
-    assert!(run.stderr.contains("at t = 0 s every node is held") && run.stderr.contains("--at 0.4"), "{}", run.stderr);
+    assert!(run.stderr.contains("at t = 0 s every node is held") && run.stderr.contains("at=0.4"), "{}", run.stderr);
     let run = program(folder.path(), &case, &["static", "--force", "--at", "0.4"]);
     assert_eq!(run.status, Some(0), "{}", run.stderr);
     // Sag of the lowest node: (3 + 2 + 1) m g/k.

@@ -134,8 +134,8 @@ fn warn(at: &Pointer, kept: &str, found: ShortPulses, StepTimes { h, .. }: StepT
     }
     let more = if count > 1 { format!(" ({} more like it)", count - 1) } else { String::new() };
     let text = format!(
-        "{at}: the pulse at t = {} s lasts {} s, the step is {} s{more}; its {kept} is kept, but not its shape: take --step {} or less, or \
-         --tolerance",
+        "{at}: the pulse at t = {} s lasts {} s, the step is {} s{more}; its {kept} is kept, but not its shape: take time.step={} or less, or \
+         time.tolerance",
         figures(start, 6),
         figures(lasts, 4),
         figures(h, 4),
