@@ -28,6 +28,7 @@ __all__ = [
     "rollout",
     "rollout_batch",
     "_panic",
+    "_program",
 ]
 
 __version__: str
@@ -292,3 +293,4 @@ def rollout_batch(
     progress: Callable[[int, int], object] | None,
 ) -> list[Rollout]: ...
 def _panic() -> None: ...
+def _program(arguments: Sequence[str]) -> int: ...

@@ -13,6 +13,7 @@ mod frames;
 mod interrupt;
 mod mesh;
 mod network;
+mod program;
 mod record;
 mod rollout;
 mod select;
@@ -43,5 +44,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(rollout::rollout, module)?)?;
     module.add_function(wrap_pyfunction!(batch::rollout_batch, module)?)?;
     module.add_function(wrap_pyfunction!(errors::_panic, module)?)?;
+    module.add_function(wrap_pyfunction!(program::_program, module)?)?;
     Ok(())
 }
