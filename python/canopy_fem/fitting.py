@@ -123,9 +123,9 @@ def fit(
     >>> round(found.values["system.pendulum.angle"], 2)
     0.4
     """
-    for what, given in (("data", data), ("vary", vary)):
-        if not isinstance(given, Mapping):
-            raise TypeError(f"{what} is a dictionary, not {type(given).__name__}")
+    for what, named in (("data", data), ("vary", vary)):
+        if not isinstance(named, Mapping):
+            raise TypeError(f"{what} is a dictionary, not {type(named).__name__}")
     if isinstance(arguments, str):
         raise TypeError(f"arguments are a list of texts, such as {arguments.split()!r}, not one text")
     made = as_case(case)

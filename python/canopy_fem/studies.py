@@ -439,8 +439,10 @@ def _file_of(case: Case) -> Iterator[list[str]]:
 
 def _call(arguments: Sequence[str]) -> str:
     pipe = subprocess.PIPE
+    # What it says becomes the message of an exception, without colours and breaks of lines.
+    plain = {name: value for name, value in os.environ.items() if name not in {"COLUMNS", "CLICOLOR_FORCE"}}
     started = subprocess.Popen(
-        [sys.executable, "-c", _START, *arguments], stdout=pipe, stderr=pipe, text=True, encoding="utf-8"
+        [sys.executable, "-c", _START, *arguments], stdout=pipe, stderr=pipe, text=True, encoding="utf-8", env=plain
     )
     with started as process:
         try:

@@ -22,7 +22,7 @@ def curves():
     while sim.time < 1.49:
         sim.advance(0.05)
         t.append(sim.time)
-        rows.append([sim.gauges["tip"]["position_z"], sim.gauges["line"]["tension"]])
+        rows.append([sim.gauges["tip position_z"], sim.gauges["line tension_max"]])
     tip, line = np.array(rows).T
     return {
         "tip.position_z": (np.array(t), tip + noise.normal(0, 2e-3, tip.size)),
@@ -40,10 +40,10 @@ def test_a_fit_finds_the_values_within_their_intervals(curves, tmp_path):
     assert list(found.values) == [STIFFNESS, MASS] and found.doubts == []
     assert found.correlation.shape == (2, 2) and (np.diag(found.correlation) == 1).all()
     points = found.residuals
-    assert list(points["of"]) == ["tip.position_z"] * 29 + ["line.tension"] * 29
-    assert (points["t"][:29] == curves["tip.position_z"][0]).all()
+    assert list(points["of"]) == ["tip.position_z"] * 30 + ["line.tension"] * 30
+    assert (points["t"][:30] == curves["tip.position_z"][0]).all()
     assert np.allclose(points["residual"], points["data"] - points["model"], atol=1e-9)
-    assert points["residual"][:29].std() == pytest.approx(2e-3, rel=0.5)
+    assert points["residual"][:30].std() == pytest.approx(2e-3, rel=0.5)
     assert found.case.to_dict()["system"]["network"]["mass"]["nodal"] == found.values[MASS]
     assert found.report == json.loads((tmp_path / "fit" / "fit.json").read_text())
     assert "0.5" in repr(found) and (tmp_path / "fit" / "fit.html").exists()
@@ -62,8 +62,8 @@ def test_files_and_arrays_say_the_same(curves, tmp_path):
 
 def test_an_offset_of_times_is_found(curves):
     """It is a value beside the others, and no key of the case."""
-    late = {"line.tension": (curves["line.tension"][0] + 0.1, *curves["line.tension"][1:])}
-    late["line.tension"] = tuple(column[:25] for column in late["line.tension"])
+    t, tension, sigma = (column[3:25] for column in curves["line.tension"])
+    late = {"line.tension": (t + 0.1, tension, sigma)}
     found = cf.fit(CHAIN, late, {STIFFNESS: (200.0, 400.0), MASS: (0.3, 0.8)}, offset=(-0.2, 0.1), starts=2)
     low, high = found.intervals["offset"]
     assert list(found.values)[-1] == "offset" and low < -0.1 < high

@@ -36,7 +36,8 @@ def test_status_and_streams_are_those_of_the_program(start, case_file, tmp_path)
         done = subprocess.run([*start, *map(str, arguments)], capture_output=True, text=True, encoding="utf-8")
         return done.returncode, done.stdout, done.stderr
 
-    assert run("--version")[:2] == (0, f"canopy-fem {cf.__version__}\n")
+    status, out, told = run("--version")
+    assert status == 0 and out.startswith(f"canopy-fem {cf.__version__}") and told == ""
     status, out, told = run("sovle", case_file)
     assert status == 2 and out == "" and "solve" in told and "Usage: canopy-fem" in told
     status, out, told = run("solve", case_file, "--set", "time.step=-1", "--out", tmp_path / "out")
@@ -95,7 +96,7 @@ def test_a_file_beyond_the_limit_is_told(case_file, tmp_path):
     """A write beyond the largest size of files fails with a message, and does not end the process without one."""
     limited = ["sh", "-c", 'ulimit -f 4; exec "$@"', "sh", *MODULE]
     done = subprocess.run([*limited, "solve", case_file, "--out", tmp_path / "out"], capture_output=True, text=True)
-    assert done.returncode == 1 and done.stderr.startswith("error: "), done
+    assert done.returncode == 1 and done.stderr.startswith("error:") and "File too large" in done.stderr
 
 
 def test_colours_are_asked_for():
@@ -140,3 +141,13 @@ def test_a_study_is_of_this_package_in_any_folder(small, tmp_path, monkeypatch):
     cf.sweep(small, {"time.step": [1e-3, 5e-4]}, "steps")
     report = json.loads((tmp_path / "steps" / "sweep.json").read_text())
     assert report["command"].startswith("canopy-fem sweep ")
+
+
+def test_messages_of_a_study_have_no_colours_and_breaks(small, monkeypatch):
+    """A terminal's width and colours that the environment asks for are not for exceptions."""
+    monkeypatch.setenv("COLUMNS", "40")
+    monkeypatch.setenv("CLICOLOR_FORCE", "1")
+    with pytest.raises(cf.CaseError) as caught:
+        cf.sweep(small, {"system.network.springs.0.stiffness": [-1.0]})
+    message = str(caught.value)
+    assert "\x1b" not in message and not message.startswith("error") and max(map(len, message.splitlines())) > 40
