@@ -17,60 +17,23 @@ The engine of the program ``canopy-fem``. Units are SI; nodes, edges and triangl
 =================================  ===================================================================
 """
 
-from . import mesh
-from ._core import Energies, Rollout, Step, __version__, methods, schema
-from .batch import ENERGIES, Batch
-from .case import Case
-from .errors import (
-    CanopyError,
-    CaseError,
-    CaseWarning,
-    CouplingError,
-    Diverged,
-    Ended,
-    Fault,
-    InternalError,
-    SimulationError,
-)
-from .results import Result, load
-from .runs import run, static
-from .simulation import Motion, Network, Simulation
-from .studies import Sample, check, gradient, program, rollout, sample, stability, sweep, tradeoff
+# The name that type checkers know, without the time that importing `typing` takes.
+TYPE_CHECKING = False
 
-__all__ = [
-    "ENERGIES",
-    "Batch",
-    "CanopyError",
-    "Case",
-    "CaseError",
-    "CaseWarning",
-    "CouplingError",
-    "Diverged",
-    "Ended",
-    "Energies",
-    "Fault",
-    "InternalError",
-    "Motion",
-    "Network",
-    "Result",
-    "Rollout",
-    "Sample",
-    "Simulation",
-    "SimulationError",
-    "Step",
-    "__version__",
-    "check",
-    "gradient",
-    "load",
-    "mesh",
-    "methods",
-    "program",
-    "rollout",
-    "run",
-    "sample",
-    "schema",
-    "stability",
-    "static",
-    "sweep",
-    "tradeoff",
-]
+if TYPE_CHECKING:
+    from .public import *  # noqa: F403
+else:
+
+    def __getattr__(name):
+        """All public names at once, so that the program, which needs none, starts without numpy."""
+        from importlib import import_module
+
+        public = import_module(".public", __name__)
+        try:
+            value = globals()[name] = getattr(public, name)
+        except AttributeError:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}") from None
+        return value
+
+    def __dir__():
+        return sorted({*globals(), *__getattr__("__all__")})

@@ -1,4 +1,4 @@
-"""Studies, by the program that is part of the wheel, and many runs at once."""
+"""Studies, by the program that is part of the module, and many runs at once."""
 
 from __future__ import annotations
 
@@ -31,6 +31,12 @@ __all__ = ["Sample", "check", "gradient", "program", "rollout", "sample", "stabi
 
 # [s] for the program to end after an interrupt.
 _PATIENCE = 10.0
+
+# Starts the program of this very package, wherever it is, and whatever modules the working folder has.
+_START = (
+    f"import sys; sys.path[:] = [{str(Path(__file__).parent.parent)!r}, *filter(None, sys.path)]; "
+    "from canopy_fem.__main__ import main; sys.exit(main())"
+)
 
 
 @overload
@@ -413,7 +419,7 @@ def _value(text: str) -> Any:
 
 
 def program() -> Path:
-    """The program ``canopy-fem`` of this installation.
+    """The command ``canopy-fem`` of this installation: a small script that starts the program of the module.
 
     Raises:
         CanopyError: it is not there.
@@ -446,7 +452,11 @@ def _file_of(case: Case) -> Iterator[list[str]]:
 
 def _call(arguments: Sequence[str]) -> str:
     pipe = subprocess.PIPE
-    started = subprocess.Popen([program(), *arguments], stdout=pipe, stderr=pipe, text=True, encoding="utf-8")
+    # What it says becomes the message of an exception, without colours and breaks of lines.
+    plain = {name: value for name, value in os.environ.items() if name not in {"COLUMNS", "CLICOLOR_FORCE"}}
+    started = subprocess.Popen(
+        [sys.executable, "-c", _START, *arguments], stdout=pipe, stderr=pipe, text=True, encoding="utf-8", env=plain
+    )
     with started as process:
         try:
             out, told = process.communicate()

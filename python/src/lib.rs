@@ -16,6 +16,7 @@ mod logs;
 mod mesh;
 mod network;
 mod pool;
+mod program;
 mod record;
 mod rollout;
 mod select;
@@ -48,5 +49,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(batch::rollout_batch, module)?)?;
     module.add_function(wrap_pyfunction!(errors::_panic, module)?)?;
     module.add_function(wrap_pyfunction!(logs::_listen, module)?)?;
+    module.add_function(wrap_pyfunction!(program::_program, module)?)?;
     Ok(())
 }

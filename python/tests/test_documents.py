@@ -30,7 +30,7 @@ def test_pages_run(page, tmp_path, monkeypatch):
     for package in ("scipy", "matplotlib", "pandas", "pyvista"):
         pytest.importorskip(package)
     monkeypatch.chdir(tmp_path)
-    for folder in ("assets", "examples"):
+    for folder in ("assets", "examples", "docs"):
         (tmp_path / folder).symlink_to(ROOT / folder)
     monkeypatch.setenv("MPLBACKEND", "Agg")
     blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL)

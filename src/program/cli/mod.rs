@@ -44,15 +44,35 @@ pub use case_args::{CaseArgs, CheckArgs, SolveArgs};
 pub use error::CliError;
 
 use clap::Parser;
+use std::ffi::OsString;
+use std::io::Write;
 use std::process::ExitCode;
 use terminal::complain;
 
-/// Parses the command line, runs the command, prints its result, and gives the exit status: 0 done, 1 input/output or
-/// internal failure, 2 bad usage or bad case, 3 diverged, not solvable or without equilibrium, 130 interrupted.
+/// The program: [`run`] with the arguments of the process.
 pub fn main() -> ExitCode {
+    ExitCode::from(run(std::env::args_os().skip(1).collect()))
+}
+
+/// Parses the arguments after the program's name, runs the command, prints its result, and gives the exit status: 0
+/// done, 1 input/output or internal failure, 2 bad usage or bad case, 3 diverged, not solvable or without equilibrium,
+/// 130 interrupted.
+///
+/// Once in a process, and as all that it does: signals are caught from then on, and one may end the process.
+pub fn run(arguments: Vec<OsString>) -> u8 {
     interrupt::outlive_full_files();
     interrupt::catch_interrupts();
-    let args = Args::try_parse().unwrap_or_else(|error| args::with_advice(error).exit());
+    study::remember(&arguments);
+    let name = std::iter::once(OsString::from("canopy-fem"));
+    let args = match Args::try_parse_from(name.chain(arguments)) {
+        Ok(args) => args,
+        Err(error) => {
+            let error = args::with_advice(error);
+            // A closed pipe (`canopy-fem --help | head`) is not a failure.
+            let _ = error.print().and_then(|()| std::io::stdout().flush());
+            return u8::try_from(error.exit_code()).unwrap_or(2);
+        }
+    };
     verbose::start(args.verbose);
     match dispatch(&args.command) {
         Ok(CommandOutput { text, code }) => {
@@ -61,15 +81,15 @@ pub fn main() -> ExitCode {
                 // A closed pipe (`canopy-fem methods | head`) is not a failure.
                 Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
                     complain(&format!("error: standard output: {e}"));
-                    ExitCode::from(1)
+                    1
                 }
-                _ => ExitCode::from(code),
+                _ => code,
             }
         }
         Err(error) => {
             complain(&format!("error: {error}"));
             // Whatever a signal has cut short.
-            if interrupt::is_asked() { ExitCode::from(130) } else { ExitCode::from(error.exit_code()) }
+            if interrupt::is_asked() { 130 } else { error.exit_code() }
         }
     }
 }

@@ -8,8 +8,10 @@ use crate::output::sanitize::file_stem;
 use crate::study::store::{Store, StudyPlan};
 use crate::study::{Shard, StudyError};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::ffi::OsString;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 /// The case of a study, and how its runs are divided and kept.
@@ -227,7 +229,16 @@ impl ProgressLine {
     }
 }
 
+/// The arguments of the command, for the reports of studies. Not those of the process: with the Python module it is the
+/// interpreter's.
+static TYPED: OnceLock<Vec<OsString>> = OnceLock::new();
+
+/// Keeps the arguments of the command.
+pub(super) fn remember(arguments: &[OsString]) {
+    TYPED.get_or_init(|| arguments.to_vec());
+}
+
 /// The arguments as typed; bytes that are not UTF-8 are replaced.
 pub(super) fn typed() -> impl Iterator<Item = String> {
-    std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned())
+    TYPED.get().into_iter().flatten().map(|word| word.to_string_lossy().into_owned())
 }
