@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
+import numpy as np
 import numpy.typing as npt
 
 from . import _core
@@ -167,8 +168,6 @@ def rollout(
 
 
 def _whole(nodes: Any) -> Any:
-    import numpy as np
-
     array = np.asarray(nodes)
     if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
         raise TypeError(f"nodes are whole numbers, (k,), not an array of {array.dtype} with shape {array.shape}")

@@ -20,6 +20,7 @@ mod program;
 mod record;
 mod rollout;
 mod select;
+mod sensitivity;
 mod simulation;
 mod values;
 

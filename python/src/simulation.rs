@@ -9,6 +9,7 @@ use crate::logs;
 use crate::network::Network;
 use crate::record::checked_threads;
 use crate::select::{mesh_of, selected};
+use crate::sensitivity;
 use crate::values::{Energies, Step, from_json};
 use canopy_fem::drive::clock::{self, Tolerance};
 use canopy_fem::integrate::registry::MethodChoice;
@@ -455,6 +456,18 @@ impl Simulation {
             all.set_item(format!("{} {}", value.of.gauge, value.of.quantity), value.value)?;
         }
         Ok(all)
+    }
+
+    /// Goes along with the derivatives of the state by keys of the case.
+    fn _follow(&self, py: Python<'_>, case: &Bound<'_, Case>, by: Vec<String>, threads: usize) -> PyResult<()> {
+        sensitivity::follow(py, &mut *self.lock()?, case.get(), (&by, checked_threads(threads)?))
+    }
+
+    /// derivatives of the state by the keys of `sensitivity`: by key, those of the positions and those of the velocities,
+    /// each (n, 3), over the unit of the key; copies, read-only
+    #[getter]
+    fn sensitivity<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        sensitivity::found(py, &*self.lock()?)
     }
 
     /// units of the gauges, by "name quantity"

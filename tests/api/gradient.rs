@@ -375,6 +375,36 @@ fn laws_that_switch_within_the_differences_are_told() {
     assert_eq!(taut.quantities[0].derivatives[0].switching, 0.0);
 }
 
+/// A mass between two equal springs: a force on it makes one of them the tighter one, to either side, so that the
+/// largest tension has two derivatives, of opposite sign.
+#[test]
+fn the_largest_of_two_has_two_derivatives() {
+    let case = case_of(
+        &json!({
+            "name": "between",
+            "system": {"network": {
+                "mesh": {"explicit": {"nodes": [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "springs": [[0, 1], [1, 2]],
+                                      "triangles": []}},
+                "mass": {"nodal": 0.5},
+                "springs": [{"on": "all", "stiffness": 40.0, "rest_length": 0.8}],
+                "supports": [{"on": {"ids": [0, 2]}, "fix": "xyz"}],
+                "loads": [{"on": {"ids": [1]}, "force": [0.0, 0.0, 0.0]}]
+            }},
+            "time": {"end": 0.1, "method": "newmark", "step": 0.01},
+            "output": {"probes": [{"name": "mass", "on": {"ids": [1]}}],
+                       "gauges": [{"name": "both", "on": "all", "of": "tension"}]},
+            "study": {"quantities": ["both.tension_max.last", "mass.x.last"]}
+        }),
+        &[],
+    );
+    let report = found(&case, &["loads.0.force.0"], 1, false).expect("derivatives");
+    let moved = of(&report, "mass.x.last", "force.0");
+    let one = &report.quantities[0].derivatives[0];
+    let [below, above] = one.sides.expect("two derivatives");
+    assert!(one.one_sided && moved > 0.0, "{one:?}");
+    assert!((above / (40.0 * moved) - 1.0).abs() < 1e-6 && (below + above).abs() < 1e-6 * above, "{one:?} {moved}");
+}
+
 /// What has no derivative says so.
 #[test]
 fn what_has_no_derivative_says_so() {

@@ -299,7 +299,10 @@ impl<'a> AdjointRun<'a> {
             self.adjoint.apparent_transposed_times(at, a, p, [&mut x, &mut v]);
         }
         self.adjoint.tangent_transposed_times(at, STIFFNESS, p, by_x);
-        self.adjoint.tangent_transposed_times(at, DAMPING, p, by_v);
+        match self.scene.velocity_dependent() {
+            true => self.adjoint.tangent_transposed_times(at, DAMPING, p, by_v),
+            false => by_v.fill(0.0),
+        }
         by_x.iter_mut().zip(&x).for_each(|(by, x)| *by = -*by - x);
         by_v.iter_mut().zip(&v).for_each(|(by, v)| *by = -*by - v);
     }

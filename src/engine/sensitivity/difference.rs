@@ -1,7 +1,8 @@
 //! Central differences of order four, which tell whether a law switches within them.
 //!
 //! ```text
-//! f'(p) = (f(p - 2h) - 8 f(p - h) + 8 f(p + h) - f(p + 2h))/(12 h) + O(h^4)
+//! f'(p)  = (f(p - 2h) - 8 f(p - h) + 8 f(p + h) - f(p + 2h))/(12 h) + O(h^4)
+//! f'(p-) = (3 f(p) - 4 f(p - h) + f(p - 2h))/(2 h) + O(h^2),     f'(p+) = (4 f(p + h) - 3 f(p) - f(p + 2h))/(2 h) + O(h^2)
 //! ```
 
 /// [-] The places of the values, in steps from the middle.
@@ -20,6 +21,15 @@ pub struct Slope {
     pub value: f64,
     /// whether f is not smooth within the differences
     pub switches: bool,
+    /// the derivative below and above, where it is not smooth in the middle; else twice the derivative
+    pub sides: [f64; 2],
+}
+
+impl Slope {
+    /// A derivative that is the same on both sides.
+    pub fn smooth(value: f64) -> Self {
+        Slope { value, switches: false, sides: [value; 2] }
+    }
 }
 
 /// [1] df/dp from four values and a step.
@@ -31,7 +41,14 @@ pub fn derivative([a, b, c, d]: [f64; 4], h: f64) -> f64 {
 pub fn slope(values: [f64; 4], middle: f64, h: f64) -> Slope {
     let mut size = Sizes::default();
     size.add(values, middle);
-    Slope { value: derivative(values, h), switches: size.switches() }
+    let value = derivative(values, h);
+    if !size.switches() {
+        return Slope::smooth(value);
+    }
+    let [a, b, c, d] = values;
+    let below = (3.0 * middle - 4.0 * b + a) / (2.0 * h);
+    let above = (4.0 * c - 3.0 * middle - d) / (2.0 * h);
+    Slope { value, switches: true, sides: [below, above] }
 }
 
 /// Sums of squares of differences, over the numbers of a vector. Where f is smooth, f(p + h) - f(p - h) is half of
@@ -77,7 +94,16 @@ mod tests {
         assert!((quartic.value - (12.0 * 0.7_f64.powi(3) - 1.0)).abs() < 1e-12, "{quartic:?}");
         let exp = of(f64::exp, 1.0, 1e-2);
         assert!((exp.value / 1.0_f64.exp() - 1.0 + 1e-8 / 30.0).abs() < 1e-12 && !exp.switches, "{exp:?}");
-        assert_eq!(of(|_| 2.0, 1.0, 1e-3), Slope { value: 0.0, switches: false });
+        assert_eq!(of(|_| 2.0, 1.0, 1e-3), Slope::smooth(0.0));
+    }
+
+    /// At a kink the derivative of each side is known.
+    #[test]
+    fn a_kink_has_two_derivatives() {
+        let found = of(|p| (p - 1.0).max(0.0) * 3.0 + p * p, 1.0, 1e-3);
+        let [below, above] = found.sides;
+        assert!((below - 2.0).abs() < 1e-9 && (above - 5.0).abs() < 1e-9, "{found:?}");
+        assert!((found.value - 3.5).abs() < 1e-9 && found.switches);
     }
 
     /// A kink is seen in the middle, beside it, and not beyond the differences.

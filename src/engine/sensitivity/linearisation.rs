@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use crate::solve::norms::dot;
 use crate::solve::{LinearChoice, LinearError, LinearSolver, solver_for};
 
-/// M, C or K: its entries on the pattern, and its parts u g^T beside them.
+/// C, K or W: its entries on the pattern, and its parts u g^T beside them.
 #[derive(Clone, Debug, Default)]
 struct Matrix {
     values: Vec<f64>,
@@ -31,9 +31,13 @@ const FALLING: f64 = 0.3;
 /// The tangents of a stage, over the free degrees of freedom.
 pub(super) struct Linearisation {
     assembler: Assembler,
-    mass: Matrix,
+    /// [kg] of every unknown
+    masses: Vec<f64>,
+    /// parts of the mass beside these
+    mass_parts: Vec<[Vec<f64>; 2]>,
     damping: Matrix,
     stiffness: Matrix,
+    /// W; its parts alone, where it is M and its parts
     whole: Matrix,
     /// whether W^T is solved with. The factor of an earlier W is then kept as long as it serves: there are as many
     /// solves as quantities, which are few, and each of them takes several with such a factor
@@ -59,14 +63,17 @@ const STIFFNESS: Weights = Weights { m: 0.0, c: 0.0, k: 1.0 };
 impl Linearisation {
     /// For a scene between two events; W^T is solved with if `transposed`.
     pub(super) fn new(scene: &dyn Scene, transposed: bool) -> Result<Self, PatternError> {
-        let [mass, damping, stiffness, whole] = [(); 4].map(|()| Matrix::default());
-        let dofs = [(); 2].map(|()| vec![0.0; scene.n_dof()]);
+        let n = scene.n_dof();
+        let assembler = scene.assembler()?;
+        let mut all = vec![0.0; n];
+        scene.mass_times(&vec![1.0; n], &mut all);
         Ok(Linearisation {
-            assembler: scene.assembler()?,
-            mass,
-            damping,
-            stiffness,
-            whole,
+            masses: assembler.pattern.dof.iter().map(|&dof| all[dof as usize]).collect(),
+            assembler,
+            mass_parts: Vec::new(),
+            damping: Matrix::default(),
+            stiffness: Matrix::default(),
+            whole: Matrix::default(),
             transposed,
             parts: Vec::new(),
             solver: None,
@@ -74,7 +81,7 @@ impl Linearisation {
             exact: false,
             implicit: false,
             factorizations: 0,
-            dofs,
+            dofs: [(); 2].map(|()| vec![0.0; n]),
         })
     }
 
@@ -96,13 +103,14 @@ impl Linearisation {
     /// Finds the tangents at a state, and W with the shares alpha [s^2] and beta [s] of the stage's acceleration in its
     /// state.
     pub(super) fn set(&mut self, scene: &dyn Scene, at: StateRef<'_>, own: [f64; 2]) -> Result<(), LinearError> {
-        let mut mass = std::mem::take(&mut self.mass);
         let mut damping = std::mem::take(&mut self.damping);
         let mut stiffness = std::mem::take(&mut self.stiffness);
-        self.find(scene, at, MASS, &mut mass);
-        self.find(scene, at, DAMPING, &mut damping);
+        if scene.velocity_dependent() {
+            self.find(scene, at, DAMPING, &mut damping);
+        }
         self.find(scene, at, STIFFNESS, &mut stiffness);
-        (self.mass, self.damping, self.stiffness) = (mass, damping, stiffness);
+        (self.damping, self.stiffness) = (damping, stiffness);
+        self.mass_parts = self.parts_of(scene, at, MASS, scene.mass_parts());
         self.set_whole(scene, at, own)
     }
 
@@ -113,10 +121,13 @@ impl Linearisation {
         at: StateRef<'_>,
         [alpha, beta]: [f64; 2],
     ) -> Result<(), LinearError> {
-        let mut whole = std::mem::take(&mut self.whole);
-        self.find(scene, at, Weights { m: 1.0, c: beta, k: alpha }, &mut whole);
-        self.whole = whole;
         self.implicit = alpha != 0.0 || beta != 0.0;
+        let mut whole = std::mem::take(&mut self.whole);
+        match self.implicit {
+            true => self.find(scene, at, Weights { m: 1.0, c: beta, k: alpha }, &mut whole),
+            false => whole.parts = self.parts_of(scene, at, MASS, scene.mass_parts()),
+        }
+        self.whole = whole;
         if self.implicit && self.solver.is_none() {
             let pattern = self.assembler.pattern.clone();
             self.solver = Some(solver_for(pattern, LinearChoice::Auto, scene.workers())?);
@@ -156,38 +167,44 @@ impl Linearisation {
         scene.assemble(at, weights, &mut self.assembler);
         to.values.clear();
         to.values.extend_from_slice(self.assembler.values());
-        to.parts.clear();
-        let (n, [u, g]) = (self.n(), &mut self.dofs);
-        for which in 0..scene.rank_ones() {
+        to.parts = self.parts_of(scene, at, weights, scene.rank_ones());
+    }
+
+    /// The first of the parts u g^T with some weights, without those that are 0.
+    fn parts_of(&mut self, scene: &dyn Scene, at: StateRef<'_>, weights: Weights, count: usize) -> Vec<[Vec<f64>; 2]> {
+        let [u, g] = &mut self.dofs;
+        let mut parts = Vec::new();
+        for which in 0..count {
             scene.rank_one(which, at, weights, u, g);
-            let picked = [&*u, &*g].map(|all| -> Vec<f64> {
-                self.assembler.pattern.dof.iter().map(|&dof| all[dof as usize]).take(n).collect()
-            });
+            let dofs = &self.assembler.pattern.dof;
+            let picked = [&*u, &*g].map(|all| dofs.iter().map(|&dof| all[dof as usize]).collect::<Vec<f64>>());
             if picked.iter().all(|part| part.iter().any(|value| *value != 0.0)) {
-                to.parts.push(picked);
+                parts.push(picked);
             }
         }
+        parts
     }
 
     /// out = K x + C v, all `[n]`.
     pub(super) fn forces(&self, x: &[f64], v: &[f64], out: &mut [f64]) {
-        let mut other = vec![0.0; out.len()];
         self.times(&self.stiffness, x, out);
+        if self.damping.values.is_empty() {
+            return;
+        }
+        let mut other = vec![0.0; out.len()];
         self.times(&self.damping, v, &mut other);
         out.iter_mut().zip(&other).for_each(|(out, other)| *out += other);
     }
 
     /// out = M y.
     pub(super) fn mass_times(&self, y: &[f64], out: &mut [f64]) {
-        self.times(&self.mass, y, out);
+        out.iter_mut().zip(y).zip(&self.masses).for_each(|((out, y), mass)| *out = mass * y);
+        add_parts(&self.mass_parts, y, out);
     }
 
     fn times(&self, Matrix { values, parts }: &Matrix, y: &[f64], out: &mut [f64]) {
         self.assembler.pattern.multiply(values, y, out);
-        for [u, g] in parts {
-            let share = dot(g, y);
-            out.iter_mut().zip(u).for_each(|(out, u)| *out += share * u);
-        }
+        add_parts(parts, y, out);
     }
 
     /// out = W y, or W^T y.
@@ -253,13 +270,17 @@ impl Linearisation {
             (Some(solver), true) if self.transposed => solver.solve_transposed(&self.factored, b),
             (Some(solver), true) => solver.solve(&self.factored, b),
             _ => {
-                let pattern = &self.assembler.pattern;
-                for (i, b) in (0..).zip(b.iter_mut()) {
-                    let mass = pattern.slot(i, i).and_then(|slot| self.whole.values.get(slot as usize));
-                    *b /= mass.copied().unwrap_or(f64::NAN);
-                }
+                b.iter_mut().zip(&self.masses).for_each(|(b, mass)| *b /= mass);
                 Ok(())
             }
         }
+    }
+}
+
+/// out += the sum of u (g . y).
+fn add_parts(parts: &[[Vec<f64>; 2]], y: &[f64], out: &mut [f64]) {
+    for [u, g] in parts {
+        let share = dot(g, y);
+        out.iter_mut().zip(u).for_each(|(out, u)| *out += share * u);
     }
 }

@@ -99,12 +99,15 @@ fn of_quantity(of: &QuantityGradient) -> String {
         let keys: Vec<&str> = derivatives.iter().filter(|of| which(of)).map(|of| of.by.as_str()).collect();
         first_few(&keys)
     };
-    let one_sided = note(&|of| of.one_sided);
-    if !one_sided.is_empty() {
+    for Derivative { by, sides, .. } in derivatives.iter().filter(|of| of.one_sided) {
+        let which = sides.as_ref().map_or_else(
+            || "the mean of both is given".to_owned(),
+            |[below, above]| format!("{} below, {} above", figures(*below, 6), figures(*above, 6)),
+        );
         let _ = writeln!(
             text,
-            "  note: by {one_sided}, {name} has another derivative on each side; the mean of both is given. A law \
-             switches there, or the largest of several values changes places"
+            "  note: by {by}, {name} has another derivative on each side: {which}. A law switches there, or the largest of \
+             several values changes places"
         );
     }
     let switching = note(&|of| of.switching > 0.0);

@@ -70,7 +70,7 @@ pub struct ElementDerivatives {
     /// 1, or 3 for x, y and z
     pub components: usize,
     /// the derivatives `[n, components]`, in the unit of the quantity over that of the parameter; null on an edge
-    /// without spring, and by a rest length or a stiffness of 0
+    /// without spring, by a rest length or a stiffness of 0, and by a velocity that is held
     pub values: Vec<Option<f64>>,
     /// the largest of them
     pub largest: Option<LargestDerivative>,
@@ -117,8 +117,8 @@ pub(super) fn by_elements(spec: ByElementsSpec<'_>, scene: &dyn Scene) -> Result
         rest_length: of.contains(&EachOf::RestLength),
         mass: of.contains(&EachOf::Mass),
     };
-    let run = reverse(problem, (scene, adjoint), Asked { kinds, states }, interrupt)?;
     let table = Table::of(scene, adjoint);
+    let run = reverse(problem, (scene, adjoint), Asked { kinds, states }, interrupt)?;
     let derivatives = run.quantities.iter().map(|found| of.iter().map(|of| table.derivatives(*of, found)).collect());
     Ok(ByElements { derivatives: derivatives.collect(), run })
 }
@@ -133,6 +133,8 @@ struct Table<'a> {
     springs: Vec<[f64; 2]>,
     /// [kg] of every node
     masses: Vec<f64>,
+    /// whether a degree of freedom is held at the start
+    held: Vec<bool>,
 }
 
 impl<'a> Table<'a> {
@@ -142,7 +144,8 @@ impl<'a> Table<'a> {
         let n = scene.n_dof();
         let mut masses = vec![0.0; n];
         scene.mass_times(&vec![1.0; n], &mut masses);
-        Table { scene, adjoint, edges, springs: adjoint.spring_values(), masses }
+        let held = scene.inverse_mass().iter().map(|inverse| *inverse == 0.0).collect();
+        Table { scene, adjoint, edges, springs: adjoint.spring_values(), masses, held }
     }
 
     fn derivatives(&self, of: EachOf, found: &Reversed) -> ElementDerivatives {
@@ -171,7 +174,10 @@ impl<'a> Table<'a> {
             }
             EachOf::Force => vectors(&found.slopes.force),
             EachOf::Position => vectors(&found.start[0]),
-            EachOf::Velocity => vectors(&found.start[1]),
+            EachOf::Velocity => {
+                let free = found.start[1].iter().zip(&self.held);
+                vectors(&free.map(|(slope, held)| if *held { f64::NAN } else { *slope }).collect::<Vec<_>>())
+            }
         }
     }
 

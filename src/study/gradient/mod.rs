@@ -99,6 +99,9 @@ pub struct Derivative {
     pub elasticity: Option<f64>,
     /// whether the quantity has another derivative on each side, as where the largest of several values changes places
     pub one_sided: bool,
+    /// these two, below and above the number, of a quantity that is the value in one step
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sides: Option<[f64; 2]>,
     /// [-] share of stages of steps in which a law switches within the differences by this number
     pub switching: f64,
     /// the derivative by differences of whole runs, if these are asked for
@@ -211,7 +214,7 @@ fn report(
     let share = |Switches { stages, of }: &Switches| if *of > 0 { *stages as f64 / *of as f64 } else { 0.0 };
     let quantity = |(place, of): (usize, crate::output::gauges::derivatives::QuantityDerivatives)| {
         let derivative = |(number, (key, slope)): (usize, (&KeyValue, _))| {
-            let crate::sensitivity::difference::Slope { value, switches: one_sided } = slope;
+            let crate::sensitivity::difference::Slope { value, switches: one_sided, sides } = slope;
             let elasticity = of.value.filter(|of| *of != 0.0 && key.value != 0.0).map(|of| value * key.value / of);
             Derivative {
                 by: key.key.clone(),
@@ -220,6 +223,7 @@ fn report(
                 value,
                 elasticity,
                 one_sided,
+                sides: Some(sides).filter(|[below, above]| one_sided && below != above),
                 switching: switches.get(number).map_or(0.0, share),
                 by_runs: by_runs.and_then(|all| *all.get(number)?.get(place)?),
             }

@@ -50,6 +50,7 @@ pub struct QuantityDerivatives {
 struct Track {
     peak: Slope,
     min: Slope,
+    last: Slope,
     /// the derivatives as a series of their own
     series: SeriesSoFar,
     switches: bool,
@@ -159,7 +160,8 @@ impl GaugeDerivatives {
                     && time <= t
                 {
                     let value = track.series.at(time, t, found.value);
-                    *caught = Some(Slope { value, switches: found.switches });
+                    let sides = if time == t { found.sides } else { [value; 2] };
+                    *caught = Some(Slope { value, sides, ..found });
                 }
             }
             if after.peak_time == t && before.peak_time != t {
@@ -168,6 +170,7 @@ impl GaugeDerivatives {
             if after.min == value && before.min != value {
                 track.min = found;
             }
+            track.last = found;
             track.switches |= found.switches;
             track.series.note(t, found.value, self.gauges.channels[number].quantity.peak, end);
         }
@@ -180,12 +183,17 @@ impl GaugeDerivatives {
             let channel = self.gauges.channel_of(source)?;
             let series = self.gauges.series.get(channel)?;
             let slopes = self.tracks.iter().zip(&self.caught).map(|(tracks, caught)| {
-                let Track { peak, min, series, switches } = &tracks[channel];
+                let track = &tracks[channel];
+                let Track { peak, min, series, switches, .. } = track;
                 match statistic {
                     Statistic::Peak | Statistic::PeakTime => *peak,
                     Statistic::Min => *min,
-                    Statistic::At(_) => caught[number].unwrap_or(Slope { value: f64::NAN, switches: false }),
-                    other => Slope { value: series.statistic(other, end).unwrap_or(f64::NAN), switches: *switches },
+                    Statistic::At(_) => caught[number].unwrap_or(Slope::smooth(f64::NAN)),
+                    Statistic::Last => track.last,
+                    other => {
+                        let value = series.statistic(other, end).unwrap_or(f64::NAN);
+                        Slope { switches: *switches, ..Slope::smooth(value) }
+                    }
                 }
             });
             let measured = self.gauges.quantities().into_iter().find(|quantity| quantity.name == name)?;
