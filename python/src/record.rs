@@ -33,6 +33,9 @@ impl Observer for Clock<'_> {
     }
 }
 
+/// Summary, warnings, and the tables of a run without files.
+type Told<'py> = (Bound<'py, PyAny>, Vec<String>, Option<Bound<'py, PyDict>>);
+
 /// Runs a case and writes its files, or gives its tables if there is no folder for them; the summary as a dictionary,
 /// warnings, and the tables.
 #[pyfunction]
@@ -45,7 +48,7 @@ pub(crate) fn record<'py>(
     threads: usize,
     keep_going: bool,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(Bound<'py, PyAny>, Vec<String>, Option<Bound<'py, PyDict>>)> {
+) -> PyResult<Told<'py>> {
     let earlier = match earlier {
         "keep" => EarlierResults::Keep,
         "replace" => EarlierResults::Replace,

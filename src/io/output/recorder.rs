@@ -86,7 +86,7 @@ impl<'a> Recorder<'a> {
     pub fn new(picture: &'a dyn Observables, spec: &RecorderSpec) -> Result<Self, RecorderError> {
         check(spec, picture.reference().len())?;
         let gauges = Gauges::new(picture, &spec.gauges(spec.history_every))?;
-        let writer = Destination::Files(ResultWriter::start(&files_spec(picture, spec, &gauges))?);
+        let writer = Destination::Files(Box::new(ResultWriter::start(&files_spec(picture, spec, &gauges))?));
         let mark = RecorderState { history_every: spec.history_every, ..RecorderState::default() };
         Ok(Self::around(picture, gauges, spec, writer, mark))
     }
@@ -123,7 +123,8 @@ impl<'a> Recorder<'a> {
         let RecorderState { history_every, gauges: so_far, .. } = &checkpoint.recorder;
         let mut gauges = Gauges::new(picture, &spec.gauges(*history_every))?;
         gauges.take_up(so_far);
-        let writer = Destination::Files(ResultWriter::resume(&files_spec(picture, spec, &gauges), &checkpoint.files)?);
+        let writer =
+            Destination::Files(Box::new(ResultWriter::resume(&files_spec(picture, spec, &gauges), &checkpoint.files)?));
         Ok(Self::around(picture, gauges, spec, writer, checkpoint.recorder.clone()))
     }
 

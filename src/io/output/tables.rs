@@ -42,7 +42,7 @@ pub struct Tables {
 #[derive(Debug)]
 pub(super) enum Destination {
     /// into files, which another thread writes
-    Files(ResultWriter),
+    Files(Box<ResultWriter>),
     /// into memory
     Memory(Box<MemoryTables>),
 }

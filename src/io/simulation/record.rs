@@ -156,8 +156,8 @@ pub struct MemorySettings {
     pub keep_going: bool,
 }
 
-/// Runs a case as [`record`] does, and keeps the tables in memory instead of the files: with the same values. Frames are
-/// not kept, and there is no checkpoint.
+/// Runs a case as [`record`] does, and keeps the tables in memory instead of the files: with the same values. Frames
+/// are not kept, and there is no checkpoint.
 ///
 /// # Errors
 /// As [`record`], but for those of files.
