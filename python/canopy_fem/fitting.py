@@ -118,7 +118,7 @@ def fit(
     >>> case = {"name": "swing", "system": swing, "time": {"end": 1, "step": 0.01, "method": "rk4"}}
     >>> case["output"] = {"gauges": [{"name": "bob", "on": {"ids": [0]}, "of": "position"}]}
     >>> times = np.linspace(0.1, 1.0, 10)
-    >>> seen = 0.4 * np.cos(np.sqrt(9.81) * times)
+    >>> seen = np.sin(0.4 * np.cos(np.sqrt(9.81) * times))
     >>> found = fit(case, {"bob.position_x": (times, seen)}, {"system.pendulum.angle": (0.1, 1.0)})
     >>> round(found.values["system.pendulum.angle"], 2)
     0.4

@@ -27,6 +27,9 @@ mod values;
 use pyo3::prelude::*;
 
 /// The compiled part of canopy_fem. Use the names of canopy_fem itself.
+///
+/// It needs no global lock, so a free-threaded interpreter stays so: classes are frozen, what they share is behind
+/// locks, arrays are copied or borrowed by the flags of the crate numpy, and the engine's statics are constants.
 #[pymodule(gil_used = false)]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     logs::install();

@@ -42,6 +42,8 @@ const VISITOR: &str = r#"
     button.click();
     seen.switches.push({ name: name, before: before, off: off, after: count() });
   });
+  var value = document.querySelector(".wide-table td.n");
+  seen.value = value ? value.getBoundingClientRect().right : null;
   var out = document.createElement("pre");
   out.id = "seen";
   out.textContent = JSON.stringify(seen);
@@ -171,5 +173,29 @@ fn pages_of_studies_in_a_browser() {
             told(&seen, &row[0], &rounded(predicted));
             told(&seen, &row[0], &rounded(row[2].parse().expect("a measured limit")));
         }
+    }
+}
+
+/// The page of a fit is no wider than a window, and shows the first value beside its key, however long that is.
+#[test]
+fn the_page_of_a_fit_in_a_browser() {
+    let Some(browser) = browser() else {
+        println!("skipped: no browser was found (apt install chromium; CANOPY_FEM_BROWSER names another)");
+        return;
+    };
+    let bench = Bench::new();
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/guide/cases");
+    let case = cases.join("drop-100kg.json").display().to_string();
+    let data = format!("--data={}:riser.tension*981", cases.join("drop-100kg.csv").display());
+    let area = "--vary=system.network.aero.canopy.schedule.drag_area=5..80";
+    let time = "--vary=system.network.aero.canopy.schedule.filling_time=0.2..2";
+    let ended = bench.run(&["fit", &case, &data, area, time, "--offset=0.31..0.9", "--starts=2", "--out=f"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    for width in [1440, 390] {
+        let seen = visit(&browser, &bench.path("f/fit.html"), width);
+        assert_eq!(seen["errors"], serde_json::json!([]));
+        let [page, window] = ["width", "window"].map(|key| seen[key].as_u64().expect("pixels"));
+        assert!(page <= window && window <= u64::from(width), "{page} px in a window of {window} px");
+        assert!(seen["value"].as_f64().is_some_and(|right| right <= window as f64), "{seen}");
     }
 }
