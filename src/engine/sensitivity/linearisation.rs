@@ -246,7 +246,7 @@ impl Linearisation {
             if correction <= SOLVED * size {
                 return Ok(true);
             }
-            if !(correction < FALLING * before) {
+            if correction.is_nan() || correction >= FALLING * before {
                 return Ok(false);
             }
             before = correction;

@@ -10,12 +10,11 @@ use crate::model::point::Point;
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::output::gauges::GaugesSpec;
-use crate::output::gauges::seeds::{GaugeSeeds, SeededQuantity, Share};
+use crate::output::gauges::seeds::{GaugeSeeds, SeededQuantity, Share, Shares};
 use crate::scene::{Adjoint, Scene};
 use crate::sensitivity::{
     AdjointRun, ElementKinds, ElementSlopes, Plan, Recorder, RecorderState, Segment, StepEnds, StepRecord,
 };
-use std::collections::BTreeMap;
 
 /// [bytes] Memory of the steps that are kept at once, where the caller says nothing.
 const MEMORY: usize = 256 << 20;
@@ -192,7 +191,7 @@ struct Back<'a> {
     run: AdjointRun<'a>,
     seeds: GaugeSeeds,
     quantities: Vec<SeededQuantity>,
-    shares: BTreeMap<u64, Vec<Share>>,
+    shares: Shares,
     /// where the step ends that comes next
     later: State,
     interrupt: Stop<'a>,

@@ -34,6 +34,9 @@ pub struct Share {
     pub weight: f64,
 }
 
+/// The shares of states in quantities, by the number of their step.
+pub type Shares = BTreeMap<u64, Vec<Share>>;
+
 /// The gauges of a run with all of their values.
 #[derive(Debug)]
 pub struct GaugeSeeds {
@@ -82,13 +85,13 @@ impl GaugeSeeds {
         self.values.iter_mut().zip(&self.gauges.values).for_each(|(all, value)| all.push(*value));
     }
 
-    /// The quantities of the run, and which states have a share in them, by the number of their step.
+    /// The quantities of the run, and which states have a share in them.
     ///
     /// # Errors
     /// A quantity without value, or whose gauge had none at some time.
-    pub fn finish(&self) -> Result<(Vec<SeededQuantity>, BTreeMap<u64, Vec<Share>>), NoDerivative> {
+    pub fn finish(&self) -> Result<(Vec<SeededQuantity>, Shares), NoDerivative> {
         let (end, measured) = (self.gauges.end, self.gauges.quantities());
-        let mut shares: BTreeMap<u64, Vec<Share>> = BTreeMap::new();
+        let mut shares = Shares::new();
         let mut quantities = Vec::new();
         for (quantity, (name, source, statistic)) in self.gauges.quantities.wanted().enumerate() {
             let without = |why| NoDerivative::Without { name: name.to_owned(), why };
