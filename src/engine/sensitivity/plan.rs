@@ -10,8 +10,8 @@
 pub enum Segment {
     /// from the newest snapshot make the steps up to this number, and take another snapshot there
     Snapshot(u64),
-    /// from the newest snapshot make the steps up to the first number, then keep those up to the second one, and go back
-    /// over them
+    /// from the newest snapshot make the steps up to the first number, then keep those up to the second one, and go
+    /// back over them
     Reverse([u64; 2]),
     /// drop the newest snapshot
     Drop,
@@ -92,8 +92,8 @@ mod tests {
         (made, most)
     }
 
-    /// All steps are met once, from the last to the first, with no more states than there are places for; with 20 places
-    /// 2,000 steps are made at most four times more.
+    /// All steps are met once, from the last to the first, with no more states than there are places for; with 20
+    /// places 2,000 steps are made at most four times more.
     #[test]
     fn steps_are_met_in_reverse_order() {
         for steps in [1, 2, 7, 19, 20, 21, 100, 2000] {

@@ -139,8 +139,8 @@ impl SeriesSoFar {
         })
     }
 
-    /// [-] The weights of the values of this series, measured at `times` [s], in a statistic of a run that ended at `end`
-    /// [s]: those of a peak or a least value are those of its step.
+    /// [-] The weights of the values of this series, measured at `times` [s], in a statistic of a run that ended at
+    /// `end` [s]: those of a peak or a least value are those of its step.
     pub fn weights(&self, which: Statistic, (times, values): (&[f64], &[f64]), end: f64) -> Vec<f64> {
         let whole = |place: Option<usize>| {
             let mut weights = vec![0.0; times.len()];
@@ -235,8 +235,8 @@ fn integral_weights(times: &[f64], time: f64) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Every statistic is the sum of the values with their weights: of a run that comes to its end, and of one that ends
-    /// early, between two samples.
+    /// Every statistic is the sum of the values with their weights: of a run that comes to its end, and of one that
+    /// ends early, between two samples.
     #[test]
     fn statistics_are_sums_with_weights() {
         for (planned, until) in [(10.0, 10.0), (10.0, 3.7), (100.0, 10.0), (10.0, 0.4)] {

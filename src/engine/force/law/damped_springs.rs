@@ -286,8 +286,8 @@ pub fn axial_force(springs: &SpringData, at: NodeState<'_>, i: usize, c: f64) ->
     axial_state(springs, elastic_state(springs, springs.at(at.t, at.x), i), at.v, (i, c)).damping.force
 }
 
-/// [N] Tension of spring `i` with its dashpot along it, of coefficient `axial` [N s/m] if it has one, where its stiffness
-/// and its rest length are these factors times its own.
+/// [N] Tension of spring `i` with its dashpot along it, of coefficient `axial` [N s/m] if it has one, where its
+/// stiffness and its rest length are these factors times its own.
 pub fn scaled_tension(
     springs: &SpringData,
     at: NodeState<'_>,
