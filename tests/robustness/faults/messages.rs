@@ -56,7 +56,7 @@ fn a_step_above_its_limit_has_one_advice() {
     assert_eq!(checked.len(), 1, "{}", check.stdout);
     // The advice holds.
     let step = given[0].strip_prefix("a step of ").and_then(|rest| rest.split(' ').next()).expect("a step");
-    let method = given[0].split("--method ").nth(1).expect("a method");
+    let method = given[0].split("time.method=").nth(1).expect("a method");
     for changed in [["--method", "explicit-euler", "--step", step], ["--method", method, "--step", "1e-2"]] {
         let run =
             shipped(folder.path(), "solve", "cloth-k1000", &[&changed[..], &["--end", "0.5", "--force"]].concat());
