@@ -94,7 +94,12 @@ fn offers(advice: &str) -> Vec<(Option<&str>, Option<f64>)> {
     fn after<'a>(part: &'a str, text: &str) -> Option<&'a str> {
         part.split_once(text).and_then(|(_, rest)| rest.split(' ').next())
     }
-    let part = |part| (after(part, "time.method=").map(|method| method.trim_end_matches(',')), after(part, "step of ").map(|h| h.parse().expect("a number")));
+    let part = |part| {
+        (
+            after(part, "time.method=").map(|method| method.trim_end_matches(',')),
+            after(part, "step of ").map(|h| h.parse().expect("a number")),
+        )
+    };
     let offers: Vec<_> = advice.split(", or ").map(part).filter(|o| *o != (None, None)).collect();
     assert!(!offers.is_empty(), "{advice} offers nothing");
     offers

@@ -14,8 +14,8 @@ impl Simulation {
     /// Makes all steps that are left, as [`Simulation::run`], or those up to the last of the times
     /// ([`SampleSpec::ends_run`](crate::output::samples::SampleSpec::ends_run)), and keeps samples of them. `act` is
     /// called with the number of each time of the samples, at the end of the first step that reaches it: what it sets
-    /// acts from the next step on, and is not in the sample of that time. A run with `until_rest` ends once its scene is
-    /// at rest.
+    /// acts from the next step on, and is not in the sample of that time. A run with `until_rest` ends once its
+    /// scene is at rest.
     ///
     /// ```
     /// # use canopy_fem_io::{case::Case, output::samples::{SampleArrays, SampleSpec, Samples}, simulation::Simulation};
