@@ -132,7 +132,7 @@ fn too_few_iterations_are_a_failure() {
     let few = ["--set", "solver.newton={\"max_iterations\": 1, \"relative\": 1e-14}"];
     let ended = rest(&bench, &case(network), &few);
     assert_eq!(ended.code, Some(3), "{}\n{}", ended.stdout, ended.stderr);
-    for words in ["iterations", "N are left, most of it at node", "--load-steps"] {
+    for words in ["iterations", "N are left, most of it at node", "apply the loads in 20 steps"] {
         assert!(ended.stderr.contains(words), "no \"{words}\" in\n{}", ended.stderr);
     }
     let summary = bench.results().summary();

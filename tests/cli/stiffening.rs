@@ -46,7 +46,7 @@ fn a_string_that_is_pulled_taut_warns_once() {
     let (t, step) = (number(warnings[0], "at t = "), number(warnings[0], "fallen to about "));
     assert!((0.1414..0.16).contains(&step) && t > 1.0 && t < 100.0, "{}", warnings[0]);
     for words in
-        ["velocity-verlet", "(certified; set around node 1, spring ", "below the step of 0.16 s", "--method newmark"]
+        ["velocity-verlet", "(certified; set around node 1, spring ", "below the step of 0.16 s", "time.method=newmark"]
     {
         assert!(warnings[0].contains(words), "no \"{words}\" in {}", warnings[0]);
     }
