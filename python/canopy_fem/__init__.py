@@ -26,8 +26,11 @@ else:
 
     def __getattr__(name):
         """All public names at once, so that the program, which needs none, starts without numpy."""
-        from importlib import import_module
+        from importlib import import_module, util
 
+        # A module of the package, which `from . import` asks for so while it is being imported.
+        if util.find_spec(f"{__name__}.{name}"):
+            return import_module(f".{name}", __name__)
         public = import_module(".public", __name__)
         try:
             value = globals()[name] = getattr(public, name)

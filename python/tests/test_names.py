@@ -2,6 +2,8 @@
 
 import copy
 import pickle
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -62,6 +64,7 @@ def test_every_public_object_shows_itself_in_one_line(sim):
         "Case": case,
         "Energies": sim.energies,
         "Fault": cf.Fault("/time/step", "-1", "above 0"),
+        "Fit": cf.Fit({"k": 1.0}, {"k": 0.1}, {"k": (0.8, 1.2)}, np.eye(1), np.zeros(0), [], case, {}),
         "Motion": sim.attempt(),
         "Network": cf.Network(mesh, mass=1.0),
         "Result": cf.run(case, files=False),
@@ -83,3 +86,9 @@ def test_every_public_object_shows_itself_in_one_line(sim):
         assert " object at 0x" not in text, (name, text)
     for value in (mesh, sim.forces, sim.loads, sim.rest_scale, made["Result"].quantities):
         assert "\n" not in repr(value) and " object at 0x" not in repr(value), repr(value)
+
+
+@pytest.mark.parametrize("module", ["batch", "fitting", "mesh", "results", "runs", "simulation", "studies"])
+def test_any_module_can_be_imported_first(module):
+    """As a process does that unpickles one of its functions."""
+    subprocess.run([sys.executable, "-c", f"import canopy_fem.{module}"], check=True, timeout=60)

@@ -310,7 +310,9 @@ fn check_and_solve_warn_of_a_pulse_that_loses_its_shape() {
         let said = format!("{}{}", run.stdout, run.stderr);
         let warnings: Vec<&str> = said.lines().filter(|line| line.contains("pulse at")).collect();
         assert_eq!(warnings.len(), 1, "{said}");
-        for part in ["/system/network/loads/0/table", "t = 0.5037 s", "0.001001 s", "the step is 0.01 s", "--step"] {
+        for part in
+            ["/system/network/loads/0/table", "t = 0.5037 s", "0.001001 s", "the step is 0.01 s", "take time.step="]
+        {
             assert!(warnings[0].contains(part), "{part} in {}", warnings[0]);
         }
     }
