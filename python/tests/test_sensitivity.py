@@ -85,3 +85,14 @@ def test_each_spring_and_node_has_a_derivative() -> None:
         assert np.nansum(slopes["each.stiffness"]) == pytest.approx(slopes[KEY], rel=1e-7)
         for name in by[:3]:
             assert np.allclose(slopes[name], again[quantity][name], rtol=1e-8, atol=1e-10, equal_nan=True)
+
+
+def test_derivatives_end_where_they_are_not_known() -> None:
+    """After the error there are none, rather than wrong ones."""
+    sim = cf.Simulation(CASE, sensitivity="stiffness")
+    sim.step(3)
+    sim.set_load_factor("gravity", 0.5)
+    with pytest.raises(cf.SimulationError, match="derivatives of the state"):
+        sim.step()
+    assert sim.sensitivity == {}
+    assert sim.step().time > 0.006

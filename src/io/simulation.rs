@@ -80,7 +80,7 @@ pub use crate::force::law::bar_law::{BarForce, BarLaw, Bars};
 pub use crate::scene::{ForceDerivative, Load, NodalForce};
 pub use builder::{NetworkBuilder, SpringLaw};
 pub use derivative::{DerivativeError, derivative_error};
-pub use derivatives::StateDerivative;
+pub use derivatives::{StateDerivative, event_without_derivative};
 pub use doubts::{check_solver, doubts_at_end, doubts_at_start};
 pub use equilibrium::{
     RecordedStatic, StaticSettings, record_static, record_static_watched, static_spec, warnings_at_rest,

@@ -34,7 +34,7 @@ impl Simulation {
     fn attempt_next(&mut self, h: Option<f64>) -> Result<(), SimulationError> {
         self.idle()?;
         if self.tangent.is_some() {
-            return Err(SimulationError::Derivatives { why: "steps that may be dropped have none" });
+            return Err(SimulationError::Derivatives { why: "steps that may be dropped have none".to_owned() });
         }
         let made = self.at_work(Stop::NEVER, |run, stepper| {
             let Some(tick) = run.next_of(h) else { return Ok(None) };

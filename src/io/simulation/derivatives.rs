@@ -2,7 +2,7 @@
 
 use super::{Simulation, SimulationError, StepInfo, StopAt};
 use crate::drive::observer::Observer;
-use crate::drive::{Changed, Run, RunError, Status, StepEnd};
+use crate::drive::{Changed, Run, RunError, RunState, Status, StepEnd};
 use crate::integrate::stepper::Stepper;
 use crate::interrupt;
 use crate::model::stop::Stop;
@@ -22,7 +22,7 @@ impl Simulation {
     /// # Errors
     /// A simulation that has made steps, whose steps are not of one size, or whose method has no derivative.
     pub fn follow_derivatives(&mut self, parameters: Vec<Varied>) -> Result<(), SimulationError> {
-        let refused = |why| Err(SimulationError::Derivatives { why });
+        let refused = |why: &str| Err(SimulationError::Derivatives { why: why.to_owned() });
         let fixed = self.spec.step.fixed().filter(|_| !self.spec.free_steps);
         let Some(h) = fixed else { return refused("they need steps of one size (time.step)") };
         if self.state.steps > 0 || self.resumed {
@@ -71,7 +71,7 @@ impl Simulation {
         let mut followed = || -> Result<StepInfo, SimulationError> {
             while !until.reached(self.state.steps, self.state.from.state.t) {
                 if self.changed != Changed::Nothing {
-                    return Err(SimulationError::Derivatives { why: CHANGES });
+                    return Err(SimulationError::Derivatives { why: CHANGES.to_owned() });
                 }
                 let made = self.at_work(Stop::NEVER, |run, stepper| {
                     followed_step(run, (stepper, &mut tangent, &*scene), observers, &mut fault)
@@ -89,7 +89,9 @@ impl Simulation {
             Ok(self.info())
         };
         let done = followed();
-        self.tangent = Some(tangent);
+        // Beyond what they do not go over they would be wrong.
+        let lost = matches!(done, Err(SimulationError::Derivatives { .. } | SimulationError::Sensitivity(_)));
+        self.tangent = Some(tangent).filter(|_| !lost);
         done
     }
 }
@@ -121,15 +123,29 @@ fn followed_step(
     if end != StepEnd::Accepted || (run.state.passed() == passed && run.state.fired().len() == fired) {
         return Ok(Some(end));
     }
-    let named = scene.events().map_or(&[][..], |events| events.named());
-    let acts = |number: usize| named.get(number).is_some_and(|event| event.acts());
-    let begun = run.state.passed() != passed;
-    if run.state.fired().iter().skip(fired).any(|event| acts(event.event)) || begun && !scene.moved().is_empty() {
-        *fault = Some(SimulationError::Derivatives {
-            why: "an event that waits for a state has happened, or a support moves",
-        });
-    } else if begun && let Err(error) = tangent.restart(scene, (run.state.passed(), &run.state.from), &form) {
+    if let Some(why) = event_without_derivative(scene, run.state, (passed, fired)) {
+        *fault = Some(SimulationError::Derivatives { why });
+    } else if run.state.passed() != passed
+        && let Err(error) = tangent.restart(scene, (run.state.passed(), &run.state.from), &form)
+    {
         *fault = Some(error.into());
     }
     Ok(Some(end))
+}
+
+/// What has happened in the last step that no derivative goes over: an event that waits for a state, whose time moves
+/// with the numbers, or a support that gets another velocity. `passed` and `fired` are how many events there were
+/// before the step.
+pub fn event_without_derivative(
+    scene: &dyn Scene,
+    state: &RunState,
+    (passed, fired): (usize, usize),
+) -> Option<String> {
+    let named = scene.events().map_or(&[][..], |events| events.named());
+    let acts = |number: usize| named.get(number).is_some_and(|event| event.acts());
+    if let Some(event) = state.fired().iter().skip(fired).find(|event| acts(event.event)) {
+        return Some(format!("at t = {} s the event \"{}\" happens", event.t, event.name));
+    }
+    let moves = state.passed() != passed && !scene.moved().is_empty();
+    moves.then(|| format!("at t = {} s a support gets another velocity", state.from.state.t))
 }

@@ -121,7 +121,7 @@ pub enum SimulationError {
     #[error("derivatives of the state: {why}")]
     Derivatives {
         /// why
-        why: &'static str,
+        why: String,
     },
     /// The scene, a parameter or the method has no derivative.
     #[error(transparent)]

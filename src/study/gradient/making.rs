@@ -11,6 +11,7 @@ use crate::model::point::Point;
 use crate::model::stop::Stop;
 use crate::scene::Scene;
 use crate::sensitivity::{SensitivityError, StepEnds};
+use crate::simulation::event_without_derivative;
 
 /// What was made of a run.
 #[derive(Clone, Copy, Debug)]
@@ -108,29 +109,14 @@ impl<'a> Making<'a> {
             StepEnd::Failed(status) => return Err(failed(&self.state, status)),
             StepEnd::TakenBack | StepEnd::Stopped => return Err(GradientError::Interrupted),
         }
-        self.check_events(passed, fired)?;
+        if let Some(what) = event_without_derivative(self.scene, &self.state, (passed, fired)) {
+            return Err(GradientError::Without { what, advice: "end the run before it, with --end" });
+        }
         if self.state.passed() != passed {
             let made = Made { step: self.state.steps, passed: self.state.passed() };
             along.event(&self.state.from, self.form(self.h)?, made)?;
         }
         Ok(true)
-    }
-
-    /// Checks that the events of this step have no part in derivatives; `passed` and `fired` are how many there were
-    /// before it.
-    fn check_events(&self, passed: usize, fired: usize) -> Result<(), GradientError> {
-        let advice = "end the run before it, with --end";
-        let named = self.scene.events().map_or(&[][..], |events| events.named());
-        let acts = |number: usize| named.get(number).is_some_and(|event| event.acts());
-        if let Some(event) = self.state.fired().iter().skip(fired).find(|event| acts(event.event)) {
-            let what = format!("at t = {} s the event \"{}\" happens", event.t, event.name);
-            return Err(GradientError::Without { what, advice });
-        }
-        if self.state.passed() != passed && !self.scene.moved().is_empty() {
-            let what = format!("at t = {} s a support gets another velocity", self.state.from.state.t);
-            return Err(GradientError::Without { what, advice });
-        }
-        Ok(())
     }
 }
 
