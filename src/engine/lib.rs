@@ -13,6 +13,7 @@
 
 pub mod analysis;
 pub mod assembly;
+pub mod contact;
 pub mod drive;
 pub mod force;
 pub mod integrate;

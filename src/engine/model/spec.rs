@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::mesh::Mesh;
 
 mod canopy;
+mod contact;
 mod event;
 mod glide;
 mod over_time;
@@ -13,6 +14,7 @@ mod spring_values;
 mod stream;
 mod surface;
 pub use canopy::{CanopyAir, CanopySpec, CavitySpec, ClothSpec, FillingSpec, RingsSpec};
+pub use contact::{ContactParts, ContactSide, ContactSpec, ObstacleShape, ObstacleSpec};
 pub use event::{Condition, EventSpec, Trigger, Watched};
 pub use glide::GlideSpec;
 pub use over_time::{MotionSpec, Series, support_velocity};
@@ -323,6 +325,8 @@ pub struct NetworkSpec {
     pub node_drag: Vec<NodeDragSpec>,
     /// gas in closed volumes
     pub gases: Vec<GasSpec>,
+    /// what may touch
+    pub contacts: Vec<ContactSpec>,
     /// pressure loads
     pub pressures: Vec<PressureLoad>,
     /// nodal forces

@@ -170,6 +170,7 @@ impl Fingerprint {
             line_drag,
             node_drag,
             gases,
+            contacts,
             pressures,
             forces,
             rayleigh,
@@ -207,6 +208,9 @@ impl Fingerprint {
         }
         if stream.is_some() {
             self.sum("system.network.aero", &(stream, canopies, line_drag, node_drag))?;
+        }
+        if !contacts.is_empty() {
+            self.sum("system.network.contact", contacts)?;
         }
         if !gases.is_empty() {
             self.sum("system.network.gas", gases)?;

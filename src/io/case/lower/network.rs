@@ -103,6 +103,7 @@ pub(super) fn network(
         line_drag,
         node_drag,
         gases,
+        contacts: Vec::new(),
         pressures: loads.pressures,
         forces: loads.forces,
         rayleigh,

@@ -1,0 +1,1 @@
+//! Contact: what is near, what touches, and the forces of it.
