@@ -2,6 +2,7 @@
 
 use super::pattern::{Pattern, PatternError};
 use super::record::Recorder;
+use crate::contact::near::Candidate;
 use crate::force::TangentSink;
 use crate::mesh::adjacency::row_starts;
 use nalgebra::Matrix3;
@@ -23,6 +24,8 @@ pub struct Assembler {
     emitted: Vec<u32>,
     /// slot of the diagonal entry of every unknown
     diagonal: Vec<u32>,
+    /// pairs that may touch, whose blocks come last
+    pub near: Arc<[Candidate]>,
 }
 
 /// Positions of the nodes, and which of their degrees of freedom are fixed.
@@ -57,7 +60,7 @@ impl Assembler {
         let emitted = blocks_of(recorder, &pairs, nodes.fixed.len(), symmetric);
         let diagonal = (0..pattern.n() as u32).map(|i| pattern.slot(i, i).unwrap_or(spare)).collect();
         let values = vec![0.0; pattern.nonzeros() + 1];
-        Ok(Assembler { pattern: Arc::new(pattern), values, blocks, emitted, diagonal })
+        Ok(Assembler { pattern: Arc::new(pattern), values, blocks, emitted, diagonal, near: Arc::default() })
     }
 
     /// A full matrix over unknowns without nodes (a pendulum has one).
@@ -72,7 +75,14 @@ impl Assembler {
         };
         let values = vec![0.0; pattern.nonzeros() + 1];
         let diagonal = (0..n).map(|i| i * n + i).collect();
-        Assembler { pattern: Arc::new(pattern), values, blocks: Vec::new(), emitted: Vec::new(), diagonal }
+        Assembler {
+            pattern: Arc::new(pattern),
+            values,
+            blocks: Vec::new(),
+            emitted: Vec::new(),
+            diagonal,
+            near: Arc::default(),
+        }
     }
 
     /// Entries of W in the order of the pattern.
@@ -169,19 +179,21 @@ impl TangentSink for MatrixSink<'_> {
     fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]) {
         self.element(nodes, blocks);
     }
+
+    fn four(&mut self, nodes: [u32; 4], blocks: &[[Matrix3<f64>; 4]; 4]) {
+        self.element(nodes, blocks);
+    }
 }
 
 /// Distinct (column node, row node) pairs between nodes with free degrees of freedom, ascending; diagonals always.
 fn distinct_pairs(nodes: Nodes<'_>, recorder: &Recorder, symmetric: bool) -> Vec<(u32, u32)> {
     let free = |i: u32| nodes.fixed[i as usize] != [true; 3];
     let mut pairs: Vec<(u32, u32)> = (0..nodes.fixed.len() as u32).filter(|&i| free(i)).map(|i| (i, i)).collect();
-    for &emission in &recorder.emissions {
-        emission.blocks(symmetric, |p, q| {
-            if p != q && free(p) && free(q) {
-                pairs.push((q, p));
-            }
-        });
-    }
+    recorder.blocks(symmetric, |p, q| {
+        if p != q && free(p) && free(q) {
+            pairs.push((q, p));
+        }
+    });
     pairs.sort_unstable();
     pairs.dedup();
     pairs.shrink_to_fit();
@@ -248,13 +260,11 @@ fn add_slots(pattern: &Pattern, column: &[(u32, u32)], unknown: &[[u32; 3]], blo
 fn blocks_of(recorder: &Recorder, pairs: &[(u32, u32)], nodes: usize, symmetric: bool) -> Vec<u32> {
     let start = row_starts(nodes, pairs.iter().map(|&(j, _)| j));
     let mut emitted = Vec::new();
-    for &emission in &recorder.emissions {
-        emission.blocks(symmetric, |i, j| {
-            let first = start[j as usize];
-            let column = &pairs[first as usize..start[j as usize + 1] as usize];
-            emitted.push(column.binary_search(&(j, i)).map_or(0, |at| first + at as u32 + 1));
-        });
-    }
+    recorder.blocks(symmetric, |i, j| {
+        let first = start[j as usize];
+        let column = &pairs[first as usize..start[j as usize + 1] as usize];
+        emitted.push(column.binary_search(&(j, i)).map_or(0, |at| first + at as u32 + 1));
+    });
     emitted.shrink_to_fit();
     emitted
 }

@@ -3,6 +3,7 @@
 
 use super::{Assembler, PatternError, TangentSystem};
 use crate::force::TangentForm;
+use crate::model::abilities::Touches;
 use crate::model::forces::Forces;
 use crate::model::state::{State, StateRef};
 use crate::model::system::{StepMean, System, TermInfo, Weights};
@@ -70,6 +71,10 @@ impl System for MeanSystem<'_> {
         self.system.workers()
     }
 
+    fn touches(&self) -> Option<&dyn Touches> {
+        self.system.touches()
+    }
+
     fn velocity_dependent(&self) -> bool {
         self.system.velocity_dependent()
     }
@@ -83,6 +88,10 @@ impl TangentSystem for MeanSystem<'_> {
 
     fn assembler(&self) -> Result<Assembler, PatternError> {
         self.system.mean_assembler()
+    }
+
+    fn outgrown(&self, assembler: &Assembler) -> bool {
+        self.system.outgrown(assembler)
     }
 
     fn assemble(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {

@@ -12,6 +12,8 @@ pub enum Emission {
     Edge([u32; 2]),
     /// a three-node element
     Triangle([u32; 3]),
+    /// a four-node element, by its place among these
+    Four(u32),
 }
 
 /// A sink that records elements without their blocks.
@@ -19,6 +21,8 @@ pub enum Emission {
 pub struct Recorder {
     /// in order of emission
     pub emissions: Vec<Emission>,
+    /// nodes of the four-node elements
+    fours: Vec<[u32; 4]>,
 }
 
 impl TangentSink for Recorder {
@@ -37,17 +41,25 @@ impl TangentSink for Recorder {
     fn triangle(&mut self, nodes: [u32; 3], _blocks: &[[Matrix3<f64>; 3]; 3]) {
         self.emissions.push(Emission::Triangle(nodes));
     }
+
+    fn four(&mut self, nodes: [u32; 4], _blocks: &[[Matrix3<f64>; 4]; 4]) {
+        self.emissions.push(Emission::Four(self.fours.len() as u32));
+        self.fours.push(nodes);
+    }
 }
 
-impl Emission {
-    /// Calls `visit(row node, column node)` for every block of the element, in the order the sink fills them.
-    /// Of a symmetric matrix the blocks with row node >= column node only.
-    pub(super) fn blocks(self, symmetric: bool, mut visit: impl FnMut(u32, u32)) {
-        match self {
-            Emission::Pair([i, j]) if !symmetric || i == j => visit(i, j),
-            Emission::Pair(_) => {}
-            Emission::Edge(nodes) => all_pairs(&nodes, symmetric, visit),
-            Emission::Triangle(nodes) => all_pairs(&nodes, symmetric, visit),
+impl Recorder {
+    /// Calls `visit(row node, column node)` for every block of all elements, in the order the sink fills them. Of a
+    /// symmetric matrix the blocks with row node >= column node only.
+    pub(super) fn blocks(&self, symmetric: bool, mut visit: impl FnMut(u32, u32)) {
+        for emission in &self.emissions {
+            match emission {
+                Emission::Pair([i, j]) if !symmetric || i == j => visit(*i, *j),
+                Emission::Pair(_) => {}
+                Emission::Edge(nodes) => all_pairs(nodes, symmetric, &mut visit),
+                Emission::Triangle(nodes) => all_pairs(nodes, symmetric, &mut visit),
+                Emission::Four(place) => all_pairs(&self.fours[*place as usize], symmetric, &mut visit),
+            }
         }
     }
 }

@@ -16,6 +16,12 @@ pub trait TangentSystem: System {
     /// Builds the pattern of W and the slots of every element. Called once, by implicit schemes only.
     fn assembler(&self) -> Result<Assembler, PatternError>;
 
+    /// Whether a pattern lacks blocks that the tangents have at the last evaluated state: of pairs that have come near.
+    fn outgrown(&self, assembler: &Assembler) -> bool {
+        let _ = assembler;
+        false
+    }
+
     /// Writes W = cm M + cc C + ck K at a state, but for its rank-one parts, into `assembler`'s values.
     fn assemble(&self, at: StateRef<'_>, weights: Weights, assembler: &mut Assembler);
 

@@ -79,12 +79,17 @@ pub(super) struct Workspace {
     pub floor: Vec<f64>,
     /// the state half way to a first guess
     pub halfway: Point,
+    /// [m] positions and displacements of what may touch `[n_dof]`, else empty
+    place: Vec<f64>,
+    way: Vec<f64>,
 }
 
 impl Workspace {
-    pub(super) fn new(at: &Point) -> Self {
+    pub(super) fn new(at: &Point, touches: bool) -> Self {
         let zero = || vec![0.0; at.state.x.len()];
-        Workspace { a_next: zero(), residual: zero(), floor: zero(), halfway: at.clone() }
+        let zero_if = |needed: bool| if needed { zero() } else { Vec::new() };
+        let (place, way) = (zero_if(touches), zero_if(touches));
+        Workspace { a_next: zero(), residual: zero(), floor: zero(), halfway: at.clone(), place, way }
     }
 }
 
@@ -130,6 +135,24 @@ impl Equations<'_> {
                 Guess::ConstantVelocity => h * v[i],
                 Guess::Rest => 0.0,
             };
+        }
+    }
+
+    /// Writes the first guess, where nothing passes through anything else.
+    pub(super) fn guess(&mut self, z: &mut [f64]) {
+        self.fill(z);
+        let Some(touches) = self.system.touches() else { return };
+        let Workspace { place, way, .. } = &mut *self.workspace;
+        let from = &self.start.from.state;
+        place.copy_from_slice(&from.x);
+        way.fill(0.0);
+        for &dof in self.system.moved() {
+            way[dof as usize] = self.start.h * from.v[dof as usize];
+        }
+        let dofs = &*self.linear.tangents.dof;
+        dofs.iter().zip(&*z).for_each(|(&dof, z)| way[dof as usize] = *z);
+        if touches.keep_apart(place, [from.t, self.to.state.t], way) < 1.0 {
+            z.iter_mut().zip(dofs).for_each(|(z, &dof)| *z = way[dof as usize]);
         }
     }
 
@@ -224,8 +247,29 @@ impl NonlinearProblem for Equations<'_> {
             Guess::ConstantVelocity if too_far => Guess::Rest,
             _ => return false,
         };
-        self.fill(z);
+        self.guess(z);
         true
+    }
+
+    fn keep_apart(&mut self, z: &[f64], dz: &mut [f64]) -> Option<f64> {
+        let touches = self.system.touches()?;
+        let Workspace { place, way, .. } = &mut *self.workspace;
+        let from = &self.start.from.state;
+        place.copy_from_slice(&from.x);
+        way.fill(0.0);
+        for &dof in self.system.moved() {
+            place[dof as usize] += self.start.h * from.v[dof as usize];
+        }
+        let dofs = &*self.linear.tangents.dof;
+        for (&dof, (z, dz)) in dofs.iter().zip(z.iter().zip(&*dz)) {
+            place[dof as usize] += z;
+            way[dof as usize] = *dz;
+        }
+        let least = touches.keep_apart(place, [self.to.state.t; 2], way);
+        if least < 1.0 {
+            dz.iter_mut().zip(dofs).for_each(|(dz, &dof)| *dz = way[dof as usize]);
+        }
+        Some(least)
     }
 
     fn conservative(&self) -> bool {

@@ -147,6 +147,12 @@ impl FactorCache {
         (self.accepted, self.state, self.outlived) = (CachedFactor::default(), CacheState::Valid, false);
     }
 
+    /// The matrix has got another pattern: its factor is gone.
+    pub(super) fn outgrow(&mut self) {
+        self.accepted.frozen = self.accepted.frozen.without_factor();
+        (self.state, self.outlived) = (CacheState::Valid, false);
+    }
+
     /// A program has changed how forces depend on the state. The factor is as good as the iteration finds it, but it
     /// cannot be made again.
     pub(super) fn outlive_laws(&mut self) {

@@ -157,7 +157,7 @@ impl<M: ImplicitScheme> Implicit<M> {
             newton: Newton::new(self.spec.newton, unknowns),
             linear: LinearState { tangents, cache: FactorCache::new(n), mass_weight: None },
             dofs: DofData::of(system),
-            workspace: Workspace::new(at),
+            workspace: Workspace::new(at, system.touches().is_some()),
             z: vec![0.0; unknowns],
             a: zero(),
             kept: [zero(), zero()],
@@ -215,10 +215,13 @@ impl<M: ImplicitScheme> Implicit<M> {
         let start = StepStart { largest, from, a: &s.a, expected: &s.expected, h, force_scale: scales.residual };
         let (dofs, workspace, linear) = (&s.dofs, &mut s.workspace, &mut s.linear);
         let mut equations = Equations { system, map, start, to, guess, dofs, workspace, linear, counters };
+        if equations.linear.tangents.outgrown(system) {
+            equations.linear.cache.outgrow();
+        }
         if !continues {
             equations.rebuild_factor()?;
         }
-        equations.fill(&mut s.z);
+        equations.guess(&mut s.z);
         let cache = &equations.linear.cache;
         let mut frozen = if continues { cache.attempted_history() } else { cache.history_for(equations.weights()) };
         let solved = s.newton.solve(&mut equations, &mut s.z, scales, &mut frozen);
@@ -271,6 +274,11 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         acceleration(system, &mut self.a, &at.forces.total);
         self.trend.straight = false;
         (self.made_with, self.anew, self.relative) = (0.0, true, false);
+    }
+
+    /// Friction at the end of a step is that of the pressures at its start.
+    fn lags(&self, system: &(dyn TangentSystem + 'static)) -> bool {
+        system.touches().is_some_and(|touches| touches.rubs())
     }
 
     fn keep_over_change(&mut self, system: &dyn TangentSystem, at: &Point) -> bool {

@@ -59,6 +59,8 @@ impl<'a> Stepper<'a> {
     /// # Errors
     /// When the scheme needs a spring network and the scene has none.
     pub fn bind(scheme: Scheme, scene: SceneInterfaces<'a>) -> Result<Self, NeedsNetwork> {
+        let explicit = !matches!(scheme, Scheme::Implicit(_));
+        scene.system.touches().into_iter().for_each(|touches| touches.set_explicit(explicit));
         Ok(Stepper(match scheme {
             Scheme::Explicit(s) => BoundScheme::Explicit(s, scene.system),
             Scheme::Implicit(s) => BoundScheme::Implicit(s, scene.tangent),
@@ -93,6 +95,11 @@ impl<'a> Stepper<'a> {
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
+        if let BoundScheme::Implicit(_, system) = &self.0
+            && let Some(touches) = system.touches()
+        {
+            touches.begin_step(from.state.as_ref());
+        }
         each!(&mut self.0, scheme, system => {
             scheme.attempt(StepInput { system: *system, from, h, t_next }, to, counters)
         })

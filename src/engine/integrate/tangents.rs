@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::factor_cache::FactorRequest;
 use super::{Counters, StepError};
-use crate::assembly::{Assembler, MixedForm, MixedSystem, TangentSystem};
+use crate::assembly::{Assembler, MixedForm, MixedSystem, PatternError, TangentSystem};
 use crate::interrupt;
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
@@ -189,6 +189,8 @@ pub(crate) struct Tangents {
     coupled: f64,
     symmetric: bool,
     choice: LinearChoice,
+    /// the same for the reused tangent
+    reused_choice: LinearChoice,
     exact: Option<Factor>,
     frozen: Option<Factor>,
     /// the factor that solves use
@@ -218,6 +220,7 @@ impl Tangents {
         let symmetric = system.symmetric() && exact.as_ref().is_none_or(|f| f.assembler.pattern.symmetric);
         let dof = frozen.iter().chain(&exact).map(|f| Arc::from(&*f.assembler.pattern.dof)).next().unwrap_or_default();
         // If the symmetric part does not converge, only LU is left.
+        let reused_choice = choice;
         let symmetric_only = matches!(choice, LinearChoice::Cg | LinearChoice::Cholesky);
         let choice = if symmetric_only && !symmetric { LinearChoice::Auto } else { choice };
         Ok(Tangents {
@@ -226,11 +229,35 @@ impl Tangents {
             coupled: (system.kept_parts() - system.mass_parts()) as f64,
             symmetric,
             choice,
+            reused_choice,
             exact,
             frozen,
             current: TangentKind::Exact,
             dof,
         })
+    }
+
+    /// Whether parts of the scene have come near each other that have no place in the pattern.
+    pub(super) fn outgrown(&self, system: &dyn TangentSystem) -> bool {
+        self.frozen.iter().chain(&self.exact).any(|factor| system.outgrown(&factor.assembler))
+    }
+
+    /// Gives the matrices a pattern with a place for all pairs that are near at the last evaluated state.
+    fn fit(&mut self, system: &dyn TangentSystem) -> Result<(), LinearError> {
+        if !self.outgrown(system) {
+            return Ok(());
+        }
+        let unknowns = self.dof.len();
+        let failed = |e: PatternError| LinearError::Analysis { unknowns, reason: e.to_string() };
+        if let Some(frozen) = &mut self.frozen
+            && let Some(assembler) = system.symmetric_assembler().map_err(failed)?
+        {
+            *frozen = Factor::for_reuse(assembler, self.reused_choice, system.workers())?;
+        }
+        if let Some(exact) = &mut self.exact {
+            *exact = Factor::new(system.assembler().map_err(failed)?, self.choice, system.workers())?;
+        }
+        Ok(())
     }
 
     /// [-] Cost of a factorisation in iterations without one.
@@ -265,16 +292,15 @@ impl Tangents {
         curvature: Curvature,
         counters: &mut Counters,
     ) -> Result<Inertia, LinearError> {
+        self.fit(system)?;
         self.current = TangentKind::Exact;
         let symmetric = self.symmetric;
         let slot = if symmetric && self.frozen.is_some() { &mut self.frozen } else { &mut self.exact };
         let factor = match slot {
             Some(factor) => factor,
             None => {
-                let failed = |e: crate::assembly::PatternError| LinearError::Analysis {
-                    unknowns: self.dof.len(),
-                    reason: e.to_string(),
-                };
+                let failed =
+                    |e: PatternError| LinearError::Analysis { unknowns: self.dof.len(), reason: e.to_string() };
                 slot.insert(Factor::new(system.assembler().map_err(failed)?, self.choice, system.workers())?)
             }
         };
@@ -298,6 +324,7 @@ impl Tangents {
         form: MixedForm<'_>,
         counters: &mut Counters,
     ) -> Result<Inertia, LinearError> {
+        self.fit(system)?;
         let reused = self.frozen.is_some() && !self.symmetric;
         self.current = if reused { TangentKind::Frozen } else { TangentKind::Exact };
         let slot = if self.frozen.is_some() { &mut self.frozen } else { &mut self.exact };
@@ -340,6 +367,7 @@ impl Tangents {
         FactorRequest { convex, expected }: FactorRequest,
         counters: &mut Counters,
     ) -> Result<Option<Inertia>, LinearError> {
+        self.fit(system)?;
         let expected = self.with_parts(expected);
         let Some(factor) = &mut self.frozen else { return Ok(None) };
         self.current = TangentKind::Frozen;

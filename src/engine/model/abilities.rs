@@ -109,6 +109,26 @@ pub trait Air {
     fn pull_of_points(&self, mass: f64, at: &Point) -> f64;
 }
 
+/// Parts of a system that may touch each other or obstacles.
+pub trait Touches {
+    /// Says whether steps are explicit: contact then has a limited stiffness, and friction follows its pressure.
+    fn set_explicit(&self, explicit: bool);
+
+    /// [s] Says which size all steps have, if they have one.
+    fn set_step(&self, step: Option<f64>);
+
+    /// Says that an implicit step begins at a state, whose pressures friction has in this step.
+    fn begin_step(&self, from: StateRef<'_>);
+
+    /// Whether there is friction.
+    fn rubs(&self) -> bool;
+
+    /// Shortens displacements `way` [m] `[n_dof]` from the positions `x` [m] `[n_dof]`, between two times [s], of nodes
+    /// that would pass through others or touch them; where obstacles move, nodes before them are carried along. Returns
+    /// the share [-] that is free for all nodes.
+    fn keep_apart(&self, x: &[f64], times: [f64; 2], way: &mut [f64]) -> f64;
+}
+
 /// What happens at given times: supports are released or change their velocity, springs are cut, loads and rest lengths
 /// change.
 pub trait Events {

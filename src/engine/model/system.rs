@@ -4,6 +4,7 @@
 //! M a = f(t, x, v)        K = -df/dx        C = -df/dv        W = cm M + cc C + ck K
 //! ```
 
+use super::abilities::Touches;
 use super::at_dof::AtDof;
 use super::forces::{Forces, Role, Tally};
 use super::point::Point;
@@ -115,6 +116,11 @@ pub trait System: Send + Sync {
 
     /// Springs that limit explicit steps, for schemes that make short steps of these; `None` if it has no springs.
     fn stiff(&self) -> Option<&dyn StiffSprings> {
+        None
+    }
+
+    /// What may touch; `None` if nothing may.
+    fn touches(&self) -> Option<&dyn Touches> {
         None
     }
 

@@ -41,7 +41,8 @@ impl Network {
         self.arrangement.couples_blocks =
             moves || !self.acting.apparent.is_empty() || couples && !self.sweep.is_single_block();
         let own = self.acting.terms.iter().flat_map(|term| term.parts()).copied();
-        self.arrangement.infos = own.chain(self.law_info()).chain(moves.then_some(SUPPORTS)).collect();
+        let contact = self.contact.iter().flat_map(|contact| contact.infos());
+        self.arrangement.infos = own.chain(contact).chain(self.law_info()).chain(moves.then_some(SUPPORTS)).collect();
         let mut tallies = 0..;
         let mut part = |info: &TermInfo| Some(PartTarget { sum: sum_of_role(info.role), tally: tallies.next()? });
         let parts = self.acting.terms.iter().map(|term| {

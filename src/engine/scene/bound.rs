@@ -277,6 +277,10 @@ impl TangentSink for Diagonal<'_> {
     fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]) {
         self.element(nodes, blocks);
     }
+
+    fn four(&mut self, nodes: [u32; 4], blocks: &[[Matrix3<f64>; 4]; 4]) {
+        self.element(nodes, blocks);
+    }
 }
 
 #[cfg(test)]

@@ -93,6 +93,13 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     builder.rayleigh(&mass, &reference);
     let velocity = initial_velocity(&spec);
     let velocity = if velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity[at(i)]).collect() };
+    let may_touch = builder.contacts(super::build_contact::Nodes {
+        reference: &reference,
+        start: &start,
+        mass: &mass,
+        fixed: &fixed,
+        velocity: &velocity,
+    });
     let scaled = builder.scale_masses([&reference, &start], &velocity, &fixed, &mass)?;
     let added_mass = scaled.as_ref().map(|scaled| scaled.added);
     let inertia = scaled.map_or_else(|| mass.clone(), |scaled| scaled.inertia.into());
@@ -114,7 +121,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         membranes,
         ..Built::default()
     };
-    Ok(Network::new(built, acting, spec.mesh, threads))
+    Ok(Network::new(built, acting, may_touch, spec.mesh, threads))
 }
 
 /// Which rim of a canopy is its mouth, which must be open at the start.

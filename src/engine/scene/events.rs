@@ -9,6 +9,7 @@ use super::numbering::Numbering;
 use crate::model::abilities::Events;
 use crate::model::spec::{EventSpec, MotionSpec, NetworkSpec, ReleaseSpec, ascending};
 use crate::model::state::{State, StateRef};
+use crate::model::system::System;
 use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
 
@@ -264,6 +265,7 @@ impl Events for Network {
 
     fn sample_tables(&self, h: Option<f64>) {
         self.acting.tables.iter().for_each(|table| table.sample(h));
+        self.touches().into_iter().for_each(|touches| touches.set_step(h));
     }
 
     fn pass_events(&self, passed: usize) -> bool {

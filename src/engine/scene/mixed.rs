@@ -50,6 +50,7 @@ impl MixedSystem for Network {
     fn assemble_mixed(&self, at: StateRef<'_>, w: Weights, form: MixedForm<'_>, assembler: &mut Assembler) {
         let MixedForm { springs, sheets, convex, symmetric } = form;
         let form = TangentForm { convex, symmetric };
+        let near = assembler.near.clone();
         let mut sink = assembler.sink(|dof| w.m * self.built.mass[dof / 3]);
         let (mut springs, mut sheets) = (springs, sheets);
         for term in self.force_terms() {
@@ -62,5 +63,6 @@ impl MixedSystem for Network {
             }
         }
         self.emit_law_tangents(at, w, form, &mut sink);
+        self.emit_near(&near, at, w, form, &mut sink);
     }
 }

@@ -4,11 +4,13 @@ use super::Load;
 use super::acting::{Acting, SpringBatch};
 use super::arrangement::Arrangement;
 use super::build_surface::MembraneBatch;
+use super::contact::Touching;
 use super::events::Phases;
 use super::external::ExternalForces;
 use super::numbering::Numbering;
 use super::reach::reach;
 use super::triggers::Triggers;
+use crate::contact::bodies::Contacts;
 use crate::force::schedule::step_block::StepBlockResults;
 use crate::force::schedule::step_boundary::NodeStateMut;
 use crate::force::schedule::step_boundary::StepBoundary;
@@ -17,6 +19,7 @@ use crate::force::schedule::terms::Terms;
 use crate::force::schedule::threads::{SUMS, Threads};
 use crate::force::{Copies, ForceTerm, MeanStep, NodeState};
 use crate::mesh::Mesh;
+use crate::model::abilities::Touches;
 use crate::model::added_mass::AddedMass;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::motion::motion;
@@ -35,6 +38,8 @@ pub struct Network {
     pub(super) acting: Acting,
     /// set once a program adds forces from outside
     pub(super) external: Option<ExternalForces>,
+    /// what may touch
+    pub(super) contact: Option<Touching>,
     pub(super) arrangement: Arrangement,
     /// events that are passed
     pub(super) passed: AtomicUsize,
@@ -84,7 +89,7 @@ pub(super) fn node_state(at: StateRef<'_>) -> NodeState<'_> {
 
 impl Network {
     /// A network at t = 0. What follows from its parts need not be given.
-    pub(super) fn new(built: Built, acting: Acting, mesh: Mesh, threads: Threads) -> Self {
+    pub(super) fn new(built: Built, acting: Acting, may_touch: Option<Contacts>, mesh: Mesh, threads: Threads) -> Self {
         let fixed = built.phases.after(0).fixed.as_flattened();
         let fixed_dofs: Vec<u32> = (0..).zip(fixed).filter(|&(_, &f)| f).map(|(i, _)| i).collect();
         let (reach, shared_edges) = (reach(&mesh, &acting.springs), shares_edges(&acting.springs));
@@ -92,6 +97,7 @@ impl Network {
             built: Arc::new(Built { fixed_dofs, reach, shared_edges, ..built }),
             acting,
             external: None,
+            contact: may_touch.map(Touching::new),
             arrangement: Arrangement::default(),
             passed: AtomicUsize::new(0),
             later: AtomicUsize::new(0),
@@ -110,6 +116,7 @@ impl Network {
             built: self.built.clone(),
             acting: self.acting.for_run(copies),
             external: self.external.as_ref().map(|external| external.for_run(copies)),
+            contact: self.contact.as_ref().map(|contact| contact.for_run()),
             arrangement: self.arrangement.clone(),
             passed: AtomicUsize::new(self.passed()),
             later: AtomicUsize::new(self.later.load(Ordering::Relaxed)),
@@ -150,12 +157,14 @@ impl Network {
     pub(super) fn evaluate_with(&self, mean: Option<StepMean>, at: StateRef<'_>, out: &mut Forces) {
         self.pass_into(out, |[total, external, dissipative], tallies| {
             let (own, outside) = tallies.split_at_mut(self.tallies());
-            let sums = [&mut *total, &mut *external, dissipative];
+            let sums = [&mut *total, &mut *external, &mut *dissipative];
             match mean {
                 None => self.sweep.pass(self, node_state(at), &self.threads, sums, own),
                 Some(mean) => self.mean_pass(MeanStep { at: node_state(at), mean }, sums, own),
             }
-            if let Some(tally) = outside.first_mut() {
+            let (of_contact, of_laws) = outside.split_at_mut(self.contact.iter().flat_map(|c| c.infos()).count());
+            self.add_contact(at, [&mut *total, dissipative], of_contact);
+            if let Some(tally) = of_laws.first_mut() {
                 *tally = self.add_laws(at, [&mut *total, &mut *external]);
             }
             self.add_apparent(node_state(at), [total, external], own);
@@ -274,7 +283,13 @@ impl System for Network {
             let rate = (gas.law.amount(t1) - gas.law.amount(t0)) / (t1 - t0);
             Some(rate * tallies.get(self.tally_of(*term)?)?.power)
         });
-        changes.chain(filled).sum()
+        // A moving obstacle does work on what it touches.
+        let pushed = self
+            .contact
+            .as_ref()
+            .filter(|contact| contact.contacts.moves())
+            .and_then(|_| tallies.get(self.tallies()).map(|tally| tally.power));
+        changes.chain(filled).chain(pushed).sum()
     }
 
     fn workers(&self) -> &Workers {
@@ -282,12 +297,16 @@ impl System for Network {
     }
 
     fn blocks(&self) -> Option<&dyn StepBlocks> {
-        let single = self.law_info().is_some() || self.arrangement.couples_blocks;
+        let single = self.law_info().is_some() || self.contact.is_some() || self.arrangement.couples_blocks;
         (!single).then_some(self)
     }
 
     fn stiff(&self) -> Option<&dyn StiffSprings> {
         (!self.acting.springs.is_empty()).then_some(self)
+    }
+
+    fn touches(&self) -> Option<&dyn Touches> {
+        Some(self.contact.as_ref()?)
     }
 
     fn velocity_dependent(&self) -> bool {

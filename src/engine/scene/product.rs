@@ -70,4 +70,8 @@ impl<const TRANSPOSED: bool> TangentSink for Product<'_, TRANSPOSED> {
     fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]) {
         self.element(nodes, blocks);
     }
+
+    fn four(&mut self, nodes: [u32; 4], blocks: &[[Matrix3<f64>; 4]; 4]) {
+        self.element(nodes, blocks);
+    }
 }

@@ -97,7 +97,7 @@ impl Network {
             ..Built::default()
         };
         let terms = springs.iter().map(|batch| Box::new(springs_of(batch)) as Box<dyn ForceTerm>).collect();
-        Network::new(built, Acting { terms, springs, ..Acting::default() }, Mesh::default(), self.threads.again())
+        Network::new(built, Acting { terms, springs, ..Acting::default() }, None, Mesh::default(), self.threads.again())
     }
 
     /// Which nodes allow less than `ratio` times the shortest step.
@@ -159,6 +159,10 @@ impl<F: Fn(&[u32; 2]) -> bool> TangentSink for Rest<'_, F> {
 
     fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]) {
         self.sink.triangle(nodes, blocks);
+    }
+
+    fn four(&mut self, nodes: [u32; 4], blocks: &[[Matrix3<f64>; 4]; 4]) {
+        self.sink.four(nodes, blocks);
     }
 }
 

@@ -2,11 +2,13 @@
 
 use super::network::{Network, by_node, node_state};
 use crate::assembly::{Assembler, MixedSystem, Nodes, PatternError, Recorder, TangentSystem};
+use crate::contact::near::Candidate;
 use crate::force::{ForceTerm, MeanStep, RankOne, TangentForm, TangentSink};
 use crate::model::forces::Forces;
 use crate::model::state::StateRef;
 use crate::model::system::{StepMean, System, Weights};
 use crate::startup::{Phase, timed};
+use std::sync::Arc;
 
 impl Network {
     fn pattern_of(&self, symmetric: bool) -> Result<Assembler, PatternError> {
@@ -17,9 +19,13 @@ impl Network {
         let state = self.initial_state();
         let mut recorder = Recorder::default();
         let nothing = Weights { m: 0.0, c: 0.0, k: 0.0 };
-        self.emit_tangents(state.as_ref(), nothing, TangentForm::EXACT, &mut recorder);
+        self.emit_terms(state.as_ref(), nothing, TangentForm::EXACT, &mut recorder);
+        let near = self.contact.as_ref().map(|contact| contact.last_near()).unwrap_or_default();
+        self.contact.iter().for_each(|contact| contact.record(&near, &mut recorder));
         let nodes = Nodes { position: bytemuck::cast_slice(&self.built.start), fixed: &self.phase().fixed };
-        Assembler::new(nodes, &recorder, symmetric)
+        let mut assembler = Assembler::new(nodes, &recorder, symmetric)?;
+        assembler.near = near;
+        Ok(assembler)
     }
 
     /// The rank-one parts of the tangents of terms: the term, and which of its scene numbers.
@@ -29,14 +35,36 @@ impl Network {
     }
 
     fn assemble_form(&self, at: StateRef<'_>, w: Weights, form: TangentForm, assembler: &mut Assembler) {
+        let near = assembler.near.clone();
         let mut sink = assembler.sink(|dof| w.m * self.built.mass[dof / 3]);
-        self.emit_tangents(at, w, form, &mut sink);
+        self.emit_terms(at, w, form, &mut sink);
+        self.emit_near(&near, at, w, form, &mut sink);
+    }
+
+    /// Tangents of everything that acts.
+    pub(super) fn emit_tangents(&self, at: StateRef<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
+        self.emit_terms(at, w, form, sink);
+        self.emit_contact(at, w, form, sink);
     }
 
     /// Those of all terms and of the program's laws, element by element, always in the same order.
-    pub(super) fn emit_tangents(&self, at: StateRef<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
+    fn emit_terms(&self, at: StateRef<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         self.acting.terms.iter().for_each(|term| term.tangent(node_state(at), w, form, sink));
         self.emit_law_tangents(at, w, form, sink);
+    }
+
+    /// Those of pairs that a pattern was made with.
+    pub(super) fn emit_near(
+        &self,
+        near: &[Candidate],
+        at: StateRef<'_>,
+        w: Weights,
+        form: TangentForm,
+        sink: &mut dyn TangentSink,
+    ) {
+        if let Some(contact) = &self.contact {
+            contact.emit((node_state(at), near), w, form, sink);
+        }
     }
 }
 
@@ -48,6 +76,10 @@ impl TangentSystem for Network {
 
     fn assembler(&self) -> Result<Assembler, PatternError> {
         self.pattern_of(self.symmetric())
+    }
+
+    fn outgrown(&self, assembler: &Assembler) -> bool {
+        self.contact.as_ref().is_some_and(|contact| !Arc::ptr_eq(&contact.last_near(), &assembler.near))
     }
 
     fn symmetric_assembler(&self) -> Result<Option<Assembler>, PatternError> {
@@ -129,9 +161,11 @@ impl TangentSystem for Network {
         form: TangentForm,
         assembler: &mut Assembler,
     ) {
+        let near = assembler.near.clone();
         let mut sink = assembler.sink(|dof| w.m * self.built.mass[dof / 3]);
         self.emit_mean_tangents(MeanStep { at: node_state(middle), mean }, w, form, &mut sink);
         self.emit_law_tangents(middle, w, form, &mut sink);
+        self.emit_near(&near, middle, w, form, &mut sink);
     }
 
     fn mixed(&self) -> Option<&dyn MixedSystem> {

@@ -120,6 +120,7 @@ impl Iteration<'_> {
                 return Ok(None);
             }
             let shares = self.direction()?;
+            self.newton.keep_apart(self.problem, z);
             left = match self.step(z, shares, left) {
                 Some(left) => left,
                 None => return Ok(None),

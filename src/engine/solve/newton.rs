@@ -115,6 +115,8 @@ pub struct Newton {
     guess: Vec<f64>,
     /// iterations on a reused factor
     pub(super) spent: u32,
+    /// whether the direction is one along which nothing touches
+    pub(super) kept_apart: bool,
 }
 
 impl Newton {
@@ -129,7 +131,7 @@ impl Newton {
         let (r, r_trial, floor, dz, trial, correction, guess) =
             (zero(), zero(), zero(), zero(), zero(), zero(), zero());
         let tensions = Tensions::default();
-        Newton { spec, r, r_trial, floor, dz, trial, correction, pairs, tensions, guess, spent: 0 }
+        Newton { spec, r, r_trial, floor, dz, trial, correction, pairs, tensions, guess, spent: 0, kept_apart: false }
     }
 
     /// Whether the balance of forces is far from the start `z` `[n]` across springs: there is no linear step to it, or

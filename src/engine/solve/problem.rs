@@ -36,6 +36,13 @@ pub trait NonlinearProblem {
         false
     }
 
+    /// Shortens the displacement `dz` `[n]` from `z` `[n]` of nodes that would pass through others or touch them.
+    /// Returns the share that is free for all of them; `None` where nothing may touch.
+    fn keep_apart(&mut self, z: &[f64], dz: &mut [f64]) -> Option<f64> {
+        let _ = (z, dz);
+        None
+    }
+
     /// Whether F is the gradient of a potential.
     fn conservative(&self) -> bool {
         false

@@ -286,6 +286,7 @@ impl Iteration<'_> {
         dz.copy_from_slice(r);
         self.problem.solve(dz)?;
         dz.iter_mut().for_each(|dz| *dz = -*dz);
+        self.newton.keep_apart(self.problem, z);
         Ok(match self.newton.settled(z, self.criteria, settling) {
             RoundingVerdict::Yes => Step::NotNeeded,
             RoundingVerdict::Never => Step::Hidden,
@@ -308,6 +309,7 @@ impl Iteration<'_> {
             self.frozen.cg_iterations = self.frozen.cg_iterations.saturating_add(cost);
         }
         dz.iter_mut().for_each(|dz| *dz = -*dz);
+        self.newton.keep_apart(self.problem, z);
         let Some(lambda) = self.search(z) else { return Ok(Step::Stuck) };
         self.pairs.push(lambda, &self.newton.dz, &self.newton.r);
         Ok(Step::Taken(lambda))

@@ -61,7 +61,9 @@ pub(super) fn downhill(
         // The slope may be finite although forces overflow, if the direction does not act on them.
         let here = if norm(&newton.r_trial).is_finite() { dot(&newton.r_trial, &newton.dz) } else { f64::INFINITY };
         let left = if trial == 0 { FULL_SLOPE } else { SLOPE } * slope.abs();
-        if landed || here.is_finite() && here.abs() <= left {
+        // Beyond the direction itself something may touch.
+        let ends = newton.kept_apart && trial == 0 && here < 0.0;
+        if landed || here.is_finite() && (ends || here.abs() <= left) {
             newton.accept_trial(z);
             return Some(lambda);
         }
@@ -102,6 +104,19 @@ impl Newton {
         }
         problem.residual(&self.trial, &mut self.r_trial, &mut self.floor);
         norm(&self.r_trial).is_finite() && excess(&self.r_trial, &self.floor) <= tolerance
+    }
+
+    /// Shortens the direction of nodes that would touch others. If the rest leads uphill, that of all nodes alike.
+    pub(super) fn keep_apart(&mut self, problem: &mut dyn NonlinearProblem, z: &[f64]) {
+        self.correction.copy_from_slice(&self.dz);
+        let Some(least) = problem.keep_apart(z, &mut self.dz) else {
+            self.kept_apart = false;
+            return;
+        };
+        self.kept_apart = true;
+        if least < 1.0 && dot(&self.r, &self.dz) >= 0.0 && dot(&self.r, &self.correction) < 0.0 {
+            self.dz.iter_mut().zip(&self.correction).for_each(|(dz, whole)| *dz = least * whole);
+        }
     }
 
     /// Accepts the last trial point.

@@ -52,6 +52,18 @@ impl NonlinearProblem for Proximal<'_> {
         }
     }
 
+    fn keep_apart(&mut self, z: &[f64], dz: &mut [f64]) -> Option<f64> {
+        let touches = self.scene.touches()?;
+        let (mut x, mut way) = (self.from.state.x.clone(), vec![0.0; self.from.state.x.len()]);
+        for (&dof, (z, dz)) in self.tangents.dof.iter().zip(z.iter().zip(&*dz)) {
+            x[dof as usize] += z;
+            way[dof as usize] = *dz;
+        }
+        let least = touches.keep_apart(&x, [self.to.state.t; 2], &mut way);
+        dz.iter_mut().zip(&*self.tangents.dof).for_each(|(dz, &dof)| *dz = way[dof as usize]);
+        Some(least)
+    }
+
     fn conservative(&self) -> bool {
         self.tangents.symmetric()
     }

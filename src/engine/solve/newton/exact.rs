@@ -90,10 +90,12 @@ impl Newton {
         let taken = |lambda: Option<f64>| lambda.map_or(Step::Stuck, Step::Taken);
         if problem.conservative() {
             self.downhill_direction(problem)?;
+            self.keep_apart(problem, z);
             return Ok(taken(search::downhill(self, problem, z, tolerance)));
         }
         if caution.left == 0 {
             self.direction(problem, Curvature::Exact)?;
+            self.keep_apart(problem, z);
             let lambda = search::smaller_residual(self, problem, z, tolerance);
             if lambda.is_none_or(|lambda| lambda < CRAWL) {
                 caution.raise();
@@ -104,6 +106,7 @@ impl Newton {
             problem.residual(z, &mut self.r, &mut self.floor);
         }
         self.direction(problem, Curvature::Convex)?;
+        self.keep_apart(problem, z);
         let lambda = search::downhill(self, problem, z, tolerance);
         if lambda.is_some_and(|lambda| lambda >= 1.0) {
             caution.left = caution.left.saturating_sub(1);
@@ -124,6 +127,7 @@ impl Newton {
         } else {
             self.direction(problem, Curvature::Exact)?;
         }
+        self.keep_apart(problem, z);
         Ok(match self.settled(z, criteria, settling) {
             RoundingVerdict::Yes => Step::NotNeeded,
             RoundingVerdict::Never => Step::Hidden,

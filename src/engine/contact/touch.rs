@@ -1,0 +1,164 @@
+//! Energy, force and tangent of a pair that is closer than its gap.
+//!
+//! ```text
+//! phi = m V(g),   g = d - thickness;   m: what smooths parallel edges (`parallel`), else 1
+//! dphi/dx_j = m V' w_j n + V dm/dx_j
+//! K = m V'' (w n)(w n)^T + m V' d2d/dx2 + V' (dd dm^T + dm dd^T) + V d2m/dx2;      convex: the first part alone
+//! ```
+//! w_j are the shares of the nodes in the closest points, those of the second element negative, and n the unit vector
+//! from the second to the first (`distance`). So forces of a pair add up to 0, and so do their moments.
+
+use super::barrier::{Barrier, Push};
+use super::distance::{Nearest, PairKind, nearest};
+use super::friction::{CREEP, Friction};
+use super::near::{Candidate, Form, NO_NODE, Places, points};
+use super::parallel::Mollifier;
+use crate::force::outer;
+use nalgebra::{Matrix3, Vector3};
+
+/// One value for every pair of nodes of a pair.
+pub type Blocks = [[Matrix3<f64>; 4]; 4];
+
+/// A pair that is closer than its gap.
+#[derive(Clone, Debug)]
+pub struct Touch {
+    /// [-] w
+    pub weights: [f64; 4],
+    /// n
+    pub normal: Vector3<f64>,
+    /// [m] g
+    pub gap: f64,
+    /// V, -V' and V''
+    push: Push,
+    /// the closest points; `None` at a plane
+    nearest: Option<Nearest>,
+    /// m, where it is not 1
+    parallel: Option<Mollifier>,
+}
+
+impl Touch {
+    /// A candidate at these places; `None` if it is not closer than its gap. `limited` is how explicit steps have it.
+    pub fn of(candidate: &Candidate, places: Places<'_>, limited: bool) -> Option<Self> {
+        let contact = &places.contacts.list[usize::from(candidate.contact)];
+        let barrier = Barrier { stiffness: candidate.stiffness, gap: contact.gap, limited };
+        let kind = match candidate.form {
+            Form::Plane => {
+                let plane = places.plane(candidate.contact)?;
+                let gap = plane.normal.dot(&(places.at(candidate.nodes[0]) - plane.point));
+                let push = barrier.at(gap)?;
+                let weights = [1.0, 0.0, 0.0, 0.0];
+                return Some(Touch { weights, normal: plane.normal, gap, push, nearest: None, parallel: None });
+            }
+            Form::Pair(kind) => kind,
+        };
+        let x = points(candidate.nodes, |node| places.at(node));
+        let found = nearest(kind, &x);
+        let gap = found.distance - contact.thickness;
+        let push = barrier.at(gap)?;
+        let parallel = (kind == PairKind::EdgeEdge).then(|| Mollifier::new(&x, candidate.lengths));
+        let parallel = parallel.filter(Mollifier::is_below_1);
+        Some(Touch { weights: found.weights, normal: found.normal(), gap, push, nearest: Some(found), parallel })
+    }
+
+    /// m
+    fn share(&self) -> f64 {
+        self.parallel.as_ref().map_or(1.0, Mollifier::value)
+    }
+
+    /// [J] phi
+    pub fn energy(&self) -> f64 {
+        self.share() * self.push.energy
+    }
+
+    /// [N] -m V', by which the sides press on each other.
+    pub fn pressure(&self) -> f64 {
+        self.share() * self.push.force
+    }
+
+    /// [N/m] m V''
+    pub fn slope(&self) -> f64 {
+        self.share() * self.push.slope
+    }
+
+    /// [N] dphi/dx_j: minus the forces on the nodes.
+    pub fn gradient(&self) -> [Vector3<f64>; 4] {
+        let along = self.normal * -self.pressure();
+        let mut gradient = self.weights.map(|w| along * w);
+        if let Some(parallel) = &self.parallel {
+            let of_share = parallel.gradient().into_iter().map(|slope| slope * self.push.energy);
+            gradient.iter_mut().zip(of_share).for_each(|(sum, added)| *sum += added);
+        }
+        gradient
+    }
+
+    /// [N/m] K, or its convex part, which has no negative eigenvalue.
+    pub fn tangent(&self, convex: bool) -> Blocks {
+        let along = outer(self.normal, self.normal) * self.slope();
+        let mut k: Blocks = self.weights.map(|a| self.weights.map(|b| along * (a * b)));
+        if convex {
+            return k;
+        }
+        let Some(nearest) = &self.nearest else { return k };
+        let [share, slope] = [self.share(), -self.push.force];
+        add(&mut k, &nearest.hessian(), share * slope);
+        if let Some(parallel) = &self.parallel {
+            let (of_gap, of_share) = (self.weights.map(|w| self.normal * w), parallel.gradient());
+            for (i, row) in k.iter_mut().enumerate() {
+                for (j, block) in row.iter_mut().enumerate() {
+                    *block += (outer(of_gap[i], of_share[j]) + outer(of_share[i], of_gap[j])) * slope;
+                }
+            }
+            add(&mut k, &parallel.hessian(), self.push.energy);
+        }
+        k
+    }
+
+    /// Where and how strongly the sides press on each other.
+    pub fn pressed(&self, candidate: &Candidate) -> Pressed {
+        Pressed { candidate: *candidate, weights: self.weights, normal: self.normal, pressure: self.pressure() }
+    }
+}
+
+fn add(sum: &mut Blocks, added: &Blocks, times: f64) {
+    for (sum, added) in sum.iter_mut().flatten().zip(added.iter().flatten()) {
+        *sum += added * times;
+    }
+}
+
+/// Where and how strongly the sides of a pair press on each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pressed {
+    /// the pair
+    pub candidate: Candidate,
+    /// [-] w
+    pub weights: [f64; 4],
+    /// n
+    pub normal: Vector3<f64>,
+    /// [N] lambda
+    pub pressure: f64,
+}
+
+impl Pressed {
+    /// [m/s] Velocity of the first closest point against the second, for nodes with velocities `v` [m/s].
+    pub fn velocity(&self, places: Places<'_>, v: &[Vector3<f64>]) -> Vector3<f64> {
+        let nodes = self.candidate.nodes.iter().zip(self.weights).filter(|(node, _)| **node != NO_NODE);
+        let own: Vector3<f64> = nodes.map(|(node, w)| places.velocity(v, *node) * w).sum();
+        match self.candidate.form {
+            Form::Plane => own - places.shifts[usize::from(self.candidate.contact)][1],
+            Form::Pair(_) => own,
+        }
+    }
+
+    /// Its friction; `None` without. A step of `h` [s] that is explicit can follow it up to where it would stop the
+    /// sides within four steps.
+    pub fn friction(&self, places: Places<'_>, explicit: Option<f64>) -> Option<Friction> {
+        let contacts = places.contacts;
+        let mu = contacts.list[usize::from(self.candidate.contact)].friction;
+        let limit = mu * self.pressure;
+        let of_node =
+            |(node, w): (&u32, f64)| w * w * contacts.inverse_mass.get(*node as usize).copied().unwrap_or(0.0);
+        let mobility = || self.candidate.nodes.iter().zip(self.weights).map(of_node).sum::<f64>();
+        let creep = explicit.map_or(CREEP, |h| f64::max(CREEP, 4.0 * limit * h * mobility()));
+        (limit > 0.0).then_some(Friction { limit, creep, normal: self.normal })
+    }
+}
