@@ -4,6 +4,7 @@
 mod air;
 mod canopy;
 mod coefficients;
+mod contact;
 mod digits;
 mod elastic_law;
 mod energy;

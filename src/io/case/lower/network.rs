@@ -9,7 +9,7 @@ use super::numbers::series;
 use super::point::{Whole, point};
 use super::springs::SpringSources;
 use super::supports::{Supports, supports};
-use super::{canopy, digits, energy, gas, loads, mass, plausible, springs, surface};
+use super::{canopy, contact, digits, energy, gas, loads, mass, plausible, springs, surface};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Damping, Network, NetworkModel, Until, VectorTable, vectors};
@@ -81,6 +81,12 @@ pub(super) fn network(
     } else {
         initial::InitialState::default()
     };
+    let contacts = {
+        let moved: BTreeSet<u32> = motions.iter().flat_map(|motion| &motion.nodes).map(|(node, _)| *node).collect();
+        let moves = &|node: u32| at_last.get(node as usize) != Some(&[true; 3]) || moved.contains(&node);
+        let scene = contact::Scene { geometry, base, displacement: &start.displacement, moves };
+        contact::contacts(&at.key("contact"), &network.contact, &scene, faults)
+    };
     let springs: BTreeSet<u32> = groups.iter().flat_map(|group| group.edges.iter().copied()).collect();
     let (has_spring, air_around) = (&|edge: u32| springs.contains(&edge), stream.is_some());
     let events = events::events(plan, Sights { geometry, mass: &masses, has_spring, air: air_around }, faults);
@@ -103,7 +109,7 @@ pub(super) fn network(
         line_drag,
         node_drag,
         gases,
-        contacts: Vec::new(),
+        contacts,
         pressures: loads.pressures,
         forces: loads.forces,
         rayleigh,

@@ -112,6 +112,9 @@ fn refuse(at: &Pointer, full: &NetworkSpec, whole: &Whole, faults: &mut Faults<'
     if !full.gases.is_empty() {
         not(&at.key("gas"), "gas in a point", "no gas");
     }
+    if !full.contacts.is_empty() {
+        not(&at.key("contact"), "contact of a point", "no contact");
+    }
     if !full.pressures.is_empty() || full.forces.iter().any(|load| !of_payload(&load.nodes)) {
         not(&at.key("loads"), "loads on a point", "forces on the payload");
     }

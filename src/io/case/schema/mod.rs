@@ -4,6 +4,7 @@
 //! SI; the doc of a number begins with its unit.
 
 pub mod aero;
+pub mod contact;
 mod event;
 pub mod gas;
 pub mod glide;
@@ -30,6 +31,7 @@ pub use aero::{
     Aero, Canopy, Cavity, ClothLaw, Drag, ErgunForm, ErgunLaw, Filling, FillingSchedule, OneOrSeveral, PermeableLaw,
     PorousLaw, PressureCoefficient, PressureCoefficientLaw, PressureTable, ZoneCoefficient,
 };
+pub use contact::{Bar, Between, Contact, Cuboid, EverythingWord, Obstacle, Plane, TouchingSide};
 pub use event::{Until, When};
 pub use gas::Gas;
 pub use glide::Glide;

@@ -5,6 +5,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
 use super::aero::{Aero, OneOrSeveral};
+use super::contact::Contact;
 use super::event::When;
 use super::gas::Gas;
 use super::loads::Load;
@@ -54,6 +55,9 @@ pub struct Network {
     /// Gas in a closed volume, or in each of a list of volumes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gas: Option<OneOrSeveral<Gas>>,
+    /// What may touch what: cloth, lines and rigid bodies. Without it everything passes through everything.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub contact: Vec<Contact>,
     /// Given pressures and forces.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<Load>,
