@@ -6,9 +6,9 @@
 //!
 //! Everything is little-endian `f64`. A pair is 29 of them: its kind (0 node-node, 1 node-edge, 2 node-triangle, 3
 //! edge-edge), 12 coordinates of the nodes, 12 displacements, the thickness, the share of the gap that is to be left
-//! and two lengths of edges at rest. A result is 29: the distance, the places of the closest points on both elements (a
-//! node's number; 10 a + b between nodes a and b; 100 inside the triangle), 12 derivatives, the free share (2 where the
-//! whole way is free) and, of two edges, the mollifier and 12 derivatives of it. The rest is 0.
+//! and two lengths of edges at rest. A result is 29 as well: the distance, the places of the closest points on both
+//! elements (a node's number; 100 + 10 a + b between nodes a and b; 200 inside the triangle), 12 derivatives, the free
+//! share (2 where the whole way is free) and, of two edges, the mollifier and 12 derivatives of it, else 13 times 0.
 
 use canopy_fem_engine::contact::distance::{PairKind, Place, nearest};
 use canopy_fem_engine::contact::impact::{Approach, free_share};
@@ -17,6 +17,7 @@ use nalgebra::Vector3;
 use std::error::Error;
 use std::io::{Read, Write};
 
+/// Numbers of a pair.
 const GIVEN: usize = 29;
 
 fn kind(number: f64) -> Result<PairKind, Box<dyn Error>> {
@@ -32,8 +33,8 @@ fn kind(number: f64) -> Result<PairKind, Box<dyn Error>> {
 fn number_of(place: Place) -> f64 {
     match place {
         Place::Corner(node) => node as f64,
-        Place::Side(from, to) => (10 * from + to) as f64,
-        Place::Inside => 100.0,
+        Place::Side(from, to) => (100 + 10 * from + to) as f64,
+        Place::Inside => 200.0,
     }
 }
 
