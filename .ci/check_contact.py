@@ -103,29 +103,37 @@ def compare_distances(kind, draw):
         nodes = list(x[i, : NODES[kind]])
         name = NAMES[kind][tuple(places[i])]
         dtype = {} if name is None else {"dtype": name}
-        # Where a triangle has no area ipctk takes the point for one inside of it, and has no number.
+        # Where a triangle has no area ipctk takes the point for one inside of it, and has no number. `np.maximum` keeps
+        # what is no number, `max` would not.
         flat = sine[i] < 1e-20 or (kind == 1 and (nodes[1] == nodes[2]).all())
         allowed = AGREE + ROUNDING / sine[i] if not flat else AGREE
         expected = nearest_on_border(kind, nodes) if flat else SQUARE[kind](*nodes)
         scale = max(expected, 1e-4)
-        worst[0] = max(worst[0], abs(distance[i] ** 2 - expected) / scale / allowed)
+        worst[0] = np.maximum(worst[0], abs(distance[i] ** 2 - expected) / scale / allowed)
         if not flat and name is not None and TYPE[kind](*nodes) != name:
             ties += 1
-            worst[1] = max(worst[1], abs(SQUARE[kind](*nodes, **dtype) - expected) / scale / (TIE / AGREE * allowed))
+            worst[1] = np.maximum(
+                worst[1], abs(SQUARE[kind](*nodes, **dtype) - expected) / scale / (TIE / AGREE * allowed)
+            )
         borders += flat
         if not (flat and name in (T.P_T, EE.EA_EB)):
             slope = SLOPE[kind](*nodes, **dtype)
             ours = 2 * distance[i] * gradient[i, : 3 * NODES[kind]]
-            worst[2] = max(worst[2], np.abs(ours - slope).max() / max(np.abs(slope).max(), 1e-2) / allowed)
+            worst[2] = np.maximum(worst[2], np.abs(ours - slope).max() / max(np.abs(slope).max(), 1e-2) / allowed)
         if kind == 3:
             threshold = ipctk.edge_edge_mollifier_threshold(*nodes)
             if threshold > 0:
                 value, slope = (
                     of(*nodes, threshold) for of in (ipctk.edge_edge_mollifier, ipctk.edge_edge_mollifier_gradient)
                 )
-                off = max(abs(mollifier[i] - value), np.abs(bend[i] - slope).max() / max(np.abs(slope).max(), 1))
-                worst[3] = max(worst[3], off / AGREE)
+                off = np.maximum(abs(mollifier[i] - value), np.abs(bend[i] - slope).max() / max(np.abs(slope).max(), 1))
+                worst[3] = np.maximum(worst[3], off / AGREE)
     return worst, ties, borders
+
+
+def distance_on_the_way(kind, x, d, share):
+    """[m] by ipctk"""
+    return SQUARE[kind](*(x + share * d)) ** 0.5
 
 
 def compare_impacts(kind, draw):
@@ -140,34 +148,24 @@ def compare_impacts(kind, draw):
     distance, _, _, share, _, _ = ask(kind, x, d, thickness)
     gap = distance - thickness
     target = thickness + LEFT * gap
-    additive, tight = ipctk.AdditiveCCD(conservative_rescaling=1 - LEFT), ipctk.tight_inclusion
-    additive = (additive.point_point_ccd, additive.point_edge_ccd, additive.point_triangle_ccd, additive.edge_edge_ccd)[
-        kind
-    ]
-    tight = (None, None, tight.point_triangle_ccd, tight.edge_edge_ccd)[kind]
+    ccd = ipctk.AdditiveCCD(conservative_rescaling=1 - LEFT)
+    additive = (ccd.point_point_ccd, ccd.point_edge_ccd, ccd.point_triangle_ccd, ccd.edge_edge_ccd)[kind]
+    tight = (None, None, ipctk.tight_inclusion.point_triangle_ccd, ipctk.tight_inclusion.edge_edge_ccd)[kind]
     ratios, before = [], []
     for i in np.flatnonzero(gap > 0):
-        k = NODES[kind]
-        there = lambda s: SQUARE[kind](*(x[i, :k] + s * d[i, :k])) ** 0.5
+        path = (kind, x[i, : NODES[kind]], d[i, : NODES[kind]])
         end = min(share[i], 1)
-        least = min(there(end * s / 8) for s in range(9))
+        least = min(distance_on_the_way(*path, end * s / 8) for s in range(9))
         assert least >= target[i] * (1 - 1e-9), ("it overshoots", KINDS[kind], x[i], d[i], share[i], least, target[i])
         most = target[i] + 1.01 * SLACK * LEFT * gap[i]
-        assert share[i] == 2 or there(end) <= most, (
-            "it ends early",
-            KINDS[kind],
-            x[i],
-            d[i],
-            share[i],
-            there(end),
-            most,
-        )
-        path = [*x[i, :k], *(x[i, :k] + d[i, :k])]
-        met, time = additive(*path, min_distance=thickness[i])
+        last = distance_on_the_way(*path, end)
+        assert share[i] == 2 or last <= most, ("it ends early", KINDS[kind], x[i], d[i], share[i], last, most)
+        ends = [*path[1], *(path[1] + path[2])]
+        met, time = additive(*ends, min_distance=thickness[i])
         if share[i] < 2 and met and time > 0:
             ratios.append(share[i] / time)
         if tight and thickness[i] == 0:
-            met, time, _ = tight(*path)
+            met, time, _ = tight(*ends)
             assert not met or share[i] <= time + TIGHT, ("it is late", KINDS[kind], x[i], d[i], share[i], time)
             if met and time > 0:
                 before.append(share[i] / time)
@@ -181,6 +179,7 @@ for kind, name in enumerate(KINDS):
     assert (worst < 1).all(), (name, "squares, ties, derivatives and mollifiers differ by this many times", worst)
     met, ratios, before = compare_impacts(kind, draw)
     assert met > MOVING / 5 and (kind == 0 or ties and borders), (name, met, ties, borders)
+    assert np.median(ratios) >= 1, (name, "ways are shorter than by ipctk's additive method", np.median(ratios))
     tight = f", {np.median(before):.3f} of its tight ones" if len(before) else ""
     said.append(
         f"{name} {worst.max() * AGREE:.0e} ({ties} ties, {borders} degenerate), {met} of {MOVING} meet at "
