@@ -1,5 +1,18 @@
 //! Contact: what is near, what touches, and the forces of it.
+//!
+//! * [`bodies`]: the nodes, edges and triangles that may touch, and obstacles among them.
+//! * [`near`]: pairs that are near, found by trees of boxes and kept until something has moved.
+//! * [`distance`], [`parallel`]: the distance of a pair with its derivatives, and what smooths that of parallel edges.
+//! * [`impact`]: how far a pair may move before it touches; [`apart`]: how far all nodes of a scene may.
+//! * [`barrier`], [`friction`]: the laws.
+//! * [`touch`]: force and tangent of a pair.
 
+pub mod apart;
+pub mod barrier;
+pub mod bodies;
 pub mod distance;
+pub mod friction;
 pub mod impact;
+pub mod near;
 pub mod parallel;
+pub mod touch;

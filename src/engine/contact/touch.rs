@@ -150,7 +150,7 @@ impl Pressed {
     }
 
     /// Its friction; `None` without. A step of `h` [s] that is explicit can follow it up to where it would stop the
-    /// sides within four steps.
+    /// sides within two steps.
     pub fn friction(&self, places: Places<'_>, explicit: Option<f64>) -> Option<Friction> {
         let contacts = places.contacts;
         let mu = contacts.list[usize::from(self.candidate.contact)].friction;
@@ -158,7 +158,7 @@ impl Pressed {
         let of_node =
             |(node, w): (&u32, f64)| w * w * contacts.inverse_mass.get(*node as usize).copied().unwrap_or(0.0);
         let mobility = || self.candidate.nodes.iter().zip(self.weights).map(of_node).sum::<f64>();
-        let creep = explicit.map_or(CREEP, |h| f64::max(CREEP, 4.0 * limit * h * mobility()));
+        let creep = explicit.map_or(CREEP, |h| f64::max(CREEP, 2.0 * limit * h * mobility()));
         (limit > 0.0).then_some(Friction { limit, creep, normal: self.normal })
     }
 }
