@@ -5,7 +5,7 @@
 //! * [`distance`], [`parallel`]: the distance of a pair with its derivatives, and what smooths that of parallel edges.
 //! * [`impact`]: how far a pair may move before it touches; [`apart`]: how far all nodes of a scene may.
 //! * [`barrier`], [`friction`]: the laws.
-//! * [`touch`]: force and tangent of a pair.
+//! * [`touch`]: force and tangent of a pair; [`mean`]: the same as a mean over a step.
 
 pub mod apart;
 pub mod barrier;
@@ -13,6 +13,7 @@ pub mod bodies;
 pub mod distance;
 pub mod friction;
 pub mod impact;
+pub mod mean;
 pub mod near;
 pub mod parallel;
 pub mod touch;

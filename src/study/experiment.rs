@@ -11,7 +11,7 @@ use crate::drive::observer::{AcceptedStep, Energies, ObserveError, Observer, Res
 use crate::drive::{Explain, Outcome, Run, RunError, RunSpec, RunState, Snapshot};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
-use crate::integrate::stepper::{NeedsNetwork, Stepper};
+use crate::integrate::stepper::{Stepper, Unfit};
 use crate::model::point::Point;
 use crate::model::state::State;
 use crate::model::stop::Stop;
@@ -74,7 +74,7 @@ pub enum Event<'e> {
 pub enum ExperimentError {
     /// The method does not fit the scene.
     #[error(transparent)]
-    Method(#[from] NeedsNetwork),
+    Method(#[from] Unfit),
     /// The run could not start.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -102,7 +102,7 @@ impl<'a> Experiment<'a> {
     ///
     /// # Errors
     /// A method that does not fit the scene.
-    pub fn stepper(&self) -> Result<Stepper<'a>, NeedsNetwork> {
+    pub fn stepper(&self) -> Result<Stepper<'a>, Unfit> {
         Stepper::bind(self.method.scheme(self.solver), self.scene.interfaces())
     }
 

@@ -90,6 +90,10 @@ impl TangentSystem for MeanSystem<'_> {
         self.system.mean_assembler()
     }
 
+    fn way_over_unknown(&self) -> f64 {
+        2.0
+    }
+
     fn outgrown(&self, assembler: &Assembler) -> bool {
         self.system.outgrown(assembler)
     }

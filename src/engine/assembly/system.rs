@@ -13,6 +13,11 @@ pub trait TangentSystem: System {
     /// Whether K and C are symmetric at every state; decides between Cholesky and LU.
     fn symmetric(&self) -> bool;
 
+    /// [-] The way of a node in a step over the unknown of the step: 2 if that is the way to its middle.
+    fn way_over_unknown(&self) -> f64 {
+        1.0
+    }
+
     /// Builds the pattern of W and the slots of every element. Called once, by implicit schemes only.
     fn assembler(&self) -> Result<Assembler, PatternError>;
 

@@ -6,7 +6,7 @@
 
 use super::bodies::{Contacts, Other};
 use super::impact::{Approach, free_share};
-use super::near::{Candidate, Form, NO_NODE, Places, Search, points};
+use super::near::{Candidate, Form, NO_NODE, Near, Places, Search, points};
 use crate::mesh::box_tree::Bounds;
 use nalgebra::Vector3;
 
@@ -22,18 +22,27 @@ pub struct Apart {
     found: Vec<Candidate>,
     /// [-] of the way of every node
     share: Vec<f64>,
+    /// [m] where nodes end
+    ends: Vec<Vector3<f64>>,
     /// [m] where nodes that an obstacle or a support pushes go at least
     carried: Vec<Vector3<f64>>,
 }
 
 impl Apart {
-    /// Shortens the ways `way` [m] of nodes from where they are; `later` is where obstacles are at the end. Returns the
-    /// share [-] of the ways that is free for all.
-    pub fn shorten(&mut self, places: Places<'_>, later: &[[Vector3<f64>; 2]], way: &mut [Vector3<f64>]) -> f64 {
+    /// Overwrites the pairs that may meet on the ways `way` [m] of nodes: those that are near where these cover both
+    /// ends; `later` is where obstacles are at the end. None if a way is not finite.
+    fn find(&mut self, places: Places<'_>, later: &[[Vector3<f64>; 2]], way: &[Vector3<f64>], near: &Near) {
         let contacts = places.contacts;
         let n = way.len();
+        self.found.clear();
         if !way.iter().flatten().all(|d| d.is_finite()) {
-            return 1.0;
+            return;
+        }
+        self.ends.clear();
+        self.ends.extend(places.x.iter().zip(way).map(|(x, way)| x + way));
+        let end = Places { x: &self.ends, shifts: later, ..places };
+        if near.covers(places, 0.5) && near.covers(end, 0.5) {
+            return self.found.extend_from_slice(near.list());
         }
         let together = match contacts.is_free() {
             true => way.iter().sum::<Vector3<f64>>() / n as f64,
@@ -51,13 +60,44 @@ impl Apart {
             Bounds::of([&x.into(), &(x + pushed(node) - together).into()])
         };
         self.search.find(contacts, place, 0.0, |_| true, &mut self.found);
+    }
+
+    /// The first pair that touches on the ways of nodes between two places.
+    pub fn first_touch(
+        &mut self,
+        places: Places<'_>,
+        later: &[[Vector3<f64>; 2]],
+        way: &[Vector3<f64>],
+        near: &Near,
+    ) -> Option<Candidate> {
+        self.find(places, later, way, near);
+        self.reset(way.len());
+        let pairs = Round { places, later, way, share: &mut self.share, carried: &mut self.carried };
+        let touches = |pair: &&Candidate| pairs.free_share(pair, 0.0).is_some();
+        self.found.iter().find(touches).copied()
+    }
+
+    fn reset(&mut self, nodes: usize) {
+        self.share.clear();
+        self.share.resize(nodes, 1.0);
+        self.carried.clear();
+        self.carried.resize(nodes, Vector3::zeros());
+    }
+
+    /// Shortens the ways `way` [m] of nodes from where they are; `later` is where obstacles are at the end. Returns the
+    /// share [-] of the ways that is free for all.
+    pub fn shorten(
+        &mut self,
+        places: Places<'_>,
+        later: &[[Vector3<f64>; 2]],
+        way: &mut [Vector3<f64>],
+        near: &Near,
+    ) -> f64 {
+        self.find(places, later, way, near);
         if self.found.is_empty() {
             return 1.0;
         }
-        self.share.clear();
-        self.share.resize(n, 1.0);
-        self.carried.clear();
-        self.carried.resize(n, Vector3::zeros());
+        self.reset(way.len());
         let mut least: f64 = 1.0;
         for round in 0..ROUNDS {
             let mut pairs = Round { places, later, way, share: &mut self.share, carried: &mut self.carried };
@@ -97,7 +137,7 @@ impl Round<'_> {
     fn look(&mut self, pairs: &[Candidate]) -> (bool, f64) {
         let (mut shortened, mut least) = (false, 1.0);
         for pair in pairs {
-            let Some(free) = self.free_share(pair) else { continue };
+            let Some(free) = self.free_share(pair, KEPT) else { continue };
             least = f64::min(least, free);
             let driven = self.driven(pair);
             for &node in pair.nodes.iter().filter(|node| self.places.contacts.is_node(**node)) {
@@ -140,18 +180,19 @@ impl Round<'_> {
         ways.into_iter().find(|way| *way != Vector3::zeros())
     }
 
-    fn free_share(&self, pair: &Candidate) -> Option<f64> {
+    /// The share of their ways up to which a pair keeps the share `kept` of its distance; `None` if all is free.
+    fn free_share(&self, pair: &Candidate, kept: f64) -> Option<f64> {
         let contact = &self.places.contacts.list[usize::from(pair.contact)];
         match (pair.form, self.places.plane(pair.contact)) {
             (Form::Plane, Some(plane)) => {
                 let x = self.places.at(pair.nodes[0]) - plane.point;
                 let way = self.way_of(pair.nodes[0]) - self.way_of_obstacle(pair.contact);
                 let (gap, change) = (plane.normal.dot(&x), plane.normal.dot(&way));
-                (gap + change < KEPT * gap).then(|| (1.0 - KEPT) * gap / -change)
+                (gap + change < kept * gap).then(|| (1.0 - kept) * gap / -change)
             }
             (Form::Pair(kind), _) => {
                 let [x, d] = [points(pair.nodes, |i| self.places.at(i)), points(pair.nodes, |i| self.way_of(i))];
-                free_share(&Approach { kind, x, d, thickness: contact.thickness }, KEPT)
+                free_share(&Approach { kind, x, d, thickness: contact.thickness }, kept)
             }
             _ => None,
         }
@@ -192,7 +233,7 @@ mod tests {
         let mut way = vec![Vector3::zeros(); 7];
         way[3] = corner(0.0, 0.0, -1.0);
         way[6] = corner(-4.0, 0.0, 0.0);
-        let least = Apart::default().shorten(places, &shifts, &mut way);
+        let least = Apart::default().shorten(places, &shifts, &mut way, &Near::default());
         assert!(least < 0.1 && least > 0.08, "{least}");
         let height = rest[3].z + way[3].z;
         assert!(height >= 0.1 * 0.1 * 0.999 && height < 0.03, "{height}");

@@ -284,7 +284,9 @@ pub struct Near {
     /// [m] displacements of obstacles then
     shifts: Vec<Vector3<f64>>,
     found: Vec<Candidate>,
-    /// how often they were found
+    /// [m] how far beyond their gaps pairs were looked for
+    skin: f64,
+    /// how often they were looked for
     searches: u64,
 }
 
@@ -304,13 +306,27 @@ impl Near {
         &self.reference
     }
 
-    /// Looks for pairs if some may be missing. Returns whether it did.
-    pub fn refresh(&mut self, places: Places<'_>) -> bool {
-        let needed = self.reference.len() != places.x.len() || self.moved(places) > 0.5 * places.contacts.skin;
-        if needed {
-            self.look(places);
+    /// Looks for pairs if some may be missing.
+    pub fn refresh(&mut self, places: Places<'_>) {
+        if !self.covers(places, 0.5) {
+            self.look(places, 0.0);
         }
-        needed
+    }
+
+    /// The same for all places on the ways `half * v` [m] to both sides of these places.
+    pub fn refresh_along(&mut self, places: Places<'_>, v: &[Vector3<f64>], half: f64) {
+        let of_nodes = v.iter().map(|v| half * v.norm()).fold(0.0, f64::max);
+        let of_obstacles = places.shifts.iter().map(|[_, v]| half * v.norm()).fold(0.0, f64::max);
+        let way = of_nodes + of_obstacles;
+        if self.reference.len() != places.x.len() || self.moved(places) + way > 0.5 * self.skin {
+            self.look(places, 2.0 * way);
+        }
+    }
+
+    /// Whether no pair can touch at these places that is not among those that are near: nothing has moved by more than
+    /// a share of the skin.
+    pub fn covers(&self, places: Places<'_>, share: f64) -> bool {
+        self.reference.len() == places.x.len() && self.moved(places) <= share * self.skin
     }
 
     /// [m] How far a node may have moved against another one or an obstacle, over 2.
@@ -326,16 +342,18 @@ impl Near {
         if most.is_nan() { f64::INFINITY } else { most.sqrt() + of_obstacles.fold(0.0, f64::max) }
     }
 
-    /// Looks for pairs.
-    pub fn look(&mut self, places: Places<'_>) {
+    /// Looks for pairs, at distances of `more` [m] beyond the skin too.
+    pub fn look(&mut self, places: Places<'_>, more: f64) {
         let contacts = places.contacts;
+        self.skin = contacts.skin + more;
+        let skin = self.skin;
         let place = |node| {
             let x = places.at(node).into();
             Bounds { low: x, high: x }
         };
         let keep = |candidate: &Candidate| {
             let contact = &contacts.list[usize::from(candidate.contact)];
-            let reach = contact.gap + contact.thickness + contacts.skin;
+            let reach = contact.gap + contact.thickness + skin;
             match (candidate.form, places.plane(candidate.contact)) {
                 (Form::Plane, Some(plane)) => plane.normal.dot(&(places.at(candidate.nodes[0]) - plane.point)) < reach,
                 (Form::Pair(kind), _) => {
@@ -344,7 +362,7 @@ impl Near {
                 _ => false,
             }
         };
-        self.search.find(contacts, place, contacts.skin, keep, &mut self.found);
+        self.search.find(contacts, place, skin, keep, &mut self.found);
         let same = self.found.len() == self.list.len()
             && self.found.iter().zip(self.list.iter()).all(|(new, old)| new.key() == old.key());
         if !same {

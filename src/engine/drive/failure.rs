@@ -152,6 +152,14 @@ impl FailureContext<'_> {
             return self.report(Suspect::default(), error.to_string(), advice.to_owned());
         };
         let suspect = self.scene.suspect(self.from.state.as_ref(), worst);
+        if let StepError::Passed(_) = error {
+            let advice = format!(
+                "what meets within a step is too fast, or is pressed too hard, for this gap: take a step of {} s or smaller, a wider gap, or \
+                 an implicit method, as time.method=newmark, whose contacts no load closes",
+                figures(0.5 * self.h, 2)
+            );
+            return self.report(suspect, error.to_string(), advice);
+        }
         if let StepError::Newton(NewtonFailure::NotFinite { .. }) = error {
             let advice = "check loads, wind, masses, speeds and damping for a wrong unit: a force, or the square of one, has left the \
                           range of a double, which a smaller step seldom cures";

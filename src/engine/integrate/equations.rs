@@ -143,16 +143,17 @@ impl Equations<'_> {
         self.fill(z);
         let Some(touches) = self.system.touches() else { return };
         let Workspace { place, way, .. } = &mut *self.workspace;
-        let from = &self.start.from.state;
+        let (from, times) = (&self.start.from.state, self.system.way_over_unknown());
         place.copy_from_slice(&from.x);
         way.fill(0.0);
         for &dof in self.system.moved() {
-            way[dof as usize] = self.start.h * from.v[dof as usize];
+            way[dof as usize] = times * self.start.h * from.v[dof as usize];
         }
         let dofs = &*self.linear.tangents.dof;
-        dofs.iter().zip(&*z).for_each(|(&dof, z)| way[dof as usize] = *z);
-        if touches.keep_apart(place, [from.t, self.to.state.t], way) < 1.0 {
-            z.iter_mut().zip(dofs).for_each(|(z, &dof)| *z = way[dof as usize]);
+        dofs.iter().zip(&*z).for_each(|(&dof, z)| way[dof as usize] = times * z);
+        let end = from.t + times * (self.to.state.t - from.t);
+        if touches.keep_apart(place, [from.t, end], way) < 1.0 {
+            z.iter_mut().zip(dofs).for_each(|(z, &dof)| *z = way[dof as usize] / times);
         }
     }
 
@@ -254,20 +255,21 @@ impl NonlinearProblem for Equations<'_> {
     fn keep_apart(&mut self, z: &[f64], dz: &mut [f64]) -> Option<f64> {
         let touches = self.system.touches()?;
         let Workspace { place, way, .. } = &mut *self.workspace;
-        let from = &self.start.from.state;
+        let (from, times) = (&self.start.from.state, self.system.way_over_unknown());
         place.copy_from_slice(&from.x);
         way.fill(0.0);
         for &dof in self.system.moved() {
-            place[dof as usize] += self.start.h * from.v[dof as usize];
+            place[dof as usize] += times * self.start.h * from.v[dof as usize];
         }
         let dofs = &*self.linear.tangents.dof;
         for (&dof, (z, dz)) in dofs.iter().zip(z.iter().zip(&*dz)) {
-            place[dof as usize] += z;
-            way[dof as usize] = *dz;
+            place[dof as usize] += times * z;
+            way[dof as usize] = times * dz;
         }
-        let least = touches.keep_apart(place, [self.to.state.t; 2], way);
+        let end = from.t + times * (self.to.state.t - from.t);
+        let least = touches.keep_apart(place, [end; 2], way);
         if least < 1.0 {
-            dz.iter_mut().zip(dofs).for_each(|(dz, &dof)| *dz = way[dof as usize]);
+            dz.iter_mut().zip(dofs).for_each(|(dz, &dof)| *dz = way[dof as usize] / times);
         }
         Some(least)
     }

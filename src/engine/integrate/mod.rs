@@ -93,6 +93,8 @@ pub use factor_cache::CachedFactor;
 pub(crate) use updates::reeling_work;
 
 use crate::assembly::PatternError;
+use crate::format_number::figures;
+use crate::model::abilities::Passage;
 use crate::model::point::Point;
 use crate::model::step_block::StepSummary;
 use crate::solve::newton::NewtonFailure;
@@ -201,6 +203,9 @@ pub enum StepError {
     /// The matrix cannot be set up.
     #[error(transparent)]
     Pattern(#[from] PatternError),
+    /// An explicit step has led through what contact should have kept apart.
+    #[error("{} touch: they have passed the gap of {} m within the step", .0.pair, figures(.0.gap, 3))]
+    Passed(Passage),
     /// [`Integrator::start`] was not called.
     #[error("a step was requested before the scheme was started")]
     NotStarted,
@@ -288,6 +293,11 @@ pub trait Integrator<S: ?Sized>: Send {
     /// them, as they cannot be evaluated again.
     fn lags(&self, _system: &S) -> bool {
         false
+    }
+
+    /// Whether its steps are short enough for the contact of a scene that it is stable on without.
+    fn knows_contact(&self) -> bool {
+        true
     }
 
     /// The carried state, for a checkpoint.

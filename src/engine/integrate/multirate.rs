@@ -167,6 +167,10 @@ impl Integrator<dyn System> for Multirate {
         Ok(())
     }
 
+    fn knows_contact(&self) -> bool {
+        false
+    }
+
     fn lags(&self, system: &dyn System) -> bool {
         system.velocity_dependent()
     }

@@ -18,10 +18,19 @@ pub enum Scheme {
     Graph(Box<dyn Integrator<dyn SpringGraph>>),
 }
 
-/// The scene does not have the interface that the scheme needs.
+/// A scheme does not fit a scene.
 #[derive(Clone, Copy, Debug, thiserror::Error, PartialEq, Eq)]
-#[error("this method filters a spring network and the scene has none; choose another method")]
-pub struct NeedsNetwork;
+pub enum Unfit {
+    /// It needs a spring network.
+    #[error("this method filters a spring network and the scene has none; choose another method")]
+    Network,
+    /// Its steps are longer than contact allows.
+    #[error(
+        "this method makes steps that springs would limit, and contact limits them too: it has no place in its filter or its short \
+         steps; take velocity-verlet, or an implicit method such as newmark"
+    )]
+    Contact,
+}
 
 /// A scheme bound to a scene.
 pub struct Stepper<'a>(BoundScheme<'a>);
@@ -57,14 +66,22 @@ impl<'a> Stepper<'a> {
     /// Binds a scheme to a scene.
     ///
     /// # Errors
-    /// When the scheme needs a spring network and the scene has none.
-    pub fn bind(scheme: Scheme, scene: SceneInterfaces<'a>) -> Result<Self, NeedsNetwork> {
+    /// When the scheme needs a spring network and the scene has none, or does not know contact and the scene has it.
+    pub fn bind(scheme: Scheme, scene: SceneInterfaces<'a>) -> Result<Self, Unfit> {
         let explicit = !matches!(scheme, Scheme::Implicit(_));
+        let knows_contact = match &scheme {
+            Scheme::Explicit(scheme) => scheme.knows_contact(),
+            Scheme::Implicit(_) => true,
+            Scheme::Graph(_) => false,
+        };
+        if scene.system.touches().is_some() && !knows_contact {
+            return Err(Unfit::Contact);
+        }
         scene.system.touches().into_iter().for_each(|touches| touches.set_explicit(explicit));
         Ok(Stepper(match scheme {
             Scheme::Explicit(s) => BoundScheme::Explicit(s, scene.system),
             Scheme::Implicit(s) => BoundScheme::Implicit(s, scene.tangent),
-            Scheme::Graph(s) => BoundScheme::Graph(s, scene.graph.ok_or(NeedsNetwork)?),
+            Scheme::Graph(s) => BoundScheme::Graph(s, scene.graph.ok_or(Unfit::Network)?),
         }))
     }
 
@@ -100,9 +117,19 @@ impl<'a> Stepper<'a> {
         {
             touches.begin_step(from.state.as_ref());
         }
-        each!(&mut self.0, scheme, system => {
+        let report = each!(&mut self.0, scheme, system => {
             scheme.attempt(StepInput { system: *system, from, h, t_next }, to, counters)
-        })
+        })?;
+        // Implicit steps are searched along ways on which nothing touches.
+        let touches = match &self.0 {
+            BoundScheme::Explicit(_, system) => system.touches(),
+            BoundScheme::Graph(_, system) => system.touches(),
+            BoundScheme::Implicit(..) => None,
+        };
+        match touches.and_then(|touches| touches.passage(from.state.as_ref(), to.state.as_ref())) {
+            Some(passage) => Err(StepError::Passed(passage)),
+            None => Ok(report),
+        }
     }
 
     /// See [`Integrator::advance_block`].

@@ -127,6 +127,29 @@ pub trait Touches {
     /// that would pass through others or touch them; where obstacles move, nodes before them are carried along. Returns
     /// the share [-] that is free for all nodes.
     fn keep_apart(&self, x: &[f64], times: [f64; 2], way: &mut [f64]) -> f64;
+
+    /// Whether a block of steps may begin at a state without a look at contact, as nothing is near anything else.
+    fn begin_block(&self, from: StateRef<'_>) -> bool;
+
+    /// Whether nothing can have touched in a block that led to a state.
+    fn covers(&self, to: StateRef<'_>) -> bool;
+
+    /// Ends the block.
+    fn leave_block(&self);
+
+    /// Where something has passed through something else, or has touched it, on the straight way between two states.
+    fn passage(&self, from: StateRef<'_>, to: StateRef<'_>) -> Option<Passage>;
+}
+
+/// A place where something has passed through something else.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Passage {
+    /// a degree of freedom of a node there
+    pub dof: usize,
+    /// the pair in words, in the user's numbering
+    pub pair: String,
+    /// [m] the gap that should have held it
+    pub gap: f64,
 }
 
 /// What happens at given times: supports are released or change their velocity, springs are cut, loads and rest lengths

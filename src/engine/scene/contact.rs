@@ -7,13 +7,15 @@
 use super::network::{Network, by_node, node_state};
 use crate::contact::apart::Apart;
 use crate::contact::bodies::Contacts;
+use crate::contact::distance::PairKind;
+use crate::contact::mean::{MeanTouch, Step};
 use crate::contact::near::{Candidate, Form, NO_NODE, Near, Places, shifts};
 use crate::contact::touch::{Blocks, Pressed, Touch};
-use crate::force::{NodeState, TangentForm, TangentSink};
-use crate::model::abilities::Touches;
+use crate::force::{MeanStep, NodeState, TangentForm, TangentSink};
+use crate::model::abilities::{Passage, Touches};
 use crate::model::forces::{Role, Tally};
 use crate::model::state::StateRef;
-use crate::model::system::{TermInfo, Weights};
+use crate::model::system::{StepMean, TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -25,6 +27,8 @@ const FRICTION: TermInfo =
 /// What may touch in a run.
 pub(super) struct Touching {
     pub contacts: Arc<Contacts>,
+    /// user's number of every node
+    user: Arc<[u32]>,
     state: Mutex<TouchState>,
 }
 
@@ -40,19 +44,28 @@ struct TouchState {
     pressed: Option<Vec<Pressed>>,
     /// displacements and velocities of obstacles at another time
     shifts_later: Vec<[Vector3<f64>; 2]>,
+    /// [m] displacements of nodes
+    way: Vec<Vector3<f64>>,
+    ends: StepEnds,
     apart: Apart,
+    /// whether a block of steps is made in which nothing can touch
+    in_block: bool,
 }
 
+/// [-] Shares of the skin that nodes may have moved where a block of steps begins and where it ends.
+const BEGIN_BLOCK: f64 = 0.25;
+const END_BLOCK: f64 = 0.5;
+
 impl Touching {
-    pub(super) fn new(contacts: Contacts) -> Self {
-        Touching { contacts: Arc::new(contacts), state: Mutex::default() }
+    pub(super) fn new(contacts: Contacts, user: &[u32]) -> Self {
+        Touching { contacts: Arc::new(contacts), user: user.into(), state: Mutex::default() }
     }
 
     /// The same in another run.
     pub(super) fn for_run(&self) -> Self {
         let TouchState { explicit, step, .. } = *self.state();
         let state = TouchState { explicit, step, ..TouchState::default() };
-        Touching { contacts: self.contacts.clone(), state: Mutex::new(state) }
+        Touching { contacts: self.contacts.clone(), user: self.user.clone(), state: Mutex::new(state) }
     }
 
     fn state(&self) -> MutexGuard<'_, TouchState> {
@@ -66,6 +79,35 @@ impl Touching {
         shifts(&self.contacts, at.t, moved);
         near.refresh(Places { contacts: &self.contacts, x: at.x, shifts: moved });
         guard
+    }
+
+    /// Whether a block of steps is made in which nothing can touch.
+    pub(super) fn in_block(&self) -> bool {
+        self.state().in_block
+    }
+
+    /// A pair, by nodes in the user's numbering.
+    fn in_words(&self, pair: &Candidate) -> String {
+        let name = |node: u32| match self.user.get(node as usize) {
+            Some(user) => format!("node {user}"),
+            None => format!("obstacle {}", pair.contact),
+        };
+        let names = |nodes: &[u32]| match nodes {
+            [first, ..] if !self.contacts.is_node(*first) => name(*first),
+            [only] => name(*only),
+            nodes => {
+                let of: Vec<String> = nodes.iter().map(|node| self.user[*node as usize].to_string()).collect();
+                format!("the {} of nodes {}", if nodes.len() == 2 { "edge" } else { "triangle" }, of.join(", "))
+            }
+        };
+        let [a, b] = match pair.form {
+            Form::Plane => return format!("{} and obstacle {}", name(pair.nodes[0]), pair.contact),
+            Form::Pair(PairKind::NodeNode) => [&pair.nodes[..1], &pair.nodes[1..2]],
+            Form::Pair(PairKind::NodeEdge) => [&pair.nodes[..1], &pair.nodes[1..3]],
+            Form::Pair(PairKind::NodeTriangle) => [&pair.nodes[..1], &pair.nodes[1..4]],
+            Form::Pair(PairKind::EdgeEdge) => [&pair.nodes[..2], &pair.nodes[2..4]],
+        };
+        format!("{} and {}", names(a), names(b))
     }
 
     /// Its parts of the account.
@@ -93,35 +135,63 @@ impl Touching {
         let guard = self.at(at);
         let TouchState { near, shifts, explicit, step, pressed, .. } = &*guard;
         let places = Places { contacts: &self.contacts, x: at.x, shifts };
-        let (mut elastic, mut rubbed) = (Tally::default(), Tally::default());
-        let mut rub = |place: &Pressed, total: &mut [Vector3<f64>]| {
-            let Some(friction) = place.friction(places, step.filter(|_| *explicit)) else { return };
-            let force = friction.force(place.velocity(places, at.v));
-            for (node, w) in own(&place.candidate, place.weights, &self.contacts) {
-                total[node] += force * w;
-                dissipative[node] += force * w;
-                rubbed.power += force.dot(&at.v[node]) * w;
-            }
-        };
+        let step = step.filter(|_| *explicit);
+        let (mut elastic, mut rub) =
+            (Tally::default(), Rubbing { at, places, step, sums: [total, dissipative], power: 0.0 });
         for candidate in near.list().iter() {
             let Some(touch) = Touch::of(candidate, places, *explicit) else { continue };
             elastic.energy += touch.energy();
             elastic.power += touch.pressure() * touch.normal.dot(&driven(candidate, touch.weights, places));
             for (node, slope) in own(candidate, touch.gradient(), &self.contacts) {
-                total[node] -= slope;
+                rub.sums[0][node] -= slope;
             }
             if pressed.is_none() {
-                rub(&touch.pressed(candidate), total);
+                rub.add(&touch.pressed(candidate));
             }
         }
-        pressed.iter().flatten().for_each(|place| rub(place, total));
+        pressed.iter().flatten().for_each(|place| rub.add(place));
+        let rubbed = Tally { power: rub.power, ..Tally::default() };
         tallies.iter_mut().zip([elastic, rubbed]).for_each(|(to, found)| *to = found);
     }
 
-    /// Emits `w.c (-df/dv) + w.k (-df/dx)` of these pairs, in their order.
+    /// The same of a step with the state in its middle: means of the elastic forces, friction as in the middle.
+    fn add_mean(
+        &self,
+        MeanStep { at, mean }: MeanStep<'_>,
+        [total, dissipative]: [&mut [Vector3<f64>]; 2],
+        tallies: &mut [Tally],
+    ) {
+        let mut guard = self.along(at, mean.half);
+        let TouchState { near, shifts, ends, pressed, .. } = &mut *guard;
+        let places = Places { contacts: &self.contacts, x: at.x, shifts };
+        let step = ends.around(places);
+        for candidate in near.list().iter() {
+            let Some(touch) = MeanTouch::of(candidate, &step) else { continue };
+            for (node, slope) in own(candidate, touch.gradient(), &self.contacts) {
+                total[node] -= slope;
+            }
+        }
+        let mut rub = Rubbing { at, places, step: None, sums: [total, dissipative], power: 0.0 };
+        pressed.iter().flatten().for_each(|place| rub.add(place));
+        let rubbed = Tally { power: rub.power, ..Tally::default() };
+        tallies.iter_mut().zip([Tally::default(), rubbed]).for_each(|(to, found)| *to = found);
+    }
+
+    /// The state with the pairs that are near anywhere on the ways `half * v` to both sides.
+    fn along(&self, at: NodeState<'_>, half: f64) -> MutexGuard<'_, TouchState> {
+        let mut guard = self.state();
+        let TouchState { near, shifts: moved, ends, .. } = &mut *guard;
+        shifts(&self.contacts, at.t, moved);
+        near.refresh_along(Places { contacts: &self.contacts, x: at.x, shifts: moved }, at.v, half);
+        ends.fit(&self.contacts, at, half);
+        guard
+    }
+
+    /// Emits `w.c (-df/dv) + w.k (-df/dx)` of these pairs, in their order; `half` [s] is half a step over which elastic
+    /// forces are means.
     pub(super) fn emit(
         &self,
-        (at, list): (NodeState<'_>, &[Candidate]),
+        (at, half, list): (NodeState<'_>, Option<f64>, &[Candidate]),
         w: Weights,
         form: TangentForm,
         sink: &mut dyn TangentSink,
@@ -129,15 +199,20 @@ impl Touching {
         if list.is_empty() {
             return;
         }
-        let guard = self.at(at);
-        let TouchState { shifts, explicit, step, pressed, .. } = &*guard;
+        let guard = half.map_or_else(|| self.at(at), |half| self.along(at, half));
+        let TouchState { shifts, explicit, step, pressed, ends, .. } = &*guard;
         let places = Places { contacts: &self.contacts, x: at.x, shifts };
+        let around = half.map(|_| ends.around(places));
         for candidate in list {
             let touch = Touch::of(candidate, places, *explicit);
-            let mut blocks = match &touch {
-                Some(touch) if w.k != 0.0 => touch.tangent(form.convex).map(|row| row.map(|block| block * w.k)),
-                _ => Blocks::default(),
+            let blocks = match (&around, &touch) {
+                _ if w.k == 0.0 => None,
+                (Some(step), _) => {
+                    MeanTouch::of(candidate, step).map(|touch| touch.tangent(form.convex || form.symmetric))
+                }
+                (None, touch) => touch.as_ref().map(|touch| touch.tangent(form.convex)),
             };
+            let mut blocks = blocks.map_or(Blocks::default(), |blocks| blocks.map(|row| row.map(|block| block * w.k)));
             let place = match pressed {
                 None => touch.map(|touch| touch.pressed(candidate)),
                 Some(pressed) => {
@@ -154,6 +229,54 @@ impl Touching {
             }
             emit(candidate, &blocks, &self.contacts, sink);
         }
+    }
+}
+
+/// Adds friction to sums of forces.
+struct Rubbing<'a> {
+    at: NodeState<'a>,
+    places: Places<'a>,
+    /// [s] size of an explicit step
+    step: Option<f64>,
+    /// [N] all forces, and the dissipative ones
+    sums: [&'a mut [Vector3<f64>]; 2],
+    /// [W]
+    power: f64,
+}
+
+impl Rubbing<'_> {
+    fn add(&mut self, place: &Pressed) {
+        let Some(friction) = place.friction(self.places, self.step) else { return };
+        let force = friction.force(place.velocity(self.places, self.at.v));
+        for (node, w) in own(&place.candidate, place.weights, self.places.contacts) {
+            self.sums.iter_mut().for_each(|sum| sum[node] += force * w);
+            self.power += force.dot(&self.at.v[node]) * w;
+        }
+    }
+}
+
+/// Nodes and obstacles at both ends of a step.
+#[derive(Clone, Default)]
+struct StepEnds {
+    /// [m]
+    x: [Vec<Vector3<f64>>; 2],
+    shifts: [Vec<[Vector3<f64>; 2]>; 2],
+}
+
+impl StepEnds {
+    /// Of a step of twice `half` [s] with a state in its middle.
+    fn fit(&mut self, contacts: &Contacts, at: NodeState<'_>, half: f64) {
+        let StepEnds { x, shifts: moved } = self;
+        for ((x, moved), half) in x.iter_mut().zip(moved).zip([-half, half]) {
+            x.clear();
+            x.extend(at.x.iter().zip(at.v).map(|(x, v)| x + v * half));
+            shifts(contacts, at.t + half, moved);
+        }
+    }
+
+    fn around<'a>(&'a self, middle: Places<'a>) -> Step<'a> {
+        let end = |i: usize| Places { x: &self.x[i], shifts: &self.shifts[i], ..middle };
+        [end(0), middle, end(1)]
     }
 }
 
@@ -196,10 +319,18 @@ fn emit(candidate: &Candidate, blocks: &Blocks, contacts: &Contacts, sink: &mut 
 }
 
 impl Network {
-    /// Adds contact to the sums of a pass.
-    pub(super) fn add_contact(&self, at: StateRef<'_>, sums: [&mut [Vector3<f64>]; 2], tallies: &mut [Tally]) {
-        if let Some(contact) = &self.contact {
-            contact.add(node_state(at), sums, tallies);
+    /// Adds contact to the sums of a pass; as a mean over the step around the state, if one is given.
+    pub(super) fn add_contact(
+        &self,
+        (at, mean): (StateRef<'_>, Option<StepMean>),
+        sums: [&mut [Vector3<f64>]; 2],
+        tallies: &mut [Tally],
+    ) {
+        let at = node_state(at);
+        match (&self.contact, mean) {
+            (None, _) => {}
+            (Some(contact), None) => contact.add(at, sums, tallies),
+            (Some(contact), Some(mean)) => contact.add_mean(MeanStep { at, mean }, sums, tallies),
         }
     }
 
@@ -207,7 +338,7 @@ impl Network {
     pub(super) fn emit_contact(&self, at: StateRef<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         if let Some(contact) = &self.contact {
             let list = contact.near(node_state(at));
-            contact.emit((node_state(at), &list), w, form, sink);
+            contact.emit((node_state(at), None, &list), w, form, sink);
         }
     }
 }
@@ -244,10 +375,49 @@ impl Touches for Touching {
 
     fn keep_apart(&self, x: &[f64], [begun, ended]: [f64; 2], way: &mut [f64]) -> f64 {
         let mut guard = self.state();
-        let TouchState { shifts: then, shifts_later, apart, .. } = &mut *guard;
+        let TouchState { near, shifts: then, shifts_later, apart, .. } = &mut *guard;
         shifts(&self.contacts, begun, then);
         shifts(&self.contacts, ended, shifts_later);
         let way: &mut [Vector3<f64>] = bytemuck::cast_slice_mut(way);
-        apart.shorten(Places { contacts: &self.contacts, x: by_node(x), shifts: then }, shifts_later, way)
+        apart.shorten(Places { contacts: &self.contacts, x: by_node(x), shifts: then }, shifts_later, way, near)
+    }
+
+    fn begin_block(&self, from: StateRef<'_>) -> bool {
+        let at = node_state(from);
+        let mut guard = self.state();
+        let TouchState { near, shifts: moved, in_block, .. } = &mut *guard;
+        shifts(&self.contacts, at.t, moved);
+        let places = Places { contacts: &self.contacts, x: at.x, shifts: moved };
+        if !near.covers(places, BEGIN_BLOCK) {
+            near.look(places, 0.0);
+        }
+        *in_block = near.list().is_empty();
+        *in_block
+    }
+
+    fn leave_block(&self) {
+        self.state().in_block = false;
+    }
+
+    fn covers(&self, to: StateRef<'_>) -> bool {
+        let at = node_state(to);
+        let mut guard = self.state();
+        let TouchState { near, shifts: moved, .. } = &mut *guard;
+        shifts(&self.contacts, at.t, moved);
+        near.covers(Places { contacts: &self.contacts, x: at.x, shifts: moved }, END_BLOCK)
+    }
+
+    fn passage(&self, from: StateRef<'_>, to: StateRef<'_>) -> Option<Passage> {
+        let mut guard = self.state();
+        let TouchState { near, shifts: then, shifts_later, apart, way, .. } = &mut *guard;
+        shifts(&self.contacts, from.t, then);
+        shifts(&self.contacts, to.t, shifts_later);
+        way.clear();
+        way.extend(by_node(to.x).iter().zip(by_node(from.x)).map(|(to, from)| to - from));
+        let places = Places { contacts: &self.contacts, x: by_node(from.x), shifts: then };
+        let pair = apart.first_touch(places, shifts_later, way, near)?;
+        let node = pair.nodes.into_iter().find(|node| self.contacts.is_node(*node))?;
+        let gap = self.contacts.list[usize::from(pair.contact)].gap;
+        Some(Passage { dof: 3 * node as usize, pair: self.in_words(&pair), gap })
     }
 }

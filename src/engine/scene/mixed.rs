@@ -63,6 +63,6 @@ impl MixedSystem for Network {
             }
         }
         self.emit_law_tangents(at, w, form, &mut sink);
-        self.emit_near(&near, at, w, form, &mut sink);
+        self.emit_near(&near, (at, None), w, form, &mut sink);
     }
 }

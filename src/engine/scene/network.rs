@@ -97,7 +97,7 @@ impl Network {
             built: Arc::new(Built { fixed_dofs, reach, shared_edges, ..built }),
             acting,
             external: None,
-            contact: may_touch.map(Touching::new),
+            contact: None,
             arrangement: Arrangement::default(),
             passed: AtomicUsize::new(0),
             later: AtomicUsize::new(0),
@@ -105,6 +105,7 @@ impl Network {
             threads,
             mesh: Arc::new(mesh),
         };
+        network.contact = may_touch.map(|contacts| Touching::new(contacts, &network.built.numbering.user));
         network.arrange();
         network
     }
@@ -163,7 +164,7 @@ impl Network {
                 Some(mean) => self.mean_pass(MeanStep { at: node_state(at), mean }, sums, own),
             }
             let (of_contact, of_laws) = outside.split_at_mut(self.contact.iter().flat_map(|c| c.infos()).count());
-            self.add_contact(at, [&mut *total, dissipative], of_contact);
+            self.add_contact((at, mean), [&mut *total, dissipative], of_contact);
             if let Some(tally) = of_laws.first_mut() {
                 *tally = self.add_laws(at, [&mut *total, &mut *external]);
             }
@@ -297,7 +298,8 @@ impl System for Network {
     }
 
     fn blocks(&self) -> Option<&dyn StepBlocks> {
-        let single = self.law_info().is_some() || self.contact.is_some() || self.arrangement.couples_blocks;
+        let single = self.law_info().is_some() || self.contact.as_ref().is_some_and(|contact| !contact.in_block());
+        let single = single || self.arrangement.couples_blocks;
         (!single).then_some(self)
     }
 
@@ -322,7 +324,10 @@ impl StepBlocks for Network {
     fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, summaries: &mut [StepSummary]) {
         let moving = NodeStateMut { t: at.t, first: 0, x: &mut at.x, v: &mut at.v };
         let boundary = StepBoundary { block, mass: &self.built.mass, inverse_mass: &self.phase().inverse_mass };
+        let own = self.tallies();
         self.pass_into(out, |sums, tallies| {
+            let (tallies, of_contact) = tallies.split_at_mut(own);
+            of_contact.fill(Tally::default());
             let results = StepBlockResults { sums, tallies, summaries };
             self.sweep.advance(self, moving, boundary, &self.threads, results);
         });

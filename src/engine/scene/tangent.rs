@@ -38,7 +38,7 @@ impl Network {
         let near = assembler.near.clone();
         let mut sink = assembler.sink(|dof| w.m * self.built.mass[dof / 3]);
         self.emit_terms(at, w, form, &mut sink);
-        self.emit_near(&near, at, w, form, &mut sink);
+        self.emit_near(&near, (at, None), w, form, &mut sink);
     }
 
     /// Tangents of everything that acts.
@@ -57,13 +57,13 @@ impl Network {
     pub(super) fn emit_near(
         &self,
         near: &[Candidate],
-        at: StateRef<'_>,
+        (at, mean): (StateRef<'_>, Option<StepMean>),
         w: Weights,
         form: TangentForm,
         sink: &mut dyn TangentSink,
     ) {
         if let Some(contact) = &self.contact {
-            contact.emit((node_state(at), near), w, form, sink);
+            contact.emit((node_state(at), mean.map(|mean| mean.half), near), w, form, sink);
         }
     }
 }
@@ -165,7 +165,7 @@ impl TangentSystem for Network {
         let mut sink = assembler.sink(|dof| w.m * self.built.mass[dof / 3]);
         self.emit_mean_tangents(MeanStep { at: node_state(middle), mean }, w, form, &mut sink);
         self.emit_law_tangents(middle, w, form, &mut sink);
-        self.emit_near(&near, middle, w, form, &mut sink);
+        self.emit_near(&near, (middle, Some(mean)), w, form, &mut sink);
     }
 
     fn mixed(&self) -> Option<&dyn MixedSystem> {

@@ -15,6 +15,9 @@ pub enum SensitivityError {
         /// those that have one
         known: String,
     },
+    /// Parts of the scene may touch.
+    #[error("contact has no derivative: leave out the contacts, or take differences of whole runs by a sweep")]
+    Contact,
     /// With another value of the parameter the scene is another one.
     #[error("{parameter} changes {what}, which has no derivative")]
     OtherScene {

@@ -5,7 +5,7 @@ use crate::case::CaseError;
 use crate::case::fingerprint::FingerprintError;
 use crate::drive::observer::ObserveError;
 use crate::drive::{Failure, RunError};
-use crate::integrate::stepper::NeedsNetwork;
+use crate::integrate::stepper::Unfit;
 use crate::output::folder::FolderError;
 use crate::output::modes::ModesWriteError;
 use crate::output::quantity::UnknownQuantity;
@@ -27,7 +27,7 @@ pub enum SetupError {
         /// the method's name
         method: &'static str,
         /// why
-        source: NeedsNetwork,
+        source: Unfit,
     },
     /// The operating system gave no threads.
     #[error("threads cannot be started: {0}")]

@@ -2,7 +2,7 @@
 
 use crate::case::CaseError;
 use crate::drive::RunError;
-use crate::integrate::stepper::NeedsNetwork;
+use crate::integrate::stepper::Unfit;
 use crate::output::gauges::derivatives::NoDerivative;
 use crate::sensitivity::SensitivityError;
 use crate::simulation::SetupError;
@@ -37,7 +37,7 @@ pub enum GradientError {
     Setup(#[from] SetupError),
     /// The method does not fit the scene.
     #[error(transparent)]
-    Method(#[from] NeedsNetwork),
+    Method(#[from] Unfit),
     /// The run cannot start.
     #[error(transparent)]
     Run(#[from] RunError),

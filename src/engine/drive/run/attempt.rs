@@ -149,6 +149,7 @@ impl Run<'_> {
 fn worst_of(error: &StepError, stepper: &Stepper<'_>) -> Option<usize> {
     match error {
         StepError::Newton(failure) => Some(stepper.dof_of_unknown(failure.worst())),
+        StepError::Passed(passage) => Some(passage.dof),
         _ => None,
     }
 }

@@ -40,6 +40,21 @@ impl Run<'_> {
         if busy || self.state.steps < self.state.blocks.not_before || self.state.failure.is_some() {
             return Ok(false);
         }
+        let touches = self.scene.touches();
+        if touches.is_some_and(|touches| !touches.begin_block(self.state.from.state.as_ref())) {
+            return Ok(false);
+        }
+        let made = self.block_apart(stepper, observers);
+        touches.into_iter().for_each(|touches| touches.leave_block());
+        made
+    }
+
+    /// The same where nothing is near anything that it may touch.
+    fn block_apart(
+        &mut self,
+        stepper: &mut Stepper<'_>,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<bool, RunError> {
         let h = match &self.state.policy {
             StepPolicy::Fixed(clock) if longest_block(self.scene) > 1 => {
                 clock.tick_from(self.state.steps + 1, self.state.from.state.t).h
@@ -61,9 +76,10 @@ impl Run<'_> {
         let attempt = Attempt { from: &self.state.from, h, t_next: last.t };
         let made =
             stepper.advance_block(attempt, &mut self.state.to, &mut blocks.summaries[..n], &mut self.state.counters);
+        let apart = self.scene.touches().is_none_or(|touches| touches.covers(self.state.to.state.as_ref()));
         if !made {
             blocks.not_before = u64::MAX;
-        } else if !self.record_block(coming, &mut blocks) {
+        } else if !apart || !self.record_block(coming, &mut blocks) {
             (self.state.ledger, self.state.watch, self.state.counters) = before;
             blocks.not_before = self.state.steps + ((n as u64) << blocks.dropped.min(PATIENCE));
             blocks.dropped += 1;
