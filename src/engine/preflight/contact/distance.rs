@@ -90,12 +90,13 @@ mod tests {
     #[test]
     fn distances_are_those_of_many_points() {
         let mut random = SplitMix64::new(11, 0);
-        let n = 24;
+        let n = 48;
         let mut crossed = 0;
         for round in 0..400 {
             let counts = [1 + round % 3, 1 + round / 3 % 3];
-            let [a, b] = counts
-                .map(|count| (0..count).map(|_| Point::from([0; 3].map(|_| random.signed()))).collect::<Vec<Point>>());
+            let [a, b] = counts.map(|count| {
+                (0..count).map(|_| Point::from([0; 3].map(|_| 2.0 * random.uniform() - 1.0))).collect::<Vec<Point>>()
+            });
             let found = between([&a, &b]);
             let (of_a, of_b) = (points(&a, n), points(&b, n));
             let all = of_a.iter().flat_map(|x| of_b.iter().map(move |y| (x - y).norm()));
