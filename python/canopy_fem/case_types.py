@@ -129,6 +129,14 @@ class Ball(TypedDict, total=False):
     radius: float
 
 
+Bar = TypedDict("Bar", {
+    "from": "Numbers",
+    "radius": "float",
+    "to": "Numbers",
+}, total=False)
+"""A round bar with half a ball at either end."""
+
+
 class BendingRule(TypedDict, total=False):
     """Bending stiffness, quadratic in the positions (Bergou et al. 2006). At rest cloth is flat and lines are
     straight, whatever the mesh. Triangles and edges whose corners are all held are a clamp. Exactly one of
@@ -233,8 +241,24 @@ Compression: TypeAlias = 'Literal["none", "zlib"]'
 """Whether appended bytes are compressed."""
 
 
+class Contact(TypedDict, total=False):
+    """Parts of the scene that may touch each other, or a rigid body. Below the distance `gap` they push each other
+    apart. Parts that share a node never touch. Without this section everything passes through everything."""
+
+    between: Literal["self"] | Sequence[Text | Obstacle]
+    friction: float | None
+    gap: float | None
+
+
 CrossingSearch: TypeAlias = 'Literal["frames", "steps", "none"]'
 """Where cloth is searched for triangles that pass through others."""
+
+
+class Cuboid(TypedDict, total=False):
+    """A box with its sides along the axes."""
+
+    max: Numbers
+    min: Numbers
 
 
 class Damping(TypedDict, total=False):
@@ -839,6 +863,7 @@ class Network(TypedDict, total=False):
     aero: Aero | None
     base_acceleration: VectorTable | None
     bending: Sequence[BendingRule]
+    contact: Sequence[Contact]
     damping: Damping | None
     gas: Gas | Sequence[Gas] | None
     gravity: Numbers | None
@@ -935,6 +960,18 @@ NodesOrEdgesExcept = TypedDict("NodesOrEdgesExcept", {
 """Nodes, edges or triangles without some of them."""
 
 
+class Obstacle(TypedDict, total=False):
+    """A rigid body that nothing moves but its own table. Exactly one of `plane`, `sphere`, `cylinder`, `box` and
+    `file` is given. No node that can move is inside of it at the start."""
+
+    box: Cuboid | None
+    cylinder: Bar | None
+    file: Text | None
+    motion: VectorTable | None
+    plane: Plane | None
+    sphere: Ball | None
+
+
 class Output(TypedDict, total=False):
     """What is written."""
 
@@ -1021,6 +1058,13 @@ class PermeableLaw(TypedDict, total=False):
     a: float
     b: float
     thickness: float
+
+
+class Plane(TypedDict, total=False):
+    """A half-space."""
+
+    normal: Numbers
+    point: Numbers
 
 
 class PointMass(TypedDict, total=False):
@@ -1301,7 +1345,7 @@ class VectorTable(TypedDict, total=False):
     table: Sequence[Numbers] | npt.NDArray[Any]
 
 
-WarningCode: TypeAlias = 'Literal["mass-scaling", "air-pressure", "areal-density", "branching-edge", "braked-rotation", "cloth-crossing", "closing-canopy", "coincident-nodes", "disk-space", "drag-area", "drag-coefficient", "energy-dissipated", "energy-made", "event-at-start", "event-beyond-end", "experimental-model", "failed-start", "filling-beyond-end", "hanging-node", "initial-strain", "inside-out", "large-extent", "large-gravity", "large-mass", "leaning-canopy", "long-step", "loose-lines", "loose-nodes", "lost-motion", "mesh-file", "no-suction", "no-support", "no-wind", "overlapping-triangles", "reefing-line", "rounded-coordinates", "seam-gap", "short-pulse", "slack-opening", "slack-springs", "small-extent", "small-hole", "step-above-critical", "step-beyond-end", "step-dashpot", "strained-cloth", "stray-triangles", "supersonic-speed", "thin-air", "tight-cloth", "unlikely-material", "unselected-edges", "unused-rule", "up-axis", "wind-in-plane"]'
+WarningCode: TypeAlias = 'Literal["mass-scaling", "air-pressure", "areal-density", "branching-edge", "braked-rotation", "cloth-crossing", "closing-canopy", "coincident-nodes", "contact-at-start", "disk-space", "drag-area", "drag-coefficient", "energy-dissipated", "energy-made", "event-at-start", "event-beyond-end", "experimental-model", "failed-start", "filling-beyond-end", "hanging-node", "initial-strain", "inside-out", "large-extent", "large-gravity", "large-mass", "leaning-canopy", "long-step", "loose-lines", "loose-nodes", "lost-motion", "mesh-file", "no-suction", "no-support", "no-wind", "overlapping-triangles", "reefing-line", "rounded-coordinates", "seam-gap", "short-pulse", "slack-opening", "slack-springs", "small-extent", "small-hole", "step-above-critical", "step-beyond-end", "step-dashpot", "strained-cloth", "stray-triangles", "supersonic-speed", "thin-air", "tight-cloth", "unlikely-material", "unselected-edges", "unused-rule", "up-axis", "wind-in-plane"]'
 """Kinds of warnings, by their codes in a case."""
 
 

@@ -25,6 +25,8 @@ pub enum WarningCode {
     ClosingCanopy,
     /// Nodes at the same place that no spring joins.
     CoincidentNodes,
+    /// Parts that may touch and are closer at the start than their contact lets them be.
+    ContactAtStart,
     /// Frames that do not fit on the disk.
     DiskSpace,
     /// A canopy whose drag at the end is not that of its drag area.

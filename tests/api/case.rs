@@ -5,6 +5,7 @@
 
 mod built;
 mod common;
+mod contact;
 mod faults;
 mod reading;
 mod refused;

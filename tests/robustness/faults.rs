@@ -4,6 +4,7 @@
 mod adaptive;
 mod canopies;
 mod cloth;
+mod contact;
 mod endless;
 mod first_steps;
 mod folders;

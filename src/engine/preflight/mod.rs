@@ -4,6 +4,7 @@
 pub mod air;
 pub mod canopies;
 pub mod coincident;
+pub mod contact;
 pub mod crossing;
 pub mod damping;
 pub mod edges;
@@ -25,6 +26,7 @@ pub fn network(spec: &NetworkSpec, topology: &Topology, step: Option<f64>) -> Ve
     warnings.extend(parts::loose_lines(spec, &parts).map(Warning::from));
     warnings.extend(coincident::coincident(spec).map(Warning::from));
     warnings.extend(crossing::at_start(spec));
+    warnings.extend(contact::at_start(spec).into_iter().map(Warning::from));
     warnings.extend(air::wind_in_plane(spec).map(Warning::from));
     warnings.extend(roofs::roofs(spec).map(Warning::from));
     warnings.extend(roofs::calm_zones(spec).map(Warning::from));

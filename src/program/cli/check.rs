@@ -3,7 +3,9 @@
 //! It writes no files.
 
 use super::check_json::{self, Report, Totals};
-use super::check_system::{describe_canopies, describe_events, describe_size, describe_system, filled_canopies};
+use super::check_system::{
+    describe_canopies, describe_contacts, describe_events, describe_size, describe_system, filled_canopies,
+};
 use super::known_models::KnownModels;
 use super::{CheckArgs, CliError, check_static};
 use crate::analysis::critical::{Confidence, CriticalStep, ElementBounds, outside_filter};
@@ -52,7 +54,9 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let groups = problem.group_totals();
     let system = problem.take_system();
     let totals = Totals::of(&system);
-    let size = describe_size(&system, totals.mass) + &describe_events(&system);
+    let size = describe_size(&system, totals.mass)
+        + &describe_events(&system)
+        + &describe_contacts(&system, &problem.case_json);
     let filled = filled_canopies(&system);
     let mut tables = String::new();
     describe_system(&mut tables, &system, &groups);

@@ -10,9 +10,10 @@ use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Between, Contact, TouchingSide};
 use crate::model::spec::{ContactParts, ContactSide, ContactSpec, ObstacleSpec};
+use crate::preflight::contact::counted_parts;
 use nalgebra::Vector3;
 use obstacle::obstacle;
-use parts::{all, counted_parts, edge_lengths, named, nodes_of};
+use parts::{all, edge_lengths, named, nodes_of};
 use std::path::Path;
 
 /// [-] The gap over the shortest edge, if it is not given.

@@ -3,7 +3,6 @@
 use super::{Geometry, Scene};
 use crate::case::diagnostics::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
-use crate::format_number::counted;
 use crate::mesh::{EdgeKind, Group};
 use crate::model::spec::ContactParts;
 use std::collections::BTreeSet;
@@ -73,16 +72,4 @@ pub(super) fn edge_lengths<'a>(parts: &'a ContactParts, scene: &'a Scene<'_>) ->
     let sides = corners.flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
     let lines = parts.edges.iter().filter_map(|edge| mesh.edges.get(*edge as usize)).copied();
     sides.chain(lines).map(|[a, b]| (scene.start(a) - scene.start(b)).norm())
-}
-
-/// "2 triangles, 1 line".
-pub(super) fn counted_parts(parts: &ContactParts) -> String {
-    let counts = [
-        (parts.triangles.len(), "triangle", "triangles"),
-        (parts.edges.len(), "line", "lines"),
-        (parts.nodes.len(), "node", "nodes"),
-    ];
-    let some = counts.into_iter().filter(|(count, ..)| *count > 0);
-    let some: Vec<String> = some.map(|(count, one, many)| counted(count as u64, one, many)).collect();
-    if some.is_empty() { "nothing".to_owned() } else { some.join(", ") }
 }
