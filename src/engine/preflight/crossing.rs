@@ -16,7 +16,7 @@ pub fn at_start(spec: &NetworkSpec) -> Option<Warning> {
     let parts = |contact: &ContactSpec| !matches!(contact.other, ContactSide::Obstacle(_));
     let why = match spec.contacts.iter().any(parts) {
         true => "contact leaves every sheet on the side where it starts",
-        false => "nothing in a run keeps sheets apart",
+        false => "no contact is declared",
     };
     let text = format!(
         "cloth passes through cloth at the start: {}, the deepest of the edge of nodes {a} and {b} through triangle \

@@ -1,18 +1,22 @@
 //! Builds what may touch, with the stiffness of contact from masses and springs.
 //!
-//! kappa of a node is a twentieth of the stiffness of its springs and membranes at rest. A node without has m a/g0,
-//! with the acceleration a of gravity, or that which stops its first speed within the gap, whichever is larger. So no
-//! number of the user's decides how stiff contact is.
+//! ```text
+//! kappa of a node = max(k/20, m e/g0^2),     e = max(|g| max(H, g0), v^2)
+//! ```
+//! with the stiffness k of its springs and membranes at rest, the extent H of what may touch, and the largest speed v at
+//! the start. So a node that falls through the scene is stopped within the gap, and contact is no stiffer than springs
+//! where these are stiff. No number of the user's decides.
 
 use super::build::Builder;
-use crate::contact::bodies::{Body, Contact, Contacts, Other};
+use crate::contact::bodies::{Body, Contact, Contacts, Other, Plane};
 use crate::force::ForceTerm;
+use crate::mesh::box_tree::Bounds;
 use crate::model::spec::{ContactParts, ContactSide};
 use nalgebra::Vector3;
 
 /// [-] kappa over the stiffness of the springs at a node.
 const SHARE: f64 = 0.05;
-/// [m/s^2] Acceleration that stands for that of a scene in which nothing falls or moves.
+/// [m^2/s^2] e over the square of the extent of a scene in which nothing falls or moves.
 const LEAST: f64 = 1.0;
 /// [-] Skin over the mean length of edges, and at least over the gap.
 const SKIN: f64 = 0.25;
@@ -72,19 +76,33 @@ impl Builder<'_> {
         self.acting.terms.iter().for_each(|term: &Box<dyn ForceTerm>| term.add_stiffness(&mut springs));
         let gravity = self.spec.gravity.map_or(0.0, |g| Vector3::from(g).norm());
         let speed = nodes.velocity.iter().map(|v| Vector3::from(*v).norm()).fold(0.0, f64::max);
+        let extent = extent(contacts, nodes.start);
         let of_gap = |gap: f64| {
-            let acceleration = gravity.max(speed * speed / gap);
-            let acceleration = if acceleration > 0.0 { acceleration } else { LEAST };
+            let found = f64::max(gravity * extent.max(gap), speed * speed);
+            let energy = if found > 0.0 { found } else { LEAST * extent * extent };
             let held = nodes.fixed.iter().map(|fixed| *fixed == [true; 3]);
-            let of_node = |((k, m), held): ((&f64, &f64), bool)| match (held, *k > 0.0) {
-                (true, _) => 0.0,
-                (false, true) => SHARE * k,
-                (false, false) => m * acceleration / gap,
+            let of_node = |((k, m), held): ((&f64, &f64), bool)| match held {
+                true => 0.0,
+                false => f64::max(SHARE * k, m * energy / (gap * gap)),
             };
             springs.iter().zip(nodes.mass).zip(held).map(of_node).collect()
         };
         contacts.list.iter().map(|contact| of_gap(contact.gap)).collect()
     }
+}
+
+/// [m] The largest extent of what may touch, with obstacles and the heights above planes.
+fn extent(contacts: &Contacts, start: &[Vector3<f64>]) -> f64 {
+    let nodes = contacts.list.iter().flat_map(|contact| &contact.body.nodes).map(|node| start[*node as usize]);
+    let all = Bounds::of(&nodes.chain(contacts.corners.iter().copied()).map(Into::into).collect::<Vec<[f64; 3]>>());
+    let height = |contact: &Contact| match contact.other {
+        Other::Plane(Plane { point, normal }) => {
+            let nodes = contact.body.nodes.iter();
+            nodes.map(|node| normal.dot(&(start[*node as usize] - point))).fold(0.0, f64::max)
+        }
+        _ => 0.0,
+    };
+    contacts.list.iter().map(height).fold(all.extent().max(0.0), f64::max)
 }
 
 /// [m] How far pairs beyond their gaps count as near.

@@ -64,8 +64,8 @@ impl CrossingReport {
         let largest = counted(self.largest, "crossing", "crossings");
         let text = format!(
             "cloth passes through cloth in {} {states}, first at t = {} s ({}, {} m deep); at most {}{largest} at \
-             once, at t = {} s, and up to {} m deep, at t = {} s ({}): nothing in a run keeps sheets apart, so hold \
-             them apart by springs, or do not trust this run from there on",
+             once, at t = {} s, and up to {} m deep, at t = {} s ({}): keep sheets apart by \
+             system.network.contact, or do not trust this run from there on",
             self.with_crossings,
             figures(first.t, 6),
             place(first),

@@ -32,6 +32,9 @@ impl Simulation {
             return refused(CHANGES);
         }
         let scene = self.scene.clone();
+        if scene.touches().is_some() {
+            return Err(SensitivityError::Contact.into());
+        }
         let form = self.at_work(Stop::NEVER, |_, stepper| Ok(stepper.form(h)))?;
         let method = self.spec.method.info.name;
         let known = || SensitivityError::Method { method, known: crate::integrate::registry::with_form() };

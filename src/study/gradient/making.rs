@@ -61,6 +61,9 @@ impl<'a> Making<'a> {
 
     /// The form of a step of `h` [s].
     pub(super) fn form(&self, h: f64) -> Result<StepForm, GradientError> {
+        if self.scene.touches().is_some() {
+            return Err(SensitivityError::Contact.into());
+        }
         let method = self.spec.method.info.name;
         Ok(self.stepper.form(h).ok_or_else(|| SensitivityError::Method { method, known: with_form() })?)
     }

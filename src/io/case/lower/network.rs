@@ -15,8 +15,8 @@ use crate::case::pointer::Pointer;
 use crate::case::schema::{Damping, Network, NetworkModel, Until, VectorTable, vectors};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
-use crate::mesh::Topology;
-use crate::model::spec::{NetworkSpec, RayleighSpec, Series, support_velocity};
+use crate::mesh::{Mesh, Topology};
+use crate::model::spec::{ContactSide, ContactSpec, NetworkSpec, RayleighSpec, Series, support_velocity};
 use crate::preflight;
 use crate::warning::{Warning, WarningCode};
 use std::collections::BTreeSet;
@@ -63,10 +63,6 @@ pub(super) fn network(
     // A faulty mass, support or spring section would be reported a second time as massless nodes.
     if masses_known {
         check_masses(at, &masses, &at_last, faults);
-        let mesh = &geometry.mesh;
-        let springs = groups.iter().flat_map(|g| &g.edges).filter_map(|e| mesh.edges.get(*e as usize)).flatten();
-        let triangles = membranes.iter().flat_map(|m| &m.triangles).filter_map(|t| mesh.triangles.get(*t as usize));
-        warn_loose(springs.chain(triangles.flatten()).copied(), &at_last, faults);
     }
     if motions.is_empty() && at_last.iter().flatten().all(|held| *held) {
         let hint = "free at least one direction of one node, from the start or with \"until\", or move a support";
@@ -87,6 +83,13 @@ pub(super) fn network(
         let scene = contact::Scene { geometry, base, displacement: &start.displacement, moves };
         contact::contacts(&at.key("contact"), &network.contact, &scene, faults)
     };
+    if masses_known {
+        let mesh = &geometry.mesh;
+        let springs = groups.iter().flat_map(|g| &g.edges).filter_map(|e| mesh.edges.get(*e as usize)).flatten();
+        let triangles = membranes.iter().flat_map(|m| &m.triangles).filter_map(|t| mesh.triangles.get(*t as usize));
+        let held = springs.chain(triangles.flatten()).copied();
+        warn_loose(held.chain(touching(&contacts, mesh)), &at_last, faults);
+    }
     let springs: BTreeSet<u32> = groups.iter().flat_map(|group| group.edges.iter().copied()).collect();
     let (has_spring, air_around) = (&|edge: u32| springs.contains(&edge), stream.is_some());
     let events = events::events(plan, Sights { geometry, mass: &masses, has_spring, air: air_around }, faults);
@@ -192,7 +195,20 @@ fn check_masses(at: &Pointer, mass: &[f64], fixed: &[[bool; 3]], faults: &mut Fa
     }
 }
 
-/// Free nodes without a spring or a membrane: seldom intended, except for a falling mass.
+/// The nodes of all parts that may touch.
+fn touching<'a>(contacts: &'a [ContactSpec], mesh: &'a Mesh) -> impl Iterator<Item = u32> + 'a {
+    let sides = contacts.iter().flat_map(|contact| {
+        let other = if let ContactSide::Parts(other) = &contact.other { Some(other) } else { None };
+        [&contact.parts].into_iter().chain(other)
+    });
+    sides.flat_map(move |parts| {
+        let of_triangles = parts.triangles.iter().filter_map(|t| mesh.triangles.get(*t as usize)).flatten();
+        let of_edges = parts.edges.iter().filter_map(|e| mesh.edges.get(*e as usize)).flatten();
+        of_triangles.chain(of_edges).chain(&parts.nodes).copied()
+    })
+}
+
+/// Free nodes without a spring, a membrane or a contact: seldom intended, except for a falling mass.
 fn warn_loose(held: impl Iterator<Item = u32>, fixed: &[[bool; 3]], faults: &mut Faults<'_>) {
     let mut loose: Vec<bool> = fixed.iter().map(|f| f.contains(&false)).collect();
     for node in held {

@@ -40,8 +40,8 @@ pub struct Output {
     /// Whether the arrays of frames are compressed; not given: `zlib` in a `vtkhdf` file, else `none`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compression: Option<Compression>,
-    /// Where cloth is searched for triangles that pass through others: nothing in a run keeps sheets apart. Frames get
-    /// the cell array `crossing`, 1 on triangles that pass through others, `summary.json` and a warning what was found;
+    /// Where cloth is searched for triangles that pass through others, as sheets without `contact` may. Frames get the
+    /// cell array `crossing`, 1 on triangles that pass through others, `summary.json` and a warning what was found;
     /// `frames` if not given. A scene without triangles has nothing to search.
     #[serde(default, skip_serializing_if = "is_default")]
     pub crossings: CrossingSearch,
