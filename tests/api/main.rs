@@ -10,6 +10,7 @@ mod cavity;
 #[path = "../common/mod.rs"]
 mod common;
 mod conjugate;
+mod contact;
 mod counters;
 mod critical;
 mod divergence;

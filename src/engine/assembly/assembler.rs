@@ -180,8 +180,14 @@ impl TangentSink for MatrixSink<'_> {
         self.element(nodes, blocks);
     }
 
-    fn four(&mut self, nodes: [u32; 4], blocks: &[[Matrix3<f64>; 4]; 4]) {
-        self.element(nodes, blocks);
+    fn few(&mut self, nodes: &[u32], blocks: &[[Matrix3<f64>; 4]; 4]) {
+        for (p, row) in nodes.iter().zip(blocks) {
+            for (q, block) in nodes.iter().zip(row) {
+                if !self.symmetric || p >= q {
+                    self.add(block);
+                }
+            }
+        }
     }
 }
 

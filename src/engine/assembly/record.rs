@@ -42,9 +42,17 @@ impl TangentSink for Recorder {
         self.emissions.push(Emission::Triangle(nodes));
     }
 
-    fn four(&mut self, nodes: [u32; 4], _blocks: &[[Matrix3<f64>; 4]; 4]) {
-        self.emissions.push(Emission::Four(self.fours.len() as u32));
-        self.fours.push(nodes);
+    fn few(&mut self, nodes: &[u32], _blocks: &[[Matrix3<f64>; 4]; 4]) {
+        self.emissions.push(match *nodes {
+            [i] => Emission::Pair([i; 2]),
+            [a, b] => Emission::Edge([a, b]),
+            [a, b, c] => Emission::Triangle([a, b, c]),
+            [a, b, c, d, ..] => {
+                self.fours.push([a, b, c, d]);
+                Emission::Four(self.fours.len() as u32 - 1)
+            }
+            [] => return,
+        });
     }
 }
 

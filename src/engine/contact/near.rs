@@ -286,6 +286,7 @@ pub struct Near {
     found: Vec<Candidate>,
     /// [m] how far beyond their gaps pairs were looked for
     skin: f64,
+    more: f64,
     /// how often they were looked for
     searches: u64,
 }
@@ -301,26 +302,31 @@ impl Near {
         self.searches
     }
 
-    /// [m] Nodes of the scene when pairs were last looked for; empty before the first time.
-    pub fn reference(&self) -> &[Vector3<f64>] {
-        &self.reference
+    /// [m] Nodes of the scene when pairs were last looked for, and how far beyond the skin; no node before the first
+    /// time.
+    pub fn reference(&self) -> (&[Vector3<f64>], f64) {
+        (&self.reference, self.more)
     }
 
-    /// Looks for pairs if some may be missing.
-    pub fn refresh(&mut self, places: Places<'_>) {
-        if !self.covers(places, 0.5) {
+    /// Looks for pairs if some may be missing. Returns whether it did.
+    pub fn refresh(&mut self, places: Places<'_>) -> bool {
+        let missing = !self.covers(places, 0.5);
+        if missing {
             self.look(places, 0.0);
         }
+        missing
     }
 
     /// The same for all places on the ways `half * v` [m] to both sides of these places.
-    pub fn refresh_along(&mut self, places: Places<'_>, v: &[Vector3<f64>], half: f64) {
+    pub fn refresh_along(&mut self, places: Places<'_>, v: &[Vector3<f64>], half: f64) -> bool {
         let of_nodes = v.iter().map(|v| half * v.norm()).fold(0.0, f64::max);
         let of_obstacles = places.shifts.iter().map(|[_, v]| half * v.norm()).fold(0.0, f64::max);
         let way = of_nodes + of_obstacles;
-        if self.reference.len() != places.x.len() || self.moved(places) + way > 0.5 * self.skin {
+        let missing = self.reference.len() != places.x.len() || self.moved(places) + way > 0.5 * self.skin;
+        if missing {
             self.look(places, 2.0 * way);
         }
+        missing
     }
 
     /// Whether no pair can touch at these places that is not among those that are near: nothing has moved by more than
@@ -345,7 +351,7 @@ impl Near {
     /// Looks for pairs, at distances of `more` [m] beyond the skin too.
     pub fn look(&mut self, places: Places<'_>, more: f64) {
         let contacts = places.contacts;
-        self.skin = contacts.skin + more;
+        (self.skin, self.more) = (contacts.skin + more, more);
         let skin = self.skin;
         let place = |node| {
             let x = places.at(node).into();

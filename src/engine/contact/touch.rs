@@ -9,6 +9,7 @@
 //! from the second to the first (`distance`). So forces of a pair add up to 0, and so do their moments.
 
 use super::barrier::{Barrier, Push};
+use super::bodies::Contacts;
 use super::distance::{Nearest, PairKind, nearest};
 use super::friction::{CREEP, Friction};
 use super::near::{Candidate, Form, NO_NODE, Places, points};
@@ -149,16 +150,44 @@ impl Pressed {
         }
     }
 
-    /// Its friction; `None` without. A step of `h` [s] that is explicit can follow it up to where it would stop the
-    /// sides within two steps.
-    pub fn friction(&self, places: Places<'_>, explicit: Option<f64>) -> Option<Friction> {
+    /// Its friction; `None` without. `held` is what an explicit step can follow.
+    pub fn friction(&self, places: Places<'_>, held: Option<Held<'_>>) -> Option<Friction> {
         let contacts = places.contacts;
-        let mu = contacts.list[usize::from(self.candidate.contact)].friction;
-        let limit = mu * self.pressure;
-        let of_node =
-            |(node, w): (&u32, f64)| w * w * contacts.inverse_mass.get(*node as usize).copied().unwrap_or(0.0);
-        let mobility = || self.candidate.nodes.iter().zip(self.weights).map(of_node).sum::<f64>();
-        let creep = explicit.map_or(CREEP, |h| f64::max(CREEP, 2.0 * limit * h * mobility()));
+        let limit = self.limit(contacts);
+        let creep = held.map_or(CREEP, |Held { h, limits }| {
+            let nodes = || self.candidate.nodes.iter().zip(self.weights);
+            let inverse = |node: &u32| contacts.inverse_mass.get(*node as usize).copied().unwrap_or(0.0);
+            let mobility: f64 = nodes().map(|(node, w)| w * w * inverse(node)).sum();
+            let of_node = |(node, w): (&u32, f64)| limits.get(*node as usize).filter(|_| w != 0.0).copied();
+            let all = nodes().filter_map(of_node).fold(limit, f64::max);
+            f64::max(CREEP, 2.0 * all * h * mobility)
+        });
         (limit > 0.0).then_some(Friction { limit, creep, normal: self.normal })
+    }
+
+    /// [N] mu lambda
+    fn limit(&self, contacts: &Contacts) -> f64 {
+        contacts.list[usize::from(self.candidate.contact)].friction * self.pressure
+    }
+}
+
+/// What friction an explicit step can follow: less than what would stop the sides within two steps.
+#[derive(Clone, Copy, Debug)]
+pub struct Held<'a> {
+    /// [s] the step
+    pub h: f64,
+    /// [N] mu lambda of all pairs at every node
+    pub limits: &'a [f64],
+}
+
+/// Overwrites `limits` [N] with the sum of mu lambda at every node of the scene, each by its share in the pair.
+pub fn add_up(pressed: &[Pressed], contacts: &Contacts, limits: &mut Vec<f64>) {
+    limits.clear();
+    limits.resize(contacts.rest.len(), 0.0);
+    for place in pressed {
+        let limit = place.limit(contacts);
+        for (node, w) in place.candidate.nodes.iter().zip(place.weights) {
+            limits.get_mut(*node as usize).into_iter().for_each(|sum| *sum += w.abs() * limit);
+        }
     }
 }

@@ -281,6 +281,9 @@ impl RunState {
         let events = EventWatch::open(scene, fired, spec.ends_by_event);
         policy.end_at(scene, events.times(scene));
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
+        if let (Some(touches), Some(near)) = (scene.touches(), &carried.near) {
+            touches.restore(near);
+        }
         // Already counted in the step that led to this state.
         timed(Phase::Forces, || scene.evaluate(from.state.as_ref(), &mut from.forces));
         stepper.start(&from)?;

@@ -100,8 +100,8 @@ pub trait TangentSink {
     /// A three-node element; `blocks[p][q]` is the block of row node `nodes[p]`, column node `nodes[q]`.
     fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]);
 
-    /// A four-node element, likewise.
-    fn four(&mut self, nodes: [u32; 4], blocks: &[[Matrix3<f64>; 4]; 4]);
+    /// An element of one to four nodes, likewise.
+    fn few(&mut self, nodes: &[u32], blocks: &[[Matrix3<f64>; 4]; 4]);
 }
 
 /// The parts that a tangent may leave out.

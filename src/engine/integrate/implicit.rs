@@ -94,6 +94,8 @@ struct Solver {
     expected: Vec<f64>,
     /// whether the last attempt kept its first guess
     guessed_well: bool,
+    /// whether it has found pairs near each other that have no place in the pattern
+    outgrown: bool,
 }
 
 impl<M: ImplicitScheme> Implicit<M> {
@@ -163,6 +165,7 @@ impl<M: ImplicitScheme> Implicit<M> {
             kept: [zero(), zero()],
             expected: zero(),
             guessed_well: true,
+            outgrown: false,
         });
         self.trend = Trend { before: zero(), straight: false };
         (self.made_with, self.attempted, self.anew, self.relative) = (0.0, 0.0, false, false);
@@ -230,6 +233,7 @@ impl<M: ImplicitScheme> Implicit<M> {
         let iterations = solved.as_ref().map_or_else(NewtonFailure::iterations, |report| report.iterations);
         counters.newton_iterations += u64::from(iterations);
         let report = solved?;
+        s.outgrown = s.linear.tangents.outgrown(system);
         if bridge {
             lag_behind(own.lag(), a, (&to.forces.total, system.inverse_mass()), &mut s.workspace.a_next);
         }
@@ -264,6 +268,10 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             self.trend.before.copy_from_slice(if self.relative { &s.kept[0] } else { &self.a });
             std::mem::swap(&mut self.a, &mut s.workspace.a_next);
             s.linear.cache.accept();
+            // As in a run that goes on from a checkpoint.
+            if std::mem::take(&mut s.outgrown) {
+                s.linear.cache.outgrow();
+            }
             self.made_with = self.attempted;
             (self.anew, self.relative) = (false, false);
         }
@@ -329,7 +337,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         let mut vectors = vec![self.a.clone()];
         let factor = self.solver.as_ref().and_then(|s| s.linear.cache.save(&mut vectors));
         let &Implicit { made_with, anew, relative, .. } = self;
-        CarriedState { vectors, made_with, anew, relative, trend: self.trend.clone(), factor }
+        CarriedState { vectors, made_with, anew, relative, trend: self.trend.clone(), factor, near: None }
     }
 
     fn restore(&mut self, carried: &CarriedState) -> Result<(), StepError> {

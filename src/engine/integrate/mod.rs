@@ -94,7 +94,7 @@ pub(crate) use updates::reeling_work;
 
 use crate::assembly::PatternError;
 use crate::format_number::figures;
-use crate::model::abilities::Passage;
+use crate::model::abilities::{NearFrom, Passage};
 use crate::model::point::Point;
 use crate::model::step_block::StepSummary;
 use crate::solve::newton::NewtonFailure;
@@ -151,6 +151,8 @@ pub struct CarriedState {
     pub trend: Trend,
     /// the factor that an implicit scheme keeps; its state is in the last two vectors
     pub factor: Option<CachedFactor>,
+    /// from where pairs that may touch were found, which an implicit scheme has a pattern for
+    pub near: Option<NearFrom>,
 }
 
 /// The change of accelerations from step to step.

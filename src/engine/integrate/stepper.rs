@@ -185,7 +185,11 @@ impl<'a> Stepper<'a> {
 
     /// See [`Integrator::save`].
     pub fn save(&self) -> CarriedState {
-        each!(&self.0, scheme, _system => scheme.save())
+        let near = match &self.0 {
+            BoundScheme::Implicit(_, system) => system.touches().and_then(|touches| touches.save()),
+            BoundScheme::Explicit(..) | BoundScheme::Graph(..) => None,
+        };
+        CarriedState { near, ..each!(&self.0, scheme, _system => scheme.save()) }
     }
 
     /// See [`Integrator::save_into`].

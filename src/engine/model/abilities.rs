@@ -137,8 +137,25 @@ pub trait Touches {
     /// Ends the block.
     fn leave_block(&self);
 
+    /// From where pairs that are near were found; `None` before the first time.
+    fn save(&self) -> Option<NearFrom>;
+
+    /// Finds them from there again.
+    fn restore(&self, from: &NearFrom);
+
     /// Where something has passed through something else, or has touched it, on the straight way between two states.
     fn passage(&self, from: StateRef<'_>, to: StateRef<'_>) -> Option<Passage>;
+}
+
+/// From where pairs that may touch were found.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct NearFrom {
+    /// [s] time
+    pub t: f64,
+    /// [m] how far beyond their gaps and the skin
+    pub more: f64,
+    /// [m] positions of all degrees of freedom
+    pub x: Vec<f64>,
 }
 
 /// A place where something has passed through something else.

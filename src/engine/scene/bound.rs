@@ -278,8 +278,16 @@ impl TangentSink for Diagonal<'_> {
         self.element(nodes, blocks);
     }
 
-    fn four(&mut self, nodes: [u32; 4], blocks: &[[Matrix3<f64>; 4]; 4]) {
-        self.element(nodes, blocks);
+    /// An element L L^T with the blocks B_jj = L_j L_j^T lies below B_jj sum(a)/a_j at its nodes, for any a > 0: here
+    /// the root of the trace of B_jj, which is right for one of rank one.
+    fn few(&mut self, nodes: &[u32], blocks: &[[Matrix3<f64>; 4]; 4]) {
+        let moves = |node: u32| self.fixed[node as usize] != [true; 3];
+        let size = |j: usize| if moves(nodes[j]) { blocks[j][j].trace().max(0.0).sqrt() } else { 0.0 };
+        let all: f64 = (0..nodes.len()).map(size).sum();
+        let parts: [f64; 4] = std::array::from_fn(|j| if j < nodes.len() { size(j) } else { 0.0 });
+        for (j, (&node, part)) in nodes.iter().zip(parts).enumerate().filter(|(_, (_, part))| *part > 0.0) {
+            self.add(node, &symmetric(all / part, &blocks[j][j]));
+        }
     }
 }
 

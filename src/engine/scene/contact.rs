@@ -10,17 +10,17 @@ use crate::contact::bodies::Contacts;
 use crate::contact::distance::PairKind;
 use crate::contact::mean::{MeanTouch, Step};
 use crate::contact::near::{Candidate, Form, NO_NODE, Near, Places, shifts};
-use crate::contact::touch::{Blocks, Pressed, Touch};
+use crate::contact::touch::{Blocks, Held, Pressed, Touch, add_up};
 use crate::force::{MeanStep, NodeState, TangentForm, TangentSink};
-use crate::model::abilities::{Passage, Touches};
+use crate::model::abilities::{NearFrom, Passage, Touches};
 use crate::model::forces::{Role, Tally};
 use crate::model::state::StateRef;
 use crate::model::system::{StepMean, TermInfo, Weights};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The parts of the account.
-const CONTACT: TermInfo = TermInfo::of("contact", Role::Elastic);
+pub(super) const CONTACT: TermInfo = TermInfo::of("contact", Role::Elastic);
 const FRICTION: TermInfo =
     TermInfo { velocity_dependent: true, ..TermInfo::of("friction of contact", Role::Dissipative) };
 
@@ -35,6 +35,8 @@ pub(super) struct Touching {
 #[derive(Clone, Default)]
 struct TouchState {
     near: Near,
+    /// [s] when pairs were looked for
+    looked: f64,
     shifts: Vec<[Vector3<f64>; 2]>,
     /// whether steps are explicit
     explicit: bool,
@@ -42,6 +44,10 @@ struct TouchState {
     step: Option<f64>,
     /// what pressed at the start of an implicit step
     pressed: Option<Vec<Pressed>>,
+    /// what presses in a pass
+    now: Vec<Pressed>,
+    /// [N] mu lambda of all pairs at every node
+    limits: Vec<f64>,
     /// displacements and velocities of obstacles at another time
     shifts_later: Vec<[Vector3<f64>; 2]>,
     /// [m] displacements of nodes
@@ -75,9 +81,11 @@ impl Touching {
     /// The state with the pairs that are near at these positions.
     fn at(&self, at: NodeState<'_>) -> MutexGuard<'_, TouchState> {
         let mut guard = self.state();
-        let TouchState { near, shifts: moved, .. } = &mut *guard;
+        let TouchState { near, shifts: moved, looked, .. } = &mut *guard;
         shifts(&self.contacts, at.t, moved);
-        near.refresh(Places { contacts: &self.contacts, x: at.x, shifts: moved });
+        if near.refresh(Places { contacts: &self.contacts, x: at.x, shifts: moved }) {
+            *looked = at.t;
+        }
         guard
     }
 
@@ -132,24 +140,27 @@ impl Touching {
 
     /// Adds its forces [N] `[n_nodes]` to all forces and the dissipative ones, and overwrites its part of the account.
     pub(super) fn add(&self, at: NodeState<'_>, [total, dissipative]: [&mut [Vector3<f64>]; 2], tallies: &mut [Tally]) {
-        let guard = self.at(at);
-        let TouchState { near, shifts, explicit, step, pressed, .. } = &*guard;
+        let mut guard = self.at(at);
+        let TouchState { near, shifts, explicit, step, pressed, now, limits, .. } = &mut *guard;
         let places = Places { contacts: &self.contacts, x: at.x, shifts };
-        let step = step.filter(|_| *explicit);
-        let (mut elastic, mut rub) =
-            (Tally::default(), Rubbing { at, places, step, sums: [total, dissipative], power: 0.0 });
+        let rubs = self.contacts.rubs() && pressed.is_none();
+        let mut elastic = Tally::default();
+        now.clear();
         for candidate in near.list().iter() {
             let Some(touch) = Touch::of(candidate, places, *explicit) else { continue };
             elastic.energy += touch.energy();
             elastic.power += touch.pressure() * touch.normal.dot(&driven(candidate, touch.weights, places));
             for (node, slope) in own(candidate, touch.gradient(), &self.contacts) {
-                rub.sums[0][node] -= slope;
+                total[node] -= slope;
             }
-            if pressed.is_none() {
-                rub.add(&touch.pressed(candidate));
-            }
+            now.extend(rubs.then(|| touch.pressed(candidate)));
         }
-        pressed.iter().flatten().for_each(|place| rub.add(place));
+        let held = step.filter(|_| *explicit).map(|h| {
+            add_up(now, &self.contacts, limits);
+            Held { h, limits: &*limits }
+        });
+        let mut rub = Rubbing { at, places, held, sums: [total, dissipative], power: 0.0 };
+        pressed.as_ref().unwrap_or(now).iter().for_each(|place| rub.add(place));
         let rubbed = Tally { power: rub.power, ..Tally::default() };
         tallies.iter_mut().zip([elastic, rubbed]).for_each(|(to, found)| *to = found);
     }
@@ -171,7 +182,7 @@ impl Touching {
                 total[node] -= slope;
             }
         }
-        let mut rub = Rubbing { at, places, step: None, sums: [total, dissipative], power: 0.0 };
+        let mut rub = Rubbing { at, places, held: None, sums: [total, dissipative], power: 0.0 };
         pressed.iter().flatten().for_each(|place| rub.add(place));
         let rubbed = Tally { power: rub.power, ..Tally::default() };
         tallies.iter_mut().zip([Tally::default(), rubbed]).for_each(|(to, found)| *to = found);
@@ -180,9 +191,11 @@ impl Touching {
     /// The state with the pairs that are near anywhere on the ways `half * v` to both sides.
     fn along(&self, at: NodeState<'_>, half: f64) -> MutexGuard<'_, TouchState> {
         let mut guard = self.state();
-        let TouchState { near, shifts: moved, ends, .. } = &mut *guard;
+        let TouchState { near, shifts: moved, looked, ends, .. } = &mut *guard;
         shifts(&self.contacts, at.t, moved);
-        near.refresh_along(Places { contacts: &self.contacts, x: at.x, shifts: moved }, at.v, half);
+        if near.refresh_along(Places { contacts: &self.contacts, x: at.x, shifts: moved }, at.v, half) {
+            *looked = at.t;
+        }
         ends.fit(&self.contacts, at, half);
         guard
     }
@@ -220,7 +233,9 @@ impl Touching {
                     found.ok().map(|i| pressed[i])
                 }
             };
-            let friction = place.and_then(|place| Some((place, place.friction(places, step.filter(|_| *explicit))?)));
+            // That of an explicit step is as small as the step needs it.
+            let place = place.filter(|_| !(*explicit && step.is_some()));
+            let friction = place.and_then(|place| Some((place, place.friction(places, None)?)));
             if let Some((place, friction)) = friction.filter(|_| w.c != 0.0) {
                 let block = friction.tangent(place.velocity(places, at.v)) * w.c;
                 for (row, a) in blocks.iter_mut().zip(place.weights) {
@@ -236,8 +251,8 @@ impl Touching {
 struct Rubbing<'a> {
     at: NodeState<'a>,
     places: Places<'a>,
-    /// [s] size of an explicit step
-    step: Option<f64>,
+    /// what an explicit step can follow
+    held: Option<Held<'a>>,
     /// [N] all forces, and the dissipative ones
     sums: [&'a mut [Vector3<f64>]; 2],
     /// [W]
@@ -246,7 +261,7 @@ struct Rubbing<'a> {
 
 impl Rubbing<'_> {
     fn add(&mut self, place: &Pressed) {
-        let Some(friction) = place.friction(self.places, self.step) else { return };
+        let Some(friction) = place.friction(self.places, self.held) else { return };
         let force = friction.force(place.velocity(self.places, self.at.v));
         for (node, w) in own(&place.candidate, place.weights, self.places.contacts) {
             self.sums.iter_mut().for_each(|sum| sum[node] += force * w);
@@ -307,15 +322,8 @@ fn emit(candidate: &Candidate, blocks: &Blocks, contacts: &Contacts, sink: &mut 
         places[count] = i;
         count += 1;
     }
-    let block = |i: usize, j: usize| -> Matrix3<f64> { blocks[places[i]][places[j]] };
-    let node = |i: usize| candidate.nodes[places[i]];
-    match count {
-        1 => sink.node(node(0), block(0, 0)),
-        2 => sink.segment([0, 1].map(node), &[0, 1].map(|i| [0, 1].map(|j| block(i, j)))),
-        3 => sink.triangle([0, 1, 2].map(node), &[0, 1, 2].map(|i| [0, 1, 2].map(|j| block(i, j)))),
-        4 => sink.four(candidate.nodes, blocks),
-        _ => {}
-    }
+    let nodes = places.map(|i| candidate.nodes[i]);
+    sink.few(&nodes[..count], &places.map(|i| places.map(|j| blocks[i][j])));
 }
 
 impl Network {
@@ -385,11 +393,12 @@ impl Touches for Touching {
     fn begin_block(&self, from: StateRef<'_>) -> bool {
         let at = node_state(from);
         let mut guard = self.state();
-        let TouchState { near, shifts: moved, in_block, .. } = &mut *guard;
+        let TouchState { near, shifts: moved, in_block, looked, .. } = &mut *guard;
         shifts(&self.contacts, at.t, moved);
         let places = Places { contacts: &self.contacts, x: at.x, shifts: moved };
         if !near.covers(places, BEGIN_BLOCK) {
             near.look(places, 0.0);
+            *looked = at.t;
         }
         *in_block = near.list().is_empty();
         *in_block
@@ -419,5 +428,23 @@ impl Touches for Touching {
         let node = pair.nodes.into_iter().find(|node| self.contacts.is_node(*node))?;
         let gap = self.contacts.list[usize::from(pair.contact)].gap;
         Some(Passage { dof: 3 * node as usize, pair: self.in_words(&pair), gap })
+    }
+
+    fn save(&self) -> Option<NearFrom> {
+        let state = self.state();
+        let (x, more) = state.near.reference();
+        let x: Vec<f64> = bytemuck::cast_slice(x).to_vec();
+        (!x.is_empty()).then_some(NearFrom { t: state.looked, more, x })
+    }
+
+    fn restore(&self, NearFrom { t, more, x }: &NearFrom) {
+        if x.len() != 3 * self.contacts.rest.len() {
+            return;
+        }
+        let mut guard = self.state();
+        let TouchState { near, shifts: moved, looked, .. } = &mut *guard;
+        shifts(&self.contacts, *t, moved);
+        near.look(Places { contacts: &self.contacts, x: by_node(x), shifts: moved }, *more);
+        *looked = *t;
     }
 }

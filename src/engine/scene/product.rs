@@ -71,7 +71,11 @@ impl<const TRANSPOSED: bool> TangentSink for Product<'_, TRANSPOSED> {
         self.element(nodes, blocks);
     }
 
-    fn four(&mut self, nodes: [u32; 4], blocks: &[[Matrix3<f64>; 4]; 4]) {
-        self.element(nodes, blocks);
+    fn few(&mut self, nodes: &[u32], blocks: &[[Matrix3<f64>; 4]; 4]) {
+        for (&i, row) in nodes.iter().zip(blocks) {
+            for (&j, block) in nodes.iter().zip(row) {
+                self.block([i, j], block);
+            }
+        }
     }
 }

@@ -161,8 +161,8 @@ impl<F: Fn(&[u32; 2]) -> bool> TangentSink for Rest<'_, F> {
         self.sink.triangle(nodes, blocks);
     }
 
-    fn four(&mut self, nodes: [u32; 4], blocks: &[[Matrix3<f64>; 4]; 4]) {
-        self.sink.four(nodes, blocks);
+    fn few(&mut self, nodes: &[u32], blocks: &[[Matrix3<f64>; 4]; 4]) {
+        self.sink.few(nodes, blocks);
     }
 }
 

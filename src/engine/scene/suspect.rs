@@ -2,6 +2,7 @@
 
 use super::adjoint::Adjoint;
 use super::arrangement::TermPart;
+use super::contact::CONTACT;
 use super::network::{Network, by_node, node_state};
 use super::{BoundBuffer, Controls, Scene, Suspect};
 use crate::assembly::SceneInterfaces;
@@ -61,6 +62,14 @@ impl Scene for Network {
             let size = if size.is_finite() { size } else { f64::INFINITY };
             if size > strongest.0 {
                 strongest = (size, Some(*info));
+            }
+        }
+        if let Some(contact) = &self.contact {
+            f.fill(Vector3::zeros());
+            let mut dissipative = f.clone();
+            contact.add(node_state(at), [&mut f, &mut dissipative], &mut []);
+            if !f[node].norm().is_finite() || f[node].norm() > strongest.0 {
+                strongest.1 = Some(CONTACT);
             }
         }
         Suspect {
