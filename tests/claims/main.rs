@@ -16,6 +16,7 @@ mod chain;
 mod claim;
 #[path = "../common/mod.rs"]
 mod common;
+mod contact;
 mod descents;
 mod dissipation;
 mod elastic_pendulum;
@@ -121,6 +122,15 @@ const GROUPS: &[Group] = &[
     ("events", events::claims),
     ("moving supports and bases", motion::claims),
     ("winches and reefing", reeling::claims),
+    ("contact of a mass, slopes", contact::mass::slopes),
+    ("contact of a mass, bounces", contact::mass::bounces),
+    ("contact of a line, capstan", contact::capstan::claims),
+    ("contact of a line, edge of a table", contact::chain::edges),
+    ("contact of a line, scale", contact::chain::scale),
+    ("contact of a tube with plates", contact::tube::claims),
+    ("contact of sheets that meet", contact::sheets::meetings),
+    ("contact that nothing reaches", contact::sheets::bits),
+    ("contact on threads", contact::sheets::threads),
     ("kang", kang::claims),
     ("table 4 of the thesis", thesis::table_4),
     ("remarks of the thesis", thesis::remarks),
