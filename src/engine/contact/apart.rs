@@ -31,7 +31,7 @@ pub struct Apart {
 impl Apart {
     /// Overwrites the pairs that may meet on the ways `way` [m] of nodes: those that are near where these cover both
     /// ends; `later` is where obstacles are at the end. None if a way is not finite.
-    fn find(&mut self, places: Places<'_>, later: &[[Vector3<f64>; 2]], way: &[Vector3<f64>], near: &Near) {
+    fn find(&mut self, places: Places<'_>, later: &[[Vector3<f64>; 2]], way: &[Vector3<f64>], near: &mut Near) {
         let contacts = places.contacts;
         let n = way.len();
         self.found.clear();
@@ -41,8 +41,15 @@ impl Apart {
         self.ends.clear();
         self.ends.extend(places.x.iter().zip(way).map(|(x, way)| x + way));
         let end = Places { x: &self.ends, shifts: later, ..places };
-        if near.covers(places, 0.5) && near.covers(end, 0.5) {
-            return self.found.extend_from_slice(near.list());
+        if near.covers(end, 0.5) && near.covers_now(places) {
+            // Ways that are short beside the distance need no closer look.
+            let pushes = later.iter().zip(places.shifts).any(|([end, _], [begin, _])| end != begin);
+            let reach = |node: &u32| way.get(*node as usize).map_or(0.0, Vector3::norm);
+            let meets = |(pair, beyond): &(&Candidate, f64)| {
+                let most = pair.nodes.iter().map(reach).fold(0.0, f64::max);
+                pushes || 4.0 * most > beyond + contacts.list[usize::from(pair.contact)].gap
+            };
+            return self.found.extend(near.with_distances().filter(meets).map(|(pair, _)| *pair));
         }
         let together = match contacts.is_free() {
             true => way.iter().sum::<Vector3<f64>>() / n as f64,
@@ -68,7 +75,7 @@ impl Apart {
         places: Places<'_>,
         later: &[[Vector3<f64>; 2]],
         way: &[Vector3<f64>],
-        near: &Near,
+        near: &mut Near,
     ) -> Option<Candidate> {
         self.find(places, later, way, near);
         self.reset(way.len());
@@ -91,7 +98,7 @@ impl Apart {
         places: Places<'_>,
         later: &[[Vector3<f64>; 2]],
         way: &mut [Vector3<f64>],
-        near: &Near,
+        near: &mut Near,
     ) -> f64 {
         self.find(places, later, way, near);
         if self.found.is_empty() {
@@ -233,7 +240,7 @@ mod tests {
         let mut way = vec![Vector3::zeros(); 7];
         way[3] = corner(0.0, 0.0, -1.0);
         way[6] = corner(-4.0, 0.0, 0.0);
-        let least = Apart::default().shorten(places, &shifts, &mut way, &Near::default());
+        let least = Apart::default().shorten(places, &shifts, &mut way, &mut Near::default());
         assert!(least < 0.1 && least > 0.08, "{least}");
         let height = rest[3].z + way[3].z;
         assert!(height >= 0.1 * 0.1 * 0.999 && height < 0.03, "{height}");

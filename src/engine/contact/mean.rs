@@ -8,7 +8,7 @@
 //! So -f . D = phi_1 - phi_0 and forces of a pair add up to 0. The derivative is that of a middle which moves while x_0
 //! stays.
 
-use super::near::{Candidate, NO_NODE, Places};
+use super::near::{Candidate, Form, NO_NODE, Places};
 use super::touch::{Blocks, Touch};
 use crate::force::outer;
 use nalgebra::{Matrix3, Vector3};
@@ -39,7 +39,14 @@ impl MeanTouch {
             let nodes = || candidate.nodes.into_iter().filter(|node| *node != NO_NODE);
             way.iter_mut().zip(nodes()).for_each(|(way, node)| *way = step[2].at(node) - step[0].at(node));
             let count = nodes().count();
-            let mean = way.iter().sum::<Vector3<f64>>() / count as f64;
+            // Beside a plane there is one node alone, which moves against it.
+            let mean = match candidate.form {
+                Form::Plane => {
+                    let at = |i: usize| step[i].shifts[usize::from(candidate.contact)][0];
+                    at(2) - at(0)
+                }
+                Form::Pair(_) => way.iter().sum::<Vector3<f64>>() / count as f64,
+            };
             let mut turn = way;
             turn[..count].iter_mut().for_each(|turn| *turn -= mean);
             let square = turn.iter().map(Vector3::norm_squared).sum();
@@ -79,7 +86,8 @@ impl MeanTouch {
         for (i, row) in k.iter_mut().enumerate().take(self.count) {
             for (j, block) in row.iter_mut().enumerate().take(self.count) {
                 let own = if i == j { 1.0 } else { 0.0 };
-                let part = 2.0 * c * (own - 1.0 / self.count as f64);
+                let mean = if self.count > 1 { 1.0 / self.count as f64 } else { 0.0 };
+                let part = 2.0 * c * (own - mean);
                 *block += outer(self.turn[i], slope[j]) + Matrix3::from_diagonal_element(part);
             }
         }

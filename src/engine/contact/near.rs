@@ -34,6 +34,8 @@ pub struct Candidate {
     pub stiffness: f64,
     /// [m] lengths of two edges at rest, by which parallel ones are known; else 0
     pub lengths: [f64; 2],
+    /// [m] how much its distance is above its gap where it was found
+    pub beyond: f64,
 }
 
 impl Candidate {
@@ -139,7 +141,7 @@ impl Search {
         contacts: &Contacts,
         place: impl Fn(u32) -> Bounds,
         skin: f64,
-        keep: impl Fn(&Candidate) -> bool,
+        keep: impl Fn(&mut Candidate) -> bool,
         found: &mut Vec<Candidate>,
     ) {
         found.clear();
@@ -161,7 +163,7 @@ struct Pairs<'a, K> {
     found: &'a mut Vec<Candidate>,
 }
 
-impl<K: Fn(&Candidate) -> bool> Pairs<'_, K> {
+impl<K: Fn(&mut Candidate) -> bool> Pairs<'_, K> {
     fn of(
         &mut self,
         contact: &Contact,
@@ -267,8 +269,8 @@ impl<K: Fn(&Candidate) -> bool> Pairs<'_, K> {
                 (contacts.stiffness_of(usize::from(contact), [first, second]), lengths)
             }
         };
-        let candidate = Candidate { contact, form, nodes, stiffness, lengths };
-        if stiffness > 0.0 && (self.keep)(&candidate) {
+        let mut candidate = Candidate { contact, form, nodes, stiffness, lengths, beyond: 0.0 };
+        if stiffness > 0.0 && (self.keep)(&mut candidate) {
             self.found.push(candidate);
         }
     }
@@ -284,6 +286,11 @@ pub struct Near {
     /// [m] displacements of obstacles then
     shifts: Vec<Vector3<f64>>,
     found: Vec<Candidate>,
+    /// [m] how much distances of the pairs were above their gaps
+    beyond: Vec<f64>,
+    /// [m] how far every node has moved since at the places that were last asked for, and obstacles
+    ways: Vec<f64>,
+    pushed: f64,
     /// [m] how far beyond their gaps pairs were looked for
     skin: f64,
     more: f64,
@@ -295,6 +302,20 @@ impl Near {
     /// The pairs that are near, in order.
     pub fn list(&self) -> &Arc<[Candidate]> {
         &self.list
+    }
+
+    /// The pairs that may touch at the places of the last [`Near::refresh`], in order: no node has come so close that
+    /// the others could.
+    pub fn close(&self) -> impl Iterator<Item = &Candidate> {
+        self.with_distances().filter(|(_, beyond)| *beyond <= 0.0).map(|(candidate, _)| candidate)
+    }
+
+    /// All pairs that are near, each with how much [m] its distance is above its gap at least, at the places of the last
+    /// [`Near::refresh`] or [`Near::covers_now`].
+    pub fn with_distances(&self) -> impl Iterator<Item = (&Candidate, f64)> {
+        let way = |node: &u32| self.ways.get(*node as usize).copied().unwrap_or(self.pushed);
+        let most = move |candidate: &Candidate| candidate.nodes.iter().map(way).fold(self.pushed, f64::max);
+        self.list.iter().zip(&self.beyond).map(move |(pair, beyond)| (pair, beyond - 2.0 * most(pair)))
     }
 
     /// How often pairs were looked for.
@@ -310,7 +331,7 @@ impl Near {
 
     /// Looks for pairs if some may be missing. Returns whether it did.
     pub fn refresh(&mut self, places: Places<'_>) -> bool {
-        let missing = !self.covers(places, 0.5);
+        let missing = self.reference.len() != places.x.len() || self.follow(places, 0.0) > 0.5 * self.skin;
         if missing {
             self.look(places, 0.0);
         }
@@ -322,11 +343,17 @@ impl Near {
         let of_nodes = v.iter().map(|v| half * v.norm()).fold(0.0, f64::max);
         let of_obstacles = places.shifts.iter().map(|[_, v]| half * v.norm()).fold(0.0, f64::max);
         let way = of_nodes + of_obstacles;
-        let missing = self.reference.len() != places.x.len() || self.moved(places) + way > 0.5 * self.skin;
+        let missing = self.reference.len() != places.x.len() || self.follow(places, way) > 0.5 * self.skin;
         if missing {
             self.look(places, 2.0 * way);
+            self.ways.fill(way);
         }
         missing
+    }
+
+    /// [`Near::covers`] with half of the skin, for places that [`Near::with_distances`] then belongs to.
+    pub fn covers_now(&mut self, places: Places<'_>) -> bool {
+        self.reference.len() == places.x.len() && self.follow(places, 0.0) <= 0.5 * self.skin
     }
 
     /// Whether no pair can touch at these places that is not among those that are near: nothing has moved by more than
@@ -335,17 +362,41 @@ impl Near {
         self.reference.len() == places.x.len() && self.moved(places) <= share * self.skin
     }
 
+    /// Finds how far every node has moved, and `more` [m]. Returns the largest way.
+    fn follow(&mut self, places: Places<'_>, more: f64) -> f64 {
+        let together = self.together(places);
+        let mut most = 0.0;
+        self.ways.resize(places.x.len(), 0.0);
+        for (to, (x, then)) in self.ways.iter_mut().zip(places.x.iter().zip(&self.reference)) {
+            *to = (x - then - together).norm() + more;
+            most = if *to <= most { most } else { *to };
+        }
+        self.pushed = self.way_of_obstacles(places);
+        if most.is_nan() { f64::INFINITY } else { most + self.pushed }
+    }
+
+    fn together(&self, places: Places<'_>) -> Vector3<f64> {
+        let ways = places.x.iter().zip(&self.reference).map(|(x, then)| x - then);
+        match places.contacts.is_free() {
+            true => ways.sum::<Vector3<f64>>() / places.x.len() as f64,
+            false => Vector3::zeros(),
+        }
+    }
+
+    fn way_of_obstacles(&self, places: Places<'_>) -> f64 {
+        let ways = places.shifts.iter().zip(&self.shifts).map(|([now, _], then)| (now - then).norm());
+        ways.fold(0.0, f64::max)
+    }
+
     /// [m] How far a node may have moved against another one or an obstacle, over 2.
     fn moved(&self, places: Places<'_>) -> f64 {
-        let (contacts, n) = (places.contacts, places.x.len() as f64);
-        let ways = || places.x.iter().zip(&self.reference).map(|(x, then)| x - then);
-        let together = if contacts.is_free() { ways().sum::<Vector3<f64>>() / n } else { Vector3::zeros() };
-        let most = ways().fold(0.0, |most: f64, way| {
-            let way = (way - together).norm_squared();
+        let together = self.together(places);
+        let ways = places.x.iter().zip(&self.reference).map(|(x, then)| x - then - together);
+        let most = ways.fold(0.0, |most: f64, way| {
+            let way = way.norm_squared();
             if way <= most { most } else { way }
         });
-        let of_obstacles = places.shifts.iter().zip(&self.shifts).map(|([now, _], then)| (now - then).norm());
-        if most.is_nan() { f64::INFINITY } else { most.sqrt() + of_obstacles.fold(0.0, f64::max) }
+        if most.is_nan() { f64::INFINITY } else { most.sqrt() + self.way_of_obstacles(places) }
     }
 
     /// Looks for pairs, at distances of `more` [m] beyond the skin too.
@@ -357,16 +408,15 @@ impl Near {
             let x = places.at(node).into();
             Bounds { low: x, high: x }
         };
-        let keep = |candidate: &Candidate| {
+        let keep = |candidate: &mut Candidate| {
             let contact = &contacts.list[usize::from(candidate.contact)];
-            let reach = contact.gap + contact.thickness + skin;
-            match (candidate.form, places.plane(candidate.contact)) {
-                (Form::Plane, Some(plane)) => plane.normal.dot(&(places.at(candidate.nodes[0]) - plane.point)) < reach,
-                (Form::Pair(kind), _) => {
-                    nearest(kind, &points(candidate.nodes, |node| places.at(node))).distance < reach
-                }
-                _ => false,
-            }
+            let distance = match (candidate.form, places.plane(candidate.contact)) {
+                (Form::Plane, Some(plane)) => plane.normal.dot(&(places.at(candidate.nodes[0]) - plane.point)),
+                (Form::Pair(kind), _) => nearest(kind, &points(candidate.nodes, |node| places.at(node))).distance,
+                _ => f64::INFINITY,
+            };
+            candidate.beyond = distance - contact.gap - contact.thickness;
+            candidate.beyond < skin
         };
         self.search.find(contacts, place, skin, keep, &mut self.found);
         let same = self.found.len() == self.list.len()
@@ -374,6 +424,11 @@ impl Near {
         if !same {
             self.list = Arc::from(self.found.as_slice());
         }
+        self.beyond.clear();
+        self.beyond.extend(self.found.iter().map(|candidate| candidate.beyond));
+        self.ways.clear();
+        self.ways.resize(places.x.len(), 0.0);
+        self.pushed = 0.0;
         self.reference.clear();
         self.reference.extend_from_slice(places.x);
         self.shifts.clear();

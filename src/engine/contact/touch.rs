@@ -191,3 +191,72 @@ pub fn add_up(pressed: &[Pressed], contacts: &Contacts, limits: &mut Vec<f64>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::bodies::{Body, Contact, Contacts, Other};
+    use super::*;
+    use crate::mesh::random::SplitMix64;
+
+    const GAP: f64 = 0.6;
+
+    fn contacts() -> Contacts {
+        let (body, motion) = (Body::default(), None);
+        let contact = Contact { body, other: Other::Itself, thickness: 0.1, gap: GAP, friction: 0.3, motion };
+        Contacts {
+            list: vec![contact],
+            rest: vec![Vector3::zeros(); 4],
+            inverse_mass: vec![1.0; 4],
+            ..Contacts::default()
+        }
+    }
+
+    /// Of all kinds, parallel edges among them: the gradient is the slope of the energy, the tangent that of the
+    /// gradient, where the closest features stay, and forces and moments add up to 0.
+    #[test]
+    fn gradients_and_tangents_belong_to_energies() {
+        let (contacts, shifts, mut random) = (contacts(), [[Vector3::zeros(); 2]], SplitMix64::new(3, 0));
+        let (mut compared, mut parallel) = (0, 0);
+        for round in 0..4000 {
+            let kind = [PairKind::NodeNode, PairKind::NodeEdge, PairKind::NodeTriangle, PairKind::EdgeEdge][round % 4];
+            let mut unit = || 2.0 * random.uniform() - 1.0;
+            let mut point = || Vector3::new(unit(), unit(), unit());
+            let (mut x, way) = ([0; 4].map(|_| point()), [0; 4].map(|_| point()));
+            if round % 8 == 3 {
+                x[3] = x[2] + (x[1] - x[0]) + point() * 0.02;
+            }
+            let nodes = std::array::from_fn(|j| if j < kind.nodes() { j as u32 } else { NO_NODE });
+            let lengths = [(x[1] - x[0]).norm(), (x[3] - x[2]).norm()];
+            let candidate =
+                Candidate { contact: 0, form: Form::Pair(kind), nodes, stiffness: 50.0, lengths, beyond: 0.0 };
+            let at = |s: f64| {
+                let x: [Vector3<f64>; 4] = std::array::from_fn(|j| x[j] + way[j] * s);
+                let places = Places { contacts: &contacts, x: &x, shifts: &shifts };
+                Touch::of(&candidate, places, false)
+            };
+            let Some(touch) = at(0.0).filter(|touch| touch.gap > 0.05) else { continue };
+            let d = if round % 8 == 3 { 1e-7 } else { 1e-5 };
+            let (Some(below), Some(above)) = (at(-d), at(d)) else { continue };
+            let slope = (above.energy() - below.energy()) / (2.0 * d);
+            let gradient = touch.gradient();
+            let along: f64 = (0..kind.nodes()).map(|j| gradient[j].dot(&way[j])).sum();
+            let size = gradient.iter().map(Vector3::norm).sum::<f64>();
+            assert!((slope - along).abs() < 1e-6 * (size + 1.0), "{kind:?} {round}: {slope} and not {along}");
+            let force: Vector3<f64> = gradient.iter().sum();
+            let moment: Vector3<f64> = gradient.iter().zip(&x).map(|(g, x)| x.cross(g)).sum();
+            assert!(force.norm() + moment.norm() < 1e-12 * (size + 1.0), "{kind:?} {round}: {force} {moment}");
+            let feature = |touch: &Touch| touch.nearest.as_ref().map(|nearest| nearest.feature);
+            let smooth = feature(&below) == feature(&above) && below.parallel.is_some() == above.parallel.is_some();
+            parallel += usize::from(touch.parallel.is_some());
+            let k = touch.tangent(false);
+            for (j, row) in k.iter().enumerate().take(kind.nodes()).filter(|_| smooth) {
+                let slope = (above.gradient()[j] - below.gradient()[j]) / (2.0 * d);
+                let along: Vector3<f64> = (0..kind.nodes()).map(|i| row[i] * way[i]).sum();
+                let stiff: f64 = row.iter().map(|block| block.norm()).sum();
+                assert!((slope - along).norm() < 1e-5 * (stiff + 10.0), "{kind:?} {round}: {slope} and not {along}");
+                compared += 1;
+            }
+        }
+        assert!(compared > 2000 && parallel > 30, "{compared} compared, {parallel} parallel");
+    }
+}

@@ -9,7 +9,6 @@
 
 use super::build::Builder;
 use crate::contact::bodies::{Body, Contact, Contacts, Other, Plane};
-use crate::force::ForceTerm;
 use crate::mesh::box_tree::Bounds;
 use crate::model::spec::{ContactParts, ContactSide};
 use nalgebra::Vector3;
@@ -73,7 +72,7 @@ impl Builder<'_> {
     /// [N/m] kappa of every node, by contact.
     fn contact_stiffness(&self, contacts: &Contacts, nodes: &Nodes<'_>) -> Vec<Vec<f64>> {
         let mut springs = vec![0.0; nodes.mass.len()];
-        self.acting.terms.iter().for_each(|term: &Box<dyn ForceTerm>| term.add_stiffness(&mut springs));
+        self.acting.terms.iter().for_each(|term| term.add_stiffness(&mut springs));
         let gravity = self.spec.gravity.map_or(0.0, |g| Vector3::from(g).norm());
         let speed = nodes.velocity.iter().map(|v| Vector3::from(*v).norm()).fold(0.0, f64::max);
         let extent = extent(contacts, nodes.start);

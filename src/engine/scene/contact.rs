@@ -146,7 +146,7 @@ impl Touching {
         let rubs = self.contacts.rubs() && pressed.is_none();
         let mut elastic = Tally::default();
         now.clear();
-        for candidate in near.list().iter() {
+        for candidate in near.close() {
             let Some(touch) = Touch::of(candidate, places, *explicit) else { continue };
             elastic.energy += touch.energy();
             elastic.power += touch.pressure() * touch.normal.dot(&driven(candidate, touch.weights, places));
@@ -176,7 +176,7 @@ impl Touching {
         let TouchState { near, shifts, ends, pressed, .. } = &mut *guard;
         let places = Places { contacts: &self.contacts, x: at.x, shifts };
         let step = ends.around(places);
-        for candidate in near.list().iter() {
+        for candidate in near.close() {
             let Some(touch) = MeanTouch::of(candidate, &step) else { continue };
             for (node, slope) in own(candidate, touch.gradient(), &self.contacts) {
                 total[node] -= slope;
@@ -213,10 +213,17 @@ impl Touching {
             return;
         }
         let guard = half.map_or_else(|| self.at(at), |half| self.along(at, half));
-        let TouchState { shifts, explicit, step, pressed, ends, .. } = &*guard;
+        let TouchState { near, shifts, explicit, step, pressed, ends, .. } = &*guard;
         let places = Places { contacts: &self.contacts, x: at.x, shifts };
+        let mut close = near.close().map(Candidate::key).peekable();
         let around = half.map(|_| ends.around(places));
         for candidate in list {
+            let key = candidate.key();
+            while close.next_if(|other| *other < key).is_some() {}
+            if close.peek() != Some(&key) {
+                emit(candidate, &Blocks::default(), &self.contacts, sink);
+                continue;
+            }
             let touch = Touch::of(candidate, places, *explicit);
             let blocks = match (&around, &touch) {
                 _ if w.k == 0.0 => None,
@@ -370,7 +377,7 @@ impl Touches for Touching {
         let places = Places { contacts: &self.contacts, x: at.x, shifts };
         let pressed = pressed.get_or_insert_default();
         pressed.clear();
-        let touching = near.list().iter().filter_map(|candidate| {
+        let touching = near.close().filter_map(|candidate| {
             let touch = Touch::of(candidate, places, *explicit)?;
             Some(touch.pressed(candidate))
         });
