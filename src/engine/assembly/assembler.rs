@@ -180,6 +180,12 @@ impl TangentSink for MatrixSink<'_> {
         self.element(nodes, blocks);
     }
 
+    fn none(&mut self, nodes: &[u32]) {
+        let pairs = nodes.iter().flat_map(|p| nodes.iter().map(move |q| (p, q)));
+        let blocks = pairs.filter(|(p, q)| !self.symmetric || p >= q).count();
+        self.emitted = self.emitted.as_slice().get(blocks..).unwrap_or_default().iter();
+    }
+
     fn few(&mut self, nodes: &[u32], blocks: &[[Matrix3<f64>; 4]; 4]) {
         for (p, row) in nodes.iter().zip(blocks) {
             for (q, block) in nodes.iter().zip(row) {

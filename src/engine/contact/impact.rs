@@ -1,8 +1,8 @@
-//! How far a pair of elements may move before it touches: conservative advancement (Mirtich 1996, "Impulse-based dynamic
-//! simulation", section 2.3; Li et al. 2021, "Codimensional incremental potential contact", algorithm 1).
+//! How far a pair of elements may move before it touches: conservative advancement (Mirtich 1996, "Impulse-based
+//! dynamic simulation", section 2.3; Li et al. 2021, "Codimensional incremental potential contact", algorithm 1).
 //!
-//! Elements are convex and nodes move on lines, x_j + s d_j. Two bounds of the distance say how far it is safe to go on:
-//! it falls by no more than s max |d_i - d_j|, over nodes i of the first and j of the second element; and with n the
+//! Elements are convex and nodes move on lines, x_j + s d_j. Two bounds of the distance say how far it is safe to go
+//! on: it falls by no more than s max |d_i - d_j|, over nodes i of the first and j of the second element; and with n the
 //! unit vector between the closest points it stays above min n . (x_i - x_j + s (d_i - d_j)), the slab that parts them.
 //! The longer of the two ways is gone, again and again, until the distance is down to what is to be left. Differences
 //! of displacements alone count: what moves as one is free.
@@ -30,8 +30,8 @@ pub struct Approach {
     pub thickness: f64,
 }
 
-/// The share [-] of the displacement, in [0, 1], up to which the pair keeps at least `left` [-], above 0 and below 1, of
-/// its present distance beyond the thickness; `None` where the whole way is free. A pair that is nearer than the
+/// The share [-] of the displacement, in [0, 1], up to which the pair keeps at least `left` [-], above 0 and below 1,
+/// of its present distance beyond the thickness; `None` where the whole way is free. A pair that is nearer than the
 /// thickness already may part, but not come nearer. At the share the distance is down to 1.01 times what is to be left,
 /// unless it took more than 1000 rounds to get there.
 pub fn free_share(approach: &Approach, left: f64) -> Option<f64> {

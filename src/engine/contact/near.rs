@@ -310,8 +310,8 @@ impl Near {
         self.with_distances().filter(|(_, beyond)| *beyond <= 0.0).map(|(candidate, _)| candidate)
     }
 
-    /// All pairs that are near, each with how much [m] its distance is above its gap at least, at the places of the last
-    /// [`Near::refresh`] or [`Near::covers_now`].
+    /// All pairs that are near, each with how much [m] its distance is above its gap at least, at the places of the
+    /// last [`Near::refresh`] or [`Near::covers_now`].
     pub fn with_distances(&self) -> impl Iterator<Item = (&Candidate, f64)> {
         let way = |node: &u32| self.ways.get(*node as usize).copied().unwrap_or(self.pushed);
         let most = move |candidate: &Candidate| candidate.nodes.iter().map(way).fold(self.pushed, f64::max);

@@ -2,6 +2,7 @@
 
 use super::observer::ObserveError;
 use crate::integrate::StepError;
+use crate::model::abilities::Passage;
 
 /// Why a run could not start, or its results could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -23,6 +24,9 @@ pub enum RunError {
         /// e.g. "a finite number above 0"
         needed: &'static str,
     },
+    /// Parts that contact should keep apart touch before the first step.
+    #[error("{} touch or cross at the start: contact keeps apart what begins apart, so place them apart", .0.pair)]
+    Closed(Passage),
     /// A state does not fit the scene.
     #[error("the state has {found} degrees of freedom, the scene {needed}")]
     OtherState {

@@ -251,6 +251,9 @@ impl RunState {
         events.happen(scene, state.as_ref(), policy.slack(state.t));
         // A state at a time within a step is no end of one.
         policy.end_at(scene, events.times(scene).filter(|t| *t > state.t));
+        if let Some(closed) = scene.touches().and_then(|touches| touches.closed(state.as_ref())) {
+            return Err(RunError::Closed(closed));
+        }
         let mut from = Point { state, forces: scene.new_forces() };
         let mut counters = Counters::default();
         timed(Phase::Forces, || counters.evaluate(scene, from.state.as_ref(), &mut from.forces));

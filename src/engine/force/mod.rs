@@ -102,6 +102,11 @@ pub trait TangentSink {
 
     /// An element of one to four nodes, likewise.
     fn few(&mut self, nodes: &[u32], blocks: &[[Matrix3<f64>; 4]; 4]);
+
+    /// The same element with blocks of zeros.
+    fn none(&mut self, nodes: &[u32]) {
+        self.few(nodes, &[[Matrix3::zeros(); 4]; 4]);
+    }
 }
 
 /// The parts that a tangent may leave out.

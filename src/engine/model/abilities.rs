@@ -137,6 +137,9 @@ pub trait Touches {
     /// Ends the block.
     fn leave_block(&self);
 
+    /// A pair whose gap is closed at a state.
+    fn closed(&self, at: StateRef<'_>) -> Option<Passage>;
+
     /// From where pairs that are near were found; `None` before the first time.
     fn save(&self) -> Option<NearFrom>;
 

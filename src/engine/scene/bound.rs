@@ -278,6 +278,8 @@ impl TangentSink for Diagonal<'_> {
         self.element(nodes, blocks);
     }
 
+    fn none(&mut self, _: &[u32]) {}
+
     /// An element L L^T with the blocks B_jj = L_j L_j^T lies below B_jj sum(a)/a_j at its nodes, for any a > 0: here
     /// the root of the trace of B_jj, which is right for one of rank one.
     fn few(&mut self, nodes: &[u32], blocks: &[[Matrix3<f64>; 4]; 4]) {

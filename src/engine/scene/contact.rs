@@ -94,6 +94,12 @@ impl Touching {
         self.state().in_block
     }
 
+    fn place_of(&self, pair: &Candidate) -> Option<Passage> {
+        let node = pair.nodes.into_iter().find(|node| self.contacts.is_node(*node))?;
+        let gap = self.contacts.list[usize::from(pair.contact)].gap;
+        Some(Passage { dof: 3 * node as usize, pair: self.in_words(pair), gap })
+    }
+
     /// A pair, by nodes in the user's numbering.
     fn in_words(&self, pair: &Candidate) -> String {
         let name = |node: u32| match self.user.get(node as usize) {
@@ -135,7 +141,7 @@ impl Touching {
 
     /// Emits these pairs without blocks.
     pub(super) fn record(&self, list: &[Candidate], sink: &mut dyn TangentSink) {
-        list.iter().for_each(|candidate| emit(candidate, &Blocks::default(), &self.contacts, sink));
+        list.iter().for_each(|candidate| emit(candidate, None, &self.contacts, sink));
     }
 
     /// Adds its forces [N] `[n_nodes]` to all forces and the dissipative ones, and overwrites its part of the account.
@@ -221,7 +227,7 @@ impl Touching {
             let key = candidate.key();
             while close.next_if(|other| *other < key).is_some() {}
             if close.peek() != Some(&key) {
-                emit(candidate, &Blocks::default(), &self.contacts, sink);
+                emit(candidate, None, &self.contacts, sink);
                 continue;
             }
             let touch = Touch::of(candidate, places, *explicit);
@@ -249,7 +255,7 @@ impl Touching {
                     row.iter_mut().zip(place.weights).for_each(|(sum, b)| *sum += block * (a * b));
                 }
             }
-            emit(candidate, &blocks, &self.contacts, sink);
+            emit(candidate, Some(&blocks), &self.contacts, sink);
         }
     }
 }
@@ -321,8 +327,8 @@ fn driven(candidate: &Candidate, weights: [f64; 4], places: Places<'_>) -> Vecto
     }
 }
 
-/// Emits the blocks of the nodes of a pair that are in the scene.
-fn emit(candidate: &Candidate, blocks: &Blocks, contacts: &Contacts, sink: &mut dyn TangentSink) {
+/// Emits the blocks of the nodes of a pair that are in the scene; zeros without.
+fn emit(candidate: &Candidate, blocks: Option<&Blocks>, contacts: &Contacts, sink: &mut dyn TangentSink) {
     let mut places = [0; 4];
     let mut count = 0;
     for (i, _) in candidate.nodes.iter().enumerate().filter(|(_, node)| contacts.is_node(**node)) {
@@ -330,7 +336,11 @@ fn emit(candidate: &Candidate, blocks: &Blocks, contacts: &Contacts, sink: &mut 
         count += 1;
     }
     let nodes = places.map(|i| candidate.nodes[i]);
-    sink.few(&nodes[..count], &places.map(|i| places.map(|j| blocks[i][j])));
+    match blocks {
+        None => sink.none(&nodes[..count]),
+        Some(blocks) if places == [0, 1, 2, 3] => sink.few(&nodes, blocks),
+        Some(blocks) => sink.few(&nodes[..count], &places.map(|i| places.map(|j| blocks[i][j]))),
+    }
 }
 
 impl Network {
@@ -432,9 +442,16 @@ impl Touches for Touching {
         way.extend(by_node(to.x).iter().zip(by_node(from.x)).map(|(to, from)| to - from));
         let places = Places { contacts: &self.contacts, x: by_node(from.x), shifts: then };
         let pair = apart.first_touch(places, shifts_later, way, near)?;
-        let node = pair.nodes.into_iter().find(|node| self.contacts.is_node(*node))?;
-        let gap = self.contacts.list[usize::from(pair.contact)].gap;
-        Some(Passage { dof: 3 * node as usize, pair: self.in_words(&pair), gap })
+        self.place_of(&pair)
+    }
+
+    fn closed(&self, at: StateRef<'_>) -> Option<Passage> {
+        let at = node_state(at);
+        let guard = self.at(at);
+        let TouchState { near, shifts, .. } = &*guard;
+        let places = Places { contacts: &self.contacts, x: at.x, shifts };
+        let closed = |pair: &&Candidate| Touch::of(pair, places, true).is_some_and(|touch| touch.gap <= 0.0);
+        self.place_of(near.close().find(closed)?)
     }
 
     fn save(&self) -> Option<NearFrom> {

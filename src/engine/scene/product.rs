@@ -71,6 +71,8 @@ impl<const TRANSPOSED: bool> TangentSink for Product<'_, TRANSPOSED> {
         self.element(nodes, blocks);
     }
 
+    fn none(&mut self, _: &[u32]) {}
+
     fn few(&mut self, nodes: &[u32], blocks: &[[Matrix3<f64>; 4]; 4]) {
         for (&i, row) in nodes.iter().zip(blocks) {
             for (&j, block) in nodes.iter().zip(row) {

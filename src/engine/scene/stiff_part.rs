@@ -161,6 +161,10 @@ impl<F: Fn(&[u32; 2]) -> bool> TangentSink for Rest<'_, F> {
         self.sink.triangle(nodes, blocks);
     }
 
+    fn none(&mut self, nodes: &[u32]) {
+        self.sink.none(nodes);
+    }
+
     fn few(&mut self, nodes: &[u32], blocks: &[[Matrix3<f64>; 4]; 4]) {
         self.sink.few(nodes, blocks);
     }

@@ -18,7 +18,8 @@ const RIGIDITY: f64 = 3e4;
 /// Edges of a ring
 const EDGES: usize = 256;
 
-/// A point of the film, this length from the middle of its upper flat part, which begins where the pressure holds it in the gap.
+/// A point of the film, this length from the middle of its upper flat part, which begins where the pressure holds it
+/// in the gap.
 fn place(s: f64) -> [f64; 2] {
     let r = 0.5 * HEIGHT - 0.97 * GAP;
     let flat = PI * (RADIUS - r);
