@@ -2,10 +2,10 @@
 //! dynamic simulation", section 2.3; Li et al. 2021, "Codimensional incremental potential contact", algorithm 1).
 //!
 //! Elements are convex and nodes move on lines, x_j + s d_j. Two bounds of the distance say how far it is safe to go
-//! on: it falls by no more than s max |d_i - d_j|, over nodes i of the first and j of the second element; and with n the
-//! unit vector between the closest points it stays above min n . (x_i - x_j + s (d_i - d_j)), the slab that parts them.
-//! The longer of the two ways is gone, again and again, until the distance is down to what is to be left. Differences
-//! of displacements alone count: what moves as one is free.
+//! on: it falls by no more than s max |d_i - d_j|, over nodes i of the first and j of the second element; and with n
+//! the unit vector between the closest points it stays above min n . (x_i - x_j + s (d_i - d_j)), the slab that parts
+//! them. The longer of the two ways is gone, again and again, until the distance is down to what is to be left.
+//! Differences of displacements alone count: what moves as one is free.
 
 use super::distance::{PairKind, nearest};
 use nalgebra::Vector3;

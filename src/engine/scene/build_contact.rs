@@ -4,8 +4,8 @@
 //! kappa of a node = max(k/20, m e/g0^2),     e = max(|g| max(H, g0), v^2)
 //! ```
 //! with the stiffness k of its springs and membranes at rest, the extent H of what may touch, and the largest speed v
-//! at the start. So a node that falls through the scene is stopped within the gap, and contact is no stiffer than springs
-//! where these are stiff. No number of the user's decides.
+//! at the start. So a node that falls through the scene is stopped within the gap, and contact is no stiffer than
+//! springs where these are stiff. No number of the user's decides.
 
 use super::build::Builder;
 use crate::contact::bodies::{Body, Contact, Contacts, Other, Plane};
