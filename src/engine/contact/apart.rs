@@ -43,7 +43,7 @@ impl Apart {
         self.ends.clear();
         self.ends.extend(places.x.iter().zip(way).map(|(x, way)| x + way));
         let end = Places { x: &self.ends, shifts: later, ..places };
-        if near.covers(end, 0.5) && near.covers_now(places) {
+        if near.covers(end, 0.5) && near.covers_now(places, (&[], 0.0)) {
             // Ways that are short beside the distance need no closer look.
             let pushes = later.iter().zip(places.shifts).any(|([end, _], [begin, _])| end != begin);
             let reach = |node: &u32| way.get(*node as usize).map_or(0.0, Vector3::norm);

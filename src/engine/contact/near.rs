@@ -340,9 +340,7 @@ impl Near {
 
     /// The same for all places on the ways `half * v` [m] to both sides of these places.
     pub fn refresh_along(&mut self, places: Places<'_>, v: &[Vector3<f64>], half: f64) -> bool {
-        let of_nodes = v.iter().map(|v| half * v.norm()).fold(0.0, f64::max);
-        let of_obstacles = places.shifts.iter().map(|[_, v]| half * v.norm()).fold(0.0, f64::max);
-        let way = of_nodes + of_obstacles;
+        let way = longest_way(places, v, half);
         let missing = self.reference.len() != places.x.len() || self.follow(places, way) > 0.5 * self.skin;
         if missing {
             self.look(places, 2.0 * way);
@@ -351,9 +349,11 @@ impl Near {
         missing
     }
 
-    /// [`Near::covers`] with half of the skin, for places that [`Near::with_distances`] then belongs to.
-    pub fn covers_now(&mut self, places: Places<'_>) -> bool {
-        self.reference.len() == places.x.len() && self.follow(places, 0.0) <= 0.5 * self.skin
+    /// [`Near::covers`] with half of the skin, for places on the ways `half * v` to both sides of these, which
+    /// [`Near::with_distances`] then belongs to.
+    pub fn covers_now(&mut self, places: Places<'_>, (v, half): (&[Vector3<f64>], f64)) -> bool {
+        let way = longest_way(places, v, half);
+        self.reference.len() == places.x.len() && self.follow(places, way) <= 0.5 * self.skin
     }
 
     /// Whether no pair can touch at these places that is not among those that are near: nothing has moved by more than
@@ -435,6 +435,15 @@ impl Near {
         self.shifts.extend(places.shifts.iter().map(|[shift, _]| *shift));
         self.searches += 1;
     }
+}
+
+/// [m] A bound on the way `half * v` of nodes against each other and obstacles, over 2.
+fn longest_way(places: Places<'_>, v: &[Vector3<f64>], half: f64) -> f64 {
+    if half == 0.0 {
+        return 0.0;
+    }
+    let of_nodes = v.iter().map(|v| half * v.norm()).fold(0.0, f64::max);
+    of_nodes + places.shifts.iter().map(|[_, v]| half * v.norm()).fold(0.0, f64::max)
 }
 
 /// One value for every node of a pair, 0 beyond them.

@@ -233,7 +233,8 @@ impl<M: ImplicitScheme> Implicit<M> {
         let iterations = solved.as_ref().map_or_else(NewtonFailure::iterations, |report| report.iterations);
         counters.newton_iterations += u64::from(iterations);
         let report = solved?;
-        s.outgrown = s.linear.tangents.outgrown(system);
+        let rubbing = system.touches().is_some_and(|touches| touches.is_rubbing());
+        s.outgrown = rubbing || s.linear.tangents.outgrown(system);
         if bridge {
             lag_behind(own.lag(), a, (&to.forces.total, system.inverse_mass()), &mut s.workspace.a_next);
         }

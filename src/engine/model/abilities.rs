@@ -123,6 +123,9 @@ pub trait Touches {
     /// Whether there is friction.
     fn rubs(&self) -> bool;
 
+    /// Whether friction may have acted in the last step or may in the next one: a matrix then belongs to one step.
+    fn is_rubbing(&self) -> bool;
+
     /// Shortens displacements `way` [m] `[n_dof]` from the positions `x` [m] `[n_dof]`, between two times [s], of nodes
     /// that would pass through others or touch them; where obstacles move, nodes before them are carried along. Returns
     /// the share [-] that is free for all nodes.

@@ -38,6 +38,8 @@ struct TouchState {
     /// [s] when pairs were looked for
     looked: f64,
     shifts: Vec<[Vector3<f64>; 2]>,
+    /// from where they are to be found before the first step of a resumed run, whatever was looked at since
+    resumed: Option<NearFrom>,
     /// whether steps are explicit
     explicit: bool,
     /// [s] their size, if it is fixed
@@ -46,6 +48,8 @@ struct TouchState {
     pressed: Option<Vec<Pressed>>,
     /// what presses in a pass
     now: Vec<Pressed>,
+    /// whether anything touches in the last pass
+    touched: bool,
     /// [N] mu lambda of all pairs at every node
     limits: Vec<f64>,
     /// displacements and velocities of obstacles at another time
@@ -92,6 +96,14 @@ impl Touching {
     /// Whether a block of steps is made in which nothing can touch.
     pub(super) fn in_block(&self) -> bool {
         self.state().in_block
+    }
+
+    fn look_from(&self, NearFrom { t, more, x }: &NearFrom) {
+        let mut guard = self.state();
+        let TouchState { near, shifts: moved, looked, .. } = &mut *guard;
+        shifts(&self.contacts, *t, moved);
+        near.look(Places { contacts: &self.contacts, x: by_node(x), shifts: moved }, *more);
+        *looked = *t;
     }
 
     fn place_of(&self, pair: &Candidate) -> Option<Passage> {
@@ -147,7 +159,7 @@ impl Touching {
     /// Adds its forces [N] `[n_nodes]` to all forces and the dissipative ones, and overwrites its part of the account.
     pub(super) fn add(&self, at: NodeState<'_>, [total, dissipative]: [&mut [Vector3<f64>]; 2], tallies: &mut [Tally]) {
         let mut guard = self.at(at);
-        let TouchState { near, shifts, explicit, step, pressed, now, limits, .. } = &mut *guard;
+        let TouchState { near, shifts, explicit, step, pressed, now, limits, touched, .. } = &mut *guard;
         let places = Places { contacts: &self.contacts, x: at.x, shifts };
         let rubs = self.contacts.rubs() && pressed.is_none();
         let mut elastic = Tally::default();
@@ -161,6 +173,7 @@ impl Touching {
             }
             now.extend(rubs.then(|| touch.pressed(candidate)));
         }
+        *touched = elastic.energy > 0.0;
         let held = step.filter(|_| *explicit).map(|h| {
             add_up(now, &self.contacts, limits);
             Held { h, limits: &*limits }
@@ -179,11 +192,13 @@ impl Touching {
         tallies: &mut [Tally],
     ) {
         let mut guard = self.along(at, mean.half);
-        let TouchState { near, shifts, ends, pressed, .. } = &mut *guard;
+        let TouchState { near, shifts, ends, pressed, touched, .. } = &mut *guard;
         let places = Places { contacts: &self.contacts, x: at.x, shifts };
+        *touched = false;
         let step = ends.around(places);
         for candidate in near.close() {
             let Some(touch) = MeanTouch::of(candidate, &step) else { continue };
+            *touched = true;
             for (node, slope) in own(candidate, touch.gradient(), &self.contacts) {
                 total[node] -= slope;
             }
@@ -218,15 +233,19 @@ impl Touching {
         if list.is_empty() {
             return;
         }
-        let guard = half.map_or_else(|| self.at(at), |half| self.along(at, half));
-        let TouchState { near, shifts, explicit, step, pressed, ends, .. } = &*guard;
-        let places = Places { contacts: &self.contacts, x: at.x, shifts };
+        // An old factor is made again at its own state, which must leave no trace: pairs are not looked for.
+        let mut guard = self.state();
+        let TouchState { near, shifts: moved, explicit, step, pressed, ends, .. } = &mut *guard;
+        shifts(&self.contacts, at.t, moved);
+        half.iter().for_each(|half| ends.fit(&self.contacts, at, *half));
+        let places = Places { contacts: &self.contacts, x: at.x, shifts: moved };
+        let known = near.covers_now(places, (at.v, half.unwrap_or(0.0)));
         let mut close = near.close().map(Candidate::key).peekable();
         let around = half.map(|_| ends.around(places));
         for candidate in list {
             let key = candidate.key();
             while close.next_if(|other| *other < key).is_some() {}
-            if close.peek() != Some(&key) {
+            if known && close.peek() != Some(&key) {
                 emit(candidate, None, &self.contacts, sink);
                 continue;
             }
@@ -378,6 +397,8 @@ impl Touches for Touching {
     }
 
     fn begin_step(&self, from: StateRef<'_>) {
+        let resumed = self.state().resumed.take();
+        resumed.iter().for_each(|near| self.look_from(near));
         if !self.contacts.rubs() {
             return;
         }
@@ -396,6 +417,11 @@ impl Touches for Touching {
 
     fn rubs(&self) -> bool {
         self.contacts.rubs()
+    }
+
+    fn is_rubbing(&self) -> bool {
+        let state = self.state();
+        self.contacts.rubs() && (state.touched || state.pressed.as_ref().is_some_and(|pressed| !pressed.is_empty()))
     }
 
     fn keep_apart(&self, x: &[f64], [begun, ended]: [f64; 2], way: &mut [f64]) -> f64 {
@@ -461,14 +487,10 @@ impl Touches for Touching {
         (!x.is_empty()).then_some(NearFrom { t: state.looked, more, x })
     }
 
-    fn restore(&self, NearFrom { t, more, x }: &NearFrom) {
-        if x.len() != 3 * self.contacts.rest.len() {
-            return;
+    fn restore(&self, near: &NearFrom) {
+        if near.x.len() == 3 * self.contacts.rest.len() {
+            self.look_from(near);
+            self.state().resumed = Some(near.clone());
         }
-        let mut guard = self.state();
-        let TouchState { near, shifts: moved, looked, .. } = &mut *guard;
-        shifts(&self.contacts, *t, moved);
-        near.look(Places { contacts: &self.contacts, x: by_node(x), shifts: moved }, *more);
-        *looked = *t;
     }
 }

@@ -79,7 +79,10 @@ impl TangentSystem for Network {
     }
 
     fn outgrown(&self, assembler: &Assembler) -> bool {
-        self.contact.as_ref().is_some_and(|contact| !Arc::ptr_eq(&contact.last_near(), &assembler.near))
+        let differs = |near: &Arc<[Candidate]>, other: &Arc<[Candidate]>| {
+            !Arc::ptr_eq(near, other) && !near.iter().map(Candidate::key).eq(other.iter().map(Candidate::key))
+        };
+        self.contact.as_ref().is_some_and(|contact| differs(&contact.last_near(), &assembler.near))
     }
 
     fn symmetric_assembler(&self) -> Result<Option<Assembler>, PatternError> {
