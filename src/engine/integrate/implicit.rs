@@ -285,11 +285,6 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         (self.made_with, self.anew, self.relative) = (0.0, true, false);
     }
 
-    /// Friction at the end of a step is that of the pressures at its start.
-    fn lags(&self, system: &(dyn TangentSystem + 'static)) -> bool {
-        system.touches().is_some_and(|touches| touches.rubs())
-    }
-
     fn keep_over_change(&mut self, system: &dyn TangentSystem, at: &Point) -> bool {
         if !self.relative && self.solver.is_some() {
             for (before, a) in self.trend.before.iter_mut().zip(&self.a) {

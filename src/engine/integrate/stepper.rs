@@ -178,9 +178,13 @@ impl<'a> Stepper<'a> {
         each!(&mut self.0, scheme, _system => scheme.drop_unsaved());
     }
 
-    /// See [`Integrator::lags`].
+    /// See [`Integrator::lags`]; friction at the end of an implicit step is that of the pressures at its start.
     pub fn lags(&self) -> bool {
-        each!(&self.0, scheme, system => scheme.lags(*system))
+        let rubs = match &self.0 {
+            BoundScheme::Implicit(_, system) => system.touches().is_some_and(|touches| touches.rubs()),
+            BoundScheme::Explicit(..) | BoundScheme::Graph(..) => false,
+        };
+        rubs || each!(&self.0, scheme, system => scheme.lags(*system))
     }
 
     /// See [`Integrator::save`].

@@ -436,7 +436,11 @@ impl Touches for Touching {
     fn begin_block(&self, from: StateRef<'_>) -> bool {
         let at = node_state(from);
         let mut guard = self.state();
-        let TouchState { near, shifts: moved, in_block, looked, .. } = &mut *guard;
+        let TouchState { near, shifts: moved, in_block, looked, explicit, .. } = &mut *guard;
+        // Patterns of implicit steps follow from where pairs were looked for.
+        if !*explicit {
+            return false;
+        }
         shifts(&self.contacts, at.t, moved);
         let places = Places { contacts: &self.contacts, x: at.x, shifts: moved };
         if !near.covers(places, BEGIN_BLOCK) {

@@ -45,7 +45,7 @@ fn meeting(method: &str, step: f64) -> Value {
             "contact": [{"between": "self", "gap": 0.005, "friction": 0.3}],
             "initial": {"velocity": velocity}
         }},
-        "solver": {"linear": "cholesky", "newton": {"relative": 1e-11}},
+        "solver": {"linear": "cholesky", "newton": {"relative": 1e-10}},
         "time": {"end": 0.06, "method": method, "step": step}
     })
 }
