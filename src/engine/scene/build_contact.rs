@@ -1,11 +1,12 @@
 //! Builds what may touch, with the stiffness of contact from masses and springs.
 //!
 //! ```text
-//! kappa of a node = max(k/20, m e/g0^2),     e = max(|g| max(H, g0), v^2)
+//! kappa of a node = max(k/20, m |g|/g0)       with springs or membranes of the stiffness k at rest
+//!                   m e/g0^2                  without,     e = max(|g| max(H, g0), v^2)
 //! ```
-//! with the stiffness k of its springs and membranes at rest, the extent H of what may touch, and the largest speed v
-//! at the start. So a node that falls through the scene is stopped within the gap, and contact is no stiffer than
-//! springs where these are stiff. No number of the user's decides.
+//! with the extent H of what may touch, and the largest speed v at the start. So contact is softer than the springs of
+//! what touches, and carries its weight; a lone mass that falls through the scene is stopped within the gap. No number
+//! of the user's decides.
 
 use super::build::Builder;
 use crate::contact::bodies::{Body, Contact, Contacts, Other, Plane};
@@ -80,9 +81,10 @@ impl Builder<'_> {
             let found = f64::max(gravity * extent.max(gap), speed * speed);
             let energy = if found > 0.0 { found } else { LEAST * extent * extent };
             let held = nodes.fixed.iter().map(|fixed| *fixed == [true; 3]);
-            let of_node = |((k, m), held): ((&f64, &f64), bool)| match held {
-                true => 0.0,
-                false => f64::max(SHARE * k, m * energy / (gap * gap)),
+            let of_node = |((k, m), held): ((&f64, &f64), bool)| match (held, *k > 0.0) {
+                (true, _) => 0.0,
+                (false, true) => f64::max(SHARE * k, m * gravity / gap),
+                (false, false) => m * energy / (gap * gap),
             };
             springs.iter().zip(nodes.mass).zip(held).map(of_node).collect()
         };
