@@ -72,7 +72,7 @@ pub fn meetings() -> Vec<Claim> {
     let mut claims = Vec::new();
     for method in METHODS {
         let implicit = ["newmark", "hht", "backward-euler"].contains(&method);
-        let (worst, given, crossings) = meet(method, if implicit { 1e-3 } else { 5e-4 });
+        let (worst, given, crossings) = meet(method, if implicit { 2.5e-4 } else { 5e-4 });
         claims.push(Claim::below(format!("{method}: two sheets meet head-on, sum of momenta [-]"), worst, 1e-13));
         claims.push(Claim::between(
             format!("{method}: and they have turned back, momentum given [-]"),
