@@ -12,5 +12,7 @@ pub mod output;
 pub mod simulation;
 
 pub use canopy_fem_engine::sensitivity;
-pub use canopy_fem_engine::{analysis, assembly, drive, force, integrate, model, preflight, scene, solve, statics};
+pub use canopy_fem_engine::{
+    analysis, assembly, contact, drive, force, integrate, model, preflight, scene, solve, statics,
+};
 pub use canopy_fem_engine::{format_number, input_file, interrupt, mesh, process, startup, vtk, warning};

@@ -226,13 +226,8 @@ const BOX: [[usize; 3]; 12] = [
 ];
 
 /// How the nodes of a pair are divided between its sides.
-pub(super) fn sides(kind: PairKind, nodes: &[u32; 4]) -> [&[u32]; 2] {
-    match kind {
-        PairKind::NodeNode => [&nodes[..1], &nodes[1..2]],
-        PairKind::NodeEdge => [&nodes[..1], &nodes[1..3]],
-        PairKind::NodeTriangle => [&nodes[..1], &nodes[1..4]],
-        PairKind::EdgeEdge => [&nodes[..2], &nodes[2..4]],
-    }
+pub fn sides(kind: PairKind, nodes: &[u32; 4]) -> [&[u32]; 2] {
+    nodes[..kind.nodes()].split_at(kind.nodes_of_first()).into()
 }
 
 #[cfg(test)]

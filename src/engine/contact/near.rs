@@ -294,8 +294,6 @@ pub struct Near {
     /// [m] how far beyond their gaps pairs were looked for
     skin: f64,
     more: f64,
-    /// how often they were looked for
-    searches: u64,
 }
 
 impl Near {
@@ -316,11 +314,6 @@ impl Near {
         let way = |node: &u32| self.ways.get(*node as usize).copied().unwrap_or(self.pushed);
         let most = move |candidate: &Candidate| candidate.nodes.iter().map(way).fold(self.pushed, f64::max);
         self.list.iter().zip(&self.beyond).map(move |(pair, beyond)| (pair, beyond - 2.0 * most(pair)))
-    }
-
-    /// How often pairs were looked for.
-    pub fn searches(&self) -> u64 {
-        self.searches
     }
 
     /// [m] Nodes of the scene when pairs were last looked for, and how far beyond the skin; no node before the first
@@ -433,7 +426,6 @@ impl Near {
         self.reference.extend_from_slice(places.x);
         self.shifts.clear();
         self.shifts.extend(places.shifts.iter().map(|[shift, _]| *shift));
-        self.searches += 1;
     }
 }
 

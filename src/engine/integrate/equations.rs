@@ -141,20 +141,31 @@ impl Equations<'_> {
     /// Writes the first guess, where nothing passes through anything else.
     pub(super) fn guess(&mut self, z: &mut [f64]) {
         self.fill(z);
-        let Some(touches) = self.system.touches() else { return };
+        self.shorten(None, z);
+    }
+
+    /// Shortens the displacement `dz` of nodes that would touch others, on the way from `z`, or with all that moves from
+    /// the start of the step. Returns the share that is free for all; `None` where nothing may touch.
+    fn shorten(&mut self, z: Option<&[f64]>, dz: &mut [f64]) -> Option<f64> {
+        let touches = self.system.touches()?;
         let Workspace { place, way, .. } = &mut *self.workspace;
         let (from, times) = (&self.start.from.state, self.system.way_over_unknown());
+        let end = from.t + times * (self.to.state.t - from.t);
         place.copy_from_slice(&from.x);
         way.fill(0.0);
+        let carried = if z.is_some() { &mut *place } else { &mut *way };
         for &dof in self.system.moved() {
-            way[dof as usize] = times * self.start.h * from.v[dof as usize];
+            carried[dof as usize] += times * self.start.h * from.v[dof as usize];
         }
         let dofs = &*self.linear.tangents.dof;
-        dofs.iter().zip(&*z).for_each(|(&dof, z)| way[dof as usize] = times * z);
-        let end = from.t + times * (self.to.state.t - from.t);
-        if touches.keep_apart(place, [from.t, end], way) < 1.0 {
-            z.iter_mut().zip(dofs).for_each(|(z, &dof)| *z = way[dof as usize] / times);
+        dofs.iter().zip(z.into_iter().flatten()).for_each(|(&dof, z)| place[dof as usize] += times * z);
+        dofs.iter().zip(&*dz).for_each(|(&dof, dz)| way[dof as usize] = times * dz);
+        let begun = if z.is_some() { end } else { from.t };
+        let least = touches.keep_apart(place, [begun, end], way);
+        if least < 1.0 {
+            dz.iter_mut().zip(dofs).for_each(|(dz, &dof)| *dz = way[dof as usize] / times);
         }
+        Some(least)
     }
 
     /// Whether forces [N] differ from those at the step's start by more than a share of their size.
@@ -253,25 +264,7 @@ impl NonlinearProblem for Equations<'_> {
     }
 
     fn keep_apart(&mut self, z: &[f64], dz: &mut [f64]) -> Option<f64> {
-        let touches = self.system.touches()?;
-        let Workspace { place, way, .. } = &mut *self.workspace;
-        let (from, times) = (&self.start.from.state, self.system.way_over_unknown());
-        place.copy_from_slice(&from.x);
-        way.fill(0.0);
-        for &dof in self.system.moved() {
-            place[dof as usize] += times * self.start.h * from.v[dof as usize];
-        }
-        let dofs = &*self.linear.tangents.dof;
-        for (&dof, (z, dz)) in dofs.iter().zip(z.iter().zip(&*dz)) {
-            place[dof as usize] += times * z;
-            way[dof as usize] = times * dz;
-        }
-        let end = from.t + times * (self.to.state.t - from.t);
-        let least = touches.keep_apart(place, [end; 2], way);
-        if least < 1.0 {
-            dz.iter_mut().zip(dofs).for_each(|(dz, &dof)| *dz = way[dof as usize] / times);
-        }
-        Some(least)
+        self.shorten(Some(z), dz)
     }
 
     fn conservative(&self) -> bool {

@@ -6,8 +6,7 @@
 
 use super::network::{Network, by_node, node_state};
 use crate::contact::apart::Apart;
-use crate::contact::bodies::Contacts;
-use crate::contact::distance::PairKind;
+use crate::contact::bodies::{Contacts, sides};
 use crate::contact::mean::{MeanTouch, Step};
 use crate::contact::near::{Candidate, Form, NO_NODE, Near, Places, shifts};
 use crate::contact::touch::{Blocks, Held, Pressed, Touch, add_up};
@@ -126,14 +125,10 @@ impl Touching {
                 format!("the {} of nodes {}", if nodes.len() == 2 { "edge" } else { "triangle" }, of.join(", "))
             }
         };
-        let [a, b] = match pair.form {
-            Form::Plane => return format!("{} and obstacle {}", name(pair.nodes[0]), pair.contact),
-            Form::Pair(PairKind::NodeNode) => [&pair.nodes[..1], &pair.nodes[1..2]],
-            Form::Pair(PairKind::NodeEdge) => [&pair.nodes[..1], &pair.nodes[1..3]],
-            Form::Pair(PairKind::NodeTriangle) => [&pair.nodes[..1], &pair.nodes[1..4]],
-            Form::Pair(PairKind::EdgeEdge) => [&pair.nodes[..2], &pair.nodes[2..4]],
-        };
-        format!("{} and {}", names(a), names(b))
+        match pair.form {
+            Form::Plane => format!("{} and obstacle {}", name(pair.nodes[0]), pair.contact),
+            Form::Pair(kind) => sides(kind, &pair.nodes).map(names).join(" and "),
+        }
     }
 
     /// Its parts of the account.
@@ -402,7 +397,7 @@ impl Touches for Touching {
         if !self.contacts.rubs() {
             return;
         }
-        let at = NodeState { t: from.t, x: by_node(from.x), v: by_node(from.v) };
+        let at = node_state(from);
         let mut guard = self.at(at);
         let TouchState { near, shifts, explicit, pressed, .. } = &mut *guard;
         let places = Places { contacts: &self.contacts, x: at.x, shifts };

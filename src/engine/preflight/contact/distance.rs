@@ -1,5 +1,6 @@
 //! The distance of two triangles, segments or points.
 
+use crate::contact::distance::{PairKind, nearest};
 use nalgebra::Vector3;
 
 /// A point of space.
@@ -9,15 +10,15 @@ type Point = Vector3<f64>;
 pub(super) fn between([a, b]: [&[Point]; 2]) -> f64 {
     let mut least = f64::INFINITY;
     for [of, to] in [[a, b], [b, a]] {
-        least = of.iter().map(|x| (x - nearest(*x, to)).norm()).fold(least, f64::min);
+        least = of.iter().map(|x| from_point(*x, to)).fold(least, f64::min);
         if let &[p, q, r] = to
             && sides(of).any(|side| pierces(side, [p, q, r]))
         {
             return 0.0;
         }
     }
-    let pairs = sides(a).flat_map(|side| sides(b).map(move |other| [side, other]));
-    pairs.map(of_segments).fold(least, f64::min)
+    let pairs = sides(a).flat_map(|[p, q]| sides(b).map(move |[r, s]| [p, q, r, s]));
+    pairs.map(|ends| nearest(PairKind::EdgeEdge, &ends).distance).fold(least, f64::min)
 }
 
 /// The segments of an element.
@@ -26,38 +27,14 @@ fn sides(of: &[Point]) -> impl Iterator<Item = [Point; 2]> + '_ {
     (0..count).map(|k| [of[k], of[(k + 1) % of.len()]])
 }
 
-/// The point of an element that is nearest to a point.
-fn nearest(x: Point, of: &[Point]) -> Point {
-    match *of {
-        [a, b, c] => {
-            let normal = (b - a).cross(&(c - a));
-            let within = |from: Point, to: Point| (to - from).cross(&(x - from)).dot(&normal) >= 0.0;
-            if normal.norm_squared() > 0.0 && within(a, b) && within(b, c) && within(c, a) {
-                return x - normal * ((x - a).dot(&normal) / normal.norm_squared());
-            }
-            let on_sides = sides(of).map(|side| on_segment(x, side));
-            on_sides.reduce(|p, q| if (x - q).norm() < (x - p).norm() { q } else { p }).unwrap_or(a)
-        }
-        [a, b] => on_segment(x, [a, b]),
-        _ => of.first().copied().unwrap_or(x),
-    }
-}
-
-fn on_segment(x: Point, [from, to]: [Point; 2]) -> Point {
-    let along = to - from;
-    let share = (x - from).dot(&along) / along.norm_squared();
-    // Of a segment without length the share is not a number, and its end is as near as any.
-    if share > 0.0 { from + along * share.min(1.0) } else { from }
-}
-
-/// [m] The distance of the insides of two segments; infinite where ends are nearer, which other distances tell.
-fn of_segments([[p, q], [r, s]]: [[Point; 2]; 2]) -> f64 {
-    let (u, v, w) = (q - p, s - r, r - p);
-    let normal = u.cross(&v);
-    let size = normal.norm_squared();
-    let [on_first, on_second] = [w.cross(&v).dot(&normal) / size, w.cross(&u).dot(&normal) / size];
-    let inside = |share: f64| (0.0..=1.0).contains(&share);
-    if inside(on_first) && inside(on_second) { w.dot(&normal).abs() / size.sqrt() } else { f64::INFINITY }
+/// [m] The distance of a point from an element.
+fn from_point(x: Point, of: &[Point]) -> f64 {
+    let (kind, nodes) = match *of {
+        [a, b, c] => (PairKind::NodeTriangle, [x, a, b, c]),
+        [a, b] => (PairKind::NodeEdge, [x, a, b, b]),
+        _ => (PairKind::NodeNode, [x, of.first().copied().unwrap_or(x), x, x]),
+    };
+    nearest(kind, &nodes).distance
 }
 
 /// Whether a segment passes through a triangle.

@@ -3,6 +3,7 @@
 use super::{Scene, name_of, nodes_of};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
+use crate::contact::distance::{PairKind, nearest};
 use crate::format_number::figures;
 use crate::mesh::box_tree::{Bounds, BoxTree};
 use crate::model::spec::{ContactSide, ContactSpec, ObstacleShape, ObstacleSpec};
@@ -66,8 +67,8 @@ impl<'a> Solid<'a> {
             ObstacleShape::Plane { point, normal } => Some((Vector3::from(*point) - x).dot(&Vector3::from(*normal))),
             ObstacleShape::Sphere { center, radius } => Some(radius - (x - Vector3::from(*center)).norm()),
             ObstacleShape::Cylinder { from, to, radius } => {
-                let ends = [Vector3::from(*from), Vector3::from(*to)];
-                Some(radius - (x - nearest_of_segment(x, ends)).norm())
+                let [from, to] = [from, to].map(|end| Vector3::from(*end));
+                Some(radius - nearest(PairKind::NodeEdge, &[x, from, to, to]).distance)
             }
             ObstacleShape::Box { min, max } => {
                 let along = |k: usize| f64::min(x[k] - min[k], max[k] - x[k]);
@@ -78,7 +79,10 @@ impl<'a> Solid<'a> {
                 let corners = |t: u32| triangles[t as usize];
                 inside(x, nodes, corners, tree).then(|| {
                     let at = |node: u32| Vector3::from(nodes[node as usize]);
-                    let distance = |corners: &[u32; 3]| (x - nearest_of_triangle(x, corners.map(at))).norm();
+                    let distance = |corners: &[u32; 3]| {
+                        let [a, b, c] = corners.map(at);
+                        nearest(PairKind::NodeTriangle, &[x, a, b, c]).distance
+                    };
                     triangles.iter().map(distance).fold(f64::INFINITY, f64::min)
                 })
             }
@@ -126,22 +130,4 @@ fn left_of(x: Vector3<f64>, [from, to]: [[f64; 3]; 2]) -> i32 {
     let turn = dy * (x.z - from[2]) - dz * (x.y - from[1]);
     let sign = |value: f64| i32::from(value > 0.0) - i32::from(value < 0.0);
     [turn, -dz, dy].map(sign).into_iter().find(|sign| *sign != 0).unwrap_or(0)
-}
-
-fn nearest_of_segment(x: Vector3<f64>, [from, to]: [Vector3<f64>; 2]) -> Vector3<f64> {
-    let along = to - from;
-    let share = (x - from).dot(&along) / along.norm_squared();
-    // Of a segment without length, the share is not a number, and its end is as near as any.
-    if share > 0.0 { from + along * share.min(1.0) } else { from }
-}
-
-fn nearest_of_triangle(x: Vector3<f64>, [a, b, c]: [Vector3<f64>; 3]) -> Vector3<f64> {
-    let normal = (b - a).cross(&(c - a));
-    let within = |from: Vector3<f64>, to: Vector3<f64>| (to - from).cross(&(x - from)).dot(&normal) >= 0.0;
-    if normal.norm_squared() > 0.0 && within(a, b) && within(b, c) && within(c, a) {
-        return x - normal * ((x - a).dot(&normal) / normal.norm_squared());
-    }
-    let sides = [[a, b], [b, c], [c, a]].map(|side| nearest_of_segment(x, side));
-    let nearer = |p: Vector3<f64>, q: Vector3<f64>| if (x - q).norm() < (x - p).norm() { q } else { p };
-    sides.into_iter().reduce(nearer).unwrap_or(a)
 }
