@@ -144,8 +144,8 @@ impl Equations<'_> {
         self.shorten(None, z);
     }
 
-    /// Shortens the displacement `dz` of nodes that would touch others, on the way from `z`, or with all that moves from
-    /// the start of the step. Returns the share that is free for all; `None` where nothing may touch.
+    /// Shortens the displacement `dz` of nodes that would touch others, on the way from `z`, or with all that moves
+    /// from the start of the step. Returns the share that is free for all; `None` where nothing may touch.
     fn shorten(&mut self, z: Option<&[f64]>, dz: &mut [f64]) -> Option<f64> {
         let touches = self.system.touches()?;
         let Workspace { place, way, .. } = &mut *self.workspace;
