@@ -60,12 +60,19 @@ impl Bounds {
         self.low.iter().zip(&self.high).fold(0.0, |most: f64, (low, high)| most.max(high - low))
     }
 
+    /// [m] Least distance between points of two boxes.
+    pub fn distance(&self, other: &Bounds) -> f64 {
+        let along = |k: usize| (other.low[k] - self.high[k]).max(self.low[k] - other.high[k]).max(0.0);
+        along(0).hypot(along(1)).hypot(along(2))
+    }
+
     /// Twice the centre.
     fn middle(&self, axis: usize) -> f64 {
         self.low[axis] + self.high[axis]
     }
 
-    fn longest_axis(&self) -> usize {
+    /// The axis along which it is longest.
+    pub fn longest_axis(&self) -> usize {
         let along = [0, 1, 2].map(|k| self.high[k] - self.low[k]);
         (1..3).fold(0, |longest, k| if along[k] > along[longest] { k } else { longest })
     }

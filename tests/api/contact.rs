@@ -173,6 +173,33 @@ fn tangents_are_derivatives_and_energies_are_potentials() {
     }
 }
 
+/// Friction is that of the pressures at the start of a step, and so is its tangent, where pairs have parted since.
+#[test]
+fn friction_of_parted_pairs_has_its_tangent() {
+    let (_, spec) = scenes(0.3).remove(0);
+    let scene = build(spec);
+    let height: Vec<f64> = scene.initial_state().x.chunks(3).map(|x| x[2]).collect();
+    let mut compared = 0;
+    for seed in 0..STATES {
+        let (mut sample, mut random) = (Sample::new(&scene, seed), Random(300 + seed));
+        implicit(&scene, sample.at());
+        let upper = (0..height.len()).filter(|node| height[*node] > 0.3);
+        upper.for_each(|node| sample.x[3 * node + 2] += 0.5);
+        let mut forces = scene.new_forces();
+        scene.evaluate(sample.at(), &mut forces);
+        let [touch, rub] = [2, 1].map(|i| forces.tallies[forces.tallies.len() - i]);
+        assert!(touch.energy < 1e-3 && rub.power < -0.1, "{touch:?} {rub:?}");
+        let way: Vec<f64> = scene.inverse_mass().iter().map(|m| if *m > 0.0 { random.next() } else { 0.0 }).collect();
+        let mut product = vec![0.0; scene.n_dof()];
+        scene.tangent_times(sample.at(), Weights { m: 0.0, c: 1.0, k: 0.0 }, &way, &mut product);
+        let of = |s: f64| total(&scene, moved(&sample, &way, [0.0, s]).at());
+        let expected = slope(|s| of(s).into_iter().map(|f| -f).collect(), 1e-5);
+        assert!(product.iter().any(|f| f.abs() > 0.1), "no tangent");
+        compared += compare("parted", &product, &expected, 1e-4);
+    }
+    assert!(compared > 100, "{compared}");
+}
+
 /// Forces between parts of the scene add up to 0, and so do their moments; those of friction act a gap apart.
 #[test]
 fn forces_between_parts_balance() {

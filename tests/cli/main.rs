@@ -7,6 +7,7 @@ mod bench;
 mod check;
 #[path = "../common/mod.rs"]
 mod common;
+mod contact;
 mod doubts;
 mod events;
 mod export;

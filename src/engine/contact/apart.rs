@@ -6,7 +6,9 @@
 
 use super::bodies::{Contacts, Other};
 use super::impact::{Approach, free_share};
-use super::near::{Candidate, Form, NO_NODE, Near, Places, Search, points};
+use super::near::{Candidate, Form, NO_NODE, Near, Places, points};
+use super::patches::Moved;
+use super::search::Search;
 use crate::mesh::box_tree::Bounds;
 use nalgebra::Vector3;
 
@@ -26,49 +28,54 @@ pub struct Apart {
     share: Vec<f64>,
     /// [m] where nodes end
     ends: Vec<Vector3<f64>>,
+    /// ways of nodes and obstacles
+    ways: Moved,
     /// [m] where nodes that an obstacle or a support pushes go at least
     carried: Vec<Vector3<f64>>,
 }
 
 impl Apart {
-    /// Overwrites the pairs that may meet on the ways `way` [m] of nodes: those that are near where these cover both
-    /// ends; `later` is where obstacles are at the end. None if a way is not finite.
-    fn find(&mut self, places: Places<'_>, later: &[[Vector3<f64>; 2]], way: &[Vector3<f64>], near: &mut Near) {
-        let contacts = places.contacts;
-        let n = way.len();
-        self.found.clear();
+    /// Overwrites the pairs that may meet on the ways `way` [m] of nodes, or on any shares of them: those that are near
+    /// where these cover both ends; `later` is where obstacles are at the end. None if a way is not finite.
+    fn find(
+        &mut self,
+        places: Places<'_>,
+        later: &[[Vector3<f64>; 2]],
+        way: &[Vector3<f64>],
+        (near, shares): (&mut Near, bool),
+    ) {
+        let Apart { found, ends, ways, search, .. } = self;
+        found.clear();
         if !way.iter().flatten().all(|d| d.is_finite()) {
             return;
         }
-        self.ends.clear();
-        self.ends.extend(places.x.iter().zip(way).map(|(x, way)| x + way));
-        let end = Places { x: &self.ends, shifts: later, ..places };
-        if near.covers(end, 0.5) && near.covers_now(places, (&[], 0.0)) {
+        ends.clear();
+        ends.extend(places.x.iter().zip(way).map(|(x, way)| x + way));
+        let end = Places { x: ends, shifts: later, ..places };
+        ways.fit((ends, places.x), later.iter().zip(places.shifts).map(|([end, _], [begin, _])| end - begin));
+        let covers = |near: &mut Near| match shares {
+            true => near.covers_shares([places, end]),
+            false => near.covers(&[end], 1.0),
+        };
+        let covered = covers(near) || {
+            near.look(places, 0.0);
+            covers(near)
+        };
+        if covered && near.covers(&[places], 1.0) {
             // Ways that are short beside the distance need no closer look.
-            let pushes = later.iter().zip(places.shifts).any(|([end, _], [begin, _])| end != begin);
-            let reach = |node: &u32| way.get(*node as usize).map_or(0.0, Vector3::norm);
             let meets = |(pair, beyond): &(&Candidate, f64)| {
-                let most = pair.nodes.iter().map(reach).fold(0.0, f64::max);
-                pushes || 4.0 * most > beyond + contacts.list[usize::from(pair.contact)].gap
+                let nearer = if shares { ways.nearer_by_shares(pair) } else { ways.nearer(pair) };
+                2.0 * nearer > beyond + places.contacts.list[usize::from(pair.contact)].gap
             };
-            return self.found.extend(near.with_distances().filter(meets).map(|(pair, _)| *pair));
+            return found.extend(near.with_distances().filter(meets).map(|(pair, _)| *pair));
         }
-        let together = match contacts.is_free() {
-            true => way.iter().sum::<Vector3<f64>>() / n as f64,
-            false => Vector3::zeros(),
-        };
-        let pushed = |node: u32| match way.get(node as usize) {
-            Some(way) => *way,
-            None => {
-                let contact = usize::from(contacts.contact_of[node as usize - n]);
-                later[contact][0] - places.shifts[contact][0]
-            }
-        };
         let place = |node: u32| {
-            let x = places.at(node);
-            Bounds::of([&x.into(), &(x + pushed(node) - together).into()])
+            let contact = |corner: usize| usize::from(places.contacts.contact_of[corner]);
+            let way = way.get(node as usize).copied();
+            let way = way.unwrap_or_else(|| ways.obstacles[contact(node as usize - ways.nodes.len())]);
+            Bounds::of([&places.at(node).into(), &(places.at(node) + way).into()])
         };
-        self.search.find(contacts, place, 0.0, |_| true, &mut self.found);
+        search.find(places.contacts, place, 0.0, |_| true, found);
     }
 
     /// The first pair that touches on the ways of nodes between two places.
@@ -79,7 +86,7 @@ impl Apart {
         way: &[Vector3<f64>],
         near: &mut Near,
     ) -> Option<Candidate> {
-        self.find(places, later, way, near);
+        self.find(places, later, way, (near, false));
         self.reset(way.len());
         let pairs = Round { places, later, way, share: &mut self.share, carried: &mut self.carried };
         let touches = |pair: &&Candidate| pairs.free_share(pair, CLOSED).is_some();
@@ -102,20 +109,19 @@ impl Apart {
         way: &mut [Vector3<f64>],
         near: &mut Near,
     ) -> f64 {
-        self.find(places, later, way, near);
-        if self.found.is_empty() {
-            return 1.0;
-        }
+        self.find(places, later, way, (near, false));
         self.reset(way.len());
         let mut least: f64 = 1.0;
         for round in 0..ROUNDS {
             let mut pairs = Round { places, later, way, share: &mut self.share, carried: &mut self.carried };
             let (shortened, free) = pairs.look(&self.found);
-            if round == 0 {
-                least = free;
-            }
             if !shortened {
                 break;
+            }
+            if round == 0 {
+                least = free;
+                // What stops lets others come nearer.
+                self.find(places, later, way, (near, true));
             }
             if round + 1 == ROUNDS {
                 self.share.fill(least);
@@ -238,7 +244,7 @@ mod tests {
             ..Contacts::default()
         };
         let shifts = [[Vector3::zeros(); 2]];
-        let places = Places { contacts: &contacts, x: &rest, shifts: &shifts };
+        let places = Places { contacts: &contacts, t: 0.0, x: &rest, shifts: &shifts };
         let mut way = vec![Vector3::zeros(); 7];
         way[3] = corner(0.0, 0.0, -1.0);
         way[6] = corner(-4.0, 0.0, 0.0);

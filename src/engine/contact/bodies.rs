@@ -84,6 +84,13 @@ pub enum Other {
     Plane(Plane),
 }
 
+impl Other {
+    /// Another body, if it is one.
+    pub fn body(&self) -> Option<&Body> {
+        if let Other::Body(body) = self { Some(body) } else { None }
+    }
+}
+
 /// Two sides that may touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contact {
@@ -195,16 +202,6 @@ impl Contacts {
     /// Whether there is friction.
     pub fn rubs(&self) -> bool {
         self.list.iter().any(|contact| contact.friction > 0.0)
-    }
-
-    /// Whether the scene touches itself only, so that it can move as a whole without another pair.
-    pub(super) fn is_free(&self) -> bool {
-        let own = |contact: &Contact| match &contact.other {
-            Other::Itself => true,
-            Other::Body(body) => body.nodes.iter().all(|node| self.is_node(*node)),
-            Other::Plane(_) => false,
-        };
-        self.list.iter().all(own)
     }
 }
 

@@ -1,11 +1,13 @@
 //! Pairs that are near: found by trees of boxes, and kept until something may have come near that is not among them.
 //!
-//! A pair is near if it is closer than its gap and the skin. As long as no node has moved by more than half the skin
-//! since then, against the scene as a whole where there is no obstacle, no other pair can touch.
+//! A pair is near if it is closer than its gap and the skin. As long as no two patches have come nearer to each other
+//! by more than they may ([`super::patches`]), no other pair can touch.
 
-use super::bodies::{Body, Contact, Contacts, Other, Plane, sides};
+use super::bodies::{Contacts, Other, Plane};
 use super::distance::{PairKind, nearest};
-use crate::mesh::box_tree::{Bounds, BoxTree};
+use super::patches::{Moved, Patches};
+use super::search::Search;
+use crate::mesh::box_tree::Bounds;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -50,6 +52,8 @@ impl Candidate {
 pub struct Places<'a> {
     /// what may touch
     pub contacts: &'a Contacts,
+    /// [s] when
+    pub t: f64,
     /// [m] nodes of the scene
     pub x: &'a [Vector3<f64>],
     /// [m, m/s] displacement and velocity of the obstacle of every contact
@@ -91,208 +95,25 @@ pub fn shifts(contacts: &Contacts, t: f64, out: &mut Vec<[Vector3<f64>; 2]>) {
     }));
 }
 
-/// Trees around the elements of a body.
-#[derive(Clone, Debug)]
-struct Trees {
-    triangles: BoxTree,
-    edges: BoxTree,
-    lines: BoxTree,
-    points: BoxTree,
-}
-
-impl Trees {
-    fn new(body: &Body, place: &impl Fn(u32) -> Bounds) -> Self {
-        fn tree<const N: usize>(elements: &[[u32; N]], place: &impl Fn(u32) -> Bounds) -> BoxTree {
-            BoxTree::new(&elements.iter().map(|nodes| around(nodes, place)).collect::<Vec<_>>())
-        }
-        let points: Vec<[u32; 1]> = body.points.iter().map(|node| [*node]).collect();
-        Trees {
-            triangles: tree(&body.triangles, place),
-            edges: tree(&body.edges, place),
-            lines: tree(&body.lines, place),
-            points: tree(&points, place),
-        }
-    }
-
-    fn refit(&mut self, body: &Body, place: &impl Fn(u32) -> Bounds) {
-        self.triangles.refit(|i| around(&body.triangles[i as usize], place));
-        self.edges.refit(|i| around(&body.edges[i as usize], place));
-        self.lines.refit(|i| around(&body.lines[i as usize], place));
-        self.points.refit(|i| place(body.points[i as usize]));
-    }
-}
-
-fn around(nodes: &[u32], place: &impl Fn(u32) -> Bounds) -> Bounds {
-    nodes.iter().fold(Bounds::EMPTY, |all, node| all.joined(place(*node)))
-}
-
-/// Finds pairs whose boxes are near.
-#[derive(Clone, Debug, Default)]
-pub struct Search {
-    /// of both sides of every contact; the second is there if it is another body
-    trees: Vec<[Option<Trees>; 2]>,
-}
-
-impl Search {
-    /// Overwrites `found` with all pairs whose boxes, from the boxes of their nodes, are closer than their gaps and
-    /// `skin` [m], and that `keep` keeps; in order, each once.
-    pub fn find(
-        &mut self,
-        contacts: &Contacts,
-        place: impl Fn(u32) -> Bounds,
-        skin: f64,
-        keep: impl Fn(&mut Candidate) -> bool,
-        found: &mut Vec<Candidate>,
-    ) {
-        found.clear();
-        self.trees.resize_with(contacts.list.len(), Default::default);
-        for ((number, contact), trees) in (0_u16..).zip(&contacts.list).zip(&mut self.trees) {
-            let mut pairs = Pairs { contacts, number, keep: &keep, found: &mut *found };
-            pairs.of(contact, trees, &place, contact.gap + contact.thickness + skin);
-        }
-        found.sort_unstable_by_key(Candidate::key);
-        found.dedup_by_key(|candidate| candidate.key());
-    }
-}
-
-/// Collects the pairs of a contact.
-struct Pairs<'a, K> {
-    contacts: &'a Contacts,
-    number: u16,
-    keep: &'a K,
-    found: &'a mut Vec<Candidate>,
-}
-
-impl<K: Fn(&mut Candidate) -> bool> Pairs<'_, K> {
-    fn of(
-        &mut self,
-        contact: &Contact,
-        [own, others]: &mut [Option<Trees>; 2],
-        place: &impl Fn(u32) -> Bounds,
-        reach: f64,
-    ) {
-        let body = &contact.body;
-        if let Other::Plane(_) = contact.other {
-            return body.nodes.iter().for_each(|&node| self.add(Form::Plane, [node, NO_NODE, NO_NODE, NO_NODE]));
-        }
-        let fitted = |trees: &mut Option<Trees>, body: &Body| match trees {
-            Some(trees) => trees.refit(body, place),
-            None => *trees = Some(Trees::new(body, place)),
-        };
-        fitted(own, body);
-        let Some(own) = own else { return };
-        match &contact.other {
-            Other::Body(other) => {
-                fitted(others, other);
-                let Some(others) = others else { return };
-                self.one_way((body, own), (other, others), place, reach);
-                self.one_way((other, others), (body, own), place, reach);
-                self.edges(&body.edges, (&other.edges, &others.edges), place, reach);
-                self.points(&body.points, (&other.points, &others.points), place, reach);
-            }
-            _ => {
-                self.one_way((body, own), (body, own), place, reach);
-                self.edges(&body.edges, (&body.edges, &own.edges), place, reach);
-                self.points(&body.points, (&body.points, &own.points), place, reach);
-            }
-        }
-    }
-
-    /// Nodes of one side with triangles and lines of the other.
-    fn one_way(
-        &mut self,
-        (of, _): (&Body, &Trees),
-        (other, trees): (&Body, &Trees),
-        place: &impl Fn(u32) -> Bounds,
-        reach: f64,
-    ) {
-        let mut looks = u64::MAX;
-        for &node in &of.nodes {
-            let near = place(node).grown(reach);
-            trees.triangles.within(&near, &mut looks, |i| {
-                let [a, b, c] = other.triangles[i as usize];
-                self.add(Form::Pair(PairKind::NodeTriangle), [node, a, b, c]);
-            });
-            trees.lines.within(&near, &mut looks, |i| {
-                let [a, b] = other.lines[i as usize];
-                self.add(Form::Pair(PairKind::NodeEdge), [node, a, b, NO_NODE]);
-            });
-        }
-    }
-
-    fn edges(
-        &mut self,
-        edges: &[[u32; 2]],
-        (others, tree): (&[[u32; 2]], &BoxTree),
-        place: &impl Fn(u32) -> Bounds,
-        reach: f64,
-    ) {
-        for edge in edges {
-            tree.within(&around(edge, place).grown(reach), &mut { u64::MAX }, |i| {
-                let other = others[i as usize];
-                let [[a, b], [c, d]] = if *edge <= other { [*edge, other] } else { [other, *edge] };
-                self.add(Form::Pair(PairKind::EdgeEdge), [a, b, c, d]);
-            });
-        }
-    }
-
-    fn points(
-        &mut self,
-        points: &[u32],
-        (others, tree): (&[u32], &BoxTree),
-        place: &impl Fn(u32) -> Bounds,
-        reach: f64,
-    ) {
-        for &node in points {
-            tree.within(&place(node).grown(reach), &mut { u64::MAX }, |i| {
-                let other = others[i as usize];
-                self.add(Form::Pair(PairKind::NodeNode), [node.min(other), node.max(other), NO_NODE, NO_NODE]);
-            });
-        }
-    }
-
-    /// Adds a pair that shares no node and has something that can move.
-    fn add(&mut self, form: Form, nodes: [u32; 4]) {
-        let (contacts, contact) = (self.contacts, self.number);
-        let (stiffness, lengths) = match form {
-            Form::Plane => (contacts.stiffness_of(usize::from(contact), [&nodes[..1], &[]]), [0.0; 2]),
-            Form::Pair(kind) => {
-                let [first, second] = sides(kind, &nodes);
-                if first.iter().any(|node| second.contains(node)) {
-                    return;
-                }
-                let length = |side: &[u32]| match side {
-                    &[a, b] => (contacts.at_rest(a) - contacts.at_rest(b)).norm(),
-                    _ => 0.0,
-                };
-                let lengths = [length(first), length(second)];
-                (contacts.stiffness_of(usize::from(contact), [first, second]), lengths)
-            }
-        };
-        let mut candidate = Candidate { contact, form, nodes, stiffness, lengths, beyond: 0.0 };
-        if stiffness > 0.0 && (self.keep)(&mut candidate) {
-            self.found.push(candidate);
-        }
-    }
-}
-
 /// The pairs that are near, with the state that they were found in.
 #[derive(Clone, Debug, Default)]
 pub struct Near {
     search: Search,
+    patches: Patches,
     list: Arc<[Candidate]>,
     /// [m] nodes of the scene when they were found; empty before the first time
     reference: Vec<Vector3<f64>>,
+    /// [s] when that was
+    time: f64,
     /// [m] displacements of obstacles then
     shifts: Vec<Vector3<f64>>,
     found: Vec<Candidate>,
     /// [m] how much distances of the pairs were above their gaps
     beyond: Vec<f64>,
-    /// [m] how far every node has moved since at the places that were last asked for, and obstacles
-    ways: Vec<f64>,
-    pushed: f64,
-    /// [m] how far beyond their gaps pairs were looked for
-    skin: f64,
+    /// displacements since, at the places that were last asked for: one state, or two ends
+    moved: [Moved; 2],
+    ends: usize,
+    /// [m] how far beyond their gaps and the skin pairs were looked for
     more: f64,
 }
 
@@ -302,101 +123,73 @@ impl Near {
         &self.list
     }
 
-    /// The pairs that may touch at the places of the last [`Near::refresh`], in order: no node has come so close that
-    /// the others could.
+    /// The pairs that may touch at the places of the last [`Near::refresh`], in order: their nodes have come so close
+    /// that they could.
     pub fn close(&self) -> impl Iterator<Item = &Candidate> {
         self.with_distances().filter(|(_, beyond)| *beyond <= 0.0).map(|(candidate, _)| candidate)
     }
 
     /// All pairs that are near, each with how much [m] its distance is above its gap at least, at the places of the
-    /// last [`Near::refresh`] or [`Near::covers_now`].
+    /// last [`Near::refresh`] or [`Near::covers`].
     pub fn with_distances(&self) -> impl Iterator<Item = (&Candidate, f64)> {
-        let way = |node: &u32| self.ways.get(*node as usize).copied().unwrap_or(self.pushed);
-        let most = move |candidate: &Candidate| candidate.nodes.iter().map(way).fold(self.pushed, f64::max);
-        self.list.iter().zip(&self.beyond).map(move |(pair, beyond)| (pair, beyond - 2.0 * most(pair)))
+        let ends = &self.moved[..self.ends];
+        let nearer = move |pair: &Candidate| ends.iter().map(|moved| moved.nearer(pair)).fold(0.0, f64::max);
+        self.list.iter().zip(&self.beyond).map(move |(pair, beyond)| (pair, beyond - nearer(pair)))
     }
 
-    /// [m] Nodes of the scene when pairs were last looked for, and how far beyond the skin; no node before the first
-    /// time.
-    pub fn reference(&self) -> (&[Vector3<f64>], f64) {
-        (&self.reference, self.more)
+    /// [s] When pairs were last looked for, [m] nodes of the scene then, and how far beyond the skin; no node before
+    /// the first time.
+    pub fn reference(&self) -> (f64, &[Vector3<f64>], f64) {
+        (self.time, &self.reference, self.more)
     }
 
-    /// Looks for pairs if some may be missing. Returns whether it did.
-    pub fn refresh(&mut self, places: Places<'_>) -> bool {
-        let missing = self.reference.len() != places.x.len() || self.follow(places, 0.0) > 0.5 * self.skin;
-        if missing {
+    /// Looks for pairs if some may be missing.
+    pub fn refresh(&mut self, places: Places<'_>) {
+        if !self.covers(&[places], 1.0) {
             self.look(places, 0.0);
         }
-        missing
     }
 
-    /// The same for all places on the ways `half * v` [m] to both sides of these places.
-    pub fn refresh_along(&mut self, places: Places<'_>, v: &[Vector3<f64>], half: f64) -> bool {
-        let way = longest_way(places, v, half);
-        let missing = self.reference.len() != places.x.len() || self.follow(places, way) > 0.5 * self.skin;
-        if missing {
-            self.look(places, 2.0 * way);
-            self.ways.fill(way);
-        }
-        missing
-    }
-
-    /// [`Near::covers`] with half of the skin, for places on the ways `half * v` to both sides of these, which
-    /// [`Near::with_distances`] then belongs to.
-    pub fn covers_now(&mut self, places: Places<'_>, (v, half): (&[Vector3<f64>], f64)) -> bool {
-        let way = longest_way(places, v, half);
-        self.reference.len() == places.x.len() && self.follow(places, way) <= 0.5 * self.skin
-    }
-
-    /// Whether no pair can touch at these places that is not among those that are near: nothing has moved by more than
-    /// a share of the skin.
-    pub fn covers(&self, places: Places<'_>, share: f64) -> bool {
-        self.reference.len() == places.x.len() && self.moved(places) <= share * self.skin
-    }
-
-    /// Finds how far every node has moved, and `more` [m]. Returns the largest way.
-    fn follow(&mut self, places: Places<'_>, more: f64) -> f64 {
-        let together = self.together(places);
-        let mut most = 0.0;
-        self.ways.resize(places.x.len(), 0.0);
-        for (to, (x, then)) in self.ways.iter_mut().zip(places.x.iter().zip(&self.reference)) {
-            *to = (x - then - together).norm() + more;
-            most = if *to <= most { most } else { *to };
-        }
-        self.pushed = self.way_of_obstacles(places);
-        if most.is_nan() { f64::INFINITY } else { most + self.pushed }
-    }
-
-    fn together(&self, places: Places<'_>) -> Vector3<f64> {
-        let ways = places.x.iter().zip(&self.reference).map(|(x, then)| x - then);
-        match places.contacts.is_free() {
-            true => ways.sum::<Vector3<f64>>() / places.x.len() as f64,
-            false => Vector3::zeros(),
+    /// The same for all places on the ways `half * v` [m] to both sides of these places, between the two `ends`.
+    pub fn refresh_along(&mut self, places: Places<'_>, ends: [Places<'_>; 2]) {
+        if !self.covers(&ends, 1.0) {
+            let most = |ways: &mut dyn Iterator<Item = Vector3<f64>>| ways.map(|way| way.norm()).fold(0.0, f64::max);
+            let [_, end] = ends;
+            let nodes = most(&mut end.x.iter().zip(places.x).map(|(end, x)| end - x));
+            let obstacles = most(&mut end.shifts.iter().zip(places.shifts).map(|([end, _], [shift, _])| end - shift));
+            self.look(places, 2.0 * f64::max(nodes, obstacles));
+            self.follow(&ends);
         }
     }
 
-    fn way_of_obstacles(&self, places: Places<'_>) -> f64 {
-        let ways = places.shifts.iter().zip(&self.shifts).map(|([now, _], then)| (now - then).norm());
-        ways.fold(0.0, f64::max)
+    /// Whether no pair can touch at these places, which are those of one state or of two ends of ways, that is not
+    /// among those that are near: nothing has come nearer by more than a share of what it may.
+    pub fn covers(&mut self, ends: &[Places<'_>], share: f64) -> bool {
+        self.follow(ends) && self.patches.cover(&self.moved[..self.ends], share)
     }
 
-    /// [m] How far a node may have moved against another one or an obstacle, over 2.
-    fn moved(&self, places: Places<'_>) -> f64 {
-        let together = self.together(places);
-        let ways = places.x.iter().zip(&self.reference).map(|(x, then)| x - then - together);
-        let most = ways.fold(0.0, |most: f64, way| {
-            let way = way.norm_squared();
-            if way <= most { most } else { way }
-        });
-        if most.is_nan() { f64::INFINITY } else { most.sqrt() + self.way_of_obstacles(places) }
+    /// The same where every node goes any share of its way between two ends.
+    pub fn covers_shares(&mut self, ends: [Places<'_>; 2]) -> bool {
+        self.follow(&ends) && self.patches.cover_shares(&self.moved)
+    }
+
+    /// Finds displacements of nodes and obstacles since pairs were looked for. Returns whether they ever were.
+    fn follow(&mut self, ends: &[Places<'_>]) -> bool {
+        self.ends = ends.len();
+        for (moved, end) in self.moved.iter_mut().zip(ends) {
+            if self.reference.len() != end.x.len() {
+                return false;
+            }
+            moved.fit((end.x, &self.reference), end.shifts.iter().zip(&self.shifts).map(|([now, _], then)| now - then));
+        }
+        true
     }
 
     /// Looks for pairs, at distances of `more` [m] beyond the skin too.
     pub fn look(&mut self, places: Places<'_>, more: f64) {
         let contacts = places.contacts;
-        (self.skin, self.more) = (contacts.skin + more, more);
-        let skin = self.skin;
+        (self.time, self.more) = (places.t, more);
+        let skin = contacts.skin + more;
         let place = |node| {
             let x = places.at(node).into();
             Bounds { low: x, high: x }
@@ -412,6 +205,7 @@ impl Near {
             candidate.beyond < skin
         };
         self.search.find(contacts, place, skin, keep, &mut self.found);
+        self.patches.look(places, skin);
         let same = self.found.len() == self.list.len()
             && self.found.iter().zip(self.list.iter()).all(|(new, old)| new.key() == old.key());
         if !same {
@@ -419,23 +213,12 @@ impl Near {
         }
         self.beyond.clear();
         self.beyond.extend(self.found.iter().map(|candidate| candidate.beyond));
-        self.ways.clear();
-        self.ways.resize(places.x.len(), 0.0);
-        self.pushed = 0.0;
         self.reference.clear();
         self.reference.extend_from_slice(places.x);
         self.shifts.clear();
         self.shifts.extend(places.shifts.iter().map(|[shift, _]| *shift));
+        self.follow(&[places]);
     }
-}
-
-/// [m] A bound on the way `half * v` of nodes against each other and obstacles, over 2.
-fn longest_way(places: Places<'_>, v: &[Vector3<f64>], half: f64) -> f64 {
-    if half == 0.0 {
-        return 0.0;
-    }
-    let of_nodes = v.iter().map(|v| half * v.norm()).fold(0.0, f64::max);
-    of_nodes + places.shifts.iter().map(|[_, v]| half * v.norm()).fold(0.0, f64::max)
 }
 
 /// One value for every node of a pair, 0 beyond them.

@@ -140,6 +140,11 @@ pub struct Pressed {
 }
 
 impl Pressed {
+    /// By which they are in order.
+    pub fn key(&self) -> (u16, Form, [u32; 4]) {
+        self.candidate.key()
+    }
+
     /// [m/s] Velocity of the first closest point against the second, for nodes with velocities `v` [m/s].
     pub fn velocity(&self, places: Places<'_>, v: &[Vector3<f64>]) -> Vector3<f64> {
         let nodes = self.candidate.nodes.iter().zip(self.weights).filter(|(node, _)| **node != NO_NODE);
@@ -231,7 +236,7 @@ mod tests {
                 Candidate { contact: 0, form: Form::Pair(kind), nodes, stiffness: 50.0, lengths, beyond: 0.0 };
             let at = |s: f64| {
                 let x: [Vector3<f64>; 4] = std::array::from_fn(|j| x[j] + way[j] * s);
-                let places = Places { contacts: &contacts, x: &x, shifts: &shifts };
+                let places = Places { contacts: &contacts, t: 0.0, x: &x, shifts: &shifts };
                 Touch::of(&candidate, places, false)
             };
             let Some(touch) = at(0.0).filter(|touch| touch.gap > 0.05) else { continue };

@@ -267,6 +267,10 @@ impl NonlinearProblem for Equations<'_> {
         self.shorten(Some(z), dz)
     }
 
+    fn presses(&self) -> bool {
+        self.system.touches().is_some_and(|touches| touches.presses())
+    }
+
     fn conservative(&self) -> bool {
         self.linear.tangents.symmetric()
     }

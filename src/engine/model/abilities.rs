@@ -123,6 +123,9 @@ pub trait Touches {
     /// Whether there is friction.
     fn rubs(&self) -> bool;
 
+    /// Whether anything pressed on anything else at the last state whose forces were asked for.
+    fn presses(&self) -> bool;
+
     /// Whether friction may have acted in the last step or may in the next one: a matrix then belongs to one step.
     fn is_rubbing(&self) -> bool;
 

@@ -19,7 +19,7 @@ const SHARE: f64 = 0.05;
 /// [m^2/s^2] e over the square of the extent of a scene in which nothing falls or moves.
 const LEAST: f64 = 1.0;
 /// [-] Skin over the mean length of edges, and at least over the gap.
-const SKIN: f64 = 0.25;
+const SKIN: f64 = 0.4;
 
 /// The nodes of a scene, as contact needs them; in the scene's numbering.
 pub(super) struct Nodes<'a> {

@@ -34,8 +34,6 @@ pub(super) struct Touching {
 #[derive(Clone, Default)]
 struct TouchState {
     near: Near,
-    /// [s] when pairs were looked for
-    looked: f64,
     shifts: Vec<[Vector3<f64>; 2]>,
     /// from where they are to be found before the first step of a resumed run, whatever was looked at since
     resumed: Option<NearFrom>,
@@ -61,9 +59,8 @@ struct TouchState {
     in_block: bool,
 }
 
-/// [-] Shares of the skin that nodes may have moved where a block of steps begins and where it ends.
-const BEGIN_BLOCK: f64 = 0.25;
-const END_BLOCK: f64 = 0.5;
+/// [-] Share of what patches may come nearer, up to which a block of steps begins.
+const BEGIN_BLOCK: f64 = 0.5;
 
 impl Touching {
     pub(super) fn new(contacts: Contacts, user: &[u32]) -> Self {
@@ -84,11 +81,9 @@ impl Touching {
     /// The state with the pairs that are near at these positions.
     fn at(&self, at: NodeState<'_>) -> MutexGuard<'_, TouchState> {
         let mut guard = self.state();
-        let TouchState { near, shifts: moved, looked, .. } = &mut *guard;
+        let TouchState { near, shifts: moved, .. } = &mut *guard;
         shifts(&self.contacts, at.t, moved);
-        if near.refresh(Places { contacts: &self.contacts, x: at.x, shifts: moved }) {
-            *looked = at.t;
-        }
+        near.refresh(Places { contacts: &self.contacts, t: at.t, x: at.x, shifts: moved });
         guard
     }
 
@@ -99,10 +94,9 @@ impl Touching {
 
     fn look_from(&self, NearFrom { t, more, x }: &NearFrom) {
         let mut guard = self.state();
-        let TouchState { near, shifts: moved, looked, .. } = &mut *guard;
+        let TouchState { near, shifts: moved, .. } = &mut *guard;
         shifts(&self.contacts, *t, moved);
-        near.look(Places { contacts: &self.contacts, x: by_node(x), shifts: moved }, *more);
-        *looked = *t;
+        near.look(Places { contacts: &self.contacts, t: *t, x: by_node(x), shifts: moved }, *more);
     }
 
     fn place_of(&self, pair: &Candidate) -> Option<Passage> {
@@ -155,7 +149,7 @@ impl Touching {
     pub(super) fn add(&self, at: NodeState<'_>, [total, dissipative]: [&mut [Vector3<f64>]; 2], tallies: &mut [Tally]) {
         let mut guard = self.at(at);
         let TouchState { near, shifts, explicit, step, pressed, now, limits, touched, .. } = &mut *guard;
-        let places = Places { contacts: &self.contacts, x: at.x, shifts };
+        let places = Places { contacts: &self.contacts, t: at.t, x: at.x, shifts };
         let rubs = self.contacts.rubs() && pressed.is_none();
         let mut elastic = Tally::default();
         now.clear();
@@ -188,7 +182,7 @@ impl Touching {
     ) {
         let mut guard = self.along(at, mean.half);
         let TouchState { near, shifts, ends, pressed, touched, .. } = &mut *guard;
-        let places = Places { contacts: &self.contacts, x: at.x, shifts };
+        let places = Places { contacts: &self.contacts, t: at.t, x: at.x, shifts };
         *touched = false;
         let step = ends.around(places);
         for candidate in near.close() {
@@ -207,12 +201,11 @@ impl Touching {
     /// The state with the pairs that are near anywhere on the ways `half * v` to both sides.
     fn along(&self, at: NodeState<'_>, half: f64) -> MutexGuard<'_, TouchState> {
         let mut guard = self.state();
-        let TouchState { near, shifts: moved, looked, ends, .. } = &mut *guard;
+        let TouchState { near, shifts: moved, ends, .. } = &mut *guard;
         shifts(&self.contacts, at.t, moved);
-        if near.refresh_along(Places { contacts: &self.contacts, x: at.x, shifts: moved }, at.v, half) {
-            *looked = at.t;
-        }
         ends.fit(&self.contacts, at, half);
+        let [begin, middle, end] = ends.around(Places { contacts: &self.contacts, t: at.t, x: at.x, shifts: moved });
+        near.refresh_along(middle, [begin, end]);
         guard
     }
 
@@ -233,14 +226,19 @@ impl Touching {
         let TouchState { near, shifts: moved, explicit, step, pressed, ends, .. } = &mut *guard;
         shifts(&self.contacts, at.t, moved);
         half.iter().for_each(|half| ends.fit(&self.contacts, at, *half));
-        let places = Places { contacts: &self.contacts, x: at.x, shifts: moved };
-        let known = near.covers_now(places, (at.v, half.unwrap_or(0.0)));
-        let mut close = near.close().map(Candidate::key).peekable();
+        let places = Places { contacts: &self.contacts, t: at.t, x: at.x, shifts: moved };
         let around = half.map(|_| ends.around(places));
+        let known = match around {
+            Some([begin, _, end]) => near.covers(&[begin, end], 1.0),
+            None => near.covers(&[places], 1.0),
+        };
+        let mut close = near.close().map(Candidate::key).peekable();
         for candidate in list {
             let key = candidate.key();
             while close.next_if(|other| *other < key).is_some() {}
-            if known && close.peek() != Some(&key) {
+            // What pressed at the start rubs to the end of the step, wherever it is by then.
+            let rubs = pressed.as_ref().and_then(|pressed| pressed.binary_search_by_key(&key, Pressed::key).ok());
+            if known && rubs.is_none() && close.peek() != Some(&key) {
                 emit(candidate, None, &self.contacts, sink);
                 continue;
             }
@@ -255,10 +253,7 @@ impl Touching {
             let mut blocks = blocks.map_or(Blocks::default(), |blocks| blocks.map(|row| row.map(|block| block * w.k)));
             let place = match pressed {
                 None => touch.map(|touch| touch.pressed(candidate)),
-                Some(pressed) => {
-                    let found = pressed.binary_search_by_key(&candidate.key(), |place| place.candidate.key());
-                    found.ok().map(|i| pressed[i])
-                }
+                Some(pressed) => rubs.map(|i| pressed[i]),
             };
             // That of an explicit step is as small as the step needs it.
             let place = place.filter(|_| !(*explicit && step.is_some()));
@@ -400,7 +395,7 @@ impl Touches for Touching {
         let at = node_state(from);
         let mut guard = self.at(at);
         let TouchState { near, shifts, explicit, pressed, .. } = &mut *guard;
-        let places = Places { contacts: &self.contacts, x: at.x, shifts };
+        let places = Places { contacts: &self.contacts, t: at.t, x: at.x, shifts };
         let pressed = pressed.get_or_insert_default();
         pressed.clear();
         let touching = near.close().filter_map(|candidate| {
@@ -414,6 +409,10 @@ impl Touches for Touching {
         self.contacts.rubs()
     }
 
+    fn presses(&self) -> bool {
+        self.state().touched
+    }
+
     fn is_rubbing(&self) -> bool {
         let state = self.state();
         self.contacts.rubs() && (state.touched || state.pressed.as_ref().is_some_and(|pressed| !pressed.is_empty()))
@@ -425,22 +424,22 @@ impl Touches for Touching {
         shifts(&self.contacts, begun, then);
         shifts(&self.contacts, ended, shifts_later);
         let way: &mut [Vector3<f64>] = bytemuck::cast_slice_mut(way);
-        apart.shorten(Places { contacts: &self.contacts, x: by_node(x), shifts: then }, shifts_later, way, near)
+        let places = Places { contacts: &self.contacts, t: begun, x: by_node(x), shifts: then };
+        apart.shorten(places, shifts_later, way, near)
     }
 
     fn begin_block(&self, from: StateRef<'_>) -> bool {
         let at = node_state(from);
         let mut guard = self.state();
-        let TouchState { near, shifts: moved, in_block, looked, explicit, .. } = &mut *guard;
+        let TouchState { near, shifts: moved, in_block, explicit, .. } = &mut *guard;
         // Patterns of implicit steps follow from where pairs were looked for.
         if !*explicit {
             return false;
         }
         shifts(&self.contacts, at.t, moved);
-        let places = Places { contacts: &self.contacts, x: at.x, shifts: moved };
-        if !near.covers(places, BEGIN_BLOCK) {
+        let places = Places { contacts: &self.contacts, t: at.t, x: at.x, shifts: moved };
+        if !near.covers(&[places], BEGIN_BLOCK) {
             near.look(places, 0.0);
-            *looked = at.t;
         }
         *in_block = near.list().is_empty();
         *in_block
@@ -455,7 +454,7 @@ impl Touches for Touching {
         let mut guard = self.state();
         let TouchState { near, shifts: moved, .. } = &mut *guard;
         shifts(&self.contacts, at.t, moved);
-        near.covers(Places { contacts: &self.contacts, x: at.x, shifts: moved }, END_BLOCK)
+        near.covers(&[Places { contacts: &self.contacts, t: at.t, x: at.x, shifts: moved }], 1.0)
     }
 
     fn passage(&self, from: StateRef<'_>, to: StateRef<'_>) -> Option<Passage> {
@@ -465,7 +464,7 @@ impl Touches for Touching {
         shifts(&self.contacts, to.t, shifts_later);
         way.clear();
         way.extend(by_node(to.x).iter().zip(by_node(from.x)).map(|(to, from)| to - from));
-        let places = Places { contacts: &self.contacts, x: by_node(from.x), shifts: then };
+        let places = Places { contacts: &self.contacts, t: from.t, x: by_node(from.x), shifts: then };
         let pair = apart.first_touch(places, shifts_later, way, near)?;
         self.place_of(&pair)
     }
@@ -474,16 +473,16 @@ impl Touches for Touching {
         let at = node_state(at);
         let guard = self.at(at);
         let TouchState { near, shifts, .. } = &*guard;
-        let places = Places { contacts: &self.contacts, x: at.x, shifts };
+        let places = Places { contacts: &self.contacts, t: at.t, x: at.x, shifts };
         let closed = |pair: &&Candidate| Touch::of(pair, places, true).is_some_and(|touch| touch.gap <= 0.0);
         self.place_of(near.close().find(closed)?)
     }
 
     fn save(&self) -> Option<NearFrom> {
         let state = self.state();
-        let (x, more) = state.near.reference();
+        let (t, x, more) = state.near.reference();
         let x: Vec<f64> = bytemuck::cast_slice(x).to_vec();
-        (!x.is_empty()).then_some(NearFrom { t: state.looked, more, x })
+        (!x.is_empty()).then_some(NearFrom { t, more, x })
     }
 
     fn restore(&self, near: &NearFrom) {

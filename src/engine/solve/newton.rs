@@ -231,7 +231,7 @@ impl Newton {
     }
 
     /// Iterates from `z` `[n]` on the frozen factor. If that fails, from the same guess by the mixed iteration, then on
-    /// the exact tangent; without a frozen factor, on the exact tangent first.
+    /// the exact tangent; without a frozen factor and in contact, on the exact tangent first.
     fn iterate(
         &mut self,
         problem: &mut dyn NonlinearProblem,
@@ -240,18 +240,7 @@ impl Newton {
         frozen: &mut FactorHistory,
     ) -> Result<NewtonReport, NewtonFailure> {
         if !problem.reuses_factors() {
-            let failure = match self.exact(problem, z, criteria) {
-                // Without springs the iterate stays where it is: it may be of use.
-                Err(failure @ (NewtonFailure::MaxIterations { .. } | NewtonFailure::Stuck { .. }))
-                    if problem.mixed().is_some() =>
-                {
-                    failure
-                }
-                ended => return ended,
-            };
-            self.spent = failure.iterations();
-            self.return_to_guess(problem, z);
-            return self.mixed(problem, z, criteria, frozen)?.ok_or(failure);
+            return self.exact_then_mixed(problem, z, criteria, frozen);
         }
         if !frozen.rest.takes_step() {
             match quasi_newton::solve(self, problem, z, criteria, frozen) {
@@ -269,10 +258,34 @@ impl Newton {
             }
             self.return_to_guess(problem, z);
         }
+        if problem.presses() {
+            return self.exact_then_mixed(problem, z, criteria, frozen);
+        }
         if let Some(report) = self.mixed(problem, z, criteria, frozen)? {
             return Ok(report);
         }
         self.exact(problem, z, criteria)
+    }
+
+    fn exact_then_mixed(
+        &mut self,
+        problem: &mut dyn NonlinearProblem,
+        z: &mut [f64],
+        criteria: ConvergenceCriteria,
+        frozen: &mut FactorHistory,
+    ) -> Result<NewtonReport, NewtonFailure> {
+        let failure = match self.exact(problem, z, criteria) {
+            // Without springs the iterate stays where it is: it may be of use.
+            Err(failure @ (NewtonFailure::MaxIterations { .. } | NewtonFailure::Stuck { .. }))
+                if problem.mixed().is_some() =>
+            {
+                failure
+            }
+            ended => return ended,
+        };
+        self.spent = failure.iterations();
+        self.return_to_guess(problem, z);
+        self.mixed(problem, z, criteria, frozen)?.ok_or(failure)
     }
 
     /// The mixed iteration from the first guess, if there are springs: with the tangents of one-sided springs and, if

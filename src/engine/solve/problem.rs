@@ -43,6 +43,11 @@ pub trait NonlinearProblem {
         None
     }
 
+    /// Whether anything pressed on anything else at the last evaluated residual.
+    fn presses(&self) -> bool {
+        false
+    }
+
     /// Whether F is the gradient of a potential.
     fn conservative(&self) -> bool {
         false

@@ -1,0 +1,56 @@
+//! Contact as the program tells it: runs that are interrupted and go on, and any number of threads.
+
+use crate::bench::{Bench, contents};
+use serde_json::{Value, json};
+use std::ffi::OsString;
+
+/// A sheet that falls on a ball and folds over it, with friction; it touches the ball from 0.1 s on and itself later.
+fn case(method: &str) -> Value {
+    let step = if method == "velocity-verlet" { 2e-4 } else { 2e-3 };
+    json!({
+        "name": "on-a-ball",
+        "system": {"network": {
+            "mesh": {"rectangle": {"width": 0.5, "height": 0.5, "columns": 9, "rows": 9}},
+            "mass": {"areal_density": 0.2},
+            "springs": [{"on": "all", "stiffness": 200, "dashpot": {"relative": {"coefficient": 0.01}}}],
+            "gravity": [0, 0, -9.81],
+            "contact": [
+                {"between": "self", "gap": 0.01, "friction": 0.3},
+                {"between": ["all", {"sphere": {"center": [0.25, 0.25, -0.14], "radius": 0.1}}],
+                    "gap": 0.01, "friction": 0.3}
+            ]
+        }},
+        "time": {"end": 0.3, "method": method, "step": step},
+        "output": {"frames": {"every": 0.02}, "history": {"every": 0.01}}
+    })
+}
+
+const METHODS: [&str; 5] = ["newmark", "hht", "backward-euler", "energy-momentum", "velocity-verlet"];
+
+/// The tables of a run that is made in parts.
+fn tables(case: &Value, parts: &[&[&str]]) -> Vec<(Option<OsString>, Vec<u8>)> {
+    let bench = Bench::new();
+    std::fs::write(bench.path("case.json"), case.to_string()).expect("written");
+    for arguments in parts {
+        let ended = bench.run(&[&["solve", "case.json", "--out", "out"], *arguments].concat());
+        assert_eq!(ended.code, Some(0), "{case} {arguments:?}: {}", ended.stderr);
+    }
+    let touched = bench.results().summary()["energy"].to_string();
+    assert!(touched.contains("contact"), "nothing touches: {touched}");
+    let all = contents(&bench.path("out"));
+    let tables = all.into_iter().filter(|(path, _)| path.extension().is_some_and(|ending| ending == "csv"));
+    tables.map(|(path, bytes)| (path.file_name().map(std::ffi::OsStr::to_owned), bytes)).collect()
+}
+
+/// A run that is stopped before and amid contact goes on to the same tables, and two threads have those of one.
+#[test]
+fn resumed_runs_and_threads_have_the_same_bytes() {
+    for method in METHODS {
+        let case = case(method);
+        let whole = tables(&case, &[&["--threads", "1"]]);
+        let parts = tables(&case, &[&["--end", "0.05"], &["--end", "0.2", "--resume"], &["--resume"]]);
+        let threads = tables(&case, &[&["--threads", "2"]]);
+        assert!(!whole.is_empty() && whole == parts, "{method}: resumed");
+        assert!(whole == threads, "{method}: threads");
+    }
+}
