@@ -2,6 +2,7 @@
 
 mod coarsened;
 mod forms;
+mod packed;
 mod refused;
 mod stretched;
 
@@ -371,7 +372,7 @@ fn inflated_starts_of_other_canopies() {
     for p in
         [parameters("extended-skirt", json!({})), parameters("ringslot", json!({"rings": 3, "slot_porosity": 0.1}))]
     {
-        let inflated = ParachuteParameters { start: canopy_fem::mesh::parachute::StartShape::Inflated, ..p };
+        let inflated = ParachuteParameters { start: canopy_fem::mesh::parachute::StartShape::Inflated.into(), ..p };
         assert!(!built(&inflated).displacement.is_empty());
     }
     let cone = parameters("conical", json!({"cone_angle": 0.4, "start": "inflated"})).build();
