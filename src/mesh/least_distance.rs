@@ -43,13 +43,14 @@ pub fn least_distance(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &[[
         return None;
     }
     let mut looks = LOOKS * parts.len() as u64;
-    let mut near = 1e-6 * size;
+    let mut near = 1e-3 * size;
     loop {
         let grown: Vec<Bounds> = bounds.iter().map(|bounds| bounds.grown(0.5 * near)).collect();
         let mut least = f64::INFINITY;
         BoxTree::new(&grown).pairs(&mut looks, |a, b, _| {
+            let least_of_boxes = apart(&bounds[a as usize], &bounds[b as usize]);
             let [a, b] = [&parts[a as usize], &parts[b as usize]];
-            if !a.nodes().iter().any(|node| b.nodes().contains(node)) {
+            if least_of_boxes < least && !a.nodes().iter().any(|node| b.nodes().contains(node)) {
                 least = least.min(between(a, b, &at));
             }
         });
@@ -60,8 +61,14 @@ pub fn least_distance(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &[[
         if least <= near || near > 2.0 * size {
             return Some(least).filter(|least| least.is_finite());
         }
-        near *= 4.0;
+        near *= 2.0;
     }
+}
+
+/// [m] The distance of two boxes.
+fn apart(a: &Bounds, b: &Bounds) -> f64 {
+    let gap = |k: usize| (a.low[k] - b.high[k]).max(b.low[k] - a.high[k]).max(0.0);
+    Vector3::new(gap(0), gap(1), gap(2)).norm()
 }
 
 fn between(a: &Part, b: &Part, at: &dyn Fn(u32) -> Vector3<f64>) -> f64 {

@@ -5,6 +5,7 @@ mod forms;
 mod packed;
 mod refused;
 mod stretched;
+mod strip_out;
 
 use canopy_fem::case::Case;
 use canopy_fem::mesh::canopy::{Canopy, CanopyError};

@@ -29,6 +29,9 @@ const RADIUS: f64 = 0.03;
 /// [-] radius to which folds reach inwards over that to which they reach outwards
 const INNER: f64 = 0.5;
 
+/// [-] radius of the vent over that to which folds reach inwards: the canopy shows an area along its axis
+const VENT: f64 = 0.5;
+
 /// Nodes at one height.
 #[derive(Clone, Debug)]
 struct Ring {
@@ -82,7 +85,7 @@ impl Step {
 /// [m] Radii of the rings, from the first one on; `None` where an edge would be stretched. `share` is the height of a
 /// step over its length; rings turn at the radii `inner` and `outer`.
 fn radii(rings: &[Ring], steps: &[Step], share: f64, [inner, outer]: [f64; 2]) -> Option<Vec<f64>> {
-    let mut radius = rings.first()?.widest.min(inner);
+    let mut radius = rings.first()?.widest.min(VENT * inner);
     let mut outwards = true;
     let mut all = vec![radius];
     for (ring, step) in rings.iter().skip(1).zip(steps) {
