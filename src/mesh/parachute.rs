@@ -50,7 +50,8 @@ const LEAST_HEIGHT: f64 = 1e-3;
 /// Groups: `canopy` (triangles), `cloth` (all their edges), `radials`, `skirt` and `vent` (edges among those of the
 /// cloth, and the radials also across gaps; skirt and vent also select the nodes of their rows), `rims` (edges along
 /// gaps), `verticals` (edges, also across gaps), `vent-lines`, `lines`, `inner-lines`, `centre-line`, `riser`,
-/// `reefing`, `slings`, `payload-bars`, `stows` and `bridle` (edges), `apex`, `confluence`, `payload` and `bag` (nodes).
+/// `reefing`, `slings`, `payload-bars`, `stows` and `bridle` (edges), `apex`, `confluence`, `payload` and `bag`
+/// (nodes).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
