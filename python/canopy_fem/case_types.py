@@ -261,6 +261,13 @@ class Cuboid(TypedDict, total=False):
     min: Numbers
 
 
+class CutTable(TypedDict, total=False):
+    """Springs that are cut one after another, in the order of the mesh."""
+
+    table: Sequence[Numbers] | npt.NDArray[Any]
+    together: int
+
+
 class Damping(TypedDict, total=False):
     """Damping of the network as a whole."""
 
@@ -988,6 +995,14 @@ class Output(TypedDict, total=False):
     probes: Sequence[Probe]
 
 
+class PackedStart(TypedDict, total=False):
+    """The size of a pack, which begins at the confluence. A riser below it hangs straight."""
+
+    bag: bool
+    length: float | None
+    radius: float | None
+
+
 class ParachuteParameters(TypedDict, total=False):
     """A parachute. The pattern is cut so that cloth, slots and vent together have the area pi D0^2/4."""
 
@@ -1024,7 +1039,7 @@ class ParachuteParameters(TypedDict, total=False):
     skirt_angle: float | None
     skirt_extension: float | None
     slot_porosity: float | None
-    start: StartShape
+    start: Start
     start_radius: float | None
     tapes: TapeMaterials | None
     type: CanopyType
@@ -1190,6 +1205,22 @@ class Seam(TypedDict, total=False):
     reverse: bool
 
 
+SizedStart: TypeAlias = "SizedStartStretched | SizedStartPacked"
+"""A shape at the start with its sizes."""
+
+
+class SizedStartStretched(TypedDict, total=False):
+    """The tube of line stretch."""
+
+    stretched: StretchedStart
+
+
+class SizedStartPacked(TypedDict, total=False):
+    """The pack."""
+
+    packed: PackedStart
+
+
 SlackRule: TypeAlias = 'Literal["tension-only", "compression-only"] | SlackRuleDeadZone | SlackRuleCompressionLimit'
 """When a spring is slack; e = l - l0 is its elongation."""
 
@@ -1221,7 +1252,7 @@ class SpringRule(TypedDict, total=False):
 
     axial_rigidity: float | None
     breaks: bool
-    cut: float | None
+    cut: float | CutTable | None
     dashpot: Dashpot | None
     law: ElasticLawRule | None
     linear_density: float | None
@@ -1237,12 +1268,23 @@ class SpringRule(TypedDict, total=False):
     when: When | None
 
 
-StartShape: TypeAlias = 'Literal["flat", "inflated", "stretched"]'
-"""The shape at the start. Masses and rest lengths are those of the pattern in any shape."""
+Start: TypeAlias = "StartShape | SizedStart"
+"""The shape at the start, by its name or with its sizes. Masses and rest lengths are those of the pattern in any
+shape."""
+
+
+StartShape: TypeAlias = 'Literal["flat", "inflated", "stretched", "packed"]'
+"""A shape at the start by its name."""
 
 
 Strategy: TypeAlias = 'Literal["auto", "full", "modified", "quasi"]'
 """When the tangent is computed again."""
+
+
+class StretchedStart(TypedDict, total=False):
+    """The size of the tube of line stretch."""
+
+    radius: float
 
 
 class Study(TypedDict, total=False):

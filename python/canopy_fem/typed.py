@@ -133,7 +133,7 @@ class Parachute(TypedDict, total=False):
     payload: Mapping[str, Any] | None
     cluster: Mapping[str, Any] | None
     reefing: Mapping[str, Any] | None
-    start: str
+    start: str | Mapping[str, Any]
     start_radius: float | None
     axis: Sequence[float]
     at: Sequence[float]

@@ -32,6 +32,7 @@ mod hilbert;
 pub mod input_file;
 pub mod interrupt;
 mod layout;
+pub mod least_distance;
 pub mod look;
 mod loops;
 mod named_parts;

@@ -3,8 +3,8 @@
 //! Unless it is turned and placed, the axis is z and the payload hangs below, along -z; the skirt is at z = 0.
 //! Triangles turn so that their normals point outwards and upwards, the side to which the pressure inside pushes. Nodes
 //! come in this order: apex, if there is no vent; rows from the vent to the skirt, each counter-clockwise from the +x
-//! axis; confluence; inner nodes of the lines, line by line; end of the riser and its inner nodes; particles of a rigid
-//! payload. In a cluster the end of the risers is first, then the others parachute by parachute.
+//! axis; confluence; inner nodes of the lines, line by line; end of the riser and its inner nodes; bag; particles of a
+//! rigid payload. In a cluster the end of the risers is first, then the others parachute by parachute.
 
 mod assembly;
 mod check;
@@ -12,6 +12,7 @@ mod cruciform;
 mod field;
 mod kind;
 mod outline;
+mod packed;
 mod parts;
 mod payload;
 mod place;
@@ -29,8 +30,8 @@ use assembly::Assembly;
 pub use field::FieldNumbers;
 pub use kind::CanopyType;
 pub use parts::{
-    ClusterParameters, InnerLineParameters, LineParameters, PayloadParameters, ReefingParameters, RigLineParameters,
-    StartShape, TapeMaterials,
+    ClusterParameters, InnerLineParameters, LineParameters, PackedStart, PayloadParameters, ReefingParameters,
+    RigLineParameters, SizedStart, Start, StartShape, StretchedStart, TapeMaterials,
 };
 use profile::Profile;
 use serde::{Deserialize, Serialize};
@@ -49,7 +50,8 @@ const LEAST_HEIGHT: f64 = 1e-3;
 /// Groups: `canopy` (triangles), `cloth` (all their edges), `radials`, `skirt` and `vent` (edges among those of the
 /// cloth, and the radials also across gaps; skirt and vent also select the nodes of their rows), `rims` (edges along
 /// gaps), `verticals` (edges, also across gaps), `vent-lines`, `lines`, `inner-lines`, `centre-line`, `riser`,
-/// `reefing`, `slings` and `payload-bars` (edges), `apex`, `confluence` and `payload` (nodes).
+/// `reefing`, `slings`, `payload-bars`, `stows` and `bridle` (edges), `apex`, `confluence`, `payload` and `bag`
+/// (nodes).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -190,9 +192,9 @@ pub struct ParachuteParameters {
     /// A reefing line around the skirt.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reefing: Option<ReefingParameters>,
-    /// The shape at the start.
+    /// The shape at the start: a name, `{"stretched": {"radius": ...}}` or `{"packed": {"length": ..., ...}}`.
     #[serde(default)]
-    pub start: StartShape,
+    pub start: Start,
     /// [-] radius of the skirt over D0 at the start `stretched`; 0.025 if absent, and never more than that of a reefing
     /// line. It was measured through the filling constant alone: 0.025 fills a C-9 at 60 m/s in 8 diameters. It sets
     /// the time of filling more than the load
@@ -297,6 +299,7 @@ impl ParachuteParameters {
             let text = format!("an edge of radials or vent lines stands for up to {}", figures(most, 3));
             lines.push(("strands", text));
         }
+        lines.extend(self.start.packed().and_then(|_| packed::describe(mesh)).map(|text| ("pack", text)));
         if let Some(text) = self.kind.numbers().describe() {
             lines.push(("of this type", text));
         }
@@ -325,10 +328,11 @@ impl ParachuteParameters {
         if self.reefing.is_some() {
             parts.add_reefing();
         }
-        match self.start {
+        match self.start.shape() {
             StartShape::Flat => {}
             StartShape::Inflated => parts.inflate(self)?,
             StartShape::Stretched => parts.stretch(self)?,
+            StartShape::Packed => parts.pack(self)?,
         }
         let mut mesh = parts.into_mesh();
         if let Some(cluster) = self.cluster {
@@ -351,8 +355,8 @@ impl ParachuteParameters {
     }
 
     /// [m] Unstretched lengths of edges that the flat mesh shows longer or shorter: lines of a cruciform canopy, a
-    /// square and a triangle, whose corners are not equally far from the confluence, inner lines, a centre line, and
-    /// sails.
+    /// square and a triangle, whose corners are not equally far from the confluence, inner lines, a centre line, sails,
+    /// and what ties a pack to its bag.
     pub fn line_lengths(&self, mesh: &Mesh) -> Vec<(u32, f64)> {
         let Ok(whole) = self.resolved() else { return Vec::new() };
         let uneven = self.kind == CanopyType::Cruciform || outline::sides(self.kind).is_some();
@@ -366,7 +370,7 @@ impl ParachuteParameters {
             edges.into_iter().map(move |edge| (edge, length / segments as f64)).collect::<Vec<_>>()
         };
         let of_lines = lines.into_iter().chain(inner).chain(centre).flat_map(of);
-        of_lines.chain(sails::full_lengths(self, mesh)).collect()
+        of_lines.chain(sails::full_lengths(self, mesh)).chain(packed::lengths_of_bag(mesh)).collect()
     }
 
     /// [m] Rest length of each edge of the reefing line.

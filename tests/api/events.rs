@@ -13,6 +13,7 @@ use serde_json::{Value, json};
 
 use crate::common::run::{Run, case_of, run, run_with};
 
+mod cuts;
 mod wind;
 
 /// [m/s^2]

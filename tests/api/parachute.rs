@@ -2,8 +2,10 @@
 
 mod coarsened;
 mod forms;
+mod packed;
 mod refused;
 mod stretched;
+mod strip_out;
 
 use canopy_fem::case::Case;
 use canopy_fem::mesh::canopy::{Canopy, CanopyError};
@@ -371,7 +373,7 @@ fn inflated_starts_of_other_canopies() {
     for p in
         [parameters("extended-skirt", json!({})), parameters("ringslot", json!({"rings": 3, "slot_porosity": 0.1}))]
     {
-        let inflated = ParachuteParameters { start: canopy_fem::mesh::parachute::StartShape::Inflated, ..p };
+        let inflated = ParachuteParameters { start: canopy_fem::mesh::parachute::StartShape::Inflated.into(), ..p };
         assert!(!built(&inflated).displacement.is_empty());
     }
     let cone = parameters("conical", json!({"cone_angle": 0.4, "start": "inflated"})).build();

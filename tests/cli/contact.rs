@@ -21,7 +21,7 @@ fn case(method: &str) -> Value {
             ]
         }},
         "time": {"end": 0.3, "method": method, "step": step},
-        "output": {"frames": {"every": 0.02}, "history": {"every": 0.01}}
+        "output": {"frames": {"every": 0.02}, "history": {"every": 1}}
     })
 }
 

@@ -41,7 +41,7 @@ pub(super) struct Assembly {
     /// nodes of each line from the corner to the confluence, ends included
     pub lines: Vec<Vec<u32>>,
     /// the same of the inner lines and the centre line
-    inner_lines: Vec<Vec<u32>>,
+    pub inner_lines: Vec<Vec<u32>>,
     displacement: Vec<[f64; 3]>,
 }
 
@@ -263,13 +263,12 @@ impl Assembly {
 
     /// Takes the places of the nodes at the start; lines are straight between their ends.
     pub(super) fn displace(&mut self, mut moved: Vec<Vector3<f64>>) {
-        for line in self.lines.iter().chain(&self.inner_lines) {
-            let [Some(&from), Some(&to)] = [line.first(), line.last()] else { continue };
-            let (start, end) = (moved[from as usize], moved[to as usize]);
-            for (i, &node) in line.iter().enumerate() {
-                moved[node as usize] = start.lerp(&end, i as f64 / (line.len() - 1) as f64);
-            }
-        }
+        self.lines.iter().chain(&self.inner_lines).for_each(|line| straighten(line, &mut moved));
+        self.take(&moved);
+    }
+
+    /// Takes the places of the nodes at the start.
+    pub(super) fn take(&mut self, moved: &[Vector3<f64>]) {
         self.displacement = moved.iter().zip(&self.nodes).map(|(to, from)| (to - from).into()).collect();
     }
 
@@ -303,5 +302,14 @@ impl Assembly {
         let nodes = self.nodes.into_iter().map(Into::into).collect();
         let Assembly { triangles, displacement, rows, .. } = self;
         Mesh { nodes, edges, triangles, groups, displacement, rows, strands, ..Mesh::default() }
+    }
+}
+
+/// Places the nodes of a line evenly between its ends.
+pub(super) fn straighten(line: &[u32], moved: &mut [Vector3<f64>]) {
+    let [Some(&from), Some(&to)] = [line.first(), line.last()] else { return };
+    let (start, end) = (moved[from as usize], moved[to as usize]);
+    for (i, &node) in line.iter().enumerate() {
+        moved[node as usize] = start.lerp(&end, i as f64 / (line.len() - 1) as f64);
     }
 }

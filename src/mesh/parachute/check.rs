@@ -1,8 +1,8 @@
 //! What a parachute can be asked for.
 
 use super::{
-    CanopyType, InnerLineParameters, MOST, MOST_VENT, ParachuteParameters, RigLineParameters, StartShape, outline,
-    place,
+    CanopyType, InnerLineParameters, MOST, MOST_VENT, PackedStart, ParachuteParameters, RigLineParameters, StartShape,
+    outline, place,
 };
 use crate::source::{FaultSink, MAX_NODES, check_count, check_length};
 
@@ -92,20 +92,33 @@ impl ParachuteParameters {
     }
 
     fn check_start(&self, at: &str, faults: FaultSink<'_>) {
-        let shape = match self.start {
+        let shape = match self.start.shape() {
             StartShape::Flat => None,
             StartShape::Inflated => Some(("inflated", "an inflated start needs lines")),
             StartShape::Stretched => Some(("stretched", "a stretched start needs lines")),
+            StartShape::Packed => Some(("packed", "a packed start needs lines")),
         };
         if let (Some((name, allowed)), None) = (shape, &self.lines) {
             let hint = "give `lines`, or start flat".to_owned();
             faults(&format!("{at}/start"), name.into(), allowed.into(), hint);
         }
+        if let Some(radius) = self.start.stretched_radius() {
+            check_length(&format!("{at}/start/stretched"), "radius", radius, faults);
+        }
+        if let Some(PackedStart { length, radius, .. }) = self.start.packed() {
+            let at = format!("{at}/start/packed");
+            for (key, value) in [("length", length), ("radius", radius)] {
+                value.into_iter().for_each(|value| check_length(&at, key, value, faults));
+            }
+        }
         let Some(radius) = self.start_radius else { return };
         let at = format!("{at}/start_radius");
-        if self.start != StartShape::Stretched {
+        if self.start.shape() != StartShape::Stretched {
             let hint = "leave it out, or start stretched".to_owned();
             faults(&at, "given".into(), "only with the start \"stretched\"".into(), hint);
+        } else if self.start.stretched_radius().is_some() {
+            let hint = "keep one: start.stretched.radius is in metres, start_radius over D0".to_owned();
+            faults(&at, "given".into(), "not together with start.stretched.radius".into(), hint);
         }
         if !(radius.is_normal() && radius > 0.0) {
             let hint = "the radius of the skirt over D0, about 0.025".to_owned();

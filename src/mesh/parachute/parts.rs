@@ -137,7 +137,59 @@ pub struct ReefingParameters {
     pub diameter: f64,
 }
 
-/// The shape at the start. Masses and rest lengths are those of the pattern in any shape.
+/// The shape at the start, by its name or with its sizes. Masses and rest lengths are those of the pattern in any
+/// shape.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(untagged)]
+pub enum Start {
+    /// by its name
+    Shape(StartShape),
+    /// with its sizes
+    Sized(SizedStart),
+}
+
+impl Default for Start {
+    fn default() -> Self {
+        Start::Shape(StartShape::default())
+    }
+}
+
+impl From<StartShape> for Start {
+    fn from(shape: StartShape) -> Self {
+        Start::Shape(shape)
+    }
+}
+
+impl Start {
+    /// The shape alone.
+    pub fn shape(&self) -> StartShape {
+        match self {
+            Start::Shape(shape) => *shape,
+            Start::Sized(SizedStart::Stretched(_)) => StartShape::Stretched,
+            Start::Sized(SizedStart::Packed(_)) => StartShape::Packed,
+        }
+    }
+
+    /// [m] The radius of a stretched start, if it is given here.
+    pub(super) fn stretched_radius(&self) -> Option<f64> {
+        match self {
+            Start::Sized(SizedStart::Stretched(start)) => Some(start.radius),
+            _ => None,
+        }
+    }
+
+    /// The sizes of a packed start; `None` of another one.
+    pub fn packed(&self) -> Option<PackedStart> {
+        match self {
+            Start::Shape(StartShape::Packed) => Some(PackedStart::default()),
+            Start::Sized(SizedStart::Packed(start)) => Some(*start),
+            _ => None,
+        }
+    }
+}
+
+/// A shape at the start by its name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -152,4 +204,49 @@ pub enum StartShape {
     /// straight lines. Arc lengths along the gores are those of the pattern, and nothing is stretched. For every
     /// pattern. Inner lines draw the vent down into the tube.
     Stretched,
+    /// The pack: lines in bights above the confluence, then the canopy folded along the axis. Nothing is stretched, and
+    /// no cloth passes through other cloth. For every pattern.
+    Packed,
+}
+
+/// A shape at the start with its sizes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum SizedStart {
+    /// The tube of line stretch.
+    Stretched(StretchedStart),
+    /// The pack.
+    Packed(PackedStart),
+}
+
+/// The size of the tube of line stretch.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct StretchedStart {
+    /// [m] radius of the skirt, in place of `start_radius`
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    pub radius: f64,
+}
+
+/// The size of a pack, which begins at the confluence. A riser below it hangs straight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct PackedStart {
+    /// [m] length along the axis, from the confluence to the apex or vent; at most half of what canopy and lines are
+    /// long, and a twentieth of it if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    pub length: Option<f64>,
+    /// [m] radius to which folds and bights reach outwards, at most that of the skirt as it is cut; inwards they reach
+    /// to half of it. 0.03 D0 if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    pub radius: Option<f64>,
+    /// Whether there is a bag: a node `bag` above the pack, edges `stows` from it to bights and folds, and edges
+    /// `bridle` to the apex or vent. Without tension they are as long as at the start. The bag needs a mass
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub bag: bool,
 }

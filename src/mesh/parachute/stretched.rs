@@ -41,7 +41,7 @@ fn radius(pattern: f64, r0: f64, s: f64, whole: f64) -> f64 {
 }
 
 /// [m] Height that is left of a length between two nodes which are `across` apart; 0 where there is none.
-fn rise(length: f64, across: f64) -> f64 {
+pub(super) fn rise(length: f64, across: f64) -> f64 {
     (length * length - across * across).max(0.0).sqrt()
 }
 
@@ -53,8 +53,17 @@ impl Assembly {
     pub(super) fn stretch(&mut self, p: &ParachuteParameters) -> Result<(), MeshError> {
         let Some(lines) = p.lines() else { return Ok(()) };
         let own = self.own_radius(p);
-        let wanted = p.start_radius.unwrap_or(START_RADIUS);
-        if wanted * p.d0() > own {
+        if let Some(radius) = p.start.stretched_radius().filter(|radius| *radius > own) {
+            return Err(MeshError::Parameter {
+                pointer: "/parachute/start/stretched/radius".to_owned(),
+                value: radius.to_string(),
+                allowed: format!("at most {own:.6}, the radius of the skirt as it is cut"),
+                hint: format!("take a smaller one; at line stretch it is about {:.3}", START_RADIUS * p.d0()),
+            });
+        }
+        let given = p.start.stretched_radius().map(|radius| radius / p.d0());
+        let wanted = given.or(p.start_radius).unwrap_or(START_RADIUS);
+        if given.is_none() && wanted * p.d0() > own {
             return Err(MeshError::Parameter {
                 pointer: "/parachute/start_radius".to_owned(),
                 value: wanted.to_string(),
@@ -78,7 +87,7 @@ impl Assembly {
     }
 
     /// [m] Largest distance of the skirt from the axis without stretching the cloth there.
-    fn own_radius(&self, p: &ParachuteParameters) -> f64 {
+    pub(super) fn own_radius(&self, p: &ParachuteParameters) -> f64 {
         match p.kind {
             // The ends of the arms are the mouth of a cross.
             CanopyType::Cruciform => self.mouth / std::f64::consts::TAU,
@@ -89,7 +98,7 @@ impl Assembly {
     }
 
     /// [m] Distances of nodes from the axis.
-    fn distances_of(&self, nodes: &[u32]) -> impl Iterator<Item = f64> {
+    pub(super) fn distances_of(&self, nodes: &[u32]) -> impl Iterator<Item = f64> {
         nodes.iter().map(|&node| self.at(node).xy().norm())
     }
 

@@ -3,7 +3,7 @@
 use super::mesh_output::OutputArgs;
 use crate::mesh::parachute::{
     CanopyType, ClusterParameters, InnerLineParameters, ParachuteParameters, PayloadParameters, ReefingParameters,
-    RigLineParameters, StartShape,
+    RigLineParameters, Start, StartShape,
 };
 use clap::Args;
 
@@ -137,9 +137,9 @@ pub struct ParachuteArgs {
     /// [m] Place of the payload
     #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
     pub at: Option<Vec<f64>>,
-    /// flat, inflated or stretched
-    #[arg(long, default_value = "flat", value_parser = word::<StartShape>)]
-    pub start: StartShape,
+    /// flat, inflated, stretched or packed; with sizes as in a case: '{"packed": {"length": 0.6, "bag": true}}'
+    #[arg(long, default_value = "flat", value_parser = start)]
+    pub start: Start,
     /// Radius of the skirt over D0 at the start "stretched"; 0.025 if absent
     #[arg(long, allow_negative_numbers = true)]
     pub start_radius: Option<f64>,
@@ -151,6 +151,14 @@ pub struct ParachuteArgs {
 /// A word of the case file.
 fn word<T: serde::de::DeserializeOwned>(word: &str) -> Result<T, String> {
     serde_json::from_value(serde_json::Value::from(word)).map_err(|error| error.to_string())
+}
+
+/// A start as in a case file: a word, or an object with sizes.
+fn start(text: &str) -> Result<Start, String> {
+    if !text.trim_start().starts_with('{') {
+        return word::<StartShape>(text).map(Start::Shape);
+    }
+    serde_json::from_str(text).map(Start::Sized).map_err(|error| error.to_string())
 }
 
 impl ParachuteArgs {

@@ -277,7 +277,9 @@ fn bad_forms_are_refused() {
 fn forms_fill_ring_by_ring() {
     let forms = ["Ribbon", "Ringsail", "Elliptical", "Toroidal", "Square", "Triangular"];
     let all = types().into_iter().filter(|p| forms.contains(&format!("{:?}", p.kind).as_str()));
-    for mut p in all.map(|p| ParachuteParameters { gores: 12, radial_segments: 6, start: StartShape::Stretched, ..p }) {
+    for mut p in
+        all.map(|p| ParachuteParameters { gores: 12, radial_segments: 6, start: StartShape::Stretched.into(), ..p })
+    {
         // Shorter ones draw the apex below the skirt, where there is no tube of air.
         p.inner_lines.iter_mut().for_each(|inner| inner.length = Some(9.0));
         p.centre_line.iter_mut().for_each(|line| line.length = Some(9.0));

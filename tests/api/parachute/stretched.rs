@@ -8,7 +8,7 @@ use canopy_fem::mesh::parachute::StartShape;
 const STRAIN: f64 = 1e-12;
 
 /// Every type, and what may be added to them: a reefing line, vent lines, inner lines, a cluster, finer cloth.
-fn stretched_types() -> Vec<ParachuteParameters> {
+pub(super) fn stretched_types() -> Vec<ParachuteParameters> {
     let more = [
         parameters("flat-circular", json!({"reefing": {"diameter": 0.9}})),
         parameters("flat-circular", json!({"gores": 8, "gore_segments": 6, "radial_segments": 40})),
@@ -24,39 +24,39 @@ fn stretched_types() -> Vec<ParachuteParameters> {
         parameters("cruciform", json!({"vent_diameter": null, "arm_ratio": 0.9, "reefing": {"diameter": 2.0}})),
         parameters("flat-circular", json!({"riser": {"length": 20.0}, "cluster": {"canopies": 3}})),
     ];
-    let stretched = |p| ParachuteParameters { start: StartShape::Stretched, ..p };
+    let stretched = |p| ParachuteParameters { start: StartShape::Stretched.into(), ..p };
     types().into_iter().chain(more).map(stretched).collect()
 }
 
 /// A mesh at its start.
-struct Start {
-    mesh: Mesh,
-    at: Vec<Vector>,
+pub(super) struct Start {
+    pub(super) mesh: Mesh,
+    pub(super) at: Vec<Vector>,
 }
 
 impl Start {
-    fn of(p: &ParachuteParameters) -> Self {
+    pub(super) fn of(p: &ParachuteParameters) -> Self {
         let mesh = built(p);
         let displaced = mesh.nodes.iter().zip(&mesh.displacement).map(|(x, u)| Vector::from(*x) + Vector::from(*u));
         let at = displaced.collect();
         Self { mesh, at }
     }
 
-    fn at(&self, node: u32) -> Vector {
+    pub(super) fn at(&self, node: u32) -> Vector {
         self.at[node as usize]
     }
 
-    fn radius(&self, node: u32) -> f64 {
+    pub(super) fn radius(&self, node: u32) -> f64 {
         self.at(node).xy().norm()
     }
 
-    fn length(&self, edge: u32) -> f64 {
+    pub(super) fn length(&self, edge: u32) -> f64 {
         let [a, b] = self.mesh.edges[edge as usize];
         (self.at(a) - self.at(b)).norm()
     }
 
     /// Unstretched and present length of the edges of a group.
-    fn lengths(&self, p: &ParachuteParameters, name: &str) -> Vec<[f64; 2]> {
+    pub(super) fn lengths(&self, p: &ParachuteParameters, name: &str) -> Vec<[f64; 2]> {
         let told: std::collections::BTreeMap<u32, f64> = p.line_lengths(&self.mesh).into_iter().collect();
         let edges = self.mesh.groups.get(name).map(|group| group.edges.clone()).unwrap_or_default();
         let rest = |edge| told.get(&edge).copied().unwrap_or_else(|| length(&self.mesh, edge));
@@ -69,7 +69,7 @@ impl Start {
 fn nothing_is_stretched_or_degenerate() {
     for p in stretched_types() {
         let start = Start::of(&p);
-        let flat = built(&ParachuteParameters { start: StartShape::Flat, ..p.clone() });
+        let flat = built(&ParachuteParameters { start: StartShape::Flat.into(), ..p.clone() });
         assert!(start.mesh.edges == flat.edges && start.mesh.groups == flat.groups, "{p:?}");
         if p.cluster.is_none() {
             assert_eq!(start.mesh.nodes, flat.nodes, "{p:?}");

@@ -7,7 +7,7 @@ use super::stages::after_cut;
 use super::wind;
 use crate::case::diagnostics::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Network, NodeOrEdgeSelection, OneOrSeveral, Until, When, Wind};
+use crate::case::schema::{CutRule, Network, NodeOrEdgeSelection, OneOrSeveral, Until, When, Wind};
 use crate::model::spec::{CanopyAir, CanopySpec, Condition, EventSpec, Trigger, Watched};
 
 /// The group of the payload, which events look at if they do not say what, and whose height reports tell.
@@ -71,7 +71,7 @@ impl<'a> Plan<'a> {
             let own = format!("springs[{i}]");
             let at = at.key("springs").index(i);
             let words = [own, "cut".to_owned(), after_cut(&rule.on)];
-            plan.add(Waits::Springs(i), &at, (rule.cut, rule.when.as_ref()), words);
+            plan.add(Waits::Springs(i), &at, (rule.cut.as_ref().and_then(CutRule::last), rule.when.as_ref()), words);
         }
         let at = at.key("aero");
         let wind = network.aero.as_ref().and_then(|aero| aero.wind.as_ref());

@@ -5,6 +5,7 @@ mod air;
 mod canopy;
 mod coefficients;
 mod contact;
+mod cut;
 mod digits;
 mod elastic_law;
 mod energy;

@@ -12,7 +12,7 @@ use super::supports::{Supports, supports};
 use super::{canopy, contact, digits, energy, gas, loads, mass, plausible, springs, surface};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Damping, Network, NetworkModel, Until, VectorTable, vectors};
+use crate::case::schema::{CutRule, Damping, Network, NetworkModel, Until, VectorTable, vectors};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
 use crate::mesh::{Mesh, Topology};
@@ -62,7 +62,7 @@ pub(super) fn network(
     releases.iter().for_each(|release| release.apply(&mut at_last));
     // A faulty mass, support or spring section would be reported a second time as massless nodes.
     if masses_known {
-        check_masses(at, &masses, &at_last, faults);
+        check_masses(at, &masses, &at_last, &geometry.mesh, faults);
     }
     if motions.is_empty() && at_last.iter().flatten().all(|held| *held) {
         let hint = "free at least one direction of one node, from the start or with \"until\", or move a support";
@@ -167,7 +167,8 @@ pub(super) fn warn_of_events(at: &Pointer, network: &Network, end: f64, faults: 
     let supports = network.supports.iter().enumerate();
     let supports = supports.map(|(i, support)| (at.key("supports").index(i).key("until"), support.until));
     let springs = network.springs.iter().enumerate();
-    let springs = springs.map(|(i, rule)| (at.key("springs").index(i).key("cut"), rule.cut));
+    let springs =
+        springs.map(|(i, rule)| (at.key("springs").index(i).key("cut"), rule.cut.as_ref().and_then(CutRule::last)));
     let named = Plan::of(at, network, None);
     for (at, t) in supports.chain(springs).chain(named.times()) {
         if t.is_some_and(|t| t.is_finite() && t >= end) {
@@ -182,15 +183,19 @@ fn rayleigh(section: Option<&Damping>) -> Option<RayleighSpec> {
 }
 
 /// Every node that can move needs a mass with a finite inverse.
-fn check_masses(at: &Pointer, mass: &[f64], fixed: &[[bool; 3]], faults: &mut Faults<'_>) {
+fn check_masses(at: &Pointer, mass: &[f64], fixed: &[[bool; 3]], mesh: &Mesh, faults: &mut Faults<'_>) {
     let free = |i: u32| fixed.get(i as usize).is_some_and(|f| f.contains(&false));
     let numbered = mass.iter().zip(0_u32..);
     let bad: Vec<u32> = numbered.filter(|(m, i)| free(*i) && !m.is_normal()).map(|(_, i)| i).collect();
     if let Some(first) = bad.first() {
         let value =
             format!("no usable mass on free nodes {} ({} kg on the first)", first_few(&bad), mass[*first as usize]);
-        let hint =
-            "give areal_density (for nodes of triangles), nodal, or linear_density of a spring rule, or hold them";
+        let of_bag = |node: &u32| mesh.groups.get("bag").is_some_and(|bag| bag.nodes.contains(node));
+        let hint = if bad.iter().all(of_bag) {
+            "the bag of a pack: add {\"on\": {\"group\": \"bag\"}, \"mass\": ...} to mass.points, or hold it by a support"
+        } else {
+            "give areal_density (for nodes of triangles), nodal, or linear_density of a spring rule, or hold them"
+        };
         faults.add_value(&at.key("mass"), value, "a mass above 0 on every node that can move", Some(hint.to_owned()));
     }
 }

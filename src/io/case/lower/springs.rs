@@ -1,5 +1,6 @@
 //! Spring rules: which edge follows which rule, and the springs that result.
 
+use super::cut;
 use super::elastic_law::elastic_law;
 use super::events::{Plan, Waits};
 use super::geometry::Geometry;
@@ -49,9 +50,7 @@ pub(super) fn springs(
             check_loads_only(&at, rule, faults);
         }
         let values = if rule.loads_only { None } else { values(&at, rule, faults) };
-        if rule.cut.is_some() && rule.when.is_some() {
-            faults.add_hint(&at.key("when"), "not together with cut", "a time is \"when\": {\"time\": ...} too");
-        }
+        cut::check(&at, rule, faults);
         if rule.breaks && rule.strength.is_none() {
             faults.add_hint(&at.key("strength"), "the strength of springs that break", "give it in N");
         }
@@ -87,7 +86,12 @@ pub(super) fn springs(
     }
     let Some(whole) = whole else { return Vec::new() };
     let prestress = prestress.map(|prestress| shared(prestress, &followed, whole));
-    let groups = followed.into_iter().filter_map(|rule| group(at, rule, prestress.as_ref(), whole, faults)).collect();
+    let mut groups = Vec::new();
+    for followed in followed {
+        let rule = followed.rule.cut.as_ref();
+        let springs = group(at, followed, prestress.as_ref(), whole, faults);
+        groups.extend(springs.into_iter().flat_map(|springs| cut::groups(rule, springs)));
+    }
     let Some(geometry) = geometry else { return groups };
     let mut of_membrane = vec![false; geometry.mesh.triangles.len()];
     membranes.iter().flat_map(|m| &m.triangles).for_each(|&t| of_membrane[t as usize] = true);
@@ -287,7 +291,6 @@ fn group(
     let strands = strands.map(<[f64]>::to_vec);
     let strength = rule.strength.map(|strength| StrengthSpec { name: name(), strength, strands });
     let sheet = rule.membrane.map(|Membrane { modulus, thickness }| SheetSpec { modulus, thickness });
-    let (cut, rest_scale) = (rule.cut, factor);
     Some(SpringGroup {
         edges,
         stiffness,
@@ -295,10 +298,10 @@ fn group(
         law,
         slack,
         dashpot,
-        cut,
+        cut: None,
         cut_by,
         breaks,
-        rest_scale,
+        rest_scale: factor,
         strength,
         sheet,
     })

@@ -22,7 +22,7 @@ enum Begins {
 /// The stages of a run to `end` [s].
 pub(super) fn stages(network: &Network, spec: &NetworkSpec, geometry: Option<&Geometry>, end: f64) -> StagesSpec {
     let mut begins = fillings(spec);
-    begins.extend(network.springs.iter().filter_map(|rule| Some((rule.cut?, cut(&rule.on)))));
+    begins.extend(network.springs.iter().filter_map(|rule| Some((rule.cut.as_ref()?.last()?, cut(&rule.on)))));
     begins.extend(spec.releases.iter().map(|release| (release.t, Begins::Release)));
     begins.retain(|(t, _)| *t > 0.0 && *t < end);
     begins.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.cmp(&b.1)));

@@ -45,7 +45,7 @@ pub use select::{
     Ball, EdgeSelection, EdgesExcept, NodeOrEdgeSelection, NodeSelection, NodesExcept, NodesOrEdgesExcept,
 };
 pub use solver::{Newton, Solver};
-pub use springs::{Dashpot, DashpotRule, ElasticLawRule, Membrane, SlackRule, SpringRule};
+pub use springs::{CutRule, CutTable, Dashpot, DashpotRule, ElasticLawRule, Membrane, SlackRule, SpringRule};
 pub use surface::{BendingRule, MembraneRule, Modulus};
 pub use table::{Factor, FactorTable, OverTime, ValueTable, VectorTable, vectors};
 pub use time::{ClothModel, MassScaling, Study, Time, UntilRest};

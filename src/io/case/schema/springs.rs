@@ -1,6 +1,6 @@
 //! Rules that put springs and dashpots on edges.
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
 use super::event::When;
@@ -51,10 +51,11 @@ pub struct SpringRule {
     #[schemars(range(min = 0))]
     pub linear_density: Option<f64>,
     /// [s] When the springs are cut, within the run: from then on they carry no force, and neither do their dashpots.
-    /// The energy that they hold counts as dissipated. Their mass stays.
+    /// The energy that they hold counts as dissipated. Their mass stays. Or `{"table": [[t, share], ...]}`, which cuts
+    /// the springs one after another, in the order of the mesh.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub cut: Option<f64>,
+    pub cut: Option<CutRule>,
     /// When the springs are cut, by the state of the scene or after another event; not together with `cut`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub when: Option<When>,
@@ -74,6 +75,54 @@ pub struct SpringRule {
     pub slack: Option<SlackRule>,
     /// A dashpot beside the spring.
     pub dashpot: Option<Dashpot>,
+}
+
+/// When springs are cut: all at a time, or one after another by a table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum CutRule {
+    /// [s] all at this time
+    At(f64),
+    /// one after another
+    Table(CutTable),
+}
+
+impl JsonSchema for CutRule {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "CutRule".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let table = generator.subschema_for::<CutTable>().to_value();
+        json_schema!({"oneOf": [{"type": "number"}, table]})
+    }
+}
+
+/// Springs that are cut one after another, in the order of the mesh.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CutTable {
+    /// [s, -] Rows `[t, share]` of a time and the share of the rule's springs that are cut by then, from 0 to 1; linear
+    /// between rows. Neither falls from row to row; what the last row leaves holds to the end of the run.
+    #[schemars(length(min = 1))]
+    pub table: Vec<[f64; 2]>,
+    /// [-] Number of springs that are cut together, as a ring of as many as there are gores: when the share covers them
+    /// all. 1 if not given. Each such number is a force of its own and an end of a step, so hundreds of them take time.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    #[schemars(range(min = 1))]
+    pub together: usize,
+}
+
+fn one() -> usize {
+    1
+}
+
+fn is_one(count: &usize) -> bool {
+    *count == 1
 }
 
 /// Stiffness from a continuous sheet: k = E t (sum of the adjacent triangles' areas)/l^2, areas and l on the mesh as
