@@ -29,7 +29,8 @@ fn side_by_side(cut: &Value) -> Value {
 #[test]
 fn the_table_says_when_each_spring_is_cut() {
     let ramp = |k: usize| 0.1 + 0.5 * (k + 1) as f64 / 10.0;
-    let rows: [(Value, &dyn Fn(usize) -> Option<f64>); 5] = [
+    type Times<'a> = &'a dyn Fn(usize) -> Option<f64>;
+    let rows: [(Value, Times); 5] = [
         (json!({"table": [[0.1, 0.0], [0.6, 1.0]]}), &|k| Some(ramp(k))),
         (json!({"table": [[0.1, 0.0], [0.6, 1.0]], "together": 4}), &|k| Some(ramp([3, 7, 9][k / 4]))),
         // Five at a jump, the others never.
@@ -44,7 +45,7 @@ fn the_table_says_when_each_spring_is_cut() {
     ];
     for (cut, expected) in rows {
         let case = case_of(&side_by_side(&cut), &[]);
-        let mut found = vec![None; 10];
+        let mut found = [None; 10];
         let groups = network(&case).springs;
         for group in &groups {
             group.edges.iter().for_each(|&edge| found[edge as usize] = Some(group.cut));
