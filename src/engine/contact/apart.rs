@@ -26,6 +26,8 @@ pub struct Apart {
     found: Vec<Candidate>,
     /// [-] of the way of every node
     share: Vec<f64>,
+    /// the last round in which it was shortened, counted from 1; 0 if it was not
+    shortened: Vec<usize>,
     /// [m] where nodes end
     ends: Vec<Vector3<f64>>,
     /// ways of nodes and obstacles
@@ -57,10 +59,11 @@ impl Apart {
             true => near.covers_shares([places, end]),
             false => near.covers(&[end], 1.0),
         };
-        let covered = covers(near) || {
-            near.look(places, 0.0);
-            covers(near)
-        };
+        let covered = covers(near)
+            || near.could_cover(ways) && {
+                near.look(places, 0.0);
+                covers(near)
+            };
         if covered && near.covers(&[places], 1.0) {
             // Ways that are short beside the distance need no closer look.
             let meets = |(pair, beyond): &(&Candidate, f64)| {
@@ -88,7 +91,8 @@ impl Apart {
     ) -> Option<Candidate> {
         self.find(places, later, way, (near, false));
         self.reset(way.len());
-        let pairs = Round { places, later, way, share: &mut self.share, carried: &mut self.carried };
+        let Apart { share, shortened, carried, .. } = self;
+        let pairs = Round { places, later, way, share, shortened, carried };
         let touches = |pair: &&Candidate| pairs.free_share(pair, CLOSED).is_some();
         self.found.iter().find(touches).copied()
     }
@@ -96,6 +100,8 @@ impl Apart {
     fn reset(&mut self, nodes: usize) {
         self.share.clear();
         self.share.resize(nodes, 1.0);
+        self.shortened.clear();
+        self.shortened.resize(nodes, 0);
         self.carried.clear();
         self.carried.resize(nodes, Vector3::zeros());
     }
@@ -112,18 +118,19 @@ impl Apart {
         self.find(places, later, way, (near, false));
         self.reset(way.len());
         let mut least: f64 = 1.0;
-        for round in 0..ROUNDS {
-            let mut pairs = Round { places, later, way, share: &mut self.share, carried: &mut self.carried };
-            let (shortened, free) = pairs.look(&self.found);
+        for round in 1..=ROUNDS {
+            let Apart { share, shortened, carried, .. } = self;
+            let mut pairs = Round { places, later, way, share, shortened, carried };
+            let (shortened, free) = pairs.look(&self.found, round);
             if !shortened {
                 break;
             }
-            if round == 0 {
+            if round == 1 {
                 least = free;
                 // What stops lets others come nearer.
                 self.find(places, later, way, (near, true));
             }
-            if round + 1 == ROUNDS {
+            if round == ROUNDS {
                 self.share.fill(least);
                 self.carried.fill(Vector3::zeros());
             }
@@ -143,15 +150,20 @@ struct Round<'a> {
     later: &'a [[Vector3<f64>; 2]],
     way: &'a [Vector3<f64>],
     share: &'a mut [f64],
+    shortened: &'a mut [usize],
     carried: &'a mut [Vector3<f64>],
 }
 
 impl Round<'_> {
     /// Shortens the ways of nodes of pairs that come too close. Returns whether there are any, and the least share that
-    /// is free.
-    fn look(&mut self, pairs: &[Candidate]) -> (bool, f64) {
+    /// is free. After the first round only pairs are looked at of which a node was shortened since the last look.
+    fn look(&mut self, pairs: &[Candidate], round: usize) -> (bool, f64) {
         let (mut shortened, mut least) = (false, 1.0);
         for pair in pairs {
+            let since = |node: &u32| self.shortened.get(*node as usize).is_some_and(|last| last + 1 >= round);
+            if !pair.nodes.iter().any(since) {
+                continue;
+            }
             let Some(free) = self.free_share(pair, KEPT) else { continue };
             least = f64::min(least, free);
             let driven = self.driven(pair);
@@ -161,6 +173,7 @@ impl Round<'_> {
                     continue;
                 }
                 shortened = true;
+                self.shortened[i] = round;
                 self.share[i] *= free;
                 if let Some(driven) = driven {
                     self.carried[i] = driven;

@@ -173,6 +173,11 @@ impl Near {
         self.follow(&ends) && self.patches.cover_shares(&self.moved)
     }
 
+    /// Whether such ways are short enough to be covered by a look at where they begin, by that of the last one.
+    pub fn could_cover(&mut self, ways: &Moved) -> bool {
+        self.patches.cover(std::slice::from_ref(ways), 1.0)
+    }
+
     /// Finds displacements of nodes and obstacles since pairs were looked for. Returns whether they ever were.
     fn follow(&mut self, ends: &[Places<'_>]) -> bool {
         self.ends = ends.len();

@@ -19,7 +19,7 @@ use crate::mesh::box_tree::Bounds;
 use nalgebra::Vector3;
 
 /// Largest number of patches of nodes.
-const MOST: usize = 256;
+const MOST: usize = 96;
 /// Least number of nodes of one.
 const NODES: usize = 16;
 
