@@ -8,6 +8,8 @@ use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
 use canopy_fem::model::system::{StepMean, System, Weights};
 use canopy_fem::scene::{Network, Scene, build_network};
+use canopy_fem_engine::contact::bodies::{Body, Contact, Contacts, Other};
+use canopy_fem_engine::contact::near::{Near, Places};
 use nalgebra::Vector3;
 
 const STATES: u64 = 6;
@@ -198,6 +200,57 @@ fn friction_of_parted_pairs_has_its_tangent() {
         compared += compare("parted", &product, &expected, 1e-4);
     }
     assert!(compared > 100, "{compared}");
+}
+
+/// Whatever moves, and however far: where the patches of a sheet say that no pair can touch which is not near, none does.
+#[test]
+fn pairs_that_are_kept_are_all_that_touch() {
+    let n = 12_u32;
+    let node = |i: u32| Vector3::new(f64::from(i % n), f64::from(i / n % n), 0.5 * f64::from(i / (n * n)));
+    let cell = |i: u32| [i, i + 1, i + n + 1];
+    let cells = (0..2 * n * n).filter(|i| i % n < n - 1 && i / n % n < n - 1);
+    let rest: Vec<Vector3<f64>> = (0..2 * n * n).map(node).collect();
+    let contacts = Contacts {
+        list: vec![Contact {
+            body: Body::new(cells.map(cell).collect(), Vec::new(), Vec::new()),
+            other: Other::Itself,
+            thickness: 0.0,
+            gap: 0.3,
+            friction: 0.0,
+            motion: None,
+        }],
+        stiffness: vec![vec![1.0; rest.len()]],
+        inverse_mass: vec![1.0; rest.len()],
+        rest: rest.clone(),
+        skin: 0.4,
+        ..Contacts::default()
+    };
+    let shifts = [[Vector3::zeros(); 2]];
+    let (mut kept, mut lost, mut touching) = (0, 0, 0);
+    for seed in 0..60 {
+        let (mut random, mut near) = (Random(seed + 1), Near::default());
+        near.look(Places { contacts: &contacts, t: 0.0, x: &rest, shifts: &shifts }, 0.0);
+        let (size, down) = (0.01 * (1 + seed % 8) as f64, 0.35 * random.next().abs());
+        let together = Vector3::new(random.next(), random.next(), random.next()) * 20.0;
+        let mut moved = |x: &Vector3<f64>| {
+            let noise = Vector3::new(random.next(), random.next(), random.next()) * size;
+            x + together + noise - Vector3::z() * (2.0 * x.z * down)
+        };
+        let x: Vec<Vector3<f64>> = rest.iter().map(&mut moved).collect();
+        let places = Places { contacts: &contacts, t: 0.0, x: &x, shifts: &shifts };
+        if !near.covers(&[places], 1.0) {
+            lost += 1;
+            continue;
+        }
+        kept += 1;
+        let mut found = Near::default();
+        found.look(places, 0.0);
+        for pair in found.list().iter().filter(|pair| pair.beyond <= 0.0) {
+            touching += 1;
+            assert!(near.close().any(|close| close.key() == pair.key()), "{seed}: {pair:?} is missing");
+        }
+    }
+    assert!(kept > 10 && lost > 10 && touching > 50, "{kept} kept, {lost} lost, {touching} touch");
 }
 
 /// Forces between parts of the scene add up to 0, and so do their moments; those of friction act a gap apart.
