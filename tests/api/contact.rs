@@ -202,7 +202,8 @@ fn friction_of_parted_pairs_has_its_tangent() {
     assert!(compared > 100, "{compared}");
 }
 
-/// Whatever moves, and however far: where the patches of a sheet say that no pair can touch which is not near, none does.
+/// Whatever moves, and however far: where the patches of a sheet say that only pairs that are near can touch,
+/// no other pair does.
 #[test]
 fn pairs_that_are_kept_are_all_that_touch() {
     let n = 12_u32;
