@@ -3,7 +3,7 @@
 //! A pair is near if it is closer than its gap and the skin. As long as no two patches have come nearer to each other
 //! by more than they may ([`super::patches`]), no other pair can touch.
 
-use super::bodies::{Contacts, Other, Plane};
+use super::bodies::{Contact, Contacts, Other, Plane};
 use super::distance::{PairKind, nearest};
 use super::patches::{Moved, Patches};
 use super::search::Search;
@@ -209,7 +209,8 @@ impl Near {
             candidate.beyond = distance - contact.gap - contact.thickness;
             candidate.beyond < skin
         };
-        self.search.find(contacts, place, skin, keep, &mut self.found);
+        let reach = |contact: &Contact| contact.gap + contact.thickness + skin;
+        self.search.find(contacts, (place, reach), keep, &mut { u64::MAX }, &mut self.found);
         self.patches.look(places, skin);
         let same = self.found.len() == self.list.len()
             && self.found.iter().zip(self.list.iter()).all(|(new, old)| new.key() == old.key());

@@ -48,21 +48,22 @@ pub struct Search {
 }
 
 impl Search {
-    /// Overwrites `found` with all pairs whose boxes, from the boxes of their nodes, are closer than their gaps and
-    /// `skin` [m], and that `keep` keeps; in order, each once.
+    /// Overwrites `found` with all pairs whose boxes, from the boxes of their nodes, are closer than `reach` [m] of their
+    /// contact, and that `keep` keeps; in order, each once. Ends early when `looks`, the number of boxes that may be
+    /// looked at, is used up.
     pub fn find(
         &mut self,
         contacts: &Contacts,
-        place: impl Fn(u32) -> Bounds,
-        skin: f64,
+        (place, reach): (impl Fn(u32) -> Bounds, impl Fn(&Contact) -> f64),
         keep: impl Fn(&mut Candidate) -> bool,
+        looks: &mut u64,
         found: &mut Vec<Candidate>,
     ) {
         found.clear();
         self.trees.resize_with(contacts.list.len(), Default::default);
         for ((number, contact), trees) in (0_u16..).zip(&contacts.list).zip(&mut self.trees) {
-            let mut pairs = Pairs { contacts, number, keep: &keep, found: &mut *found };
-            pairs.of(contact, trees, &place, contact.gap + contact.thickness + skin);
+            let mut pairs = Pairs { contacts, number, keep: &keep, looks: &mut *looks, found: &mut *found };
+            pairs.of(contact, trees, &place, reach(contact));
         }
         found.sort_unstable_by_key(Candidate::key);
         found.dedup_by_key(|candidate| candidate.key());
@@ -74,6 +75,7 @@ struct Pairs<'a, K> {
     contacts: &'a Contacts,
     number: u16,
     keep: &'a K,
+    looks: &'a mut u64,
     found: &'a mut Vec<Candidate>,
 }
 
@@ -120,7 +122,7 @@ impl<K: Fn(&mut Candidate) -> bool> Pairs<'_, K> {
         place: &impl Fn(u32) -> Bounds,
         reach: f64,
     ) {
-        let mut looks = u64::MAX;
+        let mut looks = *self.looks;
         for &node in &of.nodes {
             let near = place(node).grown(reach);
             trees.triangles.within(&near, &mut looks, |i| {
@@ -132,6 +134,7 @@ impl<K: Fn(&mut Candidate) -> bool> Pairs<'_, K> {
                 self.add(Form::Pair(PairKind::NodeEdge), [node, a, b, NO_NODE]);
             });
         }
+        *self.looks = looks;
     }
 
     fn edges(
@@ -142,8 +145,9 @@ impl<K: Fn(&mut Candidate) -> bool> Pairs<'_, K> {
         reach: f64,
     ) {
         let alone = std::ptr::eq(edges, others);
+        let mut looks = *self.looks;
         for edge in edges {
-            tree.within(&around(edge, place).grown(reach), &mut { u64::MAX }, |i| {
+            tree.within(&around(edge, place).grown(reach), &mut looks, |i| {
                 let other = others[i as usize];
                 let [[a, b], [c, d]] = match *edge <= other {
                     true => [*edge, other],
@@ -154,6 +158,7 @@ impl<K: Fn(&mut Candidate) -> bool> Pairs<'_, K> {
                 self.add(Form::Pair(PairKind::EdgeEdge), [a, b, c, d]);
             });
         }
+        *self.looks = looks;
     }
 
     fn points(
@@ -163,12 +168,14 @@ impl<K: Fn(&mut Candidate) -> bool> Pairs<'_, K> {
         place: &impl Fn(u32) -> Bounds,
         reach: f64,
     ) {
+        let mut looks = *self.looks;
         for &node in points {
-            tree.within(&place(node).grown(reach), &mut { u64::MAX }, |i| {
+            tree.within(&place(node).grown(reach), &mut looks, |i| {
                 let other = others[i as usize];
                 self.add(Form::Pair(PairKind::NodeNode), [node.min(other), node.max(other), NO_NODE, NO_NODE]);
             });
         }
+        *self.looks = looks;
     }
 
     /// Adds a pair that shares no node and has something that can move.

@@ -14,6 +14,7 @@ use crate::preflight::contact::counted_parts;
 use nalgebra::Vector3;
 use obstacle::obstacle;
 use parts::{all, edge_lengths, named, nodes_of};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// [-] The gap over the shortest edge, if it is not given.
@@ -25,6 +26,8 @@ pub(super) struct Scene<'a> {
     pub geometry: &'a Geometry,
     /// the folder that names of files count from
     pub base: &'a Path,
+    /// edges with a spring
+    pub springs: &'a BTreeSet<u32>,
     /// [m] displacement at the start, `[n_nodes][3]`; empty = none
     pub displacement: &'a [[f64; 3]],
     /// whether a node moves at any time
@@ -56,7 +59,7 @@ pub(super) fn contacts(at: &Pointer, list: &[Contact], scene: &Scene<'_>, faults
 fn one(at: &Pointer, contact: &Contact, scene: &Scene<'_>, faults: &mut Faults<'_>) -> Option<ContactSpec> {
     let between = at.key("between");
     let (parts, other) = match &contact.between {
-        Between::Word(_) => (all(scene.geometry), ContactSide::Itself),
+        Between::Word(_) => (all(scene), ContactSide::Itself),
         Between::Pair(pair) => sides(&between, pair, scene, faults)?,
     };
     if let (ContactSide::Itself, 0 | 1) = (&other, count(&parts)) {
@@ -80,7 +83,7 @@ fn sides(
 ) -> Option<(ContactParts, ContactSide)> {
     let places = [at.index(0), at.index(1)];
     let own = match (first, second) {
-        (TouchingSide::Named(name), _) => named(&places[0], name, scene.geometry, faults),
+        (TouchingSide::Named(name), _) => named(&places[0], name, scene, faults),
         (TouchingSide::Obstacle(_), TouchingSide::Obstacle(_)) => {
             let hint = "rigid bodies do not touch each other; name a group of the mesh, or \"all\", and then one body";
             faults.add_value(at, "two rigid bodies", "a part of the mesh and a rigid body", Some(hint.to_owned()));
@@ -94,7 +97,7 @@ fn sides(
         }
     };
     let other = match second {
-        TouchingSide::Named(name) => named(&places[1], name, scene.geometry, faults).map(ContactSide::Parts),
+        TouchingSide::Named(name) => named(&places[1], name, scene, faults).map(ContactSide::Parts),
         TouchingSide::Obstacle(body) => obstacle(&places[1], body, scene.base, faults).map(ContactSide::Obstacle),
     };
     let (own, other) = own.zip(other)?;

@@ -10,12 +10,13 @@ use std::collections::BTreeSet;
 /// The name of everything.
 const ALL: &str = "all";
 
-/// All triangles, all edges that are no side of one, all nodes that are in neither.
-pub(super) fn all(geometry: &Geometry) -> ContactParts {
+/// All triangles, all edges with a spring that are no side of one, all nodes that are in neither.
+pub(super) fn all(Scene { geometry, springs, .. }: &Scene<'_>) -> ContactParts {
     let mesh = &geometry.mesh;
     let triangles: Vec<u32> = (0_u32..).take(mesh.triangles.len()).collect();
     let lines = (0_u32..).take(mesh.edges.len());
-    let edges: Vec<u32> = lines.filter(|edge| geometry.topology.edge_kind(*edge as usize) == EdgeKind::Line).collect();
+    let is_line = |edge: &u32| geometry.topology.edge_kind(*edge as usize) == EdgeKind::Line && springs.contains(edge);
+    let edges: Vec<u32> = lines.filter(is_line).collect();
     let mut lone = vec![true; mesh.nodes.len()];
     let ends = mesh.triangles.as_flattened().iter().chain(mesh.edges.as_flattened());
     ends.for_each(|node| lone[*node as usize] = false);
@@ -24,10 +25,11 @@ pub(super) fn all(geometry: &Geometry) -> ContactParts {
 }
 
 /// The parts of a group, or all; a name that no group has is a fault.
-pub(super) fn named(at: &Pointer, name: &str, geometry: &Geometry, faults: &mut Faults<'_>) -> Option<ContactParts> {
+pub(super) fn named(at: &Pointer, name: &str, scene: &Scene<'_>, faults: &mut Faults<'_>) -> Option<ContactParts> {
     if name == ALL {
-        return Some(all(geometry));
+        return Some(all(scene));
     }
+    let geometry = scene.geometry;
     let groups = &geometry.mesh.groups;
     if let Some(group) = groups.get(name) {
         return Some(of_group(group, geometry));
