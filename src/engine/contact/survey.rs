@@ -127,7 +127,8 @@ mod tests {
             let Some(touch) = Touch::of(&pair, places, true) else { continue };
             let k = touch.tangent(true);
             let inverse = |i: usize| contacts.inverse_mass.get(nodes[i] as usize).map_or(0.0, |m| m.sqrt());
-            let matrix = DMatrix::from_fn(12, 12, |i, j| k[i / 3][j / 3][(i % 3, j % 3)] * inverse(i / 3) * inverse(j / 3));
+            let matrix =
+                DMatrix::from_fn(12, 12, |i, j| k[i / 3][j / 3][(i % 3, j % 3)] * inverse(i / 3) * inverse(j / 3));
             let found = matrix.symmetric_eigenvalues().max() / contacts.most_rate(0);
             assert!(found <= 1.0 + 1e-12, "{round}: {found} of the bound");
             closest = closest.max(found);

@@ -164,9 +164,7 @@ pub(super) fn in_json(
     let method = explicit(own, candidates).map(|candidate| &candidate.method);
     let of = |(NamedContact { between, gap, friction, .. }, survey): (&NamedContact, &ContactSurvey)| {
         let ContactSurvey { first, second, near, touching, at_one_node, rate } = *survey;
-        let counts = |[nodes, edges, triangles]: [usize; 3]| {
-            serde_json::json!({"nodes": nodes, "edges": edges, "triangles": triangles})
-        };
+        let counts = |[nodes, edges, triangles]: [usize; 3]| serde_json::json!({"nodes": nodes, "edges": edges, "triangles": triangles});
         let step = method.map(|method| step_of_pair(method, rate)).filter(|step| step.is_finite());
         serde_json::json!({
             "between": between,

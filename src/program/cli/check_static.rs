@@ -2,8 +2,8 @@
 //! is determined, by a search within a time. It writes no files.
 
 use super::check::{describe_terms, notes};
-use super::check_json::Totals;
 use super::check_contact::{contacts, describe_contacts};
+use super::check_json::Totals;
 use super::check_system::{describe_size, describe_system};
 use super::{CheckArgs, CliError};
 use crate::case::Case;

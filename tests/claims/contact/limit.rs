@@ -111,7 +111,7 @@ fn with_contact(case: &Value) -> [f64; 2] {
 
 pub fn claims() -> Vec<Claim> {
     let mut claims = Vec::new();
-    for (method, wh) in [("velocity-verlet", 2.0), ("euler-cromer", 2.0), ("rk4", 2.8284)] {
+    for (method, wh) in [("velocity-verlet", 2.0), ("rk4", 2.8284)] {
         let step = allowed(&pressed(method, 1e-4, 1), method);
         let right = wh / (MOST * G / GAP).sqrt();
         claims.push(Claim::relative(format!("{method}: step that a plane allows a mass [s]"), step, right, 1e-4));
@@ -122,11 +122,18 @@ pub fn claims() -> Vec<Claim> {
     }
     let plane = json!({"plane": {"point": [0, 0, -SHARE * 0.01], "normal": [0, 0, 1]}});
     let [ratio, _] = with_contact(&nets([0.0; 2], 0.01, &json!(["lower", plane])));
-    claims.push(Claim::relative("net pressed on a plane: critical step over that without contact [-]", ratio, 1.0, 1e-6));
+    claims.push(Claim::relative(
+        "net pressed on a plane: critical step over that without contact [-]",
+        ratio,
+        1.0,
+        1e-6,
+    ));
+    // Ten pairs and more share a node there.
     for shift in [[0.0, 0.0], [0.5, 0.5], [0.33, 0.17], [0.03, 0.02]] {
         let [ratio, bound] = with_contact(&nets(shift, 0.01, &json!(["lower", "upper"])));
-        let what = format!("nets pressed on each other, moved by {shift:?} of a cell: critical step over that without [-]");
-        claims.push(Claim::between(what, ratio, 0.3, 1.0 + 1e-6));
+        let what =
+            format!("nets pressed on each other, moved by {shift:?} of a cell: critical step over that without [-]");
+        claims.push(Claim::between(what, ratio, 0.15, 0.4));
         claims.push(Claim::below("and the bound for the pairs near a node over it [-]", bound, 1.0));
     }
     claims

@@ -22,9 +22,9 @@ const GAP: f64 = 1e-2;
 const START: f64 = 0.66;
 /// [s]
 const END: f64 = 0.16;
-/// [-], [m/s] friction, and speed along the slope at the start
+/// [-], [m/s] friction, and speed along the slope at the start, with less energy than a fall through the gap
 const MU: f64 = 0.3;
-const SPEED: f64 = 0.5;
+const SPEED: f64 = 0.3;
 /// [N/m], [kg] springs and masses of a pair
 const STIFFNESS: f64 = 100.0;
 const MASS: f64 = 0.1;
@@ -97,9 +97,8 @@ fn pressed() -> Motion {
             "contact": [{"between": ["left", "right"], "gap": GAP}]
         }}
     });
-    let acceleration = |[x, _]: [f64; 2]| {
-        [(STIFFNESS * (rest - 1.0 - x) - kappa * GAP * push(-2.0 * x / GAP)) / MASS, 0.0]
-    };
+    let acceleration =
+        |[x, _]: [f64; 2]| [(STIFFNESS * (rest - 1.0 - x) - kappa * GAP * push(-2.0 * x / GAP)) / MASS, 0.0];
     let end = exact([-half, 0.0], [0.0; 2], acceleration);
     Motion { case, node: 1, end, counts: [true, false], rate: (STIFFNESS / MASS).sqrt() }
 }
@@ -109,7 +108,9 @@ impl Motion {
     fn error(&self, method: &Value, step: f64) -> f64 {
         let mut case = self.case.clone();
         case["time"] = json!({"end": END, "method": method, "step": step});
-        case["solver"] = json!({"newton": {"relative": 1e-12}});
+        // Means over a step are quotients of differences, and lose digits.
+        let mean = method == "energy-momentum" || method.get("energy-momentum").is_some();
+        case["solver"] = json!({"newton": {"relative": if mean { 1e-9 } else { 1e-11 }}});
         let run = run(&case_of(&case, &[]));
         assert_eq!(run.outcome.status, Status::Completed, "{method} at {step}: {:?}", run.outcome.failure);
         let (x, v, [y, w]) = (run.positions[self.node], run.velocities[self.node], self.end);
@@ -145,8 +146,19 @@ fn claim(what: &str, motion: &Motion, method: &Value, order: u32) -> Claim {
 
 fn methods() -> Vec<(Value, u32)> {
     let named = [
-        "newmark", "hht", "backward-euler", "generalized-alpha", "esdirk4", "energy-momentum", "velocity-verlet",
-        "explicit-euler", "euler-cromer", "improved-euler", "euler-richardson", "rk4", "dormand-prince",
+        "newmark",
+        "hht",
+        "backward-euler",
+        "generalized-alpha",
+        "esdirk4",
+        "energy-momentum",
+        "velocity-verlet",
+        "explicit-euler",
+        "euler-cromer",
+        "improved-euler",
+        "euler-richardson",
+        "rk4",
+        "dormand-prince",
     ];
     let declared = |name: &str| MethodChoice::with_defaults(name).map_or(0, |method| method.info.order);
     let with = [(json!({"hht": {"alpha": 0.0}}), 2), (json!({"energy-momentum": {"dissipation": 0.5}}), 1)];
@@ -156,7 +168,10 @@ fn methods() -> Vec<(Value, u32)> {
 pub fn smooth() -> Vec<Claim> {
     let (mass, pair) = (on_plane(0.0, 0.0), pressed());
     let claims = methods().into_iter().flat_map(|(method, order)| {
-        [claim("a mass sways on a plane", &mass, &method, order), claim("two masses are pressed", &pair, &method, order)]
+        [
+            claim("a mass sways on a plane", &mass, &method, order),
+            claim("two masses are pressed", &pair, &method, order),
+        ]
     });
     let rests = share_of_gap(1.0);
     claims.chain([Claim::between("share of the gap at which the mass rests [-]", rests, 0.4, START)]).collect()

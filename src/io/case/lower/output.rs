@@ -176,11 +176,9 @@ fn gauge_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Fau
 /// Whether the bob of a pendulum can be measured so: it has no springs, no cloth, and no support of its own.
 fn has_bob(kind: GaugeKind) -> bool {
     match kind {
-        GaugeKind::Springs(_)
-        | GaugeKind::Cloth
-        | GaugeKind::Membranes(_)
-        | GaugeKind::Gas
-        | GaugeKind::Contact => false,
+        GaugeKind::Springs(_) | GaugeKind::Cloth | GaugeKind::Membranes(_) | GaugeKind::Gas | GaugeKind::Contact => {
+            false
+        }
         GaugeKind::Nodes(NodeGauge { vector, .. }) => match vector {
             NodeQuantity::Position | NodeQuantity::Displacement | NodeQuantity::Velocity | NodeQuantity::Force => true,
             NodeQuantity::Acceleration | NodeQuantity::Reaction => false,

@@ -5,7 +5,8 @@ use crate::drive::max_displacement::Displacement;
 use crate::mesh::CrossingFinder;
 use crate::model::abilities::{ContactLoad, SpringPlace};
 use crate::model::gauge::{
-    CONTACT_QUANTITIES, CROSSINGS, GAS_QUANTITIES, MembraneGauge, NodeColumns, NodeGauge, Quantity, SpringColumns, SpringGauge,
+    CONTACT_QUANTITIES, CROSSINGS, GAS_QUANTITIES, MembraneGauge, NodeColumns, NodeGauge, Quantity, SpringColumns,
+    SpringGauge,
 };
 use crate::model::observables::{MembranePicture, Observables};
 use crate::model::point::Point;
