@@ -1,8 +1,8 @@
 //! The steps that contact leaves to explicit methods, once gaps are nearly closed.
 //!
 //! Critical steps are those of a state. What touches there counts with the stiffness that it has; what does not touch
-//! yet counts with none. In explicit steps the stiffness of a pair has a bound ([`crate::contact::survey`]), so that the
-//! step that a closed pair allows is known before anything touches.
+//! yet counts with none. In explicit steps the stiffness of a pair has a bound ([`crate::contact::survey`]), so that
+//! the step that a closed pair allows is known before anything touches.
 
 use super::limit::critical_step;
 use super::rates::Rates;
@@ -22,8 +22,8 @@ pub fn step_of_pair(method: &MethodChoice, rate: f64) -> f64 {
     critical_step(method, Rates { frequency: rate.sqrt(), ..Rates::default() })
 }
 
-/// The contact, by its place among these rates [1/s^2], that allows an explicit method the shortest step, with that step [s]; `None` for another
-/// method, and without contact.
+/// The contact, by its place among these rates [1/s^2], that allows an explicit method the shortest step, with that
+/// step [s]; `None` for another method, and without contact.
 pub fn limiting(method: &MethodChoice, rates: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
     let steps = rates.map(|rate| step_of_pair(method, rate)).enumerate();
     let least = steps.min_by(|(_, a), (_, b)| a.total_cmp(b));

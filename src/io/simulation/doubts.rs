@@ -54,8 +54,8 @@ fn unsuitable_solver(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpe
 }
 
 /// Warnings about a case on its built scene, also those that it acknowledges: a step above the critical one or above
-/// what contact allows, much added mass, frames that do not fit on the disk of `out`, if there are files. `limit` is the critical step at the start,
-/// with all springs taut.
+/// what contact allows, much added mass, frames that do not fit on the disk of `out`, if there are files. `limit` is
+/// the critical step at the start, with all springs taut.
 pub fn doubts_at_start(
     planned: Planned<'_>,
     problem: &Problem,

@@ -89,8 +89,8 @@ fn nets(shift: [f64; 2], gap: f64, between: &Value) -> Value {
     })
 }
 
-/// [-] Critical steps of Verlet with the gaps closed by 80 %: of the scene over that without contact, and over the bound
-/// for the pairs that share a node.
+/// [-] Critical steps of Verlet with the gaps closed by 80 %: of the scene over that without contact, and the bound for
+/// the pairs that share a node over it.
 fn with_contact(case: &Value) -> [f64; 2] {
     let verlet = MethodChoice::with_defaults("velocity-verlet").expect("a method");
     let critical = |case: &Value| {
