@@ -14,8 +14,8 @@ use canopy_fem::drive::Status;
 use canopy_fem::integrate::registry::MethodChoice;
 use serde_json::{Value, json};
 
-/// [-] As for smooth forces (`order`); the barrier bends slopes a little more.
-const TOLERANCE: f64 = 0.15;
+/// [-] At these steps the next term of the error bends slopes by up to 0.03, as measured.
+const TOLERANCE: f64 = 0.05;
 /// [m]
 const GAP: f64 = 1e-2;
 /// [-] Share of the gap at the start: neither 0.4, from which on explicit contact is linear, nor 1 is reached.
