@@ -501,7 +501,7 @@ class Gauge(TypedDict, total=False):
     on: NodeOrEdgeSelection
 
 
-GaugeQuantity: TypeAlias = 'Literal["tension", "force", "reaction", "acceleration", "velocity", "speed", "displacement", "position", "crossings", "stress", "strain", "wrinkling", "gas"]'
+GaugeQuantity: TypeAlias = 'Literal["tension", "force", "reaction", "acceleration", "velocity", "speed", "displacement", "position", "crossings", "stress", "strain", "wrinkling", "gas", "contact"]'
 """What a gauge measures."""
 
 
@@ -896,8 +896,14 @@ class Newton(TypedDict, total=False):
     strategy: Strategy
 
 
-NodeOrEdgeSelection: TypeAlias = 'Literal["all", "boundary", "outer", "inner", "interior", "seams", "lines"] | NodesOrEdgesExcept | NodeOrEdgeSelectionIds | NodeOrEdgeSelectionBox | NodeOrEdgeSelectionSphere | NodeOrEdgeSelectionGroup'
-"""Some nodes or some edges of the mesh."""
+NodeOrEdgeSelection: TypeAlias = 'Literal["all", "boundary", "outer", "inner", "interior", "seams", "lines"] | NodesOrEdgesExcept | NodeOrEdgeSelectionContact | NodeOrEdgeSelectionIds | NodeOrEdgeSelectionBox | NodeOrEdgeSelectionSphere | NodeOrEdgeSelectionGroup'
+"""Some nodes or some edges of the mesh, or a contact."""
+
+
+class NodeOrEdgeSelectionContact(TypedDict, total=False):
+    """[-] The contact with this number in the section `contact`, counted from 0, for a gauge of `contact`."""
+
+    contact: int
 
 
 class NodeOrEdgeSelectionIds(TypedDict, total=False):
@@ -1387,7 +1393,7 @@ class VectorTable(TypedDict, total=False):
     table: Sequence[Numbers] | npt.NDArray[Any]
 
 
-WarningCode: TypeAlias = 'Literal["mass-scaling", "air-pressure", "areal-density", "branching-edge", "braked-rotation", "cloth-crossing", "closing-canopy", "coincident-nodes", "contact-at-start", "disk-space", "drag-area", "drag-coefficient", "energy-dissipated", "energy-made", "event-at-start", "event-beyond-end", "experimental-model", "failed-start", "filling-beyond-end", "hanging-node", "initial-strain", "inside-out", "large-extent", "large-gravity", "large-mass", "leaning-canopy", "long-step", "loose-lines", "loose-nodes", "lost-motion", "mesh-file", "no-suction", "no-support", "no-wind", "overlapping-triangles", "reefing-line", "rounded-coordinates", "seam-gap", "short-pulse", "slack-opening", "slack-springs", "small-extent", "small-hole", "step-above-critical", "step-beyond-end", "step-dashpot", "strained-cloth", "stray-triangles", "supersonic-speed", "thin-air", "tight-cloth", "unlikely-material", "unselected-edges", "unused-rule", "up-axis", "wind-in-plane"]'
+WarningCode: TypeAlias = 'Literal["mass-scaling", "air-pressure", "areal-density", "branching-edge", "braked-rotation", "cloth-crossing", "closing-canopy", "coincident-nodes", "contact-at-start", "contact-step", "disk-space", "drag-area", "drag-coefficient", "energy-dissipated", "energy-made", "event-at-start", "event-beyond-end", "experimental-model", "failed-start", "filling-beyond-end", "hanging-node", "initial-strain", "inside-out", "large-extent", "large-gravity", "large-mass", "leaning-canopy", "long-step", "loose-lines", "loose-nodes", "lost-motion", "mesh-file", "no-suction", "no-support", "no-wind", "overlapping-triangles", "reefing-line", "rounded-coordinates", "seam-gap", "short-pulse", "slack-opening", "slack-springs", "small-extent", "small-hole", "step-above-critical", "step-beyond-end", "step-dashpot", "strained-cloth", "stray-triangles", "supersonic-speed", "thin-air", "tight-cloth", "unlikely-material", "unselected-edges", "unused-rule", "up-axis", "wind-in-plane"]'
 """Kinds of warnings, by their codes in a case."""
 
 

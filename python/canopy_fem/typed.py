@@ -58,6 +58,7 @@ GaugeQuantity: TypeAlias = Literal[
     "strain",
     "wrinkling",
     "gas",
+    "contact",
 ]
 Kept: TypeAlias = Literal["positions", "velocities", "gauges", "energies", "peaks", "peak_times"]
 """what `canopy_fem.rollout` keeps"""

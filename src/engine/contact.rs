@@ -6,6 +6,7 @@
 //! * [`distance`], [`parallel`]: the distance of a pair with its derivatives, and what smooths that of parallel edges.
 //! * [`impact`]: how far a pair may move before it touches; [`apart`]: how far all nodes of a scene may.
 //! * [`barrier`], [`friction`]: the laws.
+//! * [`survey`]: what a contact is made of, and the steps that it leaves explicit methods.
 //! * [`touch`]: force and tangent of a pair; [`mean`]: the same as a mean over a step.
 
 pub mod apart;
@@ -19,4 +20,5 @@ pub mod near;
 pub mod parallel;
 pub mod patches;
 pub mod search;
+pub mod survey;
 pub mod touch;

@@ -27,6 +27,8 @@ pub enum WarningCode {
     CoincidentNodes,
     /// Parts that may touch and are closer at the start than their contact lets them be.
     ContactAtStart,
+    /// A step of an explicit method that is longer than a contact allows whose gap is nearly closed.
+    ContactStep,
     /// Frames that do not fit on the disk.
     DiskSpace,
     /// A canopy whose drag at the end is not that of its drag area.

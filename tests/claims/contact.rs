@@ -3,7 +3,10 @@
 
 pub mod capstan;
 pub mod chain;
+pub mod limit;
+pub mod load;
 pub mod mass;
+pub mod order;
 pub mod sheets;
 pub mod tube;
 

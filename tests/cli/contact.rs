@@ -55,3 +55,37 @@ fn resumed_runs_and_threads_have_the_same_bytes() {
         assert!(whole == threads, "{method}: threads");
     }
 }
+
+/// What a gauge of contact measures leaves no trace in the run, and is the same in a resumed one. At first nothing
+/// touches, and the load on the ball is 0; later the ball carries a part of 0.05 kg.
+#[test]
+fn gauges_of_contact_leave_no_trace() {
+    let named = |tables: &[(Option<OsString>, Vec<u8>)], name: &str| {
+        let found = tables.iter().find(|(path, _)| path.as_ref().is_some_and(|path| path == name));
+        found.map(|(_, bytes)| bytes.clone()).unwrap_or_default()
+    };
+    for method in ["newmark", "velocity-verlet"] {
+        let without = case(method);
+        let mut with = without.clone();
+        with["output"]["gauges"] = json!([
+            {"name": "ball", "on": {"contact": 1}, "of": "contact"},
+            {"name": "folds", "on": {"contact": 0}, "of": "contact"}
+        ]);
+        let (without, whole) = (tables(&without, &[&[]]), tables(&with, &[&[]]));
+        assert!(named(&without, "history.csv") == named(&whole, "history.csv"), "{method}: it leaves a trace");
+        let parts = tables(&with, &[&["--end", "0.2"], &["--resume"]]);
+        assert!(named(&whole, "gauges.csv") == named(&parts, "gauges.csv"), "{method}: resumed");
+        let text = String::from_utf8(named(&whole, "gauges.csv")).expect("text");
+        let column = |gauge: &str, column: &str| {
+            let rows = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+            let of = rows.filter(|row| row[1..3] == [gauge, column]);
+            of.map(|row| row[3].parse::<f64>().expect("a number")).collect::<Vec<f64>>()
+        };
+        let down = column("ball", "contact_z");
+        assert_eq!(down.first(), Some(&0.0), "{method}");
+        let most = down.iter().fold(0.0, |most: f64, force| most.max(-force));
+        assert!(most > 0.3 && most < 20.0, "{method}: {most} N on the ball");
+        assert!(down.iter().all(|force| *force < 0.05), "{method}: the ball pulls");
+        assert!(column("folds", "contact_total").iter().all(|force| *force == 0.0), "{method}");
+    }
+}

@@ -4,6 +4,7 @@ mod arnoldi;
 pub mod buckling;
 mod certificate;
 pub mod cloth;
+pub mod contact;
 pub mod critical;
 pub mod growing;
 mod hessenberg;

@@ -7,7 +7,7 @@ use super::rates::Rates;
 use super::spectrum::Spectrum;
 use super::taut::{AllTaut, WhileSlack};
 use crate::format_number::figures;
-use crate::integrate::registry::MethodChoice;
+use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
 use crate::scene::{Scene, place_with_groups};
@@ -48,6 +48,8 @@ fn limit_at(Planned { scene, method, step, stop, .. }: Planned<'_>, at: StateRef
     if !has_limit(method) {
         return CriticalStep::none();
     }
+    // What touches has the stiffness of the method's steps.
+    scene.touches().into_iter().for_each(|touches| touches.set_explicit(method.info.family == Family::Explicit));
     let plain = step.and_then(|h| plainly_stable(scene, at, method, h));
     // With adaptive steps it still characterises the scene.
     let effort = CostLimits { sharpen_below: 2.0 * step.unwrap_or(0.0), stop, ..CostLimits::START };

@@ -171,9 +171,10 @@ impl Apart {
         near: &mut Near,
     ) -> (f64, bool) {
         let contacts: &Contacts = places.contacts;
+        let elements: usize = (0..contacts.list.len()).flat_map(|i| contacts.elements(i)).flatten().sum();
         let (mut whole, mut any_shares) = (1.0, false);
         for _ in 0..HALVES {
-            let mut looks = LOOKS * contacts.elements();
+            let mut looks = LOOKS * elements as u64;
             any_shares = self.find(Ways { places, later, way }, (&mut *near, false), &mut looks);
             if looks > 0 {
                 break;

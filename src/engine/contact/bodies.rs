@@ -128,12 +128,6 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    /// How many nodes, edges and triangles may touch, those of each contact counted.
-    pub fn elements(&self) -> u64 {
-        let bodies = self.list.iter().flat_map(|contact| [Some(&contact.body), contact.other.body()]);
-        bodies.flatten().map(|body| (body.nodes.len() + body.edges.len() + body.triangles.len()) as u64).sum()
-    }
-
     /// Adds a contact with an obstacle.
     pub fn add_obstacle(&mut self, body: Body, spec: &ObstacleSpec, (gap, friction): (f64, f64)) {
         let (other, thickness) = self.obstacle(&spec.shape);

@@ -143,6 +143,21 @@ pub trait Touches {
     /// Ends the block.
     fn leave_block(&self);
 
+    /// Number of contacts, in the order of [`NetworkSpec::contacts`](crate::model::spec::NetworkSpec::contacts).
+    fn contacts(&self) -> usize;
+
+    /// What every contact is made of, and what is near and touches at a state; pairs are looked for anew.
+    fn survey(&self, at: StateRef<'_>) -> Vec<ContactSurvey>;
+
+    /// [1/s^2] [`ContactSurvey::rate`] of every contact.
+    fn most_rates(&self) -> Vec<f64>;
+
+    /// Adds the forces [N] of all contacts to `f` `[n_dof]`, as a pass does.
+    fn press(&self, at: StateRef<'_>, f: &mut [f64]);
+
+    /// What the first side of a contact does to the second one at a state; NaN where there is no such contact.
+    fn load_of(&self, contact: usize, at: StateRef<'_>) -> ContactLoad;
+
     /// A pair whose gap is closed at a state.
     fn closed(&self, at: StateRef<'_>) -> Option<Passage>;
 
@@ -154,6 +169,32 @@ pub trait Touches {
 
     /// Where something has passed through something else, or has touched it, on the straight way between two states.
     fn passage(&self, from: StateRef<'_>, to: StateRef<'_>) -> Option<Passage>;
+}
+
+/// What a contact is made of, and what it has at a state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct ContactSurvey {
+    /// nodes, edges and triangles of the first side
+    pub first: [usize; 3],
+    /// those of the second one; zeros of a plane, and of a contact with itself
+    pub second: [usize; 3],
+    /// pairs that are near: closer than the gap and the skin
+    pub near: usize,
+    /// those of them that are closer than the gap
+    pub touching: usize,
+    /// most pairs that are near and share a node of the scene
+    pub at_one_node: usize,
+    /// [1/s^2] bound on the stiffness over the mass of a pair that is closed by 60 % or more, in explicit steps
+    pub rate: f64,
+}
+
+/// What the first side of a contact does to the second one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactLoad {
+    /// [N] force on the second side, friction included; 0 of a contact with itself
+    pub force: [f64; 3],
+    /// [N] sum of the pressures of all pairs
+    pub pressure: f64,
 }
 
 /// From where pairs that may touch were found.

@@ -62,6 +62,10 @@ pub enum GaugeQuantity {
     /// Gas that the selected triangles are around: its pressure above the ambient one, Pa, `gas_pressure`, and its
     /// volume, m^3, `gas_volume`. They are triangles of one gas only.
     Gas,
+    /// Force, N, of the first side of the contact on the second one, such as the load on an obstacle: `contact_x`,
+    /// `contact_y`, `contact_z` with its size `contact_total`, and the sum of the pressures of all pairs that touch,
+    /// `contact_pressure`. The force is 0 for a contact with itself.
+    Contact,
 }
 
 impl GaugeQuantity {
@@ -81,11 +85,12 @@ impl GaugeQuantity {
             GaugeQuantity::Strain => GaugeKind::Membranes(MembraneGauge::Strain),
             GaugeQuantity::Wrinkling => GaugeKind::Membranes(MembraneGauge::Wrinkling),
             GaugeQuantity::Gas => GaugeKind::Gas,
+            GaugeQuantity::Contact => GaugeKind::Contact,
         }
     }
 
     /// All of them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Tension,
         Self::Force,
         Self::Reaction,
@@ -99,6 +104,7 @@ impl GaugeQuantity {
         Self::Strain,
         Self::Wrinkling,
         Self::Gas,
+        Self::Contact,
     ];
 
     /// Its columns.
@@ -109,6 +115,7 @@ impl GaugeQuantity {
             GaugeKind::Cloth => &[CROSSINGS],
             GaugeKind::Membranes(of) => of.columns(),
             GaugeKind::Gas => &GAS_QUANTITIES,
+            GaugeKind::Contact => &CONTACT_QUANTITIES,
         }
     }
 }
@@ -126,6 +133,8 @@ pub enum GaugeKind {
     Membranes(MembraneGauge),
     /// on a gas
     Gas,
+    /// on the sides of a contact
+    Contact,
 }
 
 /// What a gauge measures on membrane triangles.
@@ -334,6 +343,15 @@ pub const CROSSINGS: Quantity =
 pub const GAS_QUANTITIES: [Quantity; 2] = [
     Quantity::signed("gas_pressure", "Pa").in_report(ReportLine::Told("gas pressure")),
     Quantity::of("gas_volume", "m^3").in_report(ReportLine::Told("gas volume")),
+];
+
+/// What the first side of a contact does to the second one: \[N\] the force and its size, the sum of pressures.
+pub const CONTACT_QUANTITIES: [Quantity; 5] = [
+    Quantity::signed("contact_x", "N").called("force of contact along x"),
+    Quantity::signed("contact_y", "N").called("force of contact along y"),
+    Quantity::signed("contact_z", "N").called("force of contact along z"),
+    Quantity::of("contact_total", "N").called("force of contact").in_report(ReportLine::Peak("force")),
+    Quantity::of("contact_pressure", "N").called("pressure of contact").in_report(ReportLine::Peak("pressure")),
 ];
 
 /// [m] Diameter of a circle with the area that a canopy and its openings show along its axis.

@@ -4,6 +4,8 @@
 //! Friction in an implicit step is that of the pressures and normals at its start, so that its tangent is symmetric; in
 //! an explicit step, that of the present ones.
 
+mod report;
+
 use super::network::{Network, by_node, node_state};
 use crate::contact::apart::Apart;
 use crate::contact::bodies::{Contacts, sides};
@@ -11,7 +13,7 @@ use crate::contact::mean::{MeanTouch, Step};
 use crate::contact::near::{Candidate, Form, NO_NODE, Near, Places, shifts};
 use crate::contact::touch::{Blocks, Held, Pressed, Touch, add_up};
 use crate::force::{MeanStep, NodeState, TangentForm, TangentSink};
-use crate::model::abilities::{NearFrom, Passage, Touches};
+use crate::model::abilities::{ContactLoad, ContactSurvey, NearFrom, Passage, Touches};
 use crate::model::forces::{Role, Tally};
 use crate::model::state::StateRef;
 use crate::model::system::{StepMean, TermInfo, Weights};
@@ -467,6 +469,27 @@ impl Touches for Touching {
         let places = Places { contacts: &self.contacts, t: from.t, x: by_node(from.x), shifts: then };
         let pair = apart.first_touch(places, shifts_later, way, near)?;
         self.place_of(&pair)
+    }
+
+    fn contacts(&self) -> usize {
+        self.contacts.list.len()
+    }
+
+    fn survey(&self, at: StateRef<'_>) -> Vec<ContactSurvey> {
+        self.survey_at(node_state(at))
+    }
+
+    fn most_rates(&self) -> Vec<f64> {
+        (0..self.contacts.list.len()).map(|contact| self.contacts.most_rate(contact)).collect()
+    }
+
+    fn press(&self, at: StateRef<'_>, f: &mut [f64]) {
+        let mut dissipative = vec![Vector3::zeros(); if self.contacts.rubs() { f.len() / 3 } else { 0 }];
+        self.add(node_state(at), [bytemuck::cast_slice_mut(f), &mut dissipative], &mut []);
+    }
+
+    fn load_of(&self, contact: usize, at: StateRef<'_>) -> ContactLoad {
+        self.load_at(contact, node_state(at))
     }
 
     fn closed(&self, at: StateRef<'_>) -> Option<Passage> {

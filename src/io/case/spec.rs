@@ -262,4 +262,9 @@ pub enum GaugeOf {
         /// its place in [`NetworkSpec::gases`]
         gas: usize,
     },
+    /// the force of the first side of a contact on the second one
+    Contact {
+        /// its place in [`NetworkSpec::contacts`]
+        contact: usize,
+    },
 }

@@ -185,7 +185,11 @@ pub(super) fn check(spec: &RecorderSpec, nodes: usize) -> Result<(), RecorderErr
                     return bad(&format!("nodes below {nodes}"));
                 }
             }
-            GaugeOf::Springs { .. } | GaugeOf::Pull { .. } | GaugeOf::Membranes { .. } | GaugeOf::Gas { .. } => {}
+            GaugeOf::Springs { .. }
+            | GaugeOf::Pull { .. }
+            | GaugeOf::Membranes { .. }
+            | GaugeOf::Gas { .. }
+            | GaugeOf::Contact { .. } => {}
         }
         if *every == 0 {
             return bad("at least 1 step a row");

@@ -1,5 +1,6 @@
 //! What is wrong with a case, or doubtful about a run, and shows only on the built scene or at the end.
 
+use crate::analysis::contact::contact_warning;
 use crate::analysis::critical::CriticalStep;
 use crate::analysis::warnings::{Planned, mass_warning, step_warning};
 use crate::case::spec::Problem;
@@ -52,9 +53,9 @@ fn unsuitable_solver(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpe
     }
 }
 
-/// Warnings about a case on its built scene, also those that it acknowledges: a step above the critical one, much added
-/// mass, frames that do not fit on the disk of `out`, if there are files. `limit` is the critical step at the start,
-/// with all springs taut.
+/// Warnings about a case on its built scene, also those that it acknowledges: a step above the critical one or above
+/// what contact allows, much added mass, frames that do not fit on the disk of `out`, if there are files. `limit` is
+/// the critical step at the start, with all springs taut.
 pub fn doubts_at_start(
     planned: Planned<'_>,
     problem: &Problem,
@@ -63,7 +64,7 @@ pub fn doubts_at_start(
 ) -> Vec<Warning> {
     let Planned { scene, .. } = planned;
     let disk = out.and_then(|out| disk_warning(problem, scene, out));
-    let found = [mass_warning(scene), step_warning(planned, limit), disk];
+    let found = [mass_warning(scene), step_warning(planned, limit), contact_warning(planned), disk];
     found.into_iter().flatten().collect()
 }
 

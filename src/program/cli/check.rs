@@ -2,12 +2,12 @@
 //! itself costs and whether it is stable; with `--all` the model, each method's critical step and predicted run, too.
 //! It writes no files.
 
+use super::check_contact::{self, contact_limit, contacts, describe_contacts};
 use super::check_json::{self, Report, Totals};
-use super::check_system::{
-    describe_canopies, describe_contacts, describe_events, describe_size, describe_system, filled_canopies,
-};
+use super::check_system::{describe_canopies, describe_events, describe_size, describe_system, filled_canopies};
 use super::known_models::KnownModels;
 use super::{CheckArgs, CliError, check_static};
+use crate::analysis::contact::surveys;
 use crate::analysis::critical::{Confidence, CriticalStep, ElementBounds, outside_filter};
 use crate::analysis::later::{LaterLimit, later_warning, least_later};
 use crate::analysis::spectrum::Spectrum;
@@ -54,9 +54,8 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let groups = problem.group_totals();
     let system = problem.take_system();
     let totals = Totals::of(&system);
-    let size = describe_size(&system, totals.mass)
-        + &describe_events(&system)
-        + &describe_contacts(&system, &problem.case_json);
+    let size = describe_size(&system, totals.mass) + &describe_events(&system);
+    let contacts = contacts(&system, &problem.case_json);
     let filled = filled_canopies(&system);
     let mut tables = String::new();
     describe_system(&mut tables, &system, &groups);
@@ -74,6 +73,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
         .map_err(|why| StudyError::Usage(why.to_string()))?;
     describe_terms(&mut tables, scene);
     describe_method(&mut tables, &problem);
+    let surveys = surveys(scene);
     let state = scene.initial_state();
     let budget = &Budget::of(scene, &problem, args.all || args.within.is_some());
     let all_taut = AllTaut::of(scene);
@@ -114,6 +114,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let fails = forecast.refused.as_deref().is_some_and(|why| why.starts_with("fails "));
     let linear_only = problem.method.info.linear.linear_only;
     let limit = own.and_then(|own| own.limit);
+    let contact_limit = contact_limit(&problem.method, candidates, &surveys);
     let switching = undamped_switching(scene, plan.step, candidates);
     let stable = Stability { step: plan.step, limit, later, while_slack, fails, linear_only, switching }.answer();
     if args.print.json {
@@ -124,6 +125,8 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
             stable: stable.0,
             later,
             while_slack,
+            contacts: check_contact::in_json(&contacts, &surveys, (&problem.method, candidates)),
+            contact_limit,
             forecast,
             totals,
             groups,
@@ -140,6 +143,9 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let mut text = heading(&problem, &warnings)
         + &describe_answer(&problem, scene, &forecast, accuracy, &stable)?
         + &size
+        + &describe_contacts(&contacts, &surveys)
+        + &check_contact::describe_cost(forecast.force.contact)
+        + &check_contact::describe_limit(contact_limit.as_ref(), &contacts, args.all)
         + &canopies
         + &problem.taken.iter().map(|what| format!("  taken           {what}\n")).collect::<String>()
         + &scene.added_mass().map_or_else(String::new, |added| format!("  mass scaling    {}\n", added.text()))
@@ -275,6 +281,8 @@ enum Limits<'a> {
 impl<'a> Limits<'a> {
     /// Uses a search, if the budget of the forecast allows it.
     fn of(scene: &'a dyn Scene, state: &'a State, budget: &Budget) -> Self {
+        // Limits are those of explicit methods, in whose steps contact has a limited stiffness.
+        scene.touches().into_iter().for_each(|touches| touches.set_explicit(true));
         match budget.affords_search(scene) {
             true => Limits::Searched(Box::new(Spectrum::of(scene, state.as_ref()))),
             false => Limits::Bounded(ElementBounds::of(scene, state.as_ref())),

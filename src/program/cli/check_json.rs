@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 use super::CliError;
+use super::check_contact::ContactLimit;
 use crate::analysis::critical::Confidence;
 use crate::analysis::later::LaterLimit;
 use crate::analysis::taut::WhileSlack;
@@ -37,6 +38,10 @@ pub(super) struct Report<'a> {
     pub later: Option<LaterLimit>,
     /// of the case's method, as long as springs that are slack at the start stay so
     pub while_slack: Option<WhileSlack>,
+    /// what may touch what
+    pub contacts: Vec<Value>,
+    /// which contact leaves explicit methods the shortest step
+    pub contact_limit: Option<ContactLimit>,
     pub forecast: Forecast,
     pub totals: Totals,
     /// of the mesh, by name
@@ -58,7 +63,8 @@ pub(super) struct Totals {
 impl Report<'_> {
     /// JSON text that ends with a line break.
     pub(super) fn to_json(&self) -> Result<String, CliError> {
-        let Report { problem, scene, candidates, forecast, totals, groups, models, warnings, acknowledged, .. } = self;
+        let Report { problem, scene, candidates, contacts, contact_limit, forecast, totals, groups, models, .. } = self;
+        let Report { warnings, acknowledged, .. } = self;
         let tolerance = problem.time.step.tolerance();
         let unknowns = scene.inverse_mass().iter().filter(|m| **m > 0.0).count();
         let mut report = json!({
@@ -84,6 +90,8 @@ impl Report<'_> {
             "later_critical_step": self.later.map(|LaterLimit { t, limit }| json!({
                 "from": t, "critical_step": limit.step, "set_by": place_of(*scene, limit.dof)
             })),
+            "contacts": contacts,
+            "contact_limit": contact_limit,
             "models": models,
             "taken": problem.taken,
             "warnings": warnings,

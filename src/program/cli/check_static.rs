@@ -2,8 +2,9 @@
 //! is determined, by a search within a time. It writes no files.
 
 use super::check::{describe_terms, notes};
+use super::check_contact::{contacts, describe_contacts};
 use super::check_json::Totals;
-use super::check_system::{describe_contacts, describe_size, describe_system};
+use super::check_system::{describe_size, describe_system};
 use super::{CheckArgs, CliError};
 use crate::case::Case;
 use crate::drive::observer::ObserveError;
@@ -91,7 +92,7 @@ pub(super) fn run(args: &CheckArgs, case: Case) -> Result<String, CliError> {
     let groups = problem.group_totals();
     let system = problem.take_system();
     let totals = Totals::of(&system);
-    let size = describe_size(&system, totals.mass) + &describe_contacts(&system, &problem.case_json);
+    let size = describe_size(&system, totals.mass) + &describe_contacts(&contacts(&system, &problem.case_json), &[]);
     let mut tables = String::new();
     describe_system(&mut tables, &system, &groups);
     let scene = build_scene(system.with_real_masses(), args.threads.get())?;

@@ -5,12 +5,8 @@ use crate::format_number::{counted, figures};
 use crate::mesh::group::describe_groups;
 use crate::model::gauge::{CANOPY_QUANTITIES, PROJECTED_RATIO};
 use crate::model::group_totals::GroupTotals;
-use crate::model::spec::{
-    BendingSpec, CanopySpec, ContactSide, ContactSpec, MembraneSpec, NetworkSpec, ObstacleShape, ObstacleSpec,
-};
-use crate::preflight::contact::counted_parts;
+use crate::model::spec::{BendingSpec, CanopySpec, MembraneSpec, NetworkSpec};
 use crate::scene::Scene;
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -55,45 +51,6 @@ pub(super) fn describe_events(system: &SystemSpec) -> String {
         let _ = writeln!(text, "  breaks          {} at their strength", counted(breaking, "spring", "springs"));
     }
     text
-}
-
-/// What may touch what, a line each, by the names of the case.
-pub(super) fn describe_contacts(system: &SystemSpec, case: &Value) -> String {
-    let SystemSpec::Network(spec) = system else { return String::new() };
-    let mut text = String::new();
-    for (i, ContactSpec { parts, other, gap, friction }) in spec.contacts.iter().enumerate() {
-        let name = |side: usize| {
-            let given = case.pointer(&format!("/system/network/contact/{i}/between/{side}")).and_then(Value::as_str);
-            given.map_or_else(
-                || "everything".to_owned(),
-                |name| if name == "all" { "everything".to_owned() } else { name.to_owned() },
-            )
-        };
-        let (with, counts) = match other {
-            ContactSide::Itself => ("itself".to_owned(), String::new()),
-            ContactSide::Parts(other) => (name(1), format!(" with {}", counted_parts(other))),
-            ContactSide::Obstacle(body) => (describe_body(body), String::new()),
-        };
-        let friction =
-            if *friction == 0.0 { "no friction".to_owned() } else { format!("friction {}", figures(*friction, 4)) };
-        let (first, gap, own) = (name(0), figures(*gap, 4), counted_parts(parts));
-        let _ = writeln!(text, "  contact         {first} with {with}: gap {gap} m, {friction}; {own}{counts}");
-    }
-    text
-}
-
-/// A rigid body in words.
-fn describe_body(body: &ObstacleSpec) -> String {
-    let shape = match &body.shape {
-        ObstacleShape::Plane { .. } => "a plane".to_owned(),
-        ObstacleShape::Sphere { radius, .. } => format!("a sphere of radius {} m", figures(*radius, 4)),
-        ObstacleShape::Cylinder { radius, .. } => format!("a cylinder of radius {} m", figures(*radius, 4)),
-        ObstacleShape::Box { .. } => "a box".to_owned(),
-        ObstacleShape::Surface { triangles, .. } => {
-            format!("a body of {}", counted(triangles.len() as u64, "triangle", "triangles"))
-        }
-    };
-    if body.motion.is_some() { format!("{shape} that moves") } else { shape }
 }
 
 /// [m^2] Drag areas of the full canopies, where a schedule gives them, and S0.

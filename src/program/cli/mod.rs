@@ -3,6 +3,7 @@
 mod args;
 mod case_args;
 mod check;
+mod check_contact;
 mod check_json;
 mod check_static;
 mod check_system;

@@ -32,11 +32,26 @@ pub struct TermCost {
     pub seconds: Option<f64>,
 }
 
+/// What contact costs, measured at the start.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct ContactCost {
+    /// [s] its part of a force pass
+    pub seconds: f64,
+    /// [-] that over the pass without it
+    pub share: f64,
+    /// [s] a search for pairs that are near, once parts have come nearer to each other by the skin
+    pub search_seconds: f64,
+    /// pairs that are near
+    pub near: usize,
+}
+
 /// One force pass.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ForceCost {
     /// [s] all of it
     pub pass_seconds: f64,
+    /// the part of contact; null where nothing may touch
+    pub contact: Option<ContactCost>,
     /// its terms, like ones together
     pub terms: Vec<TermCost>,
 }
@@ -134,7 +149,21 @@ pub fn force_cost(scene: &dyn Scene) -> ForceCost {
             None => terms.push(TermCost { name: info.name, elements, seconds }),
         }
     }
-    ForceCost { pass_seconds, terms }
+    ForceCost { pass_seconds, contact: contact_cost(scene, pass_seconds), terms }
+}
+
+/// What contact takes of a pass of so many seconds, and a search for pairs.
+fn contact_cost(scene: &dyn Scene, pass_seconds: f64) -> Option<ContactCost> {
+    let (touches, state) = (scene.touches()?, scene.initial_state());
+    let mut near = 0;
+    let search_seconds = median_seconds(BUDGET, || {
+        near = black_box(touches.survey(state.as_ref())).iter().map(|contact| contact.near).sum();
+    });
+    let mut f = vec![0.0; scene.n_dof()];
+    let seconds = median_seconds(BUDGET, || touches.press(state.as_ref(), black_box(&mut f)));
+    // Both are measured, and the part may come out as the larger one on a scene of a few nodes.
+    let share = seconds / f64::max(pass_seconds - seconds, 1e-3 * seconds);
+    Some(ContactCost { seconds, share, search_seconds, near })
 }
 
 /// Measures one tangent, its factorisation and a solve at the start of a scene; `weight` [1/s^2] is that of the mass,

@@ -1,6 +1,6 @@
 //! The section `contact`: the parts that names stand for, rigid bodies, the gap that follows from edges, and faults.
 
-use canopy_fem::case::spec::SystemSpec;
+use canopy_fem::case::spec::{GaugeOf, SystemSpec};
 use canopy_fem::case::{Case, CaseError};
 use canopy_fem::model::spec::{ContactParts, ContactSide, ContactSpec, NetworkSpec, ObstacleShape, Series};
 use serde_json::{Value, json};
@@ -265,5 +265,32 @@ fn faults_are_told_at_their_place() {
         let told = told.unwrap_or_else(|| panic!("{contact}: {list:#?}"));
         assert!(told.to_string().contains(words) && told.place.is_some(), "{contact}: \"{words}\" is not in\n{told}");
         assert_eq!(list.len(), 1, "{contact}: {list:#?}");
+    }
+}
+
+/// A gauge of contact names a contact that is there; nothing else is measured on one.
+#[test]
+fn gauges_of_contact_name_one() {
+    let two = scene(&json!([{"between": "self", "gap": 0.01}, {"between": ["cloth", "cloth-2"], "gap": 0.01}]));
+    let gauge = |case: &Value, on: Value, of: &str| {
+        let mut case = case.clone();
+        case["output"] = json!({"gauges": [{"name": "g", "on": on, "of": of}]});
+        case
+    };
+    let read = read_at(&gauge(&two, json!({"contact": 1}), "contact"), &PathBuf::new()).expect("it is there");
+    assert_eq!(read.problem().output.gauges[0].of, GaugeOf::Contact { contact: 1 });
+    let mut none = two.clone();
+    none["system"]["network"].as_object_mut().expect("an object").remove("contact");
+    let at = "/output/gauges/0/on";
+    for (case, place, words) in [
+        (gauge(&two, json!({"contact": 2}), "contact"), format!("{at}/contact"), "a number below 2"),
+        (gauge(&none, json!({"contact": 0}), "contact"), format!("{at}/contact"), "no section contact"),
+        (gauge(&two, json!("all"), "contact"), at.to_owned(), "the number of a contact"),
+        (gauge(&two, json!({"contact": 0}), "force"), at.to_owned(), "a contact is for gauges of"),
+        (gauge(&two, json!({"contact": 0}), "tension"), at.to_owned(), "a selection of edges"),
+    ] {
+        let list = faults(read_at(&case, &PathBuf::new()));
+        assert!(list.len() == 1 && list[0].pointer == place, "{place}: {list:?}");
+        assert!(list[0].to_string().contains(words), "{words}: {}", list[0]);
     }
 }

@@ -128,7 +128,9 @@ pub(crate) fn build(
         Some(SystemSpec::Network(spec)) => (Some(&spec.membranes[..]), Some(&spec.gases[..])),
         _ => (None, None),
     };
-    let scene = output::Measurable { nodes, springs: groups, membranes, gases };
+    // Those of the file: one with a fault has its number too.
+    let contacts = if let System::Network(network) = &file.system { network.contact.len() } else { 0 };
+    let scene = output::Measurable { nodes, springs: groups, membranes, gases, contacts };
     let output = output::output(file.output.as_ref(), scene, timing.as_ref().map(|t| t.spec), faults);
     let output = output.map(|mut output| {
         output.gauges.extend(strengths);

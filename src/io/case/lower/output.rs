@@ -6,7 +6,7 @@ use super::geometry::Geometry;
 use super::select::{self, NodeSet};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Every, Field, Gauge, NodeSelection, Output, Probe};
+use crate::case::schema::{Every, Field, Gauge, NodeOrEdgeSelection, NodeSelection, Output, Probe};
 use crate::case::spec::{GaugeOf, GaugeSpec, OutputSpec, ProbeSpec, RowEvery, StagesSpec, TimeSpec};
 use crate::format_number::first_few;
 use crate::model::gauge::NodeQuantity;
@@ -30,6 +30,8 @@ pub(super) struct Measurable<'a> {
     pub membranes: Option<&'a [MembraneSpec]>,
     /// `None` if they are not known
     pub gases: Option<&'a [GasSpec]>,
+    /// number of entries of the contact section
+    pub contacts: usize,
 }
 
 /// Checks the `output` section and fills in its defaults; `None` if the times are unknown.
@@ -139,12 +141,17 @@ fn gauge_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Fau
     let mut nodes_of = || match gauge.on.nodes() {
         Some(selection) => nodes.select(&on, &selection, faults),
         None => {
-            faults.add(&on, "a selection of nodes; edges are for gauges of springs");
+            let allowed = match gauge.on {
+                NodeOrEdgeSelection::Contact(_) => "a selection of nodes; a contact is for gauges of \"contact\"",
+                _ => "a selection of nodes; edges are for gauges of springs",
+            };
+            faults.add(&on, allowed);
             None
         }
     };
     Some(match kind {
         GaugeKind::Nodes(of) => GaugeOf::Nodes { of, nodes: nodes_of()? },
+        GaugeKind::Contact => GaugeOf::Contact { contact: contact_of(&on, gauge, scene, faults)? },
         GaugeKind::Cloth | GaugeKind::Membranes(_) | GaugeKind::Gas if matches!(nodes, NodeSet::Point(..)) => {
             faults.add_hint(&at.key("of"), "another quantity", "a point has no cloth");
             return None;
@@ -169,7 +176,9 @@ fn gauge_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Fau
 /// Whether the bob of a pendulum can be measured so: it has no springs, no cloth, and no support of its own.
 fn has_bob(kind: GaugeKind) -> bool {
     match kind {
-        GaugeKind::Springs(_) | GaugeKind::Cloth | GaugeKind::Membranes(_) | GaugeKind::Gas => false,
+        GaugeKind::Springs(_) | GaugeKind::Cloth | GaugeKind::Membranes(_) | GaugeKind::Gas | GaugeKind::Contact => {
+            false
+        }
         GaugeKind::Nodes(NodeGauge { vector, .. }) => match vector {
             NodeQuantity::Position | NodeQuantity::Displacement | NodeQuantity::Velocity | NodeQuantity::Force => true,
             NodeQuantity::Acceleration | NodeQuantity::Reaction => false,
@@ -255,6 +264,21 @@ fn gas_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Fault
             let value = format!("triangles around the gases {}", first_few(&found));
             faults.add_value(at, value, "triangles around one gas only", None);
         }
+    }
+    None
+}
+
+/// The contact that a gauge selects.
+fn contact_of(at: &Pointer, gauge: &Gauge, scene: Measurable<'_>, faults: &mut Faults<'_>) -> Option<usize> {
+    let NodeOrEdgeSelection::Contact(number) = gauge.on else {
+        faults.add(at, "{\"contact\": ...}, the number of a contact in the section contact, counted from 0");
+        return None;
+    };
+    let (at, number) = (at.key("contact"), number as usize);
+    match scene.contacts {
+        count if number < count => return Some(number),
+        0 => faults.add_hint(&at, "a contact that the case has", "the case has no section contact"),
+        count => faults.add(&at, format!("a number below {count}, that of the contacts, which count from 0")),
     }
     None
 }

@@ -142,7 +142,8 @@ pub struct Gauge {
     /// Name in `gauges.csv`; no two gauges share one.
     #[schemars(length(min = 1, max = 200))]
     pub name: String,
-    /// Where: edges for `tension`, triangles for `stress`, `strain`, `wrinkling` and `gas`, else nodes.
+    /// Where: edges for `tension`, triangles for `stress`, `strain`, `wrinkling` and `gas`, a contact for `contact`,
+    /// else nodes.
     pub on: NodeOrEdgeSelection,
     /// What: sums, means and largest values over the selection.
     pub of: GaugeQuantity,

@@ -106,7 +106,7 @@ impl EdgeSelection {
     }
 }
 
-/// Some nodes or some edges of the mesh.
+/// Some nodes or some edges of the mesh, or a contact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(transform = one_of)]
@@ -125,6 +125,8 @@ pub enum NodeOrEdgeSelection {
     Seams,
     /// Edges that belong to no triangle: chains, suspension lines.
     Lines,
+    /// [-] The contact with this number in the section `contact`, counted from 0, for a gauge of `contact`.
+    Contact(u32),
     /// [-] The nodes, or the edges, with these numbers, counted from 0.
     Ids(Vec<u32>),
     /// [m] The nodes inside an axis-aligned box, its faces included: lowest corner, highest corner.
@@ -164,7 +166,7 @@ impl NodeOrEdgeSelection {
                 let (except, of) = (both.except.nodes()?, both.of.nodes()?);
                 NodeSelection::Except(Box::new(NodesExcept { except, of }))
             }
-            Self::Interior | Self::Seams | Self::Lines => return None,
+            Self::Interior | Self::Seams | Self::Lines | Self::Contact(_) => return None,
         })
     }
 
@@ -182,7 +184,7 @@ impl NodeOrEdgeSelection {
                 let (except, of) = (both.except.edges()?, both.of.edges()?);
                 EdgeSelection::Except(Box::new(EdgesExcept { except, of }))
             }
-            Self::Outer | Self::Inner | Self::Box(_) | Self::Sphere(_) => return None,
+            Self::Outer | Self::Inner | Self::Box(_) | Self::Sphere(_) | Self::Contact(_) => return None,
         })
     }
 }

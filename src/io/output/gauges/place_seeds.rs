@@ -33,6 +33,7 @@ impl Places {
             Places::Springs(SpringGauge::Tension, springs) => Ok(tension((scene, adjoint), springs, column, at)),
             Places::Pull(_) => Err("the pull of a canopy that is a point has no adjoint; name keys of the case"),
             Places::Cloth(_) => Err("it is a count"),
+            Places::Contact(_) => Err("derivatives do not know contact"),
             Places::Scene(OfScene::Strain) => Err("the largest strain has no adjoint; name a gauge of tensions"),
             Places::Canopy(_) | Places::Gas(_) | Places::Membranes(_) | Places::Scene(_) => {
                 Ok(self.by_differences(scene, (column, columns), at))

@@ -3,9 +3,10 @@
 use crate::case::spec::{GaugeOf, ProbeSpec};
 use crate::drive::max_displacement::Displacement;
 use crate::mesh::CrossingFinder;
-use crate::model::abilities::SpringPlace;
+use crate::model::abilities::{ContactLoad, SpringPlace};
 use crate::model::gauge::{
-    CROSSINGS, GAS_QUANTITIES, MembraneGauge, NodeColumns, NodeGauge, Quantity, SpringColumns, SpringGauge,
+    CONTACT_QUANTITIES, CROSSINGS, GAS_QUANTITIES, MembraneGauge, NodeColumns, NodeGauge, Quantity, SpringColumns,
+    SpringGauge,
 };
 use crate::model::observables::{MembranePicture, Observables};
 use crate::model::point::Point;
@@ -22,6 +23,7 @@ pub(super) enum Places {
     Pull(Vec<f64>),
     Canopy(usize),
     Gas(usize),
+    Contact(usize),
     /// a largest value over the whole scene
     Scene(OfScene),
     /// mean positions and velocities of the nodes of a probe
@@ -71,6 +73,7 @@ impl Places {
                 (of.columns(), Places::Membranes(Box::new(places)), *strength)
             }
             GaugeOf::Gas { gas } => (&GAS_QUANTITIES, Places::Gas(*gas), None),
+            GaugeOf::Contact { contact } => (&CONTACT_QUANTITIES, Places::Contact(*contact), None),
             GaugeOf::Springs { of, edges, rule, strength } => {
                 let springs = picture.springs().map_or_else(Vec::new, |springs| springs.springs_on(edges, *rule));
                 (of.columns().all(), Places::Springs(*of, springs), *strength)
@@ -93,6 +96,12 @@ impl Places {
             Places::Gas(gas) => {
                 let air = picture.air().into_iter();
                 air.for_each(|air| to.copy_from_slice(&air.gas_values(*gas, at.state.as_ref())));
+            }
+            Places::Contact(contact) => {
+                let load = picture.touches().map(|touches| touches.load_of(*contact, at.state.as_ref()));
+                let ContactLoad { force: [x, y, z], pressure } =
+                    load.unwrap_or(ContactLoad { force: [f64::NAN; 3], pressure: f64::NAN });
+                to.copy_from_slice(&[x, y, z, (x * x + y * y + z * z).sqrt(), pressure]);
             }
             Places::Springs(of, springs) => {
                 let all = picture.springs();
