@@ -1,10 +1,10 @@
 //! How far nodes may move before something touches: node by node, so that one contact does not stop a whole canopy.
 //!
 //! Every pair keeps a share of its distance beyond the thickness. A pair that would not shortens the ways of its nodes,
-//! which may bring another one too close, so pairs with such nodes are looked at again, until all keep their share. From
-//! the second round on a pair halves ways at least: a sheet that presses on another would need many rounds otherwise, in
-//! each of which some pairs come too close by a little. If some still do after all rounds, all nodes go the share of
-//! their ways that is free for all.
+//! which may bring another one too close, so pairs with such nodes are looked at again, until all keep their share.
+//! From the second round on a pair halves ways at least: a sheet that presses on another would need many rounds
+//! otherwise, in each of which some pairs come too close by a little. If some still do after all rounds, all nodes go
+//! the share of their ways that is free for all.
 //!
 //! A round looks at ways as the one before left them, so that nothing depends on the order of the pairs.
 
@@ -49,7 +49,8 @@ pub struct Apart {
 impl Apart {
     /// Overwrites the pairs that may meet on the ways `way` [m] of nodes, or on any shares of them: those that are near
     /// where these cover both ends; `later` is where obstacles are at the end. None if a way is not finite. Ends early
-    /// when `looks`, the number of boxes that may be looked at, is used up. Returns whether they are those of any shares.
+    /// when `looks`, the number of boxes that may be looked at, is used up. Returns whether they are those of any
+    /// shares.
     fn find(
         &mut self,
         Ways { places, later, way }: Ways<'_>,
@@ -261,8 +262,8 @@ impl Round<'_> {
         ways.into_iter().find(|way| *way != Vector3::zeros())
     }
 
-    /// The share of their ways up to which a pair keeps the share `kept` of its distance, or of its gap if that is less;
-    /// `None` if all is free.
+    /// The share of their ways up to which a pair keeps the share `kept` of its distance, or of its gap if that is
+    /// less; `None` if all is free.
     fn free_share(&self, pair: &Candidate, kept: f64) -> Option<f64> {
         let contact = &self.ways.places.contacts.list[usize::from(pair.contact)];
         match (pair.form, self.ways.places.plane(pair.contact)) {

@@ -28,14 +28,14 @@ pub struct Approach {
     pub d: [Vector3<f64>; 4],
     /// [m] distance that counts as touching
     pub thickness: f64,
-    /// [m] above 0: what is more of the distance beyond the thickness may be lost
+    /// [m] above 0: a pair that is farther apart beyond the thickness keeps its share of this
     pub enough: f64,
 }
 
 /// The share [-] of the displacement, in [0, 1], up to which the pair keeps at least `left` [-], above 0 and below 1,
-/// of its present distance beyond the thickness, or of what is enough of it; `None` where the whole way is free. A pair that is nearer than the
-/// thickness already may part, but not come nearer. At the share the distance is down to 1.01 times what is to be left,
-/// unless it took more than 1000 rounds to get there.
+/// of its present distance beyond the thickness, or of `enough` if that is less; `None` where the whole way is free. A
+/// pair that is nearer than the thickness already may part, but not come nearer. At the share the distance is down to
+/// 1.01 times what is to be left, unless it took more than 1000 rounds to get there.
 pub fn free_share(approach: &Approach, left: f64) -> Option<f64> {
     let pair = Pair::new(approach);
     let (distance, speed) = (nearest(pair.kind, &pair.x).distance, pair.speed());

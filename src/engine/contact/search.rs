@@ -48,9 +48,9 @@ pub struct Search {
 }
 
 impl Search {
-    /// Overwrites `found` with all pairs whose boxes, from the boxes of their nodes, are closer than `reach` [m] of their
-    /// contact, and that `keep` keeps; in order, each once. Ends early when `looks`, the number of boxes that may be
-    /// looked at, is used up.
+    /// Overwrites `found` with all pairs whose boxes, from the boxes of their nodes, are closer than `reach` [m] of
+    /// their contact, and that `keep` keeps; in order, each once. Ends early when `looks`, the number of boxes that
+    /// may be looked at, is used up.
     pub fn find(
         &mut self,
         contacts: &Contacts,

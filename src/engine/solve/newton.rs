@@ -267,6 +267,7 @@ impl Newton {
         self.exact(problem, z, criteria)
     }
 
+    /// Iterates from `z` `[n]` on the exact tangent; if that fails, from the same guess by the mixed iteration.
     fn exact_then_mixed(
         &mut self,
         problem: &mut dyn NonlinearProblem,

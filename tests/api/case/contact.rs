@@ -73,6 +73,16 @@ fn names_stand_for_parts() {
     assert_eq!((found.parts, found.other), (parts(&[0, 1], &[], &[]), ContactSide::Itself));
 }
 
+/// "all" and "self" leave out lines without springs, as the spacers of a cluster may be.
+#[test]
+fn lines_without_springs_touch_nothing() {
+    for all in [json!("self"), json!(["all", {"plane": {"point": [0, 0, -1], "normal": [0, 0, 1]}}])] {
+        let mut case = scene(&json!([{"between": all}]));
+        case["system"]["network"]["springs"][0]["on"] = json!({"group": "rim"});
+        assert_eq!(spec_of(&case).contacts[0].parts, parts(&[0, 1, 2], &[], &[9]));
+    }
+}
+
 /// The gap that is not given is a fifth of the shortest edge of both sides, where nodes are at the start.
 #[test]
 fn the_gap_follows_from_the_shortest_edge() {
