@@ -230,9 +230,8 @@ distances from the solution with membranes."""
 class ClusterParameters(TypedDict, total=False):
     """Equal parachutes that share the end of their risers (or their confluence), leaning outwards so far that they do
     not touch at the start. Each group holds the parts of all of them; those of the first alone are in `canopy-1`,
-    `skirt-1`, and so on. Nothing keeps canopies from passing through each other but springs on the edges of the
-    group `spacers`, from the apex of each to those of its neighbours; they can stand for the air and the contact
-    that hold canopies apart."""
+    `skirt-1`, and so on. Canopies pass through each other unless `contact` names them, or springs on the edges of
+    the group `spacers`, from the apex of each to those of its neighbours, stand for what holds them apart."""
 
     canopies: int
 
