@@ -89,3 +89,26 @@ fn gauges_of_contact_leave_no_trace() {
         assert!(column("folds", "contact_total").iter().all(|force| *force == 0.0), "{method}");
     }
 }
+
+/// A step that cannot be solved names the pair that presses most where the residual is largest.
+#[test]
+fn a_step_that_cannot_be_solved_names_its_pair() {
+    let bench = Bench::new();
+    let case = json!({"name": "pressed", "system": {"network": {
+        "mesh": {"rectangle": {"width": 0.4, "height": 0.4, "columns": 4, "rows": 4}},
+        "mass": {"nodal": 0.1},
+        "springs": [{"on": "all", "stiffness": 100.0}],
+        "contact": [
+            {"between": "self", "gap": 0.01},
+            {"between": ["all", {"plane": {"point": [0, 0, -0.001], "normal": [0, 0, 1]}}], "gap": 0.01}
+        ]}},
+        "time": {"end": 0.5, "method": "newmark", "step": 0.1},
+        "solver": {"newton": {"max_iterations": 1}}});
+    std::fs::write(bench.path("case.json"), case.to_string()).expect("written");
+    let ended = bench.run(&["solve", "case.json", "--out", "out"]);
+    assert_ne!(ended.code, Some(0), "{}", ended.stdout);
+    let failure = bench.results().summary()["failure"].clone();
+    let words = format!("node {} and obstacle 1", failure["node"]);
+    assert_eq!(failure["pair"], words, "{failure}");
+    assert!(ended.stderr.contains(&format!("pressed most between {words}")), "{}", ended.stderr);
+}

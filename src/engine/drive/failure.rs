@@ -31,6 +31,9 @@ pub struct Failure {
     pub triangle: Option<u32>,
     /// force term with the largest force on that node
     pub term: Option<String>,
+    /// the pair of contact that presses most on that node, in words
+    #[serde(default)]
+    pub pair: Option<String>,
     /// what changed most in energy in that step: `inertia` or a force term
     pub grew: Option<String>,
     /// [-] growth per step of the energy that the scheme has made, over the last steps
@@ -147,6 +150,12 @@ impl FailureContext<'_> {
     /// An implicit step that could not be solved. `worst` is the degree of freedom with the largest residual, if it was
     /// tried.
     pub(super) fn not_converged(&self, error: &StepError, worst: Option<usize>) -> Failure {
+        let touches = self.scene.touches().filter(|_| matches!(error, StepError::Newton(_)));
+        let pair = touches.zip(worst).and_then(|(touches, dof)| touches.pressed_most(self.from.state.as_ref(), dof));
+        Failure { pair, ..self.unsolved(error, worst) }
+    }
+
+    fn unsolved(&self, error: &StepError, worst: Option<usize>) -> Failure {
         let Some(worst) = worst else {
             let advice = "no step was tried: the matrix or its solver could not be set up; choose another solver.linear, or a method without matrix";
             return self.report(Suspect::default(), error.to_string(), advice.to_owned());

@@ -158,6 +158,9 @@ pub trait Touches {
     /// What the first side of a contact does to the second one at a state; NaN where there is no such contact.
     fn load_of(&self, contact: usize, at: StateRef<'_>) -> ContactLoad;
 
+    /// The pair that presses most on the node of a degree of freedom, in words, in the user's numbering.
+    fn pressed_most(&self, at: StateRef<'_>, dof: usize) -> Option<String>;
+
     /// A pair whose gap is closed at a state.
     fn closed(&self, at: StateRef<'_>) -> Option<Passage>;
 

@@ -492,6 +492,10 @@ impl Touches for Touching {
         self.load_at(contact, node_state(at))
     }
 
+    fn pressed_most(&self, at: StateRef<'_>, dof: usize) -> Option<String> {
+        self.pressed_most_at(node_state(at), dof / 3)
+    }
+
     fn closed(&self, at: StateRef<'_>) -> Option<Passage> {
         let at = node_state(at);
         let guard = self.at(at);

@@ -230,7 +230,8 @@ pub(super) fn describe(summary: &Summary, failure: &Failure) -> String {
     let named = |what: &str, number: Option<u32>| number.map(|n| with_groups(what, n, groups(what)));
     let term = failure.term.as_ref().map(|t| format!("most force from {t}"));
     let elements = [named("node", failure.node), named("spring", failure.spring), named("triangle", failure.triangle)];
-    let place: Vec<String> = elements.into_iter().chain([term]).flatten().collect();
+    let pair = failure.pair.as_ref().map(|pair| format!("pressed most between {pair}"));
+    let place: Vec<String> = elements.into_iter().chain([term, pair]).flatten().collect();
     if !place.is_empty() {
         let _ = writeln!(text, "  where   {}", place.join(", "));
     }

@@ -31,6 +31,17 @@ impl Touching {
         (0..self.contacts.list.len()).map(of_contact).collect()
     }
 
+    /// See [`Touches::pressed_most`](crate::model::abilities::Touches::pressed_most).
+    pub(super) fn pressed_most_at(&self, at: NodeState<'_>, node: usize) -> Option<String> {
+        let guard = self.at(at);
+        let TouchState { near, shifts, explicit, .. } = &*guard;
+        let places = Places { contacts: &self.contacts, t: at.t, x: at.x, shifts };
+        let on_node = near.close().filter(|pair| pair.nodes.contains(&(node as u32)));
+        let pressing = on_node.filter_map(|pair| Some((Touch::of(pair, places, *explicit)?.pressure(), pair)));
+        let (_, pair) = pressing.max_by(|(one, _), (other, _)| one.total_cmp(other))?;
+        Some(self.in_words(pair))
+    }
+
     /// See [`Touches::load_of`](crate::model::abilities::Touches::load_of).
     pub(super) fn load_at(&self, contact: usize, at: NodeState<'_>) -> ContactLoad {
         if contact >= self.contacts.list.len() {
