@@ -47,7 +47,7 @@ fn result(given: &[f64]) -> Result<Vec<f64>, Box<dyn Error>> {
     let found = nearest(kind, &x);
     let mut numbers = vec![found.distance, number_of(found.feature.first), number_of(found.feature.second)];
     numbers.extend(found.gradient().iter().flatten());
-    let approach = Approach { kind, x, d, thickness: given[25], enough: f64::INFINITY };
+    let approach = Approach { kind, x, d, thickness: given[25] };
     numbers.push(free_share(&approach, given[26]).unwrap_or(2.0));
     if kind == PairKind::EdgeEdge {
         let mollifier = Mollifier::new(&x, [given[27], given[28]]);

@@ -6,7 +6,7 @@
 //! * [`distance`], [`parallel`]: the distance of a pair with its derivatives, and what smooths that of parallel edges.
 //! * [`impact`]: how far a pair may move before it touches; [`apart`]: how far all nodes of a scene may.
 //! * [`barrier`], [`friction`]: the laws.
-//! * [`survey`]: what a contact is made of, and the steps that it leaves explicit methods.
+//! * [`survey`]: what a contact is made of, and the steps that it allows explicit methods.
 //! * [`touch`]: force and tangent of a pair; [`mean`]: the same as a mean over a step.
 
 pub mod apart;

@@ -27,7 +27,7 @@ pub enum WarningCode {
     CoincidentNodes,
     /// Parts that may touch and are closer at the start than their contact lets them be.
     ContactAtStart,
-    /// A step of an explicit method that is longer than a contact allows whose gap is nearly closed.
+    /// A step of an explicit method that is longer than a contact allows once its gap is 60 % closed.
     ContactStep,
     /// Frames that do not fit on the disk.
     DiskSpace,

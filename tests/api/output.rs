@@ -449,6 +449,7 @@ fn summary_keeps_the_contract() {
         "grew",
         "growth",
         "node",
+        "pair",
         "spring",
         "step",
         "term",

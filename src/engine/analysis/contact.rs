@@ -44,7 +44,7 @@ pub fn contact_warning(planned: Planned<'_>) -> Option<Warning> {
     let (contact, allowed) = limiting(method, rates.into_iter()).filter(|(_, allowed)| step > *allowed)?;
     let text = format!(
         "contact {contact}: the step of {} s is longer than the {} s that {} may take once 60 % of the gap of a pair is \
-         closed, by a bound; such a pair may then be thrown apart: take a step of {} s or smaller, a larger gap, or an \
+         closed, by an estimate; such a pair may then be thrown apart: take a step of {} s or smaller, a larger gap, or an \
          implicit method",
         figures(step, 4),
         figures(allowed, 3),

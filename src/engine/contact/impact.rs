@@ -28,14 +28,12 @@ pub struct Approach {
     pub d: [Vector3<f64>; 4],
     /// [m] distance that counts as touching
     pub thickness: f64,
-    /// [m] above 0: a pair that is farther apart beyond the thickness keeps its share of this
-    pub enough: f64,
 }
 
 /// The share [-] of the displacement, in [0, 1], up to which the pair keeps at least `left` [-], above 0 and below 1,
-/// of its present distance beyond the thickness, or of `enough` if that is less; `None` where the whole way is free. A
-/// pair that is nearer than the thickness already may part, but not come nearer. At the share the distance is down to
-/// 1.01 times what is to be left, unless it took more than 1000 rounds to get there.
+/// of its present distance beyond the thickness; `None` where the whole way is free. A pair that is nearer than the
+/// thickness already may part, but not come nearer. At the share the distance is down to 1.01 times what is to be left,
+/// unless it took more than 1000 rounds to get there.
 pub fn free_share(approach: &Approach, left: f64) -> Option<f64> {
     let pair = Pair::new(approach);
     let (distance, speed) = (nearest(pair.kind, &pair.x).distance, pair.speed());
@@ -46,8 +44,7 @@ pub fn free_share(approach: &Approach, left: f64) -> Option<f64> {
         return None;
     }
     let gap = (distance - approach.thickness).max(0.0);
-    let least = left * f64::min(gap, approach.enough);
-    let target = distance - gap + least;
+    let target = distance - (1.0 - left) * gap;
     let mut share = 0.0;
     for _ in 0..ROUNDS {
         let x = pair.at(share);
@@ -57,7 +54,7 @@ pub fn free_share(approach: &Approach, left: f64) -> Option<f64> {
         if share + way > 1.0 {
             return None;
         }
-        if surplus <= SLACK * least || share + way <= share {
+        if surplus <= SLACK * left * gap || share + way <= share {
             break;
         }
         share += way;
@@ -137,7 +134,7 @@ mod tests {
         let drift = random(draw) * [0.0, 10.0][n / 12 % 2];
         let x = std::array::from_fn(|j| random(draw) * size + of_first(j, apart));
         let d = std::array::from_fn(|j| random(draw) * size + of_first(j, apart * towards) + drift);
-        Approach { kind: KINDS[n % 4], x, d, thickness: [0.0, 1e-3, 0.05][n / 24 % 3], enough: f64::INFINITY }
+        Approach { kind: KINDS[n % 4], x, d, thickness: [0.0, 1e-3, 0.05][n / 24 % 3] }
     }
 
     fn distance(approach: &Approach, share: f64) -> f64 {
@@ -185,7 +182,7 @@ mod tests {
         let x = [[0.1, 0.2, 1.0], [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from);
         let down = Vector3::new(0.0, 0.0, -4.0);
         let d = [down, Vector3::zeros(), Vector3::zeros(), Vector3::zeros()];
-        Approach { kind: PairKind::NodeTriangle, x, d, thickness, enough: f64::INFINITY }
+        Approach { kind: PairKind::NodeTriangle, x, d, thickness }
     }
 
     #[test]

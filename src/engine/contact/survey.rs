@@ -1,4 +1,4 @@
-//! What a contact is made of, and how stiff one of its pairs can be in an explicit step.
+//! What a contact is made of, and how stiff one of its pairs can be along its normal in an explicit step.
 //!
 //! ```text
 //! V'' <= b''(0.4) kappa,   kappa = min(kappa_e, kappa_f)          of the elements e and f of a pair
@@ -7,13 +7,16 @@
 //! ```
 //! with the mean kappa and the largest inverse mass mu of the nodes of an element. Where n pairs share a node, the
 //! largest eigenvalue of all of them together is at most n times as large: sums over pairs lie below sums over nodes.
+//!
+//! It is an estimate of the whole stiffness: what smooths nearly parallel edges ([`super::parallel`]) and the rotation
+//! of the normal are not in it, and edges that are nearly parallel can be many times stiffer.
 
 use super::barrier::MOST_SLOPE;
 use super::bodies::{Body, Contacts, Other};
 use super::near::{Candidate, NO_NODE};
 
 impl Contacts {
-    /// [1/s^2] The bound above for one pair of a contact.
+    /// [1/s^2] The estimate above for one pair of a contact.
     pub fn most_rate(&self, contact: usize) -> f64 {
         let Some(found) = self.list.get(contact) else { return 0.0 };
         let [first, second] = match &found.other {
@@ -102,7 +105,7 @@ mod tests {
 
     /// No pair at any place has a larger eigenvalue, and a node on a plane, or two nodes that meet, have nearly it.
     #[test]
-    fn no_pair_is_stiffer() {
+    fn no_pair_is_stiffer_along_its_normal() {
         let (mut random, mut closest) = (SplitMix64::new(5, 0), 0.0_f64);
         for round in 0..4000 {
             let plane = Plane { point: Vector3::zeros(), normal: Vector3::z() };

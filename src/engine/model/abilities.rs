@@ -143,9 +143,6 @@ pub trait Touches {
     /// Ends the block.
     fn leave_block(&self);
 
-    /// Number of contacts, in the order of [`NetworkSpec::contacts`](crate::model::spec::NetworkSpec::contacts).
-    fn contacts(&self) -> usize;
-
     /// What every contact is made of, and what is near and touches at a state; pairs are looked for anew.
     fn survey(&self, at: StateRef<'_>) -> Vec<ContactSurvey>;
 
@@ -187,7 +184,8 @@ pub struct ContactSurvey {
     pub touching: usize,
     /// most pairs that are near and share a node of the scene
     pub at_one_node: usize,
-    /// [1/s^2] bound on the stiffness over the mass of a pair that is closed by 60 % or more, in explicit steps
+    /// [1/s^2] largest stiffness along the normal, over the mass, of a pair that is closed by 60 % or more, in explicit
+    /// steps
     pub rate: f64,
 }
 

@@ -471,10 +471,6 @@ impl Touches for Touching {
         self.place_of(&pair)
     }
 
-    fn contacts(&self) -> usize {
-        self.contacts.list.len()
-    }
-
     fn survey(&self, at: StateRef<'_>) -> Vec<ContactSurvey> {
         self.survey_at(node_state(at))
     }

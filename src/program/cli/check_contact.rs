@@ -1,5 +1,5 @@
 //! What `check` says of contact: what may touch what, what is near at the start, what it costs, and which contact
-//! leaves explicit methods the shortest step.
+//! allows explicit methods the shortest step.
 
 use crate::analysis::contact::{limiting, step_of_pair};
 use crate::case::spec::SystemSpec;
@@ -34,10 +34,7 @@ pub(super) fn contacts(system: &SystemSpec, case: &Value) -> Vec<NamedContact> {
         let ContactSpec { parts, other, gap, friction } = spec;
         let name = |side: usize| {
             let given = case.pointer(&format!("/system/network/contact/{i}/between/{side}")).and_then(Value::as_str);
-            given.map_or_else(
-                || "everything".to_owned(),
-                |name| if name == "all" { "everything".to_owned() } else { name.to_owned() },
-            )
+            given.filter(|name| *name != "all").unwrap_or("everything").to_owned()
         };
         let (with, counts) = match other {
             ContactSide::Itself => ("itself".to_owned(), String::new()),
@@ -98,7 +95,7 @@ pub(super) fn describe_cost(cost: Option<ContactCost>) -> String {
     )
 }
 
-/// Which contact leaves an explicit method the shortest step.
+/// Which contact allows an explicit method the shortest step.
 #[derive(Serialize)]
 pub(super) struct ContactLimit {
     /// its number, from 0

@@ -40,7 +40,7 @@ pub(super) struct Report<'a> {
     pub while_slack: Option<WhileSlack>,
     /// what may touch what
     pub contacts: Vec<Value>,
-    /// which contact leaves explicit methods the shortest step
+    /// which contact allows explicit methods the shortest step
     pub contact_limit: Option<ContactLimit>,
     pub forecast: Forecast,
     pub totals: Totals,

@@ -48,11 +48,12 @@ fn allowed(case: &Value, method: &str) -> f64 {
     limiting(&method, rates).map_or(f64::INFINITY, |(_, step)| step)
 }
 
-/// [-] How far the mass sways at most, over the gap.
-fn sway(method: &str, step: f64, steps: u32) -> f64 {
-    let mut most = 0.0_f64;
+/// [-] How far the mass sways at most upwards and downwards, over the gap; it begins above its place of rest.
+fn sway(method: &str, step: f64, steps: u32) -> [f64; 2] {
+    let mut most = [0.0_f64; 2];
     let _ = follow_on(&case_of(&pressed(method, step, steps), &[]), |seen| {
-        most = most.max((seen.positions[0][2] / GAP - SHARE).abs());
+        let up = seen.positions[0][2] / GAP - SHARE;
+        most = [most[0].max(up), most[1].max(-up)];
     });
     most
 }
@@ -118,9 +119,16 @@ pub fn claims() -> Vec<Claim> {
         let right = wh / (MOST * G / GAP).sqrt();
         claims.push(Claim::relative(format!("{method}: step that a plane allows a mass [s]"), step, right, 1e-4));
         let what = format!("{method}: 2 % below it a pressed mass sways on, over its sway at the start [-]");
-        claims.push(Claim::between(what, sway(method, 0.98 * step, 2000) / SWAY, 0.999, 1.001));
+        let [up, down] = sway(method, 0.98 * step, 2000);
+        claims.push(Claim::between(what, up.max(down) / SWAY, 0.999, 1.001));
+        claims.push(Claim::between(format!("{method}: and it sways to both sides [-]"), down / SWAY, 0.3, 1.001));
         let what = format!("{method}: 2 % above it the sway grows within 60 steps [-]");
-        claims.push(Claim::between(what, sway(method, 1.02 * step, 60) / SWAY, 5.0, f64::INFINITY));
+        claims.push(Claim::between(
+            what,
+            sway(method, 1.02 * step, 60).into_iter().fold(0.0, f64::max) / SWAY,
+            5.0,
+            f64::INFINITY,
+        ));
     }
     let plane = json!({"plane": {"point": [0, 0, -SHARE * 0.01], "normal": [0, 0, 1]}});
     let [ratio, ..] = with_contact(&nets([0.0; 2], 0.01, &json!(["lower", plane])));

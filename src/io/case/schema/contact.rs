@@ -11,10 +11,10 @@ use super::table::VectorTable;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
-    /// What may touch what: `"self"`, all cloth, lines and lone nodes with themselves, or a list of two. The first is a
-    /// group of the mesh or `"all"`; the second is a group, `"all"`, or a rigid body: `["cloth", {"sphere": {...}}]`.
-    /// The same name twice is contact of that group with itself. A group brings its triangles, those of its edges that
-    /// are lines, and its lone nodes.
+    /// What may touch what: `"self"`, all cloth, lines with springs and lone nodes with themselves, or a list of two.
+    /// The first is a group of the mesh or `"all"`; the second is a group, `"all"`, or a rigid body: `["cloth",
+    /// {"sphere": {...}}]`. The same name twice is contact of that group with itself. A group brings its triangles,
+    /// those of its edges that are lines, and its lone nodes.
     pub between: Between,
     /// [m] Distance below which the two push each other apart, such as the thickness of cloth. Not given: a fifth of
     /// the shortest edge of the parts at the start, initial displacements included. Lone nodes have no edges, and need
@@ -41,7 +41,7 @@ pub enum Between {
 /// The word for contact of everything with itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EverythingWord {
-    /// all cloth, lines and lone nodes
+    /// all cloth, lines with springs and lone nodes
     #[serde(rename = "self")]
     Itself,
 }

@@ -18,8 +18,8 @@ pub(super) fn all(Scene { geometry, springs, .. }: &Scene<'_>) -> ContactParts {
     let is_line = |edge: &u32| geometry.topology.edge_kind(*edge as usize) == EdgeKind::Line && springs.contains(edge);
     let edges: Vec<u32> = lines.filter(is_line).collect();
     let mut lone = vec![true; mesh.nodes.len()];
-    let ends = mesh.triangles.as_flattened().iter().chain(mesh.edges.as_flattened());
-    ends.for_each(|node| lone[*node as usize] = false);
+    let ends = edges.iter().filter_map(|edge| mesh.edges.get(*edge as usize)).flatten();
+    mesh.triangles.as_flattened().iter().chain(ends).for_each(|node| lone[*node as usize] = false);
     let nodes = (0_u32..).zip(lone).filter(|(_, lone)| *lone).map(|(node, _)| node).collect();
     ContactParts { triangles, edges, nodes }
 }
