@@ -221,8 +221,8 @@ impl Round<'_> {
             if !pair.nodes.iter().any(since) {
                 continue;
             }
-            // What a plane has shortened stays free of it, up to rounding. Where rounding says no, round after round, all
-            // nodes go alike at last: a stiff film between plates needs that, as it must not be stretched.
+            // What a plane has shortened stays free of it, up to rounding. Where rounding says no, round after round,
+            // all nodes go alike at last: a stiff film between plates needs that, as it must not be stretched.
             let (kept, most) = if round == 1 || pair.form == Form::Plane { (KEPT, 1.0) } else { (KEPT_AT_LEAST, 0.5) };
             let Some(free) = self.free_share(pair, kept) else { continue };
             let free = f64::min(free, most);
