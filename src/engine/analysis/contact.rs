@@ -1,8 +1,8 @@
-//! The steps that contact leaves to explicit methods, once gaps are nearly closed.
+//! The steps that contact allows explicit methods, once gaps are nearly closed.
 //!
 //! Critical steps are those of a state. What touches there counts with the stiffness that it has; what does not touch
-//! yet counts with none. In explicit steps the stiffness of a pair has a bound ([`crate::contact::survey`]), so that
-//! the step that a closed pair allows is known before anything touches.
+//! yet counts with none. In explicit steps the stiffness of a pair along its normal has a largest value
+//! ([`crate::contact::survey`]), so that the step that a closed pair allows can be estimated before anything touches.
 
 use super::limit::critical_step;
 use super::rates::Rates;
