@@ -175,7 +175,13 @@ impl Iteration<'_> {
             return Ok(None);
         }
         self.problem.take_frozen();
-        let most_factors = if self.problem.mixed().is_some() { FEW_FACTORS } else { MOST_FACTORS };
+        let presses = self.problem.presses();
+        let most_factors = match self.problem.mixed() {
+            // What presses makes the exact tangent unsymmetric and the mixed iteration fail.
+            _ if presses => self.newton.most_iterations(),
+            Some(_) => FEW_FACTORS,
+            None => MOST_FACTORS,
+        };
         let mut fresh = self.frozen.fresh == 0;
         let (mut residual, mut factors) = (norm(&self.newton.r), 0);
         let mut rate_seen = ConvergenceRate::new(residual);
