@@ -293,6 +293,19 @@ mod tests {
     use super::*;
     use crate::mesh::random::SplitMix64;
 
+    /// Contact of a body with itself, whose nodes are at `rest` [m].
+    fn with_itself(body: Body, rest: &[Vector3<f64>]) -> Contacts {
+        let contact = Contact { body, other: Other::Itself, thickness: 0.0, gap: 0.01, friction: 0.0, motion: None };
+        Contacts {
+            list: vec![contact],
+            stiffness: vec![vec![1.0; rest.len()]],
+            inverse_mass: vec![1.0; rest.len()],
+            rest: rest.to_vec(),
+            skin: 0.02,
+            ..Contacts::default()
+        }
+    }
+
     /// Two triangles above each other and a point far away: the nodes that would pass through the other triangle stay
     /// on their side, and the point goes its whole way.
     #[test]
@@ -308,15 +321,7 @@ mod tests {
             corner(5.0, 5.0, 5.0),
         ];
         let body = Body::new(vec![[0, 1, 2], [3, 4, 5]], Vec::new(), vec![6]);
-        let contact = Contact { body, other: Other::Itself, thickness: 0.0, gap: 0.01, friction: 0.0, motion: None };
-        let contacts = Contacts {
-            list: vec![contact],
-            stiffness: vec![vec![1.0; 7]],
-            inverse_mass: vec![1.0; 7],
-            rest: rest.clone(),
-            skin: 0.02,
-            ..Contacts::default()
-        };
+        let contacts = with_itself(body, &rest);
         let shifts = [[Vector3::zeros(); 2]];
         let places = Places { contacts: &contacts, t: 0.0, x: &rest, shifts: &shifts };
         let mut way = vec![Vector3::zeros(); 7];
@@ -328,6 +333,7 @@ mod tests {
         assert!((0.0099..0.03).contains(&height), "{height}");
         assert_eq!(way[6], corner(-4.0, 0.0, 0.0));
     }
+
     /// Many triangles that fly through each other: nothing touches on the shortened ways, nor on any part of the share
     /// that is free for all.
     #[test]
@@ -342,16 +348,7 @@ mod tests {
             let way: Vec<Vector3<f64>> =
                 middles.iter().flat_map(|_| [point(1.5); 3].map(|way| way + point(0.1))).collect();
             let body = Body::new((0..12).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(), Vec::new(), Vec::new());
-            let contact =
-                Contact { body, other: Other::Itself, thickness: 0.0, gap: 0.05, friction: 0.0, motion: None };
-            let contacts = Contacts {
-                list: vec![contact],
-                stiffness: vec![vec![1.0; 36]],
-                inverse_mass: vec![1.0; 36],
-                rest: rest.clone(),
-                skin: 0.02,
-                ..Contacts::default()
-            };
+            let contacts = with_itself(body, &rest);
             let shifts = [[Vector3::zeros(); 2]];
             let places = Places { contacts: &contacts, t: 0.0, x: &rest, shifts: &shifts };
             let touches =

@@ -198,6 +198,11 @@ pub struct ContactLoad {
     pub pressure: f64,
 }
 
+impl ContactLoad {
+    /// That of a contact that is not there: not a number.
+    pub const NONE: ContactLoad = ContactLoad { force: [f64::NAN; 3], pressure: f64::NAN };
+}
+
 /// From where pairs that may touch were found.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct NearFrom {

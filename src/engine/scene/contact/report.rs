@@ -45,7 +45,7 @@ impl Touching {
     /// See [`Touches::load_of`](crate::model::abilities::Touches::load_of).
     pub(super) fn load_at(&self, contact: usize, at: NodeState<'_>) -> ContactLoad {
         if contact >= self.contacts.list.len() {
-            return ContactLoad { force: [f64::NAN; 3], pressure: f64::NAN };
+            return ContactLoad::NONE;
         }
         let mut guard = self.at(at);
         let TouchState { near, shifts, explicit, step, pressed, limits, .. } = &mut *guard;

@@ -99,8 +99,7 @@ impl Places {
             }
             Places::Contact(contact) => {
                 let load = picture.touches().map(|touches| touches.load_of(*contact, at.state.as_ref()));
-                let ContactLoad { force: [x, y, z], pressure } =
-                    load.unwrap_or(ContactLoad { force: [f64::NAN; 3], pressure: f64::NAN });
+                let ContactLoad { force: [x, y, z], pressure } = load.unwrap_or(ContactLoad::NONE);
                 to.copy_from_slice(&[x, y, z, (x * x + y * y + z * z).sqrt(), pressure]);
             }
             Places::Springs(of, springs) => {
