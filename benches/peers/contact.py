@@ -295,7 +295,7 @@ RUNS = {
     "canopy-fem": (
         ours,
         lambda s: [
-            ("backward-euler", 4e-3 if s.cells < 30 else 2e-3),  # 4 ms fail on the finer one
+            ("backward-euler", 4e-3 if s.cells < 30 else 2e-3),  # 4 ms take longer on the finer one
             ("energy-momentum", 2e-3),
             ("velocity-verlet", 5e-4 if s.cells < 30 else 2e-4),
         ],

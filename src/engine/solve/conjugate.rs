@@ -34,6 +34,8 @@ const SINGLE: f64 = 1e-6;
 const SINGLE_DEFLATED: f64 = 1e-4;
 /// [-] Growth of a residual that shows the same earlier.
 const DRIFT: f64 = 1e3;
+/// [-] The same beside the least residual that was reached: what is left then needs a new start in double precision.
+const GROWN: f64 = 3.0;
 /// [-] Refinement stops if a round leaves more than this share of the residual: rounding dominates.
 const ROUND: f64 = 0.1;
 /// [-] Share of the largest p . W p / p . p below which the sign of p . W p is rounding.
@@ -140,7 +142,7 @@ impl ConjugateGradients {
         match self.tried {
             Some(iterations) if iterations <= most => Ok(iterations),
             Some(_) => Err(LinearError::Stalled { iterations: most, residual: 1.0, asked: TRIAL }),
-            None => self.iterate_on_trial(TRIAL, most).map(|()| *self.tried.insert(self.iterations)),
+            None => self.iterate_on_trial(TRIAL, most).map(|_| *self.tried.insert(self.iterations)),
         }
     }
 
@@ -157,7 +159,7 @@ impl ConjugateGradients {
     }
 
     /// Leaves the count of indefinite matrices as it is: with a nearly singular M rounding looks like an indefinite W.
-    fn iterate_on_trial(&mut self, relative: f64, most: u32) -> Result<(), LinearError> {
+    fn iterate_on_trial(&mut self, relative: f64, most: u32) -> Result<bool, LinearError> {
         let (own, indefinite) = (std::mem::replace(&mut self.most, most), self.indefinite);
         self.iterations = 0;
         let first = self.system.set_trial_right_hand_side();
@@ -177,12 +179,13 @@ impl ConjugateGradients {
         self.system.deflated
     }
 
-    /// Iterates from x^ = 0 with the right-hand side in r; `first` is r . r.
-    fn iterate(&mut self, first: f64, Accuracy { relative, enough, .. }: Accuracy) -> Result<(), LinearError> {
+    /// Iterates from x^ = 0 with the right-hand side in r; `first` is r . r. Returns whether the accuracy was reached:
+    /// with deflation, rounding may make residuals grow again before, below [`ROUND`].
+    fn iterate(&mut self, first: f64, Accuracy { relative, enough, .. }: Accuracy) -> Result<bool, LinearError> {
         let mut square = self.system.begin(first)?;
         let left = |square: f64| (square / first).sqrt();
         let stalled = |iterations, square| LinearError::Stalled { iterations, residual: left(square), asked: relative };
-        let (mut beta, mut largest) = (0.0, 1.0_f64);
+        let (mut beta, mut largest, mut least) = (0.0, 1.0_f64, first);
         while square > 0.0 && left(square) > if self.iterations < FEW { enough } else { relative } {
             if self.iterations == self.most || self.deflated() && left(square) > DRIFT {
                 return Err(stalled(self.iterations, square));
@@ -208,18 +211,23 @@ impl ConjugateGradients {
                 return Err(LinearError::Singular { unknown: None });
             }
             beta = (square / before) as f32;
+            least = least.min(square);
+            if self.deflated() && left(least) < ROUND && left(square) > GROWN * left(least) {
+                return Ok(false);
+            }
         }
-        Ok(())
+        Ok(true)
     }
 
-    /// Replaces b `[n]` by an approximation of W^-1 b, as accurate as asked for and as single precision allows.
-    fn round(&mut self, b: &mut [f64], asked: Accuracy) -> Result<(), LinearError> {
-        let RightHandSide { scale, first } = self.set_right_hand_side(b)?;
+    /// Replaces b `[n]` by an approximation of W^-1 b, as accurate as asked for and as single precision allows. Returns
+    /// the size of b, and whether the approximation is as accurate as asked for.
+    fn round(&mut self, b: &mut [f64], asked: Accuracy) -> Result<(f64, bool), LinearError> {
+        let right = self.set_right_hand_side(b)?;
         let least = self.least_residual();
         let possible = Accuracy { relative: asked.relative.max(least), enough: asked.enough.max(least), ..asked };
-        self.iterate(first, possible)?;
-        self.system.finish(scale, b);
-        Ok(())
+        let reached = self.iterate(right.first, possible)?;
+        self.system.finish(right.scale, b);
+        Ok((right.size(), reached && asked.relative >= least))
     }
 
     /// [-] Least relative residual of a solve without refinement.
@@ -257,14 +265,15 @@ impl ConjugateGradients {
         &mut self,
         values: &[f64],
         b: &[f64],
-        Accuracy { relative: asked, checked, .. }: Accuracy,
+        accuracy: Accuracy,
         [x, r]: [&mut [f64]; 2],
     ) -> Result<(), LinearError> {
-        let first = self.set_right_hand_side(b)?.size();
+        let Accuracy { relative: asked, checked, .. } = accuracy;
         let size = if checked { norm(b) } else { 0.0 };
-        let mut left = 1.0;
-        while first > 0.0 && left > asked {
-            self.round(r, Accuracy::to(asked / left)).map_err(|error| match error {
+        let (mut left, mut first) = (1.0, None);
+        while left > asked {
+            let now = if first.is_none() { accuracy } else { Accuracy::to(asked / left) };
+            let (found, reached) = self.round(r, now).map_err(|error| match error {
                 LinearError::Stalled { iterations, residual, .. } => {
                     LinearError::Stalled { iterations, residual: residual * left, asked }
                 }
@@ -272,6 +281,11 @@ impl ConjugateGradients {
             })?;
             for (x, r) in x.iter_mut().zip(&*r) {
                 *x += r;
+            }
+            let enough = first.is_none() && reached && !checked;
+            let first = *first.get_or_insert(found);
+            if enough || first == 0.0 {
+                return Ok(());
             }
             self.pattern.multiply(values, x, r);
             for (r, b) in r.iter_mut().zip(b) {
@@ -315,10 +329,10 @@ impl LinearSolver for ConjugateGradients {
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
         self.iterations = 0;
         let asked = self.accuracy;
-        if asked.relative < self.least_residual() || asked.checked {
-            self.refine(values, b, asked)?
+        if asked.relative < self.least_residual() || asked.checked || self.deflated() {
+            self.refine(values, b, asked)?;
         } else {
-            self.round(b, asked)?
+            self.round(b, asked)?;
         }
         check_solution(b, &self.workers)
     }
