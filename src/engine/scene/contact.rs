@@ -1,4 +1,4 @@
-//! Contact in a network: its forces beside the passes over the blocks, its tangents, and how far nodes may move.
+//! Contact in a network: its forces beside the passes over the blocks, and its tangents.
 //!
 //! Pairs that touch are nodes anywhere in the scene, so their forces are added after a pass, pair by pair in one order.
 //! Friction in an implicit step is that of the pressures and normals at its start, so that its tangent is symmetric; in

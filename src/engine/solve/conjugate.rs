@@ -272,8 +272,8 @@ impl ConjugateGradients {
         let size = if checked { norm(b) } else { 0.0 };
         let (mut left, mut first) = (1.0, None);
         while left > asked {
-            let now = if first.is_none() { accuracy } else { Accuracy::to(asked / left) };
-            let (found, reached) = self.round(r, now).map_err(|error| match error {
+            let aim = if first.is_none() { accuracy } else { Accuracy::to(asked / left) };
+            let (size_of_b, reached) = self.round(r, aim).map_err(|error| match error {
                 LinearError::Stalled { iterations, residual, .. } => {
                     LinearError::Stalled { iterations, residual: residual * left, asked }
                 }
@@ -282,9 +282,10 @@ impl ConjugateGradients {
             for (x, r) in x.iter_mut().zip(&*r) {
                 *x += r;
             }
-            let enough = first.is_none() && reached && !checked;
-            let first = *first.get_or_insert(found);
-            if enough || first == 0.0 {
+            // A first round that reaches the accuracy is trusted; after more, W x is compared with b in double precision.
+            let done = first.is_none() && reached && !checked;
+            let first = *first.get_or_insert(size_of_b);
+            if done || first == 0.0 {
                 return Ok(());
             }
             self.pattern.multiply(values, x, r);

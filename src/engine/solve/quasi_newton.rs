@@ -23,7 +23,7 @@ pub(super) use secant_pairs::SecantPairs;
 const WINDOW: usize = 4;
 /// Iterations a new factor is expected to need before any was seen.
 const EXPECTED: u32 = 6;
-/// Maximum number of factors in a step, after which the exact tangent takes over.
+/// Maximum number of factors in a step, after which the exact tangent takes over; as many as iterations in contact.
 const MOST_FACTORS: u32 = 8;
 /// The same where the mixed iteration can take over.
 const FEW_FACTORS: u32 = 2;
@@ -175,12 +175,13 @@ impl Iteration<'_> {
             return Ok(None);
         }
         self.problem.take_frozen();
-        let presses = self.problem.presses();
-        let most_factors = match self.problem.mixed() {
-            // What presses makes the exact tangent unsymmetric and the mixed iteration fail.
-            _ if presses => self.newton.most_iterations(),
-            Some(_) => FEW_FACTORS,
-            None => MOST_FACTORS,
+        // In contact the exact tangent often needs an LU, and the mixed iteration seldom serves.
+        let most_factors = if self.problem.presses() {
+            self.newton.most_iterations()
+        } else if self.problem.mixed().is_some() {
+            FEW_FACTORS
+        } else {
+            MOST_FACTORS
         };
         let mut fresh = self.frozen.fresh == 0;
         let (mut residual, mut factors) = (norm(&self.newton.r), 0);
