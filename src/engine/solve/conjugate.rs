@@ -282,7 +282,7 @@ impl ConjugateGradients {
             for (x, r) in x.iter_mut().zip(&*r) {
                 *x += r;
             }
-            // A first round that reaches the accuracy is trusted; after more, W x is compared with b in double precision.
+            // A first round that reaches the accuracy is trusted; after more, W x is compared with b in doubles.
             let done = first.is_none() && reached && !checked;
             let first = *first.get_or_insert(size_of_b);
             if done || first == 0.0 {
