@@ -477,10 +477,10 @@ fn halves_of_a_net_give_the_same_bits_on_any_number_of_threads() {
     }
 }
 
-/// Deflation of a large stiff net: few iterations, the trajectory of Cholesky, and the same bits on any number of
+/// Multigrid on a large stiff net: few iterations, the trajectory of Cholesky, and the same bits on any number of
 /// threads.
 #[test]
-fn deflation_of_a_large_stiff_net() {
+fn multigrid_on_a_large_stiff_net() {
     let net = serde_json::json!({"name": "net", "system": {"network": {
         "mesh": {"rectangle": {"width": 1.0, "height": 1.0, "columns": 249, "rows": 249}},
         "mass": {"areal_density": 0.1}, "springs": [{"on": "all", "stiffness": 1e4}],
@@ -491,7 +491,7 @@ fn deflation_of_a_large_stiff_net() {
     let [one, two] = [1, 2].map(|threads| run_with(&case, threads));
     assert!(one.state == two.state && one.outcome.counters == two.outcome.counters);
     let c = one.outcome.counters;
-    assert!(c.cg_iterations > 5 * c.linear_solves && c.cg_iterations < 30 * c.linear_solves, "{c:?}");
+    assert!(c.cg_iterations < 15 * c.linear_solves, "{c:?}");
     let exact = run(&changed(&case, &[("solver.linear", "cholesky")]));
     let sag = exact.state.x.iter().skip(2).step_by(3).fold(0.0_f64, |most, z| most.max(z.abs()));
     // Newton's last iterations ask for more than single precision has.
@@ -506,10 +506,9 @@ fn deflation_of_a_large_stiff_net() {
     }
 }
 
-/// Where rounding ends a solve with deflation, refinement goes on: a net so stiff that single precision holds hardly
-/// three digits of a solution takes the trajectory of Cholesky.
+/// A net so stiff that single precision holds hardly three digits of a solution takes the trajectory of Cholesky.
 #[test]
-fn deflation_of_a_very_stiff_net() {
+fn multigrid_on_a_very_stiff_net() {
     let net = serde_json::json!({"name": "net", "system": {"network": {
         "mesh": {"rectangle": {"width": 1.0, "height": 1.0, "columns": 240, "rows": 240}},
         "mass": {"areal_density": 2.0},
@@ -520,7 +519,7 @@ fn deflation_of_a_very_stiff_net() {
     let [iterated, exact] = ["cg", "cholesky"].map(|solver| run(&changed(&case, &[("solver.linear", solver)])));
     let c = iterated.outcome.counters;
     assert_eq!((iterated.outcome.status, c.factorizations), (Status::Completed, 0), "{c:?}");
-    assert!(c.cg_iterations > 10 * c.linear_solves && c.cg_iterations < 50 * c.linear_solves, "{c:?}");
+    assert!(c.cg_iterations < 25 * c.linear_solves, "{c:?}");
     let most = |from: &[[f64; 3]], axis: usize| {
         let off = exact.positions.iter().zip(from).map(|(x, other)| (x[axis] - other[axis]).abs());
         off.fold(0.0, f64::max)

@@ -350,7 +350,7 @@ impl Tangents {
         ExpectedUse { reuse: expected.reuse + self.coupled, ..expected }
     }
 
-    /// [-] Cost of an iteration of conjugate gradients with the reused tangent over one without deflation.
+    /// [-] Cost of an iteration of conjugate gradients with the reused tangent over one without multigrid.
     pub(crate) fn cg_cost(&self) -> f64 {
         self.frozen.as_ref().map_or(1.0, |factor| factor.linear.cg_cost())
     }

@@ -3,8 +3,8 @@
 //!
 //! No factor is stored: it takes about as much memory as W, of which an iteration reads a third, and its setup costs
 //! about thirteen iterations. The number of iterations grows with the root of stiffness over inertia, h sqrt(k/m), so
-//! it suits small steps. Large nets that need many iterations get deflation (`deflation`), with which the number hardly
-//! grows. It solves
+//! it suits small steps. Nets that need many iterations get multigrid (`multigrid`), with which the number does not
+//! grow with the stiffness or the size. It solves
 //!
 //! ```text
 //! (I + L)^-1 (I + J + L + L^T) (I + L^T)^-1 x^ = (I + L)^-1 E^-1 b,      x = E^-T (I + L^T)^-1 x^
@@ -13,10 +13,10 @@
 //! residuals than single precision allows come from iterative refinement in double precision (Higham 2002, chapter 12).
 
 use super::bsr::NodeBlocks;
-use super::coarse_matrix::largest_aggregate;
 use super::linear::{
     Accuracy, Inertia, LinearError, LinearSolver, LinearStats, SolverWork, check_finite, check_solution,
 };
+use super::multigrid::Multigrid;
 use super::norms::norm;
 use super::partitioned_cg::PartitionedSystem;
 use super::relaxed_ic0::RELAXATION;
@@ -29,25 +29,18 @@ use std::sync::Arc;
 const RELATIVE: f64 = 1e-10;
 /// [-] least relative residual of a solve in single precision, which has seven digits
 const SINGLE: f64 = 1e-6;
-/// [-] The same with deflation. Below it, rounding brings back translations of aggregates, on which iterations have no
-/// effect.
-const SINGLE_DEFLATED: f64 = 1e-4;
-/// [-] Growth of a residual that shows the same earlier.
-const DRIFT: f64 = 1e3;
-/// [-] The same beside the least residual that was reached: what is left then needs a new start in double precision.
-const GROWN: f64 = 3.0;
 /// [-] Refinement stops if a round leaves more than this share of the residual: rounding dominates.
 const ROUND: f64 = 0.1;
 /// [-] Share of the largest p . W p / p . p below which the sign of p . W p is rounding.
 const ROUNDING: f64 = 1e-5;
 /// [-] Relative residual of a trial. Solves may leave its square, which takes twice as many iterations.
 const TRIAL: f64 = 0.0316;
-/// Nodes from which deflation may save time; below, Cholesky is cheaper where it would.
-const LARGE: usize = 50_000;
+/// Nodes from which multigrid may save time.
+const LARGE: usize = 2_000;
 /// Iterations of a trial above which it does.
 const EASY: u32 = 20;
-/// [-] Time of an iteration with deflation over that of one without: 2.4 at 100,000 nodes, 2 at a million.
-const DEFLATED_COST: f64 = 2.3;
+/// [-] Time of an iteration with multigrid over that of one without.
+const MULTIGRID_COST: f64 = 3.8;
 /// Iterations after which M is checked for being nearly singular.
 const PROBE: u32 = 3;
 /// [-] Largest p . W p / p . p of a range of nodes. It is 0.8 to 2 on taut nets, where fill in the pivots helps. Where
@@ -63,6 +56,12 @@ const MOST: [usize; 2] = [200, 20_000];
 pub struct ConjugateGradients {
     pattern: Arc<Pattern>,
     system: PartitionedSystem,
+    /// made for the first matrix that needs it
+    multigrid: Option<Multigrid>,
+    /// whether the last matrix is solved with multigrid
+    with_multigrid: bool,
+    /// whether matrices may be
+    multigrid_allowed: bool,
     workers: Workers,
     /// accuracy of further solves
     accuracy: Accuracy,
@@ -118,10 +117,13 @@ impl ConjugateGradients {
         let [least, most] = MOST;
         let most = (pattern.n() + least).min(most) as u32;
         let (accuracy, iterations, total_iterations, indefinite) = (Accuracy::to(RELATIVE), 0, 0, 0);
-        let (refined, workers) = (None, workers.clone());
+        let (refined, workers, multigrid_allowed) = (None, workers.clone(), pattern.position.len() >= LARGE);
         Ok(ConjugateGradients {
             pattern,
             system,
+            multigrid: None,
+            with_multigrid: false,
+            multigrid_allowed,
             workers,
             accuracy,
             refined,
@@ -159,10 +161,13 @@ impl ConjugateGradients {
     }
 
     /// Leaves the count of indefinite matrices as it is: with a nearly singular M rounding looks like an indefinite W.
-    fn iterate_on_trial(&mut self, relative: f64, most: u32) -> Result<bool, LinearError> {
+    fn iterate_on_trial(&mut self, relative: f64, most: u32) -> Result<(), LinearError> {
         let (own, indefinite) = (std::mem::replace(&mut self.most, most), self.indefinite);
         self.iterations = 0;
-        let first = self.system.set_trial_right_hand_side();
+        let first = match self.grid() {
+            Some(grid) => grid.set_trial_right_hand_side()?,
+            None => self.system.set_trial_right_hand_side(),
+        };
         let found = self.iterate(first, Accuracy::to(relative));
         (self.most, self.indefinite) = (own, indefinite);
         found
@@ -174,25 +179,40 @@ impl ConjugateGradients {
         matches!(found, Ok(_) | Err(LinearError::Stalled { .. })) && self.system.runs_within(LARGEST)
     }
 
-    /// Whether solves use deflation.
-    pub(super) fn deflated(&self) -> bool {
-        self.system.deflated
+    /// Whether matrices of many nodes may be solved with multigrid; they may if nothing is said.
+    pub(super) fn allow_multigrid(&mut self, allowed: bool) {
+        self.multigrid_allowed &= allowed;
     }
 
-    /// Iterates from x^ = 0 with the right-hand side in r; `first` is r . r. Returns whether the accuracy was reached:
-    /// with deflation, rounding may make residuals grow again before, below [`ROUND`].
-    fn iterate(&mut self, first: f64, Accuracy { relative, enough, .. }: Accuracy) -> Result<bool, LinearError> {
-        let mut square = self.system.begin(first)?;
+    /// Whether solves use multigrid.
+    pub(super) fn with_multigrid(&self) -> bool {
+        self.with_multigrid
+    }
+
+    fn grid(&mut self) -> Option<&mut Multigrid> {
+        self.multigrid.as_mut().filter(|_| self.with_multigrid)
+    }
+
+    /// Iterates from x^ = 0 with the right-hand side in r; `first` is its square, and that of a residual its product
+    /// with the preconditioned one.
+    fn iterate(&mut self, first: f64, Accuracy { relative, enough, .. }: Accuracy) -> Result<(), LinearError> {
+        match self.grid() {
+            Some(grid) => grid.begin(),
+            None => self.system.begin(),
+        }
         let left = |square: f64| (square / first).sqrt();
         let stalled = |iterations, square| LinearError::Stalled { iterations, residual: left(square), asked: relative };
-        let (mut beta, mut largest, mut least) = (0.0, 1.0_f64, first);
+        let (mut square, mut beta, mut largest) = (first, 0.0, 1.0_f64);
         while square > 0.0 && left(square) > if self.iterations < FEW { enough } else { relative } {
-            if self.iterations == self.most || self.deflated() && left(square) > DRIFT {
+            if self.iterations == self.most {
                 return Err(stalled(self.iterations, square));
             }
             self.iterations += 1;
             self.total_iterations += 1;
-            let curvature = self.system.product(beta)?;
+            let curvature = match self.grid() {
+                Some(grid) => grid.product(beta),
+                None => self.system.product(beta),
+            };
             if !curvature.along.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
             }
@@ -206,38 +226,37 @@ impl ConjugateGradients {
             }
             let alpha = square / curvature.along;
             let before = square;
-            square = self.system.advance(alpha as f32);
+            square = match self.grid() {
+                Some(grid) => grid.advance(alpha as f32)?,
+                None => self.system.advance(alpha as f32),
+            };
             if !square.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
             }
             beta = (square / before) as f32;
-            least = least.min(square);
-            if self.deflated() && left(least) < ROUND && left(square) > GROWN * left(least) {
-                return Ok(false);
-            }
         }
-        Ok(true)
+        Ok(())
     }
 
     /// Replaces b `[n]` by an approximation of W^-1 b, as accurate as asked for and as single precision allows. Returns
-    /// the size of b, and whether the approximation is as accurate as asked for.
-    fn round(&mut self, b: &mut [f64], asked: Accuracy) -> Result<(f64, bool), LinearError> {
+    /// the size of b.
+    fn round(&mut self, b: &mut [f64], asked: Accuracy) -> Result<f64, LinearError> {
         let right = self.set_right_hand_side(b)?;
-        let least = self.least_residual();
-        let possible = Accuracy { relative: asked.relative.max(least), enough: asked.enough.max(least), ..asked };
-        let reached = self.iterate(right.first, possible)?;
-        self.system.finish(right.scale, b);
-        Ok((right.size(), reached && asked.relative >= least))
+        let possible = Accuracy { relative: asked.relative.max(SINGLE), enough: asked.enough.max(SINGLE), ..asked };
+        self.iterate(right.first, possible)?;
+        match self.grid() {
+            Some(grid) => grid.finish(right.scale, b),
+            None => self.system.finish(right.scale, b),
+        }
+        Ok(right.size())
     }
 
-    /// [-] Least relative residual of a solve without refinement.
-    fn least_residual(&self) -> f64 {
-        if self.deflated() { SINGLE_DEFLATED } else { SINGLE }
-    }
-
-    /// r <- (I + L)^-1 E^-1 b over the scale of b.
+    /// Sets r to b over its scale: (I + L)^-1 E^-1 b, or b itself with multigrid.
     fn set_right_hand_side(&mut self, b: &[f64]) -> Result<RightHandSide, LinearError> {
-        let [scale, first] = self.system.set_right_hand_side(b);
+        let [scale, first] = match self.grid() {
+            Some(grid) => grid.set_right_hand_side(b)?,
+            None => self.system.set_right_hand_side(b),
+        };
         if first.is_finite() {
             Ok(RightHandSide { scale, first })
         } else {
@@ -273,7 +292,7 @@ impl ConjugateGradients {
         let (mut left, mut first) = (1.0, None);
         while left > asked {
             let aim = if first.is_none() { accuracy } else { Accuracy::to(asked / left) };
-            let (size_of_b, reached) = self.round(r, aim).map_err(|error| match error {
+            let size_of_b = self.round(r, aim).map_err(|error| match error {
                 LinearError::Stalled { iterations, residual, .. } => {
                     LinearError::Stalled { iterations, residual: residual * left, asked }
                 }
@@ -282,10 +301,8 @@ impl ConjugateGradients {
             for (x, r) in x.iter_mut().zip(&*r) {
                 *x += r;
             }
-            // A first round that reaches the accuracy is trusted; after more, W x is compared with b in doubles.
-            let done = first.is_none() && reached && !checked;
             let first = *first.get_or_insert(size_of_b);
-            if done || first == 0.0 {
+            if first == 0.0 {
                 return Ok(());
             }
             self.pattern.multiply(values, x, r);
@@ -311,16 +328,21 @@ impl LinearSolver for ConjugateGradients {
     /// Sets up the preconditioner. Whether W is positive definite shows only in a solve.
     fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         check_finite(&self.pattern, values, &self.workers)?;
-        self.tried = None;
-        let nodes = self.pattern.position.len();
-        let large = nodes >= LARGE;
+        (self.tried, self.with_multigrid) = (None, false);
         let served = self.system.set_values(values, RELAXATION) && self.relaxation_serves();
         let made = served || self.system.set_values(values, 0.0);
-        if made && (!large || self.trial_solve(EASY).is_ok()) {
+        if made && (!self.multigrid_allowed || self.trial_solve(EASY).is_ok()) {
             return Ok(Inertia::Unknown);
         }
         self.tried = None;
-        if made && self.system.deflate(values, largest_aggregate(nodes))? {
+        if made {
+            let grid = match &mut self.multigrid {
+                Some(grid) => grid,
+                none => none.insert(Multigrid::new(&self.pattern, &self.workers)?),
+            };
+            self.with_multigrid = grid.set_values(values)?;
+        }
+        if self.with_multigrid {
             return Ok(Inertia::Unknown);
         }
         self.indefinite += 1;
@@ -330,7 +352,7 @@ impl LinearSolver for ConjugateGradients {
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
         self.iterations = 0;
         let asked = self.accuracy;
-        if asked.relative < self.least_residual() || asked.checked || self.deflated() {
+        if asked.relative < SINGLE || asked.checked {
             self.refine(values, b, asked)?;
         } else {
             self.round(b, asked)?;
@@ -343,7 +365,7 @@ impl LinearSolver for ConjugateGradients {
     }
 
     fn cg_cost(&self) -> f64 {
-        if self.deflated() { DEFLATED_COST } else { 1.0 }
+        if self.with_multigrid { MULTIGRID_COST } else { 1.0 }
     }
 
     fn work(&self) -> SolverWork {

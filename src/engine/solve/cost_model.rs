@@ -18,10 +18,10 @@ use std::sync::Arc;
 /// [-] Iterations of an average solve over those of the trial. Its right-hand side is smoother, and the last solve of a
 /// step need not be exact: 0.55 to 0.75 on square nets of 10,000 and 90,000 nodes.
 const EASIER: f64 = 0.65;
-/// [-] Iterations of an average solve over those of the trial where a matrix needs deflation. There all right-hand
+/// [-] Iterations of an average solve over those of the trial where a matrix needs multigrid. There all right-hand
 /// sides take about as many.
-const DEFLATED_TRIAL: f64 = 2.6;
-/// [-] Without deflation the first matrix gets CG even if the trial predicts this many times the affordable iterations.
+const MULTIGRID_TRIAL: f64 = 2.6;
+/// [-] Without multigrid the first matrix gets CG even if the trial predicts this many times the affordable iterations.
 /// CG costs little to set up and real solves soon show if it is dearer; the cost of an unneeded factor is lost.
 const DOUBT: f64 = 1.3;
 
@@ -50,6 +50,8 @@ pub(super) struct CostModel {
     cg_iteration: f64,
     /// an entry of W in setting up CG
     cg_setup: f64,
+    /// the same of multigrid, besides
+    multigrid_setup: f64,
     /// an unknown in a Newton iteration outside the solve, compared with CG: force pass and vector operations
     newton: f64,
     /// the same, compared with a factorisation
@@ -69,6 +71,7 @@ pub(super) const COSTS: CostModel = CostModel {
     assembly: 50.0,
     cg_iteration: 7.5,
     cg_setup: 97.5,
+    multigrid_setup: 350.0,
     newton: 250.0,
     newton_on_factor: 350.0,
     much_memory: 10.0,
@@ -94,12 +97,13 @@ impl CostModel {
         Cost { iteration: gain * (self.factor_solve * stored + self.newton * n), setup: gain * setup }
     }
 
-    /// Of CG with this many iterations in an average solve, each counted as its cost over one without deflation.
+    /// Of CG with this many iterations in an average solve, each counted as its cost over one without multigrid.
     /// Starting and finishing a solve cost one iteration more.
-    fn cg(&self, pattern: &Pattern, iterations: f64) -> Cost {
+    fn cg(&self, pattern: &Pattern, iterations: f64, with_multigrid: bool) -> Cost {
         let (n, entries) = (pattern.n() as f64, pattern.nonzeros() as f64);
         let iteration = self.cg_iteration * entries * (iterations + 1.0) + self.newton * n;
-        Cost { iteration, setup: (self.cg_setup + self.assembly) * entries }
+        let multigrid = if with_multigrid { self.multigrid_setup } else { 0.0 };
+        Cost { iteration, setup: (self.cg_setup + multigrid + self.assembly) * entries }
     }
 }
 
@@ -175,8 +179,11 @@ impl AutoSolver {
     /// # Errors
     /// If the pattern is not symmetric or the analysis fails.
     pub fn new(pattern: Arc<Pattern>, workers: &Workers) -> Result<Self, LinearError> {
-        let cg = ConjugateGradients::new(pattern.clone(), workers)?;
+        let mut cg = ConjugateGradients::new(pattern.clone(), workers)?;
         let elimination = timed(Phase::Ordering, || fill_reducing(&pattern));
+        // Where a factor takes less than multigrid, it is never better.
+        let dear = |e: &Elimination| COSTS.cholesky(&pattern, e).setup > COSTS.cg(&pattern, 0.0, true).setup;
+        cg.allow_multigrid(elimination.as_ref().is_none_or(dear));
         Ok(AutoSolver {
             pattern,
             elimination,
@@ -205,16 +212,21 @@ impl AutoSolver {
     /// [-] Work of a useful iteration by Cholesky, and the iterations of CG in an average solve that are as much work.
     fn allowed(&self, elimination: &Elimination) -> [f64; 2] {
         let cholesky_work = COSTS.cholesky(&self.pattern, elimination).with_reuse(self.expected.reuse);
-        let none = COSTS.cg(&self.pattern, 0.0);
-        let one = COSTS.cg(&self.pattern, 1.0).iteration - none.iteration;
+        let [none, one] = [0.0, 1.0].map(|iterations| self.cg_cost_of(iterations));
+        let one = one.iteration - none.iteration;
         let allowed = Cost::iteration_for(none.setup, self.expected.reuse, cholesky_work) - none.iteration;
         [cholesky_work, allowed / one]
+    }
+
+    /// Of CG with this many iterations, with or without multigrid as for the last matrix.
+    fn cg_cost_of(&self, iterations: f64) -> Cost {
+        COSTS.cg(&self.pattern, iterations, self.cg.with_multigrid())
     }
 
     /// Iterations of CG that are as much work as to factorise W and to solve with the factor.
     fn worth_a_factor(&self, elimination: &Elimination) -> u32 {
         let Cost { iteration, setup } = COSTS.cholesky(&self.pattern, elimination);
-        let [none, one] = [0.0, 1.0].map(|iterations| COSTS.cg(&self.pattern, iterations).iteration);
+        let [none, one] = [0.0, 1.0].map(|iterations| self.cg_cost_of(iterations).iteration);
         ((setup + iteration) / ((one - none) * self.cg.cg_cost())).clamp(1.0, f64::from(u32::MAX)) as u32
     }
 
@@ -242,21 +254,26 @@ impl AutoSolver {
     /// # Errors
     /// An indefinite W, or as [`LinearSolver::factor`].
     fn compare(&mut self, values: &[f64]) -> Result<Option<Prediction>, LinearError> {
-        let found = self.elimination.as_ref().map(|e| (self.allowed(e), e.nonzeros, e.operations));
+        let counted =
+            |solver: &Self| solver.elimination.as_ref().map(|e| (solver.allowed(e), e.nonzeros, e.operations));
+        let found = counted(self);
         let seen = Some(self.expected.cg_iterations).filter(|seen| *seen > 0.0);
         let far_apart = found.is_some() && self.stiffnesses_far_apart(values);
         let dearer = far_apart || seen.zip(found).is_some_and(|(seen, ([_, allowed], ..))| seen > allowed);
         if !dearer && self.cg.factor(values)? == Inertia::Indefinite {
             return Err(LinearError::Indefinite { iterations: 0 });
         }
-        let Some(([cholesky_work, mut allowed], factor_nonzeros, factor_operations)) = found else { return Ok(None) };
+        // Now it is known whether multigrid is needed.
+        let Some(([cholesky_work, mut allowed], factor_nonzeros, factor_operations)) = counted(self) else {
+            return Ok(None);
+        };
         let cost = self.cg.cg_cost();
         let (iterations, cg_converged) = match seen {
             Some(seen) => (seen, !dearer),
             None if far_apart => (allowed, false),
             None => {
-                let deflated = self.cg.deflated();
-                let (twice, doubt) = if deflated { (DEFLATED_TRIAL * cost, 1.0) } else { (2.0 * EASIER, DOUBT) };
+                let with_multigrid = self.cg.with_multigrid();
+                let (twice, doubt) = if with_multigrid { (MULTIGRID_TRIAL * cost, 1.0) } else { (2.0 * EASIER, DOUBT) };
                 allowed *= doubt;
                 match self.cg.trial_solve((allowed / twice).clamp(0.0, f64::from(u32::MAX)) as u32) {
                     Ok(iterations) => (twice * f64::from(iterations), true),
@@ -268,7 +285,7 @@ impl AutoSolver {
                 }
             }
         };
-        let cg_work = COSTS.cg(&self.pattern, iterations).with_reuse(self.expected.reuse);
+        let cg_work = self.cg_cost_of(iterations).with_reuse(self.expected.reuse);
         let shown = iterations.min(if cg_converged { f64::INFINITY } else { allowed.max(0.0) });
         let cg_iterations = (shown / cost).round() as u32;
         Ok(Some(Prediction {
@@ -354,7 +371,7 @@ impl LinearSolver for AutoSolver {
 
     fn prefers_other_solver(&self, ExpectedUse { reuse, cg_iterations }: ExpectedUse) -> bool {
         let (Some(e), true, true) = (&self.elimination, cg_iterations > 0.0, self.iterates) else { return false };
-        COSTS.cholesky(&self.pattern, e).with_reuse(reuse) < COSTS.cg(&self.pattern, cg_iterations).with_reuse(reuse)
+        COSTS.cholesky(&self.pattern, e).with_reuse(reuse) < self.cg_cost_of(cg_iterations).with_reuse(reuse)
     }
 
     fn cg_cost(&self) -> f64 {

@@ -1,7 +1,6 @@
 //! Triangular solves with L over the nodes, forward and backward, and Eisenstat's product made of them.
 
 use super::bsr::{BLOCK, NodeBlocks, columns, packed, times, unpacked};
-use super::deflation::CoarseRows;
 use nalgebra::Vector3;
 use prefetch_index::prefetch_index;
 use std::ops::Range;
@@ -118,38 +117,6 @@ impl NodeBlocks {
             q[g] = y + t[g];
             along += unpacked(p[g] * q[g]).cast::<f64>();
             squares += unpacked(p[g] * p[g]).cast::<f64>();
-        }
-        Curvature { along: along.sum(), squares: squares.sum() }
-    }
-
-    /// u <- (I + L^T)^-1 r, and the sums of (A Z)^T u.
-    pub(super) fn back_residual(&self, r: &[f32x4], u: &mut [f32x4], coarse: &mut CoarseRows) {
-        for g in (0..self.nodes()).rev() {
-            let column = self.column(g);
-            self.fetch(column.start.wrapping_sub(AHEAD));
-            u[g] = r[g] - self.above(column, u);
-            coarse.restrict(g, u[g]);
-        }
-    }
-
-    /// The same product in one forward sweep, of a given t and its p = (I + L^T) t:
-    ///
-    /// ```text
-    /// q = (I + L)^-1 A t = t + (I + L)^-1 (L^T t + J t)
-    /// ```
-    /// q is 0 before, but for what a separator gets from its halves.
-    pub(super) fn product(&self, t: &[f32x4], q: &mut [f32x4]) -> Curvature {
-        let (mut along, mut squares) = (Vector3::zeros(), Vector3::zeros());
-        for g in 0..self.nodes() {
-            let column = self.column(g);
-            self.fetch(column.start.wrapping_add(AHEAD));
-            let above = self.above(column.clone(), t);
-            let y = q[g] + above + times(self.surplus[g].columns(), t[g]);
-            self.take_below(column, y, q);
-            q[g] = y + t[g];
-            let p = t[g] + above;
-            along += unpacked(p * q[g]).cast::<f64>();
-            squares += unpacked(p * p).cast::<f64>();
         }
         Curvature { along: along.sum(), squares: squares.sum() }
     }

@@ -25,9 +25,8 @@ pub enum LinearChoice {
     /// Sparse LU.
     Lu,
     /// Conjugate gradients, preconditioned by an incomplete factorisation of which only the pivots are stored: little
-    /// memory, for small steps and large meshes. In large stiff nets, translations of groups of nodes are solved for
-    /// directly (deflation). If the tangent is not symmetric, its symmetric part is used; the strategy must then not be
-    /// `full`.
+    /// memory, for small steps and large meshes. Stiff nets of some thousand nodes and more get multigrid. If the
+    /// tangent is not symmetric, its symmetric part is used; the strategy must then not be `full`.
     Cg,
 }
 
@@ -267,7 +266,7 @@ pub trait LinearSolver: Send {
         false
     }
 
-    /// [-] Cost of an iteration of conjugate gradients with the last matrix over one without deflation.
+    /// [-] Cost of an iteration of conjugate gradients with the last matrix over one without multigrid.
     fn cg_cost(&self) -> f64 {
         1.0
     }

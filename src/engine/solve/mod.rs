@@ -2,10 +2,8 @@
 
 mod bsr;
 mod cholesky;
-mod coarse_matrix;
 mod conjugate;
 mod cost_model;
-mod deflation;
 mod eisenstat;
 mod failure;
 mod forcing;
@@ -13,6 +11,7 @@ mod linear;
 mod lu;
 mod mixed;
 mod mixed_precision;
+mod multigrid;
 pub mod newton;
 pub(crate) mod norms;
 mod ordering;

@@ -8,13 +8,10 @@
 //! ```
 
 use super::bsr::{NodeBlocks, packed, unpacked};
-use super::coarse_matrix::CoarseMatrix;
-use super::deflation::CoarseRows;
 use super::eisenstat::{Curvature, Sweep};
-use super::linear::LinearError;
 use super::twisted_factorization::Subdomain;
 use crate::assembly::Pattern;
-use crate::mesh::random::{Lcg, pseudo_random};
+use crate::mesh::random::Lcg;
 use crate::model::workers::Workers;
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -31,22 +28,19 @@ pub(super) struct SubdomainSystem {
     x: Vec<f32x4>,
     pub(super) r: Vec<f32x4>,
     pub(super) p: Vec<f32x4>,
-    pub(super) t: Vec<f32x4>,
+    t: Vec<f32x4>,
     pub(super) q: Vec<f32x4>,
-    /// with deflation: (I + L^T)^-1 r
-    pub(super) u: Vec<f32x4>,
-    pub(super) coarse: CoarseRows,
-    pub(super) reductions: Reductions,
+    reductions: Reductions,
 }
 
 /// Results of an operation in a subdomain.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Reductions {
+struct Reductions {
     /// whether the blocks are positive definite
     positive_definite: bool,
     /// r . r
     square: f64,
-    pub(super) curvature: Curvature,
+    curvature: Curvature,
 }
 
 impl SubdomainSystem {
@@ -58,19 +52,15 @@ impl SubdomainSystem {
             p: own,
             t: all.clone(),
             q: all,
-            u: Vec::new(),
-            coarse: CoarseRows::default(),
             blocks,
             reductions: Reductions::default(),
         }
     }
 
-    /// x^ <- 0 and, which deflation does not have, p <- 0
-    fn begin(&mut self, deflated: bool) {
+    /// x^ <- 0, p <- 0
+    fn begin(&mut self) {
         self.x.fill(f32x4::ZERO);
-        if !deflated {
-            self.p.fill(f32x4::ZERO);
-        }
+        self.p.fill(f32x4::ZERO);
     }
 
     /// Copies t of the separator.
@@ -79,7 +69,7 @@ impl SubdomainSystem {
     }
 
     /// Adds the contributions of the halves to the separator's q.
-    pub(super) fn add_halves(&mut self, halves: &[SubdomainSystem; 2]) {
+    fn add_halves(&mut self, halves: &[SubdomainSystem; 2]) {
         for half in halves {
             for (q, other) in self.q.iter_mut().zip(&half.q[half.blocks.nodes()..]) {
                 *q += *other;
@@ -103,14 +93,10 @@ impl SubdomainSystem {
         self.reductions.square = squared(&self.r);
     }
 
-    /// q <- E^-1 Y^-1 b, and with deflation its sums
-    fn gather(&mut self, b: impl Fn(usize) -> f32, deflated: bool) {
-        let own = self.blocks.nodes();
+    /// q <- E^-1 Y^-1 b
+    fn gather(&mut self, b: impl Fn(usize) -> f32) {
         self.blocks.gather(b, &mut self.q);
-        if deflated {
-            self.coarse.project(&self.q[..own]);
-        }
-        self.q[own..].fill(f32x4::ZERO);
+        self.q[self.blocks.nodes()..].fill(f32x4::ZERO);
     }
 
     fn back(&mut self, beta: f32) {
@@ -123,12 +109,11 @@ impl SubdomainSystem {
         self.reductions.curvature = self.blocks.forth(Sweep { p: &mut self.p, t: &mut self.t, q: &mut self.q });
     }
 
-    /// x += alpha p, r -= alpha q; with deflation x += alpha t
-    fn advance(&mut self, alpha: f32, deflated: bool) {
+    /// x += alpha p, r -= alpha q
+    fn advance(&mut self, alpha: f32) {
         let mut sum = Vector3::zeros();
-        let step = if deflated { &self.t } else { &self.p };
-        for (((x, r), step), q) in self.x.iter_mut().zip(&mut self.r).zip(step).zip(&self.q) {
-            *x += *step * alpha;
+        for (((x, r), p), q) in self.x.iter_mut().zip(&mut self.r).zip(&self.p).zip(&self.q) {
+            *x += *p * alpha;
             *r -= *q * alpha;
             sum += unpacked(*r * *r).cast::<f64>();
         }
@@ -142,11 +127,7 @@ pub(super) struct PartitionedSystem {
     pub(super) separator: SubdomainSystem,
     /// Y^-1: one over the root of W's diagonal
     pub(super) scale: Vec<f64>,
-    /// made by the first deflation
-    pub(super) coarse: Option<CoarseMatrix>,
-    /// whether solves use deflation
-    pub(super) deflated: bool,
-    pub(super) workers: Workers,
+    workers: Workers,
 }
 
 impl PartitionedSystem {
@@ -158,7 +139,7 @@ impl PartitionedSystem {
         let part = |subdomain| SubdomainSystem::new(NodeBlocks::new(Arc::clone(pattern), subdomain, &node));
         let [first, second, separator] = subdomains.map(part);
         let scale = vec![0.0; pattern.n()];
-        PartitionedSystem { halves: [first, second], separator, scale, coarse: None, deflated: false, workers }
+        PartitionedSystem { halves: [first, second], separator, scale, workers }
     }
 
     fn all(&self) -> impl Iterator<Item = &SubdomainSystem> {
@@ -172,7 +153,6 @@ impl PartitionedSystem {
     /// Factorises W: `values` [nonzeros], with the share `omega` [-] of the fill added to the pivots. Returns `false`
     /// if a diagonal block is not positive definite or an off-diagonal one is too large for that.
     pub(super) fn set_values(&mut self, values: &[f64], omega: f64) -> bool {
-        self.deflated = false;
         let PartitionedSystem { halves, separator, scale, workers, .. } = self;
         let diagonals = &separator.blocks.pattern.col_ptr;
         workers.each(scale, |range, scale| {
@@ -213,39 +193,28 @@ impl PartitionedSystem {
 
     /// r <- (I + L)^-1 E^-1 b, for `b` of Y^-1 and an unknown; returns r . r.
     fn set_scaled(&mut self, b: impl Fn(&[f64], usize) -> f32 + Sync) -> f64 {
-        let PartitionedSystem { halves, separator, scale, workers, deflated, .. } = self;
+        let PartitionedSystem { halves, separator, scale, workers } = self;
         let single = |u: usize| b(scale, u);
         both(workers, halves, |half| {
-            half.gather(single, *deflated);
+            half.gather(single);
             half.forward();
             half.store_residual();
         });
-        separator.gather(single, *deflated);
+        separator.gather(single);
         separator.add_halves(halves);
         separator.forward();
         separator.store_residual();
         self.sum(|found| found.square)
     }
 
-    /// x^ <- 0, p <- 0, or what deflation begins with; `first` and the result are r . r.
-    ///
-    /// # Errors
-    /// An r that is not finite.
-    pub(super) fn begin(&mut self, first: f64) -> Result<f64, LinearError> {
-        let deflated = self.deflated;
-        both(&self.workers, &mut self.halves, |half| half.begin(deflated));
-        self.separator.begin(deflated);
-        if deflated { self.begin_deflated() } else { Ok(first) }
+    /// x^ <- 0, p <- 0
+    pub(super) fn begin(&mut self) {
+        both(&self.workers, &mut self.halves, SubdomainSystem::begin);
+        self.separator.begin();
     }
 
     /// p <- r + beta p, q <- (I + L)^-1 (I + J + L + L^T) (I + L^T)^-1 p
-    ///
-    /// # Errors
-    /// An r that is not finite.
-    pub(super) fn product(&mut self, beta: f32) -> Result<Curvature, LinearError> {
-        if self.deflated {
-            return self.deflated_product(beta);
-        }
+    pub(super) fn product(&mut self, beta: f32) -> Curvature {
         let PartitionedSystem { halves, separator, workers, .. } = self;
         separator.back(beta);
         both(workers, halves, |half| {
@@ -255,48 +224,34 @@ impl PartitionedSystem {
         });
         separator.add_halves(halves);
         separator.forth();
-        Ok(self.curvature())
-    }
-
-    pub(super) fn curvature(&self) -> Curvature {
         Curvature { along: self.sum(|found| found.curvature.along), squares: self.sum(|found| found.curvature.squares) }
     }
 
     /// x^ += alpha p, r -= alpha q; returns r . r.
     pub(super) fn advance(&mut self, alpha: f32) -> f64 {
-        let deflated = self.deflated;
-        both(&self.workers, &mut self.halves, |half| half.advance(alpha, deflated));
-        self.separator.advance(alpha, deflated);
+        both(&self.workers, &mut self.halves, |half| half.advance(alpha));
+        self.separator.advance(alpha);
         self.sum(|found| found.square)
     }
 
     /// b <- s Y^-1 E^-T (I + L^T)^-1 x^
     pub(super) fn finish(&mut self, s: f64, b: &mut [f64]) {
-        let PartitionedSystem { halves, separator, scale, workers, deflated, .. } = self;
+        let PartitionedSystem { halves, separator, scale, workers } = self;
         let (first, rest) = b.split_at_mut(separator.blocks.unknowns()[0].start);
         let (middle, second) = rest.split_at_mut(separator.blocks.unknowns()[0].len());
-        if !*deflated {
-            separator.backward();
-        }
-        let scatter = |part: &SubdomainSystem, b: &mut [f64]| {
-            part.blocks.scatter(if *deflated { &part.x } else { &part.t }, s, scale, b);
-        };
+        separator.backward();
+        let scatter = |part: &SubdomainSystem, b: &mut [f64]| part.blocks.scatter(&part.t, s, scale, b);
         scatter(separator, middle);
         let [one, other] = halves;
         join(workers, (one, first), (other, second), |(half, b)| {
-            if !*deflated {
-                half.copy_separator(separator);
-                half.backward();
-            }
+            half.copy_separator(separator);
+            half.backward();
             scatter(half, b);
         });
     }
 
     /// Sets r to a fixed pseudo-random vector, which has a part of every mode; returns r . r.
     pub(super) fn set_trial_right_hand_side(&mut self) -> f64 {
-        if self.deflated {
-            return self.set_scaled(|_, u| pseudo_random(u) as f32);
-        }
         let mut random = Lcg::default();
         for part in self.halves.iter_mut().chain([&mut self.separator]) {
             part.r.fill_with(|| packed(Vector3::from_fn(|_, _| random.draw())));
@@ -312,11 +267,7 @@ impl PartitionedSystem {
     }
 }
 
-pub(super) fn both(
-    workers: &Workers,
-    [one, other]: &mut [SubdomainSystem; 2],
-    work: impl Fn(&mut SubdomainSystem) + Sync,
-) {
+fn both(workers: &Workers, [one, other]: &mut [SubdomainSystem; 2], work: impl Fn(&mut SubdomainSystem) + Sync) {
     join(workers, one, other, work);
 }
 
