@@ -35,6 +35,7 @@ mod modes;
 mod multirate;
 mod newton;
 mod output;
+mod one_by_one;
 mod overlap;
 mod parachute;
 mod readme;
