@@ -287,9 +287,7 @@ impl DiagnosisInput<'_> {
             return None;
         }
         let (does, weak) = match self.method.info.family {
-            Family::MatrixFree => {
-                ("jumps over", "its sweeps are then a poor approximation of an implicit step")
-            }
+            Family::MatrixFree => ("jumps over", "its sweeps are then a poor approximation of an implicit step"),
             Family::Implicit if self.turns_dashpots() => {
                 ("jumps over", "an axial dashpot takes a spring that turns within a step for one that stretches")
             }

@@ -384,12 +384,5 @@ static METHODS: &[MethodInfo] = &[
 ];
 
 /// A number of sweeps or of short steps.
-const LOCAL: ParameterInfo = ParameterInfo {
-    name: "",
-    default: 1.0,
-    min: 1.0,
-    min_included: true,
-    max: 10_000.0,
-    whole: true,
-    doc: "",
-};
+const LOCAL: ParameterInfo =
+    ParameterInfo { name: "", default: 1.0, min: 1.0, min_included: true, max: 10_000.0, whole: true, doc: "" };

@@ -88,8 +88,8 @@ impl Springs {
     }
 }
 
-/// Writes a state that is displacements `u` [m] after the start of a step of `h` [s]: x = x_n + u, v = u/h. What is held
-/// keeps its velocity.
+/// Writes a state that is displacements `u` [m] after the start of a step of `h` [s]: x = x_n + u, v = u/h. What is
+/// held keeps its velocity.
 pub(super) fn end_of_step(u: &[f64], h: f64, inverse_mass: &[f64], state: &mut State) {
     for (((u, m), x), v) in u.iter().zip(inverse_mass).zip(&mut state.x).zip(&mut state.v) {
         *x += u;

@@ -70,8 +70,8 @@ impl<'a> Stepper<'a> {
     /// Binds a scheme to a scene.
     ///
     /// # Errors
-    /// When the scheme needs a spring network and the scene has none, or does not know something that the scene has, such
-    /// as contact.
+    /// When the scheme needs a spring network and the scene has none, or does not know something that the scene has,
+    /// such as contact.
     pub fn bind(scheme: Scheme, scene: SceneInterfaces<'a>) -> Result<Self, Unfit> {
         let explicit = !matches!(scheme, Scheme::Implicit(_));
         let knows_contact = match &scheme {

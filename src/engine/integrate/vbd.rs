@@ -9,15 +9,15 @@
 //! u_i += H^-1 f
 //! x_{n+1} = x_n + u,   v_{n+1} = u/h
 //! ```
-//! T = k (l - l0) + c n . (u_j - u_i)/h within what the spring can carry, T' = k + c/h, or 0 beyond that. c are dashpots
-//! along springs and c_r relative ones; the paper has Rayleigh damping in their place. A spring that pushes would make
-//! H indefinite, so the part across it is left out there: H is positive definite, and only its f decides where the
-//! iterations end. Converged, the step is that of backward Euler. Short of it, a load has come no further through the
-//! net than by a node an iteration against their order. There is no search along the step of a node, as in the paper;
-//! nothing ever fails, and momentum is kept once converged only.
+//! T = k (l - l0) + c n . (u_j - u_i)/h within what the spring can carry, T' = k + c/h, or 0 beyond that. c are
+//! dashpots along springs and c_r relative ones; the paper has Rayleigh damping in their place. A spring that pushes
+//! would make H indefinite, so the part across it is left out there: H is positive definite, and only its f decides
+//! where the iterations end. Converged, the step is that of backward Euler. Short of it, a load has come no further
+//! through the net than by a node an iteration against their order. There is no search along the step of a node, as in
+//! the paper; every step is made, and momentum is kept once converged only.
 //!
-//! The paper's order is by colours, for thousands of threads; here nodes follow one another as they lie in the scene, on
-//! one thread. It begins from u = h v_n, without the paper's guess at how much of a weight is carried, and has no
+//! The paper's order is by colours, for thousands of threads; here nodes follow one another as they lie in the scene,
+//! on one thread. It begins from u = h v_n, without the paper's guess at how much of a weight is carried, and has no
 //! Chebyshev acceleration.
 
 use super::springs::{Springs, by_node, end_of_step, go_on};

@@ -8,18 +8,19 @@
 //!     C = |x_b - x_a| - l0,   grad C = n at b, -n at a
 //!     dlambda = (-C - alpha lambda - gamma n . (u_b - u_a)) / ((1 + gamma) (w_a + w_b) + alpha)
 //!     u += w grad C dlambda,   lambda += dlambda
-//! x_{n+1} = x_n + u,   v_{n+1} = u/h                       alpha = 1/(k h^2),   gamma = alpha (c h^2)/h = c/(k h)
+//! x_{n+1} = x_n + u,   v_{n+1} = u/h                 alpha = 1/(k h^2),   gamma = alpha (c h^2)/h = c/(k h)
 //! ```
 //! (2016, Eq. 18 and 26). The tension is -lambda/h^2. A spring with a slack law keeps it within what it can carry, as
-//! contacts do: lambda is bounded (2016, section 5). A relative dashpot is solved likewise, as a spring of rest length 0
-//! and stiffness c/h between the displacements, axis by axis. Here both sides of a fraction are times k h^2, so that a
-//! spring that is cut does nothing.
+//! contacts do: lambda is bounded (2016, section 5). A relative dashpot is solved likewise, as a spring of rest length
+//! 0 and stiffness c/h between the displacements, axis by axis. Here both sides of a fraction are times k h^2, so that
+//! a spring that is cut does nothing.
 //!
 //! One spring along a line is backward Euler with steps of h after one iteration, and so are chains along a line once
 //! iterations have converged. Elsewhere springs turn within a step, and the displacement is a sum along directions n
 //! that they have had, where backward Euler has the last one: what iterations converge to depends on their order by the
 //! turn in a step. Iterations that have not converged leave springs too soft, the more the larger h^2 k w is and the
-//! more springs lie between a load and what holds it; every step keeps momentum all the same, and nothing ever fails.
+//! more springs lie between a load and what holds it; every step keeps linear momentum all the same, and is always
+//! made.
 //!
 //! Results show the tension that positions give, as with all methods, which is -lambda/h^2 only once converged.
 

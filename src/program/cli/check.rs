@@ -363,9 +363,8 @@ fn describe_limits(
         let mark = if name == problem.method.info.name { '*' } else { ' ' };
         let limit = match limit {
             Some(limit) => describe_limit(*limit, problem.time.step, scene),
-            None => {
-                "not known: the method is made for linear springs; other forces of this scene are outside of it".to_owned()
-            }
+            None => "not known: the method is made for linear springs; other forces of this scene are outside of it"
+                .to_owned(),
         };
         let _ = writeln!(text, "{mark} {name:<19}{limit}");
     }
