@@ -12,8 +12,8 @@
 //! ```
 //! (2016, Eq. 18 and 26). The tension is -lambda/h^2. A spring with a slack law keeps it within what it can carry, as
 //! contacts do: lambda is bounded (2016, section 5). A relative dashpot is solved likewise, as a spring of rest length
-//! 0 and stiffness c/h between the displacements, axis by axis. Here both sides of a fraction are times k h^2, so that
-//! a spring that is cut does nothing.
+//! 0 and stiffness c/h between the displacements, together with its spring. Here both sides of a fraction are times
+//! k h^2, so that a spring that is cut does nothing.
 //!
 //! One spring along a line is backward Euler with steps of h after one iteration, and so are chains along a line once
 //! iterations have converged. Elsewhere springs turn within a step, and the displacement is a sum along directions n
@@ -133,30 +133,30 @@ impl Substep<'_> {
         let (h, mut drag) = (self.h, drag.iter_mut());
         for (link, lambda) in links.iter().zip(lambda) {
             let [a, b] = link.nodes.map(|node| node as usize);
-            let w = self.w[a] + self.w[b];
             let moved = u[b] - u[a];
             let d = (self.x_n[b] - self.x_n[a]) + moved;
             let (l, k, c) = (d.norm(), h * h * link.stiffness, h * link.axial);
+            let (mut none, c_r) = (Vector3::zeros(), h * link.relative);
+            let drag = drag.next().unwrap_or(&mut none);
+            let w = self.w[a] + self.w[b];
+            // What a relative dashpot leaves of w, and what it lacks.
+            let (left, lacks) = (w.map(|w| w / (1.0 + c_r * w)), -c_r * moved - *drag);
+            let mut way = Vector3::zeros();
             if l > 0.0 {
                 let n = d / l;
-                let asked = -(k * (l - link.rest) + c * n.dot(&moved));
-                let along = n.component_mul(&n).dot(&w);
-                let next = *lambda + (asked - *lambda) / (1.0 + (k + c) * along);
+                let asked = -(k * (l - link.rest) + c * n.dot(&moved)) - (k + c) * n.dot(&left.component_mul(&lacks));
+                let next = *lambda + (asked - *lambda) / (1.0 + (k + c) * n.component_mul(&n).dot(&left));
                 let next = next.max(-h * h * link.most).min(-h * h * link.least);
-                let way = n * (next - *lambda);
+                way = n * (next - *lambda);
                 *lambda = next;
-                u[a] -= self.w[a].component_mul(&way);
-                u[b] += self.w[b].component_mul(&way);
             }
-            if let Some(drag) = drag.next()
-                && link.relative > 0.0
-            {
-                let (c, moved) = (h * link.relative, u[b] - u[a]);
-                let way = (-c * moved - *drag).component_div(&w.map(|w| 1.0 + c * w));
-                *drag += way;
-                u[a] -= self.w[a].component_mul(&way);
-                u[b] += self.w[b].component_mul(&way);
+            if c_r > 0.0 {
+                let more = (lacks - c_r * w.component_mul(&way)).component_div(&w.map(|w| 1.0 + c_r * w));
+                *drag += more;
+                way += more;
             }
+            u[a] -= self.w[a].component_mul(&way);
+            u[b] += self.w[b].component_mul(&way);
         }
     }
 }
