@@ -136,6 +136,10 @@ def errors(row, reference):
     return [abs(value / true - 1.0) for value, true in zip(row["values"], reference)]
 
 
+def figure(number):
+    return f"{number:.2g}" if number < 10 else f"{number:.0f}"
+
+
 def percent(error):
     if error != error:
         return ""
@@ -186,9 +190,9 @@ def report(name, reference, own, sweeps, others, details):
             continue
         found = errors(row, reference)
         best = cheapest(others, reference, found)
-        other, ratio = (best[0], f"{row['seconds'] / best[1]['seconds']:.2g}") if best else ("", "")
-        other = f"{other}: {best[1]['seconds']:.2g} s" if best else ""
-        cells = [what, *map(percent, found), f"{row['seconds']:.2g}", row["passes"], row["sweeps"], other, ratio]
+        other, ratio = (best[0], figure(row["seconds"] / best[1]["seconds"])) if best else ("", "")
+        other = f"{other}: {figure(best[1]['seconds'])} s" if best else ""
+        cells = [what, *map(percent, found), figure(row["seconds"]), row["passes"], row["sweeps"], other, ratio]
         print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
 
 
@@ -202,8 +206,8 @@ def summary(studies):
             good = [(what, row) for what, row in sweeps if f"`{method}`" in what and max(map(rank, errors(row, reference))) <= GOOD]
             found = min(good, key=lambda found: found[1]["seconds"], default=None)
             best = found and cheapest(others, reference, errors(found[1], reference))
-            ratio = f"{found[1]['seconds'] / best[1]['seconds']:.2g}" if best else ""
-            cells += [found[0].split(" ", 1)[1], f"{found[1]['seconds']:.2g}", ratio] if found else ["none", "", ""]
+            ratio = figure(found[1]["seconds"] / best[1]["seconds"]) if best else ""
+            cells += [found[0].split(" ", 1)[1], figure(found[1]["seconds"]), ratio] if found else ["none", "", ""]
         first = sweeps[0][1]
         cells.append(percent(errors(first, reference)[0]) or first["status"])
         print("| " + " | ".join(cells) + " |")
