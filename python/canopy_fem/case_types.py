@@ -703,7 +703,7 @@ class MeshSourceExplicit(TypedDict, total=False):
     explicit: ExplicitMesh
 
 
-Method: TypeAlias = 'Literal["explicit-euler", "euler-cromer", "euler-richardson", "improved-euler", "improved-euler-pec", "velocity-verlet", "rk4", "dormand-prince", "dop853", "newmark", "hht", "kang", "backward-euler", "generalized-alpha", "esdirk4", "central-difference", "multirate", "energy-momentum"] | MethodExplicitEuler | MethodEulerCromer | MethodEulerRichardson | MethodImprovedEuler | MethodImprovedEulerPec | MethodVelocityVerlet | MethodRk4 | MethodDormandPrince | MethodDop853 | MethodNewmark | MethodHht | MethodKang | MethodBackwardEuler | MethodGeneralizedAlpha | MethodEsdirk4 | MethodCentralDifference | MethodMultirate | MethodEnergyMomentum'
+Method: TypeAlias = 'Literal["explicit-euler", "euler-cromer", "euler-richardson", "improved-euler", "improved-euler-pec", "velocity-verlet", "rk4", "dormand-prince", "dop853", "newmark", "hht", "kang", "backward-euler", "generalized-alpha", "esdirk4", "central-difference", "multirate", "energy-momentum", "xpbd", "vbd"] | MethodExplicitEuler | MethodEulerCromer | MethodEulerRichardson | MethodImprovedEuler | MethodImprovedEulerPec | MethodVelocityVerlet | MethodRk4 | MethodDormandPrince | MethodDop853 | MethodNewmark | MethodHht | MethodKang | MethodBackwardEuler | MethodGeneralizedAlpha | MethodEsdirk4 | MethodCentralDifference | MethodMultirate | MethodEnergyMomentum | MethodXpbd | MethodVbd'
 """Method of integration: its name, or an object with its name and its parameters."""
 
 
@@ -861,6 +861,23 @@ MethodEnergyMomentum = TypedDict("MethodEnergyMomentum", {
 
 class MethodEnergyMomentumEnergyMomentum(TypedDict, total=False):
     dissipation: float
+
+
+class MethodXpbd(TypedDict, total=False):
+    xpbd: MethodXpbdXpbd
+
+
+class MethodXpbdXpbd(TypedDict, total=False):
+    iterations: int
+    substeps: int
+
+
+class MethodVbd(TypedDict, total=False):
+    vbd: MethodVbdVbd
+
+
+class MethodVbdVbd(TypedDict, total=False):
+    iterations: int
 
 
 class Network(TypedDict, total=False):

@@ -37,6 +37,8 @@ Method: TypeAlias = Literal[
     "central-difference",
     "multirate",
     "energy-momentum",
+    "xpbd",
+    "vbd",
 ]
 """name of a method: those of `canopy_fem.methods`"""
 Law: TypeAlias = Literal["linear", "green"]

@@ -81,7 +81,7 @@ impl Runner<'_> {
         if let Some(values) = quantities.filter(|_| result.status == RowStatus::Completed) {
             result.quantities = compared(&reference.account.quantities, &values.quantities());
         }
-        Ok(RunEnd::Done(result))
+        Ok(RunEnd::Done(Box::new(result)))
     }
 }
 
@@ -166,7 +166,7 @@ impl Observer for Watcher<'_, '_> {
 }
 
 fn refused(note: String) -> RunEnd {
-    RunEnd::Done(RunResult { status: RowStatus::Refused, note, ..RunResult::default() })
+    RunEnd::Done(Box::new(RunResult { status: RowStatus::Refused, note, ..RunResult::default() }))
 }
 
 /// What is kept of a run that was made.

@@ -68,7 +68,7 @@ pub(super) struct PreparedVariant {
 
 /// How a run ended, if the user did not interrupt it.
 pub(super) enum RunEnd {
-    Done(RunResult),
+    Done(Box<RunResult>),
     /// the budget was spent at this time [s] of the run, where it is saved
     OutOfTime(f64),
 }

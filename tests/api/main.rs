@@ -34,6 +34,7 @@ mod mesh_written;
 mod modes;
 mod multirate;
 mod newton;
+mod one_by_one;
 mod output;
 mod overlap;
 mod parachute;

@@ -433,7 +433,7 @@ fn summary_keeps_the_contract() {
     assert_eq!(std::fs::read_dir(dir.path()).expect("a folder").count(), 1, "no temporary file is left");
     let json: serde_json::Value = serde_json::from_str(&read(&path)).expect("JSON");
     let keys = "status method method_parameters steps rejected_steps t_end cpu_seconds wall_seconds peak_memory_bytes startup \
-                force_evaluations tangent_assemblies factorizations lu_factorizations linear_solves newton_iterations cg_iterations unknowns \
+                force_evaluations tangent_assemblies factorizations lu_factorizations linear_solves newton_iterations cg_iterations sweeps unknowns \
                 matrix_nonzeros factor_nonzeros linear_solver linear critical_step energy_error final_ledger failure resumed_from \
                 case case_digest version";
     let mut expected: Vec<&str> = keys.split_whitespace().collect();

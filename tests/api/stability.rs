@@ -416,7 +416,7 @@ fn implicit_methods_hold_at_every_step() {
 #[test]
 fn nothing_is_missing() {
     let row = of(&asset("pendulum", &[]), &["kang"]).remove(0);
-    assert!(row.status == Status::Refused && row.why.is_some_and(|why| why.contains("spring network")));
+    assert!(row.status == Status::Refused && row.why.is_some_and(|why| why.contains("springs of a network")));
     for row in rows(&chain(None), &choices(&["rk4", "newmark"]), Some(Duration::from_nanos(1))) {
         assert_eq!((row.status, row.measured, row.runs.len()), (Status::OutOfBudget, None, 0), "{}", row.method);
     }

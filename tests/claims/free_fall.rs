@@ -99,6 +99,8 @@ pub fn claims() -> Vec<Claim> {
         ("central-difference", 4e-3),
         ("multirate", 4e-3),
         ("kang", 4e-3),
+        ("xpbd", 4e-3),
+        ("vbd", 4e-3),
         ("backward-euler", 4e-3),
     ] {
         let (worst, _) = error(method, 10.0 * tau, 0.02 * tau);

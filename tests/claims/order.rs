@@ -96,7 +96,7 @@ pub fn claims() -> Vec<Claim> {
 
 /// Parameters change the order where theory says so, and nowhere else: numerical damping costs Newmark one order and
 /// HHT and generalised alpha none; dissipation inside of elements costs one.
-fn with_parameters() -> [(u32, Value); 15] {
+fn with_parameters() -> [(u32, Value); 18] {
     [
         (1, json!({"newmark": {"gamma": 0.6, "beta": 0.3025}})),
         (1, json!({"newmark": {"gamma": 0.6}})),
@@ -113,5 +113,8 @@ fn with_parameters() -> [(u32, Value); 15] {
         (2, json!({"generalized-alpha": {"rho_inf": 1.0}})),
         (1, json!({"energy-momentum": {"dissipation": 0.2}})),
         (1, json!({"energy-momentum": {"dissipation": 1.0}})),
+        (1, json!({"xpbd": {"substeps": 1, "iterations": 1}})),
+        (1, json!({"xpbd": {"substeps": 2, "iterations": 3}})),
+        (1, json!({"vbd": {"iterations": 2}})),
     ]
 }

@@ -34,10 +34,13 @@ const fn scheme(name: &'static str, order: i32, constant: f64, pure: bool) -> Sc
 /// order. Two-step Adams-Bashforth, trapezium, Euler: the textbook's. Verlet turns by 2 asin(w h/2). Generalised alpha:
 /// (beta - (af - am) af - 1/12)/2, by expansion of its characteristic polynomial; HHT is the case am = 0, af = -alpha.
 /// Kang's sweeps are exact for one spring to an anchor: backward Euler.
-const SCHEMES: [Scheme; 17] = [
+const SCHEMES: [Scheme; 19] = [
     scheme("explicit-euler", 1, -1.0 / 2.0, true),
     scheme("backward-euler", 1, 1.0 / 2.0, true),
     scheme("kang", 1, 1.0 / 2.0, false),
+    // backward Euler in ten short steps, and in one
+    scheme("xpbd", 1, 1.0 / 20.0, true),
+    scheme("vbd", 1, 1.0 / 2.0, true),
     scheme("euler-richardson", 2, -1.0 / 6.0, true),
     scheme("improved-euler", 2, -1.0 / 6.0, true),
     scheme("improved-euler-pec", 2, -5.0 / 12.0, true),

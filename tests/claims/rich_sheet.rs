@@ -80,7 +80,9 @@ fn orders(claims: &mut Vec<Claim>) {
     let (reference, _) = end(&case, "dop853", 8);
     let own = distance(&end(&case, "dormand-prince", 10).0, &reference);
     claims.push(Claim::below("the reference's own error [m, m/s]", own, 1e-12));
-    for MethodInfo { name, order, .. } in methods() {
+    // The bars are of finite strain, which methods that solve springs one by one do not take.
+    let takes_bars = |method: &&MethodInfo| !method.linear.solves_dashpots;
+    for MethodInfo { name, order, .. } in methods().iter().filter(takes_bars) {
         let first = first_refinement(*order);
         let ends = [0, 1, 2].map(|k| end(&case, name, first + k));
         let errors = ends.each_ref().map(|(state, _)| distance(state, &reference));

@@ -179,7 +179,7 @@ fn membranes_are_told() {
         "membrane        2 triangles of 0.001 m: E 400000 Pa, nu 0.3\n",
         "membrane        240 triangles of 0.001 m: E 400000 Pa along the warp and 200000 Pa across, nu 0.3, G 100000 Pa, wrinkles, damped by 0.001 s\n",
         "bending         341 edges of cloth of 1e-4 N m\n",
-        "the filter is made for linear springs",
+        "the method is made for linear springs",
     ] {
         assert!(ended.stdout.contains(words), "no \"{words}\" in {}", ended.stdout);
     }

@@ -43,8 +43,8 @@ fn solve_writes_the_files_of_the_contract() {
     let results = bench.results();
     let summary = results.summary();
     for key in "status method steps rejected_steps t_end cpu_seconds wall_seconds peak_memory_bytes force_evaluations \
-                tangent_assemblies factorizations lu_factorizations linear_solves newton_iterations cg_iterations unknowns matrix_nonzeros factor_nonzeros \
-                linear_solver linear critical_step energy_error failure case version"
+                tangent_assemblies factorizations lu_factorizations linear_solves newton_iterations cg_iterations sweeps unknowns \
+                matrix_nonzeros factor_nonzeros linear_solver linear critical_step energy_error failure case version"
         .split_whitespace()
     {
         assert!(summary.get(key).is_some(), "summary.json has no {key}");

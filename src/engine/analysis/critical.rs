@@ -51,10 +51,11 @@ pub struct CriticalStep {
 }
 
 /// Whether a limit is unknown: velocity-dependent forces, follower forces, and elastic ones other than those of linear
-/// springs act outside Kang's filter, or not as it takes them.
+/// springs act beside what a matrix-free method solves, or not as it takes them.
 pub fn outside_filter(method: &MethodChoice, scene: &dyn Scene) -> bool {
     let elastic = |term: &TermInfo| term.role == Role::Elastic && !term.linear_springs;
-    let outside = |term: &TermInfo| term.velocity_dependent || term.follower || elastic(term);
+    let solved = |term: &TermInfo| term.spring_dashpots && method.info.linear.solves_dashpots;
+    let outside = |term: &TermInfo| term.velocity_dependent && !solved(term) || term.follower || elastic(term);
     method.info.family == Family::MatrixFree && scene.terms().iter().any(outside)
 }
 

@@ -265,7 +265,7 @@ impl DiagnosisInput<'_> {
         }
         let dof = rates.damping_dof;
         let why = format!(
-            "the step of {} s is about {} what {} allows forces outside its filter: they act within m/(dF/dv) = {} s {}",
+            "the step of {} s is about {} what {} allows forces beside its springs: they act within m/(dF/dv) = {} s {}",
             figures(self.h, 4),
             times(self.h / critical),
             self.method.info.name,
@@ -287,9 +287,7 @@ impl DiagnosisInput<'_> {
             return None;
         }
         let (does, weak) = match self.method.info.family {
-            Family::MatrixFree => {
-                ("jumps over", "two sweeps of the filter are then a poor approximation of an implicit step")
-            }
+            Family::MatrixFree => ("jumps over", "its sweeps are then a poor approximation of an implicit step"),
             Family::Implicit if self.turns_dashpots() => {
                 ("jumps over", "an axial dashpot takes a spring that turns within a step for one that stretches")
             }

@@ -25,6 +25,9 @@ pub struct Counters {
     /// iterations of conjugate gradients, in these solves and in trials on a new W
     #[serde(default)]
     pub cg_iterations: u64,
+    /// sweeps over all springs (`xpbd`) or all nodes (`vbd`)
+    #[serde(default)]
+    pub sweeps: u64,
 }
 
 impl Counters {
@@ -39,6 +42,7 @@ impl Counters {
             linear_solves: self.linear_solves + other.linear_solves,
             newton_iterations: self.newton_iterations + other.newton_iterations,
             cg_iterations: self.cg_iterations + other.cg_iterations,
+            sweeps: self.sweeps + other.sweeps,
         }
     }
 

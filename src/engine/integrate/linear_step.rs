@@ -27,6 +27,10 @@ pub struct LinearStep {
     pub substeps: fn(&[f64]) -> f64,
     /// whether steps without a limit are so on linear scenes only: on others the method may make energy
     pub linear_only: bool,
+    /// sweeps over all springs or nodes in a step, for a method that solves each of them; else 0
+    pub sweeps: fn(&[f64]) -> f64,
+    /// whether a matrix-free method solves the dashpots of springs as it does these
+    pub solves_dashpots: bool,
 }
 
 /// The matrix m M - c h C - k h^2 K. No eigenvalue of the step passes -1 while it is positive definite.
@@ -50,6 +54,8 @@ impl LinearStep {
         pencil: None,
         substeps: |_| 1.0,
         linear_only: false,
+        sweeps: |_| 0.0,
+        solves_dashpots: false,
     };
     /// The same for a partitioned method.
     pub const PARTITIONED: LinearStep = LinearStep { partitioned: |_| true, ..LinearStep::PLAIN };

@@ -27,6 +27,10 @@
 //! W (`dirk.rs`), and owns one per stage otherwise: an engine carries one kept factor and one first guess from step to
 //! step. `check` counts one solve per step where it makes no trial runs.
 //!
+//! A scheme that goes along springs needs [`SpringGraph`](crate::model::system::SpringGraph): as a graph, as `kang.rs`
+//! does, or one by one, as `xpbd.rs` and `vbd.rs` do. What it does not know of a scene it refuses in
+//! [`Integrator::fits`].
+//!
 //! A scheme whose forces depend on both ends of a step gives its engine a system that has them, as
 //! `energy_momentum.rs` does.
 //!
@@ -82,11 +86,14 @@ mod order_conditions;
 pub mod registry;
 pub mod rk4;
 mod runge_kutta;
+mod springs;
 pub mod stage;
 pub mod stepper;
 pub(crate) mod tangents;
 mod updates;
+pub mod vbd;
 pub mod velocity_verlet;
+pub mod xpbd;
 
 pub use counters::Counters;
 pub use factor_cache::CachedFactor;
@@ -225,6 +232,14 @@ pub enum StepError {
 
 /// A time integration scheme for systems with the interface `S`.
 pub trait Integrator<S: ?Sized>: Send {
+    /// Whether it can make steps of a system.
+    ///
+    /// # Errors
+    /// What of the system it does not know.
+    fn fits(&self, _system: &S) -> Result<(), stepper::Unfit> {
+        Ok(())
+    }
+
     /// Sizes all buffers and makes the carried state from the first point (a_0 = M^-1 f_0).
     ///
     /// # Errors

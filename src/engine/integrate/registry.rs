@@ -15,7 +15,9 @@ use super::multirate::Multirate;
 use super::newmark::Newmark;
 use super::stage::NewmarkParameters;
 use super::stepper::Scheme;
+use super::vbd::Vbd;
 use super::velocity_verlet::VELOCITY_VERLET;
+use super::xpbd::Xpbd;
 use super::{dop853, dormand_prince, esdirk4, euler_richardson, explicit_euler, improved_euler, rk4};
 
 mod method;
@@ -335,4 +337,52 @@ static METHODS: &[MethodInfo] = &[
         source: "Greenspan 1984; Simo & Tarnow 1992; Gonzalez 1996; Armero & Romero 2001",
         build: |p, solver| Scheme::Implicit(Box::new(EnergyMomentum::new(p[0], solver))),
     },
+    MethodInfo {
+        name: "xpbd",
+        order: 1,
+        order_with: None,
+        family: Family::MatrixFree,
+        color: 4,
+        evaluations: [1, 1],
+        parameters: &[
+            ParameterInfo { name: "substeps", default: 10.0, doc: "[-] short steps in one step", ..LOCAL },
+            ParameterInfo {
+                name: "iterations",
+                default: 1.0,
+                doc: "[-] sweeps over all springs in each short step",
+                ..LOCAL
+            },
+        ],
+        stability: "every step for springs and their dashpots; all other forces are explicit",
+        linear: LinearStep {
+            sweeps: |p| p[0] * p[1],
+            solves_dashpots: true,
+            always_dissipates: true,
+            ..LinearStep::PARTITIONED
+        },
+        source: "Macklin, Mueller & Chentanez 2016, Eq. 18 and 26; Macklin et al. 2019",
+        build: |p, _| Scheme::Graph(Box::new(Xpbd::new(p[0] as u32, p[1] as u32))),
+    },
+    MethodInfo {
+        name: "vbd",
+        order: 1,
+        order_with: None,
+        family: Family::MatrixFree,
+        color: 1,
+        evaluations: [1, 1],
+        parameters: &[ParameterInfo { name: "iterations", default: 20.0, doc: "[-] sweeps over all nodes", ..LOCAL }],
+        stability: "every step for springs and their dashpots; all other forces are explicit",
+        linear: LinearStep {
+            sweeps: |p| p[0],
+            solves_dashpots: true,
+            always_dissipates: true,
+            ..LinearStep::PARTITIONED
+        },
+        source: "Chen, Liu, Yang & Yuksel 2024, Algorithm 1",
+        build: |p, _| Scheme::Graph(Box::new(Vbd::new(p[0] as u32))),
+    },
 ];
+
+/// A number of sweeps or of short steps.
+const LOCAL: ParameterInfo =
+    ParameterInfo { name: "", default: 1.0, min: 1.0, min_included: true, max: 10_000.0, whole: true, doc: "" };

@@ -3,6 +3,7 @@
 use super::form::StepForm;
 use super::{CarriedState, Counters, ErrorEstimate, Integrator, LawChange, PairInfo, StepError, StepInput, StepReport};
 use crate::assembly::{SceneInterfaces, TangentSystem};
+use crate::model::links::NoLinks;
 use crate::model::point::Point;
 use crate::model::step_block::StepSummary;
 use crate::model::system::{SpringGraph, System};
@@ -22,7 +23,7 @@ pub enum Scheme {
 #[derive(Clone, Copy, Debug, thiserror::Error, PartialEq, Eq)]
 pub enum Unfit {
     /// It needs a spring network.
-    #[error("this method filters a spring network and the scene has none; choose another method")]
+    #[error("this method goes along the springs of a network and the scene has none; choose another method")]
     Network,
     /// Its steps are longer than contact allows.
     #[error(
@@ -30,6 +31,9 @@ pub enum Unfit {
          steps; take velocity-verlet, or an implicit method such as newmark"
     )]
     Contact,
+    /// Its springs cannot be solved one by one.
+    #[error(transparent)]
+    Links(#[from] NoLinks),
 }
 
 /// A scheme bound to a scene.
@@ -66,7 +70,8 @@ impl<'a> Stepper<'a> {
     /// Binds a scheme to a scene.
     ///
     /// # Errors
-    /// When the scheme needs a spring network and the scene has none, or does not know contact and the scene has it.
+    /// When the scheme needs a spring network and the scene has none, or does not know something that the scene has,
+    /// such as contact.
     pub fn bind(scheme: Scheme, scene: SceneInterfaces<'a>) -> Result<Self, Unfit> {
         let explicit = !matches!(scheme, Scheme::Implicit(_));
         let knows_contact = match &scheme {
@@ -81,7 +86,11 @@ impl<'a> Stepper<'a> {
         Ok(Stepper(match scheme {
             Scheme::Explicit(s) => BoundScheme::Explicit(s, scene.system),
             Scheme::Implicit(s) => BoundScheme::Implicit(s, scene.tangent),
-            Scheme::Graph(s) => BoundScheme::Graph(s, scene.graph.ok_or(Unfit::Network)?),
+            Scheme::Graph(s) => {
+                let graph = scene.graph.ok_or(Unfit::Network)?;
+                s.fits(graph)?;
+                BoundScheme::Graph(s, graph)
+            }
         }))
     }
 

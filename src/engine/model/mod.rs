@@ -9,6 +9,7 @@ pub mod forces;
 pub mod gauge;
 pub mod group_totals;
 pub mod lanes;
+pub mod links;
 pub mod motion;
 pub mod observables;
 pub mod point;

@@ -7,6 +7,7 @@
 use super::abilities::Touches;
 use super::at_dof::AtDof;
 use super::forces::{Forces, Role, Tally};
+use super::links::{NoLinks, SpringLinks};
 use super::point::Point;
 use super::state::{State, StateRef};
 use super::step_block::{KickDriftScheme, StepStart, StepSummary};
@@ -31,6 +32,8 @@ pub struct TermInfo {
     pub on_triangles: bool,
     /// whether these are springs of a constant stiffness, for which Kang's filter is made
     pub linear_springs: bool,
+    /// whether these are the dashpots of springs, which methods that solve springs one by one solve with them
+    pub spring_dashpots: bool,
 }
 
 impl TermInfo {
@@ -45,6 +48,7 @@ impl TermInfo {
             follower: false,
             on_triangles: false,
             linear_springs: false,
+            spring_dashpots: false,
         }
     }
 }
@@ -269,11 +273,18 @@ pub trait StepFilter: std::fmt::Debug + Send + Sync {
     fn correction(&self) -> Option<&[f64]>;
 }
 
-/// The interface that Kang's scheme needs besides forces: the spring graph.
+/// The interface that methods along springs need besides forces: the spring graph, for Kang's scheme, and the springs
+/// one by one, for those that solve each of them.
 pub trait SpringGraph: System {
     /// [N/m] Sum of the stiffnesses at every node, slack or not `[n_nodes]`. Called once,
     /// before any other sum.
     fn stiffness_sums(&self) -> Vec<f64>;
+
+    /// The springs one by one.
+    ///
+    /// # Errors
+    /// Why some cannot be described so.
+    fn links(&self) -> Result<&dyn SpringLinks, NoLinks>;
 
     /// [N] weight at every degree of freedom.
     fn weight(&self) -> Vec<f64>;

@@ -7,6 +7,7 @@ use crate::force::kernel::neighbours::Links;
 use crate::force::kernel::neighbours::Neighbours;
 use crate::force::law::one_sided::OneSided;
 use crate::model::forces::Role;
+use crate::model::links::{NoLinks, SpringLinks};
 use crate::model::state::StateRef;
 use crate::model::system::{SpringGraph, StepFilter, Viscosity};
 use std::ops::Range;
@@ -50,6 +51,10 @@ impl Network {
 impl SpringGraph for Network {
     fn stiffness_sums(&self) -> Vec<f64> {
         self.graph().springs.weights().take(self.built.mass.len()).collect()
+    }
+
+    fn links(&self) -> Result<&dyn SpringLinks, NoLinks> {
+        self.find_links()
     }
 
     fn weight(&self) -> Vec<f64> {

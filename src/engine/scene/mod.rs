@@ -28,6 +28,7 @@ mod controls;
 mod events;
 mod external;
 mod graph;
+mod links;
 mod mass_scaling;
 mod mean;
 mod mixed;

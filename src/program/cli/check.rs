@@ -210,7 +210,7 @@ impl Stability {
     /// "yes", "no", "on linear scenes" or "not known", and why.
     fn answer(&self) -> (&'static str, String) {
         let Some(CriticalStep { step: critical, .. }) = self.limit else {
-            let why = "the method's filter is made for linear springs; other forces of this scene are outside it";
+            let why = "the method is made for linear springs; other forces of this scene are outside of it";
             return ("not known", why.to_owned());
         };
         if critical == 0.0 {
@@ -363,9 +363,8 @@ fn describe_limits(
         let mark = if name == problem.method.info.name { '*' } else { ' ' };
         let limit = match limit {
             Some(limit) => describe_limit(*limit, problem.time.step, scene),
-            None => {
-                "not known: the filter is made for linear springs; other forces of this scene are outside it".to_owned()
-            }
+            None => "not known: the method is made for linear springs; other forces of this scene are outside of it"
+                .to_owned(),
         };
         let _ = writeln!(text, "{mark} {name:<19}{limit}");
     }

@@ -137,6 +137,7 @@ fn describe_cost(text: &mut String, outcome: &Outcome, summary: &Summary) {
         (c.factorizations, "factorisation", "factorisations"),
         (c.newton_iterations, "Newton iteration", "Newton iterations"),
         (c.cg_iterations, "iteration of conjugate gradients", "iterations of conjugate gradients"),
+        (c.sweeps, "sweep", "sweeps"),
     ];
     let work = work.iter().filter(|(n, ..)| *n > 0).map(|(n, one, many)| counted(*n, one, many));
     let _ = writeln!(text, "  work            {}", work.collect::<Vec<_>>().join(", "));

@@ -40,7 +40,11 @@ const KEPT: Work = Work {
     linear_solves: 2.0,
     newton_iterations: 2.0,
     cg_iterations: 0.0,
+    sweeps: 0.0,
 };
+
+/// [-] Time of a sweep over all springs, one after the other, over that of a pass.
+const SWEEP: f64 = 2.0;
 
 /// What the units of work cost on a scene, nominally.
 #[derive(Clone, Copy, Debug)]
@@ -62,7 +66,8 @@ impl NominalCosts {
         let step = costs::STEP + costs::STEP_DOF * scene.n_dof() as f64;
         let mut implicit = if tangent.is_some_and(|t| t.kept) { KEPT } else { UNTRIED };
         implicit.cg_iterations = implicit.linear_solves * tangent.map_or(0.0, |t| t.cg_iterations as f64);
-        let work = Work { force_evaluations: nominal_pass(scene), ..tangent_work };
+        let pass = nominal_pass(scene);
+        let work = Work { force_evaluations: pass, sweeps: SWEEP * pass, ..tangent_work };
         NominalCosts { step, work, moving: scene.velocity_dependent(), implicit }
     }
 
@@ -75,7 +80,7 @@ impl NominalCosts {
             Some(elements * if info.on_triangles { costs::TRIANGLE } else { costs::SPRING })
         });
         let pass = costs::SMALL_PASS + costs::NODE * scene.reference().len() as f64 + terms.sum::<f64>();
-        let work = Work { force_evaluations: pass, ..solving };
+        let work = Work { force_evaluations: pass, sweeps: SWEEP * pass, ..solving };
         NominalCosts { work, ..NominalCosts::new(scene, None) }
     }
 
@@ -89,7 +94,10 @@ impl NominalCosts {
         let passes = f64::from(method.info.evaluations[usize::from(self.moving)]) - self.saved(method);
         match method.info.family {
             Family::Implicit => self.cost(steps, self.implicit.times(steps)),
-            Family::Explicit | Family::MatrixFree => self.cost(steps, Work::passes(passes.max(1.0) * steps)),
+            Family::Explicit | Family::MatrixFree => {
+                let work = Work { sweeps: method.sweeps(), ..Work::passes(passes.max(1.0)) };
+                self.cost(steps, work.times(steps))
+            }
         }
     }
 

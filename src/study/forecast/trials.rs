@@ -209,7 +209,7 @@ impl<'a> Trials<'a> {
             steps: 1.0,
             simulated: 1.0,
             seconds: iterations * iteration + (passes - iterations) * self.force.pass_seconds,
-            work: Work { force_evaluations: passes, cg_iterations: 0.0, ..Work::each(|_| iterations) },
+            work: Work { force_evaluations: passes, cg_iterations: 0.0, sweeps: 0.0, ..Work::each(|_| iterations) },
         };
         let sample = learnt.or(steps.map(|_| untried)).ok_or_else(|| {
             format!(

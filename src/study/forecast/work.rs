@@ -17,6 +17,8 @@ pub struct Work {
     pub newton_iterations: f64,
     /// iterations of conjugate gradients
     pub cg_iterations: f64,
+    /// sweeps over all springs or nodes
+    pub sweeps: f64,
 }
 
 impl Work {
@@ -29,6 +31,7 @@ impl Work {
             linear_solves: make(|work| work.linear_solves),
             newton_iterations: make(|work| work.newton_iterations),
             cg_iterations: make(|work| work.cg_iterations),
+            sweeps: make(|work| work.sweeps),
         }
     }
 
@@ -52,6 +55,7 @@ impl Work {
             + cost.linear_solves
             + cost.newton_iterations
             + cost.cg_iterations
+            + cost.sweeps
     }
 }
 
@@ -64,6 +68,7 @@ impl From<Counters> for Work {
             linear_solves: c.linear_solves as f64,
             newton_iterations: c.newton_iterations as f64,
             cg_iterations: c.cg_iterations as f64,
+            sweeps: c.sweeps as f64,
         }
     }
 }

@@ -105,6 +105,7 @@ fn row(law: &Law, job: Job, h: f64, status: RowStatus) -> Row {
         linear_solves: if implicit { 3 * count } else { 0 },
         newton_iterations: if implicit { 3 * count } else { 0 },
         cg_iterations: 0,
+        sweeps: 0,
     };
     let measured = RunResult {
         status,

@@ -103,6 +103,10 @@ pub fn cases() -> Vec<Case> {
     for substeps in [1.0, 2.0, 5.0] {
         add("multirate", &[("substeps", substeps)]);
     }
+    for (substeps, iterations) in [(1.0, 1.0), (1.0, 5.0), (4.0, 2.0)] {
+        add("xpbd", &[("substeps", substeps), ("iterations", iterations)]);
+    }
+    add("vbd", &[("iterations", 1.0)]);
     for dissipation in [0.1, 0.5, 1.0] {
         add("energy-momentum", &[("dissipation", dissipation)]);
     }

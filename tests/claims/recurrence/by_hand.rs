@@ -107,6 +107,19 @@ fn kang(o: Oscillator, h: f64, damper: Damper, m: Motion) -> Motion {
     Motion { x: m.x + h * v, v, a: 0.0 }
 }
 
+/// n substeps of backward Euler with spring and dashpot; damping of other kinds and the load act from their start.
+fn springs_alone(o: Oscillator, (h, n): (f64, f64), damper: Damper, m: Motion) -> Motion {
+    let along_spring = [Damper::Axial, Damper::Relative, Damper::FromStep].contains(&damper);
+    let (d, h) = (if along_spring { o.d() } else { 0.0 }, h / n);
+    let mut m = m;
+    for _ in 0..n as usize {
+        let pushed = m.v + h * (o.push - (o.d() - d) * m.v);
+        let v = (pushed - h * o.frequency.powi(2) * m.x) / (1.0 + h * d + (h * o.frequency).powi(2));
+        m = Motion { x: m.x + h * v, v, a: 0.0 };
+    }
+    m
+}
+
 /// (I - h A) y1 = y0 + h (0, g), solved by Cramer's rule.
 fn backward_euler(o: Oscillator, h: f64, m: Motion) -> Motion {
     let (w2, d) = (o.frequency.powi(2), o.d());
@@ -200,6 +213,8 @@ impl Case {
                 let chi = self.value("dissipation", 0.0);
                 Box::new(move |m| energy_momentum(o, h, chi, m))
             }
+            "xpbd" => Box::new(move |m| springs_alone(o, (h, self.value("substeps", 10.0)), damper, m)),
+            "vbd" => Box::new(move |m| springs_alone(o, (h, 1.0), damper, m)),
             "kang" => Box::new(move |m| kang(o, h, damper, m)),
             other => panic!("write the recurrence of {other} here"),
         };

@@ -34,7 +34,7 @@ const AXIAL: TermInfo = dashpots("axial dashpots");
 const RELATIVE: TermInfo = TermInfo { constant_damping: true, ..dashpots("relative dashpots") };
 
 const fn dashpots(name: &'static str) -> TermInfo {
-    TermInfo { velocity_dependent: true, ..TermInfo::of(name, Role::Dissipative) }
+    TermInfo { velocity_dependent: true, spring_dashpots: true, ..TermInfo::of(name, Role::Dissipative) }
 }
 
 /// Dashpots of a batch of springs.

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 pub enum Family {
     /// forces only
     Explicit,
-    /// forces and the spring graph, no matrix
+    /// forces and the springs, no matrix
     MatrixFree,
     /// tangents and a sparse factorisation
     Implicit,
@@ -205,6 +205,11 @@ impl MethodChoice {
     /// [-] Short steps of stiff springs in a step ([`LinearStep::substeps`]).
     pub fn substeps(&self) -> f64 {
         (self.info.linear.substeps)(&self.values)
+    }
+
+    /// Sweeps in a step ([`LinearStep::sweeps`]).
+    pub fn sweeps(&self) -> f64 {
+        (self.info.linear.sweeps)(&self.values)
     }
 
     /// The matrix of its stable steps ([`LinearStep::pencil`]), if it has one.

@@ -120,6 +120,12 @@ static OTHER_NAMES: &[(&[&str], &str, &str)] = &[
         "energy-momentum",
         "the implicit midpoint rule with discrete gradients",
     ),
+    (
+        &["pbd", "positionbaseddynamics", "extendedpbd", "extendedpositionbaseddynamics", "xpbdsmallsteps"],
+        "xpbd",
+        "position-based dynamics with compliant springs, which do not depend on the number of iterations once converged",
+    ),
+    (&["vertexblockdescent", "blockdescent", "avbd"], "vbd", "vertex block descent"),
 ];
 
 #[cfg(test)]

@@ -40,7 +40,7 @@ pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Opt
     if let (Some(choice), System::Pendulum(_)) = (&method, system)
         && choice.info.family == Family::MatrixFree
     {
-        let hint = "its filter runs over the springs of a network; take another method for a pendulum";
+        let hint = "it goes along the springs of a network; take another method for a pendulum";
         faults.add_hint(&at.key("method"), "a method that needs no network", hint);
     }
     let step = match step(&at, time, faults)? {
