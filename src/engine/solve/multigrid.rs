@@ -12,6 +12,8 @@
 mod numbers;
 mod prolongation;
 mod smoother;
+#[cfg(test)]
+mod tests;
 
 use super::Cholesky;
 use super::bsr::packed;
@@ -25,7 +27,7 @@ use multiversion::multiversion;
 use nalgebra::Vector3;
 use numbers::{CoarseNumbers, FineNumbers, Numbers, lower_blocks};
 use prolongation::{Prolongation, aggregates};
-use smoother::{RUN, Smoother, each_run, runs, runs_mut};
+use smoother::{SECTION, Smoother, each_section, sections, sections_mut};
 use std::sync::Arc;
 use wide::f32x4;
 
@@ -48,7 +50,7 @@ struct Level {
     /// what the first of two cycles found, and what is left after sweeps
     first: Vec<f32x4>,
     left: Vec<f32x4>,
-    /// r . z of every run
+    /// r . z of every section
     sums: Vec<f64>,
 }
 
@@ -79,7 +81,7 @@ pub(super) struct Multigrid {
     x: Vec<f32x4>,
     p: Vec<f32x4>,
     q: Vec<f32x4>,
-    /// p . q of every run
+    /// p . q of every section
     along: Vec<f64>,
     /// r . z
     square: f64,
@@ -124,7 +126,7 @@ impl Multigrid {
             x: zeros(),
             p: zeros(),
             q: zeros(),
-            along: vec![0.0; n.div_ceil(RUN)],
+            along: vec![0.0; n.div_ceil(SECTION)],
             square: 0.0,
             squares: 0.0,
         })
@@ -155,16 +157,7 @@ impl Multigrid {
             }
             rest = coarser;
         }
-        coarsest.set().map_err(|error| self.at_an_unknown(error))
-    }
-
-    /// The same error with the first unknown in place of one of the coarsest matrix.
-    fn at_an_unknown(&self, error: LinearError) -> LinearError {
-        match error {
-            LinearError::NotFinite { .. } => LinearError::NotFinite { unknown: 0 },
-            LinearError::Singular { .. } => LinearError::Singular { unknown: None },
-            other => other,
-        }
+        coarsest.set()
     }
 
     /// r <- b / s, where s is the largest entry of b `[n]`. Returns s and r . z.
@@ -213,8 +206,10 @@ impl Multigrid {
     pub(super) fn product(&mut self, beta: f32) -> Curvature {
         let Multigrid { levels, workers, p, q, along, square, squares, .. } = self;
         let (level, b) = (&levels[0], f64::from(beta));
-        let vectors = runs_mut(p).zip(runs_mut(q)).zip(along.iter_mut()).enumerate();
-        each_run(workers, vectors, |(run, ((p, q), along))| *along = direction(level, run * RUN, [p, q], beta));
+        let vectors = sections_mut(p).zip(sections_mut(q)).zip(along.iter_mut()).enumerate();
+        each_section(workers, vectors, |(section, ((p, q), along))| {
+            *along = direction(level, section * SECTION, [p, q], beta)
+        });
         // p and z are conjugate in B^-1.
         *squares = *square + b * b * *squares;
         Curvature { along: along.iter().sum(), squares: *squares }
@@ -226,8 +221,8 @@ impl Multigrid {
     /// An r that is not finite.
     pub(super) fn advance(&mut self, alpha: f32) -> Result<f64, LinearError> {
         let Multigrid { levels, workers, x, p, q, .. } = self;
-        let vectors = runs_mut(x).zip(runs_mut(&mut levels[0].r)).zip(runs(p).zip(runs(q)));
-        each_run(workers, vectors, |((x, r), (p, q))| {
+        let vectors = sections_mut(x).zip(sections_mut(&mut levels[0].r)).zip(sections(p).zip(sections(q)));
+        each_section(workers, vectors, |((x, r), (p, q))| {
             for ((x, r), (p, q)) in x.iter_mut().zip(r).zip(p.iter().zip(q)) {
                 *x += *p * alpha;
                 *r -= *q * alpha;
@@ -254,7 +249,7 @@ impl Level {
         // Of the finest level there is one cycle.
         let first = vec![f32x4::ZERO; if matrix.is_some() { n } else { 0 }];
         let zeros = || vec![f32x4::ZERO; n];
-        let sums = vec![0.0; n.div_ceil(RUN)];
+        let sums = vec![0.0; n.div_ceil(SECTION)];
         Level { matrix, smoother, up, r: zeros(), x: zeros(), z: zeros(), first, left: zeros(), sums }
     }
 
@@ -309,7 +304,7 @@ fn cycle(levels: &mut [Level], coarsest: &mut Coarsest, workers: &Workers) -> Re
     Ok(smoother.backward(workers, r, [x, z], sums))
 }
 
-/// p <- z + beta p, q <- A z + beta q of a run; returns p . q.
+/// p <- z + beta p, q <- A z + beta q of a section; returns p . q.
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn direction(level: &Level, first: usize, [p, q]: [&mut [f32x4]; 2], beta: f32) -> f64 {
     let Level { smoother, r, x, z, .. } = level;
@@ -347,18 +342,26 @@ impl Coarsest {
                 }
             }
         }
-        Ok(self.solver.prepare(&self.values)? == Inertia::Definite)
+        Ok(self.solver.prepare(&self.values).map_err(of_all)? == Inertia::Definite)
     }
 
     fn solve(&mut self) -> Result<f64, LinearError> {
         for (b, r) in self.b.chunks_exact_mut(3).zip(&self.r) {
             b.iter_mut().zip(r.to_array()).for_each(|(b, r)| *b = f64::from(r));
         }
-        self.solver.solve(&self.values, &mut self.b)?;
+        self.solver.solve(&self.values, &mut self.b).map_err(of_all)?;
         for (z, b) in self.z.iter_mut().zip(self.b.chunks_exact(3)) {
             *z = f32x4::new([b[0] as f32, b[1] as f32, b[2] as f32, 0.0]);
         }
         Ok(0.0)
+    }
+}
+
+/// The same error without an unknown, as that of the coarsest matrix is none of W.
+fn of_all(error: LinearError) -> LinearError {
+    match error {
+        LinearError::NotFinite { .. } | LinearError::Singular { .. } => LinearError::Singular { unknown: None },
+        other => other,
     }
 }
 

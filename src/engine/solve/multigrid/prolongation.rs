@@ -6,7 +6,7 @@
 //! with the matrix of the coarse level P^T A P.
 
 use super::numbers::{CoarseNumbers, Numbers};
-use super::smoother::{BlockRows, RUN, each_run, runs_mut};
+use super::smoother::{BlockRows, SECTION, each_section, sections_mut};
 use crate::mesh::adjacency::{Adjacency, row_starts};
 use crate::model::workers::Workers;
 use multiversion::multiversion;
@@ -166,13 +166,13 @@ impl Prolongation {
 
     /// coarse <- P^T v
     pub(super) fn restrict(&self, workers: &Workers, v: &[f32x4], coarse: &mut [f32x4]) {
-        let vectors = runs_mut(coarse).enumerate();
-        each_run(workers, vectors, |(run, coarse)| restrict(self, run * RUN, coarse, v));
+        let vectors = sections_mut(coarse).enumerate();
+        each_section(workers, vectors, |(section, coarse)| restrict(self, section * SECTION, coarse, v));
     }
 
     /// x <- x + P e
     pub(super) fn correct(&self, workers: &Workers, e: &[f32x4], x: &mut [f32x4]) {
-        each_run(workers, runs_mut(x).enumerate(), |(run, x)| correct(&self.rows, run * RUN, x, e));
+        each_section(workers, sections_mut(x).enumerate(), |(section, x)| correct(&self.rows, section * SECTION, x, e));
     }
 }
 

@@ -4,8 +4,8 @@
 //! forwards, from 0:    x = (D + L)^-1 r                          left = r - A x
 //! backwards, from x:   z = x + (D + L^T)^-1 (r - A x)            A z = r - L (x - z)
 //! ```
-//! The first and the second after it are one symmetric sweep. Nodes are divided into runs. A sweep goes through every
-//! run by itself, on any thread, and takes what lies between runs from where it began, so that its bits do not depend
+//! The first and the second after it are one symmetric sweep. Nodes are divided into sections. A sweep goes through every
+//! section by itself, on any thread, and takes what lies between sections from where it began, so that its bits do not depend
 //! on the number of threads. Only blocks below the diagonal are stored: a row is read once to take from the nodes
 //! before it and to give to them.
 
@@ -18,29 +18,29 @@ use nalgebra::Matrix3;
 use rayon::iter::{ParallelBridge, ParallelIterator};
 use wide::f32x4;
 
-/// Nodes of a run.
-pub(super) const RUN: usize = 16_384;
+/// Nodes of a section.
+pub(super) const SECTION: usize = 16_384;
 
-/// Does the work on all runs, on the threads of `workers`.
-pub(super) fn each_run<T: Send>(
+/// Does the work on all sections, on the threads of `workers`.
+pub(super) fn each_section<T: Send>(
     workers: &Workers,
-    runs: impl ExactSizeIterator<Item = T> + Send,
+    sections: impl ExactSizeIterator<Item = T> + Send,
     work: impl Fn(T) + Send + Sync,
 ) {
-    match workers.pool().filter(|_| runs.len() > 1) {
-        None => runs.for_each(work),
-        Some(pool) => pool.install(|| runs.par_bridge().for_each(work)),
+    match workers.pool().filter(|_| sections.len() > 1) {
+        None => sections.for_each(work),
+        Some(pool) => pool.install(|| sections.par_bridge().for_each(work)),
     }
 }
 
-/// The runs of a vector of nodes.
-pub(super) fn runs<T>(v: &[T]) -> std::slice::Chunks<'_, T> {
-    v.chunks(RUN)
+/// The sections of a vector of nodes.
+pub(super) fn sections<T>(v: &[T]) -> std::slice::Chunks<'_, T> {
+    v.chunks(SECTION)
 }
 
 /// The same to write.
-pub(super) fn runs_mut<T>(v: &mut [T]) -> std::slice::ChunksMut<'_, T> {
-    v.chunks_mut(RUN)
+pub(super) fn sections_mut<T>(v: &mut [T]) -> std::slice::ChunksMut<'_, T> {
+    v.chunks_mut(SECTION)
 }
 
 /// 3x3 blocks by rows.
@@ -138,9 +138,9 @@ impl BlockRows {
 /// A symmetric matrix.
 #[derive(Debug)]
 pub(super) struct Smoother {
-    /// transposed blocks below the diagonal in a run; columns count from the first node of the run
+    /// transposed blocks below the diagonal in a section; columns count from the first node of the section
     below: BlockRows,
-    /// blocks between runs
+    /// blocks between sections
     between: BlockRows,
     /// D^-1, as the numbers of [`BlockRows`]; 0 at fixed components
     inverse: Vec<f32>,
@@ -152,10 +152,10 @@ impl Smoother {
     /// Zeros, of the blocks of a lower triangle.
     pub(super) fn new(lower: &Adjacency) -> Self {
         let n = lower.rows();
-        let one_run = |(g, h): &(u32, u32)| *g as usize / RUN == *h as usize / RUN;
+        let one_section = |(g, h): &(u32, u32)| *g as usize / SECTION == *h as usize / SECTION;
         let pairs = (0..n as u32).flat_map(|g| lower.row(g).iter().map(move |&h| (g, h))).filter(|(g, h)| g != h);
-        let inside = pairs.clone().filter(one_run).map(|(g, h)| (h, g % RUN as u32));
-        let between = pairs.filter(move |pair| !one_run(pair));
+        let inside = pairs.clone().filter(one_section).map(|(g, h)| (h, g % SECTION as u32));
+        let between = pairs.filter(move |pair| !one_section(pair));
         Smoother {
             below: BlockRows::new(Adjacency::new(n, inside)),
             // Of a row those before it come first, in the order in which they are set.
@@ -180,7 +180,7 @@ impl Smoother {
                         Some(found) => inverse[9 * g..9 * g + 9].copy_from_slice(found.as_slice()),
                         None => well = false,
                     }
-                } else if g / RUN == h / RUN {
+                } else if g / SECTION == h / SECTION {
                     below.push(&mut inside[h], &block.transpose());
                 } else {
                     between.push(&mut beyond[h], block);
@@ -208,8 +208,8 @@ impl Smoother {
 
     /// Sweeps forwards: overwrites x and left.
     pub(super) fn forward(&self, workers: &Workers, r: &[f32x4], x: &mut [f32x4], left: &mut [f32x4]) {
-        let vectors = runs(r).zip(runs_mut(x)).zip(runs_mut(left)).enumerate();
-        each_run(workers, vectors, |(run, ((r, x), left))| forward(self, run * RUN, [x, left], r));
+        let vectors = sections(r).zip(sections_mut(x)).zip(sections_mut(left)).enumerate();
+        each_section(workers, vectors, |(section, ((r, x), left))| forward(self, section * SECTION, [x, left], r));
         self.between(workers, x, |sum, given| *sum -= given, left);
     }
 
@@ -217,18 +217,20 @@ impl Smoother {
     pub(super) fn backward(&self, workers: &Workers, r: &[f32x4], [x, z]: [&mut [f32x4]; 2], sums: &mut [f64]) -> f64 {
         z.fill(f32x4::ZERO);
         self.between(workers, x, |sum, given| *sum = given, z);
-        let vectors = runs(r).zip(runs_mut(x)).zip(runs_mut(z)).zip(sums.iter_mut()).enumerate();
-        each_run(workers, vectors, |(run, (((r, x), z), sum))| *sum = backward(self, run * RUN, [x, z], r));
+        let vectors = sections(r).zip(sections_mut(x)).zip(sections_mut(z)).zip(sums.iter_mut()).enumerate();
+        each_section(workers, vectors, |(section, (((r, x), z), sum))| {
+            *sum = backward(self, section * SECTION, [x, z], r)
+        });
         sums.iter().sum()
     }
 
     /// A z of a node after [`Smoother::backward`]; `moved` is x - z.
     #[inline(always)]
     pub(super) fn product(&self, i: usize, r: f32x4, moved: &[f32x4]) -> f32x4 {
-        r - self.below.transposed_sum(i, &moved[i - i % RUN..]) - self.between.sum(i, moved)
+        r - self.below.transposed_sum(i, &moved[i - i % SECTION..]) - self.between.sum(i, moved)
     }
 
-    /// Takes the sums over blocks between runs into `out`.
+    /// Takes the sums over blocks between sections into `out`.
     fn between(
         &self,
         workers: &Workers,
@@ -239,8 +241,8 @@ impl Smoother {
         if self.between.column.is_empty() {
             return;
         }
-        each_run(workers, runs_mut(out).enumerate(), |(run, out)| {
-            for (out, i) in out.iter_mut().zip(run * RUN..) {
+        each_section(workers, sections_mut(out).enumerate(), |(section, out)| {
+            for (out, i) in out.iter_mut().zip(section * SECTION..) {
                 if self.between.start[i] < self.between.start[i + 1] {
                     take(out, self.between.sum(i, x));
                 }
