@@ -4,10 +4,10 @@
 //! forwards, from 0:    x = (D + L)^-1 r                          left = r - A x
 //! backwards, from x:   z = x + (D + L^T)^-1 (r - A x)            A z = r - L (x - z)
 //! ```
-//! The first and the second after it are one symmetric sweep. Nodes are divided into sections. A sweep goes through every
-//! section by itself, on any thread, and takes what lies between sections from where it began, so that its bits do not depend
-//! on the number of threads. Only blocks below the diagonal are stored: a row is read once to take from the nodes
-//! before it and to give to them.
+//! The first and the second after it are one symmetric sweep. Nodes are divided into sections. A sweep goes through
+//! every section by itself, on any thread, and takes what lies between sections from where it began, so that its bits
+//! do not depend on the number of threads. Only blocks below the diagonal are stored: a row is read once to take from
+//! the nodes before it and to give to them.
 
 use super::super::bsr::{columns, times};
 use super::numbers::Numbers;

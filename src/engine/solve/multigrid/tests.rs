@@ -54,7 +54,8 @@ fn net() -> (Arc<Pattern>, Vec<f64>) {
     (Arc::new(pattern), values)
 }
 
-/// B is symmetric and positive definite, and few iterations solve for a smooth right-hand side, with the same bits on any number of threads.
+/// B is symmetric and positive definite, and few iterations solve for a smooth right-hand side, with the same bits on
+/// any number of threads.
 #[test]
 fn iterations_are_few_and_b_is_symmetric() -> Result<(), LinearError> {
     let (pattern, values) = net();
