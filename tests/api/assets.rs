@@ -130,7 +130,12 @@ fn the_original_parachute_diverges_because_of_the_air() {
         println!("{}: {:.2e} s, {}", method.name, failure.time, failure.cause);
         // Explicit Euler lags behind the wind for longest, dop853 resolves most of it: 4.6e-11 and 4.9e-11 s on this
         // mesh.
-        let last = if ["explicit-euler", "dop853"].contains(&method.name) { 5.0e-11 } else { 4.5e-11 };
+        let last = match method.name {
+            "explicit-euler" | "dop853" => 5.0e-11,
+            // Springs are solved for, which holds the nodes together for longer.
+            "xpbd" | "vbd" => 2.0e-10,
+            _ => 4.5e-11,
+        };
         assert!((2.5e-11..last).contains(&failure.time), "{}: {:e}", method.name, failure.time);
         assert_eq!(failure.term.as_deref(), Some("air"), "{}", method.name);
         assert!(failure.node.is_some() && failure.spring.is_some(), "{}", method.name);

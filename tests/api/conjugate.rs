@@ -233,11 +233,12 @@ fn a_long_chain_takes_few_iterations() {
 }
 
 /// On sheets the fill comes to the diagonal, and smooth motions meet it as they meet W; the widest is eliminated in two
-/// halves, and takes 14 and 30 in one. Symmetric Gauss-Seidel took 21, 19, 19 and 39, 30, 35.
+/// halves, and takes 14 in one. Symmetric Gauss-Seidel took 21, 19, 19 and 39, 30. The widest and stiffest gets
+/// multigrid, and takes 31 iterations without.
 #[test]
 fn sheets_take_few_iterations() {
     let found = [1e-2, 1e-3].map(|m| [20, 40, 80].map(|side| solution(&at_rest(side, m, (1, 1.0)), 1e-3).2));
-    assert_eq!(found, [[14, 13, 14], [25, 23, 31]]);
+    assert_eq!(found, [[14, 13, 14], [25, 23, 4]]);
 }
 
 /// A sheet in waves of unit springs, or flat but for a patch of so many nodes' width.

@@ -20,7 +20,7 @@ use std::sync::Arc;
 const EASIER: f64 = 0.65;
 /// [-] Iterations of an average solve over those of the trial where a matrix needs multigrid. There all right-hand
 /// sides take about as many.
-const MULTIGRID_TRIAL: f64 = 2.6;
+const MULTIGRID_TRIAL: f64 = 1.7;
 /// [-] Without multigrid the first matrix gets CG even if the trial predicts this many times the affordable iterations.
 /// CG costs little to set up and real solves soon show if it is dearer; the cost of an unneeded factor is lost.
 const DOUBT: f64 = 1.3;
