@@ -45,7 +45,13 @@ struct Comparison<'a> {
 
 impl Comparison<'_> {
     fn hold(&self) -> Result<(), TestCaseError> {
-        methods().iter().try_for_each(|method| self.hold_for(method))
+        self.hold_but_for(&[])
+    }
+
+    /// The same without some methods.
+    fn hold_but_for(&self, left_out: &[&str]) -> Result<(), TestCaseError> {
+        let mut held = methods().iter().filter(|method| !left_out.contains(&method.name));
+        held.try_for_each(|method| self.hold_for(method))
     }
 
     fn hold_for(&self, method: &MethodInfo) -> Result<(), TestCaseError> {
@@ -153,7 +159,10 @@ proptest! {
         other.springs = net.springs.iter().rev().map(|s| s.map(|i| number[i])).collect();
         other.triangles = net.triangles.iter().rev().map(|t| t.map(|i| number[i])).collect();
         other.held = net.held.iter().map(|&i| number[i]).collect();
-        Comparison { nets: [&net, &other], place: &same, turn: &same, number: &|i| number[i], allowed: 1e-9 }.hold()?;
+        let number = |i: usize| number[i];
+        let compared = Comparison { nets: [&net, &other], place: &same, turn: &same, number: &number, allowed: 1e-9 };
+        // Sweeps that have not converged depend on the order of springs or nodes.
+        compared.hold_but_for(&["xpbd", "vbd"])?;
     }
 
     #[test]
