@@ -345,12 +345,12 @@ static METHODS: &[MethodInfo] = &[
         color: 4,
         evaluations: [1, 1],
         parameters: &[
-            ParameterInfo { name: "substeps", default: 10.0, doc: "[-] short steps in one step", ..LOCAL },
+            ParameterInfo { name: "substeps", default: 10.0, doc: "[-] short steps in one step", ..WHOLE_NUMBER },
             ParameterInfo {
                 name: "iterations",
                 default: 1.0,
                 doc: "[-] sweeps over all springs in each short step",
-                ..LOCAL
+                ..WHOLE_NUMBER
             },
         ],
         stability: "every step for springs and their dashpots; all other forces are explicit",
@@ -370,7 +370,12 @@ static METHODS: &[MethodInfo] = &[
         family: Family::MatrixFree,
         color: 1,
         evaluations: [1, 1],
-        parameters: &[ParameterInfo { name: "iterations", default: 20.0, doc: "[-] sweeps over all nodes", ..LOCAL }],
+        parameters: &[ParameterInfo {
+            name: "iterations",
+            default: 20.0,
+            doc: "[-] sweeps over all nodes",
+            ..WHOLE_NUMBER
+        }],
         stability: "every step for springs and their dashpots; all other forces are explicit",
         linear: LinearStep {
             sweeps: |p| p[0],
@@ -384,5 +389,5 @@ static METHODS: &[MethodInfo] = &[
 ];
 
 /// A number of sweeps or of short steps.
-const LOCAL: ParameterInfo =
+const WHOLE_NUMBER: ParameterInfo =
     ParameterInfo { name: "", default: 1.0, min: 1.0, min_included: true, max: 10_000.0, whole: true, doc: "" };

@@ -23,6 +23,7 @@
 use super::springs::{Springs, by_node, end_of_step, go_on};
 use super::stepper::Unfit;
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
+use crate::mesh::adjacency::Adjacency;
 use crate::model::links::Link;
 use crate::model::point::Point;
 use crate::model::system::SpringGraph;
@@ -33,10 +34,8 @@ use nalgebra::{Matrix3, Vector3};
 pub struct Vbd {
     iterations: u32,
     springs: Springs,
-    /// where each node's springs begin in `at_node`, `[n_nodes + 1]`
-    begins: Vec<u32>,
-    /// springs with the node at their other end, node by node
-    at_node: Vec<[u32; 2]>,
+    /// the springs at every node
+    at_node: Adjacency,
     /// [m] y and u `[n_dof]`
     y: Vec<f64>,
     u: Vec<f64>,
@@ -45,30 +44,8 @@ pub struct Vbd {
 impl Vbd {
     /// With so many sweeps over all nodes in a step.
     pub fn new(iterations: u32) -> Self {
-        let (begins, at_node) = (Vec::new(), Vec::new());
-        Vbd { iterations, springs: Springs::default(), begins, at_node, y: Vec::new(), u: Vec::new() }
-    }
-
-    /// Finds the springs at every node of `nodes`.
-    fn find_neighbours(&mut self, nodes: usize) {
-        let links = &self.springs.links;
-        self.begins = vec![0; nodes + 1];
-        for node in links.iter().flat_map(|link| link.nodes) {
-            self.begins[node as usize + 1] += 1;
-        }
-        for node in 0..nodes {
-            self.begins[node + 1] += self.begins[node];
-        }
-        let mut next = self.begins.clone();
-        self.at_node = vec![[0; 2]; 2 * links.len()];
-        for (number, link) in (0..).zip(links) {
-            let [a, b] = link.nodes;
-            for [node, other] in [[a, b], [b, a]] {
-                let place = &mut next[node as usize];
-                self.at_node[*place as usize] = [number, other];
-                *place += 1;
-            }
-        }
+        let at_node = Adjacency::new(0, std::iter::empty());
+        Vbd { iterations, springs: Springs::default(), at_node, y: Vec::new(), u: Vec::new() }
     }
 }
 
@@ -81,7 +58,8 @@ impl Integrator<dyn SpringGraph> for Vbd {
         self.springs = Springs::of(system, at.state.t);
         self.y = vec![0.0; at.state.x.len()];
         self.u = self.y.clone();
-        self.find_neighbours(self.u.len() / 3);
+        let ends = (0..).zip(&self.springs.links).flat_map(|(number, link)| link.nodes.map(|node| (node, number)));
+        self.at_node = Adjacency::new(self.u.len() / 3, ends);
         Ok(())
     }
 
@@ -91,7 +69,7 @@ impl Integrator<dyn SpringGraph> for Vbd {
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
-        let Vbd { iterations, springs, begins, at_node, y, u } = self;
+        let Vbd { iterations, springs, at_node, y, u } = self;
         let w = system.inverse_mass();
         springs.reel(system, from.state.t);
         springs.find_others(&from.state, &from.forces);
@@ -105,7 +83,7 @@ impl Integrator<dyn SpringGraph> for Vbd {
         let step = Step { x_n: by_node(&from.state.x), y: by_node(y), w: by_node(w), h, links: &springs.links };
         for _ in 0..*iterations {
             go_on()?;
-            step.sweep((begins, at_node), bytemuck::cast_slice_mut(u));
+            step.sweep(at_node, bytemuck::cast_slice_mut(u));
         }
         counters.sweeps += u64::from(*iterations);
         end_of_step(u, h, w, &mut to.state);
@@ -127,25 +105,26 @@ struct Step<'a> {
 
 impl Step<'_> {
     /// One sweep over all nodes.
-    fn sweep(&self, (begins, at_node): (&[u32], &[[u32; 2]]), u: &mut [Vector3<f64>]) {
+    fn sweep(&self, at_node: &Adjacency, u: &mut [Vector3<f64>]) {
         for (i, w) in self.w.iter().enumerate() {
             if *w != Vector3::zeros() {
-                let springs = &at_node[begins[i] as usize..begins[i + 1] as usize];
-                let correction = self.correction(i, springs, u);
+                let correction = self.correction(i, at_node.row(i as u32), u);
                 u[i] += correction;
             }
         }
     }
 
     /// [m] H^-1 f of node `i`.
-    fn correction(&self, i: usize, springs: &[[u32; 2]], u: &[Vector3<f64>]) -> Vector3<f64> {
+    fn correction(&self, i: usize, springs: &[u32], u: &[Vector3<f64>]) -> Vector3<f64> {
         let (h, w) = (self.h, self.w[i]);
         // A held axis gets no force below, so that any number serves there.
         let inertia = w.map(|w| if w > 0.0 { 1.0 / (w * h * h) } else { 1.0 });
         let mut f = inertia.component_mul(&(self.y[i] - u[i]));
         let mut matrix = Matrix3::from_diagonal(&inertia);
-        for &[number, j] in springs {
-            let (link, j) = (&self.links[number as usize], j as usize);
+        for &number in springs {
+            let link = &self.links[number as usize];
+            let [a, b] = link.nodes.map(|node| node as usize);
+            let j = if a == i { b } else { a };
             let moved = u[j] - u[i];
             let d = (self.x_n[j] - self.x_n[i]) + moved;
             let l = d.norm();

@@ -47,8 +47,9 @@ struct Level {
     /// x, then x - z
     x: Vec<f32x4>,
     z: Vec<f32x4>,
-    /// what the first of two cycles found, and what is left after sweeps
+    /// what the first of two cycles found; empty on the finest level, which has one
     first: Vec<f32x4>,
+    /// r - A x after the sweep forwards
     left: Vec<f32x4>,
     /// r . z of every section
     sums: Vec<f64>,
@@ -246,7 +247,6 @@ impl Multigrid {
 impl Level {
     fn new(matrix: Option<CoarseNumbers>, smoother: Smoother, up: Prolongation) -> Self {
         let n = smoother.nodes();
-        // Of the finest level there is one cycle.
         let first = vec![f32x4::ZERO; if matrix.is_some() { n } else { 0 }];
         let zeros = || vec![f32x4::ZERO; n];
         let sums = vec![0.0; n.div_ceil(SECTION)];
@@ -281,7 +281,7 @@ fn set_level(
 
 /// z <- B r of the first of these levels; returns r . z.
 fn cycle(levels: &mut [Level], coarsest: &mut Coarsest, workers: &Workers) -> Result<f64, LinearError> {
-    let [level, coarser @ ..] = levels else { return coarsest.solve() };
+    let [level, coarser @ ..] = levels else { return Ok(0.0) };
     let Level { smoother, up, r, x, left, .. } = level;
     smoother.forward(workers, r, x, left);
     match coarser {
@@ -345,7 +345,8 @@ impl Coarsest {
         Ok(self.solver.prepare(&self.values).map_err(of_all)? == Inertia::Definite)
     }
 
-    fn solve(&mut self) -> Result<f64, LinearError> {
+    /// z <- A^-1 r
+    fn solve(&mut self) -> Result<(), LinearError> {
         for (b, r) in self.b.chunks_exact_mut(3).zip(&self.r) {
             b.iter_mut().zip(r.to_array()).for_each(|(b, r)| *b = f64::from(r));
         }
@@ -353,7 +354,7 @@ impl Coarsest {
         for (z, b) in self.z.iter_mut().zip(self.b.chunks_exact(3)) {
             *z = f32x4::new([b[0] as f32, b[1] as f32, b[2] as f32, 0.0]);
         }
-        Ok(0.0)
+        Ok(())
     }
 }
 

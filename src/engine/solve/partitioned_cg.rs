@@ -182,19 +182,13 @@ impl PartitionedSystem {
 
     /// r <- (I + L)^-1 E^-1 Y^-1 b / s, where s is the largest entry of Y^-1 b; `b` `[n]`. Returns s and r . r.
     pub(super) fn set_right_hand_side(&mut self, b: &[f64]) -> [f64; 2] {
-        let scale = &self.scale;
+        let PartitionedSystem { halves, separator, scale, workers } = self;
         let most = |range: Range<usize>| {
             b[range.clone()].iter().zip(&scale[range]).fold(0.0_f64, |most, (b, scale)| most.max((b * scale).abs()))
         };
-        let size = self.workers.fold(b.len(), 0.0, most, f64::max);
+        let size = workers.fold(b.len(), 0.0, most, f64::max);
         let inverse = if size >= f64::MIN_POSITIVE { size.recip() } else { 0.0 };
-        [size, self.set_scaled(|scale, u| (b[u] * scale[u] * inverse) as f32)]
-    }
-
-    /// r <- (I + L)^-1 E^-1 b, for `b` of Y^-1 and an unknown; returns r . r.
-    fn set_scaled(&mut self, b: impl Fn(&[f64], usize) -> f32 + Sync) -> f64 {
-        let PartitionedSystem { halves, separator, scale, workers } = self;
-        let single = |u: usize| b(scale, u);
+        let single = |u: usize| (b[u] * scale[u] * inverse) as f32;
         both(workers, halves, |half| {
             half.gather(single);
             half.forward();
@@ -204,7 +198,7 @@ impl PartitionedSystem {
         separator.add_halves(halves);
         separator.forward();
         separator.store_residual();
-        self.sum(|found| found.square)
+        [size, self.sum(|found| found.square)]
     }
 
     /// x^ <- 0, p <- 0

@@ -7,7 +7,7 @@
 
 use super::numbers::{CoarseNumbers, Numbers};
 use super::smoother::{BlockRows, SECTION, each_section, sections_mut};
-use crate::mesh::adjacency::{Adjacency, row_starts};
+use crate::mesh::adjacency::Adjacency;
 use crate::model::workers::Workers;
 use multiversion::multiversion;
 use nalgebra::Matrix3;
@@ -66,17 +66,10 @@ impl Prolongation {
             met.extend_from_slice(&of_node);
             start.push(met.len() as u32);
         }
-        let first = row_starts(count, met.iter().copied());
-        let mut next = first.clone();
-        let (mut nodes, mut places) = (vec![0; met.len()], vec![0; met.len()]);
-        for (i, row) in (0..).zip(start.windows(2)) {
-            for k in row[0]..row[1] {
-                let to = &mut next[met[k as usize] as usize];
-                (nodes[*to as usize], places[*to as usize]) = (i, k);
-                *to += 1;
-            }
-        }
-        let members = Adjacency { start: first, items: nodes };
+        let places = (0..).zip(&met).map(|(k, &a)| (a, k));
+        let nodes = (0..).zip(start.windows(2)).flat_map(|(i, row)| (row[0]..row[1]).map(move |_| i));
+        let members = Adjacency::new(count, met.iter().copied().zip(nodes));
+        let places = Adjacency::new(count, places).items;
         Prolongation { aggregate, rows: BlockRows::new(Adjacency { start, items: met }), members, places }
     }
 
