@@ -430,7 +430,7 @@ fn no_solve_costs_more_than_a_factor() {
     alone.factor(&values).expect("definite");
     let mut solver = reusing_solver_for(pattern.clone(), LinearChoice::Auto, &ALONE).expect("symmetric");
     // As if earlier solves had taken one iteration.
-    solver.set_expected_use(ExpectedUse { reuse: 6.0, cg_iterations: 1.0 });
+    solver.set_expected_use(ExpectedUse { cg_iterations: 1.0, ..ExpectedUse::default() });
     solver.prepare(&values).expect("definite");
     assert_eq!((solver.stats().name, solver.work().factorizations), ("cg", 0));
     let [whole, given_up] = [&mut alone, &mut solver].map(|solver| {
@@ -449,6 +449,21 @@ fn no_solve_costs_more_than_a_factor() {
     let mut left = vec![0.0; x.len()];
     pattern.multiply(&values, &x, &mut left);
     assert!(difference(&left, &b) < 1e-3, "{}", difference(&left, &b));
+}
+
+/// A factor is worth its work where many iterations are to come, not where the run ends after a few.
+#[test]
+fn the_end_of_a_run_decides_whether_a_factor_is_worth_it() {
+    let (pattern, values) = at_rest(40, 1e-3, (7, 1e3));
+    let names = [f64::INFINITY, 1e3, 2.0].map(|left| {
+        let mut solver = reusing_solver_for(pattern.clone(), LinearChoice::Auto, &ALONE).expect("symmetric");
+        let expected = ExpectedUse { cg_iterations: 30.0, left, ..ExpectedUse::default() };
+        solver.set_expected_use(expected);
+        solver.prepare(&values).expect("definite");
+        assert_eq!(solver.prefers_other_solver(ExpectedUse { left: f64::INFINITY, ..expected }), left == 2.0);
+        solver.stats().name
+    });
+    assert_eq!(names, ["cholesky", "cholesky", "cg"]);
 }
 
 /// Work repeats exactly, on any machine and with any number of threads; so do the bits.

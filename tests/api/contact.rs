@@ -10,7 +10,7 @@ use canopy_fem::model::system::{StepMean, System, Weights};
 use canopy_fem::scene::{Network, Scene, build_network};
 use canopy_fem_engine::contact::bodies::{Body, Contact, Contacts, Other};
 use canopy_fem_engine::contact::near::{Near, Places};
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 
 const STATES: u64 = 6;
 /// [m] so wide that most pairs of a mesh of 1 m touch.
@@ -227,15 +227,20 @@ fn pairs_that_are_kept_are_all_that_touch() {
         ..Contacts::default()
     };
     let shifts = [[Vector3::zeros(); 2]];
-    let (mut kept, mut lost, mut touching) = (0, 0, 0);
-    for seed in 0..60 {
+    let (mut kept, mut lost, mut touching, mut turned) = (0, 0, 0, 0);
+    for seed in 0..120 {
         let (mut random, mut near) = (Random(seed + 1), Near::default());
         near.look(Places { contacts: &contacts, t: 0.0, x: &rest, shifts: &shifts }, 0.0);
         let (size, down) = (0.01 * (1 + seed % 8) as f64, 0.35 * random.next().abs());
         let together = Vector3::new(random.next(), random.next(), random.next()) * 20.0;
+        // Every other one turns as well, by up to a radian, and bends.
+        let turns = seed % 2 == 1;
+        let axis = Vector3::new(random.next(), random.next(), random.next());
+        let turn = Rotation3::new(if turns { axis } else { Vector3::zeros() });
+        let bend = if turns { 0.002 * random.next() } else { 0.0 };
         let mut moved = |x: &Vector3<f64>| {
             let noise = Vector3::new(random.next(), random.next(), random.next()) * size;
-            x + together + noise - Vector3::z() * (2.0 * x.z * down)
+            turn * (x - Vector3::z() * (2.0 * x.z * down - bend * x.x * x.x)) + together + noise
         };
         let x: Vec<Vector3<f64>> = rest.iter().map(&mut moved).collect();
         let places = Places { contacts: &contacts, t: 0.0, x: &x, shifts: &shifts };
@@ -244,6 +249,7 @@ fn pairs_that_are_kept_are_all_that_touch() {
             continue;
         }
         kept += 1;
+        turned += usize::from(turns && axis.norm() > 0.2);
         let mut found = Near::default();
         found.look(places, 0.0);
         for pair in found.list().iter().filter(|pair| pair.beyond <= 0.0) {
@@ -251,7 +257,8 @@ fn pairs_that_are_kept_are_all_that_touch() {
             assert!(near.close().any(|close| close.key() == pair.key()), "{seed}: {pair:?} is missing");
         }
     }
-    assert!(kept > 10 && lost > 10 && touching > 50, "{kept} kept, {lost} lost, {touching} touch");
+    assert!(kept > 20 && lost > 20 && touching > 50, "{kept} kept, {lost} lost, {touching} touch");
+    assert!(turned > 10, "{turned} of those that are kept have turned");
 }
 
 /// Forces between parts of the scene add up to 0, and so do their moments; those of friction act a gap apart.

@@ -93,7 +93,7 @@ impl Apart {
             Bounds::of([&places.at(node).into(), &(places.at(node) + way).into()])
         };
         let reach = |contact: &Contact| contact.thickness + contact.gap;
-        search.find(places.contacts, (place, reach), |_| true, looks, found);
+        search.find(places.contacts, (place, reach), |_, _, _| Some(0.0), looks, found);
         true
     }
 

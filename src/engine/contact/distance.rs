@@ -167,6 +167,21 @@ pub fn nearest(kind: PairKind, x: &[Vector3<f64>; 4]) -> Nearest {
     if within && inside.distance < border.distance { inside } else { border }
 }
 
+/// [m] What the distance of a pair is at least: that along the line between the means of the nodes of its elements. Not
+/// a number where these are one point.
+pub fn least(kind: PairKind, x: &[Vector3<f64>; 4]) -> f64 {
+    let (first, second) = x[..kind.nodes()].split_at(kind.nodes_of_first());
+    let from = second[0];
+    let mean = |side: &[Vector3<f64>]| side.iter().map(|x| x - from).sum::<Vector3<f64>>() / side.len() as f64;
+    let line = mean(first) - mean(second);
+    let along = |x: &Vector3<f64>| line.dot(&(x - from));
+    let [lowest, highest] = [
+        first.iter().map(along).fold(f64::INFINITY, f64::min),
+        second.iter().map(along).fold(f64::NEG_INFINITY, f64::max),
+    ];
+    (lowest - highest) / line.norm()
+}
+
 /// The closest points among those of which one at least is on the border of its element.
 fn on_border(kind: PairKind, x: &[Vector3<f64>; 4]) -> Nearest {
     let mut best = (f64::INFINITY, kind.whole());

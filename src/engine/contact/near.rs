@@ -4,7 +4,7 @@
 //! by more than they may ([`super::patches`]), no other pair can touch.
 
 use super::bodies::{Contact, Contacts, Other, Plane};
-use super::distance::{PairKind, nearest};
+use super::distance::{PairKind, least, nearest};
 use super::patches::{Moved, Patches};
 use super::search::Search;
 use crate::mesh::box_tree::Bounds;
@@ -165,17 +165,17 @@ impl Near {
     /// Whether no pair can touch at these places, which are those of one state or of two ends of ways, that is not
     /// among those that are near: nothing has come nearer by more than a share of what it may.
     pub fn covers(&mut self, ends: &[Places<'_>], share: f64) -> bool {
-        self.follow(ends) && self.patches.cover(&self.moved[..self.ends], share)
+        self.follow(ends) && self.patches.cover(&self.reference, &self.moved[..self.ends], share)
     }
 
     /// The same where every node goes any share of its way between two ends.
     pub fn covers_shares(&mut self, ends: [Places<'_>; 2]) -> bool {
-        self.follow(&ends) && self.patches.cover_shares(&self.moved)
+        self.follow(&ends) && self.patches.cover_shares(&self.reference, &self.moved)
     }
 
     /// Whether such ways are short enough to be covered by a look at where they begin, by that of the last one.
     pub fn could_cover(&mut self, ways: &Moved) -> bool {
-        self.patches.cover(std::slice::from_ref(ways), 1.0)
+        self.reference.len() == ways.nodes.len() && self.patches.cover(&self.reference, std::slice::from_ref(ways), 1.0)
     }
 
     /// Finds displacements of nodes and obstacles since pairs were looked for. Returns whether they ever were.
@@ -199,15 +199,23 @@ impl Near {
             let x = places.at(node).into();
             Bounds { low: x, high: x }
         };
-        let keep = |candidate: &mut Candidate| {
-            let contact = &contacts.list[usize::from(candidate.contact)];
-            let distance = match (candidate.form, places.plane(candidate.contact)) {
-                (Form::Plane, Some(plane)) => plane.normal.dot(&(places.at(candidate.nodes[0]) - plane.point)),
-                (Form::Pair(kind), _) => nearest(kind, &points(candidate.nodes, |node| places.at(node))).distance,
-                _ => f64::INFINITY,
+        let keep = |number: u16, form: Form, nodes: [u32; 4]| {
+            let contact = &contacts.list[usize::from(number)];
+            let touching = contact.gap + contact.thickness;
+            let distance = match form {
+                Form::Plane => {
+                    let plane = places.plane(number)?;
+                    plane.normal.dot(&(places.at(nodes[0]) - plane.point))
+                }
+                Form::Pair(kind) => {
+                    let x = points(nodes, |node| places.at(node));
+                    if least(kind, &x) >= touching + skin {
+                        return None;
+                    }
+                    nearest(kind, &x).distance
+                }
             };
-            candidate.beyond = distance - contact.gap - contact.thickness;
-            candidate.beyond < skin
+            Some(distance - touching).filter(|beyond| *beyond < skin)
         };
         let reach = |contact: &Contact| contact.gap + contact.thickness + skin;
         self.search.find(contacts, (place, reach), keep, &mut { u64::MAX }, &mut self.found);

@@ -9,19 +9,36 @@
 //! ```
 //!
 //! If that holds for all patches that may touch, no pair can touch which is not near; D_AB is the distance of their
-//! boxes then. The box of a patch is that of all elements with a node in it. So a sheet that falls, or hangs and sways,
-//! keeps its pairs as long as its patches keep their shapes.
+//! boxes then. The box of a patch is that of all elements with a node in it. So a sheet that falls keeps its pairs as
+//! long as its patches keep their shapes.
+//!
+//! Where something turns, patches of the scene are compared in frames that turn with one of them. The frame of a patch
+//! is the rigid motion that fits its nodes best, with turn R; r is the largest distance of one of them from where its
+//! own frame would have it, c the mean of the nodes and l their largest distance from it when pairs were looked for.
+//! No point of patch B is farther from where the frame of A would have it than
+//!
+//! ```text
+//! s_B|A = r_B + |frame_A(c_B) - frame_B(c_B)| + |R_A - R_B| l_B
+//! max over N of s_N|A  +  s_B|A   <=   max(skin, D_AB - gap),      N: A, and patches that share an element with it
+//! ```
+//! A rigid motion keeps distances, so no two elements with a node in A and B have come nearer by more. Obstacles do not
+//! turn: for them the first form has to hold.
 
 use super::bodies::{Body, Contacts, Other, Plane};
 use super::distance::PairKind;
 use super::near::{Candidate, Form, Places};
 use crate::mesh::box_tree::Bounds;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Largest number of patches of nodes.
 const MOST: usize = 96;
 /// Least number of nodes of one.
 const NODES: usize = 16;
+/// [rad] Accuracy of the turn of a frame, and how many rounds may be made for it: any turn is right, the best one serves
+/// longest.
+const TURN: f64 = 1e-6;
+const ROUNDS: usize = 20;
 
 /// Displacements since some time.
 #[derive(Clone, Debug, Default)]
@@ -79,6 +96,47 @@ struct Ball {
     radius: f64,
 }
 
+/// Where a patch has moved to, turned: see the [module](self).
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    /// [m] c, and where it is now
+    from: Vector3<f64>,
+    to: Vector3<f64>,
+    /// [m] l
+    extent: f64,
+    /// [-] R
+    turn: Matrix3<f64>,
+    /// [m] r
+    rest: f64,
+}
+
+impl Frame {
+    /// Of nodes at these places when pairs were looked for, with several displacements since.
+    fn fit(nodes: &[u32], reference: &[Vector3<f64>], moved: &[Moved]) -> Self {
+        let each = || nodes.iter().map(|i| reference[*i as usize]);
+        let ends = || moved.iter().flat_map(|moved| nodes.iter().map(|i| (*i as usize, moved.nodes[*i as usize])));
+        let count = nodes.len() as f64;
+        let from = each().sum::<Vector3<f64>>() / count;
+        let to = from + ends().map(|(_, d)| d).sum::<Vector3<f64>>() / (count * moved.len() as f64);
+        let arms = || ends().map(|(i, d)| (reference[i] - from, reference[i] + d - to));
+        let product: Matrix3<f64> = arms().map(|(before, now)| now * before.transpose()).sum();
+        let turn = Rotation3::from_matrix_eps(&product, TURN, ROUNDS, Rotation3::identity()).into_inner();
+        let square = arms().map(|(before, now)| (now - turn * before).norm_squared()).fold(0.0, f64::max);
+        let extent = each().map(|x| (x - from).norm_squared()).fold(0.0, f64::max).sqrt();
+        // The largest of numbers that are none is not one of them.
+        let finite = to.iter().all(|x| x.is_finite());
+        Frame { from, to, extent, turn, rest: if finite { square.sqrt() } else { f64::NAN } }
+    }
+
+    /// [m] s_B|A of another patch B.
+    fn strays(&self, other: &Frame) -> f64 {
+        let centre = self.to + self.turn * (other.from - self.from) - other.to;
+        // The largest stretch of a difference of two rotations.
+        let turn = (self.turn - other.turn).norm() * FRAC_1_SQRT_2;
+        other.rest + centre.norm() + turn * other.extent
+    }
+}
+
 /// How far two patches, by number, may come nearer.
 #[derive(Clone, Copy, Debug)]
 struct Limit {
@@ -96,8 +154,13 @@ pub struct Patches {
     ends: Vec<usize>,
     /// the patch of every node of the scene that may touch
     of_node: Vec<u16>,
+    /// patches that share an element, ascending
+    neighbours: Vec<[u16; 2]>,
     limits: Vec<Limit>,
     balls: Vec<Ball>,
+    frames: Vec<Frame>,
+    /// [m] the largest s_N|A of every patch A
+    around: Vec<f64>,
 }
 
 impl Patches {
@@ -117,6 +180,14 @@ impl Patches {
             self.ends.push(self.ends.last().map_or(0, |end| *end) + patch.len());
         });
         self.nodes = nodes;
+        self.neighbours.clear();
+        for body in contacts.list.iter().flat_map(|contact| [Some(&contact.body), contact.other.body()]).flatten() {
+            let sides = body.edges.iter().filter(|edge| edge.iter().all(|node| contacts.is_node(*node)));
+            let patches = sides.map(|edge| edge.map(|node| self.of_node[node as usize]));
+            self.neighbours.extend(patches.filter(|[a, b]| a != b).map(|[a, b]| [a.min(b), a.max(b)]));
+        }
+        self.neighbours.sort_unstable();
+        self.neighbours.dedup();
     }
 
     /// Takes places, and the skin [m], as those of the last look for pairs.
@@ -172,18 +243,48 @@ impl Patches {
         (0..).zip(boxes).filter(|(_, bounds)| *bounds != Bounds::EMPTY).collect()
     }
 
-    /// Whether no two patches have come nearer by more than a share of what they may, at any of these displacements.
-    pub fn cover(&mut self, ends: &[Moved], share: f64) -> bool {
-        ends.iter().all(|moved| {
-            self.follow(std::slice::from_ref(moved));
-            self.keep(share)
-        })
+    /// Whether no two patches have come nearer by more than a share of what they may, at any of these displacements
+    /// from the places `reference` [m].
+    pub fn cover(&mut self, reference: &[Vector3<f64>], ends: &[Moved], share: f64) -> bool {
+        ends.iter().all(|moved| self.keep(reference, std::slice::from_ref(moved), share))
     }
 
     /// The same where every node has gone any share of its way between two displacements.
-    pub fn cover_shares(&mut self, ends: &[Moved; 2]) -> bool {
-        self.follow(ends);
-        self.keep(1.0)
+    pub fn cover_shares(&mut self, reference: &[Vector3<f64>], ends: &[Moved; 2]) -> bool {
+        self.keep(reference, ends, 1.0)
+    }
+
+    fn keep(&mut self, reference: &[Vector3<f64>], moved: &[Moved], share: f64) -> bool {
+        self.follow(moved);
+        let keeps = |Limit { patches, most }: &Limit| {
+            let [a, b] = patches.map(|patch| self.balls[usize::from(patch)]);
+            (a.centre - b.centre).norm() + a.radius + b.radius <= share * most
+        };
+        let count = self.ends.len();
+        let of_scene = |limit: &Limit| limit.patches.iter().all(|patch| usize::from(*patch) < count);
+        match self.limits.iter().filter(|limit| !keeps(limit)).map(of_scene).reduce(|a, b| a & b) {
+            None => true,
+            Some(false) => false,
+            Some(true) => self.keep_turned(reference, moved, share),
+        }
+    }
+
+    /// The same of patches of the scene in frames that turn with them.
+    fn keep_turned(&mut self, reference: &[Vector3<f64>], moved: &[Moved], share: f64) -> bool {
+        let Patches { nodes, ends, neighbours, limits, frames, around, .. } = self;
+        frames.clear();
+        let starts = std::iter::once(0).chain(ends.iter().copied());
+        frames.extend(starts.zip(&*ends).map(|(start, end)| Frame::fit(&nodes[start..*end], reference, moved)));
+        around.clear();
+        around.extend(frames.iter().map(|frame| frame.rest));
+        for [a, b] in neighbours.iter().flat_map(|&[a, b]| [[a, b], [b, a]]).map(|pair| pair.map(usize::from)) {
+            around[a] = f64::max(around[a], frames[a].strays(&frames[b]));
+        }
+        limits.iter().all(|Limit { patches, most }| {
+            let [a, b] = patches.map(usize::from);
+            let keeps = |a: usize, b: usize| around[a] + frames[a].strays(&frames[b]) <= share * most;
+            a.max(b) >= frames.len() || keeps(a, b) && keeps(b, a)
+        })
     }
 
     /// Finds the balls of all patches around several displacements.
@@ -197,13 +298,6 @@ impl Patches {
         }
         let obstacles = moved.first().map_or(0, |moved| moved.obstacles.len());
         self.balls.extend((0..obstacles).map(|i| ball(|| moved.iter().map(move |moved| moved.obstacles[i]))));
-    }
-
-    fn keep(&self, share: f64) -> bool {
-        self.limits.iter().all(|Limit { patches, most }| {
-            let [a, b] = patches.map(|patch| self.balls[usize::from(patch)]);
-            (a.centre - b.centre).norm() + a.radius + b.radius <= share * most
-        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Finds the pairs whose boxes are near, with a tree of boxes around the elements of every body.
 
-use super::bodies::{Body, Contact, Contacts, Other, sides};
+use super::bodies::{Body, Contact, Contacts, Other};
 use super::distance::PairKind;
 use super::near::{Candidate, Form, NO_NODE};
 use crate::mesh::box_tree::{Bounds, BoxTree};
@@ -9,28 +9,29 @@ use crate::mesh::box_tree::{Bounds, BoxTree};
 #[derive(Clone, Debug)]
 struct Trees {
     triangles: BoxTree,
+    /// with half the reach on all sides
     edges: BoxTree,
     lines: BoxTree,
     points: BoxTree,
 }
 
 impl Trees {
-    fn new(body: &Body, place: &impl Fn(u32) -> Bounds) -> Self {
-        fn tree<const N: usize>(elements: &[[u32; N]], place: &impl Fn(u32) -> Bounds) -> BoxTree {
-            BoxTree::new(&elements.iter().map(|nodes| around(nodes, place)).collect::<Vec<_>>())
+    fn new(body: &Body, place: &impl Fn(u32) -> Bounds, reach: f64) -> Self {
+        fn tree<const N: usize>(elements: &[[u32; N]], place: &impl Fn(u32) -> Bounds, margin: f64) -> BoxTree {
+            BoxTree::new(&elements.iter().map(|nodes| around(nodes, place).grown(margin)).collect::<Vec<_>>())
         }
         let points: Vec<[u32; 1]> = body.points.iter().map(|node| [*node]).collect();
         Trees {
-            triangles: tree(&body.triangles, place),
-            edges: tree(&body.edges, place),
-            lines: tree(&body.lines, place),
-            points: tree(&points, place),
+            triangles: tree(&body.triangles, place, 0.0),
+            edges: tree(&body.edges, place, 0.5 * reach),
+            lines: tree(&body.lines, place, 0.0),
+            points: tree(&points, place, 0.0),
         }
     }
 
-    fn refit(&mut self, body: &Body, place: &impl Fn(u32) -> Bounds) {
+    fn refit(&mut self, body: &Body, place: &impl Fn(u32) -> Bounds, reach: f64) {
         self.triangles.refit(|i| around(&body.triangles[i as usize], place));
-        self.edges.refit(|i| around(&body.edges[i as usize], place));
+        self.edges.refit(|i| around(&body.edges[i as usize], place).grown(0.5 * reach));
         self.lines.refit(|i| around(&body.lines[i as usize], place));
         self.points.refit(|i| place(body.points[i as usize]));
     }
@@ -49,13 +50,13 @@ pub struct Search {
 
 impl Search {
     /// Overwrites `found` with all pairs whose boxes, from the boxes of their nodes, are closer than `reach` [m] of
-    /// their contact, and that `keep` keeps; in order, each once. Ends early when `looks`, the number of boxes that
-    /// may be looked at, is used up.
+    /// their contact, and that `keep` keeps by how much [m] their distance is above their gap; in order, each once. Ends
+    /// early when `looks`, the number of boxes that may be looked at, is used up.
     pub fn find(
         &mut self,
         contacts: &Contacts,
         (place, reach): (impl Fn(u32) -> Bounds, impl Fn(&Contact) -> f64),
-        keep: impl Fn(&mut Candidate) -> bool,
+        keep: impl Fn(u16, Form, [u32; 4]) -> Option<f64>,
         looks: &mut u64,
         found: &mut Vec<Candidate>,
     ) {
@@ -79,7 +80,7 @@ struct Pairs<'a, K> {
     found: &'a mut Vec<Candidate>,
 }
 
-impl<K: Fn(&mut Candidate) -> bool> Pairs<'_, K> {
+impl<K: Fn(u16, Form, [u32; 4]) -> Option<f64>> Pairs<'_, K> {
     fn of(
         &mut self,
         contact: &Contact,
@@ -92,8 +93,8 @@ impl<K: Fn(&mut Candidate) -> bool> Pairs<'_, K> {
             return body.nodes.iter().for_each(|&node| self.add(Form::Plane, [node, NO_NODE, NO_NODE, NO_NODE]));
         }
         let fitted = |trees: &mut Option<Trees>, body: &Body| match trees {
-            Some(trees) => trees.refit(body, place),
-            None => *trees = Some(Trees::new(body, place)),
+            Some(trees) => trees.refit(body, place, reach),
+            None => *trees = Some(Trees::new(body, place, reach)),
         };
         fitted(own, body);
         let Some(own) = own else { return };
@@ -108,7 +109,7 @@ impl<K: Fn(&mut Candidate) -> bool> Pairs<'_, K> {
             }
             _ => {
                 self.one_way((body, own), (body, own), place, reach);
-                self.edges(&body.edges, (&body.edges, &own.edges), place, reach);
+                self.own_edges(&body.edges, &own.edges);
                 self.points(&body.points, (&body.points, &own.points), place, reach);
             }
         }
@@ -144,21 +145,25 @@ impl<K: Fn(&mut Candidate) -> bool> Pairs<'_, K> {
         place: &impl Fn(u32) -> Bounds,
         reach: f64,
     ) {
-        let alone = std::ptr::eq(edges, others);
         let mut looks = *self.looks;
         for edge in edges {
-            tree.within(&around(edge, place).grown(reach), &mut looks, |i| {
-                let other = others[i as usize];
-                let [[a, b], [c, d]] = match *edge <= other {
-                    true => [*edge, other],
-                    // The other edge finds this one.
-                    false if alone => return,
-                    false => [other, *edge],
-                };
-                self.add(Form::Pair(PairKind::EdgeEdge), [a, b, c, d]);
+            tree.within(&around(edge, place).grown(0.5 * reach), &mut looks, |i| {
+                self.add_edges(*edge, others[i as usize])
             });
         }
         *self.looks = looks;
+    }
+
+    /// Edges of a side with each other.
+    fn own_edges(&mut self, edges: &[[u32; 2]], tree: &BoxTree) {
+        let mut looks = *self.looks;
+        tree.pairs(&mut looks, |i, j, _| self.add_edges(edges[i as usize], edges[j as usize]));
+        *self.looks = looks;
+    }
+
+    fn add_edges(&mut self, one: [u32; 2], other: [u32; 2]) {
+        let [[a, b], [c, d]] = if one <= other { [one, other] } else { [other, one] };
+        self.add(Form::Pair(PairKind::EdgeEdge), [a, b, c, d]);
     }
 
     fn points(
@@ -181,24 +186,22 @@ impl<K: Fn(&mut Candidate) -> bool> Pairs<'_, K> {
     /// Adds a pair that shares no node and has something that can move.
     fn add(&mut self, form: Form, nodes: [u32; 4]) {
         let (contacts, contact) = (self.contacts, self.number);
-        let (stiffness, lengths) = match form {
-            Form::Plane => (contacts.stiffness_of(usize::from(contact), [&nodes[..1], &[]]), [0.0; 2]),
-            Form::Pair(kind) => {
-                let [first, second] = sides(kind, &nodes);
-                if first.iter().any(|node| second.contains(node)) {
-                    return;
-                }
-                let length = |side: &[u32]| match side {
-                    &[a, b] => (contacts.at_rest(a) - contacts.at_rest(b)).norm(),
-                    _ => 0.0,
-                };
-                let lengths = [length(first), length(second)];
-                (contacts.stiffness_of(usize::from(contact), [first, second]), lengths)
-            }
+        let (first, second) = match form {
+            Form::Plane => nodes.split_at(1),
+            Form::Pair(kind) => nodes[..kind.nodes()].split_at(kind.nodes_of_first()),
         };
-        let mut candidate = Candidate { contact, form, nodes, stiffness, lengths, beyond: 0.0 };
-        if stiffness > 0.0 && (self.keep)(&mut candidate) {
-            self.found.push(candidate);
+        if first.iter().any(|node| second.contains(node)) {
+            return;
+        }
+        let Some(beyond) = (self.keep)(contact, form, nodes) else { return };
+        let stiffness = contacts.stiffness_of(usize::from(contact), [first, second]);
+        let length = |side: &[u32]| match side {
+            &[a, b] => (contacts.at_rest(a) - contacts.at_rest(b)).norm(),
+            _ => 0.0,
+        };
+        let lengths = [length(first), length(second)];
+        if stiffness > 0.0 {
+            self.found.push(Candidate { contact, form, nodes, stiffness, lengths, beyond });
         }
     }
 }

@@ -43,6 +43,8 @@ pub(super) struct StepStart<'a> {
     pub expected: &'a [f64],
     /// [s] size of the step
     pub h: f64,
+    /// [s] end of the run
+    pub end: f64,
     /// [m] Largest coordinate in `x` `[n_dof]`., which sets the rounding of positions
     pub largest: f64,
     /// [N] size of the forces at the step's start
@@ -296,6 +298,10 @@ impl NonlinearProblem for Equations<'_> {
             }
         }
         Ok(false)
+    }
+
+    fn steps_left(&self) -> f64 {
+        f64::max((self.start.end - self.start.from.state.t) / self.start.h, 1.0)
     }
 
     fn prefers_other_solver(&self, expected: ExpectedUse) -> bool {

@@ -15,6 +15,10 @@ macro_rules! left_to_engine {
             self.engine.keep_over_change(system, at)
         }
 
+        fn set_end(&mut self, end: f64) {
+            self.engine.set_end(end);
+        }
+
         fn drop_unsaved(&mut self) {
             self.engine.drop_unsaved();
         }

@@ -66,6 +66,8 @@ pub struct Implicit<M> {
     made_with: f64,
     /// [s] size of the last attempt
     attempted: f64,
+    /// [s] when the run ends
+    end: f64,
     solver: Option<Solver>,
 }
 
@@ -110,6 +112,7 @@ impl<M: ImplicitScheme> Implicit<M> {
             anew: false,
             made_with: 0.0,
             attempted: 0.0,
+            end: f64::INFINITY,
             solver: None,
         }
     }
@@ -215,7 +218,8 @@ impl<M: ImplicitScheme> Implicit<M> {
         s.linear.mass_weight = None;
         let scales = scales(system, from, &s.a, map, &mut s.workspace.residual);
         let largest = from.state.x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        let start = StepStart { largest, from, a: &s.a, expected: &s.expected, h, force_scale: scales.residual };
+        let start =
+            StepStart { largest, from, a: &s.a, expected: &s.expected, h, end: self.end, force_scale: scales.residual };
         let (dofs, workspace, linear) = (&s.dofs, &mut s.workspace, &mut s.linear);
         let mut equations = Equations { system, map, start, to, guess, dofs, workspace, linear, counters };
         if equations.linear.tangents.outgrown(system) {
@@ -323,6 +327,10 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         let kept = self.made_with == 0.0 || self.made_with == h || map.am == 0.0 && map.af == 0.0;
         let carry = Carry { ratio: if kept { 1.0 } else { h / self.made_with }, lag: bridge.then(|| own.lag()) };
         (!self.relative).then(|| of_map(map, carry))
+    }
+
+    fn set_end(&mut self, end: f64) {
+        self.end = end;
     }
 
     fn drop_unsaved(&mut self) {

@@ -303,6 +303,9 @@ pub trait Integrator<S: ?Sized>: Send {
         Ok(())
     }
 
+    /// [s] Says when the run ends: what serves many steps is worth more where many are to come.
+    fn set_end(&mut self, _end: f64) {}
+
     /// Drops what [`Integrator::save`] leaves out, so that this run goes on as one does that is restored from it.
     fn drop_unsaved(&mut self) {}
 

@@ -182,6 +182,11 @@ impl<'a> Stepper<'a> {
         each!(&mut self.0, scheme, system => scheme.laws_changed(*system, at, change))
     }
 
+    /// See [`Integrator::set_end`].
+    pub fn set_end(&mut self, end: f64) {
+        each!(&mut self.0, scheme, _system => scheme.set_end(end));
+    }
+
     /// See [`Integrator::drop_unsaved`].
     pub fn drop_unsaved(&mut self) {
         each!(&mut self.0, scheme, _system => scheme.drop_unsaved());

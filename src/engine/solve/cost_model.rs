@@ -120,15 +120,20 @@ impl Cost {
     /// Work of a useful iteration, with its share of setup and of the extra iterations that an old matrix costs. A
     /// matrix is replaced once its age has cost as many extra iterations as a new one costs, c = setup/iteration
     /// (`quasi_newton`). The extra iterations grow with the square of age, so it serves for u = reuse sqrt(c) useful
-    /// iterations, which cost u + 2 c iterations.
-    fn with_reuse(self, reuse: f64) -> f64 {
-        self.iteration + 2.0 * (self.setup * self.iteration).sqrt() / reuse
+    /// iterations, which cost u + 2 c iterations; s of them, where the run ends before, cost s + c + s^2/reuse^2.
+    fn with_use(self, ExpectedUse { reuse, left, .. }: ExpectedUse) -> f64 {
+        let serves = f64::min(reuse * (self.setup / self.iteration).sqrt(), left);
+        self.iteration * (1.0 + serves / (reuse * reuse)) + self.setup / serves
     }
 
-    /// The work of an iteration for which [`Cost::with_reuse`] is `total`.
-    fn iteration_for(setup: f64, reuse: f64, total: f64) -> f64 {
+    /// The work of an iteration for which [`Cost::with_use`] is `total`.
+    fn iteration_for(setup: f64, ExpectedUse { reuse, left, .. }: ExpectedUse, total: f64) -> f64 {
         let half = setup.sqrt() / reuse;
-        ((half * half + total).sqrt() - half).powi(2)
+        let whole = ((half * half + total).sqrt() - half).powi(2);
+        if reuse * (setup / whole).sqrt() <= left {
+            return whole;
+        }
+        (total - setup / left) / (1.0 + left / (reuse * reuse))
     }
 }
 
@@ -211,10 +216,10 @@ impl AutoSolver {
 
     /// [-] Work of a useful iteration by Cholesky, and the iterations of CG in an average solve that are as much work.
     fn allowed(&self, elimination: &Elimination) -> [f64; 2] {
-        let cholesky_work = COSTS.cholesky(&self.pattern, elimination).with_reuse(self.expected.reuse);
+        let cholesky_work = COSTS.cholesky(&self.pattern, elimination).with_use(self.expected);
         let [none, one] = [0.0, 1.0].map(|iterations| self.cg_cost_of(iterations));
         let one = one.iteration - none.iteration;
-        let allowed = Cost::iteration_for(none.setup, self.expected.reuse, cholesky_work) - none.iteration;
+        let allowed = Cost::iteration_for(none.setup, self.expected, cholesky_work) - none.iteration;
         [cholesky_work, allowed / one]
     }
 
@@ -285,7 +290,7 @@ impl AutoSolver {
                 }
             }
         };
-        let cg_work = self.cg_cost_of(iterations).with_reuse(self.expected.reuse);
+        let cg_work = self.cg_cost_of(iterations).with_use(self.expected);
         let shown = iterations.min(if cg_converged { f64::INFINITY } else { allowed.max(0.0) });
         let cg_iterations = (shown / cost).round() as u32;
         Ok(Some(Prediction {
@@ -369,9 +374,10 @@ impl LinearSolver for AutoSolver {
         self.expected = expected;
     }
 
-    fn prefers_other_solver(&self, ExpectedUse { reuse, cg_iterations }: ExpectedUse) -> bool {
-        let (Some(e), true, true) = (&self.elimination, cg_iterations > 0.0, self.iterates) else { return false };
-        COSTS.cholesky(&self.pattern, e).with_reuse(reuse) < self.cg_cost_of(cg_iterations).with_reuse(reuse)
+    fn prefers_other_solver(&self, expected: ExpectedUse) -> bool {
+        let seen = expected.cg_iterations;
+        let (Some(e), true, true) = (&self.elimination, seen > 0.0, self.iterates) else { return false };
+        COSTS.cholesky(&self.pattern, e).with_use(expected) < self.cg_cost_of(seen).with_use(expected)
     }
 
     fn cg_cost(&self) -> f64 {

@@ -98,12 +98,14 @@ pub struct ExpectedUse {
     /// [-] iterations of conjugate gradients in an average solve, each counted as [`LinearSolver::cg_cost`]; 0 before
     /// any was seen
     pub cg_iterations: f64,
+    /// [-] useful Newton iterations that are to come in the run; infinite if its end is not known
+    pub left: f64,
 }
 
 impl Default for ExpectedUse {
     /// The expected use before any matrix was used.
     fn default() -> Self {
-        ExpectedUse { reuse: 6.0, cg_iterations: 0.0 }
+        ExpectedUse { reuse: 6.0, cg_iterations: 0.0, left: f64::INFINITY }
     }
 }
 

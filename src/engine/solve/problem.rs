@@ -71,6 +71,11 @@ pub trait NonlinearProblem {
         Ok(false)
     }
 
+    /// [-] Steps that are to come in the run, with this one; infinite if its end is not known.
+    fn steps_left(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// Whether [`NonlinearProblem::freeze`] would have chosen another solver for this expected use.
     fn prefers_other_solver(&self, expected: ExpectedUse) -> bool {
         let _ = expected;

@@ -72,7 +72,12 @@ impl FactorHistory {
             0 => self.expected.cg_iterations,
             solves => f64::from(self.cg_iterations) / f64::from(solves),
         };
-        ExpectedUse { reuse, cg_iterations }
+        ExpectedUse { reuse, cg_iterations, left: f64::INFINITY }
+    }
+
+    /// Iterations that a step with a new factor takes.
+    fn needed(&self) -> u32 {
+        if self.fresh > 0 { self.fresh } else { EXPECTED }
     }
 
     /// The frozen factor failed in a step.
@@ -230,7 +235,7 @@ impl Iteration<'_> {
                 Convergence::Rounding => continue,
                 Convergence::NotConverged => settling = None,
             }
-            let needed = if self.frozen.fresh > 0 { self.frozen.fresh } else { EXPECTED };
+            let needed = self.frozen.needed();
             if rate_seen
                 .left(self.criteria.tolerance)
                 .is_some_and(|left| left > self.problem.factor_cost() + f64::from(needed))
@@ -251,7 +256,12 @@ impl Iteration<'_> {
         let (seen, expected) = (self.frozen.expected_use(self.problem.factor_cost()), self.frozen.expected);
         // Before the expected number of uses is reached, its total use is unknown.
         let reuse = seen.reuse.max(expected.reuse);
-        self.problem.prefers_other_solver(ExpectedUse { reuse, ..seen })
+        self.problem.prefers_other_solver(ExpectedUse { reuse, left: self.left(), ..seen })
+    }
+
+    /// [-] Useful iterations from here to the end of the run.
+    fn left(&self) -> f64 {
+        self.problem.steps_left() * f64::from(self.frozen.needed())
     }
 
     /// Records the iterations of a step.
@@ -272,7 +282,7 @@ impl Iteration<'_> {
         if self.frozen.made {
             self.frozen.expected = self.frozen.expected_use(self.problem.factor_cost());
         }
-        let made = self.problem.freeze(self.frozen.expected)?;
+        let made = self.problem.freeze(ExpectedUse { left: self.left(), ..self.frozen.expected })?;
         *self.frozen = FactorHistory { made, ..self.frozen.without_factor() };
         Ok(made)
     }
