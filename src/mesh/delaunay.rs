@@ -1,5 +1,6 @@
 //! Constrained Delaunay triangulation of a ring, and of outlines with holes, by `spade` (exact predicates).
 
+use super::tuples::in_order;
 use nalgebra::Vector2;
 use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation};
 use std::collections::HashSet;
@@ -16,7 +17,8 @@ pub(super) fn triangulate(points: &[Vector2<f64>], constraints: &[[usize; 2]], h
     let cdt = cdt.ok().filter(|cdt| !conflict && cdt.num_vertices() == points.len())?;
     let faces = cdt.inner_faces().map(|face| face.vertices().map(|v| v.index() as u32));
     // The order of spade's faces is not part of its interface; ours is.
-    Some(sorted(faces.filter(|t| t.iter().any(|&n| n as usize >= hole)).collect()))
+    let faces: Vec<[u32; 3]> = faces.filter(|t| t.iter().any(|&n| n as usize >= hole)).collect();
+    Some(sorted(faces.iter().copied()))
 }
 
 /// Triangles inside outlines, and the points that they have beside those of the outlines.
@@ -65,19 +67,18 @@ pub(super) fn fill(
     }
     let outside: HashSet<_> = refined.excluded_faces.into_iter().collect();
     let inside = cdt.inner_faces().filter(|face| !outside.contains(&face.fix()));
-    let triangles = sorted(inside.map(|face| face.vertices().map(|v| v.index() as u32)).collect());
+    let triangles: Vec<[u32; 3]> = inside.map(|face| face.vertices().map(|v| v.index() as u32)).collect();
+    let triangles = sorted(triangles.iter().copied());
     let place = |p: Point2<f64>| low + size * Vector2::new(p.x - 1.0, p.y - 1.0);
     let inner = cdt.vertices().skip(points.len()).map(|vertex| place(vertex.position())).collect();
     Ok(Filled { inner, triangles })
 }
 
 /// The same triangles in ascending order, each turned until its smallest node comes first.
-pub(super) fn sorted(mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
-    for triangle in &mut triangles {
-        *triangle = from_smallest(*triangle);
-    }
-    triangles.sort_unstable();
-    triangles
+pub(super) fn sorted(triangles: impl Iterator<Item = [u32; 3]> + Clone) -> Vec<[u32; 3]> {
+    let mut sorted = Vec::new();
+    in_order(triangles.map(from_smallest), |triangle, _| sorted.push(triangle));
+    sorted
 }
 
 /// Turns a triangle until its smallest node comes first.

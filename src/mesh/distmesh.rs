@@ -102,7 +102,7 @@ pub(super) fn triangulate_plan(plan: &MeshPlan, start: &Layout) -> Result<Vec<[u
 /// Triangulates nodes that have moved since `flips` was updated: from the beginning, or for large meshes by flips.
 pub(super) fn follow_plan(plan: &MeshPlan, start: &Layout, flips: &mut Flips) -> Result<Vec<[u32; 3]>, MeshError> {
     if plan.is_large() && flips.follow(&start.points) {
-        return Ok(sorted(flips.triangles().to_vec()));
+        return Ok(sorted(flips.triangles().iter().copied()));
     }
     triangulate_plan(plan, start)
 }
@@ -163,8 +163,6 @@ struct Bars {
     ends: Vec<[u32; 2]>,
     /// bars at each node
     degree: Vec<u32>,
-    /// of every bar in the last force pass
-    measured: Vec<MeasuredBar>,
 }
 
 /// A bar while its force is computed.
@@ -181,22 +179,24 @@ struct MeasuredBar {
 impl Bars {
     /// Takes the edges of a triangulation.
     fn take(&mut self, flips: &Flips, freedom: &[Freedom]) {
-        let moves = |bar: &[u32; 2]| bar.iter().any(|&n| freedom[n as usize] != Freedom::Fixed);
-        self.ends.clear();
-        self.ends.extend(flips.edges().filter(moves));
-        self.degree.clear();
-        self.degree.resize(freedom.len(), 0);
-        for &n in self.ends.iter().flatten() {
-            self.degree[n as usize] += 1;
-        }
-        self.measured.resize(self.ends.len(), MeasuredBar::default());
+        let Self { ends, degree } = self;
+        let moves = |n: u32| !matches!(freedom[n as usize], Freedom::Fixed);
+        ends.clear();
+        degree.clear();
+        degree.resize(freedom.len(), 0);
+        flips.each_edge(|bar| {
+            if bar.into_iter().any(moves) {
+                ends.push(bar);
+                bar.into_iter().for_each(|n| degree[n as usize] += 1);
+            }
+        });
     }
 
     /// Forces max(F0 - L, 0), repulsive only; the wanted lengths are scaled so that their squares sum up to those of
     /// the actual ones. `size` has the wanted lengths at the nodes.
-    fn forces(&mut self, size: &[f64], points: &[Vector2<f64>], forces: &mut [Vector2<f64>]) {
+    fn forces(&self, size: &[f64], points: &[Vector2<f64>], forces: &mut [Vector2<f64>]) {
         forces.fill(Vector2::zeros());
-        add_forces(&self.ends, &mut self.measured, size, points, forces);
+        add_forces(&self.ends, size, points, forces);
     }
 
     /// One step of gradient descent with momentum; returns the largest step without the momentum, over the wanted edge
@@ -241,33 +241,37 @@ impl Bars {
     }
 }
 
-/// In three loops, the middle one of which has roots and quotients alone, so that they are computed side by side.
+/// Bars that are measured together, so that what is known of them stays in the innermost cache.
+const TOGETHER: usize = 256;
+
+/// Bars are measured twice, for the scale and for the forces: what is known of all of them would not stay in the caches
+/// meanwhile. Roots and quotients are in a loop of their own, so that they are computed side by side.
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn add_forces(
-    ends: &[[u32; 2]],
-    measured: &mut [MeasuredBar],
-    size: &[f64],
-    points: &[Vector2<f64>],
-    forces: &mut [Vector2<f64>],
-) {
-    let (mut sum_actual, mut sum_wanted) = (0.0, 0.0);
-    for (&[a, b], bar) in ends.iter().zip(&mut *measured) {
+fn add_forces(ends: &[[u32; 2]], size: &[f64], points: &[Vector2<f64>], forces: &mut [Vector2<f64>]) {
+    let measure = |&[a, b]: &[u32; 2]| {
         let across = points[b as usize] - points[a as usize];
         // The size function is almost linear along a bar, so its value in the middle is taken as the mean of the ends.
         let wanted = 0.5 * (size[a as usize] + size[b as usize]);
-        *bar = MeasuredBar { across, square: across.norm_squared(), wanted };
-        sum_actual += bar.square;
+        MeasuredBar { across, square: across.norm_squared(), wanted }
+    };
+    let (mut sum_actual, mut sum_wanted) = (0.0, 0.0);
+    for MeasuredBar { square, wanted, .. } in ends.iter().map(measure) {
+        sum_actual += square;
         sum_wanted += wanted.powi(2);
     }
     let scale = OVERLENGTH * (sum_actual / sum_wanted).sqrt();
-    for MeasuredBar { across, square, wanted } in &mut *measured {
-        let full = scale * *wanted;
-        let share = if *square < full * full && *square > 0.0 { full / square.sqrt() - 1.0 } else { 0.0 };
-        *across *= share;
-    }
-    for (&[a, b], MeasuredBar { across: force, .. }) in ends.iter().zip(measured) {
-        forces[a as usize] -= *force;
-        forces[b as usize] += *force;
+    let mut measured = [MeasuredBar::default(); TOGETHER];
+    for ends in ends.chunks(TOGETHER) {
+        measured.iter_mut().zip(ends).for_each(|(bar, ends)| *bar = measure(ends));
+        for MeasuredBar { across, square, wanted } in &mut measured {
+            let full = scale * *wanted;
+            let share = if *square < full * full && *square > 0.0 { full / square.sqrt() - 1.0 } else { 0.0 };
+            *across *= share;
+        }
+        for (&[a, b], MeasuredBar { across: force, .. }) in ends.iter().zip(&measured) {
+            forces[a as usize] -= *force;
+            forces[b as usize] += *force;
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! A triangulation that follows moving nodes by edge flips (Lawson 1977), far cheaper than a new triangulation.
 
+use super::sides::sides_of;
+use super::tuples::in_order;
 use nalgebra::Vector2;
 
 /// No triangle beyond this side.
@@ -24,23 +26,19 @@ impl Flips {
         let key = |a: u32, b: u32| [a.min(b), a.max(b)];
         let mut fixed: Vec<[u32; 2]> = constraints.iter().map(|&[a, b]| key(a as u32, b as u32)).collect();
         fixed.sort_unstable();
-        let mut sides: Vec<([u32; 2], u32, usize)> = Vec::with_capacity(3 * triangles.len());
-        for (t, corners) in triangles.iter().enumerate() {
-            sides.extend((0..3).map(|s| (key(corners[s], corners[(s + 1) % 3]), t as u32, s)));
-        }
-        sides.sort_unstable();
         let mut beyond = vec![[NONE; 3]; triangles.len()];
         let mut kept = vec![[false; 3]; triangles.len()];
-        for pair in sides.windows(2) {
-            let [(first, t, s), (second, u, r)] = [pair[0], pair[1]];
-            if first == second {
-                beyond[t as usize][s] = u;
-                beyond[u as usize][r] = t;
-                let stays = !fixed.is_empty() && fixed.binary_search(&first).is_ok();
-                kept[t as usize][s] = stays;
-                kept[u as usize][r] = stays;
+        let mut before = ([NONE; 2], 0);
+        in_order(sides_of(&triangles), |side, number| {
+            let (same, other) = std::mem::replace(&mut before, (side, number));
+            if same == side {
+                let stays = fixed.binary_search(&side).is_ok();
+                for [here, there] in [[number, other], [other, number]] {
+                    let (t, s) = (here as usize / 3, here as usize % 3);
+                    (beyond[t][s], kept[t][s]) = (there / 3, stays);
+                }
             }
-        }
+        });
         Self { triangles, beyond, kept }
     }
 
@@ -49,12 +47,16 @@ impl Flips {
         &self.triangles
     }
 
-    /// The edges, each once.
-    pub(crate) fn edges(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
-        self.triangles.iter().zip(&self.beyond).enumerate().flat_map(|(t, (corners, beyond))| {
-            let own = move |&s: &usize| beyond[s] == NONE || (t as u32) < beyond[s];
-            (0..3).filter(own).map(move |s| [corners[s], corners[(s + 1) % 3]])
-        })
+    /// Calls `visit` with the edges, each once.
+    pub(crate) fn each_edge(&self, mut visit: impl FnMut([u32; 2])) {
+        for ((t, corners), beyond) in (0..).zip(&self.triangles).zip(&self.beyond) {
+            for side in 0..3 {
+                // No triangle has the largest number.
+                if t < beyond[side] {
+                    visit([corners[side], corners[(side + 1) % 3]]);
+                }
+            }
+        }
     }
 
     /// Flips edges until the triangulation is Delaunay again; false if a triangle has turned over, or the flips do
@@ -67,23 +69,32 @@ impl Flips {
         if self.triangles.is_empty() || !self.triangles.iter().all(upright) {
             return false;
         }
-        let mut stack: Vec<u32> = (0..self.triangles.len() as u32).rev().collect();
         // Far more flips than a small movement needs.
-        let mut left = 10 * self.triangles.len() + 100;
-        while let Some(t) = stack.pop() {
-            for side in 0..3 {
-                if self.wants_flip(t, side, points) {
-                    let other = self.flip(t, side);
-                    stack.extend([t, other]);
-                    left -= 1;
-                    break;
+        let (mut left, mut stack) = (10 * self.triangles.len() + 100, Vec::new());
+        for t in 0..self.triangles.len() as u32 {
+            // Sides towards triangles before this one were tested from there, and again after every flip beside them.
+            let mut flipped = self.flip_first(t, t, points);
+            while let Some(pair) = flipped {
+                stack.extend(pair);
+                left -= 1;
+                if left == 0 {
+                    return false;
                 }
-            }
-            if left == 0 {
-                return false;
+                flipped = None;
+                while let (None, Some(changed)) = (flipped, stack.pop()) {
+                    flipped = self.flip_first(changed, 0, points);
+                }
             }
         }
         true
+    }
+
+    /// Flips the first side of a triangle that wants it and has a triangle beyond it that is not before `least`;
+    /// returns both triangles.
+    fn flip_first(&mut self, t: u32, least: u32, points: &[Vector2<f64>]) -> Option<[u32; 2]> {
+        let beyond = self.beyond[t as usize];
+        let side = (0..3).find(|&side| beyond[side] >= least && self.wants_flip(t, side, points))?;
+        Some([t, self.flip(t, side)])
     }
 
     /// The index of neighbour `t` in `of`.
@@ -98,9 +109,10 @@ impl Flips {
             return false;
         }
         let corners = self.triangles[t as usize];
-        let far = self.triangles[other as usize][(self.side_towards(other, t) + 2) % 3];
-        let [a, b, c, d] =
-            [corners[side], corners[(side + 1) % 3], corners[(side + 2) % 3], far].map(|n| points[n as usize]);
+        let [a, b, c] = [corners[side], corners[(side + 1) % 3], corners[(side + 2) % 3]];
+        // The corner beyond the side: exclusive or takes a and b away from the three.
+        let far = self.triangles[other as usize].into_iter().fold(a ^ b, |rest, node| rest ^ node);
+        let [a, b, c, d] = [a, b, c, far].map(|n| points[n as usize]);
         let (ca, cb, da, db) = (a - c, b - c, a - d, b - d);
         // Sine of the sum of the angles at c and d, times the four lengths.
         let sine = ca.perp(&cb) * da.dot(&db) + ca.dot(&cb) * db.perp(&da);

@@ -10,7 +10,7 @@ use super::adjacency::Adjacency;
 use super::distmesh::follow_plan;
 use super::flips::Flips;
 use super::layout::{Freedom, Layout, MeshPlan};
-use super::quality::smallest_angle_of;
+use super::quality::{plainly_above, smallest_angle_of};
 use crate::interrupt;
 use nalgebra::Vector2;
 
@@ -45,7 +45,12 @@ pub(super) fn polish(plan: &MeshPlan, start: &mut Layout, mut flips: Flips) -> R
 
 /// Nodes of triangles below the target, ascending.
 fn nodes_of_sharp(points: &[Vector2<f64>], triangles: &[[u32; 3]]) -> Vec<u32> {
-    let sharp = triangles.iter().filter(|t| smallest_angle_of(t.map(|n| points[n as usize])) < TARGET);
+    let cotangent = 1.0 / TARGET.to_radians().tan();
+    let is_sharp = |t: &&[u32; 3]| {
+        let corners = t.map(|n| points[n as usize]);
+        !plainly_above(cotangent, corners) && smallest_angle_of(corners) < TARGET
+    };
+    let sharp = triangles.iter().filter(is_sharp);
     let mut nodes: Vec<u32> = sharp.flatten().copied().collect();
     nodes.sort_unstable();
     nodes.dedup();

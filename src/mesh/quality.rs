@@ -135,6 +135,15 @@ pub(super) fn smallest_angle_of([a, b, c]: [Vector2<f64>; 3]) -> f64 {
     angle(b - a, c - a).min(angle(c - b, a - b)).min(angle(a - c, b - c))
 }
 
+/// Whether all angles of a plane triangle are above one with this cotangent, by more than rounding: much cheaper than
+/// the angles. False where that is not plain.
+pub(super) fn plainly_above(cotangent: f64, [a, b, c]: [Vector2<f64>; 3]) -> bool {
+    const MARGIN: f64 = 1e-9;
+    let (ab, bc, ca) = (b - a, c - b, a - c);
+    let largest = (-ab.dot(&ca)).max(-bc.dot(&ab)).max(-ca.dot(&bc));
+    largest < (1.0 - MARGIN) * cotangent * ca.perp(&ab)
+}
+
 /// The sharpest triangle of a plane mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SharpestTriangle {
@@ -147,10 +156,15 @@ pub(super) struct SharpestTriangle {
 /// Finds the sharpest triangle; an infinite angle if there is none.
 pub(super) fn smallest_angle(points: &[Vector2<f64>], triangles: &[[u32; 3]]) -> SharpestTriangle {
     let mut worst = SharpestTriangle { degrees: f64::INFINITY, at: Vector2::zeros() };
+    let mut cotangent = f64::NEG_INFINITY;
     for triangle in triangles {
         let corners = triangle.map(|n| points[n as usize]);
+        if plainly_above(cotangent, corners) {
+            continue;
+        }
         let degrees = smallest_angle_of(corners);
         if degrees < worst.degrees {
+            cotangent = 1.0 / degrees.to_radians().tan();
             worst = SharpestTriangle { degrees, at: (corners[0] + corners[1] + corners[2]) / 3.0 };
         }
     }

@@ -94,7 +94,7 @@ impl Sides {
 pub(super) const NOT_A_SIDE: u32 = u32::MAX;
 
 /// The edges 0-1, 1-2, 2-0 of triangle after triangle, the smaller node first.
-fn sides_of(triangles: &[[u32; 3]]) -> impl Iterator<Item = [u32; 2]> + Clone {
+pub(super) fn sides_of(triangles: &[[u32; 3]]) -> impl Iterator<Item = [u32; 2]> + Clone {
     triangles.iter().flat_map(|&[a, b, c]| [edge_key(a, b), edge_key(b, c), edge_key(c, a)])
 }
 
