@@ -78,6 +78,9 @@ impl Bounds {
     }
 }
 
+/// Twice the middle of a thing's box, and its number: side by side, so that sorting stays in the caches.
+type Middle = ([f64; 3], u32);
+
 /// A tree of boxes; see the [module](self).
 #[derive(Clone, Debug)]
 pub struct BoxTree {
@@ -93,11 +96,13 @@ impl BoxTree {
     /// Around things with these boxes; fewer than 2^32.
     pub fn new(boxes: &[Bounds]) -> Self {
         let leaves = boxes.len().div_ceil(LEAF).next_power_of_two();
-        let order = (0..boxes.len() as u32).collect();
         let nodes = vec![Bounds::EMPTY; 2 * leaves - 1];
-        let mut tree = BoxTree { order, items: Vec::with_capacity(boxes.len()), nodes };
-        tree.split(boxes, 0..leaves);
-        tree.items.extend(tree.order.iter().map(|item| boxes[*item as usize]));
+        let mut tree = BoxTree { order: vec![0; boxes.len()], items: Vec::new(), nodes };
+        let middle = |bounds: &Bounds| [0, 1, 2].map(|axis| bounds.middle(axis));
+        let mut middles: Vec<Middle> = boxes.iter().map(middle).zip(0..).collect();
+        tree.split(&mut middles, 0..leaves);
+        tree.order.iter_mut().zip(middles).for_each(|(to, (_, item))| *to = item);
+        tree.items = tree.order.iter().map(|item| boxes[*item as usize]).collect();
         tree.join();
         tree
     }
@@ -113,24 +118,21 @@ impl BoxTree {
     }
 
     /// Sorts the things of some leaves into them: halves along the longest axis of their middles, again and again.
-    fn split(&mut self, boxes: &[Bounds], leaves: Range<usize>) {
+    fn split(&self, middles: &mut [Middle], leaves: Range<usize>) {
         if leaves.len() < 2 {
             return;
         }
         let half = leaves.start + leaves.len() / 2;
         let (places, middle) = (self.places(leaves.clone()), self.places(half..half).start);
-        let part = &mut self.order[places.clone()];
-        let centre = |item: &u32| [0, 1, 2].map(|axis| boxes[*item as usize].middle(axis));
-        let axis = part.iter().map(centre).fold(Bounds::EMPTY, |all, x| all.joined(Bounds { low: x, high: x }));
-        let axis = axis.longest_axis();
+        let part = &mut middles[places.clone()];
+        let axis = Bounds::of(part.iter().map(|(middle, _)| middle)).longest_axis();
         if (1..part.len()).contains(&(middle - places.start)) {
-            part.select_nth_unstable_by(middle - places.start, |a, b| {
-                let [x, y] = [a, b].map(|item| boxes[*item as usize].middle(axis));
-                x.total_cmp(&y).then(a.cmp(b))
+            part.select_nth_unstable_by(middle - places.start, |(x, a), (y, b)| {
+                x[axis].total_cmp(&y[axis]).then(a.cmp(b))
             });
         }
-        self.split(boxes, leaves.start..half);
-        self.split(boxes, half..leaves.end);
+        self.split(middles, leaves.start..half);
+        self.split(middles, half..leaves.end);
     }
 
     /// Fits the boxes to things that have moved.
