@@ -1,6 +1,7 @@
 //! The content of a frame, and how edge values become cell values.
 
 use crate::case::spec::{CrossingSearch, Field, OutputSpec};
+use crate::mesh::adjacency::Adjacency;
 use crate::mesh::crossing::can_meet;
 use crate::model::observables::{MembranePicture, Observables};
 
@@ -201,12 +202,13 @@ impl CellMap {
 
     /// Finds the edges of every triangle; `cells` is the number of cells a frame shows.
     pub fn new(triangles: &[[u32; 3]], edges: &[[u32; 2]], cells: usize) -> Self {
-        let key = |a: u32, b: u32| (a.min(b), a.max(b));
-        let mut sorted: Vec<_> = (0u32..).zip(edges).map(|(i, &[a, b])| (key(a, b), i)).collect();
-        sorted.sort_unstable();
-        let find = |a, b| {
-            let at = sorted.partition_point(|entry| entry.0 < key(a, b));
-            sorted.get(at).filter(|entry| entry.0 == key(a, b)).map(|entry| entry.1)
+        let nodes = edges.as_flattened().iter().max().map_or(0, |most| *most as usize + 1);
+        let by_smaller = Adjacency::new(nodes, (0..).zip(edges).map(|(i, &[a, b])| (a.min(b), i)));
+        let find = |a: u32, b: u32| {
+            let (smaller, larger) = (a.min(b), a.max(b));
+            let row = if (smaller as usize) < nodes { by_smaller.row(smaller) } else { &[] };
+            // The first of those that are listed twice.
+            row.iter().copied().find(|edge| edges[*edge as usize].contains(&larger))
         };
         let sides = triangles.iter().map(|&[a, b, c]| [find(a, b), find(b, c), find(c, a)]).collect();
         Self { sides, cells }

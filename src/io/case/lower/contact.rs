@@ -14,7 +14,6 @@ use crate::preflight::contact::counted_parts;
 use nalgebra::Vector3;
 use obstacle::obstacle;
 use parts::{all, edge_lengths, named, nodes_of};
-use std::collections::BTreeSet;
 use std::path::Path;
 
 /// [-] The gap over the shortest edge, if it is not given.
@@ -26,8 +25,8 @@ pub(super) struct Scene<'a> {
     pub geometry: &'a Geometry,
     /// the folder that names of files count from
     pub base: &'a Path,
-    /// edges with a spring
-    pub springs: &'a BTreeSet<u32>,
+    /// whether an edge has a spring
+    pub has_spring: &'a dyn Fn(u32) -> bool,
     /// [m] displacement at the start, `[n_nodes][3]`; empty = none
     pub displacement: &'a [[f64; 3]],
     /// whether a node moves at any time

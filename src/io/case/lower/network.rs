@@ -77,22 +77,24 @@ pub(super) fn network(
     } else {
         initial::InitialState::default()
     };
-    let springs: BTreeSet<u32> = groups.iter().flat_map(|group| group.edges.iter().copied()).collect();
+    let mut springs = vec![false; geometry.mesh.edges.len()];
+    groups.iter().flat_map(|group| &group.edges).for_each(|edge| springs[*edge as usize] = true);
+    let has_spring = &|edge: u32| springs.get(edge as usize) == Some(&true);
     let contacts = {
         let moved: BTreeSet<u32> = motions.iter().flat_map(|motion| &motion.nodes).map(|(node, _)| *node).collect();
         let moves = &|node: u32| at_last.get(node as usize) != Some(&[true; 3]) || moved.contains(&node);
-        let scene = contact::Scene { geometry, base, springs: &springs, displacement: &start.displacement, moves };
+        let scene = contact::Scene { geometry, base, has_spring, displacement: &start.displacement, moves };
         contact::contacts(&at.key("contact"), &network.contact, &scene, faults)
     };
     if masses_known {
         let mesh = &geometry.mesh;
-        let ends = springs.iter().filter_map(|e| mesh.edges.get(*e as usize)).flatten();
+        let ends = mesh.edges.iter().zip(&springs).filter(|(_, spring)| **spring).flat_map(|(ends, _)| ends);
         let triangles = membranes.iter().flat_map(|m| &m.triangles).filter_map(|t| mesh.triangles.get(*t as usize));
         let held = ends.chain(triangles.flatten()).copied();
         warn_loose(held.chain(touching(&contacts, mesh)), &at_last, faults);
     }
-    let (has_spring, air_around) = (&|edge: u32| springs.contains(&edge), stream.is_some());
-    let events = events::events(plan, Sights { geometry, mass: &masses, has_spring, air: air_around }, faults);
+    let sights = Sights { geometry, mass: &masses, has_spring, air: stream.is_some() };
+    let events = events::events(plan, sights, faults);
     let mut spec = NetworkSpec {
         mesh: geometry.mesh.clone(),
         mass: masses,

@@ -10,7 +10,6 @@ use crate::format_number::figures;
 use crate::model::spec::{AirSpec, NetworkSpec, PendulumSpec, Slack};
 use crate::preflight::air::{FreeStream, excess_pressure};
 use crate::warning::WarningCode;
-use std::collections::BTreeSet;
 
 /// [m/s] Speed of sound in air at 15 degrees Celsius: the laws of the air here do not model compression.
 const SOUND: f64 = 340.0;
@@ -185,12 +184,12 @@ fn strain(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Fa
 /// Whether triangles are a cover of a net of cables: there are springs, but no triangle has them on all its sides, nor
 /// a membrane.
 fn only_covers(spec: &NetworkSpec, geometry: &Geometry) -> bool {
-    let edges: BTreeSet<u32> = spec.springs.iter().flat_map(|group| group.edges.iter().copied()).collect();
-    let mut sides = vec![0; spec.mesh.triangles.len()];
-    for triangle in edges.iter().flat_map(|&edge| geometry.topology.edge_triangles(edge as usize)) {
-        sides[*triangle as usize] += 1;
-    }
-    !edges.is_empty() && spec.membranes.is_empty() && !sides.contains(&3)
+    let (mut seen, mut sides) = (vec![false; spec.mesh.edges.len()], vec![0; spec.mesh.triangles.len()]);
+    let edges = spec.springs.iter().flat_map(|group| &group.edges);
+    // An edge with several springs counts once.
+    let once = edges.filter(|edge| !std::mem::replace(&mut seen[**edge as usize], true));
+    once.flat_map(|edge| geometry.topology.edge_triangles(*edge as usize)).for_each(|t| sides[*t as usize] += 1);
+    seen.contains(&true) && spec.membranes.is_empty() && !sides.contains(&3)
 }
 
 /// The mass of the triangles' nodes over the triangles' area: a payload on lines does not count.

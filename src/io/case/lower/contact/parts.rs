@@ -11,11 +11,11 @@ use std::collections::BTreeSet;
 const ALL: &str = "all";
 
 /// All triangles, all edges with a spring that are no side of one, all nodes that are in neither.
-pub(super) fn all(Scene { geometry, springs, .. }: &Scene<'_>) -> ContactParts {
+pub(super) fn all(Scene { geometry, has_spring, .. }: &Scene<'_>) -> ContactParts {
     let mesh = &geometry.mesh;
     let triangles: Vec<u32> = (0_u32..).take(mesh.triangles.len()).collect();
     let lines = (0_u32..).take(mesh.edges.len());
-    let is_line = |edge: &u32| geometry.topology.edge_kind(*edge as usize) == EdgeKind::Line && springs.contains(edge);
+    let is_line = |edge: &u32| geometry.topology.edge_kind(*edge as usize) == EdgeKind::Line && has_spring(*edge);
     let edges: Vec<u32> = lines.filter(is_line).collect();
     let mut lone = vec![true; mesh.nodes.len()];
     let ends = edges.iter().filter_map(|edge| mesh.edges.get(*edge as usize)).flatten();
