@@ -50,7 +50,7 @@ mod sides;
 pub mod source;
 pub mod startup;
 pub(crate) mod topology;
-mod tuples;
+pub mod tuples;
 pub mod unit_vector;
 #[cfg(feature = "vtk")]
 pub mod vtk;

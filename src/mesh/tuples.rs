@@ -5,10 +5,7 @@
 ///
 /// Tuples are put together by their first node, then sorted within. Nodes are mostly numbered along the mesh, so this
 /// stays in the caches where a hash table or one large sort does not.
-pub(super) fn in_order<const N: usize>(
-    tuples: impl Iterator<Item = [u32; N]> + Clone,
-    mut visit: impl FnMut([u32; N], u32),
-) {
+pub fn in_order<const N: usize>(tuples: impl Iterator<Item = [u32; N]> + Clone, mut visit: impl FnMut([u32; N], u32)) {
     let (mut count, mut nodes) = (0_usize, 0_usize);
     for tuple in tuples.clone() {
         (count, nodes) = (count + 1, nodes.max(tuple[0] as usize + 1));

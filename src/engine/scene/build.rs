@@ -37,6 +37,7 @@ use crate::force::law::stream::Stream;
 use crate::force::law::surface_pressure::{SurfacePressure, SurfacePressureData};
 use crate::force::law::triangle::AreaVector;
 use crate::force::schedule::threads::Threads;
+use crate::mesh::tuples::in_order;
 use crate::mesh::unit_vector::unit_vector;
 use crate::model::spec::{
     CanopyAir, DashpotKind, FillingSpec, NetworkSpec, PressureKind, Series, SpringGroup, StreamSpec, ascending,
@@ -216,12 +217,11 @@ impl Builder<'_> {
     }
 
     /// Springs of the group with this number, by their places in it.
-    fn spring_batch(&self, group: &SpringGroup, number: u32, mut order: Vec<usize>) -> SpringBatch {
+    fn spring_batch(&self, group: &SpringGroup, number: u32, members: Vec<usize>) -> SpringBatch {
         let nodes = |i: usize| self.spec.mesh.edges[group.edges[i] as usize].map(|n| self.node(n));
-        order.sort_unstable_by_key(|&i| {
-            let [a, b] = nodes(i);
-            (a.min(b), a.max(b), i)
-        });
+        let ends: Vec<[u32; 2]> = members.iter().map(|&i| nodes(i)).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+        let mut order = Vec::with_capacity(members.len());
+        in_order(ends.iter().copied(), |_, place| order.push(members[place as usize]));
         let data = SpringData {
             nodes: order.iter().map(|&i| nodes(i)).collect(),
             rest_length: order.iter().map(|&i| group.rest_length[i]).collect(),
