@@ -176,6 +176,16 @@ struct MeasuredBar {
     wanted: f64,
 }
 
+impl MeasuredBar {
+    #[inline(always)]
+    fn new([a, b]: [u32; 2], size: &[f64], points: &[Vector2<f64>]) -> Self {
+        let across = points[b as usize] - points[a as usize];
+        // The size function is almost linear along a bar, so its value in the middle is taken as the mean of the ends.
+        let wanted = 0.5 * (size[a as usize] + size[b as usize]);
+        MeasuredBar { across, square: across.norm_squared(), wanted }
+    }
+}
+
 impl Bars {
     /// Takes the edges of a triangulation.
     fn take(&mut self, flips: &Flips, freedom: &[Freedom]) {
@@ -248,21 +258,18 @@ const TOGETHER: usize = 256;
 /// meanwhile. Roots and quotients are in a loop of their own, so that they are computed side by side.
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn add_forces(ends: &[[u32; 2]], size: &[f64], points: &[Vector2<f64>], forces: &mut [Vector2<f64>]) {
-    let measure = |&[a, b]: &[u32; 2]| {
-        let across = points[b as usize] - points[a as usize];
-        // The size function is almost linear along a bar, so its value in the middle is taken as the mean of the ends.
-        let wanted = 0.5 * (size[a as usize] + size[b as usize]);
-        MeasuredBar { across, square: across.norm_squared(), wanted }
-    };
     let (mut sum_actual, mut sum_wanted) = (0.0, 0.0);
-    for MeasuredBar { square, wanted, .. } in ends.iter().map(measure) {
+    for ends in ends {
+        let MeasuredBar { square, wanted, .. } = MeasuredBar::new(*ends, size, points);
         sum_actual += square;
         sum_wanted += wanted.powi(2);
     }
     let scale = OVERLENGTH * (sum_actual / sum_wanted).sqrt();
     let mut measured = [MeasuredBar::default(); TOGETHER];
     for ends in ends.chunks(TOGETHER) {
-        measured.iter_mut().zip(ends).for_each(|(bar, ends)| *bar = measure(ends));
+        for (bar, ends) in measured.iter_mut().zip(ends) {
+            *bar = MeasuredBar::new(*ends, size, points);
+        }
         for MeasuredBar { across, square, wanted } in &mut measured {
             let full = scale * *wanted;
             let share = if *square < full * full && *square > 0.0 { full / square.sqrt() - 1.0 } else { 0.0 };

@@ -62,10 +62,8 @@ impl Flips {
     /// Flips edges until the triangulation is Delaunay again; false if a triangle has turned over, or the flips do
     /// not end, and a new triangulation is needed.
     pub(crate) fn follow(&mut self, points: &[Vector2<f64>]) -> bool {
-        let upright = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|n| points[n as usize]);
-            (b - a).perp(&(c - a)) > 0.0
-        };
+        let at = |node: u32| points[node as usize];
+        let upright = |&[a, b, c]: &[u32; 3]| (at(b) - at(a)).perp(&(at(c) - at(a))) > 0.0;
         if self.triangles.is_empty() || !self.triangles.iter().all(upright) {
             return false;
         }
@@ -112,7 +110,8 @@ impl Flips {
         let [a, b, c] = [corners[side], corners[(side + 1) % 3], corners[(side + 2) % 3]];
         // The corner beyond the side: exclusive or takes a and b away from the three.
         let far = self.triangles[other as usize].into_iter().fold(a ^ b, |rest, node| rest ^ node);
-        let [a, b, c, d] = [a, b, c, far].map(|n| points[n as usize]);
+        let at = |node: u32| points[node as usize];
+        let (a, b, c, d) = (at(a), at(b), at(c), at(far));
         let (ca, cb, da, db) = (a - c, b - c, a - d, b - d);
         // Sine of the sum of the angles at c and d, times the four lengths.
         let sine = ca.perp(&cb) * da.dot(&db) + ca.dot(&cb) * db.perp(&da);

@@ -21,6 +21,7 @@ impl Ring {
 
     /// [m] signed distance to the boundary, negative inside (Persson & Strang 2004, section 2.1: the intersection of
     /// a circle and the outside of another is the larger of both distances).
+    #[inline]
     pub(crate) fn signed_distance(&self, p: Vector2<f64>) -> f64 {
         let r = p.norm();
         if self.has_hole() { (r - self.outer).max(self.inner - r) } else { r - self.outer }
@@ -76,6 +77,7 @@ pub(crate) struct SizeFunction {
 
 impl SizeFunction {
     /// [m] wanted edge length at a radius [m]
+    #[inline]
     pub(crate) fn at(&self, radius: f64) -> f64 {
         let Ring { inner, outer } = self.ring;
         let s = ((radius - inner) / (outer - inner)).clamp(0.0, 1.0);
