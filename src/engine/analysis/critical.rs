@@ -174,9 +174,9 @@ pub struct ElementBounds<'a> {
 impl<'a> ElementBounds<'a> {
     /// Computes the bounds at a state.
     pub fn of(scene: &'a dyn Scene, at: StateRef<'a>) -> Self {
-        let stiffness = scene.sharper_rate_bound(at, STIFFNESS);
         let damped = scene.velocity_dependent();
-        let damping = if damped { scene.sharper_rate_bound(at, DAMPING) } else { AtDof::default() };
+        let of_damping = || if damped { scene.sharper_rate_bound(at, DAMPING) } else { AtDof::default() };
+        let (stiffness, damping) = scene.workers().join(|| scene.sharper_rate_bound(at, STIFFNESS), of_damping);
         let rates = Rates::of_bounds(stiffness, damping, scene.added_mass().is_some());
         ElementBounds { scene, at, rates, damped, symmetric: scene.symmetric() }
     }

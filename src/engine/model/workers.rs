@@ -96,6 +96,14 @@ impl Workers {
         }
     }
 
+    /// The results of two pieces of work, side by side if there is more than one thread.
+    pub fn join<A: Send, B: Send>(&self, one: impl FnOnce() -> A + Send, other: impl FnOnce() -> B + Send) -> (A, B) {
+        match self.pool() {
+            None => (one(), other()),
+            Some(pool) => pool.install(|| rayon::join(one, other)),
+        }
+    }
+
     /// The results of `part` for each piece of `0..n`, combined in their order.
     pub fn fold<T: Copy + Send + Sync>(
         &self,
