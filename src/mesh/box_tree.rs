@@ -29,6 +29,7 @@ impl Bounds {
 
     /// Around two boxes.
     #[must_use]
+    #[inline]
     pub fn joined(self, other: Bounds) -> Bounds {
         let smaller = |a: f64, b: f64| if b < a { b } else { a };
         let larger = |a: f64, b: f64| if b > a { b } else { a };
@@ -40,11 +41,13 @@ impl Bounds {
 
     /// The box with `margin` [m] on all sides.
     #[must_use]
+    #[inline]
     pub fn grown(self, margin: f64) -> Bounds {
         Bounds { low: self.low.map(|x| x - margin), high: self.high.map(|x| x + margin) }
     }
 
     /// Whether both have more than a face in common. Flat boxes that cross each other do; two in one plane do not.
+    #[inline]
     pub fn overlaps(&self, other: &Bounds) -> bool {
         let along = |k: usize| (self.low[k] < other.high[k]) & (other.low[k] < self.high[k]);
         along(0) & along(1) & along(2)

@@ -167,19 +167,22 @@ pub fn nearest(kind: PairKind, x: &[Vector3<f64>; 4]) -> Nearest {
     if within && inside.distance < border.distance { inside } else { border }
 }
 
-/// [m] What the distance of a pair is at least: that along the line between the means of the nodes of its elements. Not
-/// a number where these are one point.
-pub fn least(kind: PairKind, x: &[Vector3<f64>; 4]) -> f64 {
+/// Whether a pair is farther apart than a distance [m], as far as a look along few directions tells: that between the
+/// means of the nodes of its elements, and of two edges what of it is normal to each.
+pub fn is_beyond(kind: PairKind, x: &[Vector3<f64>; 4], distance: f64) -> bool {
     let (first, second) = x[..kind.nodes()].split_at(kind.nodes_of_first());
     let from = second[0];
     let mean = |side: &[Vector3<f64>]| side.iter().map(|x| x - from).sum::<Vector3<f64>>() / side.len() as f64;
     let line = mean(first) - mean(second);
-    let along = |x: &Vector3<f64>| line.dot(&(x - from));
-    let [lowest, highest] = [
-        first.iter().map(along).fold(f64::INFINITY, f64::min),
-        second.iter().map(along).fold(f64::NEG_INFINITY, f64::max),
-    ];
-    (lowest - highest) / line.norm()
+    // False along a direction without length.
+    let beyond = |direction: Vector3<f64>| {
+        let along = |x: &Vector3<f64>| direction.dot(&(x - from));
+        let lowest = first.iter().map(along).fold(f64::INFINITY, f64::min);
+        let highest = second.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
+        lowest - highest > distance * direction.norm()
+    };
+    let normal_to = |edge: Vector3<f64>| line - edge * (line.dot(&edge) / edge.norm_squared());
+    beyond(line) || kind == PairKind::EdgeEdge && (beyond(normal_to(x[1] - x[0])) || beyond(normal_to(x[3] - x[2])))
 }
 
 /// The closest points among those of which one at least is on the border of its element.

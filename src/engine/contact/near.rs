@@ -4,7 +4,7 @@
 //! by more than they may ([`super::patches`]), no other pair can touch.
 
 use super::bodies::{Contact, Contacts, Other, Plane};
-use super::distance::{PairKind, least, nearest};
+use super::distance::{PairKind, is_beyond, nearest};
 use super::patches::{Moved, Patches};
 use super::search::Search;
 use crate::mesh::box_tree::Bounds;
@@ -209,7 +209,7 @@ impl Near {
                 }
                 Form::Pair(kind) => {
                     let x = points(nodes, |node| places.at(node));
-                    if least(kind, &x) >= touching + skin {
+                    if is_beyond(kind, &x, touching + skin) {
                         return None;
                     }
                     nearest(kind, &x).distance

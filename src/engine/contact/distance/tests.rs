@@ -44,6 +44,24 @@ fn widest_slab(kind: PairKind, x: &[Vector3<f64>; 4], r: &Vector3<f64>) -> f64 {
     normals.filter(|n| n.x.is_finite()).map(|n| parted(kind, x, &n)).fold(0.0, f64::max)
 }
 
+/// What is said to be beyond a distance is, up to rounding, and most of what is far beyond it is said to be.
+#[test]
+fn what_is_beyond_a_distance_is_that_far_apart() {
+    let (mut draw, mut far, mut told) = (SplitMix64::of_seed(4), 0, 0);
+    for n in 0..120_000 {
+        let (kind, x) = (KINDS[n % 4], pair(&mut draw, n / 4));
+        let distance = nearest(kind, &x).distance;
+        for share in [0.7, 0.999_999, 1.000_001] {
+            let beyond = is_beyond(kind, &x, share * distance);
+            assert!(!(beyond && share > 1.0), "{kind:?} {x:?}: {distance}");
+            if share == 0.7 && distance > 0.0 {
+                (far, told) = (far + 1, told + usize::from(beyond));
+            }
+        }
+    }
+    assert!(far > 60_000 && 2 * told > far, "{told} of {far}");
+}
+
 /// The points are of the elements, so nothing is further apart; a slab parts the elements by as much, so nothing is
 /// nearer.
 #[test]
