@@ -110,13 +110,16 @@ impl BoxTree {
         tree
     }
 
+    /// How many there are, a power of two.
+    #[inline]
     fn leaves(&self) -> usize {
         self.nodes.len().div_ceil(2)
     }
 
     /// Places of the things of some leaves.
+    #[inline]
     fn places(&self, leaves: Range<usize>) -> Range<usize> {
-        let place = |leaf: usize| (leaf as u64 * self.order.len() as u64 / self.leaves() as u64) as usize;
+        let place = |leaf: usize| (leaf as u64 * self.order.len() as u64 >> self.leaves().trailing_zeros()) as usize;
         place(leaves.start)..place(leaves.end)
     }
 
