@@ -79,7 +79,8 @@ impl Flips {
                     return false;
                 }
                 flipped = None;
-                while let (None, Some(changed)) = (flipped, stack.pop()) {
+                while flipped.is_none() {
+                    let Some(changed) = stack.pop() else { break };
                     flipped = self.flip_first(changed, 0, points);
                 }
             }
@@ -146,5 +147,40 @@ impl Flips {
         self.beyond[oi] = [db, bc, t];
         self.kept[oi] = [keep_db, keep_bc, false];
         other
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::SplitMix64;
+
+    /// After movements that need many flips no side is left that wants one.
+    #[test]
+    fn nothing_is_left_to_flip() {
+        const N: u32 = 20;
+        let at = |i: u32| Vector2::new(f64::from(i % N), f64::from(i / N));
+        let cells = (0..N * N).filter(|i| i % N < N - 1 && i / N < N - 1);
+        let triangles: Vec<[u32; 3]> = cells.flat_map(|i| [[i, i + 1, i + N + 1], [i, i + N + 1, i + N]]).collect();
+        let (mut random, mut followed, mut changed) = (SplitMix64::new(7, 0), 0, 0);
+        for round in 0..400 {
+            // Rows are sheared, and nodes moved.
+            let (shear, noise) = (0.6 * f64::from(round % 4), 0.1 + 0.02 * f64::from(round % 10));
+            let mut moved = |i: u32| {
+                let noise = Vector2::new(random.signed(), random.signed()) * noise;
+                at(i) + Vector2::new(shear * at(i).y, 0.0) + noise
+            };
+            let points: Vec<Vector2<f64>> = (0..N * N).map(&mut moved).collect();
+            let mut flips = Flips::new(triangles.clone(), &[]);
+            if !flips.follow(&points) {
+                continue;
+            }
+            followed += 1;
+            changed += flips.triangles().iter().zip(&triangles).filter(|(now, before)| now != before).count();
+            for t in 0..triangles.len() as u32 {
+                assert!((0..3).all(|side| !flips.wants_flip(t, side, &points)), "round {round}, triangle {t}");
+            }
+        }
+        assert!(followed > 200 && changed > 50_000, "{followed} followed, {changed} triangles changed");
     }
 }

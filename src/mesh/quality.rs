@@ -156,7 +156,8 @@ pub(super) struct SharpestTriangle {
 /// Finds the sharpest triangle; an infinite angle if there is none.
 pub(super) fn smallest_angle(points: &[Vector2<f64>], triangles: &[[u32; 3]]) -> SharpestTriangle {
     let mut worst = SharpestTriangle { degrees: f64::INFINITY, at: Vector2::zeros() };
-    let mut cotangent = f64::NEG_INFINITY;
+    // No triangle is plainly above the angle of none.
+    let mut cotangent = f64::NAN;
     for triangle in triangles {
         let corners = triangle.map(|n| points[n as usize]);
         if plainly_above(cotangent, corners) {

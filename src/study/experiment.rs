@@ -31,6 +31,8 @@ pub struct Experiment<'a> {
     pub step: Step,
     /// [s] end of the run
     pub end: f64,
+    /// [s] end of the whole run, of which this may be a part
+    pub whole: f64,
     /// [s] interval of the frames, where adaptive steps of some schemes end; `None`: only the last state is one
     pub frames_every: Option<f64>,
     /// whether the run goes on past a divergence
@@ -89,6 +91,7 @@ impl<'a> Experiment<'a> {
             solver,
             step,
             end,
+            whole: end,
             frames_every: None,
             keep_going: false,
             ends_by_event: false,
@@ -165,10 +168,10 @@ impl<'a> Experiment<'a> {
         observers: &mut [&mut dyn Observer],
         stop: &AtomicBool,
     ) -> Result<Outcome, RunError> {
-        let Experiment { scene, method, solver, step, end, frames_every, keep_going, ends_by_event, .. } = *self;
-        let (explain, interrupt) = (self.explain, self.interrupt);
+        let Experiment { scene, method, solver, step, end, whole, frames_every, keep_going, .. } = *self;
+        let (ends_by_event, explain, interrupt) = (self.ends_by_event, self.explain, self.interrupt);
         let spec = RunSpec::of(method.clone(), step, end);
-        let spec = RunSpec { solver, frames_every, keep_going, ends_by_event, explain, ..spec };
+        let spec = RunSpec { whole, solver, frames_every, keep_going, ends_by_event, explain, ..spec };
         let begins = !matches!(start, Start::Snapshot(_));
         let state = &mut match start {
             Start::Initial => RunState::start(scene, stepper, &spec, scene.initial_state())?,

@@ -166,6 +166,7 @@ impl WholeRunSpec<'_> {
     pub fn run(&self) -> Result<WholeRun, StudyError> {
         let WholeRunSpec { scene, problem, every, end, method, step, interrupt, .. } = *self;
         let experiment = Experiment {
+            whole: problem.time.end,
             frames_every: Some(every),
             ends_by_event: problem.time.to_ground,
             interrupt: Stop::on(interrupt),

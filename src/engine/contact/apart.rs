@@ -73,7 +73,7 @@ impl Apart {
             false => near.covers(&[end], 1.0),
         };
         let covered = covers(near)
-            || near.could_cover(ways) && {
+            || near.could_cover(places.x, ways) && {
                 near.look(places, 0.0);
                 covers(near)
             };

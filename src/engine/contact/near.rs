@@ -173,9 +173,9 @@ impl Near {
         self.follow(&ends) && self.patches.cover_shares(&self.reference, &self.moved)
     }
 
-    /// Whether such ways are short enough to be covered by a look at where they begin, by that of the last one.
-    pub fn could_cover(&mut self, ways: &Moved) -> bool {
-        self.reference.len() == ways.nodes.len() && self.patches.cover(&self.reference, std::slice::from_ref(ways), 1.0)
+    /// Whether such ways from places `x` [m] are short enough to be covered by a look there, by that of the last one.
+    pub fn could_cover(&mut self, x: &[Vector3<f64>], ways: &Moved) -> bool {
+        self.patches.cover(x, std::slice::from_ref(ways), 1.0)
     }
 
     /// Finds displacements of nodes and obstacles since pairs were looked for. Returns whether they ever were.

@@ -12,17 +12,18 @@
 //! boxes then. The box of a patch is that of all elements with a node in it. So a sheet that falls keeps its pairs as
 //! long as its patches keep their shapes.
 //!
-//! Where something turns, patches of the scene are compared in frames that turn with one of them. The frame of a patch
-//! is the rigid motion that fits its nodes best, with turn R; r is the largest distance of one of them from where its
-//! own frame would have it, c the mean of the nodes and l their largest distance from it when pairs were looked for.
-//! No point of patch B is farther from where the frame of A would have it than
+//! Where something turns, patches of the scene are compared as seen from one of them. The pose T of a patch is the
+//! rigid motion that fits its nodes best, with turn R; r is the largest distance of one of them from where its own pose
+//! has it, c the mean of the nodes and l their largest distance from it when pairs were looked for. No node of patch B
+//! is farther from where the pose of A has it than
 //!
 //! ```text
-//! s_B|A = r_B + |frame_A(c_B) - frame_B(c_B)| + |R_A - R_B| l_B
+//! s_B|A = r_B + |T_A(c_B) - T_B(c_B)| + |R_A - R_B| l_B
 //! max over N of s_N|A  +  s_B|A   <=   max(skin, D_AB - gap),      N: A, and patches that share an element with it
 //! ```
-//! A rigid motion keeps distances, so no two elements with a node in A and B have come nearer by more. Obstacles do not
-//! turn: for them the first form has to hold.
+//! A rigid motion keeps distances, so no element with a node in A has come nearer to one with nodes in B by more: all
+//! nodes of the first are in patches N, and the inequality holds for every patch with a node of the second. Obstacles
+//! do not turn: for them the first form has to hold.
 
 use super::bodies::{Body, Contacts, Other, Plane};
 use super::distance::PairKind;
@@ -35,8 +36,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 const MOST: usize = 96;
 /// Least number of nodes of one.
 const NODES: usize = 16;
-/// [rad] Accuracy of the turn of a frame, and how many rounds may be made for it: any turn is right, the best one serves
-/// longest.
+/// [rad] Accuracy of the turn of a pose, and how many rounds are made for it at most: any turn is right, the best one
+/// serves longest.
 const TURN: f64 = 1e-6;
 const ROUNDS: usize = 20;
 
@@ -98,7 +99,7 @@ struct Ball {
 
 /// Where a patch has moved to, turned: see the [module](self).
 #[derive(Clone, Copy, Debug)]
-struct Frame {
+struct Pose {
     /// [m] c, and where it is now
     from: Vector3<f64>,
     to: Vector3<f64>,
@@ -110,7 +111,7 @@ struct Frame {
     rest: f64,
 }
 
-impl Frame {
+impl Pose {
     /// Of nodes at these places when pairs were looked for, with several displacements since.
     fn fit(nodes: &[u32], reference: &[Vector3<f64>], moved: &[Moved]) -> Self {
         let each = || nodes.iter().map(|i| reference[*i as usize]);
@@ -120,16 +121,16 @@ impl Frame {
         let to = from + ends().map(|(_, d)| d).sum::<Vector3<f64>>() / (count * moved.len() as f64);
         let arms = || ends().map(|(i, d)| (reference[i] - from, reference[i] + d - to));
         let product: Matrix3<f64> = arms().map(|(before, now)| now * before.transpose()).sum();
-        let turn = Rotation3::from_matrix_eps(&product, TURN, ROUNDS, Rotation3::identity()).into_inner();
+        let turn = turn_of(&product);
         let square = arms().map(|(before, now)| (now - turn * before).norm_squared()).fold(0.0, f64::max);
         let extent = each().map(|x| (x - from).norm_squared()).fold(0.0, f64::max).sqrt();
         // The largest of numbers that are none is not one of them.
         let finite = to.iter().all(|x| x.is_finite());
-        Frame { from, to, extent, turn, rest: if finite { square.sqrt() } else { f64::NAN } }
+        Pose { from, to, extent, turn, rest: if finite { square.sqrt() } else { f64::NAN } }
     }
 
     /// [m] s_B|A of another patch B.
-    fn strays(&self, other: &Frame) -> f64 {
+    fn strays(&self, other: &Pose) -> f64 {
         let centre = self.to + self.turn * (other.from - self.from) - other.to;
         // The largest stretch of a difference of two rotations.
         let turn = (self.turn - other.turn).norm() * FRAC_1_SQRT_2;
@@ -158,7 +159,7 @@ pub struct Patches {
     neighbours: Vec<[u16; 2]>,
     limits: Vec<Limit>,
     balls: Vec<Ball>,
-    frames: Vec<Frame>,
+    poses: Vec<Pose>,
     /// [m] the largest s_N|A of every patch A
     around: Vec<f64>,
 }
@@ -269,21 +270,21 @@ impl Patches {
         }
     }
 
-    /// The same of patches of the scene in frames that turn with them.
+    /// The same of patches of the scene, as seen from each of them.
     fn keep_turned(&mut self, reference: &[Vector3<f64>], moved: &[Moved], share: f64) -> bool {
-        let Patches { nodes, ends, neighbours, limits, frames, around, .. } = self;
-        frames.clear();
+        let Patches { nodes, ends, neighbours, limits, poses, around, .. } = self;
+        poses.clear();
         let starts = std::iter::once(0).chain(ends.iter().copied());
-        frames.extend(starts.zip(&*ends).map(|(start, end)| Frame::fit(&nodes[start..*end], reference, moved)));
+        poses.extend(starts.zip(&*ends).map(|(start, end)| Pose::fit(&nodes[start..*end], reference, moved)));
         around.clear();
-        around.extend(frames.iter().map(|frame| frame.rest));
+        around.extend(poses.iter().map(|pose| pose.rest));
         for [a, b] in neighbours.iter().flat_map(|&[a, b]| [[a, b], [b, a]]).map(|pair| pair.map(usize::from)) {
-            around[a] = f64::max(around[a], frames[a].strays(&frames[b]));
+            around[a] = f64::max(around[a], poses[a].strays(&poses[b]));
         }
         limits.iter().all(|Limit { patches, most }| {
             let [a, b] = patches.map(usize::from);
-            let keeps = |a: usize, b: usize| around[a] + frames[a].strays(&frames[b]) <= share * most;
-            a.max(b) >= frames.len() || keeps(a, b) && keeps(b, a)
+            let keeps = |a: usize, b: usize| around[a] + poses[a].strays(&poses[b]) <= share * most;
+            a.max(b) >= poses.len() || keeps(a, b) && keeps(b, a)
         })
     }
 
@@ -299,6 +300,24 @@ impl Patches {
         let obstacles = moved.first().map_or(0, |moved| moved.obstacles.len());
         self.balls.extend((0..obstacles).map(|i| ball(|| moved.iter().map(move |moved| moved.obstacles[i]))));
     }
+}
+
+/// The rotation that is nearest to a matrix, as the sum of products of places after and before a rigid motion (Müller,
+/// Bender, Chentanez & Macklin 2016).
+fn turn_of(product: &Matrix3<f64>) -> Matrix3<f64> {
+    let mut turn = Rotation3::identity();
+    for _ in 0..ROUNDS {
+        let columns = || turn.matrix().column_iter().zip(product.column_iter());
+        let axis: Vector3<f64> = columns().map(|(r, a)| r.cross(&a)).sum();
+        let along: f64 = columns().map(|(r, a)| r.dot(&a)).sum();
+        let way = axis / along.abs();
+        // Also ends where nothing turns, and where a number is none.
+        if !(way.norm() > TURN && way.norm().is_finite()) {
+            break;
+        }
+        turn = Rotation3::new(way) * turn;
+    }
+    turn.into_inner()
 }
 
 /// A ball around displacements; not a number if one of them is not.
@@ -333,4 +352,27 @@ fn split(nodes: &mut [u32], contacts: &Contacts, most: usize, found: &mut dyn Fn
     let (low, high) = nodes.split_at_mut(half);
     split(low, contacts, most, found);
     split(high, contacts, most, found);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The pose of nodes that only turn and move has no rest, also of nodes on a line or far apart, which leave a part of
+    /// the turn open.
+    #[test]
+    fn poses_follow_rigid_motions() {
+        let line = |i: usize| Vector3::new(7.0 * i as f64, 0.0, 0.0);
+        let sheet = |i: usize| Vector3::new((i % 4) as f64 * 0.1, (i / 4) as f64 * 0.1, 0.0);
+        let nodes: Vec<u32> = (0..16).collect();
+        for reference in [(0..16).map(line).collect::<Vec<_>>(), (0..16).map(sheet).collect(), vec![sheet(3); 16]] {
+            for angle in [0.0, 1e-3, 0.3, 1.0, 2.0] {
+                let turn = Rotation3::new(Vector3::new(0.6, -0.48, 0.64) * angle);
+                let moved = |x: &Vector3<f64>| turn * x + Vector3::new(3.0, -2.0, 1.0) - x;
+                let moved = Moved { nodes: reference.iter().map(moved).collect(), obstacles: Vec::new() };
+                let pose = Pose::fit(&nodes, &reference, &[moved]);
+                assert!(pose.rest <= 1e-5 * pose.extent + 1e-12, "{angle}: {pose:?}");
+            }
+        }
+    }
 }

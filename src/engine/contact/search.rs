@@ -50,8 +50,8 @@ pub struct Search {
 
 impl Search {
     /// Overwrites `found` with all pairs whose boxes, from the boxes of their nodes, are closer than `reach` [m] of
-    /// their contact, and that `keep` keeps by how much [m] their distance is above their gap; in order, each once. Ends
-    /// early when `looks`, the number of boxes that may be looked at, is used up.
+    /// their contact, and that `keep` keeps: it says by how much [m] their distance is above their gap. In order, each
+    /// once. Ends early when `looks`, the number of boxes that may be looked at, is used up.
     pub fn find(
         &mut self,
         contacts: &Contacts,

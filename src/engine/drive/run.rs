@@ -257,7 +257,7 @@ impl RunState {
         let mut from = Point { state, forces: scene.new_forces() };
         let mut counters = Counters::default();
         timed(Phase::Forces, || counters.evaluate(scene, from.state.as_ref(), &mut from.forces));
-        stepper.set_end(spec.end);
+        stepper.set_end(spec.whole);
         stepper.start(&from)?;
         let ledger = Ledger::open(scene, &from);
         let row = ledger.first();
@@ -290,7 +290,7 @@ impl RunState {
         }
         // Already counted in the step that led to this state.
         timed(Phase::Forces, || scene.evaluate(from.state.as_ref(), &mut from.forces));
-        stepper.set_end(spec.end);
+        stepper.set_end(spec.whole);
         stepper.start(&from)?;
         stepper.restore(&carried)?;
         let lagging = forces.filter(|_| stepper.lags());

@@ -30,6 +30,8 @@ pub struct RunSpec {
     pub solver: SolverSpec,
     /// [s] end of the run; adaptive steps share their tolerance out over it
     pub end: f64,
+    /// [s] end of the whole run, of which this may be a part: up to there a kept matrix may serve
+    pub whole: f64,
     /// fixed or adaptive steps
     pub step: Step,
     /// [s] interval of the frames; `None` where only ends of steps are shown. Adaptive steps of a scheme with an
@@ -71,6 +73,7 @@ impl RunSpec {
             method,
             solver: SolverSpec::default(),
             end,
+            whole: end,
             step,
             frames_every: None,
             free_steps: false,

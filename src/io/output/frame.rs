@@ -205,10 +205,9 @@ impl CellMap {
         let nodes = edges.as_flattened().iter().max().map_or(0, |most| *most as usize + 1);
         let by_smaller = Adjacency::new(nodes, (0..).zip(edges).map(|(i, &[a, b])| (a.min(b), i)));
         let find = |a: u32, b: u32| {
-            let (smaller, larger) = (a.min(b), a.max(b));
-            let row = if (smaller as usize) < nodes { by_smaller.row(smaller) } else { &[] };
+            let row = if (a.min(b) as usize) < nodes { by_smaller.row(a.min(b)) } else { &[] };
             // The first of those that are listed twice.
-            row.iter().copied().find(|edge| edges[*edge as usize].contains(&larger))
+            row.iter().copied().find(|edge| [[a, b], [b, a]].contains(&edges[*edge as usize]))
         };
         let sides = triangles.iter().map(|&[a, b, c]| [find(a, b), find(b, c), find(c, a)]).collect();
         Self { sides, cells }

@@ -78,7 +78,9 @@ pub(super) fn network(
         initial::InitialState::default()
     };
     let mut springs = vec![false; geometry.mesh.edges.len()];
-    groups.iter().flat_map(|group| &group.edges).for_each(|edge| springs[*edge as usize] = true);
+    for edge in groups.iter().flat_map(|group| &group.edges) {
+        springs.get_mut(*edge as usize).into_iter().for_each(|spring| *spring = true);
+    }
     let has_spring = &|edge: u32| springs.get(edge as usize) == Some(&true);
     let contacts = {
         let moved: BTreeSet<u32> = motions.iter().flat_map(|motion| &motion.nodes).map(|(node, _)| *node).collect();
