@@ -158,14 +158,14 @@ mod tests {
     /// After movements that need many flips no side is left that wants one.
     #[test]
     fn nothing_is_left_to_flip() {
-        const N: u32 = 20;
+        const N: u32 = 12;
         let at = |i: u32| Vector2::new(f64::from(i % N), f64::from(i / N));
         let cells = (0..N * N).filter(|i| i % N < N - 1 && i / N < N - 1);
         let triangles: Vec<[u32; 3]> = cells.flat_map(|i| [[i, i + 1, i + N + 1], [i, i + N + 1, i + N]]).collect();
         let (mut random, mut followed, mut changed) = (SplitMix64::new(7, 0), 0, 0);
-        for round in 0..400 {
+        for round in 0..4000 {
             // Rows are sheared, and nodes moved.
-            let (shear, noise) = (0.6 * f64::from(round % 4), 0.1 + 0.02 * f64::from(round % 10));
+            let (shear, noise) = (0.6 * f64::from(round % 4), 0.2 + 0.03 * f64::from(round % 10));
             let mut moved = |i: u32| {
                 let noise = Vector2::new(random.signed(), random.signed()) * noise;
                 at(i) + Vector2::new(shear * at(i).y, 0.0) + noise
@@ -181,6 +181,6 @@ mod tests {
                 assert!((0..3).all(|side| !flips.wants_flip(t, side, &points)), "round {round}, triangle {t}");
             }
         }
-        assert!(followed > 200 && changed > 50_000, "{followed} followed, {changed} triangles changed");
+        assert!(followed > 300 && changed > 10_000, "{followed} followed, {changed} triangles changed");
     }
 }
