@@ -119,7 +119,7 @@ impl BoxTree {
     /// Places of the things of some leaves.
     #[inline]
     fn places(&self, leaves: Range<usize>) -> Range<usize> {
-        let place = |leaf: usize| (leaf as u64 * self.order.len() as u64 >> self.leaves().trailing_zeros()) as usize;
+        let place = |leaf: usize| ((leaf as u64 * self.order.len() as u64) >> self.leaves().trailing_zeros()) as usize;
         place(leaves.start)..place(leaves.end)
     }
 
