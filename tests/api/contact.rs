@@ -231,10 +231,11 @@ fn pairs_that_are_kept_are_all_that_touch() {
     for seed in 0..120 {
         let (mut random, mut near) = (Random(seed + 1), Near::default());
         near.look(Places { contacts: &contacts, t: 0.0, x: &rest, shifts: &shifts }, 0.0);
-        let (size, down) = (0.01 * (1 + seed % 8) as f64, 0.35 * random.next().abs());
         let together = Vector3::new(random.next(), random.next(), random.next()) * 20.0;
-        // Every other one turns as well, by up to a radian, and bends.
+        // Every other one turns as well, by up to a radian and more, and bends.
         let turns = seed % 2 == 1;
+        let (size, down) = if turns { (0.002, 0.3) } else { (0.01, 0.35) };
+        let (size, down) = (size * (1 + seed % 8) as f64, down * random.next().abs());
         let axis = Vector3::new(random.next(), random.next(), random.next());
         let turn = Rotation3::new(if turns { axis } else { Vector3::zeros() });
         let bend = if turns { 0.002 * random.next() } else { 0.0 };

@@ -358,8 +358,8 @@ fn split(nodes: &mut [u32], contacts: &Contacts, most: usize, found: &mut dyn Fn
 mod tests {
     use super::*;
 
-    /// The pose of nodes that only turn and move has no rest, also of nodes on a line or far apart, which leave a part of
-    /// the turn open.
+    /// The pose of nodes that only turn and move has no rest, also of nodes on a line or far apart, which leave a part
+    /// of the turn open.
     #[test]
     fn poses_follow_rigid_motions() {
         let line = |i: usize| Vector3::new(7.0 * i as f64, 0.0, 0.0);
