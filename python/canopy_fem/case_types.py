@@ -703,7 +703,7 @@ class MeshSourceExplicit(TypedDict, total=False):
     explicit: ExplicitMesh
 
 
-Method: TypeAlias = 'Literal["explicit-euler", "euler-cromer", "euler-richardson", "improved-euler", "improved-euler-pec", "velocity-verlet", "rk4", "dormand-prince", "dop853", "newmark", "hht", "kang", "backward-euler", "generalized-alpha", "esdirk4", "central-difference", "multirate", "energy-momentum", "xpbd", "vbd"] | MethodExplicitEuler | MethodEulerCromer | MethodEulerRichardson | MethodImprovedEuler | MethodImprovedEulerPec | MethodVelocityVerlet | MethodRk4 | MethodDormandPrince | MethodDop853 | MethodNewmark | MethodHht | MethodKang | MethodBackwardEuler | MethodGeneralizedAlpha | MethodEsdirk4 | MethodCentralDifference | MethodMultirate | MethodEnergyMomentum | MethodXpbd | MethodVbd'
+Method: TypeAlias = 'Literal["explicit-euler", "euler-cromer", "euler-richardson", "improved-euler", "improved-euler-pec", "velocity-verlet", "beeman", "rk4", "dormand-prince", "dop853", "newmark", "hht", "kang", "backward-euler", "generalized-alpha", "esdirk4", "central-difference", "multirate", "energy-momentum", "xpbd", "vbd"] | MethodExplicitEuler | MethodEulerCromer | MethodEulerRichardson | MethodImprovedEuler | MethodImprovedEulerPec | MethodVelocityVerlet | MethodBeeman | MethodRk4 | MethodDormandPrince | MethodDop853 | MethodNewmark | MethodHht | MethodKang | MethodBackwardEuler | MethodGeneralizedAlpha | MethodEsdirk4 | MethodCentralDifference | MethodMultirate | MethodEnergyMomentum | MethodXpbd | MethodVbd'
 """Method of integration: its name, or an object with its name and its parameters."""
 
 
@@ -758,6 +758,14 @@ MethodVelocityVerlet = TypedDict("MethodVelocityVerlet", {
 
 
 class MethodVelocityVerletVelocityVerlet(TypedDict, total=False):
+    pass
+
+
+class MethodBeeman(TypedDict, total=False):
+    beeman: MethodBeemanBeeman
+
+
+class MethodBeemanBeeman(TypedDict, total=False):
     pass
 
 

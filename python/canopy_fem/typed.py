@@ -25,6 +25,7 @@ Method: TypeAlias = Literal[
     "improved-euler",
     "improved-euler-pec",
     "velocity-verlet",
+    "beeman",
     "rk4",
     "dormand-prince",
     "dop853",

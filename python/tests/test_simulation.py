@@ -96,7 +96,7 @@ def test_attempts_leave_no_trace(sim):
         sim.accept()
 
 
-@pytest.mark.parametrize("method", ["velocity-verlet", "newmark", "improved-euler-pec"])
+@pytest.mark.parametrize("method", ["velocity-verlet", "newmark", "improved-euler-pec", "beeman"])
 def test_snapshots_restore_the_bits(method):
     """A simulation goes on from a snapshot with the bits of the one it is of, with its forces and factors."""
     case = cloth(time={"end": 0.2, "method": method, "step": 1e-3})

@@ -14,13 +14,14 @@ const STEPS: u64 = 20;
 type Work = (&'static str, u64, u64);
 
 /// 20 steps of 0.5 ms of cloth-k1000, which has velocity-dependent forces and a tangent that is not symmetric.
-const FINE: [Work; 20] = [
+const FINE: [Work; 21] = [
     ("explicit-euler", 21, 0),
     ("euler-cromer", 21, 0),
     ("euler-richardson", 41, 0),
     ("improved-euler", 41, 0),
     ("improved-euler-pec", 21, 0),
     ("velocity-verlet", 41, 0),
+    ("beeman", 21, 0),
     ("rk4", 81, 0),
     ("dormand-prince", 121, 0),
     ("dop853", 241, 0),

@@ -262,6 +262,7 @@ fn a_damped_oscillator_has_the_limits_of_the_table() {
         ("improved-euler", [1.0497, 2.0]),
         ("improved-euler-pec", [0.6492, 1.0]),
         ("velocity-verlet", [1.8435, 1.0]),
+        ("beeman", [1.2673, 0.2663]),
         ("central-difference", [1.8099, 0.8284]),
         ("rk4", [2.9508, 2.7853]),
         ("dormand-prince", [2.6814, 3.3066]),
@@ -378,6 +379,9 @@ fn dense_limit_of_carrying(scene: &dyn Scene, name: &str, most: f64) -> f64 {
     if ["euler-cromer", "velocity-verlet"].contains(&name) {
         return dense_limit(scene, name, most);
     }
+    if name == "beeman" {
+        return dense_limit_of_beeman(scene, most);
+    }
     let runge_kutta = stability_polynomial(name);
     assert!(runge_kutta.is_some() || name == "improved-euler-pec", "common/polynomials wants R(z) of {name}");
     let (k, _) = dense(scene, Weights { m: 0.0, c: 0.0, k: 1.0 });
@@ -408,6 +412,30 @@ fn dense_limit_of_carrying(scene: &dyn Scene, name: &str, most: f64) -> f64 {
             let z = companion.eigenvalues().expect("a matrix has eigenvalues");
             z.iter().any(|z| z.re.hypot(z.im) > 1.0 + 1e-6)
         })
+    };
+    let (mut stable, mut unstable) = (0.0, most);
+    while unstable - stable > 1e-3 * unstable {
+        let middle = 0.5 * (stable + unstable);
+        if grows(middle) { unstable = middle } else { stable = middle }
+    }
+    stable
+}
+
+/// [s] The same for Beeman's step on M a = -K x - C v, as a dense map of (x, h v, h^2 a, h^2 a_before).
+fn dense_limit_of_beeman(scene: &dyn Scene, most: f64) -> f64 {
+    let (k, _) = dense(scene, Weights { m: 0.0, c: 0.0, k: 1.0 });
+    let (c, free) = dense(scene, Weights { m: 0.0, c: 1.0, k: 0.0 });
+    let n = free.len();
+    let grows = |h: f64| {
+        let weighted = |weights: [f64; 4]| Mat::from_fn(n, 4 * n, |i, j| if i == j % n { weights[j / n] } else { 0.0 });
+        let x = weighted([1.0, 1.0, 4.0 / 6.0, -1.0 / 6.0]);
+        let seen = weighted([0.0, 1.0, 1.5, -0.5]);
+        let a = &k * &x * faer::Scale(-h * h) - &c * &seen * faer::Scale(h);
+        let v = weighted([0.0, 1.0, 8.0 / 12.0, -1.0 / 12.0]) + &a * faer::Scale(5.0 / 12.0);
+        let before = weighted([0.0, 0.0, 1.0, 0.0]);
+        let rows = [x, v, a, before];
+        let map = Mat::from_fn(4 * n, 4 * n, |i, j| rows[i / n][(i % n, j)]);
+        map.eigenvalues().expect("a matrix has eigenvalues").iter().any(|z| z.re.hypot(z.im) > 1.0 + 1e-6)
     };
     let (mut stable, mut unstable) = (0.0, most);
     while unstable - stable > 1e-3 * unstable {

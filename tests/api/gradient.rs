@@ -275,7 +275,9 @@ fn derivatives_are_those_of_whole_runs() {
 /// A peak has the derivative of the step that it falls on, by every kind of scheme.
 #[test]
 fn peaks_have_the_derivative_of_their_step() {
-    for method in ["newmark", "rk4", "velocity-verlet", "euler-cromer", "central-difference", "esdirk4", "hht"] {
+    for method in
+        ["newmark", "rk4", "velocity-verlet", "euler-cromer", "central-difference", "beeman", "esdirk4", "hht"]
+    {
         let case = changed(
             &oscillator(method, 0.01, 100),
             &[
@@ -351,7 +353,7 @@ fn threads_and_company_change_no_byte() {
 /// A support that lets go at a given time is a corner of the run, over which derivatives go on.
 #[test]
 fn derivatives_go_on_over_a_release() {
-    for method in ["newmark", "generalized-alpha", "rk4", "central-difference", "improved-euler-pec"] {
+    for method in ["newmark", "generalized-alpha", "rk4", "central-difference", "improved-euler-pec", "beeman"] {
         let case = changed(&net(&json!(method)), &[("system.network.supports.0.until", "0.02")]);
         let case = changed(&case, &[("study.quantities", r#"["middle.z.last", "middle.vz.last"]"#)]);
         let report = found(&case, &["springs.0.stiffness", "wind.2"], 1, true).expect("derivatives");

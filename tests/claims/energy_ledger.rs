@@ -55,6 +55,7 @@ fn one(method: &MethodInfo, reference: &[Account], claims: &mut Vec<Claim>) {
     let first = match method.order {
         1 => 11,
         2 => 10,
+        3 => 8,
         4 => 7,
         5 => 6,
         _ => 5,

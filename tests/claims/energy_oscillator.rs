@@ -5,7 +5,7 @@
 use crate::claim::Claim;
 use crate::common::polynomials::{esdirk4_size, size, stability_polynomial};
 use crate::common::run::{case_of, follow_on};
-use crate::linear_theory::{Named, generalized_alpha, hht, newmark};
+use crate::linear_theory::{generalized_alpha, hht, newmark};
 use crate::one_mass::{Row, frequency, rows};
 use faer::c64;
 use serde_json::{Value, json};
@@ -49,8 +49,11 @@ pub fn claims() -> Vec<Claim> {
         generalized_alpha(0.0),
     ] {
         for wh in [0.3, 1.5] {
-            decay(&named, wh, &mut claims);
+            claims.push(decay(&named.name(), &named.method, wh, named.member.character(wh).radius));
         }
+    }
+    for wh in [0.1, 0.3, 1.0] {
+        claims.push(decay("beeman", &json!("beeman"), wh, beeman_radius(wh)));
     }
     claims
 }
@@ -166,16 +169,27 @@ fn predicted_only(claims: &mut Vec<Claim>) {
 
 /// x_n^2 - x_{n-1} x_{n+1} of an oscillation c z^n is |z|^2 times itself a step: the spectral radius without any phase
 /// in it, once the third root has died out.
-fn decay(named: &Named, wh: f64, claims: &mut Vec<Claim>) {
+fn decay(name: &str, method: &Value, wh: f64, expected: f64) -> Claim {
     let (first, last) = (40, 60);
-    let rows = rows(&named.method, wh, last + 1);
+    let rows = rows(method, wh, last + 1);
     let q = |n: usize| rows[n].x.powi(2) - rows[n - 1].x * rows[n + 1].x;
     let radius = (q(last) / q(first)).powf(0.5 / (last - first) as f64);
-    let expected = named.member.character(wh).radius;
     // Rounding of the force is 1e-16 of that at x = l0, x is down to START radius^60; the root of 20 steps takes most
     // of it back.
     let digits = 2e-14 + 1e-17 * expected.powi(-(last as i32));
-    claims.push(Claim::relative(format!("{}: w h {wh}: amplitude a step", named.name()), radius, expected, digits));
+    Claim::relative(format!("{name}: w h {wh}: amplitude a step"), radius, expected, digits)
+}
+
+/// Beeman's step has the roots of z^3 - 2 z^2 + z + W^2 (13 z^2 - 2 z + 1)/12: a pair, and a small real one by Newton's
+/// iteration. The product of all is -W^2/12.
+fn beeman_radius(wh: f64) -> f64 {
+    let w2 = wh * wh / 12.0;
+    let mut root = -w2;
+    for _ in 0..50 {
+        let value = ((root - 2.0 + 13.0 * w2) * root + 1.0 - 2.0 * w2) * root + w2;
+        root -= value / ((3.0 * root + 2.0 * (13.0 * w2 - 2.0)) * root + 1.0 - 2.0 * w2);
+    }
+    (-w2 / root).sqrt()
 }
 
 /// A chain between two anchors, moving along itself: linear, with frequencies from 0.12 to 2 times the fastest of one

@@ -86,6 +86,7 @@ pub fn claims() -> Vec<Claim> {
     for (method, tolerance) in [
         ("rk4", 1e-9),
         ("esdirk4", 1e-9),
+        ("beeman", 4e-6),
         ("velocity-verlet", 4e-5),
         ("euler-richardson", 4e-5),
         ("improved-euler", 4e-5),

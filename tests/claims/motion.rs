@@ -153,6 +153,7 @@ fn orders() -> Vec<Claim> {
         ("explicit-euler", 1.0, 1e-3),
         ("improved-euler-pec", 2.0, 2e-3),
         ("velocity-verlet", 2.0, 0.01),
+        ("beeman", 3.0, 0.01),
         ("central-difference", 2.0, 0.01),
         ("multirate", 2.0, 0.01),
         ("newmark", 2.0, 0.01),

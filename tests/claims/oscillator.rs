@@ -34,7 +34,7 @@ const fn scheme(name: &'static str, order: i32, constant: f64, pure: bool) -> Sc
 /// order. Two-step Adams-Bashforth, trapezium, Euler: the textbook's. Verlet turns by 2 asin(w h/2). Generalised alpha:
 /// (beta - (af - am) af - 1/12)/2, by expansion of its characteristic polynomial; HHT is the case am = 0, af = -alpha.
 /// Kang's sweeps are exact for one spring to an anchor: backward Euler.
-const SCHEMES: [Scheme; 19] = [
+const SCHEMES: [Scheme; 20] = [
     scheme("explicit-euler", 1, -1.0 / 2.0, true),
     scheme("backward-euler", 1, 1.0 / 2.0, true),
     scheme("kang", 1, 1.0 / 2.0, false),
@@ -45,6 +45,7 @@ const SCHEMES: [Scheme; 19] = [
     scheme("improved-euler", 2, -1.0 / 6.0, true),
     scheme("improved-euler-pec", 2, -5.0 / 12.0, true),
     scheme("velocity-verlet", 2, -1.0 / 24.0, false),
+    scheme("beeman", 3, -1.0 / 24.0, false),
     scheme("central-difference", 2, -1.0 / 24.0, false),
     // the only spring is stiff, in six short steps
     scheme("multirate", 2, -1.0 / 864.0, false),
@@ -215,6 +216,7 @@ fn orders(case: &Case, motion: Motion) -> Vec<Claim> {
         ("multirate", 1.0),
         ("kang", 1.0),
         ("velocity-verlet", 2.0),
+        ("beeman", 3.0),
         ("hht", 2.0),
         ("generalized-alpha", 2.0),
     ];

@@ -72,6 +72,7 @@ pub fn claims() -> Vec<Claim> {
         ("explicit-euler", 1.0, 1e-3),
         ("improved-euler-pec", 2.0, 1.0 / 512.0),
         ("velocity-verlet", 2.0, 0.01),
+        ("beeman", 3.0, 0.01),
         ("newmark", 2.0, 0.01),
         ("hht", 2.0, 5e-3),
         ("rk4", 4.0, 0.015625),

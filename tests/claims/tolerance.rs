@@ -77,7 +77,7 @@ fn ratios(case: &Case, reference: &[State], method: &MethodInfo) -> Vec<(f64, f6
     let [mut relative, finest] = match method.order {
         1 => [1e-2, 1e-4],
         2 => [1e-3, 1e-8],
-        3 => [1e-4, 1e-8],
+        3 => [1e-5, 1e-9],
         4 => [1e-4, 1e-9],
         5 => [1e-5, 1e-10],
         _ => [1e-6, 1e-10],

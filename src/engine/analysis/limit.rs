@@ -150,34 +150,38 @@ fn spectral_radius(method: &MethodChoice, oscillator: Oscillator, h: f64) -> Opt
     Some(log.exp())
 }
 
-/// Columns of the linear map that one step of the scheme is on (x, v, carried numbers).
+/// Columns of the linear map that one step of the scheme is on (x, v, carried numbers, and a force that lags).
 fn step_map(method: &MethodChoice, oscillator: Oscillator, h: f64) -> Option<Vec<Vec<f64>>> {
     let system = &oscillator;
     let interfaces = SceneInterfaces { system, tangent: system, graph: None };
     let start = Point { state: system.initial_state(), forces: system.new_forces() };
-    let mut probe = Stepper::bind(method.linear_scheme(SolverSpec::default()), interfaces).ok()?;
+    let mut probe = Stepper::bind(method.scheme(SolverSpec::default()), interfaces).ok()?;
     probe.start(&start).ok()?;
-    // Vectors of another length are energy sums and do not act on the motion.
-    let shape = probe.save().vectors;
-    let moving: Vec<usize> = (0..shape.len()).filter(|&i| shape[i].len() == 1).collect();
+    let carried = probe.save().vectors.len();
+    // Forces that lag behind the state are part of what a step begins with.
+    let lags = probe.lags();
     let column = |j: usize| {
         let unit = |i: usize| if i == j { 1.0 } else { 0.0 };
-        let mut stepper = Stepper::bind(method.linear_scheme(SolverSpec::default()), interfaces).ok()?;
+        let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), interfaces).ok()?;
         let mut from = start.clone();
         (from.state.x[0], from.state.v[0]) = (unit(0), unit(1));
         system.evaluate(from.state.as_ref(), &mut from.forces);
         stepper.start(&from).ok()?;
-        let mut carried: Vec<Vec<f64>> = shape.iter().map(|v| vec![0.0; v.len()]).collect();
-        moving.iter().enumerate().for_each(|(m, &i)| carried[i][0] = unit(2 + m));
-        stepper.restore(&CarriedState { vectors: carried, ..CarriedState::default() }).ok()?;
+        let vectors = (0..carried).map(|i| vec![unit(2 + i)]).collect();
+        stepper.restore(&CarriedState { vectors, made_with: h, ..CarriedState::default() }).ok()?;
+        if lags {
+            from.forces.total[0] = unit(2 + carried);
+        }
         let mut to = from.clone();
         stepper.attempt(Attempt { from: &from, h, t_next: h }, &mut to, &mut Counters::default()).ok()?;
         stepper.accept();
         let after = stepper.save().vectors;
         let motion = [to.state.x[0], to.state.v[0]];
-        Some(motion.into_iter().chain(moving.iter().map(|&i| after[i][0])).collect::<Vec<f64>>())
+        let carried = after.into_iter().flatten();
+        let forces = lags.then(|| to.forces.total[0]);
+        Some(motion.into_iter().chain(carried).chain(forces).collect::<Vec<f64>>())
     };
-    (0..2 + moving.len()).map(column).collect()
+    (0..2 + carried + usize::from(lags)).map(column).collect()
 }
 
 #[cfg(test)]
@@ -290,7 +294,7 @@ mod tests {
     /// The table "Critical steps" of structural dynamics: w h at damping ratio 0, 0.1 and 1.
     #[test]
     fn limits_equal_the_known_ones() {
-        let known: [(&str, [f64; 3]); 11] = [
+        let known: [(&str, [f64; 3]); 12] = [
             ("explicit-euler", [0.0, 0.2, 2.0]),
             ("euler-cromer", [2.0, 1.8099, 0.8284]),
             ("improved-euler", [0.0, 1.0497, 2.0]),
@@ -300,6 +304,7 @@ mod tests {
             ("central-difference", [2.0, 1.8099, 0.8284]),
             // Six times those.
             ("multirate", [12.0, 10.8594, 4.9706]),
+            ("beeman", [1.7321, 1.2673, 0.2663]),
             ("rk4", [2.8284, 2.9508, 2.7853]),
             ("dormand-prince", [0.9972, 2.6814, 3.3066]),
             ("dop853", [5.9604, 6.2810, 6.3937]),

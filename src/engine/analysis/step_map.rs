@@ -1,4 +1,5 @@
-//! One real step of a scheme on the linearised scene, as a linear map of (x, v), and whether it grows.
+//! One real step of a scheme on the linearised scene, as a linear map of x, v and what the scheme carries, and whether
+//! it grows.
 //!
 //! For partitioned schemes with damping that couples modes, the map is no function of the scene's eigenvalues alone. It
 //! is stepped instead, and Arnoldi's iteration estimates its outer eigenvalues.
@@ -9,10 +10,10 @@ use super::operators::{Linearised, Matrices};
 use super::vectors::norm;
 use crate::assembly::{Assembler, PatternError, SceneInterfaces, TangentSystem};
 use crate::force::TangentForm;
-use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Attempt, Stepper};
+use crate::integrate::{CarriedState, Counters, StepError};
 use crate::mesh::random::pseudo_random;
 use crate::model::at_dof::AtDof;
 use crate::model::forces::{Forces, Role, Tally};
@@ -127,7 +128,7 @@ impl LinearScene {
         let mut step = self.step_map(method, h, search.unit)?;
         let mut krylov = Krylov::from(self.start(&mut step));
         for products in PRODUCTS {
-            krylov.extend(products, search.stop, &mut step)?;
+            krylov.extend(products, search.stop, |q, y| step.apply(q, y))?;
             let mut beyond: Vec<c64> = krylov.values.iter().filter(|z| size(z) > 1.0 + GROWTH).copied().collect();
             beyond.sort_by(|a, b| size(b).total_cmp(&size(a)));
             let mut settled = true;
@@ -159,13 +160,13 @@ impl LinearScene {
         let n = q[0].len();
         (q[1], q[2]) = (vec![0.0; n], vec![0.0; n]);
         let [before, now, after] = &mut q;
-        step(before, now);
+        step.apply(before, now);
         let (mut largest, mut first) = ([0.0_f64; 4], 0.0);
         for k in 0..STEPPED {
             if search.stop.asked() {
                 return None;
             }
-            step(now, after);
+            step.apply(now, after);
             let squares = before.iter().zip(&*now).zip(&*after).map(|((a, b), c)| (a - 2.0 * b + c).powi(2));
             let size = squares.sum::<f64>().sqrt();
             if k == 0 {
@@ -183,45 +184,105 @@ impl LinearScene {
         Some(largest[3] > largest[1] * (1.0 + 0.5 * GROWTH).powf(steps))
     }
 
-    /// Start of an iteration `[2 n_dof]`, a difference of steps, which has little of the motions that hardly change in
+    /// Start of an iteration, a difference of steps, which has little of the motions that hardly change in
     /// a step. Where nothing holds a net across itself there are many, nearly parallel, and Ritz values made of them
     /// stay beyond the unit circle for long.
-    fn start(&self, mut step: impl FnMut(&[f64], &mut [f64])) -> Vec<f64> {
-        let n = self.root.len();
-        let free = |i: usize| self.root[i % n] > 0.0;
-        let mut start: Vec<f64> = (0..2 * n).map(|i| if free(i) { pseudo_random(i) } else { 0.0 }).collect();
-        let mut next = vec![0.0; 2 * n];
+    fn start(&self, step: &mut StepMap<'_>) -> Vec<f64> {
+        let mut start = step.any();
+        let mut next = vec![0.0; start.len()];
         for _ in 0..DIFFERENCES {
-            step(&start, &mut next);
+            step.apply(&start, &mut next);
             start.iter_mut().zip(&next).for_each(|(start, next)| *start = next - *start);
         }
         start
     }
 
-    /// One step of the method as a linear map of `[2 n_dof]`; NaN if the step fails.
-    fn step_map<'s>(&'s self, method: &MethodChoice, h: f64, unit: f64) -> Option<impl FnMut(&[f64], &mut [f64]) + 's> {
-        let root = &self.root;
-        let n = root.len();
+    /// One step of the method as a linear map.
+    fn step_map<'s>(&'s self, method: &MethodChoice, h: f64, unit: f64) -> Option<StepMap<'s>> {
         let interfaces = SceneInterfaces { system: self, tangent: self, graph: None };
-        let mut stepper = Stepper::bind(method.linear_scheme(SolverSpec::default()), interfaces).ok()?;
-        let mut from = Point { state: self.initial_state(), forces: self.new_forces() };
-        let mut to = from.clone();
+        let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), interfaces).ok()?;
+        let from = Point { state: self.initial_state(), forces: self.new_forces() };
         stepper.start(&from).ok()?;
-        let inverse: Vec<f64> = root.iter().map(|&r| if r > 0.0 { 1.0 / r } else { 0.0 }).collect();
-        Some(move |q: &[f64], y: &mut [f64]| {
-            for (i, root) in root.iter().enumerate() {
-                (from.state.x[i], from.state.v[i]) = (q[i] * root / unit, q[n + i] * root);
+        let carried = CarriedState { made_with: h, ..stepper.save() };
+        let lags = stepper.lags();
+        let scales = vec![1.0; 2 + carried.vectors.len() + usize::from(lags)];
+        let (to, inverse) = (from.clone(), self.root.iter().map(|&r| if r > 0.0 { 1.0 / r } else { 0.0 }).collect());
+        let mut map = StepMap { scene: self, stepper, h, lags, from, to, carried, scales, inverse };
+        map.scales[0] = 1.0 / unit;
+        map.balance();
+        Some(map)
+    }
+}
+
+/// A step of `h` [s] as a linear map of x, v, what the scheme carries, and forces that lag behind the state,
+/// `[vectors * n_dof]`, scaled: positions by a rate, all by the roots of the masses.
+struct StepMap<'s> {
+    scene: &'s LinearScene,
+    stepper: Stepper<'s>,
+    h: f64,
+    lags: bool,
+    from: Point,
+    to: Point,
+    carried: CarriedState,
+    /// of each vector
+    scales: Vec<f64>,
+    /// 1 over the roots of the masses, 0 where held
+    inverse: Vec<f64>,
+}
+
+impl StepMap<'_> {
+    /// A vector without order in it: x and v, as if at a start.
+    fn any(&self) -> Vec<f64> {
+        let n = self.inverse.len();
+        let at = |i: usize| if i < 2 * n && self.inverse[i % n] > 0.0 { pseudo_random(i) } else { 0.0 };
+        (0..n * self.scales.len()).map(at).collect()
+    }
+
+    /// Scales what is carried, whose units are the scheme's own, to be as large after a step as the velocities are.
+    fn balance(&mut self) {
+        let (from, n) = (self.any(), self.inverse.len());
+        let mut next = vec![0.0; from.len()];
+        self.apply(&from, &mut next);
+        let sizes: Vec<f64> = next.chunks(n.max(1)).map(norm).collect();
+        for (scale, size) in self.scales.iter_mut().zip(&sizes).skip(2) {
+            if *size > 0.0 && sizes[1] > 0.0 {
+                *scale = size / sizes[1];
             }
-            self.evaluate(from.state.as_ref(), &mut from.forces);
-            let stepped = stepper.attempt(Attempt { from: &from, h, t_next: h }, &mut to, &mut Counters::default());
-            if stepped.is_err() {
-                y.fill(f64::NAN);
-                return;
+        }
+    }
+
+    /// NaN if the step fails.
+    fn apply(&mut self, q: &[f64], y: &mut [f64]) {
+        if self.step(q).is_err() {
+            y.fill(f64::NAN);
+            return;
+        }
+        let Point { state: State { x, v, .. }, forces } = &self.to;
+        let vectors = [x, v].into_iter().chain(&self.carried.vectors).chain(self.lags.then_some(&forces.total));
+        for ((y, vector), scale) in y.chunks_mut(self.inverse.len().max(1)).zip(vectors).zip(&self.scales) {
+            for ((y, value), inverse) in y.iter_mut().zip(vector).zip(&self.inverse) {
+                *y = value * inverse / scale;
             }
-            for (i, inverse) in inverse.iter().enumerate() {
-                (y[i], y[n + i]) = (to.state.x[i] * inverse * unit, to.state.v[i] * inverse);
+        }
+    }
+
+    fn step(&mut self, q: &[f64]) -> Result<(), StepError> {
+        let Point { state: State { x, v, .. }, forces } = &mut self.from;
+        let vectors = [x, v].into_iter().chain(&mut self.carried.vectors).chain(self.lags.then_some(&mut forces.total));
+        for ((q, vector), scale) in q.chunks(self.inverse.len().max(1)).zip(vectors).zip(&self.scales) {
+            for ((q, value), root) in q.iter().zip(vector).zip(&self.scene.root) {
+                *value = q * root * scale;
             }
-        })
+        }
+        if !self.lags {
+            self.scene.evaluate(self.from.state.as_ref(), &mut self.from.forces);
+        }
+        self.stepper.restore(&self.carried)?;
+        let attempt = Attempt { from: &self.from, h: self.h, t_next: self.h };
+        self.stepper.attempt(attempt, &mut self.to, &mut Counters::default())?;
+        self.stepper.accept();
+        self.stepper.save_into(&mut self.carried);
+        Ok(())
     }
 }
 

@@ -9,6 +9,7 @@ mod pass_events;
 mod scene_limits;
 mod step_block;
 
+use super::adaptive::corners;
 use super::clock::Tick;
 use super::error::RunError;
 use super::event::{EventWatch, Fired};
@@ -217,6 +218,8 @@ pub struct RunState {
     passed: usize,
     /// those that wait, and those that have happened
     events: EventWatch,
+    /// [s] corners of tables and times of events, ascending
+    corners: Vec<f64>,
     /// [m] extent beyond which the scene counts as diverged
     limit: f64,
     scene_limits: SceneLimits,
@@ -326,6 +329,7 @@ impl RunState {
         let RunStart { from, policy, ledger, watch, row, events } = start;
         let size = scene.size();
         RunState {
+            corners: corners(scene, f64::INFINITY, events.times(scene)),
             policy,
             to: from.clone(),
             from,
@@ -345,6 +349,13 @@ impl RunState {
             doubt: None,
             blocks: step_block::StepBlocks::default(),
         }
+    }
+
+    /// Whether a corner of a table lies at `t` [s].
+    fn is_corner(&self, t: f64) -> bool {
+        let slack = self.policy.slack(t);
+        let next = self.corners.partition_point(|corner| *corner < t - slack);
+        self.corners.get(next).is_some_and(|corner| *corner <= t + slack)
     }
 
     /// Number of events of the scene that are passed.

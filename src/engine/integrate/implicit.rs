@@ -341,7 +341,15 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         let mut vectors = vec![self.a.clone()];
         let factor = self.solver.as_ref().and_then(|s| s.linear.cache.save(&mut vectors));
         let &Implicit { made_with, anew, relative, .. } = self;
-        CarriedState { vectors, made_with, anew, relative, trend: self.trend.clone(), factor, near: None }
+        CarriedState {
+            vectors,
+            made_with,
+            anew,
+            relative,
+            trend: self.trend.clone(),
+            factor,
+            ..CarriedState::default()
+        }
     }
 
     fn restore(&mut self, carried: &CarriedState) -> Result<(), StepError> {

@@ -125,22 +125,12 @@ impl Integrator<dyn System> for ImprovedEulerPec {
     }
 
     fn save(&self) -> CarriedState {
-        let power = vec![self.now.power.external, self.now.power.dissipated];
-        let vectors = vec![self.now.x.clone(), self.now.v.clone(), power];
-        CarriedState { vectors, relative: self.relative, ..CarriedState::default() }
+        let Derivative { x, v, power } = self.now.clone();
+        CarriedState { vectors: vec![x, v], power, relative: self.relative, ..CarriedState::default() }
     }
 
     fn restore(&mut self, carried: &CarriedState) -> Result<(), StepError> {
-        let n = self.now.x.len();
-        self.relative = carried.relative;
-        match carried.vectors.as_slice() {
-            [x, v, power] if x.len() == n && v.len() == n && power.len() == 2 => {
-                self.now.x.copy_from_slice(x);
-                self.now.v.copy_from_slice(v);
-                self.now.power = StageWork { external: power[0], dissipated: power[1] };
-                Ok(())
-            }
-            other => Err(StepError::Carried { found: other.len(), expected: 3, length: n }),
-        }
+        (self.relative, self.now.power) = (carried.relative, carried.power);
+        carried.take_into(&mut [&mut self.now.x, &mut self.now.v])
     }
 }

@@ -1,7 +1,6 @@
 //! Properties of a method's step on linear scenes M a = -K x - C v, used by [`crate::analysis`] for limits and by
 //! diagnoses for advice.
 
-use super::stepper::Scheme;
 use crate::model::system::Weights;
 
 /// Properties of a method's step on linear scenes; tests in `analysis/limit` measure all of them on oscillators.
@@ -16,9 +15,6 @@ pub struct LinearStep {
     /// [-] h c at which a step with the damping rate c [1/s] keeps a velocity unchanged whatever K is, for a method
     /// with such a step
     pub fixed_velocity: Option<f64>,
-    /// the scheme whose step has the same eigenvalues, for a method whose step depends on more than the state and what
-    /// the scheme carries
-    pub like: Option<fn() -> Scheme>,
     /// the matrix that is positive definite only in stable steps of symmetric scenes, for a method with such a matrix;
     /// with substeps, that of a short step
     pub pencil: Option<Pencil>,
@@ -50,7 +46,6 @@ impl LinearStep {
         partitioned: |_| false,
         always_dissipates: false,
         fixed_velocity: None,
-        like: None,
         pencil: None,
         substeps: |_| 1.0,
         linear_only: false,

@@ -57,6 +57,7 @@
 
 pub mod backward_euler;
 mod balance;
+pub mod beeman;
 pub mod central_difference;
 mod counters;
 mod dirk;
@@ -154,6 +155,8 @@ pub struct CarriedState {
     pub anew: bool,
     /// whether what is carried is relative to the forces of the point ([`Integrator::keep_over_change`])
     pub relative: bool,
+    /// [W or W/s] powers, or derivatives of powers
+    pub power: StageWork,
     /// what only the first guess of the next step depends on
     pub trend: Trend,
     /// the factor that an implicit scheme keeps; its state is in the last two vectors
@@ -277,6 +280,9 @@ pub trait Integrator<S: ?Sized>: Send {
     /// Drops the carried state and starts again at a point, as [`Integrator::start`] does, because forces are not
     /// smooth across its time. Allocates nothing.
     fn restart(&mut self, _system: &S, _at: &Point) {}
+
+    /// Drops what is carried of how forces change with time: at the end of the accepted step lies a corner of a table.
+    fn pass_corner(&mut self) {}
 
     /// Makes what is carried independent of the values of forces, some of which a program has just changed: `at` still
     /// has the forces of the values before. They jump there by df, and with them the true acceleration by M^-1 df,

@@ -164,6 +164,11 @@ impl<'a> Stepper<'a> {
         each!(&mut self.0, scheme, system => scheme.restart(*system, at));
     }
 
+    /// See [`Integrator::pass_corner`].
+    pub fn pass_corner(&mut self) {
+        each!(&mut self.0, scheme, _system => scheme.pass_corner());
+    }
+
     /// See [`Integrator::keep_over_change`].
     pub fn keep_over_change(&mut self, at: &Point) -> bool {
         each!(&mut self.0, scheme, system => scheme.keep_over_change(*system, at))

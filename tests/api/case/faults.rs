@@ -221,7 +221,7 @@ fn a_message_shows_all_faults_at_their_places() {
   |
 4 |     "time": {"end": 0, "method": "newmrk", "step": "fast"}
   |                                  ^^^^^^^^
-  allowed: known names here: explicit-euler, euler-cromer, euler-richardson, improved-euler, improved-euler-pec, velocity-verlet, rk4, dormand-prince, dop853, newmark, hht, kang, backward-euler, generalized-alpha, esdirk4, central-difference, multirate, energy-momentum, xpbd, vbd
+  allowed: known names here: explicit-euler, euler-cromer, euler-richardson, improved-euler, improved-euler-pec, velocity-verlet, beeman, rk4, dormand-prince, dop853, newmark, hht, kang, backward-euler, generalized-alpha, esdirk4, central-difference, multirate, energy-momentum, xpbd, vbd
   hint: did you mean "newmark"?
 
 /time/step: "fast"

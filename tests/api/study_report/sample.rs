@@ -34,8 +34,8 @@ pub fn laws() -> Vec<Law> {
         ("improved-euler", 2, 1e-3, 2.1),
         ("improved-euler-pec", 2, 1.1e-3, 1.3),
         ("velocity-verlet", 2, 2e-3, 1.05),
+        ("beeman", 3, 1.7e-3, 1.1),
         ("rk4", 4, 2.8e-3, 4.0),
-        ("bogacki-shampine", 3, 2.5e-3, 3.0),
         ("dormand-prince", 5, 3.3e-3, 6.0),
         ("dop853", 8, 6.1e-3, 12.0),
     ];

@@ -74,6 +74,28 @@ fn adams_bashforth(o: Oscillator, h: f64, start: Motion, steps: usize) -> Vec<Mo
     motions
 }
 
+/// Beeman's step, from the accelerations of the two steps before; the first step has one of them.
+fn beeman(o: Oscillator, h: f64, start: Motion, steps: usize) -> Vec<Motion> {
+    let Motion { mut x, mut v, .. } = start;
+    let mut a = o.a(x, v);
+    let mut before = None;
+    let mut step = || {
+        let last = before.replace(a);
+        let (far, seen) = match last {
+            Some(last) => (x + h * v + h * h / 6.0 * (4.0 * a - last), v + h / 2.0 * (3.0 * a - last)),
+            None => (x + h * v + h * h / 2.0 * a, v + h * a),
+        };
+        let next = o.a(far, seen);
+        v += match last {
+            Some(last) => h / 12.0 * (5.0 * next + 8.0 * a - last),
+            None => h / 2.0 * (next + a),
+        };
+        (x, a) = (far, next);
+        Motion { x, v, a }
+    };
+    (0..steps).map(|_| step()).collect()
+}
+
 /// Half a long kick by all but spring and dashpot, m steps of central differences with these, half a long kick.
 fn multirate(o: Oscillator, (h, m): (f64, f64), damper: Damper, start: Motion, steps: usize) -> Vec<Motion> {
     let along_spring = [Damper::Axial, Damper::Relative, Damper::FromStep].contains(&damper);
@@ -172,6 +194,7 @@ impl Case {
             "multirate" if self.value("substeps", 6.0) > 1.0 => {
                 return multirate(o, (h, self.value("substeps", 6.0)), damper, start, steps);
             }
+            "beeman" => return beeman(o, h, start, steps),
             "improved-euler-pec" => return adams_bashforth(o, h, start, steps),
             "euler-cromer" => Box::new(move |m| {
                 // x_{n+1} from its own row of the matrix [[1 - w^2 h^2, h - d h^2], [-w^2 h, 1 - d h]].

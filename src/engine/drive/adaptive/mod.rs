@@ -154,7 +154,7 @@ fn free_count(scene: &dyn Scene) -> f64 {
 }
 
 /// [s] The corners of a scene within a run, those of `more` too, and the end of the run.
-fn corners(scene: &dyn Scene, end: f64, more: impl Iterator<Item = f64>) -> Vec<f64> {
+pub(super) fn corners(scene: &dyn Scene, end: f64, more: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut corners = scene.events().map_or_else(Vec::new, |events| events.corners());
     let known = corners.len();
     corners.extend(more);

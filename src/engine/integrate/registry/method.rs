@@ -186,12 +186,6 @@ impl MethodChoice {
         (self.info.build)(&self.values, solver)
     }
 
-    /// A scheme whose step on linear scenes is a map of the state and what it carries, with the eigenvalues of this
-    /// method's.
-    pub fn linear_scheme(&self, solver: SolverSpec) -> Scheme {
-        self.info.linear.like.map_or_else(|| self.scheme(solver), |like| like())
-    }
-
     /// [-] Order of accuracy with these parameters.
     pub fn order(&self) -> u32 {
         self.info.order_with.map_or(self.info.order, |order| order(&self.values))

@@ -43,6 +43,7 @@ static OTHER_NAMES: &[(&[&str], &str, &str)] = &[
         "velocity-verlet",
         "whose positions are those of Verlet's and of the leapfrog method",
     ),
+    (&["beemans", "beemansmethod", "beemanschofield", "schofield"], "beeman", ""),
     (
         &["centraldifferences", "centraldiff", "cd", "cdm", "explicitnewmark", "explicit"],
         "central-difference",
