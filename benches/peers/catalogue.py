@@ -135,6 +135,7 @@ def ours(s):
     tight = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8]
     runs = [
         ("velocity-verlet", *steps(s, *VERLET)),
+        ("beeman", *steps(s, 10, 11, 12, 14, 16, 20, 32, 40, 80)),
         ("rk4", *steps(s, *RK4)),
         ("dormand-prince", *steps(s, 16, 20, 32)),
         ("dop853", *steps(s, 4, 6, 8)),

@@ -143,6 +143,20 @@ const BEFORE_RESONANCE: f64 = 1.5;
 /// others are not symmetric.
 const PLAIN: [f64; 3] = [1.0, 0.95, 0.5];
 
+/// Steps of a run that a search for the limit takes as long as, about, on a scene too large for a proof.
+const SEARCH: f64 = 1000.0;
+
+/// Whether a search for the limit takes longer than so many steps of a scene.
+pub fn search_outweighs(scene: &dyn Scene, steps: f64) -> bool {
+    scene.n_dof() > CostLimits::START.factorise && steps < SEARCH
+}
+
+/// The critical step by bounds, if a step is not above it: for runs that a search would outweigh.
+pub fn below_bounds(scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice, step: f64) -> Option<CriticalStep> {
+    Some(ElementBounds::of(scene, at).critical_step(method))
+        .filter(|found| step <= found.step && found.step.is_finite())
+}
+
 /// A critical step where the step of a run is below it beyond doubt, from some passes over the elements
 /// ([`ElementBounds`]). `None` if there is doubt.
 pub fn plainly_stable(scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice, step: f64) -> Option<CriticalStep> {

@@ -1,7 +1,10 @@
 //! The critical step of a run and warnings about its step, before it begins: above the critical step, or above what the
 //! scene needs once its slack springs are taut.
 
-use super::critical::{Confidence, CostLimits, CriticalStep, has_limit, implicit_for, plainly_stable, remedy};
+use super::critical::{
+    Confidence, CostLimits, CriticalStep, below_bounds, has_limit, implicit_for, plainly_stable, remedy,
+    search_outweighs,
+};
 use super::limit::critical_step;
 use super::rates::Rates;
 use super::spectrum::Spectrum;
@@ -44,13 +47,16 @@ pub fn while_slack(planned: Planned<'_>, taut: CriticalStep) -> Option<WhileSlac
     WhileSlack::find(planned.scene, start.as_ref(), taut, || limit_at(planned, start.as_ref()))
 }
 
-fn limit_at(Planned { scene, method, step, stop, .. }: Planned<'_>, at: StateRef<'_>) -> CriticalStep {
+fn limit_at(Planned { scene, method, step, end, stop }: Planned<'_>, at: StateRef<'_>) -> CriticalStep {
     if !has_limit(method) {
         return CriticalStep::none();
     }
     // What touches has the stiffness of the method's steps.
     scene.touches().into_iter().for_each(|touches| touches.set_explicit(method.info.family == Family::Explicit));
-    let plain = step.and_then(|h| plainly_stable(scene, at, method, h));
+    let plain = step.and_then(|h| match search_outweighs(scene, end / h) {
+        true => below_bounds(scene, at, method, h),
+        false => plainly_stable(scene, at, method, h),
+    });
     // With adaptive steps it still characterises the scene.
     let effort = CostLimits { sharpen_below: 2.0 * step.unwrap_or(0.0), stop, ..CostLimits::START };
     plain.unwrap_or_else(|| {

@@ -1,6 +1,6 @@
 //! Finds the pairs whose boxes are near, with a tree of boxes around the elements of every body.
 
-use super::bodies::{Body, Contact, Contacts, Other};
+use super::bodies::{Body, Contact, Contacts, Other, sides};
 use super::distance::PairKind;
 use super::near::{Candidate, Form, NO_NODE};
 use crate::mesh::box_tree::{Bounds, BoxTree};
@@ -186,22 +186,23 @@ impl<K: Fn(u16, Form, [u32; 4]) -> Option<f64>> Pairs<'_, K> {
     /// Adds a pair that shares no node and has something that can move.
     fn add(&mut self, form: Form, nodes: [u32; 4]) {
         let (contacts, contact) = (self.contacts, self.number);
-        let (first, second) = match form {
-            Form::Plane => nodes.split_at(1),
-            Form::Pair(kind) => nodes[..kind.nodes()].split_at(kind.nodes_of_first()),
+        let [first, second] = match form {
+            Form::Plane => [&nodes[..1], &[]],
+            Form::Pair(kind) => sides(kind, &nodes),
         };
         if first.iter().any(|node| second.contains(node)) {
             return;
         }
-        let Some(beyond) = (self.keep)(contact, form, nodes) else { return };
         let stiffness = contacts.stiffness_of(usize::from(contact), [first, second]);
+        if stiffness == 0.0 {
+            return;
+        }
+        let Some(beyond) = (self.keep)(contact, form, nodes) else { return };
         let length = |side: &[u32]| match side {
             &[a, b] => (contacts.at_rest(a) - contacts.at_rest(b)).norm(),
             _ => 0.0,
         };
         let lengths = [length(first), length(second)];
-        if stiffness > 0.0 {
-            self.found.push(Candidate { contact, form, nodes, stiffness, lengths, beyond });
-        }
+        self.found.push(Candidate { contact, form, nodes, stiffness, lengths, beyond });
     }
 }

@@ -3,7 +3,7 @@
 //! with the critical step. Only where this measure comes close to the step is the spectrum computed, and only then can
 //! there be a warning.
 
-use crate::analysis::critical::{CostLimits, CriticalStep, measure_of_limit, plainly_stable, remedy};
+use crate::analysis::critical::{CostLimits, CriticalStep, measure_of_limit, plainly_stable, remedy, search_outweighs};
 use crate::analysis::spectrum::Spectrum;
 use crate::analysis::taut::AllTaut;
 use crate::analysis::warnings::worth;
@@ -109,7 +109,7 @@ impl<'a> CriticalStepMonitor<'a> {
             livelier: 0.0,
             buffer,
             ratio,
-            ask_below: f64::INFINITY,
+            ask_below: if known { at_start * FALLEN.max(step / start.step) } else { f64::INFINITY },
             asked: 0,
             warned,
             least: None,
@@ -133,11 +133,11 @@ impl<'a> CriticalStepMonitor<'a> {
             while self.next <= step {
                 self.next += (self.next / EARLY).clamp(1, self.every);
             }
-            self.estimate(end.state.as_ref(), h);
+            self.estimate(end.state.as_ref(), h, step);
         }
     }
 
-    fn estimate(&mut self, at: StateRef<'_>, h: f64) {
+    fn estimate(&mut self, at: StateRef<'_>, h: f64, step: u64) {
         let now = measure_of_limit(self.monitored.method, self.monitored.scene, at, &mut self.buffer);
         let estimate = self.ratio.unwrap_or(1.0) * now;
         let Monitored { scene, method, .. } = self.monitored;
@@ -147,7 +147,8 @@ impl<'a> CriticalStepMonitor<'a> {
             // The measure where this bound would come down to the step.
             self.ask_below = now * FALLEN.max(h / bound.step);
         }
-        if near && plain.is_none() {
+        let searched = near && plain.is_none() && !search_outweighs(scene, step as f64 / f64::from(1 + self.asked));
+        if searched {
             self.asked += 1;
             self.ask_below = FALLEN * now;
             let effort = CostLimits { stop: self.monitored.stop, ..CostLimits::START };
@@ -194,7 +195,7 @@ impl<'a> CriticalStepMonitor<'a> {
 
 impl Observer for CriticalStepMonitor<'_> {
     fn resumed(&mut self, at: &Point, _ledger: Energies) -> Result<(), ObserveError> {
-        self.estimate(at.state.as_ref(), self.monitored.step);
+        self.estimate(at.state.as_ref(), self.monitored.step, 0);
         Ok(())
     }
 
