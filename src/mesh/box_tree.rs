@@ -3,6 +3,8 @@
 //! The tree is complete and binary, so it needs no pointers: the children of node i are 2 i + 1 and 2 i + 2, and all
 //! leaves are equally deep. Building it takes O(n log n), a refit O(n). Pairs come in an order that depends on the
 //! boxes alone.
+//!
+//! This crate is built for size, where closures over arrays stay calls: so what runs for every box has plain loops.
 
 use std::ops::Range;
 
@@ -24,26 +26,38 @@ impl Bounds {
 
     /// Around points.
     pub fn of<'a>(points: impl IntoIterator<Item = &'a [f64; 3]>) -> Self {
-        points.into_iter().fold(Bounds::EMPTY, |all, x| all.joined(Bounds { low: *x, high: *x }))
+        let mut all = Bounds::EMPTY;
+        for x in points {
+            all.include(x, x);
+        }
+        all
+    }
+
+    #[inline]
+    fn include(&mut self, low: &[f64; 3], high: &[f64; 3]) {
+        for k in 0..3 {
+            self.low[k] = if low[k] < self.low[k] { low[k] } else { self.low[k] };
+            self.high[k] = if high[k] > self.high[k] { high[k] } else { self.high[k] };
+        }
     }
 
     /// Around two boxes.
     #[must_use]
     #[inline]
-    pub fn joined(self, other: Bounds) -> Bounds {
-        let smaller = |a: f64, b: f64| if b < a { b } else { a };
-        let larger = |a: f64, b: f64| if b > a { b } else { a };
-        Bounds {
-            low: std::array::from_fn(|k| smaller(self.low[k], other.low[k])),
-            high: std::array::from_fn(|k| larger(self.high[k], other.high[k])),
-        }
+    pub fn joined(mut self, other: Bounds) -> Bounds {
+        self.include(&other.low, &other.high);
+        self
     }
 
     /// The box with `margin` [m] on all sides.
     #[must_use]
     #[inline]
-    pub fn grown(self, margin: f64) -> Bounds {
-        Bounds { low: self.low.map(|x| x - margin), high: self.high.map(|x| x + margin) }
+    pub fn grown(mut self, margin: f64) -> Bounds {
+        for k in 0..3 {
+            self.low[k] -= margin;
+            self.high[k] += margin;
+        }
+        self
     }
 
     /// Whether both have more than a face in common. Flat boxes that cross each other do; two in one plane do not.
@@ -152,8 +166,11 @@ impl BoxTree {
     fn join(&mut self) {
         let leaves = self.leaves();
         for leaf in 0..leaves {
-            let around = self.items[self.places(leaf..leaf + 1)].iter().copied().reduce(Bounds::joined);
-            self.nodes[leaves - 1 + leaf] = around.unwrap_or(Bounds::EMPTY);
+            let mut around = Bounds::EMPTY;
+            for item in &self.items[self.places(leaf..leaf + 1)] {
+                around.include(&item.low, &item.high);
+            }
+            self.nodes[leaves - 1 + leaf] = around;
         }
         for node in (0..leaves - 1).rev() {
             self.nodes[node] = self.nodes[2 * node + 1].joined(self.nodes[2 * node + 2]);
@@ -179,22 +196,24 @@ impl BoxTree {
                 self.pairs_of_leaves([a, b], looks, &mut visit);
                 continue;
             }
-            let [[a0, a1], [b0, b1]] = [a, b].map(|node| [2 * node + 1, 2 * node + 2]);
+            let ([a0, a1], [b0, b1]) = ([2 * a + 1, 2 * a + 2], [2 * b + 1, 2 * b + 2]);
             let (pairs, count) = if a == b {
                 ([[a1, b1], [a0, b1], [a0, b0], [0, 0]], 3)
             } else {
                 ([[a1, b1], [a1, b0], [a0, b1], [a0, b0]], 4)
             };
             *looks = looks.saturating_sub(count as u64);
-            stack.extend(pairs[..count].iter().filter(|[a, b]| self.nodes[*a].overlaps(&self.nodes[*b])));
+            for [a, b] in &pairs[..count] {
+                if self.nodes[*a].overlaps(&self.nodes[*b]) {
+                    stack.push([*a, *b]);
+                }
+            }
         }
     }
 
     fn pairs_of_leaves(&self, [a, b]: [usize; 2], looks: &mut u64, visit: &mut impl FnMut(u32, u32, &mut u64)) {
-        let [of_a, of_b] = [a, b].map(|node| {
-            let leaf = node + 1 - self.leaves();
-            self.places(leaf..leaf + 1)
-        });
+        let (first, second) = (a + 1 - self.leaves(), b + 1 - self.leaves());
+        let (of_a, of_b) = (self.places(first..first + 1), self.places(second..second + 1));
         for i in of_a {
             let others = if a == b { i + 1..of_b.end } else { of_b.clone() };
             *looks = looks.saturating_sub(1 + others.len() as u64);
@@ -228,7 +247,11 @@ impl BoxTree {
             }
             let leaf = node + 1 - self.leaves();
             let places = self.places(leaf..leaf + 1);
-            places.filter(|i| self.items[*i].overlaps(bounds)).for_each(|i| visit(self.order[i]));
+            for i in places {
+                if self.items[i].overlaps(bounds) {
+                    visit(self.order[i]);
+                }
+            }
         }
     }
 }

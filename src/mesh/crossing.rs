@@ -79,7 +79,7 @@ impl CrossingFinder {
         self.found.clear();
         self.complete = true;
         let Self { triangles, found, .. } = self;
-        let bounds = |triangle: u32| Bounds::of(triangles[triangle as usize].map(|n| &positions[n as usize]));
+        let bounds = |triangle: u32| around(positions, &triangles[triangle as usize]);
         let tree = match &mut self.tree {
             Some(tree) => {
                 tree.refit(bounds);
@@ -179,17 +179,16 @@ struct Cloth<'a> {
 impl Cloth<'_> {
     /// Adds the crossings of the sides of either triangle with the other.
     fn cross(&self, pair: [u32; 2], found: &mut Vec<Crossing>) {
-        let [a, b] = pair.map(|triangle| self.triangles[triangle as usize]);
-        let shared = a.map(|node| b.contains(&node));
+        let [one, other] = pair;
+        let (a, b) = (&self.triangles[one as usize], &self.triangles[other as usize]);
         // Each side of a pair with two common nodes has one of them.
-        if shared.iter().filter(|shared| **shared).count() > 1 {
+        if a.iter().filter(|node| b.contains(node)).count() > 1 {
             return;
         }
-        let ways = [pair, [pair[1], pair[0]]];
-        let sides = ways.map(|[of, with]| self.sides_near(of, with));
-        for ([of, with], sides) in ways.into_iter().zip(sides) {
+        let sides = [self.sides_near(one, other), self.sides_near(other, one)];
+        for (way, sides) in sides.iter().enumerate() {
             // If one triangle is on one side of the other's plane, neither crosses the other.
-            if sides != 0 && self.cross_one(of, sides, with, found) == Side::One {
+            if *sides != 0 && self.cross_one(pair[way], *sides, pair[1 - way], found) == Side::One {
                 return;
             }
         }
@@ -197,16 +196,17 @@ impl Cloth<'_> {
 
     /// The own sides of a triangle that share no node with another and have a box that overlaps its box.
     fn sides_near(&self, of: u32, with: u32) -> u8 {
-        let (nodes, others) = (self.triangles[of as usize], self.triangles[with as usize]);
-        let at = |node: u32| &self.positions[node as usize];
-        let bounds = Bounds::of(others.map(at));
-        let near = |k: &usize| {
-            let ends = [nodes[*k], nodes[(k + 1) % 3]];
-            self.own[of as usize] & 1 << k != 0
-                && !others.iter().any(|node| ends.contains(node))
-                && Bounds::of(ends.map(at)).overlaps(&bounds)
-        };
-        (0..3).filter(near).fold(0, |sides, k| sides | 1 << k)
+        let (nodes, others) = (&self.triangles[of as usize], &self.triangles[with as usize]);
+        let bounds = around(self.positions, others);
+        let mut sides = 0;
+        for k in 0..3 {
+            let ends = [nodes[k], nodes[(k + 1) % 3]];
+            let may = self.own[of as usize] & 1 << k != 0 && !others.iter().any(|node| ends.contains(node));
+            if may && around(self.positions, &ends).overlaps(&bounds) {
+                sides |= 1 << k;
+            }
+        }
+        sides
     }
 
     /// Adds the crossings of some sides of a triangle with another; returns where it lies to the other's plane.
@@ -246,6 +246,12 @@ impl Cloth<'_> {
             |from: Vector3<f64>, to: Vector3<f64>| (place - from).cross(&(to - from)).norm() / (to - from).norm();
         [other, beside(a, b), beside(b, c), beside(c, a)].into_iter().fold(one, f64::min)
     }
+}
+
+/// The box around some nodes.
+#[inline]
+fn around(positions: &[[f64; 3]], nodes: &[u32]) -> Bounds {
+    Bounds::of(nodes.iter().map(|node| &positions[*node as usize]))
 }
 
 fn coordinates([x, y, z]: [f64; 3]) -> Coord3D<f64> {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::frame::Frame;
 use crate::case::spec::CrossingSearch;
 use crate::format_number::{counted, figures};
 use crate::mesh::{Crossing, CrossingFinder};
@@ -89,8 +90,6 @@ pub(super) struct CrossingWatch {
     at: f64,
     /// \[m\] and \[m/s\] of every node at the end of a step
     trace: [Vec<[f64; 3]>; 2],
-    /// whether the states that come next are credible; others do not count
-    pub credible: bool,
 }
 
 impl CrossingWatch {
@@ -101,7 +100,7 @@ impl CrossingWatch {
         let report = CrossingReport { searched, complete: true, ..CrossingReport::default() };
         let nodes = if searched == CrossingSearch::Steps { picture.reference().len() } else { 0 };
         let trace = [(); 2].map(|()| vec![[0.0; 3]; nodes]);
-        Some(CrossingWatch { finder, report, at: f64::NAN, trace, credible: true })
+        Some(CrossingWatch { finder, report, at: f64::NAN, trace })
     }
 
     /// What was found so far; part of a checkpoint.
@@ -118,19 +117,19 @@ impl CrossingWatch {
         self.report.searched == CrossingSearch::Steps
     }
 
-    /// Searches a frame, counts it if frames are counted, and writes 1 for its triangles that pass through others, 0
-    /// for all others.
-    pub(super) fn frame(&mut self, t: f64, positions: &[[f64; 3]], flags: &mut [u8]) {
-        self.finder.find(positions);
-        self.at = t;
+    /// Searches a frame, counts it if frames are counted and it is credible, and writes 1 for its triangles that pass
+    /// through others, 0 for all others.
+    pub(super) fn frame(&mut self, frame: &mut Frame) {
+        self.finder.find(&frame.positions);
+        self.at = frame.time;
         // Of the steps, the start is a frame as well.
-        if !self.every_step() || self.report.states == 0 {
+        if frame.credible && (!self.every_step() || self.report.states == 0) {
             self.count();
         }
-        self.finder.mark(flags);
+        self.finder.mark(&mut frame.crossing);
     }
 
-    /// Searches and counts the state at the end of a step.
+    /// Searches and counts a credible state at the end of a step.
     pub(super) fn step(&mut self, picture: &dyn Observables, state: StateRef<'_>) {
         // A frame at the end of the step has been searched already.
         if self.at != state.t {
@@ -146,9 +145,6 @@ impl CrossingWatch {
     }
 
     fn count(&mut self) {
-        if !self.credible {
-            return;
-        }
         let (t, found, report) = (self.at, self.finder.found(), &mut self.report);
         report.states += 1;
         report.complete &= self.finder.is_complete();

@@ -57,6 +57,8 @@ impl From<&OutputSpec> for Fields {
 pub struct Frame {
     /// [s] time
     pub time: f64,
+    /// whether the state is [credible](crate::drive::observer::AcceptedStep::credible)
+    pub credible: bool,
     /// [m] of every node
     pub positions: Vec<[f64; 3]>,
     /// [m/s] of every node
@@ -137,6 +139,7 @@ impl Frame {
         let springs = size.springs();
         Self {
             time: 0.0,
+            credible: true,
             positions: vectors(true),
             velocities: vectors(true),
             force: vectors(fields.force),

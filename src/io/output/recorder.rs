@@ -40,7 +40,7 @@ pub struct RecorderState {
     /// what the gauges have measured so far
     gauges: GaugesSoFar,
     /// crossings of cloth so far, if they are searched for
-    crossings: Option<CrossingReport>,
+    pub(super) crossings: Option<CrossingReport>,
 }
 
 /// The observer that writes `NAME.pvd`, its frames, `history.csv`, `probes.csv` and `gauges.csv`.
@@ -56,7 +56,10 @@ pub struct Recorder<'a> {
     history_every: RowEvery,
     rows: RowSchedule,
     gauges: Gauges,
+    /// here in memory, and where every step is searched; else the writing thread has it
     crossings: Option<CrossingWatch>,
+    /// whether the states that come next are credible
+    credible: bool,
     schedule: Schedule,
     /// [s] time of the newest frame
     shown: Option<f64>,
@@ -86,9 +89,10 @@ impl<'a> Recorder<'a> {
     pub fn new(picture: &'a dyn Observables, spec: &RecorderSpec) -> Result<Self, RecorderError> {
         check(spec, picture.reference().len())?;
         let gauges = Gauges::new(picture, &spec.gauges(spec.history_every))?;
-        let writer = Destination::Files(Box::new(ResultWriter::start(&files_spec(picture, spec, &gauges))?));
+        let (here, there) = divided(CrossingWatch::new(picture, spec.crossings));
+        let writer = Destination::Files(Box::new(ResultWriter::start(&files_spec(picture, spec, &gauges), there)?));
         let mark = RecorderState { history_every: spec.history_every, ..RecorderState::default() };
-        Ok(Self::around(picture, gauges, spec, writer, mark))
+        Ok(Self::around(picture, (gauges, here), spec, writer, mark))
     }
 
     /// The same in memory: no file is created, and frames only give the rows of probes.
@@ -102,7 +106,7 @@ impl<'a> Recorder<'a> {
         let (size, channels) = (files.frame_size(), files.gauges);
         let writer = Destination::Memory(Box::new(MemoryTables::new(&spec.probes, channels, size)));
         let mark = RecorderState { history_every: spec.history_every, ..RecorderState::default() };
-        Ok(Self::around(picture, gauges, spec, writer, mark))
+        Ok(Self::around(picture, (gauges, CrossingWatch::new(picture, spec.crossings)), spec, writer, mark))
     }
 
     /// What a recorder in memory has kept so far, which it then has no more.
@@ -120,26 +124,27 @@ impl<'a> Recorder<'a> {
         checkpoint: &Checkpoint,
     ) -> Result<Self, RecorderError> {
         check(spec, picture.reference().len())?;
-        let RecorderState { history_every, gauges: so_far, .. } = &checkpoint.recorder;
+        let RecorderState { history_every, gauges: so_far, crossings: kept, .. } = &checkpoint.recorder;
         let mut gauges = Gauges::new(picture, &spec.gauges(*history_every))?;
         gauges.take_up(so_far);
-        let writer =
-            Destination::Files(Box::new(ResultWriter::resume(&files_spec(picture, spec, &gauges), &checkpoint.files)?));
-        Ok(Self::around(picture, gauges, spec, writer, checkpoint.recorder.clone()))
+        let mut watch = CrossingWatch::new(picture, spec.crossings);
+        if let (Some(watch), Some(kept)) = (&mut watch, kept) {
+            watch.take_up(kept);
+        }
+        let (here, there) = divided(watch);
+        let writer = ResultWriter::resume(&files_spec(picture, spec, &gauges), &checkpoint.files, there)?;
+        let writer = Destination::Files(Box::new(writer));
+        Ok(Self::around(picture, (gauges, here), spec, writer, checkpoint.recorder.clone()))
     }
 
     fn around(
         picture: &'a dyn Observables,
-        gauges: Gauges,
+        (gauges, crossings): (Gauges, Option<CrossingWatch>),
         spec: &RecorderSpec,
         writer: Destination,
         mark: RecorderState,
     ) -> Self {
-        let RecorderState { next_frame, shown, waiting, history_every, gauges: _, crossings: kept } = mark;
-        let mut crossings = CrossingWatch::new(picture, spec.crossings);
-        if let (Some(watch), Some(kept)) = (&mut crossings, &kept) {
-            watch.take_up(kept);
-        }
+        let RecorderState { next_frame, shown, waiting, history_every, gauges: _, crossings: _ } = mark;
         Self {
             picture,
             fields: spec.fields.of_scene(picture),
@@ -148,6 +153,7 @@ impl<'a> Recorder<'a> {
             rows: RowSchedule::of(history_every),
             gauges,
             crossings,
+            credible: true,
             schedule: Schedule::at(spec.frames_every, next_frame),
             shown,
             waiting,
@@ -180,9 +186,9 @@ impl<'a> Recorder<'a> {
         self.gauges.quantities()
     }
 
-    /// What was found of cloth that passes through cloth, if it was searched for.
+    /// What was found of cloth that passes through cloth, if it was searched for and the run has ended.
     pub fn crossings(&self) -> Option<&CrossingReport> {
-        self.crossings.as_ref().map(CrossingWatch::report)
+        self.crossings.as_ref().map(CrossingWatch::report).or_else(|| self.writer.crossings())
     }
 
     /// Measures gauges at the start, and writes their rows.
@@ -204,8 +210,9 @@ impl<'a> Recorder<'a> {
             self.writer.recycle(frame);
             return Ok(());
         }
+        frame.credible = self.credible;
         if let Some(watch) = &mut self.crossings {
-            watch.frame(at.t, &frame.positions, &mut frame.crossing);
+            watch.frame(&mut frame);
         }
         self.shown = Some(at.t);
         self.writer.send(Message::Frame(frame))
@@ -277,6 +284,14 @@ impl<'a> Recorder<'a> {
     }
 }
 
+/// A watch that stays with the recorder, or goes to the writing thread, which has the frames.
+fn divided(watch: Option<CrossingWatch>) -> (Option<CrossingWatch>, Option<CrossingWatch>) {
+    match watch.as_ref().is_some_and(CrossingWatch::every_step) {
+        true => (watch, None),
+        false => (None, watch),
+    }
+}
+
 impl Observer for Recorder<'_> {
     fn started(&mut self, at: &Point, ledger: Energies) -> Result<(), ObserveError> {
         let state = at.state.as_ref();
@@ -306,9 +321,7 @@ impl Observer for Recorder<'_> {
         } else if let (None, Some(start)) = (&self.last_good, step.start) {
             self.last_good = Some(LastGood { point: start.clone(), shown: self.shown });
         }
-        if let Some(watch) = &mut self.crossings {
-            watch.credible = step.credible;
-        }
+        self.credible = step.credible;
         while let Some(due) = self.schedule.next_in(step.from, step.t) {
             match (due, step.start, step.end) {
                 (FrameDue::End, _, Some(end)) => self.send_frame(end.state.as_ref(), &end.forces)?,
@@ -321,6 +334,7 @@ impl Observer for Recorder<'_> {
         gauges.accepted(*picture, step, |row| writer.send(Message::Gauge(row)))?;
         if let (Some(watch), Some(end)) = (&mut self.crossings, step.end)
             && watch.every_step()
+            && step.credible
         {
             watch.step(self.picture, end.state.as_ref());
         }

@@ -1,6 +1,7 @@
 //! The tables of a run in memory, instead of its files.
 
 use super::checkpoint::Checkpoint;
+use super::crossings::CrossingReport;
 use super::frame::{Frame, FrameSize};
 use super::gauges::GaugeRow;
 use super::rows::HistoryRow;
@@ -146,6 +147,14 @@ impl Destination {
         match self {
             Destination::Files(writer) => writer.finish(),
             Destination::Memory(_) => Ok(()),
+        }
+    }
+
+    /// What the writing thread has found of crossings, once it has ended.
+    pub(super) fn crossings(&self) -> Option<&CrossingReport> {
+        match self {
+            Destination::Files(writer) => writer.crossings(),
+            Destination::Memory(_) => None,
         }
     }
 

@@ -5,6 +5,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use super::checkpoint::Checkpoint;
+use super::crossings::{CrossingReport, CrossingWatch};
 use super::csv::LONGEST_DELAY;
 use super::files::{FilesProgress, FilesSpec, ResultFiles};
 use super::frame::{Frame, FrameSize};
@@ -58,6 +59,9 @@ struct WriterChannels {
     kept: SyncSender<()>,
 }
 
+/// How the thread ended, and what it found of crossings if it searched for them.
+type WriterEnd = (Result<(), ObserveError>, Option<CrossingReport>);
+
 /// The integrator's end of the channels. When it is dropped, the thread writes all that was sent and is joined.
 #[derive(Debug)]
 pub struct ResultWriter {
@@ -67,7 +71,9 @@ pub struct ResultWriter {
     kept: Receiver<()>,
     /// checkpoints sent and not yet known to be written
     unkept: usize,
-    thread: Option<JoinHandle<Result<(), ObserveError>>>,
+    thread: Option<JoinHandle<WriterEnd>>,
+    /// what the thread has found, once it has ended
+    crossings: Option<CrossingReport>,
     size: FrameSize,
     made: usize,
     /// a frame that was filled but not sent
@@ -75,23 +81,27 @@ pub struct ResultWriter {
 }
 
 impl ResultWriter {
-    /// Creates the files and starts the thread.
+    /// Creates the files and starts the thread, which searches frames with `watch` before it writes them.
     ///
     /// # Errors
     /// When a file cannot be created or the thread cannot be started.
-    pub fn start(spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
-        Self::spawn(ResultFiles::create(spec)?, spec)
+    pub(super) fn start(spec: &FilesSpec<'_>, watch: Option<CrossingWatch>) -> Result<Self, ObserveError> {
+        Self::spawn(ResultFiles::create(spec)?, spec, watch)
     }
 
     /// Reopens the files of an earlier run, cuts them off at `mark`, and starts the thread.
     ///
     /// # Errors
     /// When the files cannot be reopened, or the thread cannot be started.
-    pub fn resume(spec: &FilesSpec<'_>, mark: &FilesProgress) -> Result<Self, ResumeError> {
-        Ok(Self::spawn(ResultFiles::reopen(spec, mark)?, spec)?)
+    pub(super) fn resume(
+        spec: &FilesSpec<'_>,
+        mark: &FilesProgress,
+        watch: Option<CrossingWatch>,
+    ) -> Result<Self, ResumeError> {
+        Ok(Self::spawn(ResultFiles::reopen(spec, mark)?, spec, watch)?)
     }
 
-    fn spawn(files: ResultFiles, spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
+    fn spawn(files: ResultFiles, spec: &FilesSpec<'_>, watch: Option<CrossingWatch>) -> Result<Self, ObserveError> {
         let size = spec.frame_size();
         let most = most_frames(size);
         let (to_thread, messages) = sync_channel(WAITING);
@@ -100,10 +110,10 @@ impl ResultWriter {
         let ends = WriterChannels { messages, give_back, written: Vec::with_capacity(most), most, kept: tell_kept };
         let thread = std::thread::Builder::new()
             .name("results".to_owned())
-            .spawn(move || write_all(files, ends))
+            .spawn(move || write_all(files, ends, watch))
             .map_err(|source| ObserveError::Write { path: spec.folder.display().to_string(), source })?;
         let (to_thread, thread) = (Some(to_thread), Some(thread));
-        Ok(Self { to_thread, returned, kept, unkept: 0, thread, size, made: 0, spare: None })
+        Ok(Self { to_thread, returned, kept, unkept: 0, thread, crossings: None, size, made: 0, spare: None })
     }
 
     /// A frame to fill: a used one if available, a new one for the first few, else the next that is returned. It still
@@ -150,9 +160,17 @@ impl ResultWriter {
     pub fn finish(&mut self) -> Result<(), ObserveError> {
         self.to_thread = None;
         match self.thread.take().map(JoinHandle::join) {
-            Some(Ok(result)) => result,
+            Some(Ok((result, crossings))) => {
+                self.crossings = crossings;
+                result
+            }
             Some(Err(_)) | None => Err(ObserveError::WriterGone),
         }
+    }
+
+    /// What the thread has found of crossings, once it has ended.
+    pub(super) fn crossings(&self) -> Option<&CrossingReport> {
+        self.crossings.as_ref()
     }
 
     /// Sends a message.
@@ -206,23 +224,33 @@ impl WriterChannels {
 }
 
 /// The thread: ends when the channel is closed or at the first error, and then saves what it can.
-fn write_all(mut files: ResultFiles, mut ends: WriterChannels) -> Result<(), ObserveError> {
-    let ended = listen(&mut files, &mut ends);
+fn write_all(mut files: ResultFiles, mut ends: WriterChannels, mut watch: Option<CrossingWatch>) -> WriterEnd {
+    let ended = listen(&mut files, &mut ends, watch.as_mut());
     // All files are tried; the first error is reported.
-    ended.and(files.finish())
+    (ended.and(files.finish()), watch.map(|watch| watch.report().clone()))
 }
 
-fn listen(files: &mut ResultFiles, ends: &mut WriterChannels) -> Result<(), ObserveError> {
+fn listen(
+    files: &mut ResultFiles,
+    ends: &mut WriterChannels,
+    mut watch: Option<&mut CrossingWatch>,
+) -> Result<(), ObserveError> {
     loop {
         match ends.next() {
-            Ok(Message::Frame(frame)) => {
+            Ok(Message::Frame(mut frame)) => {
+                if let Some(watch) = &mut watch {
+                    watch.frame(&mut frame);
+                }
                 files.frame(&frame)?;
                 ends.written(frame);
             }
             Ok(Message::Row(row)) => files.row(&row)?,
             Ok(Message::Gauge(row)) => files.gauge(&row)?,
             Ok(Message::WithdrawAfter(t)) => files.withdraw_after(t)?,
-            Ok(Message::Checkpoint(checkpoint)) => {
+            Ok(Message::Checkpoint(mut checkpoint)) => {
+                if let Some(watch) = &watch {
+                    checkpoint.recorder.crossings = Some(watch.report().clone());
+                }
                 files.checkpoint(*checkpoint)?;
                 let _ = ends.kept.try_send(());
             }
@@ -257,7 +285,7 @@ mod tests {
             gauges: Vec::new(),
             format: VtuFormat::default(),
         };
-        let mut writer = ResultWriter::start(&spec).expect("a writer");
+        let mut writer = ResultWriter::start(&spec, None).expect("a writer");
         for i in 0..frames {
             let mut frame = writer.empty_frame().expect("a frame");
             (frame.time, frame.positions[0][0]) = (i as f64, i as f64);
