@@ -1,9 +1,10 @@
-//! How the cost of a step grows with the number of nodes: the sagging annulus of `assets/cases/big` from 1,000 nodes
-//! up.
+//! How the cost of a step grows with the number of nodes, from 1,000 up: the sagging annulus of `assets/cases/big`, or a
+//! square net of stiff springs that is loaded in its plane and across it.
 //!
 //! ```text
 //! cargo bench -p canopy-fem-benches --bench growth -- --most 100000            # a minute; a million nodes (the default) take a quarter of an hour and 8 GB
 //! cargo bench -p canopy-fem-benches --bench growth -- --most 10000 --full 10000   # true Newton too, up to so many nodes (default 10,000)
+//! cargo bench -p canopy-fem-benches --bench growth -- --scene square --full 0     # the square net; a minute for each 100,000 nodes
 //! cargo bench -p canopy-fem-benches --bench growth -- --svg growth.svg            # the curves too
 //! ```
 //!
@@ -21,7 +22,7 @@ use canopy_fem::process::cpu_seconds;
 use canopy_fem::scene::Scene;
 use canopy_fem::simulation::{bind, build_scene};
 use fixture::figure::{after, draw, wanted};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 const SIZES: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
@@ -32,8 +33,50 @@ const MEASURED: (f64, u64) = (1.0, 20);
 /// Implicit steps.
 const IMPLICIT: u64 = 10;
 
+/// A square net held along its rim. A node's mass falls with their number, while its springs stay as stiff.
+const SQUARE: &str = r#"{
+    "name": "square-net", "acknowledge": ["areal-density"],
+    "system": {"network": {
+        "mesh": {"rectangle": {"width": 1.0, "height": 1.0, "columns": 1, "rows": 1}},
+        "mass": {"areal_density": 2.0},
+        "springs": [{"on": "all", "stiffness": 1e5, "dashpot": {"relative": {"time": 5e-4}}}],
+        "supports": [{"on": "outer", "fix": "xyz"}],
+        "gravity": [3.0, 2.0, -9.0]
+    }},
+    "time": {"end": 0.01, "method": "newmark", "step": 1e-3}
+}"#;
+
+/// What grows.
+#[derive(Clone, Copy)]
+enum Growing {
+    Annulus,
+    Square,
+}
+
+impl Growing {
+    /// Its case with about so many nodes, and a third of its explicit step [s], which the dashpots set.
+    fn case(self, nodes: usize) -> (Case, f64) {
+        let count = nodes as f64;
+        let made = match self {
+            Growing::Annulus => {
+                let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/cases/big/annulus-10k.json");
+                let size = ("system.network.mesh.annulus.nodes".to_owned(), nodes.to_string());
+                (Case::from_file(&path, &[size]), 0.5 / count)
+            }
+            Growing::Square => {
+                let cells = (count.sqrt() - 1.0).round().to_string();
+                let sizes =
+                    ["columns", "rows"].map(|side| (format!("system.network.mesh.rectangle.{side}"), cells.clone()));
+                (Case::from_text(SQUARE.to_owned(), "square-net", PathBuf::new(), &sizes), 3e-3 / count)
+            }
+        };
+        (made.0.unwrap_or_else(|fault| panic!("{fault}")), made.1)
+    }
+}
+
 /// What the command line asks for.
 struct Wishes {
+    growing: Growing,
     most: usize,
     full: usize,
 }
@@ -44,7 +87,12 @@ impl Wishes {
             after(flag)
                 .map(|word| word.parse().unwrap_or_else(|_| panic!("{flag} wants a number of nodes, not {word}")))
         };
-        Wishes { most: number("--most").unwrap_or(usize::MAX), full: number("--full").unwrap_or(10_000) }
+        let growing = match after("--scene").as_deref() {
+            None | Some("annulus") => Growing::Annulus,
+            Some("square") => Growing::Square,
+            Some(other) => panic!("--scene wants annulus or square, not {other}"),
+        };
+        Wishes { growing, most: number("--most").unwrap_or(usize::MAX), full: number("--full").unwrap_or(10_000) }
     }
 }
 
@@ -136,14 +184,10 @@ impl Row {
     }
 }
 
-fn measure(nodes: usize, full: usize) -> Row {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/cases/big/annulus-10k.json");
-    let size = ("system.network.mesh.annulus.nodes".to_owned(), nodes.to_string());
-    let case = Case::from_file(&path, &[size]).unwrap_or_else(|fault| panic!("{fault}"));
+fn measure(nodes: usize, &Wishes { growing, full, .. }: &Wishes) -> Row {
+    let (case, short) = growing.case(nodes);
     let scene = build_scene(case.problem().system.clone(), 1).expect("the case is good");
     let scene = &*scene;
-    // A third of the critical step, which falls with the number of nodes: the dashpots set it.
-    let short = 0.5 / nodes as f64;
     let verlet = [
         ("time.method", "velocity-verlet".to_owned()),
         ("time.step", format!("{short:e}")),
@@ -210,7 +254,7 @@ fn main() {
     );
     let mut rows: Vec<Row> = Vec::new();
     for nodes in SIZES.into_iter().filter(|&nodes| nodes <= wishes.most) {
-        let row = measure(nodes, wishes.full);
+        let row = measure(nodes, &wishes);
         let exponent = |of: &Of| {
             let found = rows.last().and_then(|before| row.exponent_from(before, of));
             found.map_or_else(|| "     ".to_owned(), |e| format!("^{e:<4.2}"))

@@ -14,12 +14,15 @@ import csv
 import itertools
 import json
 import random
+import shutil
 import subprocess
 from pathlib import Path
 
 SIZES = [0.5, 2, 10, 1e2, 1e3, 1e4, 1e6]
 # [-] energy made over the scene's own, up to which a run is called bounded
 BOUNDED = 1e-2
+# what the program says of a scene that a method does not take
+REFUSAL = "or another method"
 
 
 def case(nodes, springs, mass, velocity, supports=(), **network):
@@ -97,8 +100,12 @@ def run(program, network, method, step, count, out):
     }
     out.mkdir(parents=True, exist_ok=True)
     (out / "case.json").write_text(json.dumps(problem))
-    command = [program, "solve", str(out / "case.json"), "--out", str(out / "run"), "--force", "--quiet"]
+    # Nothing of the run before, if a method does not take the scene.
+    shutil.rmtree(out / "run", ignore_errors=True)
+    command = [program, "solve", str(out / "case.json"), "--out", str(out / "run"), "--quiet"]
     ended = subprocess.run(command, capture_output=True, text=True)
+    if REFUSAL in ended.stderr:
+        return {"status": "refused"}
     try:
         summary = json.loads((out / "run" / "summary.json").read_text())
         rows = list(csv.DictReader((out / "run" / "history.csv").open()))
@@ -119,6 +126,8 @@ def energies(rows):
 
 
 def cell(summary):
+    if summary["status"] == "refused":
+        return "refused"
     if summary["status"] == "diverged":
         return f"diverges ({summary['steps']})"
     if summary["status"] != "completed":
@@ -151,7 +160,7 @@ def main():
         for method in methods:
             found = [cell(run(asked.program, network, method, size * longest, asked.steps, asked.out)) for size in SIZES]
             bounded = list(itertools.takewhile(lambda pair: pair[1] == "bounded", zip(SIZES, found)))
-            held[method].append(f"{bounded[-1][0]:g}" if bounded else "none")
+            held[method].append(f"{bounded[-1][0]:g}" if bounded else "refused" if "refused" in found else "none")
             if asked.details:
                 print(f"| `{method}` | " + " | ".join(found) + " |", flush=True)
     print("\n" + table_head(chosen))

@@ -112,14 +112,22 @@ pub struct BoxTree {
 impl BoxTree {
     /// Around things with these boxes; fewer than 2^32.
     pub fn new(boxes: &[Bounds]) -> Self {
-        let leaves = boxes.len().div_ceil(LEAF).next_power_of_two();
+        Self::of(boxes.len(), |item| boxes[item as usize])
+    }
+
+    /// Around so many things, with the box of each.
+    pub fn of(count: usize, bounds: impl Fn(u32) -> Bounds) -> Self {
+        let leaves = count.div_ceil(LEAF).next_power_of_two();
         let nodes = vec![Bounds::EMPTY; 2 * leaves - 1];
-        let mut tree = BoxTree { order: vec![0; boxes.len()], items: Vec::new(), nodes };
-        let middle = |bounds: &Bounds| [0, 1, 2].map(|axis| bounds.middle(axis));
-        let mut middles: Vec<Middle> = boxes.iter().map(middle).zip(0..).collect();
+        let mut tree = BoxTree { order: vec![0; count], items: Vec::new(), nodes };
+        let middle = |item: u32| {
+            let around = bounds(item);
+            ([around.middle(0), around.middle(1), around.middle(2)], item)
+        };
+        let mut middles: Vec<Middle> = (0..count as u32).map(middle).collect();
         tree.split(&mut middles, 0..leaves);
         tree.order.iter_mut().zip(middles).for_each(|(to, (_, item))| *to = item);
-        tree.items = tree.order.iter().map(|item| boxes[*item as usize]).collect();
+        tree.items = tree.order.iter().map(|item| bounds(*item)).collect();
         tree.join();
         tree
     }

@@ -7,7 +7,8 @@
 //! rounding of coordinates, as where the parts of a folded start lie on each other.
 
 use super::box_tree::{Bounds, BoxTree};
-use super::sides::Sides;
+use super::sides::{Sides, sides_of};
+use super::tuples::in_order;
 use nalgebra::Vector3;
 use robust::{Coord3D, orient3d};
 
@@ -44,7 +45,8 @@ pub struct CrossingFinder {
     triangles: Vec<[u32; 3]>,
     /// made by the first search that needs it
     tree: Option<BoxTree>,
-    sides: Sides,
+    /// made when the first crossing is marked
+    sides: Option<Sides>,
     /// the sides of every triangle that are looked at with it: bit k is that from corner k to the next, and every side
     /// belongs to one triangle
     own: Vec<u8>,
@@ -60,7 +62,7 @@ impl CrossingFinder {
         can_meet(triangles).then(|| CrossingFinder {
             triangles: triangles.to_vec(),
             tree: None,
-            sides: Sides::default(),
+            sides: None,
             own: Vec::new(),
             found: Vec::new(),
             complete: true,
@@ -89,10 +91,8 @@ impl CrossingFinder {
                 return &self.found;
             }
             none => {
-                let boxes: Vec<Bounds> = (0..triangles.len() as u32).map(bounds).collect();
-                self.sides = Sides::new(triangles);
-                self.own = own_sides(&self.sides);
-                none.insert(BoxTree::new(&boxes))
+                self.own = own_sides(triangles);
+                none.insert(BoxTree::of(triangles.len(), bounds))
             }
         };
         if tree.bounds().extent() > BLOWN_UP * self.size {
@@ -124,15 +124,19 @@ impl CrossingFinder {
     }
 
     /// Writes 1 for every triangle that passes through another, 0 for all others.
-    pub fn mark(&self, flags: &mut [u8]) {
+    pub fn mark(&mut self, flags: &mut [u8]) {
         flags.fill(0);
+        if self.found.is_empty() {
+            return;
+        }
+        let sides = self.sides.get_or_insert_with(|| Sides::new(&self.triangles));
         let mut mark = |triangle: u32| {
             if let Some(flag) = flags.get_mut(triangle as usize) {
                 *flag = 1;
             }
         };
         for crossing in &self.found {
-            let at_edge = self.sides.find(crossing.edge).map_or(&[][..], |side| self.sides.at(side));
+            let at_edge = sides.find(crossing.edge).map_or(&[][..], |side| sides.at(side));
             at_edge.iter().chain([&crossing.triangle]).for_each(|triangle| mark(*triangle));
         }
     }
@@ -148,12 +152,14 @@ pub fn can_meet(triangles: &[[u32; 3]]) -> bool {
 }
 
 /// Every side belongs to the first of its triangles.
-fn own_sides(sides: &Sides) -> Vec<u8> {
-    let first = |triangle: u32, side: &u32| sides.at(*side as usize).first() == Some(&triangle);
-    let own = (0..)
-        .zip(&sides.of_triangle)
-        .map(|(triangle, of)| (0..3).filter(|k| first(triangle, &of[*k])).fold(0, |own, k| own | 1 << k));
-    own.collect()
+fn own_sides(triangles: &[[u32; 3]]) -> Vec<u8> {
+    let (mut own, mut before) = (vec![0; triangles.len()], None);
+    in_order(sides_of(triangles), |side, number| {
+        if before.replace(side) != Some(side) {
+            own[number as usize / 3] |= 1 << (number % 3);
+        }
+    });
+    own
 }
 
 /// Where the corners of a triangle are to a plane.

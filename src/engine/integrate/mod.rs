@@ -9,7 +9,8 @@
 //!    `rk4.rs`, with an estimate as in `dormand_prince.rs`, a diagonally implicit one as in `esdirk4.rs`. One of the
 //!    Newmark family only fills a [`stage::StageMap`] ([`implicit::ImplicitScheme`]). Another explicit scheme
 //!    implements [`Integrator`] for `dyn System` and reads like its equations: start from a copy of
-//!    `improved_euler_pec.rs`, whose helpers (`updates`) advance states and integrate the work of the stages.
+//!    `improved_euler_pec.rs`, whose helpers (`updates`) advance states and integrate the work of the stages, or of
+//!    `beeman.rs` where forces lag behind the state and steps of different size follow each other.
 //! 2. Register it in [`registry`]: name, order, parameters with ranges, stability, source, and the properties of its
 //!    step on linear scenes ([`linear_step`], which limits and diagnoses use instead of names). The case format, the
 //!    JSON Schema, `canopy-fem methods` and every test that loops over methods read that entry; those of

@@ -11,13 +11,7 @@ const STRAIGHT: f64 = 0.5;
 /// [m] Half the extent that the longest path allows. A part is searched from the node of it that is farthest from
 /// another, as two searches find the longest path of a line or a tree.
 pub(super) fn reach(mesh: &Mesh, springs: &[SpringBatch]) -> f64 {
-    let sides = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-    let edges: Vec<[u32; 2]> = mesh.edges.iter().copied().chain(sides).collect();
-    let length = |[a, b]: [u32; 2]| {
-        let [a, b] = [a, b].map(|node| mesh.nodes[node as usize]);
-        (0..3).map(|c| (b[c] - a[c]).powi(2)).sum::<f64>().sqrt()
-    };
-    let mut lengths: Vec<f64> = edges.iter().map(|&edge| length(edge)).collect();
+    let mut lengths: Vec<f64> = mesh.edges.iter().map(|&ends| distance(mesh, ends)).collect();
     for batch in springs {
         let most = batch.data.rest_scale.as_ref().map_or(1.0, |table| table.largest());
         for (rest, &edge) in batch.given.iter().zip(batch.edges.iter()) {
@@ -25,8 +19,10 @@ pub(super) fn reach(mesh: &Mesh, springs: &[SpringBatch]) -> f64 {
         }
     }
     let n = mesh.nodes.len();
-    let ends = (0..).zip(&edges).flat_map(|(edge, &[a, b])| [(a, edge), (b, edge)]);
-    let graph = Graph { at: Adjacency::new(n, ends), edges, lengths };
+    let of_edges = (0..).zip(&mesh.edges).flat_map(|(edge, &[a, b])| [(a, edge), (b, edge)]);
+    let of_triangles = (0..).zip(&mesh.triangles).flat_map(|(triangle, nodes)| nodes.map(|node| (node, triangle)));
+    let (edges, triangles) = (Adjacency::new(n, of_edges), Adjacency::new(n, of_triangles));
+    let graph = Graph { mesh, edges, triangles, lengths };
     let (mut seen, mut queue) = (vec![0; n], Vec::with_capacity(n));
     let mut longest: f64 = 0.0;
     for node in 0..n as u32 {
@@ -38,15 +34,23 @@ pub(super) fn reach(mesh: &Mesh, springs: &[SpringBatch]) -> f64 {
     0.5 * STRAIGHT * longest
 }
 
-struct Graph {
+/// [m] Between two nodes.
+fn distance(mesh: &Mesh, ends: [u32; 2]) -> f64 {
+    let [a, b] = ends.map(|node| mesh.nodes[node as usize]);
+    (0..3).map(|c| (b[c] - a[c]).powi(2)).sum::<f64>().sqrt()
+}
+
+struct Graph<'a> {
+    mesh: &'a Mesh,
     /// edges at every node
-    at: Adjacency,
-    edges: Vec<[u32; 2]>,
+    edges: Adjacency,
+    /// triangles at every node
+    triangles: Adjacency,
     /// [m] of every edge
     lengths: Vec<f64>,
 }
 
-impl Graph {
+impl Graph<'_> {
     /// The node at the end of the longest path with the fewest edges from a node, and the length of that path [m].
     fn farthest(&self, from: u32, (seen, mark): (&mut [u8], u8), queue: &mut Vec<(u32, f64)>) -> (u32, f64) {
         queue.clear();
@@ -58,12 +62,19 @@ impl Graph {
             if way > farthest.1 {
                 farthest = (node, way);
             }
-            for &edge in self.at.row(node) {
-                let [a, b] = self.edges[edge as usize];
-                let other = if a == node { b } else { a };
+            let mut go = |other: u32, length: &dyn Fn() -> f64| {
                 if seen[other as usize] < mark {
                     seen[other as usize] = mark;
-                    queue.push((other, way + self.lengths[edge as usize]));
+                    queue.push((other, way + length()));
+                }
+            };
+            for &edge in self.edges.row(node) {
+                let [a, b] = self.mesh.edges[edge as usize];
+                go(if a == node { b } else { a }, &|| self.lengths[edge as usize]);
+            }
+            for &triangle in self.triangles.row(node) {
+                for other in self.mesh.triangles[triangle as usize] {
+                    go(other, &|| distance(self.mesh, [node, other]));
                 }
             }
         }

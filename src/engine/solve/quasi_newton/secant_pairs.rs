@@ -26,7 +26,8 @@ pub(in crate::solve) struct SecantPairs {
 
 impl SecantPairs {
     pub(in crate::solve) fn new(n: usize, pairs: usize) -> Self {
-        let vectors = |count: usize| vec![vec![0.0; n]; count];
+        // Each from the system as it is: vectors that a run never fills take no memory.
+        let vectors = |count: usize| (0..count).map(|_| vec![0.0; n]).collect();
         SecantPairs {
             s: vectors(pairs),
             y: vectors(pairs),

@@ -25,8 +25,8 @@ pub(super) struct Supports {
 struct Hold {
     /// [s] until when; 0 where it is free
     until: f64,
-    /// number of the first support that holds it, and why that must be alone, if it must
-    first: Option<(usize, Option<&'static str>)>,
+    /// number of the first support that holds it
+    first: Option<u32>,
 }
 
 /// Which directions are held, and until when. Several supports of a node add up: the last to let go counts. One that
@@ -40,6 +40,8 @@ pub(super) fn supports(
 ) -> Supports {
     let mut holds = vec![[Hold::default(); 3]; geometry.map_or(0, Geometry::nodes)];
     let (mut motions, mut by_event) = (Vec::new(), Vec::new());
+    // Why each support must be alone, if it must.
+    let mut alone = Vec::with_capacity(list.len());
     for (i, support) in list.iter().enumerate() {
         let at = at.index(i);
         let directions = directions(&support.fix);
@@ -53,18 +55,18 @@ pub(super) fn supports(
             support.motion.as_ref().and_then(|table| motion(&at.key("motion"), table, directions, faults));
         let settlement = settlement(&at.key("settlement"), support.settlement, directions, faults);
         let nodes = geometry.and_then(|g| select::nodes(&at.key("on"), &support.on, g, faults));
+        let moves = support.motion.is_some() || support.settlement.is_some();
+        // A direction that moves, or that an event frees, has one support.
+        alone.push(match &support.when {
+            _ if moves => Some("where it moves"),
+            Some(_) => Some("that an event releases"),
+            None => None,
+        });
         if let (Some(directions), Some(nodes)) = (directions, nodes) {
-            let moves = support.motion.is_some() || support.settlement.is_some();
-            // A direction that moves, or that an event frees, has one support.
-            let alone = match &support.when {
-                _ if moves => Some("where it moves"),
-                Some(_) => Some("that an event releases"),
-                None => None,
-            };
             // A stand-in may be for any nodes and directions.
             let known = faults.readable(&at.key("on")) && faults.readable(&at.key("fix"));
-            let by = Hold { until: support.until.unwrap_or(f64::INFINITY), first: known.then_some((i, alone)) };
-            hold(&at, &mut holds, Held { nodes: &nodes, directions, by }, faults);
+            let by = Hold { until: support.until.unwrap_or(f64::INFINITY), first: known.then_some(i as u32) };
+            hold(&at, &mut holds, Held { nodes: &nodes, directions, by, alone: &alone }, faults);
             if let Some(event) = plan.event(Waits::Support(i)) {
                 let nodes = nodes.iter().map(|&node| (node, directions)).collect();
                 by_event.push(ReleaseSpec { t: f64::INFINITY, event: Some(event), nodes });
@@ -89,17 +91,21 @@ struct Held<'a> {
     nodes: &'a [u32],
     directions: [bool; 3],
     by: Hold,
+    /// why each support so far must be alone, if it must
+    alone: &'a [Option<&'static str>],
 }
 
 /// Adds a support to what holds these nodes.
-fn hold(at: &Pointer, holds: &mut [[Hold; 3]], Held { nodes, directions, by }: Held<'_>, faults: &mut Faults<'_>) {
+fn hold(at: &Pointer, holds: &mut [[Hold; 3]], support: Held<'_>, faults: &mut Faults<'_>) {
+    let Held { nodes, directions, by, alone } = support;
+    let why = |number: u32| alone.get(number as usize).copied().flatten();
     let mut shared: Vec<u32> = Vec::new();
     let mut other = None;
     for &node in nodes {
         let held = holds.get_mut(node as usize).into_iter().flatten();
         for (held, _) in held.zip(directions).filter(|(_, more)| *more) {
-            if let (Some((number, alone)), Some((_, alone_now))) = (held.first, by.first)
-                && let Some(why) = alone.or(alone_now)
+            if let (Some(number), Some(now)) = (held.first, by.first)
+                && let Some(why) = why(number).or_else(|| why(now))
             {
                 shared.push(node);
                 other.get_or_insert((number, why));
