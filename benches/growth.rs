@@ -1,5 +1,5 @@
-//! How the cost of a step grows with the number of nodes, from 1,000 up: the sagging annulus of `assets/cases/big`, or a
-//! square net of stiff springs that is loaded in its plane and across it.
+//! How the cost of a step grows with the number of nodes, from 1,000 up: the sagging annulus of `assets/cases/big`, or
+//! a square net of stiff springs that is loaded in its plane and across it.
 //!
 //! ```text
 //! cargo bench -p canopy-fem-benches --bench growth -- --most 100000            # a minute; a million nodes (the default) take a quarter of an hour and 8 GB

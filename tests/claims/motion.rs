@@ -179,7 +179,7 @@ fn orders() -> Vec<Claim> {
             continue;
         }
         // Rows at the ends of steps.
-        let step = 0.125 / (0.125 / step.min(5e-3).max(if order > 2.0 { 0.015625 } else { 0.0 })).round();
+        let step = 0.125 / (0.125 / step.min(5e-3).max(if order > 3.0 { 0.015625 } else { 0.0 })).round();
         let found = order_of(&|h| shaken(pulse(), timed(name, h)), step, &|ran| x(ran) - after_pulse());
         claims.push(Claim::absolute(format!("{name}: order of the answer to a base"), found, order, 0.2));
     }

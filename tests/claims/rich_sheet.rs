@@ -94,7 +94,7 @@ fn orders(claims: &mut Vec<Claim>) {
         ));
         // All that the account does not explain is error of the scheme, and vanishes with its order.
         let made = 0.5 * (ends[0].1 / ends[2].1).abs().log2();
-        let of_energy = if ["central-difference", "multirate"].contains(name) { 2 } else { *order };
+        let of_energy = if ["central-difference", "multirate", "beeman"].contains(name) { 2 } else { *order };
         claims.push(match of_energy {
             _ if *name == "energy-momentum" => {
                 let worst = ends.iter().fold(0.0, |most: f64, (_, made)| most.max(made.abs()));

@@ -26,7 +26,7 @@ use crate::integrate::stepper::Stepper;
 use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
 use crate::model::stop::Stop;
-use crate::scene::{Scene, sample_tables};
+use crate::scene::{Scene, event_times, sample_tables};
 use crate::startup::{Phase, timed};
 pub use accept::StepEnd;
 pub use change::Changed;
@@ -218,7 +218,7 @@ pub struct RunState {
     passed: usize,
     /// those that wait, and those that have happened
     events: EventWatch,
-    /// [s] corners of tables and times of events, ascending
+    /// [s] corners of tables, ascending, without events at which schemes start again
     corners: Vec<f64>,
     /// [m] extent beyond which the scene counts as diverged
     limit: f64,
@@ -228,6 +228,13 @@ pub struct RunState {
     new_doubt: Option<String>,
     doubt: Option<String>,
     blocks: step_block::StepBlocks,
+}
+
+/// [s] The corners of tables, ascending, that are no events of the scene.
+fn corners_between_events(scene: &dyn Scene, events: &EventWatch) -> Vec<f64> {
+    let mut all = corners(scene, f64::INFINITY, events.times(scene));
+    all.retain(|t| event_times(scene).binary_search_by(|event| event.total_cmp(t)).is_err());
+    all
 }
 
 /// The initial state of a run.
@@ -329,7 +336,7 @@ impl RunState {
         let RunStart { from, policy, ledger, watch, row, events } = start;
         let size = scene.size();
         RunState {
-            corners: corners(scene, f64::INFINITY, events.times(scene)),
+            corners: corners_between_events(scene, &events),
             policy,
             to: from.clone(),
             from,
@@ -351,11 +358,11 @@ impl RunState {
         }
     }
 
-    /// Whether a corner of a table lies at `t` [s].
-    fn is_corner(&self, t: f64) -> bool {
+    /// Whether a corner of a table lies in a step, in the two steps before it, or in the one after it.
+    fn near_corner(&self, Tick { h, t }: Tick) -> bool {
         let slack = self.policy.slack(t);
-        let next = self.corners.partition_point(|corner| *corner < t - slack);
-        self.corners.get(next).is_some_and(|corner| *corner <= t + slack)
+        let next = self.corners.partition_point(|corner| *corner < t - 3.0 * h - slack);
+        self.corners.get(next).is_some_and(|corner| *corner <= t + h + slack)
     }
 
     /// Number of events of the scene that are passed.

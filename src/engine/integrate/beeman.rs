@@ -15,14 +15,13 @@
 //! Undamped, a motion turns by exp(s h - (s h)^4/24) a step: an oscillation decays by (w h)^4/24, up to w h = sqrt 3.
 //! Damping that is strong in a step shortens that limit: 1.27 at damping ratio 0.1, 0.27 at 1.
 //!
-//! Work is integrated by the same weights, from the powers at the ends of steps.
-//!
-//! Where a_n jumps or has a corner, j_n does not tell of what follows: the next step is made as a first one. So is that
-//! after a change of values by a program that changes a force.
+//! Where a_n jumps or has a corner, j_n does not tell of what follows. Besides, loads that jump between steps have values
+//! at the ends of steps that give the trapezoidal rule their impulse. So steps near a corner of a table are made as first
+//! ones, and so is that after a change of values by a program that changes a force.
 
 use super::form::{StageForm, StepForm, sum, unit};
-use super::updates::{Product, power_of_forces, weigh};
-use super::{CarriedState, Counters, ErrorEstimate, Integrator, PairInfo, StageWork, StepError, StepInput, StepReport};
+use super::updates::Product;
+use super::{CarriedState, Counters, ErrorEstimate, Integrator, PairInfo, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::state::StateRef;
 use crate::model::system::System;
@@ -31,13 +30,15 @@ use multiversion::multiversion;
 /// [-] A step that is longer than the one before by more than this starts anew: rounding in its j would count.
 const LONGEST: f64 = 1e3;
 
-/// Beeman's step; carries the derivatives of the acceleration and of powers, and the velocities that forces saw.
+/// Beeman's step; carries the derivative of the acceleration, and the velocities that forces saw.
 #[derive(Clone, Debug, Default)]
 pub struct Beeman {
     now: Change,
     next: Change,
     /// [N] forces before a change of values by a program; empty if there was none
     before: Vec<f64>,
+    /// whether the next step is near a corner of a table
+    near_corner: bool,
 }
 
 /// What a step has left.
@@ -49,8 +50,6 @@ struct Change {
     j: Vec<f64>,
     /// [m/s] v~
     v: Vec<f64>,
-    /// [W/s] derivatives of powers
-    power: StageWork,
 }
 
 /// Weights of j_n and j_{n+1} in a step.
@@ -67,7 +66,7 @@ struct Weights {
 impl Integrator<dyn System> for Beeman {
     fn start(&mut self, _system: &dyn System, at: &Point) -> Result<(), StepError> {
         let v = at.state.v.clone();
-        self.now = Change { j: vec![0.0; v.len()], v, ..Change::default() };
+        self.now = Change { h: 0.0, j: vec![0.0; v.len()], v };
         self.next = self.now.clone();
         self.before.clear();
         Ok(())
@@ -79,8 +78,7 @@ impl Integrator<dyn System> for Beeman {
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
-        let changed = !self.before.is_empty() && self.before != from.forces.total;
-        let w = if changed { Weights::first(h) } else { self.now.weights(h) };
+        let w = if self.changed(&from.forces.total) { Weights::first(h) } else { self.weights(h) };
         let (j, next) = (&self.now.j, &mut self.next);
         let inverse_mass = system.inverse_mass();
         let (start, workers) = (&from.state, system.workers());
@@ -95,15 +93,7 @@ impl Integrator<dyn System> for Beeman {
             correct([v, j_next], [&start.v[r.clone()], &j[r.clone()]], [a.of(r.clone()), a_next.of(r)], w);
         });
         next.h = h;
-        let power = power_of_forces(system, &from.forces);
-        next.power = StageWork::default();
-        next.power.add(1.0 / h, power_of_forces(system, &to.forces));
-        next.power.add(-1.0 / h, power);
-        let mut work = weigh([(h, power), (w.correct[0], next.power), (w.correct[1], self.now.power)]);
-        for forces in [&from.forces, &to.forces] {
-            work.external += 0.5 * h * system.reeling_power([start.t, t_next], &forces.tallies);
-        }
-        Ok(StepReport { work: Some(work), forces_at_end: true, ..Default::default() })
+        Ok(StepReport { forces_at_end: true, ..Default::default() })
     }
 
     fn accept(&mut self) {
@@ -117,17 +107,19 @@ impl Integrator<dyn System> for Beeman {
         self.before.clear();
     }
 
-    fn pass_corner(&mut self) {
-        self.now.h = 0.0;
+    fn set_near_corner(&mut self, near: bool) {
+        self.near_corner = near;
     }
 
     fn keep_over_change(&mut self, system: &dyn System, at: &Point) -> bool {
         if self.before.is_empty() {
             self.before.extend_from_slice(&at.forces.total);
         }
-        // A support may have another velocity now.
-        for &dof in system.moved() {
-            self.now.v[dof as usize] = at.state.v[dof as usize];
+        // A support that has another velocity now is a corner.
+        for dof in system.moved().iter().map(|dof| *dof as usize) {
+            if self.now.v[dof] != at.state.v[dof] {
+                (self.now.h, self.now.v[dof]) = (0.0, at.state.v[dof]);
+            }
         }
         true
     }
@@ -146,7 +138,7 @@ impl Integrator<dyn System> for Beeman {
     }
 
     fn embedded_error(&mut self, step: StepInput<'_, dyn System>, to: &Point, out: ErrorEstimate<'_>) {
-        let [new, _] = self.now.weights(step.h).correct;
+        let [new, _] = self.weights(step.h).correct;
         for (i, (x, v)) in out.x.iter_mut().zip(out.v).enumerate() {
             *x = new * step.h * self.next.j[i];
             *v = to.state.v[i] - self.next.v[i];
@@ -155,7 +147,7 @@ impl Integrator<dyn System> for Beeman {
 
     /// It begins with a_n and j_n besides x and v.
     fn form(&self, h: f64, _: bool) -> Option<StepForm> {
-        let Weights { predict, correct, .. } = self.now.weights(h);
+        let Weights { predict, correct, .. } = self.weights(h);
         let [x, v, a, j, g] = [0, 1, 2, 3, 4].map(unit);
         let next_x = sum(&[(1.0, &x), (h, &v), (0.5 * h * h, &a), (predict[0], &j)]);
         let predicted = sum(&[(1.0, &v), (h, &a), (predict[1], &j)]);
@@ -167,13 +159,13 @@ impl Integrator<dyn System> for Beeman {
     }
 
     fn save(&self) -> CarriedState {
-        let Change { h, j, v, power } = self.now.clone();
+        let Change { h, j, v } = self.now.clone();
         let vectors = [j, v].into_iter().chain(Some(self.before.clone()).filter(|before| !before.is_empty()));
-        CarriedState { vectors: vectors.collect(), made_with: h, power, ..CarriedState::default() }
+        CarriedState { vectors: vectors.collect(), made_with: h, ..CarriedState::default() }
     }
 
     fn restore(&mut self, carried: &CarriedState) -> Result<(), StepError> {
-        (self.now.h, self.now.power) = (carried.made_with, carried.power);
+        self.now.h = carried.made_with;
         self.before.clear();
         if carried.vectors.len() < 3 {
             return carried.take_into(&mut [&mut self.now.j, &mut self.now.v]);
@@ -183,13 +175,18 @@ impl Integrator<dyn System> for Beeman {
     }
 }
 
-impl Change {
-    /// The weights of a step of `h` after the one that made this.
+impl Beeman {
+    /// Whether a program has changed the forces at the start of the step.
+    fn changed(&self, forces: &[f64]) -> bool {
+        !self.before.is_empty() && self.before != forces
+    }
+
+    /// The weights of the next step of `h`.
     fn weights(&self, h: f64) -> Weights {
-        if h > LONGEST * self.h {
+        if self.near_corner || h > LONGEST * self.now.h {
             return Weights::first(h);
         }
-        let (second, r) = (h * h, h / self.h);
+        let (second, r) = (h * h, h / self.now.h);
         let part = second / (6.0 * (r + 1.0));
         Weights { h, predict: [h * second / 6.0, 0.5 * second], correct: [(2.0 * r + 3.0) * part, r * part] }
     }

@@ -156,7 +156,7 @@ pub struct CarriedState {
     pub anew: bool,
     /// whether what is carried is relative to the forces of the point ([`Integrator::keep_over_change`])
     pub relative: bool,
-    /// [W or W/s] powers, or derivatives of powers
+    /// [W] powers
     pub power: StageWork,
     /// what only the first guess of the next step depends on
     pub trend: Trend,
@@ -282,8 +282,9 @@ pub trait Integrator<S: ?Sized>: Send {
     /// smooth across its time. Allocates nothing.
     fn restart(&mut self, _system: &S, _at: &Point) {}
 
-    /// Drops what is carried of how forces change with time: at the end of the accepted step lies a corner of a table.
-    fn pass_corner(&mut self) {}
+    /// Says whether a corner of a table lies in the next step, in the one after it or in the two before it. Called before
+    /// a step of fixed size, for schemes that use how forces have changed in earlier steps.
+    fn set_near_corner(&mut self, _near: bool) {}
 
     /// Makes what is carried independent of the values of forces, some of which a program has just changed: `at` still
     /// has the forces of the values before. They jump there by df, and with them the true acceleration by M^-1 df,

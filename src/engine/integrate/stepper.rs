@@ -164,9 +164,9 @@ impl<'a> Stepper<'a> {
         each!(&mut self.0, scheme, system => scheme.restart(*system, at));
     }
 
-    /// See [`Integrator::pass_corner`].
-    pub fn pass_corner(&mut self) {
-        each!(&mut self.0, scheme, _system => scheme.pass_corner());
+    /// See [`Integrator::set_near_corner`].
+    pub fn set_near_corner(&mut self, near: bool) {
+        each!(&mut self.0, scheme, _system => scheme.set_near_corner(near));
     }
 
     /// See [`Integrator::keep_over_change`].

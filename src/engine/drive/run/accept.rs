@@ -74,9 +74,6 @@ impl Run<'_> {
             && self.state.scene_limits.holds(&self.state.from.state, &self.state.to.state, row.kinetic);
         if part == StepPart::Last {
             stepper.accept();
-            if self.state.is_corner(tick.t) {
-                stepper.pass_corner();
-            }
         }
         std::mem::swap(&mut self.state.from, &mut self.state.to);
         self.state.row = row;

@@ -91,6 +91,7 @@ impl Run<'_> {
     /// # Errors
     /// A step that cannot be solved, with its report; [`Status::Interrupted`] without one.
     pub fn fixed_step(&mut self, stepper: &mut Stepper<'_>, tick: Tick) -> Result<StepReport, Status> {
+        stepper.set_near_corner(self.state.near_corner(tick));
         let attempt = Attempt { from: &self.state.from, h: tick.h, t_next: tick.t };
         let report = match stepper.attempt(attempt, &mut self.state.to, &mut self.state.counters) {
             Ok(report) => report,

@@ -1,9 +1,8 @@
 //! Events of the scene at an accepted state: those by time, those that wait for a state, and those that are only told.
 
-use super::super::adaptive::corners;
 use super::super::observer::Observer;
 use super::change::Changed;
-use super::{Run, RunError};
+use super::{Run, RunError, corners_between_events};
 use crate::integrate::stepper::Stepper;
 
 impl Run<'_> {
@@ -26,7 +25,7 @@ impl Run<'_> {
             let other = events.pass_events(passed) || happened;
             if happened {
                 state.policy.end_at(scene, state.events.times(scene));
-                state.corners = corners(scene, f64::INFINITY, state.events.times(scene));
+                state.corners = corners_between_events(scene, &state.events);
             }
             events.put_supports(&mut state.from.state, 1.0);
             state.refresh(scene, stepper, if other { Changed::Phase } else { Changed::Motion })?;
