@@ -15,9 +15,9 @@
 //! Undamped, a motion turns by exp(s h - (s h)^4/24) a step: an oscillation decays by (w h)^4/24, up to w h = sqrt 3.
 //! Damping that is strong in a step shortens that limit: 1.27 at damping ratio 0.1, 0.27 at 1.
 //!
-//! Where a_n jumps or has a corner, j_n does not tell of what follows. Besides, loads that jump between steps have values
-//! at the ends of steps that give the trapezoidal rule their impulse. So steps near a corner of a table are made as first
-//! ones, and so is that after a change of values by a program that changes a force.
+//! Where a_n jumps or has a corner, j_n does not tell of what follows. Besides, loads that jump between steps have
+//! values at the ends of steps that give the trapezoidal rule their impulse. So steps near a corner of a table are made
+//! as first ones, and so is that after a change of values by a program that changes a force.
 
 use super::form::{StageForm, StepForm, sum, unit};
 use super::updates::Product;

@@ -282,8 +282,8 @@ pub trait Integrator<S: ?Sized>: Send {
     /// smooth across its time. Allocates nothing.
     fn restart(&mut self, _system: &S, _at: &Point) {}
 
-    /// Says whether a corner of a table lies in the next step, in the one after it or in the two before it. Called before
-    /// a step of fixed size, for schemes that use how forces have changed in earlier steps.
+    /// Says whether a corner of a table lies in the next step, in the one after it or in the two before it. Called
+    /// before a step of fixed size, for schemes that use how forces have changed in earlier steps.
     fn set_near_corner(&mut self, _near: bool) {}
 
     /// Makes what is carried independent of the values of forces, some of which a program has just changed: `at` still
