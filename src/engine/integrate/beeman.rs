@@ -39,6 +39,8 @@ pub struct Beeman {
     before: Vec<f64>,
     /// whether the next step is near a corner of a table
     near_corner: bool,
+    /// whether the step attempted last began with other forces than the one before it ended with
+    changed: bool,
 }
 
 /// What a step has left.
@@ -69,6 +71,7 @@ impl Integrator<dyn System> for Beeman {
         self.now = Change { h: 0.0, j: vec![0.0; v.len()], v };
         self.next = self.now.clone();
         self.before.clear();
+        self.changed = false;
         Ok(())
     }
 
@@ -78,8 +81,8 @@ impl Integrator<dyn System> for Beeman {
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
-        let w = if self.changed(&from.forces.total) { Weights::first(h) } else { self.weights(h) };
-        let (j, next) = (&self.now.j, &mut self.next);
+        self.changed = !self.before.is_empty() && self.before != from.forces.total;
+        let (w, j, next) = (self.weights(h), &self.now.j, &mut self.next);
         let inverse_mass = system.inverse_mass();
         let (start, workers) = (&from.state, system.workers());
         let a = Product { inverse_mass, f: &from.forces.total };
@@ -99,12 +102,14 @@ impl Integrator<dyn System> for Beeman {
     fn accept(&mut self) {
         std::mem::swap(&mut self.now, &mut self.next);
         self.before.clear();
+        self.changed = false;
     }
 
     fn restart(&mut self, _system: &dyn System, at: &Point) {
         self.now.h = 0.0;
         self.now.v.copy_from_slice(&at.state.v);
         self.before.clear();
+        self.changed = false;
     }
 
     fn set_near_corner(&mut self, near: bool) {
@@ -176,14 +181,9 @@ impl Integrator<dyn System> for Beeman {
 }
 
 impl Beeman {
-    /// Whether a program has changed the forces at the start of the step.
-    fn changed(&self, forces: &[f64]) -> bool {
-        !self.before.is_empty() && self.before != forces
-    }
-
     /// The weights of the next step of `h`.
     fn weights(&self, h: f64) -> Weights {
-        if self.near_corner || h > LONGEST * self.now.h {
+        if self.near_corner || self.changed || h > LONGEST * self.now.h {
             return Weights::first(h);
         }
         let (second, r) = (h * h, h / self.now.h);
