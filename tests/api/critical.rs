@@ -15,7 +15,7 @@ use canopy_fem::model::point::Point;
 use canopy_fem::model::system::Weights;
 use canopy_fem::scene::{BoundBuffer, Scene};
 use canopy_fem::simulation::build_scene;
-use faer::{Mat, Scale, Side};
+use faer::{Mat, Scale, Side, c64};
 use serde_json::{Value, json};
 
 fn method(name: &str) -> MethodChoice {
@@ -421,28 +421,30 @@ fn dense_limit_of_carrying(scene: &dyn Scene, name: &str, most: f64) -> f64 {
     stable
 }
 
-/// [s] The same for Beeman's step on M a = -K x - C v, as a dense map of (x, h v, h^2 a, h^2 a_before).
+/// [s] The same for Beeman's step.
 fn dense_limit_of_beeman(scene: &dyn Scene, most: f64) -> f64 {
     let (k, _) = dense(scene, Weights { m: 0.0, c: 0.0, k: 1.0 });
-    let (c, free) = dense(scene, Weights { m: 0.0, c: 1.0, k: 0.0 });
-    let n = free.len();
-    let grows = |h: f64| {
-        let weighted = |weights: [f64; 4]| Mat::from_fn(n, 4 * n, |i, j| if i == j % n { weights[j / n] } else { 0.0 });
-        let x = weighted([1.0, 1.0, 4.0 / 6.0, -1.0 / 6.0]);
-        let seen = weighted([0.0, 1.0, 1.5, -0.5]);
-        let a = &k * &x * faer::Scale(-h * h) - &c * &seen * faer::Scale(h);
-        let v = weighted([0.0, 1.0, 8.0 / 12.0, -1.0 / 12.0]) + &a * faer::Scale(5.0 / 12.0);
-        let before = weighted([0.0, 0.0, 1.0, 0.0]);
-        let rows = [x, v, a, before];
-        let map = Mat::from_fn(4 * n, 4 * n, |i, j| rows[i / n][(i % n, j)]);
-        map.eigenvalues().expect("a matrix has eigenvalues").iter().any(|z| z.re.hypot(z.im) > 1.0 + 1e-6)
-    };
+    let (c, _) = dense(scene, Weights { m: 0.0, c: 1.0, k: 0.0 });
+    let grows = |h: f64| beeman_eigenvalues([&k, &c], h).iter().any(|z| z.re.hypot(z.im) > 1.0 + 1e-6);
     let (mut stable, mut unstable) = (0.0, most);
     while unstable - stable > 1e-3 * unstable {
         let middle = 0.5 * (stable + unstable);
         if grows(middle) { unstable = middle } else { stable = middle }
     }
     stable
+}
+
+/// Those of Beeman's step on M a = -K x - C v, as a dense map of (x, h v, h^2 a, h^2 a_before).
+fn beeman_eigenvalues([k, c]: [&Mat<f64>; 2], h: f64) -> Vec<c64> {
+    let n = k.nrows();
+    let weighted = |weights: [f64; 4]| Mat::from_fn(n, 4 * n, |i, j| if i == j % n { weights[j / n] } else { 0.0 });
+    let x = weighted([1.0, 1.0, 4.0 / 6.0, -1.0 / 6.0]);
+    let seen = weighted([0.0, 1.0, 1.5, -0.5]);
+    let a = k * &x * Scale(-h * h) - c * &seen * Scale(h);
+    let v = weighted([0.0, 1.0, 8.0 / 12.0, -1.0 / 12.0]) + &a * Scale(5.0 / 12.0);
+    let rows = [x, v, a, weighted([0.0, 0.0, 1.0, 0.0])];
+    let map = Mat::from_fn(4 * n, 4 * n, |i, j| rows[i / n][(i % n, j)]);
+    map.eigenvalues().expect("a matrix has eigenvalues")
 }
 
 /// A bent net that is held nowhere, pressed together so that it buckles: motions that grow by themselves limit no step,
@@ -460,7 +462,7 @@ fn growth_of_the_scene_itself_limits_no_step() {
     ];
     for (what, side, rest_scale, dashpot, air) in cases {
         let scene = scene(&network(bent_net(side, rest_scale, dashpot, air)));
-        for name in ["euler-cromer", "velocity-verlet"] {
+        for name in ["euler-cromer", "velocity-verlet", "beeman"] {
             let found = critical(&*scene, name);
             let truth = dense_limit_beside_growth(&*scene, name, found.step);
             let share = found.step / truth;
@@ -512,6 +514,8 @@ fn dense_limit_beside_growth(scene: &dyn Scene, name: &str, about: f64) -> f64 {
         let map = if name == "euler-cromer" {
             let then = &v + Scale(h) * &a;
             eigenvalues(&(&x + Scale(h) * &then), &then)
+        } else if name == "beeman" {
+            beeman_eigenvalues([&k, &c], h)
         } else {
             let to = &x + Scale(h) * &v + Scale(0.5 * h * h) * &a;
             let then = -(&k * &to) - &c * (&v + Scale(h) * &a);

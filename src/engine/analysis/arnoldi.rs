@@ -95,7 +95,7 @@ impl Krylov {
     }
 }
 
-/// The degree of freedom that moves most in an eigenvector with position and velocity halves, in coordinates M^1/2 x;
+/// The degree of freedom that moves most in an eigenvector that begins with positions and velocities, in M^1/2 x;
 /// `root` is the diagonal of M^-1/2.
 pub(super) fn most_moving_dof([re, im]: &[Vec<f64>; 2], root: &[f64]) -> usize {
     let n = root.len();

@@ -143,10 +143,10 @@ const BEFORE_RESONANCE: f64 = 1.5;
 /// others are not symmetric.
 const PLAIN: [f64; 3] = [1.0, 0.95, 0.5];
 
-/// Steps of a run that a search for the limit takes as long as, about, on a scene too large for a proof.
+/// A search for the limit takes about as long as this many steps, on a scene too large for a proof.
 const SEARCH: f64 = 1000.0;
 
-/// Whether a search for the limit takes longer than so many steps of a scene.
+/// Whether a scene is so large that a search for the limit takes longer than `steps` of it.
 pub fn search_outweighs(scene: &dyn Scene, steps: f64) -> bool {
     scene.n_dof() > CostLimits::START.factorise && steps < SEARCH
 }

@@ -1,7 +1,7 @@
 //! The largest stable step of a method, from the real code of the method on a damped oscillator.
 //!
-//! One step is a linear map of (x, v, carried variables). Its columns are steps from unit states, and the method is
-//! stable if the spectral radius of the map is at most 1.
+//! One step is a linear map of (x, v, carried variables, forces that lag). Its columns are steps from unit states, and
+//! the method is stable if the spectral radius of the map is at most 1.
 
 use super::oscillator::Oscillator;
 use super::rates::Rates;

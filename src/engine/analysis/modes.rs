@@ -173,11 +173,11 @@ pub(super) struct ModeShape {
 }
 
 impl ModeShape {
-    /// From the real and imaginary parts of (M^1/2 x `unit`, M^1/2 v), each [2 n_dof]; `unit` in 1/s, `root` is the
-    /// diagonal of M^-1/2 `[n_dof]`.
+    /// From the real and imaginary parts of (M^1/2 x `unit`, M^1/2 v), each `[2 n_dof]`, with more behind them where a
+    /// scheme carries more; `unit` in 1/s, `root` is the diagonal of M^-1/2 `[n_dof]`.
     pub(super) fn of([re, im]: &[Vec<f64>; 2], matrices: &Matrices, root: &[f64], unit: f64) -> Self {
         let n = root.len();
-        let ((x, v), (ix, iv)) = (re.split_at(n), im.split_at(n));
+        let ((x, v), (ix, iv)) = ((&re[..n], &re[n..2 * n]), (&im[..n], &im[n..2 * n]));
         let along = |a: &[f64], b: &[f64]| c64::new(dot(x, a) + dot(ix, b), dot(x, b) - dot(ix, a));
         let square = dot(x, x) + dot(ix, ix);
         let times = |of: [f64; 2], part: &[f64]| {

@@ -1,7 +1,7 @@
 //! The critical step during a run: a net that stretches, goes taut or meets faster air can become unstable long after
 //! the start. Occasional passes over the elements (about a hundredth of the cost of the run) give a measure that falls
 //! with the critical step. Only where this measure comes close to the step is the spectrum computed, and only then can
-//! there be a warning.
+//! there be a warning; early in the run of a large scene, only where it falls below the step.
 
 use crate::analysis::critical::{CostLimits, CriticalStep, measure_of_limit, plainly_stable, remedy, search_outweighs};
 use crate::analysis::spectrum::Spectrum;
@@ -147,8 +147,9 @@ impl<'a> CriticalStepMonitor<'a> {
             // The measure where this bound would come down to the step.
             self.ask_below = now * FALLEN.max(h / bound.step);
         }
-        let searched = near && plain.is_none() && !search_outweighs(scene, step as f64 / f64::from(1 + self.asked));
-        if searched {
+        // Where it is only near, a large scene must have made as many steps as the search is worth.
+        let due = estimate < h || !search_outweighs(scene, step as f64 / f64::from(1 + self.asked));
+        if near && plain.is_none() && due {
             self.asked += 1;
             self.ask_below = FALLEN * now;
             let effort = CostLimits { stop: self.monitored.stop, ..CostLimits::START };

@@ -230,9 +230,9 @@ pub struct RunState {
     blocks: step_block::StepBlocks,
 }
 
-/// [s] The corners of tables, ascending, that are no events of the scene.
-fn corners_between_events(scene: &dyn Scene, events: &EventWatch) -> Vec<f64> {
-    let mut all = corners(scene, f64::INFINITY, events.times(scene));
+/// [s] The corners of tables so far known, ascending, without times at which a scene passes an event.
+fn corners_of_tables(scene: &dyn Scene) -> Vec<f64> {
+    let mut all = corners(scene, f64::INFINITY, std::iter::empty());
     all.retain(|t| event_times(scene).binary_search_by(|event| event.total_cmp(t)).is_err());
     all
 }
@@ -336,7 +336,7 @@ impl RunState {
         let RunStart { from, policy, ledger, watch, row, events } = start;
         let size = scene.size();
         RunState {
-            corners: corners_between_events(scene, &events),
+            corners: corners_of_tables(scene),
             policy,
             to: from.clone(),
             from,
@@ -358,7 +358,7 @@ impl RunState {
         }
     }
 
-    /// Whether a corner of a table lies in a step, in the two steps before it, or in the one after it.
+    /// Whether a corner of a table lies in a step, in the two steps before it, or in the one after it, all of one size.
     fn near_corner(&self, Tick { h, t }: Tick) -> bool {
         let slack = self.policy.slack(t);
         let next = self.corners.partition_point(|corner| *corner < t - 3.0 * h - slack);

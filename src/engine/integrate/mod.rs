@@ -156,7 +156,7 @@ pub struct CarriedState {
     pub anew: bool,
     /// whether what is carried is relative to the forces of the point ([`Integrator::keep_over_change`])
     pub relative: bool,
-    /// [W] powers
+    /// [W] power of external and dissipative forces where the scheme evaluated them last
     pub power: StageWork,
     /// what only the first guess of the next step depends on
     pub trend: Trend,
@@ -282,8 +282,8 @@ pub trait Integrator<S: ?Sized>: Send {
     /// smooth across its time. Allocates nothing.
     fn restart(&mut self, _system: &S, _at: &Point) {}
 
-    /// Says whether a corner of a table lies in the next step, in the one after it or in the two before it. Called
-    /// before a step of fixed size, for schemes that use how forces have changed in earlier steps.
+    /// Says whether a corner of a table lies in the next step, in the one after it or in the two before it, if all have
+    /// its size. Called before every step that is not adaptive, for schemes that use how forces have changed before.
     fn set_near_corner(&mut self, _near: bool) {}
 
     /// Makes what is carried independent of the values of forces, some of which a program has just changed: `at` still

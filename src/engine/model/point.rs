@@ -8,8 +8,8 @@ use super::state::State;
 pub struct Point {
     /// time, positions, velocities
     pub state: State,
-    /// forces at `state`; always valid when an observer sees the point. Those of `central-difference` are the forces at
-    /// the velocities half a step before
+    /// forces at `state`; always valid when an observer sees the point. Those of schemes whose forces lag behind the
+    /// state, such as `central-difference`, are forces at other velocities
     pub forces: Forces,
 }
 

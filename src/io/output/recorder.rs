@@ -89,7 +89,7 @@ impl<'a> Recorder<'a> {
     pub fn new(picture: &'a dyn Observables, spec: &RecorderSpec) -> Result<Self, RecorderError> {
         check(spec, picture.reference().len())?;
         let gauges = Gauges::new(picture, &spec.gauges(spec.history_every))?;
-        let (here, there) = divided(CrossingWatch::new(picture, spec.crossings));
+        let (here, there) = here_or_there(CrossingWatch::new(picture, spec.crossings));
         let writer = Destination::Files(Box::new(ResultWriter::start(&files_spec(picture, spec, &gauges), there)?));
         let mark = RecorderState { history_every: spec.history_every, ..RecorderState::default() };
         Ok(Self::around(picture, (gauges, here), spec, writer, mark))
@@ -131,7 +131,7 @@ impl<'a> Recorder<'a> {
         if let (Some(watch), Some(kept)) = (&mut watch, kept) {
             watch.take_up(kept);
         }
-        let (here, there) = divided(watch);
+        let (here, there) = here_or_there(watch);
         let writer = ResultWriter::resume(&files_spec(picture, spec, &gauges), &checkpoint.files, there)?;
         let writer = Destination::Files(Box::new(writer));
         Ok(Self::around(picture, (gauges, here), spec, writer, checkpoint.recorder.clone()))
@@ -186,7 +186,8 @@ impl<'a> Recorder<'a> {
         self.gauges.quantities()
     }
 
-    /// What was found of cloth that passes through cloth, if it was searched for and the run has ended.
+    /// What was found of cloth that passes through cloth, if it was searched for. Of frames in files it is known once
+    /// the run has ended.
     pub fn crossings(&self) -> Option<&CrossingReport> {
         self.crossings.as_ref().map(CrossingWatch::report).or_else(|| self.writer.crossings())
     }
@@ -284,8 +285,9 @@ impl<'a> Recorder<'a> {
     }
 }
 
-/// A watch that stays with the recorder, or goes to the writing thread, which has the frames.
-fn divided(watch: Option<CrossingWatch>) -> (Option<CrossingWatch>, Option<CrossingWatch>) {
+/// The watch where it stays with the recorder, which sees every step, and where it goes to the writing thread, which
+/// has the frames.
+fn here_or_there(watch: Option<CrossingWatch>) -> (Option<CrossingWatch>, Option<CrossingWatch>) {
     match watch.as_ref().is_some_and(CrossingWatch::every_step) {
         true => (watch, None),
         false => (None, watch),

@@ -2,7 +2,7 @@
 
 use super::super::observer::Observer;
 use super::change::Changed;
-use super::{Run, RunError, corners_between_events};
+use super::{Run, RunError, corners_of_tables};
 use crate::integrate::stepper::Stepper;
 
 impl Run<'_> {
@@ -25,7 +25,7 @@ impl Run<'_> {
             let other = events.pass_events(passed) || happened;
             if happened {
                 state.policy.end_at(scene, state.events.times(scene));
-                state.corners = corners_between_events(scene, &state.events);
+                state.corners = corners_of_tables(scene);
             }
             events.put_supports(&mut state.from.state, 1.0);
             state.refresh(scene, stepper, if other { Changed::Phase } else { Changed::Motion })?;
