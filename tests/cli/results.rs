@@ -177,7 +177,8 @@ fn the_ledger_closes_row_by_row() {
         let share = match info.order {
             _ if method == "energy-momentum" => 1e-7,
             1 => 1.0,
-            2 => 2e-3,
+            // The account's work of a step is of second order where the method does not integrate it.
+            2 | 3 => 2e-3,
             _ => 2e-6,
         };
         let ended = bench.solve(&["--force", "--quiet", "--method", method]);
