@@ -119,7 +119,7 @@ impl BoxTree {
     pub fn of(count: usize, bounds: impl Fn(u32) -> Bounds) -> Self {
         let leaves = count.div_ceil(LEAF).next_power_of_two();
         let nodes = vec![Bounds::EMPTY; 2 * leaves - 1];
-        let mut tree = BoxTree { order: vec![0; count], items: Vec::new(), nodes };
+        let mut tree = BoxTree { order: vec![0; count], items: vec![Bounds::EMPTY; count], nodes };
         let middle = |item: u32| {
             let around = bounds(item);
             ([around.middle(0), around.middle(1), around.middle(2)], item)
@@ -127,8 +127,7 @@ impl BoxTree {
         let mut middles: Vec<Middle> = (0..count as u32).map(middle).collect();
         tree.split(&mut middles, 0..leaves);
         tree.order.iter_mut().zip(middles).for_each(|(to, (_, item))| *to = item);
-        tree.items = tree.order.iter().map(|item| bounds(*item)).collect();
-        tree.join();
+        tree.refit(bounds);
         tree
     }
 

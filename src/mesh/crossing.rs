@@ -72,7 +72,7 @@ impl CrossingFinder {
 
     /// The same, which does not search cloth that has grown a thousand times beyond these positions [m].
     pub fn with_start(mut self, positions: &[[f64; 3]]) -> Self {
-        self.size = Bounds::of(self.triangles.as_flattened().iter().map(|n| &positions[*n as usize])).extent();
+        self.size = around(positions, self.triangles.as_flattened()).extent();
         self
     }
 
@@ -87,9 +87,7 @@ impl CrossingFinder {
                 tree.refit(bounds);
                 tree
             }
-            None if Bounds::of(triangles.as_flattened().iter().map(|n| &positions[*n as usize])).is_flat() => {
-                return &self.found;
-            }
+            None if around(positions, triangles.as_flattened()).is_flat() => return &self.found,
             none => {
                 self.own = own_sides(triangles);
                 none.insert(BoxTree::of(triangles.len(), bounds))

@@ -126,7 +126,7 @@ impl LinearScene {
         let unit = search.unit;
         let size = |z: &c64| z.norm();
         let mut step = self.step_map(method, h, search.unit)?;
-        let mut krylov = Krylov::from(self.start(&mut step));
+        let mut krylov = Krylov::from(step.start());
         for products in PRODUCTS {
             krylov.extend(products, search.stop, |q, y| step.apply(q, y))?;
             let mut beyond: Vec<c64> = krylov.values.iter().filter(|z| size(z) > 1.0 + GROWTH).copied().collect();
@@ -184,19 +184,6 @@ impl LinearScene {
         Some(largest[3] > largest[1] * (1.0 + 0.5 * GROWTH).powf(steps))
     }
 
-    /// Start of an iteration, a difference of steps, which has little of the motions that hardly change in
-    /// a step. Where nothing holds a net across itself there are many, nearly parallel, and Ritz values made of them
-    /// stay beyond the unit circle for long.
-    fn start(&self, step: &mut StepMap<'_>) -> Vec<f64> {
-        let mut start = step.any();
-        let mut next = vec![0.0; start.len()];
-        for _ in 0..DIFFERENCES {
-            step.apply(&start, &mut next);
-            start.iter_mut().zip(&next).for_each(|(start, next)| *start = next - *start);
-        }
-        start
-    }
-
     /// One step of the method as a linear map.
     fn step_map<'s>(&'s self, method: &MethodChoice, h: f64, unit: f64) -> Option<StepMap<'s>> {
         let interfaces = SceneInterfaces { system: self, tangent: self, graph: None };
@@ -231,8 +218,21 @@ struct StepMap<'s> {
 }
 
 impl StepMap<'_> {
-    /// A vector without order in it: x and v, as if at a start.
-    fn any(&self) -> Vec<f64> {
+    /// Start of an iteration: a difference of steps, which has little of the motions that hardly change in a step.
+    /// Where nothing holds a net across itself there are many, nearly parallel, and Ritz values made of them stay
+    /// beyond the unit circle for long.
+    fn start(&mut self) -> Vec<f64> {
+        let mut start = self.random();
+        let mut next = vec![0.0; start.len()];
+        for _ in 0..DIFFERENCES {
+            self.apply(&start, &mut next);
+            start.iter_mut().zip(&next).for_each(|(start, next)| *start = next - *start);
+        }
+        start
+    }
+
+    /// Pseudo-random positions and velocities of what is free; 0 for what the scheme carries.
+    fn random(&self) -> Vec<f64> {
         let n = self.inverse.len();
         let at = |i: usize| if i < 2 * n && self.inverse[i % n] > 0.0 { pseudo_random(i) } else { 0.0 };
         (0..n * self.scales.len()).map(at).collect()
@@ -240,7 +240,7 @@ impl StepMap<'_> {
 
     /// Scales what is carried, whose units are the scheme's own, to be as large after a step as the velocities are.
     fn balance(&mut self) {
-        let (from, n) = (self.any(), self.inverse.len());
+        let (from, n) = (self.random(), self.inverse.len());
         let mut next = vec![0.0; from.len()];
         self.apply(&from, &mut next);
         let sizes: Vec<f64> = next.chunks(n.max(1)).map(norm).collect();
