@@ -16,16 +16,46 @@ const FIXED: u32 = u32::MAX;
 pub struct Assembler {
     /// the pattern, shared with the linear solver
     pub pattern: Arc<Pattern>,
-    /// entries of W in the order of the pattern, and a spare slot at the end for eliminated ones
+    /// entries of W in the order of the pattern
     values: Vec<f64>,
-    /// slots of the entries (column by column) of every distinct node-pair block; entry 0 is all spare
-    blocks: Vec<[u32; 9]>,
+    /// slots of every distinct node-pair block; the first has none
+    blocks: Vec<BlockSlots>,
     /// block of every emitted node pair, in order of emission
     emitted: Vec<u32>,
     /// slot of the diagonal entry of every unknown
     diagonal: Vec<u32>,
     /// pairs that may touch, whose blocks come last
     pub near: Arc<[Candidate]>,
+}
+
+/// Where the entries of a 3 x 3 block go.
+#[derive(Clone, Copy, Debug, Default)]
+struct BlockSlots {
+    /// slot of the first stored entry of every column; the others follow
+    first: [u32; 3],
+    /// which entries are stored, those with row r and column c in bit 3 c + r
+    stored: u16,
+}
+
+/// [`BlockSlots::stored`] of a block without fixed components beside the diagonal.
+const WHOLE: u16 = 0x1ff;
+
+impl BlockSlots {
+    #[inline]
+    fn add(&self, block: &Matrix3<f64>, values: &mut [f64]) {
+        let columns = self.first.iter().zip(block.as_slice().chunks_exact(3));
+        if self.stored == WHOLE {
+            for (&first, column) in columns {
+                let slots = &mut values[first as usize..first as usize + 3];
+                slots.iter_mut().zip(column).for_each(|(slot, entry)| *slot += entry);
+            }
+            return;
+        }
+        for (c, (&first, column)) in columns.enumerate() {
+            let stored = column.iter().enumerate().filter(|(r, _)| self.stored >> (3 * c + r) & 1 == 1);
+            values[first as usize..].iter_mut().zip(stored).for_each(|(slot, (_, entry))| *slot += entry);
+        }
+    }
 }
 
 /// Positions of the nodes, and which of their degrees of freedom are fixed.
@@ -51,15 +81,14 @@ impl Assembler {
             return Err(PatternError::TooLarge { nonzeros });
         }
         let pattern = build_pattern(nodes, &pairs, &unknown, symmetric);
-        let spare = pattern.nonzeros() as u32;
         let mut blocks = Vec::with_capacity(pairs.len() + 1);
-        blocks.push([spare; 9]);
+        blocks.push(BlockSlots::default());
         for column in pairs.chunk_by(|a, b| a.0 == b.0) {
             add_slots(&pattern, column, &unknown, &mut blocks);
         }
         let emitted = blocks_of(recorder, &pairs, nodes.fixed.len(), symmetric);
-        let diagonal = (0..pattern.n() as u32).map(|i| pattern.slot(i, i).unwrap_or(spare)).collect();
-        let values = vec![0.0; pattern.nonzeros() + 1];
+        let diagonal = (0..pattern.n() as u32).filter_map(|i| pattern.slot(i, i)).collect();
+        let values = vec![0.0; pattern.nonzeros()];
         Ok(Assembler { pattern: Arc::new(pattern), values, blocks, emitted, diagonal, near: Arc::default() })
     }
 
@@ -73,7 +102,7 @@ impl Assembler {
             node_start: (0..=n).collect(),
             position: vec![[0.0; 3]; n as usize],
         };
-        let values = vec![0.0; pattern.nonzeros() + 1];
+        let values = vec![0.0; pattern.nonzeros()];
         let diagonal = (0..n).map(|i| i * n + i).collect();
         Assembler {
             pattern: Arc::new(pattern),
@@ -87,13 +116,12 @@ impl Assembler {
 
     /// Entries of W in the order of the pattern.
     pub fn values(&self) -> &[f64] {
-        &self.values[..self.pattern.nonzeros()]
+        &self.values
     }
 
     /// The same, writable (a system without nodes fills them itself).
     pub fn values_mut(&mut self) -> &mut [f64] {
-        let n = self.pattern.nonzeros();
-        &mut self.values[..n]
+        &mut self.values
     }
 
     /// Number of element blocks that an assembly adds up.
@@ -120,7 +148,7 @@ impl Assembler {
 #[derive(Debug)]
 pub struct MatrixSink<'a> {
     values: &'a mut [f64],
-    blocks: &'a [[u32; 9]],
+    blocks: &'a [BlockSlots],
     emitted: std::slice::Iter<'a, u32>,
     symmetric: bool,
 }
@@ -132,9 +160,7 @@ impl MatrixSink<'_> {
             debug_assert!(false, "a force term emitted more elements than when the pattern was recorded");
             return;
         };
-        for (&slot, value) in self.blocks[id as usize].iter().zip(block.iter()) {
-            self.values[slot as usize] += value;
-        }
+        self.blocks[id as usize].add(block, self.values);
     }
 }
 
@@ -248,18 +274,17 @@ fn build_pattern(nodes: Nodes<'_>, pairs: &[(u32, u32)], unknown: &[[u32; 3]], s
     p
 }
 
-/// Appends the slots of the entries of every block in a column of blocks, column by column; the spare slot for what is
-/// fixed or in the upper triangle.
-fn add_slots(pattern: &Pattern, column: &[(u32, u32)], unknown: &[[u32; 3]], blocks: &mut Vec<[u32; 9]>) {
+/// Appends the slots of every block in a column of blocks. What is fixed or in the upper triangle has none.
+fn add_slots(pattern: &Pattern, column: &[(u32, u32)], unknown: &[[u32; 3]], blocks: &mut Vec<BlockSlots>) {
     let columns = unknown[column[0].0 as usize];
     // The blocks' rows follow each other in a column, so the next free slot of each is where a block's entries go.
     let mut next = columns.map(|j| if j == FIXED { 0 } else { pattern.col_ptr[j as usize] });
     for &(_, i) in column {
-        let mut slots = [pattern.nonzeros() as u32; 9];
+        let mut slots = BlockSlots { first: next, stored: 0 };
         for (c, (&j, next)) in columns.iter().zip(&mut next).enumerate().filter(|(_, (j, _))| **j != FIXED) {
             for (r, &row) in unknown[i as usize].iter().enumerate() {
                 if row != FIXED && (!pattern.symmetric || row >= j) {
-                    slots[3 * c + r] = *next;
+                    slots.stored |= 1 << (3 * c + r);
                     *next += 1;
                 }
             }

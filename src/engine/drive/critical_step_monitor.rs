@@ -21,8 +21,6 @@ const PASSES: u32 = 5;
 const REST_PASSES: u32 = 40;
 /// One over the share of a run that may be spent.
 const SHARE: u32 = 100;
-/// At first, the steps between two estimates are the steps made so far divided by this.
-const EARLY: u64 = 4;
 /// Growth of the kinetic energy, over its largest value at an estimate, that leads to a new estimate at once or at the
 /// end of the block of steps.
 const LIVELIER: f64 = 4.0;
@@ -123,15 +121,16 @@ impl<'a> CriticalStepMonitor<'a> {
 
     /// Called after a step: its end, and its size [s] where the end is known.
     fn stepped(&mut self, step: u64, kinetic: f64, end: Option<(&Point, f64)>) {
-        // Chosen by step number, so that a run always does the same work, on any number of threads; more frequent at
-        // first, for short runs. A large growth of the kinetic energy may be the beginning of a divergence.
+        // Chosen by step number, so that a run always does the same work, on any number of threads; at first after
+        // twice as many steps each time, for short runs. A large growth of the kinetic energy may be the beginning of a
+        // divergence.
         if kinetic > LIVELIER * self.kinetic {
             self.livelier = self.livelier.max(kinetic);
         }
         if let Some((end, h)) = end.filter(|_| self.livelier > 0.0 || step >= self.next) {
             self.kinetic = self.kinetic.max(kinetic).max(std::mem::take(&mut self.livelier));
             while self.next <= step {
-                self.next += (self.next / EARLY).clamp(1, self.every);
+                self.next += self.next.min(self.every);
             }
             self.estimate(end.state.as_ref(), h, step);
         }

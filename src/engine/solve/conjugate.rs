@@ -14,13 +14,12 @@
 
 use super::bsr::NodeBlocks;
 use super::linear::{
-    Accuracy, Inertia, LinearError, LinearSolver, LinearStats, SolverWork, check_finite, check_solution,
+    Accuracy, ExpectedUse, Inertia, LinearError, LinearSolver, LinearStats, SolverWork, check_finite, check_solution,
 };
 use super::multigrid::Multigrid;
 use super::norms::norm;
 use super::partitioned_cg::PartitionedSystem;
 use super::relaxed_ic0::RELAXATION;
-use super::twisted_factorization::cut;
 use crate::assembly::Pattern;
 use crate::model::workers::Workers;
 use std::sync::Arc;
@@ -55,11 +54,14 @@ const MOST: [usize; 2] = [200, 20_000];
 /// W x = b by conjugate gradients.
 pub struct ConjugateGradients {
     pattern: Arc<Pattern>,
-    system: PartitionedSystem,
+    /// made for the first matrix; not kept beside multigrid
+    system: Option<PartitionedSystem>,
     /// made for the first matrix that needs it
     multigrid: Option<Multigrid>,
     /// whether the last matrix is solved with multigrid
     with_multigrid: bool,
+    /// whether the next one needs it, as earlier ones did
+    needs_multigrid: bool,
     /// whether matrices may be
     multigrid_allowed: bool,
     workers: Workers,
@@ -100,7 +102,7 @@ impl std::fmt::Debug for ConjugateGradients {
 }
 
 impl ConjugateGradients {
-    /// Finds the blocks of a pattern and divides them among threads.
+    /// For a pattern. The first matrix finds its blocks and divides them among threads.
     ///
     /// # Errors
     /// A pattern that is not symmetric, or has too many entries.
@@ -112,17 +114,16 @@ impl ConjugateGradients {
             let reason = "more entries than 32 bits can number in blocks".to_owned();
             return Err(LinearError::Analysis { unknowns: pattern.n(), reason });
         }
-        let subdomains = cut(&pattern, &pattern.node_of_unknown());
-        let system = PartitionedSystem::new(&pattern, subdomains, workers.clone());
         let [least, most] = MOST;
         let most = (pattern.n() + least).min(most) as u32;
         let (accuracy, iterations, total_iterations, indefinite) = (Accuracy::to(RELATIVE), 0, 0, 0);
         let (refined, workers, multigrid_allowed) = (None, workers.clone(), pattern.position.len() >= LARGE);
         Ok(ConjugateGradients {
             pattern,
-            system,
+            system: None,
             multigrid: None,
             with_multigrid: false,
+            needs_multigrid: false,
             multigrid_allowed,
             workers,
             accuracy,
@@ -166,7 +167,7 @@ impl ConjugateGradients {
         self.iterations = 0;
         let first = match self.grid() {
             Some(grid) => grid.set_trial_right_hand_side()?,
-            None => self.system.set_trial_right_hand_side(),
+            None => self.system().set_trial_right_hand_side(),
         };
         let found = self.iterate(first, Accuracy::to(relative));
         (self.most, self.indefinite) = (own, indefinite);
@@ -176,7 +177,7 @@ impl ConjugateGradients {
     /// Whether pivots with fill suit W: then residuals measure the error of a solution.
     fn relaxation_serves(&mut self) -> bool {
         let found = self.iterate_on_trial(0.0, PROBE);
-        matches!(found, Ok(_) | Err(LinearError::Stalled { .. })) && self.system.runs_within(LARGEST)
+        matches!(found, Ok(_) | Err(LinearError::Stalled { .. })) && self.system().runs_within(LARGEST)
     }
 
     /// Whether matrices of many nodes may be solved with multigrid; they may if nothing is said.
@@ -189,6 +190,20 @@ impl ConjugateGradients {
         self.with_multigrid
     }
 
+    fn system(&mut self) -> &mut PartitionedSystem {
+        self.system.get_or_insert_with(|| PartitionedSystem::new(&self.pattern, &self.workers))
+    }
+
+    /// Sets up the incomplete factorisation. Returns whether W may be positive definite; `None` if W needs multigrid.
+    fn preconditioned_alone(&mut self, values: &[f64]) -> Option<bool> {
+        if self.multigrid_allowed && self.needs_multigrid {
+            return None;
+        }
+        let served = self.system().set_values(values, RELAXATION) && self.relaxation_serves();
+        let made = served || self.system().set_values(values, 0.0);
+        (!made || !self.multigrid_allowed || self.trial_solve(EASY).is_ok()).then_some(made)
+    }
+
     fn grid(&mut self) -> Option<&mut Multigrid> {
         self.multigrid.as_mut().filter(|_| self.with_multigrid)
     }
@@ -198,7 +213,7 @@ impl ConjugateGradients {
     fn iterate(&mut self, first: f64, Accuracy { relative, enough, .. }: Accuracy) -> Result<(), LinearError> {
         match self.grid() {
             Some(grid) => grid.begin(),
-            None => self.system.begin(),
+            None => self.system().begin(),
         }
         let left = |square: f64| (square / first).sqrt();
         let stalled = |iterations, square| LinearError::Stalled { iterations, residual: left(square), asked: relative };
@@ -211,7 +226,7 @@ impl ConjugateGradients {
             self.total_iterations += 1;
             let curvature = match self.grid() {
                 Some(grid) => grid.product(beta),
-                None => self.system.product(beta),
+                None => self.system().product(beta),
             };
             if !curvature.along.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
@@ -228,7 +243,7 @@ impl ConjugateGradients {
             let before = square;
             square = match self.grid() {
                 Some(grid) => grid.advance(alpha as f32)?,
-                None => self.system.advance(alpha as f32),
+                None => self.system().advance(alpha as f32),
             };
             if !square.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
@@ -246,7 +261,7 @@ impl ConjugateGradients {
         self.iterate(right.first, possible)?;
         match self.grid() {
             Some(grid) => grid.finish(right.scale, b),
-            None => self.system.finish(right.scale, b),
+            None => self.system().finish(right.scale, b),
         }
         Ok(right.size())
     }
@@ -255,7 +270,7 @@ impl ConjugateGradients {
     fn set_right_hand_side(&mut self, b: &[f64]) -> Result<RightHandSide, LinearError> {
         let [scale, first] = match self.grid() {
             Some(grid) => grid.set_right_hand_side(b)?,
-            None => self.system.set_right_hand_side(b),
+            None => self.system().set_right_hand_side(b),
         };
         if first.is_finite() {
             Ok(RightHandSide { scale, first })
@@ -329,24 +344,21 @@ impl LinearSolver for ConjugateGradients {
     fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         check_finite(&self.pattern, values, &self.workers)?;
         (self.tried, self.with_multigrid) = (None, false);
-        let served = self.system.set_values(values, RELAXATION) && self.relaxation_serves();
-        let made = served || self.system.set_values(values, 0.0);
-        if made && (!self.multigrid_allowed || self.trial_solve(EASY).is_ok()) {
-            return Ok(Inertia::Unknown);
-        }
-        self.tried = None;
-        if made {
-            let grid = match &mut self.multigrid {
-                Some(grid) => grid,
-                none => none.insert(Multigrid::new(&self.pattern, &self.workers)?),
-            };
-            self.with_multigrid = grid.set_values(values)?;
-        }
-        if self.with_multigrid {
-            return Ok(Inertia::Unknown);
-        }
-        self.indefinite += 1;
-        Ok(Inertia::Indefinite)
+        let definite = match self.preconditioned_alone(values) {
+            Some(definite) => definite,
+            None => {
+                // Its memory is for multigrid.
+                (self.tried, self.system) = (None, None);
+                let grid = match &mut self.multigrid {
+                    Some(grid) => grid,
+                    none => none.insert(Multigrid::new(&self.pattern, &self.workers)?),
+                };
+                self.with_multigrid = grid.set_values(values)?;
+                self.with_multigrid
+            }
+        };
+        self.indefinite += u64::from(!definite);
+        Ok(if definite { Inertia::Unknown } else { Inertia::Indefinite })
     }
 
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
@@ -362,6 +374,10 @@ impl LinearSolver for ConjugateGradients {
 
     fn set_accuracy(&mut self, accuracy: Accuracy) {
         self.accuracy = accuracy;
+    }
+
+    fn set_expected_use(&mut self, expected: ExpectedUse) {
+        self.needs_multigrid = expected.multigrid;
     }
 
     fn cg_cost(&self) -> f64 {

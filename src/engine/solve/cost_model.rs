@@ -371,6 +371,7 @@ impl LinearSolver for AutoSolver {
     }
 
     fn set_expected_use(&mut self, expected: ExpectedUse) {
+        self.cg.set_expected_use(expected);
         self.expected = expected;
     }
 

@@ -98,6 +98,8 @@ pub struct ExpectedUse {
     /// [-] iterations of conjugate gradients in an average solve, each counted as [`LinearSolver::cg_cost`]; 0 before
     /// any was seen
     pub cg_iterations: f64,
+    /// whether these solves needed multigrid, so that other preconditioners are not tried
+    pub multigrid: bool,
     /// [-] useful Newton iterations that are to come in the run; infinite if its end is not known
     pub left: f64,
 }
@@ -105,7 +107,7 @@ pub struct ExpectedUse {
 impl Default for ExpectedUse {
     /// The expected use before any matrix was used.
     fn default() -> Self {
-        ExpectedUse { reuse: 6.0, cg_iterations: 0.0, left: f64::INFINITY }
+        ExpectedUse { reuse: 6.0, cg_iterations: 0.0, multigrid: false, left: f64::INFINITY }
     }
 }
 

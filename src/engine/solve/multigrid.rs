@@ -9,6 +9,7 @@
 //! left of it (a W-cycle): so the number of iterations does not grow with the number of nodes. A single sweep on either
 //! side makes B symmetric (`smoother`). Aggregates follow from the pattern; all numbers are made anew with W.
 
+mod block_rows;
 mod numbers;
 mod prolongation;
 mod smoother;
@@ -23,11 +24,12 @@ use crate::assembly::Pattern;
 use crate::mesh::adjacency::Adjacency;
 use crate::mesh::random::pseudo_random;
 use crate::model::workers::Workers;
+use block_rows::{SECTION, each_section, sections, sections_mut};
 use multiversion::multiversion;
 use nalgebra::Vector3;
 use numbers::{CoarseNumbers, FineNumbers, Numbers, lower_blocks};
 use prolongation::{Prolongation, aggregates};
-use smoother::{SECTION, Smoother, each_section, sections, sections_mut};
+use smoother::Smoother;
 use std::sync::Arc;
 use wide::f32x4;
 
@@ -138,7 +140,7 @@ impl Multigrid {
     /// # Errors
     /// Sums that are not finite.
     pub(super) fn set_values(&mut self, values: &[f64]) -> Result<bool, LinearError> {
-        let Multigrid { pattern, node, levels, coarsest, scale, .. } = self;
+        let Multigrid { pattern, node, workers, levels, coarsest, scale, .. } = self;
         let diagonal = pattern.col_ptr[..pattern.n()].iter().map(|&first| values[first as usize]);
         *scale = diagonal.fold(0.0, f64::max).recip();
         let fine = FineNumbers { pattern, node, values, scale: *scale };
@@ -150,8 +152,8 @@ impl Multigrid {
                 _ => &mut coarsest.matrix,
             };
             let well = match matrix {
-                None => set_level(&fine, smoother, up, coarse),
-                Some(matrix) => set_level(matrix, smoother, up, coarse),
+                None => set_level(workers, &fine, smoother, up, coarse),
+                Some(matrix) => set_level(workers, matrix, smoother, up, coarse),
             };
             if !well {
                 return Ok(false);
@@ -180,13 +182,15 @@ impl Multigrid {
         self.set_residual(|u| pseudo_random(u) as f32)
     }
 
-    fn set_residual(&mut self, b: impl Fn(usize) -> f32) -> Result<f64, LinearError> {
-        let Multigrid { pattern, levels, .. } = self;
-        for (r, unknowns) in levels[0].r.iter_mut().zip(pattern.node_start.windows(2)) {
-            let mut v = Vector3::zeros();
-            (unknowns[0]..unknowns[1]).for_each(|u| v[(pattern.dof[u as usize] % 3) as usize] = b(u as usize));
-            *r = packed(v);
-        }
+    fn set_residual(&mut self, b: impl Fn(usize) -> f32 + Send + Sync) -> Result<f64, LinearError> {
+        let Multigrid { pattern, workers, levels, .. } = self;
+        each_section(workers, sections_mut(&mut levels[0].r).enumerate(), |(section, r)| {
+            for (r, unknowns) in r.iter_mut().zip(pattern.node_start[section * SECTION..].windows(2)) {
+                let mut v = Vector3::zeros();
+                (unknowns[0]..unknowns[1]).for_each(|u| v[(pattern.dof[u as usize] % 3) as usize] = b(u as usize));
+                *r = packed(v);
+            }
+        });
         self.precondition()
     }
 
@@ -199,7 +203,9 @@ impl Multigrid {
 
     /// x <- 0, p <- 0
     pub(super) fn begin(&mut self) {
-        [&mut self.x, &mut self.p, &mut self.q].into_iter().for_each(|v| v.fill(f32x4::ZERO));
+        for v in [&mut self.x, &mut self.p, &mut self.q] {
+            each_section(&self.workers, sections_mut(v), |v| v.fill(f32x4::ZERO));
+        }
         self.squares = 0.0;
     }
 
@@ -234,13 +240,14 @@ impl Multigrid {
 
     /// b <- s x
     pub(super) fn finish(&self, s: f64, b: &mut [f64]) {
-        let Multigrid { pattern, x, scale, .. } = self;
-        for (x, unknowns) in x.iter().zip(pattern.node_start.windows(2)) {
-            let x = x.to_array();
-            for u in unknowns[0] as usize..unknowns[1] as usize {
-                b[u] = f64::from(x[(pattern.dof[u] % 3) as usize]) * s * scale;
+        let Multigrid { pattern, node, workers, x, scale, .. } = self;
+        workers.each(b, |unknowns, b| {
+            for (b, u) in b.iter_mut().zip(unknowns) {
+                let x = x[node[u] as usize].to_array();
+                *b = f64::from(x[(pattern.dof[u] % 3) as usize]) * s * scale;
             }
-        }
+            0.0
+        });
     }
 }
 
@@ -254,27 +261,35 @@ impl Level {
     }
 
     /// first <- z, r <- r - A z
-    fn leave(&mut self) {
+    fn leave(&mut self, workers: &Workers) {
         let Level { smoother, r, x, z, first, .. } = self;
-        first.copy_from_slice(z);
-        for (i, r) in r.iter_mut().enumerate() {
-            *r -= smoother.product(i, *r, x);
-        }
+        let vectors = sections_mut(r).zip(sections_mut(first)).zip(sections(z)).enumerate();
+        each_section(workers, vectors, |(section, ((r, first), z))| {
+            first.copy_from_slice(z);
+            r.iter_mut().zip(section * SECTION..).for_each(|(r, i)| *r -= smoother.product(i, *r, x));
+        });
+    }
+
+    /// z <- z + first
+    fn join(&mut self, workers: &Workers) {
+        let vectors = sections_mut(&mut self.z).zip(sections(&self.first));
+        each_section(workers, vectors, |(z, first)| z.iter_mut().zip(first).for_each(|(z, first)| *z += *first));
     }
 }
 
 /// Sets a level from its matrix, and the matrix of the next one. Returns whether blocks on the diagonal are positive
 /// definite.
 fn set_level(
-    matrix: &impl Numbers,
+    workers: &Workers,
+    matrix: &(impl Numbers + Sync),
     smoother: &mut Smoother,
     up: &mut Prolongation,
     coarse: &mut CoarseNumbers,
 ) -> bool {
-    let well = smoother.set(matrix);
+    let well = smoother.set(workers, matrix);
     if well {
-        up.set(matrix, |i| smoother.inverse(i));
-        up.restrict_matrix(matrix, coarse);
+        up.set(workers, smoother);
+        up.restrict_matrix(workers, matrix, coarse);
     }
     well
 }
@@ -293,11 +308,10 @@ fn cycle(levels: &mut [Level], coarsest: &mut Coarsest, workers: &Workers) -> Re
         [next, ..] => {
             up.restrict(workers, left, &mut next.r);
             cycle(coarser, coarsest, workers)?;
-            coarser[0].leave();
+            coarser[0].leave(workers);
             cycle(coarser, coarsest, workers)?;
-            let Level { z, first, .. } = &mut coarser[0];
-            z.iter_mut().zip(first).for_each(|(z, first)| *z += *first);
-            up.correct(workers, z, x);
+            coarser[0].join(workers);
+            up.correct(workers, &coarser[0].z, x);
         }
     }
     let Level { smoother, r, x, z, sums, .. } = level;

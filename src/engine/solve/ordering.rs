@@ -75,10 +75,9 @@ impl Graph {
     fn new(pattern: &Pattern) -> Self {
         let n = pattern.node_start.len() - 1;
         let node = pattern.node_of_unknown();
-        let mut pairs: Vec<_> = pattern.coupled_nodes(&node).flat_map(|(a, b)| [(a, b), (b, a)]).collect();
-        pairs.sort_unstable();
-        pairs.dedup();
-        Graph(Adjacency::new(n, pairs.iter().copied()))
+        // Every pair is there once, sorted, so that neighbours ascend.
+        let pairs: Vec<_> = pattern.coupled_nodes(&node).map(|(a, b)| [a, b]).collect();
+        Graph(Adjacency::of_edges(n, pairs.iter().copied()))
     }
 
     fn len(&self) -> usize {

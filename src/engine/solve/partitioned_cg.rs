@@ -9,7 +9,7 @@
 
 use super::bsr::{NodeBlocks, packed, unpacked};
 use super::eisenstat::{Curvature, Sweep};
-use super::twisted_factorization::Subdomain;
+use super::twisted_factorization::{Subdomain, cut};
 use crate::assembly::Pattern;
 use crate::mesh::random::Lcg;
 use crate::model::workers::Workers;
@@ -131,13 +131,21 @@ pub(super) struct PartitionedSystem {
 }
 
 impl PartitionedSystem {
+    /// Zeros, for matrices of a pattern.
+    pub(super) fn new(pattern: &Arc<Pattern>, workers: &Workers) -> Self {
+        let node = pattern.node_of_unknown();
+        Self::of_subdomains(pattern, cut(pattern, &node), workers)
+    }
+
     /// `subdomains` are both halves and the separator.
-    pub(super) fn new(pattern: &Arc<Pattern>, subdomains: [Subdomain; 3], workers: Workers) -> Self {
+    pub(super) fn of_subdomains(pattern: &Arc<Pattern>, subdomains: [Subdomain; 3], workers: &Workers) -> Self {
         let node = pattern.node_of_unknown();
         // A single subdomain needs no threads.
-        let workers = if subdomains[1].own.is_empty() { Workers::default() } else { workers };
+        let workers = if subdomains[1].own.is_empty() { Workers::default() } else { workers.clone() };
         let part = |subdomain| SubdomainSystem::new(NodeBlocks::new(Arc::clone(pattern), subdomain, &node));
-        let [first, second, separator] = subdomains.map(part);
+        let [first, second, separator] = subdomains;
+        let separator = part(separator);
+        let (first, second) = workers.join(|| part(first), || part(second));
         let scale = vec![0.0; pattern.n()];
         PartitionedSystem { halves: [first, second], separator, scale, workers }
     }

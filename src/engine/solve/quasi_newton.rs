@@ -27,6 +27,9 @@ const EXPECTED: u32 = 6;
 const MOST_FACTORS: u32 = 8;
 /// The same where the mixed iteration can take over.
 const FEW_FACTORS: u32 = 2;
+/// [-] Cost of an average solve with multigrid, in iterations without it, up to which the next matrix is tried without:
+/// that of some four iterations, which matrices take that hardly need it.
+const EASY_SOLVE: f64 = 16.0;
 /// Maximum number of steps before what has failed is tried again.
 const LONGEST_REST: u32 = 64;
 /// Statistics of the use of a frozen factor.
@@ -46,6 +49,8 @@ pub struct FactorHistory {
     pub cg_solves: u32,
     /// their iterations, each counted as [`super::LinearSolver::cg_cost`]
     pub cg_iterations: u32,
+    /// whether the last of them used multigrid
+    pub multigrid: bool,
     /// from a frozen factor, after it has failed
     pub rest: Rest,
     /// from the tangents of one-sided springs as they are, after these have failed
@@ -55,12 +60,21 @@ pub struct FactorHistory {
 impl FactorHistory {
     /// Without a factor, but with what was learnt from earlier ones.
     pub fn without_factor(self) -> Self {
-        FactorHistory { made: false, fresh: 0, excess: 0, served: 0, cg_solves: 0, cg_iterations: 0, ..self }
+        FactorHistory {
+            made: false,
+            fresh: 0,
+            excess: 0,
+            served: 0,
+            cg_solves: 0,
+            cg_iterations: 0,
+            multigrid: false,
+            ..self
+        }
     }
 
     /// The same after a change of the step size, which changes the number of iterations.
     pub fn after_step_change(self) -> Self {
-        let expected = ExpectedUse { cg_iterations: 0.0, ..self.expected };
+        let expected = ExpectedUse { cg_iterations: 0.0, multigrid: false, ..self.expected };
         FactorHistory { expected, ..self.without_factor() }
     }
 
@@ -68,11 +82,14 @@ impl FactorHistory {
     fn expected_use(&self, cost: f64) -> ExpectedUse {
         let useful = f64::from(self.served.saturating_sub(self.excess).max(1));
         let reuse = 0.5 * (self.expected.reuse + useful / cost.max(1.0).sqrt());
-        let cg_iterations = match self.cg_solves {
-            0 => self.expected.cg_iterations,
-            solves => f64::from(self.cg_iterations) / f64::from(solves),
+        let (cg_iterations, multigrid) = match self.cg_solves {
+            0 => (self.expected.cg_iterations, self.expected.multigrid),
+            solves => {
+                let each = f64::from(self.cg_iterations) / f64::from(solves);
+                (each, self.multigrid && each > EASY_SOLVE)
+            }
         };
-        ExpectedUse { reuse, cg_iterations, left: f64::INFINITY }
+        ExpectedUse { reuse, cg_iterations, multigrid, left: f64::INFINITY }
     }
 
     /// Iterations that a step with a new factor takes.
@@ -324,6 +341,7 @@ impl Iteration<'_> {
             self.frozen.cg_solves = self.frozen.cg_solves.saturating_add(1);
             let cost = (iterations as f64 * self.problem.cg_cost()).round() as u32;
             self.frozen.cg_iterations = self.frozen.cg_iterations.saturating_add(cost);
+            self.frozen.multigrid = self.problem.cg_cost() > 1.0;
         }
         dz.iter_mut().for_each(|dz| *dz = -*dz);
         self.newton.keep_apart(self.problem, z);

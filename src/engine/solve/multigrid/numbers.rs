@@ -1,8 +1,13 @@
 //! The numbers of a symmetric matrix by the 3x3 blocks of its nodes, in double precision.
 
+use super::block_rows::row_sections;
 use crate::assembly::Pattern;
 use crate::mesh::adjacency::Adjacency;
 use nalgebra::Matrix3;
+use std::cmp::Ordering;
+
+/// Columns of a coarse matrix that a thread makes at a time.
+pub(super) const COLUMNS: usize = 2_048;
 
 /// A symmetric matrix, by columns of its lower triangle.
 pub(super) trait Numbers {
@@ -79,11 +84,10 @@ impl CoarseNumbers {
         CoarseNumbers { blocks: vec![Matrix3::zeros(); rows.items.len()], rows }
     }
 
-    /// Adds to a block at or below the diagonal.
-    pub(super) fn add(&mut self, row: u32, column: u32, block: &Matrix3<f64>) {
-        if let Ok(place) = self.rows.row(column).binary_search(&row) {
-            self.blocks[self.rows.start[column as usize] as usize + place] += block;
-        }
+    /// [`COLUMNS`] columns at a time, to write.
+    pub(super) fn sections_mut(&mut self) -> impl ExactSizeIterator<Item = ColumnsMut<'_>> + Send {
+        let CoarseNumbers { rows, blocks } = self;
+        row_sections(&rows.start, COLUMNS, blocks).map(|(first, blocks)| ColumnsMut { rows, first, blocks })
     }
 
     /// The blocks of a column.
@@ -95,5 +99,38 @@ impl CoarseNumbers {
 impl Numbers for CoarseNumbers {
     fn column(&self, g: u32, mut found: impl FnMut(u32, &Matrix3<f64>)) {
         self.rows.row(g).iter().zip(self.blocks_of(g as usize)).for_each(|(row, block)| found(*row, block));
+    }
+}
+
+/// Some columns of a coarse matrix, to write.
+pub(super) struct ColumnsMut<'a> {
+    rows: &'a Adjacency,
+    /// the first of them
+    first: usize,
+    blocks: &'a mut [Matrix3<f64>],
+}
+
+impl ColumnsMut<'_> {
+    pub(super) fn clear(&mut self) {
+        self.blocks.fill(Matrix3::zeros());
+    }
+
+    /// Adds a block and its transpose, of which the matrix stores what is not above its diagonal, if it is here.
+    pub(super) fn add_both(&mut self, row: u32, column: u32, block: impl FnOnce() -> Matrix3<f64>) {
+        let (low, high) = (row.min(column), row.max(column));
+        let here = (low as usize).checked_sub(self.first).filter(|column| *column < COLUMNS);
+        if here.is_none() {
+            return;
+        }
+        let start = (self.rows.start[low as usize] - self.rows.start[self.first]) as usize;
+        let place = self.rows.row(low).iter().position(|other| *other == high);
+        if let Some(sum) = place.and_then(|place| self.blocks.get_mut(start + place)) {
+            let block = block();
+            *sum += match row.cmp(&column) {
+                Ordering::Greater => block,
+                Ordering::Less => block.transpose(),
+                Ordering::Equal => block + block.transpose(),
+            };
+        }
     }
 }

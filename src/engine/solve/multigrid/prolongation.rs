@@ -5,8 +5,9 @@
 //! ```
 //! with the matrix of the coarse level P^T A P.
 
-use super::numbers::{CoarseNumbers, Numbers};
-use super::smoother::{BlockRows, SECTION, each_section, sections_mut};
+use super::block_rows::{BlockRows, SECTION, each_section, sections_mut};
+use super::numbers::{COLUMNS, CoarseNumbers, Numbers};
+use super::smoother::Smoother;
 use crate::mesh::adjacency::Adjacency;
 use crate::model::workers::Workers;
 use multiversion::multiversion;
@@ -41,6 +42,24 @@ pub(super) fn aggregates(around: &Adjacency) -> (Vec<u32>, usize) {
     (aggregate, count as usize)
 }
 
+/// For every [`COLUMNS`] columns of the coarse matrix the nodes whose column of A has a part in them. `rows` are the
+/// aggregates that move a node.
+fn parts(around: &Adjacency, rows: &Adjacency, count: usize) -> Adjacency {
+    let (mut pairs, mut met) = (Vec::new(), Vec::new());
+    for g in 0..around.rows() as u32 {
+        met.clear();
+        for &b in around.row(g).iter().filter(|h| **h >= g).flat_map(|&h| rows.row(h)) {
+            for section in rows.row(g).iter().map(|&a| a.min(b) / COLUMNS as u32) {
+                if !met.contains(&section) {
+                    met.push(section);
+                }
+            }
+        }
+        pairs.extend(met.iter().map(|&section| (section, g)));
+    }
+    Adjacency::new(count.div_ceil(COLUMNS), pairs.iter().copied())
+}
+
 /// The interpolation.
 #[derive(Debug)]
 pub(super) struct Prolongation {
@@ -51,6 +70,8 @@ pub(super) struct Prolongation {
     /// the nodes that every aggregate moves, with the places of their blocks
     members: Adjacency,
     places: Vec<u32>,
+    /// the nodes whose column of A has a part in some columns of the coarse matrix
+    parts: Adjacency,
 }
 
 impl Prolongation {
@@ -70,7 +91,9 @@ impl Prolongation {
         let nodes = (0..).zip(start.windows(2)).flat_map(|(i, row)| (row[0]..row[1]).map(move |_| i));
         let members = Adjacency::new(count, met.iter().copied().zip(nodes));
         let places = Adjacency::new(count, places).items;
-        Prolongation { aggregate, rows: BlockRows::new(Adjacency { start, items: met }), members, places }
+        let rows = Adjacency { start, items: met };
+        let parts = parts(around, &rows, count);
+        Prolongation { aggregate, rows: BlockRows::new(rows), members, places, parts }
     }
 
     /// Number of aggregates.
@@ -96,7 +119,7 @@ impl Prolongation {
         for a in 0..self.count() as u32 {
             let first = found.items.len();
             for &j in self.members.row(a).iter().flat_map(|&i| around.row(i)) {
-                for b in self.rows.places(j as usize).map(|k| self.rows.column(k)) {
+                for &b in self.rows.columns(j as usize) {
                     if b >= a && last[b as usize] != a {
                         last[b as usize] = a;
                         found.items.push(b);
@@ -110,51 +133,56 @@ impl Prolongation {
     }
 
     /// Sets P from A and D^-1 of every node.
-    pub(super) fn set(&mut self, matrix: &impl Numbers, inverse: impl Fn(usize) -> Matrix3<f32>) {
+    pub(super) fn set(&mut self, workers: &Workers, smoother: &Smoother) {
         let Prolongation { aggregate, rows, .. } = self;
-        rows.clear();
-        for g in 0..aggregate.len() as u32 {
-            matrix.column(g, |h, block| {
-                rows.add(rows.place(h, aggregate[g as usize]), block);
-                if h != g {
-                    rows.add(rows.place(g, aggregate[h as usize]), &block.transpose());
-                }
-            });
-        }
-        for (i, &own) in aggregate.iter().enumerate() {
-            let inverse = inverse(i);
-            for k in rows.places(i) {
-                let mut block = inverse * rows.block(k) * -OMEGA;
-                if rows.column(k) == own {
-                    // D^-1 is 0 at fixed components.
-                    (0..3).filter(|&j| inverse[(j, j)] != 0.0).for_each(|j| block[(j, j)] += 1.0);
-                }
-                rows.set(k, &block);
+        each_section(workers, rows.sections_mut().enumerate(), |(section, mut rows)| {
+            rows.clear();
+            smoother.each_block(section, |i, j, block| rows.add(i, aggregate[j], block));
+            for (i, &own) in aggregate.iter().enumerate().skip(section * SECTION).take(SECTION) {
+                let inverse = smoother.inverse(i);
+                rows.replace(i, |a, sum| {
+                    let mut block = inverse * sum * -OMEGA;
+                    if a == own {
+                        // I - omega D^-1 D, both 0 at fixed components.
+                        (0..3).filter(|&j| inverse[(j, j)] != 0.0).for_each(|j| block[(j, j)] += 1.0 - OMEGA);
+                    }
+                    block
+                });
             }
-        }
+        });
     }
 
-    /// coarse <- P^T A P, in double precision: it keeps what inertia adds to stiff springs.
-    pub(super) fn restrict_matrix(&self, matrix: &impl Numbers, coarse: &mut CoarseNumbers) {
-        coarse.blocks.fill(Matrix3::zeros());
-        let block = |k: usize| self.rows.block(k).cast::<f64>();
-        for g in 0..self.aggregate.len() {
-            matrix.column(g as u32, |h, entry| {
-                for k in self.rows.places(g) {
-                    let (a, right) = (self.rows.column(k), entry * block(k));
-                    for l in self.rows.places(h as usize) {
-                        let b = self.rows.column(l);
-                        // Two nodes count both ways.
-                        if b >= a {
-                            coarse.add(b, a, &block(l).tr_mul(&right));
-                        }
-                        if h as usize != g && b <= a {
-                            coarse.add(a, b, &right.tr_mul(&block(l)));
+    /// coarse <- P^T A P, in double precision: it keeps what inertia adds to stiff springs. With half of the diagonal
+    /// and what lies below it, H, it is B + B^T with B = P^T H P.
+    pub(super) fn restrict_matrix(
+        &self,
+        workers: &Workers,
+        matrix: &(impl Numbers + Sync),
+        coarse: &mut CoarseNumbers,
+    ) {
+        let block = |place| self.rows.block(place).cast::<f64>();
+        each_section(workers, coarse.sections_mut().enumerate(), |(section, mut coarse)| {
+            coarse.clear();
+            // A column of P^T H.
+            let mut column: Vec<(u32, Matrix3<f64>)> = Vec::new();
+            for &g in self.parts.row(section as u32) {
+                column.clear();
+                matrix.column(g, |h, entry| {
+                    let entry = if h == g { entry * 0.5 } else { *entry };
+                    for (place, &b) in self.rows.places(h as usize).zip(self.rows.columns(h as usize)) {
+                        let part = block(place).tr_mul(&entry);
+                        match column.iter_mut().find(|(other, _)| *other == b) {
+                            Some((_, sum)) => *sum += part,
+                            None => column.push((b, part)),
                         }
                     }
+                });
+                for (place, &a) in self.rows.places(g as usize).zip(self.rows.columns(g as usize)) {
+                    let right = block(place);
+                    column.iter().for_each(|(b, left)| coarse.add_both(*b, a, || left * right));
                 }
-            });
-        }
+            }
+        });
     }
 
     /// coarse <- P^T v

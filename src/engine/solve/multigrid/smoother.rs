@@ -10,142 +10,28 @@
 //! the nodes before it and to give to them.
 
 use super::super::bsr::{columns, times};
+use super::block_rows::{BlockRows, SECTION, each_section, sections, sections_mut};
 use super::numbers::Numbers;
 use crate::mesh::adjacency::Adjacency;
 use crate::model::workers::Workers;
 use multiversion::multiversion;
 use nalgebra::Matrix3;
-use rayon::iter::{ParallelBridge, ParallelIterator};
+use std::sync::atomic::{AtomicBool, Ordering};
 use wide::f32x4;
-
-/// Nodes of a section.
-pub(super) const SECTION: usize = 16_384;
-
-/// Does the work on all sections, on the threads of `workers`.
-pub(super) fn each_section<T: Send>(
-    workers: &Workers,
-    sections: impl ExactSizeIterator<Item = T> + Send,
-    work: impl Fn(T) + Send + Sync,
-) {
-    match workers.pool().filter(|_| sections.len() > 1) {
-        None => sections.for_each(work),
-        Some(pool) => pool.install(|| sections.par_bridge().for_each(work)),
-    }
-}
-
-/// The sections of a vector of nodes.
-pub(super) fn sections<T>(v: &[T]) -> std::slice::Chunks<'_, T> {
-    v.chunks(SECTION)
-}
-
-/// The same to write.
-pub(super) fn sections_mut<T>(v: &mut [T]) -> std::slice::ChunksMut<'_, T> {
-    v.chunks_mut(SECTION)
-}
-
-/// 3x3 blocks by rows.
-#[derive(Clone, Debug)]
-pub(super) struct BlockRows {
-    start: Vec<u32>,
-    column: Vec<u32>,
-    /// every block by columns, and one number behind the last, as [`columns`] reads it
-    numbers: Vec<f32>,
-}
-
-impl BlockRows {
-    /// Zeros at pairs (row, column); a row keeps the order of its columns.
-    pub(super) fn new(Adjacency { start, items: column }: Adjacency) -> Self {
-        BlockRows { numbers: vec![0.0; 9 * column.len() + 1], start, column }
-    }
-
-    pub(super) fn rows(&self) -> usize {
-        self.start.len() - 1
-    }
-
-    pub(super) fn clear(&mut self) {
-        self.numbers.fill(0.0);
-    }
-
-    pub(super) fn places(&self, row: usize) -> std::ops::Range<usize> {
-        self.start[row] as usize..self.start[row + 1] as usize
-    }
-
-    pub(super) fn column(&self, place: usize) -> u32 {
-        self.column[place]
-    }
-
-    /// The place of the block of a row and a column.
-    pub(super) fn place(&self, row: u32, column: u32) -> usize {
-        let row = self.places(row as usize);
-        row.start + self.column[row].iter().position(|&other| other == column).unwrap_or(0)
-    }
-
-    pub(super) fn block(&self, place: usize) -> Matrix3<f32> {
-        Matrix3::from_column_slice(&self.numbers[9 * place..9 * place + 9])
-    }
-
-    pub(super) fn set(&mut self, place: usize, block: &Matrix3<f32>) {
-        self.numbers[9 * place..9 * place + 9].copy_from_slice(block.as_slice());
-    }
-
-    pub(super) fn add(&mut self, place: usize, block: &Matrix3<f64>) {
-        let numbers = &mut self.numbers[9 * place..9 * place + 9];
-        numbers.iter_mut().zip(block.as_slice()).for_each(|(sum, entry)| *sum += *entry as f32);
-    }
-
-    /// Sets the next block of a row.
-    fn push(&mut self, next: &mut u32, block: &Matrix3<f64>) {
-        self.set(*next as usize, &block.cast());
-        *next += 1;
-    }
-
-    /// The blocks of a row, for [`columns`], and their columns.
-    #[inline(always)]
-    fn row(&self, i: usize) -> impl Iterator<Item = (&[f32], usize)> {
-        let row = self.places(i);
-        let numbers = &self.numbers[9 * row.start..=9 * row.end];
-        numbers.windows(10).step_by(9).zip(self.column[row].iter().map(|&j| j as usize))
-    }
-
-    /// Sum of the blocks of a row times v.
-    #[inline(always)]
-    pub(super) fn sum(&self, i: usize, v: &[f32x4]) -> f32x4 {
-        self.row(i).fold(f32x4::ZERO, |sum, (block, j)| sum + times(columns(block), v[j]))
-    }
-
-    /// The same of the transposed blocks.
-    #[inline(always)]
-    fn transposed_sum(&self, i: usize, v: &[f32x4]) -> f32x4 {
-        let row = self.places(i);
-        self.transposed(row.clone().zip(self.column[row].iter().map(|&j| v[j as usize])))
-    }
-
-    /// Sum of transposed blocks, by their places, times vectors.
-    #[inline(always)]
-    pub(super) fn transposed(&self, of: impl Iterator<Item = (usize, f32x4)>) -> f32x4 {
-        let [mut x, mut y, mut z] = [f32x4::ZERO; 3];
-        for (place, v) in of {
-            let [a, b, c] = columns(&self.numbers[9 * place..=9 * place + 9]);
-            x += a * v;
-            y += b * v;
-            z += c * v;
-        }
-        let [x, y, z, _] = f32x4::transpose([x, y, z, z]);
-        x + y + z
-    }
-}
 
 /// A symmetric matrix.
 #[derive(Debug)]
 pub(super) struct Smoother {
     /// transposed blocks below the diagonal in a section; columns count from the first node of the section
     below: BlockRows,
-    /// blocks between sections
-    between: BlockRows,
+    /// blocks of every node with those of later sections
+    behind: BlockRows,
+    /// nodes of earlier sections that every node is coupled to
+    before: Adjacency,
+    /// and the places of their blocks in `behind`
+    places: Vec<u32>,
     /// D^-1, as the numbers of [`BlockRows`]; 0 at fixed components
     inverse: Vec<f32>,
-    /// the next block of every row of both
-    next: [Vec<u32>; 2],
 }
 
 impl Smoother {
@@ -156,39 +42,69 @@ impl Smoother {
         let pairs = (0..n as u32).flat_map(|g| lower.row(g).iter().map(move |&h| (g, h))).filter(|(g, h)| g != h);
         let inside = pairs.clone().filter(one_section).map(|(g, h)| (h, g % SECTION as u32));
         let between = pairs.filter(move |pair| !one_section(pair));
+        let places = (0..).zip(between.clone()).map(|(place, (_, h))| (h, place));
         Smoother {
             below: BlockRows::new(Adjacency::new(n, inside)),
-            // Of a row those before it come first, in the order in which they are set.
-            between: BlockRows::new(Adjacency::new(n, between.clone().map(|(g, h)| (h, g)).chain(between))),
+            before: Adjacency::new(n, between.clone().map(|(g, h)| (h, g))),
+            places: Adjacency::new(n, places).items,
+            behind: BlockRows::new(Adjacency::new(n, between)),
             inverse: vec![0.0; 9 * n + 1],
-            next: [vec![0; n], vec![0; n]],
         }
     }
 
     /// Sets the numbers. Returns whether all blocks on the diagonal are positive definite.
-    pub(super) fn set(&mut self, matrix: &impl Numbers) -> bool {
-        let Smoother { below, between, inverse, next: [inside, beyond] } = self;
-        let n = inside.len();
-        inside.copy_from_slice(&below.start[..n]);
-        beyond.copy_from_slice(&between.start[..n]);
-        let mut well = true;
-        for g in 0..n {
-            matrix.column(g as u32, |h, block| {
-                let h = h as usize;
-                if h == g {
-                    match inverse_of(block) {
-                        Some(found) => inverse[9 * g..9 * g + 9].copy_from_slice(found.as_slice()),
-                        None => well = false,
+    pub(super) fn set(&mut self, workers: &Workers, matrix: &(impl Numbers + Sync)) -> bool {
+        let Smoother { below, behind, inverse, .. } = self;
+        let well = AtomicBool::new(true);
+        let (inverse, _) = inverse.as_chunks_mut::<9>();
+        let parts = below.sections_mut().zip(behind.sections_mut()).zip(sections_mut(inverse)).enumerate();
+        each_section(workers, parts, |(section, ((mut below, mut behind), inverse))| {
+            let first = section * SECTION;
+            for (g, inverse) in (first..).zip(inverse) {
+                matrix.column(g as u32, |h, block| {
+                    let (row, across) = (h as usize, || block.transpose().cast());
+                    if row == g {
+                        match inverse_of(block) {
+                            Some(found) => inverse.copy_from_slice(found.as_slice()),
+                            None => well.store(false, Ordering::Relaxed),
+                        }
+                    } else if row / SECTION == section {
+                        below.set(row, (g - first) as u32, &across());
+                    } else {
+                        behind.set(g, h, &across());
                     }
-                } else if g / SECTION == h / SECTION {
-                    below.push(&mut inside[h], &block.transpose());
-                } else {
-                    between.push(&mut beyond[h], block);
-                    between.push(&mut beyond[g], &block.transpose());
-                }
-            });
+                });
+            }
+        });
+        well.into_inner()
+    }
+
+    /// Calls `found(i, j, A_ij)` for all blocks beside the diagonal of the rows i of a section.
+    pub(super) fn each_block(&self, section: usize, mut found: impl FnMut(usize, usize, &Matrix3<f32>)) {
+        let first = section * SECTION;
+        for i in first..self.nodes().min(first + SECTION) {
+            for (column, block) in self.below.blocks(i) {
+                let j = first + column as usize;
+                found(i, j, &block.transpose());
+                found(j, i, &block);
+            }
+            self.behind.blocks(i).for_each(|(j, block)| found(i, j as usize, &block));
+            self.before(i).for_each(|(j, place)| found(i, j, &self.behind.block(place).transpose()));
         }
-        well
+    }
+
+    /// Nodes of earlier sections that a node is coupled to, and places of their blocks.
+    #[inline(always)]
+    fn before(&self, i: usize) -> impl Iterator<Item = (usize, usize)> {
+        let row = self.before.start[i] as usize..self.before.start[i + 1] as usize;
+        let places = self.places[row.clone()].iter().map(|&place| place as usize);
+        self.before.items[row].iter().map(|&j| j as usize).zip(places)
+    }
+
+    /// Sum over the blocks of a node with other sections.
+    #[inline(always)]
+    fn beyond(&self, i: usize, v: &[f32x4]) -> f32x4 {
+        self.behind.sum(i, v) + self.behind.transposed(self.before(i).map(|(j, place)| (place, v[j])))
     }
 
     /// Number of nodes.
@@ -215,7 +131,7 @@ impl Smoother {
 
     /// Sweeps backwards: x becomes x - z. Returns r . z.
     pub(super) fn backward(&self, workers: &Workers, r: &[f32x4], [x, z]: [&mut [f32x4]; 2], sums: &mut [f64]) -> f64 {
-        z.fill(f32x4::ZERO);
+        each_section(workers, sections_mut(z), |z| z.fill(f32x4::ZERO));
         self.between(workers, x, |sum, given| *sum = given, z);
         let vectors = sections(r).zip(sections_mut(x)).zip(sections_mut(z)).zip(sums.iter_mut()).enumerate();
         each_section(workers, vectors, |(section, (((r, x), z), sum))| {
@@ -227,7 +143,7 @@ impl Smoother {
     /// A z of a node after [`Smoother::backward`]; `moved` is x - z.
     #[inline(always)]
     pub(super) fn product(&self, i: usize, r: f32x4, moved: &[f32x4]) -> f32x4 {
-        r - self.below.transposed_sum(i, &moved[i - i % SECTION..]) - self.between.sum(i, moved)
+        r - self.below.transposed_sum(i, &moved[i - i % SECTION..]) - self.beyond(i, moved)
     }
 
     /// Takes the sums over blocks between sections into `out`.
@@ -238,13 +154,13 @@ impl Smoother {
         take: impl Fn(&mut f32x4, f32x4) + Sync + Send,
         out: &mut [f32x4],
     ) {
-        if self.between.column.is_empty() {
+        if self.behind.is_empty() {
             return;
         }
         each_section(workers, sections_mut(out).enumerate(), |(section, out)| {
             for (out, i) in out.iter_mut().zip(section * SECTION..) {
-                if self.between.start[i] < self.between.start[i + 1] {
-                    take(out, self.between.sum(i, x));
+                if !(self.behind.columns(i).is_empty() && self.before.row(i as u32).is_empty()) {
+                    take(out, self.beyond(i, x));
                 }
             }
         });

@@ -70,7 +70,7 @@ fn values(pattern: &Pattern, seed: u64) -> Vec<f64> {
 const SEPARATORS: [Range<usize>; 2] = [NODES..NODES, 4..9];
 
 fn system(separator: &Range<usize>) -> PartitionedSystem {
-    PartitionedSystem::new(&Arc::new(pattern()), subdomains(NODES, separator.clone()), Workers::default())
+    PartitionedSystem::of_subdomains(&Arc::new(pattern()), subdomains(NODES, separator.clone()), &Workers::default())
 }
 
 fn all(system: &PartitionedSystem) -> [&SubdomainSystem; 3] {
