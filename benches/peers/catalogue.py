@@ -208,6 +208,15 @@ def newton(s):
     return [("semi-implicit", *steps(s, *VERLET))] if s.stiff <= 10 else []
 
 
+def rapier_cloth(s):
+    # All of order 1. Two sweeps a step are a little cheaper at first, more are not.
+    return [
+        ("xpbd", *steps(s, 10, 20, 50, 100, 200, 500, 1000, 2000)),
+        ("xpbd-2", *steps(s, 10, 20, 30, 50)),
+        ("backward-euler", "step", IMPLICIT),
+    ]
+
+
 def moordyn(s):
     return [("rk2", *steps(s, 20, 40, 80, 160, 320)), ("rk4", *steps(s, *RK4))]
 
@@ -247,7 +256,8 @@ PEERS = [
     Peer("mujoco", python("peer_mujoco.py"), ["mujoco"], mujoco, {"springs", "compression", "membranes"}),
     Peer("newton", python("peer_newton.py"), ["newton"], newton),
     Peer("moordyn", python("peer_moordyn.py"), ["moordyn"], moordyn, {"springs"}),
-    Peer("particle-system-simulator", [], [UNSERVED], lambda s: []),
+    Peer("rapier-cloth", [str(TARGET / "rapier_cloth")], ["rapier_cloth"], rapier_cloth),
+    *(Peer(name, [], [name], lambda s: []) for name in UNSERVED),
 ]
 
 

@@ -1,5 +1,5 @@
-"""Makes everything ready in target/peers: a virtual environment, the C++ programs, canopy-fem. What fails is written
-down with its reason in target/peers/missing.json, and the others run. Standard library only."""
+"""Makes everything ready in target/peers: a virtual environment, the programs in C++ and Rust, canopy-fem. What fails
+is written down with its reason in target/peers/missing.json, and the others run. Standard library only."""
 
 import hashlib
 import json
@@ -16,8 +16,12 @@ PYTHON = TARGET / "venv" / "bin" / "python"
 MISSING = TARGET / "missing.json"
 OURS, PROGRAM = "peer_canopy_fem", "canopy-fem"
 CXX = ["-O3", "-march=native", "-ffast-math", "-fno-finite-math-only", "-std=c++17"]  # a NaN must stay one
+RUST_FLAGS = "-C target-cpu=native"  # as -march=native
 # What no registry serves, and why it is not run.
-UNSERVED = "Particle_System_Simulator"
+UNSERVED = {
+    "particle-system-simulator": "PyPI has no package of it, only a repository",
+    "ppf-contact-solver": "neither PyPI nor crates.io has a package of it, only a repository",
+}
 # Debian's packages that are taken to pieces under target/peers where the system has them not, without being installed.
 DEBS = {"eigen3": "libeigen3-dev", "sundials": "libsundials-dev"}
 SUNDIALS = ["libsundials_arkode", "libsundials_cvode", "libsundials_nvecserial"]
@@ -105,6 +109,14 @@ def compile_cpp(name):
         call([os.environ.get("CXX", "g++"), *flags, source, *libraries, "-o", program])
 
 
+def compile_rust(name):
+    """Compiles the crate in the folder NAME, of the versions in its Cargo.lock, into target/peers."""
+    say(f"{name} (cargo build --release)")
+    flags = {"RUSTFLAGS": RUST_FLAGS, "CARGO_TARGET_DIR": str(TARGET / "rust")}
+    call(["cargo", "build", "--release", "--locked"], cwd=HERE / name, env=os.environ | flags)
+    shutil.copy2(TARGET / "rust" / "release" / name, TARGET / name)
+
+
 def build_ours():
     """canopy-fem, as anybody builds it."""
     say("canopy-fem (cargo build --release)")
@@ -117,9 +129,10 @@ def build_ours():
 def prepare():
     """All of it; writes down what is missing and why."""
     TARGET.mkdir(parents=True, exist_ok=True)
-    missing = {UNSERVED: "PyPI has no package of it, only a repository"}
+    missing = dict(UNSERVED)
     steps = {"environment": environment, OURS: build_ours}
     steps |= {name: lambda name=name: compile_cpp(name) for name in ("plain_cpp", "plain_eigen", "plain_sundials")}
+    steps["rapier_cloth"] = lambda: compile_rust("rapier_cloth")
     for name, step in steps.items():
         try:
             missing |= step() or {}
