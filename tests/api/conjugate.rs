@@ -512,7 +512,7 @@ fn multigrid_on_a_large_stiff_net() {
     let sag = exact.state.x.iter().skip(2).step_by(3).fold(0.0_f64, |most, z| most.max(z.abs()));
     // Newton's last iterations ask for more than single precision has.
     let full = run(&changed(&case, &[("solver.newton.strategy", "full"), ("solver.newton.relative", "1e-11")]));
-    let auto = run(&changed(&case, &[("solver.linear", "auto"), ("time.end", "0.016")]));
+    let auto = run(&changed(&case, &[("solver.linear", "auto"), ("time.end", "0.012")]));
     let (c, linear) = (auto.outcome.counters, auto.outcome.linear.expect("an implicit run"));
     let (told, seen) = (linear.prediction.map(|p| f64::from(p.cg_iterations)), c.cg_iterations / c.linear_solves);
     let well_told = linear.name == "cg" && told.is_some_and(|told| (told / seen as f64 - 1.0).abs() < 0.5);

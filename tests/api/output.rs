@@ -3,6 +3,7 @@
 mod triangle_pair;
 
 use std::path::Path;
+use std::sync::Barrier;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -243,10 +244,11 @@ fn rows_are_complete() {
 #[test]
 fn readable_while_it_runs() {
     let dir = tempfile::tempdir().expect("a folder");
-    let done = AtomicBool::new(false);
+    let (done, ready) = (AtomicBool::new(false), Barrier::new(2));
     let looks = std::thread::scope(|scope| {
         let reader = scope.spawn(|| {
             let mut looks = 0;
+            ready.wait();
             while !done.load(Ordering::Relaxed) {
                 let Ok(text) = std::fs::read_to_string(dir.path().join("pair.pvd")) else { continue };
                 let listed = collection(&text);
@@ -258,6 +260,7 @@ fn readable_while_it_runs() {
             looks
         });
         let all = RecorderSpec { frames_every: Some(0.01), ..spec(dir.path()) };
+        ready.wait();
         record(&TrianglePair::new(), &all, Run { step: 0.005, steps: 200 });
         done.store(true, Ordering::Relaxed);
         reader.join().expect("the reader found every file in order")

@@ -37,7 +37,7 @@ struct BlockSlots {
     stored: u16,
 }
 
-/// [`BlockSlots::stored`] of a block without fixed components beside the diagonal.
+/// [`BlockSlots::stored`] of a block beside the diagonal none of whose components is fixed.
 const WHOLE: u16 = 0x1ff;
 
 impl BlockSlots {

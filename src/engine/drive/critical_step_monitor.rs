@@ -121,9 +121,9 @@ impl<'a> CriticalStepMonitor<'a> {
 
     /// Called after a step: its end, and its size [s] where the end is known.
     fn stepped(&mut self, step: u64, kinetic: f64, end: Option<(&Point, f64)>) {
-        // Chosen by step number, so that a run always does the same work, on any number of threads; at first after
-        // twice as many steps each time, for short runs. A large growth of the kinetic energy may be the beginning of a
-        // divergence.
+        // Chosen by step number, so that a run always does the same work, on any number of threads; at first the
+        // number of steps doubles from one to the next, for short runs. A large growth of the kinetic energy may be the
+        // beginning of a divergence.
         if kinetic > LIVELIER * self.kinetic {
             self.livelier = self.livelier.max(kinetic);
         }

@@ -316,6 +316,10 @@ impl NonlinearProblem for Equations<'_> {
         self.linear.tangents.cg_cost()
     }
 
+    fn with_multigrid(&self) -> bool {
+        self.linear.tangents.with_multigrid()
+    }
+
     fn take_frozen(&mut self) {
         self.linear.mass_weight = Some(self.linear.cache.weights().m);
         self.linear.tangents.take(TangentKind::Frozen);

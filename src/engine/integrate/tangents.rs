@@ -355,6 +355,11 @@ impl Tangents {
         self.frozen.as_ref().map_or(1.0, |factor| factor.linear.cg_cost())
     }
 
+    /// Whether the reused tangent is solved with multigrid.
+    pub(crate) fn with_multigrid(&self) -> bool {
+        self.frozen.as_ref().is_some_and(|factor| factor.linear.with_multigrid())
+    }
+
     /// Factorises the symmetric tangent, or its convex part on request; `None` if the scene reuses none.
     ///
     /// # Errors

@@ -54,13 +54,13 @@ const MOST: [usize; 2] = [200, 20_000];
 /// W x = b by conjugate gradients.
 pub struct ConjugateGradients {
     pattern: Arc<Pattern>,
-    /// made for the first matrix; not kept beside multigrid
+    /// made for a matrix that is tried without multigrid; not kept if that does not serve
     system: Option<PartitionedSystem>,
     /// made for the first matrix that needs it
     multigrid: Option<Multigrid>,
     /// whether the last matrix is solved with multigrid
     with_multigrid: bool,
-    /// whether the next one needs it, as earlier ones did
+    /// whether the next one is not tried without
     needs_multigrid: bool,
     /// whether matrices may be
     multigrid_allowed: bool,
@@ -185,18 +185,14 @@ impl ConjugateGradients {
         self.multigrid_allowed &= allowed;
     }
 
-    /// Whether solves use multigrid.
-    pub(super) fn with_multigrid(&self) -> bool {
-        self.with_multigrid
-    }
-
     fn system(&mut self) -> &mut PartitionedSystem {
         self.system.get_or_insert_with(|| PartitionedSystem::new(&self.pattern, &self.workers))
     }
 
     /// Sets up the incomplete factorisation. Returns whether W may be positive definite; `None` if W needs multigrid.
     fn preconditioned_alone(&mut self, values: &[f64]) -> Option<bool> {
-        if self.multigrid_allowed && self.needs_multigrid {
+        // Of this matrix only: a dropped attempt must leave no trace.
+        if std::mem::take(&mut self.needs_multigrid) && self.multigrid_allowed {
             return None;
         }
         let served = self.system().set_values(values, RELAXATION) && self.relaxation_serves();
@@ -347,8 +343,8 @@ impl LinearSolver for ConjugateGradients {
         let definite = match self.preconditioned_alone(values) {
             Some(definite) => definite,
             None => {
-                // Its memory is for multigrid.
-                (self.tried, self.system) = (None, None);
+                // Multigrid takes its place in memory.
+                self.system = None;
                 let grid = match &mut self.multigrid {
                     Some(grid) => grid,
                     none => none.insert(Multigrid::new(&self.pattern, &self.workers)?),
@@ -362,6 +358,9 @@ impl LinearSolver for ConjugateGradients {
     }
 
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
+        if self.system.is_none() && !self.with_multigrid {
+            return Err(LinearError::Singular { unknown: None });
+        }
         self.iterations = 0;
         let asked = self.accuracy;
         if asked.relative < SINGLE || asked.checked {
@@ -378,6 +377,10 @@ impl LinearSolver for ConjugateGradients {
 
     fn set_expected_use(&mut self, expected: ExpectedUse) {
         self.needs_multigrid = expected.multigrid;
+    }
+
+    fn with_multigrid(&self) -> bool {
+        self.with_multigrid
     }
 
     fn cg_cost(&self) -> f64 {

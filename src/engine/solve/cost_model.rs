@@ -215,9 +215,9 @@ impl AutoSolver {
     }
 
     /// [-] Work of a useful iteration by Cholesky, and the iterations of CG in an average solve that are as much work.
-    fn allowed(&self, elimination: &Elimination) -> [f64; 2] {
+    fn allowed(&self, elimination: &Elimination, with_multigrid: bool) -> [f64; 2] {
         let cholesky_work = COSTS.cholesky(&self.pattern, elimination).with_use(self.expected);
-        let [none, one] = [0.0, 1.0].map(|iterations| self.cg_cost_of(iterations));
+        let [none, one] = [0.0, 1.0].map(|iterations| COSTS.cg(&self.pattern, iterations, with_multigrid));
         let one = one.iteration - none.iteration;
         let allowed = Cost::iteration_for(none.setup, self.expected, cholesky_work) - none.iteration;
         [cholesky_work, allowed / one]
@@ -259,9 +259,10 @@ impl AutoSolver {
     /// # Errors
     /// An indefinite W, or as [`LinearSolver::factor`].
     fn compare(&mut self, values: &[f64]) -> Result<Option<Prediction>, LinearError> {
-        let counted =
-            |solver: &Self| solver.elimination.as_ref().map(|e| (solver.allowed(e), e.nonzeros, e.operations));
-        let found = counted(self);
+        let counted = |solver: &Self, with_multigrid| {
+            solver.elimination.as_ref().map(|e| (solver.allowed(e, with_multigrid), e.nonzeros, e.operations))
+        };
+        let found = counted(self, self.expected.multigrid);
         let seen = Some(self.expected.cg_iterations).filter(|seen| *seen > 0.0);
         let far_apart = found.is_some() && self.stiffnesses_far_apart(values);
         let dearer = far_apart || seen.zip(found).is_some_and(|(seen, ([_, allowed], ..))| seen > allowed);
@@ -269,7 +270,9 @@ impl AutoSolver {
             return Err(LinearError::Indefinite { iterations: 0 });
         }
         // Now it is known whether multigrid is needed.
-        let Some(([cholesky_work, mut allowed], factor_nonzeros, factor_operations)) = counted(self) else {
+        let with_multigrid = if dearer { self.expected.multigrid } else { self.cg.with_multigrid() };
+        let counted = counted(self, with_multigrid);
+        let Some(([cholesky_work, mut allowed], factor_nonzeros, factor_operations)) = counted else {
             return Ok(None);
         };
         let cost = self.cg.cg_cost();
@@ -277,7 +280,6 @@ impl AutoSolver {
             Some(seen) => (seen, !dearer),
             None if far_apart => (allowed, false),
             None => {
-                let with_multigrid = self.cg.with_multigrid();
                 let (twice, doubt) = if with_multigrid { (MULTIGRID_TRIAL * cost, 1.0) } else { (2.0 * EASIER, DOUBT) };
                 allowed *= doubt;
                 match self.cg.trial_solve((allowed / twice).clamp(0.0, f64::from(u32::MAX)) as u32) {
@@ -379,6 +381,10 @@ impl LinearSolver for AutoSolver {
         let seen = expected.cg_iterations;
         let (Some(e), true, true) = (&self.elimination, seen > 0.0, self.iterates) else { return false };
         COSTS.cholesky(&self.pattern, e).with_use(expected) < self.cg_cost_of(seen).with_use(expected)
+    }
+
+    fn with_multigrid(&self) -> bool {
+        self.iterates && self.cg.with_multigrid()
     }
 
     fn cg_cost(&self) -> f64 {

@@ -98,7 +98,7 @@ pub struct ExpectedUse {
     /// [-] iterations of conjugate gradients in an average solve, each counted as [`LinearSolver::cg_cost`]; 0 before
     /// any was seen
     pub cg_iterations: f64,
-    /// whether these solves needed multigrid, so that other preconditioners are not tried
+    /// whether the solves seen needed multigrid; conjugate gradients without it are then not tried
     pub multigrid: bool,
     /// [-] useful Newton iterations that are to come in the run; infinite if its end is not known
     pub left: f64,
@@ -273,6 +273,11 @@ pub trait LinearSolver: Send {
     /// [-] Cost of an iteration of conjugate gradients with the last matrix over one without multigrid.
     fn cg_cost(&self) -> f64 {
         1.0
+    }
+
+    /// Whether the last matrix is solved by conjugate gradients with multigrid.
+    fn with_multigrid(&self) -> bool {
+        false
     }
 
     /// Work since construction.

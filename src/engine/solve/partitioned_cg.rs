@@ -131,7 +131,7 @@ pub(super) struct PartitionedSystem {
 }
 
 impl PartitionedSystem {
-    /// Zeros, for matrices of a pattern.
+    /// For matrices of a pattern, cut where that pays.
     pub(super) fn new(pattern: &Arc<Pattern>, workers: &Workers) -> Self {
         let node = pattern.node_of_unknown();
         Self::of_subdomains(pattern, cut(pattern, &node), workers)

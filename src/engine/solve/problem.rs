@@ -92,6 +92,11 @@ pub trait NonlinearProblem {
         1.0
     }
 
+    /// Whether the reused matrix is solved with multigrid ([`super::LinearSolver::with_multigrid`]).
+    fn with_multigrid(&self) -> bool {
+        false
+    }
+
     /// Makes [`NonlinearProblem::solve`] use the factor of the last [`NonlinearProblem::freeze`], which may be from an
     /// earlier step.
     fn take_frozen(&mut self) {}

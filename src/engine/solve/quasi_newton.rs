@@ -28,8 +28,8 @@ const MOST_FACTORS: u32 = 8;
 /// The same where the mixed iteration can take over.
 const FEW_FACTORS: u32 = 2;
 /// [-] Cost of an average solve with multigrid, in iterations without it, up to which the next matrix is tried without:
-/// that of some four iterations, which matrices take that hardly need it.
-const EASY_SOLVE: f64 = 16.0;
+/// that of two iterations, as matrices take that hardly need it.
+const EASY_SOLVE: f64 = 8.0;
 /// Maximum number of steps before what has failed is tried again.
 const LONGEST_REST: u32 = 64;
 /// Statistics of the use of a frozen factor.
@@ -341,7 +341,7 @@ impl Iteration<'_> {
             self.frozen.cg_solves = self.frozen.cg_solves.saturating_add(1);
             let cost = (iterations as f64 * self.problem.cg_cost()).round() as u32;
             self.frozen.cg_iterations = self.frozen.cg_iterations.saturating_add(cost);
-            self.frozen.multigrid = self.problem.cg_cost() > 1.0;
+            self.frozen.multigrid = self.problem.with_multigrid();
         }
         dz.iter_mut().for_each(|dz| *dz = -*dz);
         self.newton.keep_apart(self.problem, z);

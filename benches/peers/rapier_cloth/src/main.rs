@@ -66,7 +66,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// [N/m] That of all springs: stitches have one.
+    /// [N/m] The one stiffness of all springs, as all stitches share one.
     fn stiffness(&self) -> Result<f64, Any> {
         let [_, _, k, ..] = *self.springs.first().ok_or("the scene has no springs")?;
         if self.springs.iter().any(|s| s[2] != k || s[4] != 0.0) {

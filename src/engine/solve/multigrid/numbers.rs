@@ -6,7 +6,7 @@ use crate::mesh::adjacency::Adjacency;
 use nalgebra::Matrix3;
 use std::cmp::Ordering;
 
-/// Columns of a coarse matrix that a thread makes at a time.
+/// Columns in a section of a coarse matrix.
 pub(super) const COLUMNS: usize = 2_048;
 
 /// A symmetric matrix, by columns of its lower triangle.
@@ -84,7 +84,7 @@ impl CoarseNumbers {
         CoarseNumbers { blocks: vec![Matrix3::zeros(); rows.items.len()], rows }
     }
 
-    /// [`COLUMNS`] columns at a time, to write.
+    /// The columns of every section, to write.
     pub(super) fn sections_mut(&mut self) -> impl ExactSizeIterator<Item = ColumnsMut<'_>> + Send {
         let CoarseNumbers { rows, blocks } = self;
         row_sections(&rows.start, COLUMNS, blocks).map(|(first, blocks)| ColumnsMut { rows, first, blocks })
@@ -102,7 +102,7 @@ impl Numbers for CoarseNumbers {
     }
 }
 
-/// Some columns of a coarse matrix, to write.
+/// The columns of a section, to write.
 pub(super) struct ColumnsMut<'a> {
     rows: &'a Adjacency,
     /// the first of them
@@ -118,8 +118,7 @@ impl ColumnsMut<'_> {
     /// Adds a block and its transpose, of which the matrix stores what is not above its diagonal, if it is here.
     pub(super) fn add_both(&mut self, row: u32, column: u32, block: impl FnOnce() -> Matrix3<f64>) {
         let (low, high) = (row.min(column), row.max(column));
-        let here = (low as usize).checked_sub(self.first).filter(|column| *column < COLUMNS);
-        if here.is_none() {
+        if !(self.first..self.first + COLUMNS).contains(&(low as usize)) {
             return;
         }
         let start = (self.rows.start[low as usize] - self.rows.start[self.first]) as usize;

@@ -42,9 +42,8 @@ pub(super) fn aggregates(around: &Adjacency) -> (Vec<u32>, usize) {
     (aggregate, count as usize)
 }
 
-/// For every [`COLUMNS`] columns of the coarse matrix the nodes whose column of A has a part in them. `rows` are the
-/// aggregates that move a node.
-fn parts(around: &Adjacency, rows: &Adjacency, count: usize) -> Adjacency {
+/// The nodes whose column of A adds to every section of the coarse matrix. `rows` are the aggregates that move a node.
+fn reaching(around: &Adjacency, rows: &Adjacency, count: usize) -> Adjacency {
     let (mut pairs, mut met) = (Vec::new(), Vec::new());
     for g in 0..around.rows() as u32 {
         met.clear();
@@ -70,8 +69,8 @@ pub(super) struct Prolongation {
     /// the nodes that every aggregate moves, with the places of their blocks
     members: Adjacency,
     places: Vec<u32>,
-    /// the nodes whose column of A has a part in some columns of the coarse matrix
-    parts: Adjacency,
+    /// the nodes whose column of A adds to every section of the coarse matrix
+    reaching: Adjacency,
 }
 
 impl Prolongation {
@@ -92,8 +91,8 @@ impl Prolongation {
         let members = Adjacency::new(count, met.iter().copied().zip(nodes));
         let places = Adjacency::new(count, places).items;
         let rows = Adjacency { start, items: met };
-        let parts = parts(around, &rows, count);
-        Prolongation { aggregate, rows: BlockRows::new(rows), members, places, parts }
+        let reaching = reaching(around, &rows, count);
+        Prolongation { aggregate, rows: BlockRows::new(rows), members, places, reaching }
     }
 
     /// Number of aggregates.
@@ -165,7 +164,7 @@ impl Prolongation {
             coarse.clear();
             // A column of P^T H.
             let mut column: Vec<(u32, Matrix3<f64>)> = Vec::new();
-            for &g in self.parts.row(section as u32) {
+            for &g in self.reaching.row(section as u32) {
                 column.clear();
                 matrix.column(g, |h, entry| {
                     let entry = if h == g { entry * 0.5 } else { *entry };

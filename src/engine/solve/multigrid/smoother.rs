@@ -6,8 +6,8 @@
 //! ```
 //! The first and the second after it are one symmetric sweep. Nodes are divided into sections. A sweep goes through
 //! every section by itself, on any thread, and takes what lies between sections from where it began, so that its bits
-//! do not depend on the number of threads. Only blocks below the diagonal are stored: a row is read once to take from
-//! the nodes before it and to give to them.
+//! do not depend on the number of threads. Every block is stored once, with its transpose: in a section a row is read
+//! once to take from the nodes before it and to give to them.
 
 use super::super::bsr::{columns, times};
 use super::block_rows::{BlockRows, SECTION, each_section, sections, sections_mut};
@@ -57,8 +57,8 @@ impl Smoother {
         let Smoother { below, behind, inverse, .. } = self;
         let well = AtomicBool::new(true);
         let (inverse, _) = inverse.as_chunks_mut::<9>();
-        let parts = below.sections_mut().zip(behind.sections_mut()).zip(sections_mut(inverse)).enumerate();
-        each_section(workers, parts, |(section, ((mut below, mut behind), inverse))| {
+        let rows = below.sections_mut().zip(behind.sections_mut()).zip(sections_mut(inverse)).enumerate();
+        each_section(workers, rows, |(section, ((mut below, mut behind), inverse))| {
             let first = section * SECTION;
             for (g, inverse) in (first..).zip(inverse) {
                 matrix.column(g as u32, |h, block| {
