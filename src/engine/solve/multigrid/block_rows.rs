@@ -4,8 +4,9 @@ use super::super::bsr::{columns, times};
 use crate::mesh::adjacency::Adjacency;
 use crate::model::workers::Workers;
 use nalgebra::Matrix3;
-use rayon::iter::{ParallelBridge, ParallelIterator};
+use rayon::ThreadPool;
 use std::ops::Range;
+use std::sync::Mutex;
 use wide::f32x4;
 
 /// Rows of a section.
@@ -14,13 +15,18 @@ pub(super) const SECTION: usize = 16_384;
 /// Does the work on all sections, on the threads of `workers`.
 pub(super) fn each_section<T: Send>(
     workers: &Workers,
-    sections: impl ExactSizeIterator<Item = T> + Send,
-    work: impl Fn(T) + Send + Sync,
+    mut sections: impl ExactSizeIterator<Item = T> + Send,
+    work: impl Fn(T) + Sync,
 ) {
-    match workers.pool().filter(|_| sections.len() > 1) {
-        None => sections.for_each(work),
-        Some(pool) => pool.install(|| sections.par_bridge().for_each(work)),
-    }
+    let Some(pool) = workers.pool().filter(|_| sections.len() > 1) else { return sections.for_each(work) };
+    let left = Mutex::new(&mut sections);
+    let next = || left.lock().ok().and_then(|mut left| left.next());
+    on_all_threads(pool, &|| std::iter::from_fn(next).for_each(&work));
+}
+
+/// Not generic: one copy of what shares out work serves all loops.
+fn on_all_threads(pool: &ThreadPool, work: &(dyn Fn() + Sync)) {
+    pool.scope(|scope| (0..pool.current_num_threads()).for_each(|_| scope.spawn(|_| work())));
 }
 
 /// The sections of a vector.
