@@ -131,7 +131,7 @@ impl BlockRows {
 
     /// Sum of transposed blocks, by their places, times vectors.
     #[inline(always)]
-    pub(super) fn transposed(&self, of: impl Iterator<Item = (usize, f32x4)>) -> f32x4 {
+    fn transposed(&self, of: impl Iterator<Item = (usize, f32x4)>) -> f32x4 {
         let [mut x, mut y, mut z] = [f32x4::ZERO; 3];
         for (place, v) in of {
             let [a, b, c] = columns(&self.numbers[9 * place..=9 * place + 9]);
@@ -141,6 +141,51 @@ impl BlockRows {
         }
         let [x, y, z, _] = f32x4::transpose([x, y, z, z]);
         x + y + z
+    }
+}
+
+/// Where the blocks of every column of [`BlockRows`] are.
+#[derive(Debug)]
+pub(super) struct Columns {
+    /// rows of every column, ascending
+    rows: Adjacency,
+    /// the places of their blocks
+    places: Vec<u32>,
+}
+
+impl Columns {
+    /// Of `count` columns of blocks by `rows`.
+    pub(super) fn new(rows: &Adjacency, count: usize) -> Self {
+        let places = (0..).zip(&rows.items).map(|(place, &column)| (column, place));
+        let of_places = (0..rows.rows() as u32).flat_map(|i| rows.row(i).iter().map(move |_| i));
+        Columns {
+            rows: Adjacency::new(count, rows.items.iter().copied().zip(of_places)),
+            places: Adjacency::new(count, places).items,
+        }
+    }
+
+    /// Number of columns.
+    pub(super) fn count(&self) -> usize {
+        self.rows.rows()
+    }
+
+    /// The rows of a column.
+    pub(super) fn rows(&self, column: usize) -> &[u32] {
+        self.rows.row(column as u32)
+    }
+
+    /// The rows of a column and the places of their blocks.
+    #[inline(always)]
+    pub(super) fn places(&self, column: usize) -> impl Iterator<Item = (usize, usize)> {
+        let own = self.rows.start[column] as usize..self.rows.start[column + 1] as usize;
+        let places = self.places[own.clone()].iter().map(|&place| place as usize);
+        self.rows.items[own].iter().map(|&row| row as usize).zip(places)
+    }
+
+    /// Sum of the transposed blocks of a column, which are in `blocks`, times v.
+    #[inline(always)]
+    pub(super) fn transposed_sum(&self, blocks: &BlockRows, column: usize, v: &[f32x4]) -> f32x4 {
+        blocks.transposed(self.places(column).map(|(row, place)| (place, v[row])))
     }
 }
 

@@ -5,7 +5,7 @@
 //! ```
 //! with the matrix of the coarse level P^T A P.
 
-use super::block_rows::{BlockRows, SECTION, each_section, sections_mut};
+use super::block_rows::{BlockRows, Columns, SECTION, each_section, sections_mut};
 use super::numbers::{COLUMNS, CoarseNumbers, Numbers};
 use super::smoother::Smoother;
 use crate::mesh::adjacency::Adjacency;
@@ -66,9 +66,8 @@ pub(super) struct Prolongation {
     aggregate: Vec<u32>,
     /// blocks of P: of a node, the aggregates that it and its neighbours are in, ascending
     rows: BlockRows,
-    /// the nodes that every aggregate moves, with the places of their blocks
-    members: Adjacency,
-    places: Vec<u32>,
+    /// the nodes that every aggregate moves
+    members: Columns,
     /// the nodes whose column of A adds to every section of the coarse matrix
     reaching: Adjacency,
 }
@@ -86,18 +85,14 @@ impl Prolongation {
             met.extend_from_slice(&of_node);
             start.push(met.len() as u32);
         }
-        let places = (0..).zip(&met).map(|(k, &a)| (a, k));
-        let nodes = (0..).zip(start.windows(2)).flat_map(|(i, row)| (row[0]..row[1]).map(move |_| i));
-        let members = Adjacency::new(count, met.iter().copied().zip(nodes));
-        let places = Adjacency::new(count, places).items;
         let rows = Adjacency { start, items: met };
-        let reaching = reaching(around, &rows, count);
-        Prolongation { aggregate, rows: BlockRows::new(rows), members, places, reaching }
+        let (members, reaching) = (Columns::new(&rows, count), reaching(around, &rows, count));
+        Prolongation { aggregate, rows: BlockRows::new(rows), members, reaching }
     }
 
     /// Number of aggregates.
     pub(super) fn count(&self) -> usize {
-        self.members.rows()
+        self.members.count()
     }
 
     /// [m] The middles of the aggregates of nodes at `position`.
@@ -117,7 +112,7 @@ impl Prolongation {
         let mut found = Adjacency { start: vec![0], items: Vec::new() };
         for a in 0..self.count() as u32 {
             let first = found.items.len();
-            for &j in self.members.row(a).iter().flat_map(|&i| around.row(i)) {
+            for &j in self.members.rows(a as usize).iter().flat_map(|&i| around.row(i)) {
                 for &b in self.rows.columns(j as usize) {
                     if b >= a && last[b as usize] != a {
                         last[b as usize] = a;
@@ -199,9 +194,7 @@ impl Prolongation {
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn restrict(up: &Prolongation, first: usize, coarse: &mut [f32x4], v: &[f32x4]) {
     for (sum, a) in coarse.iter_mut().zip(first..) {
-        let members = up.members.start[a] as usize..up.members.start[a + 1] as usize;
-        let nodes = up.members.items[members.clone()].iter().map(|&i| v[i as usize]);
-        *sum = up.rows.transposed(up.places[members].iter().map(|&k| k as usize).zip(nodes));
+        *sum = up.members.transposed_sum(&up.rows, a, v);
     }
 }
 

@@ -10,7 +10,7 @@
 //! once to take from the nodes before it and to give to them.
 
 use super::super::bsr::{columns, times};
-use super::block_rows::{BlockRows, SECTION, each_section, sections, sections_mut};
+use super::block_rows::{BlockRows, Columns, SECTION, each_section, sections, sections_mut};
 use super::numbers::Numbers;
 use crate::mesh::adjacency::Adjacency;
 use crate::model::workers::Workers;
@@ -26,10 +26,8 @@ pub(super) struct Smoother {
     below: BlockRows,
     /// blocks of every node with those of later sections
     behind: BlockRows,
-    /// nodes of earlier sections that every node is coupled to
-    before: Adjacency,
-    /// and the places of their blocks in `behind`
-    places: Vec<u32>,
+    /// columns of `behind`: blocks of every node with those of earlier sections
+    before: Columns,
     /// D^-1, as the numbers of [`BlockRows`]; 0 at fixed components
     inverse: Vec<f32>,
 }
@@ -42,12 +40,11 @@ impl Smoother {
         let pairs = (0..n as u32).flat_map(|g| lower.row(g).iter().map(move |&h| (g, h))).filter(|(g, h)| g != h);
         let inside = pairs.clone().filter(one_section).map(|(g, h)| (h, g % SECTION as u32));
         let between = pairs.filter(move |pair| !one_section(pair));
-        let places = (0..).zip(between.clone()).map(|(place, (_, h))| (h, place));
+        let behind = Adjacency::new(n, between);
         Smoother {
             below: BlockRows::new(Adjacency::new(n, inside)),
-            before: Adjacency::new(n, between.clone().map(|(g, h)| (h, g))),
-            places: Adjacency::new(n, places).items,
-            behind: BlockRows::new(Adjacency::new(n, between)),
+            before: Columns::new(&behind, n),
+            behind: BlockRows::new(behind),
             inverse: vec![0.0; 9 * n + 1],
         }
     }
@@ -89,22 +86,14 @@ impl Smoother {
                 found(j, i, &block);
             }
             self.behind.blocks(i).for_each(|(j, block)| found(i, j as usize, &block));
-            self.before(i).for_each(|(j, place)| found(i, j, &self.behind.block(place).transpose()));
+            self.before.places(i).for_each(|(j, place)| found(i, j, &self.behind.block(place).transpose()));
         }
-    }
-
-    /// Nodes of earlier sections that a node is coupled to, and places of their blocks.
-    #[inline(always)]
-    fn before(&self, i: usize) -> impl Iterator<Item = (usize, usize)> {
-        let row = self.before.start[i] as usize..self.before.start[i + 1] as usize;
-        let places = self.places[row.clone()].iter().map(|&place| place as usize);
-        self.before.items[row].iter().map(|&j| j as usize).zip(places)
     }
 
     /// Sum over the blocks of a node with other sections.
     #[inline(always)]
     fn beyond(&self, i: usize, v: &[f32x4]) -> f32x4 {
-        self.behind.sum(i, v) + self.behind.transposed(self.before(i).map(|(j, place)| (place, v[j])))
+        self.behind.sum(i, v) + self.before.transposed_sum(&self.behind, i, v)
     }
 
     /// Number of nodes.
@@ -159,7 +148,7 @@ impl Smoother {
         }
         each_section(workers, sections_mut(out).enumerate(), |(section, out)| {
             for (out, i) in out.iter_mut().zip(section * SECTION..) {
-                if !(self.behind.columns(i).is_empty() && self.before.row(i as u32).is_empty()) {
+                if !(self.behind.columns(i).is_empty() && self.before.rows(i).is_empty()) {
                     take(out, self.beyond(i, x));
                 }
             }
