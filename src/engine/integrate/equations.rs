@@ -277,6 +277,10 @@ impl NonlinearProblem for Equations<'_> {
         self.linear.tangents.symmetric()
     }
 
+    fn set_expected_use(&mut self, expected: Option<ExpectedUse>) {
+        self.linear.tangents.set_expected_use(expected);
+    }
+
     fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError> {
         let w = self.weights();
         self.linear.mass_weight = Some(w.m);

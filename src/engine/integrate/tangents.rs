@@ -41,11 +41,21 @@ impl Factor {
         Ok(Factor { assembler, linear })
     }
 
-    /// Factorises the assembled matrix; an indefinite one only if it need not be `symmetric` and definite.
-    fn factorise(&mut self, symmetric: bool, counters: &mut Counters) -> Result<Inertia, LinearError> {
+    /// Factorises the assembled matrix; an indefinite one only if it need not be `symmetric` and definite. With an
+    /// expected use it may be left to conjugate gradients.
+    fn factorise(
+        &mut self,
+        symmetric: bool,
+        (convex, expected): (bool, Option<ExpectedUse>),
+        counters: &mut Counters,
+    ) -> Result<Inertia, LinearError> {
         interrupt::check()?;
         let (values, before) = (self.assembler.values(), self.linear.work());
-        let made = if symmetric { self.linear.factor_definite(values) } else { self.linear.factor(values) };
+        let made = match expected {
+            _ if !symmetric => self.linear.factor(values),
+            Some(expected) => self.linear.factor_once(values, convex, expected),
+            None => self.linear.factor_definite(values),
+        };
         counters.tangent_assemblies += 1;
         count(counters, before, self.linear.work());
         made
@@ -108,6 +118,8 @@ fn count(counters: &mut Counters, before: SolverWork, after: SolverWork) {
 pub(super) enum TangentKind {
     Exact,
     Frozen,
+    /// that of the mixed iteration, in the memory of the reused one
+    Mixed,
 }
 
 /// The rank-one parts of an exact tangent, one after the other (Sherman & Morrison 1950):
@@ -195,6 +207,8 @@ pub(crate) struct Tangents {
     frozen: Option<Factor>,
     /// the factor that solves use
     current: TangentKind,
+    /// expected use of a matrix that is solved with once
+    expected: Option<ExpectedUse>,
     /// degree of freedom of every unknown
     pub dof: Arc<[u32]>,
 }
@@ -233,6 +247,7 @@ impl Tangents {
             exact,
             frozen,
             current: TangentKind::Exact,
+            expected: None,
             dof,
         })
     }
@@ -275,6 +290,11 @@ impl Tangents {
         self.symmetric
     }
 
+    /// Sets what use a matrix that is solved with once may expect of conjugate gradients; without it it is factorised.
+    pub(super) fn set_expected_use(&mut self, expected: Option<ExpectedUse>) {
+        self.expected = expected;
+    }
+
     /// Makes further solves use this tangent.
     pub(super) fn take(&mut self, which: TangentKind) {
         self.current = which;
@@ -308,7 +328,9 @@ impl Tangents {
             Curvature::Exact => system.assemble(at, w, &mut factor.assembler),
             Curvature::Convex => system.assemble_convex(at, w, &mut factor.assembler),
         }
-        let inertia = factor.factorise(symmetric, counters)?;
+        // Its rank-one parts need exact solves.
+        let expected = self.expected.filter(|_| system.rank_ones() == 0);
+        let inertia = factor.factorise(symmetric, (curvature == Curvature::Convex, expected), counters)?;
         self.rank_ones.find((system, system.rank_ones()), (at, w), &self.dof, factor, counters)?;
         Ok(inertia)
     }
@@ -326,15 +348,16 @@ impl Tangents {
     ) -> Result<Inertia, LinearError> {
         self.fit(system)?;
         let reused = self.frozen.is_some() && !self.symmetric;
-        self.current = if reused { TangentKind::Frozen } else { TangentKind::Exact };
+        self.current = if reused { TangentKind::Mixed } else { TangentKind::Exact };
         let slot = if self.frozen.is_some() { &mut self.frozen } else { &mut self.exact };
         let Some(factor) = slot else { return Err(LinearError::Singular { unknown: None }) };
         mixed.assemble_mixed(at, w, MixedForm { symmetric: reused, ..form }, &mut factor.assembler);
-        let inertia = factor.factorise(reused || self.symmetric, counters)?;
         let (parts, number) = match reused {
             true => (&mut self.kept_parts, system.kept_parts()),
             false => (&mut self.rank_ones, system.rank_ones()),
         };
+        let expected = self.expected.filter(|_| number == 0);
+        let inertia = factor.factorise(reused || self.symmetric, (form.convex, expected), counters)?;
         parts.find((system, number), (at, w), &self.dof, factor, counters)?;
         Ok(inertia)
     }
@@ -399,7 +422,12 @@ impl Tangents {
     pub(crate) fn solve(&mut self, b: &mut [f64], counters: &mut Counters) -> Result<(), LinearError> {
         let Some(factor) = self.in_use() else { return Err(LinearError::Singular { unknown: None }) };
         interrupt::check()?;
+        let before = counters.factorizations;
         let solved = factor.solve(b, counters);
+        if counters.factorizations > before {
+            // Conjugate gradients were given up: they would be for the next matrix, too.
+            self.expected = None;
+        }
         let parts = if self.current == TangentKind::Exact { &self.rank_ones } else { &self.kept_parts };
         parts.correct(b);
         solved
@@ -408,7 +436,7 @@ impl Tangents {
     /// The factor that solves use.
     fn in_use(&mut self) -> Option<&mut Factor> {
         let shared = self.symmetric && self.frozen.is_some();
-        if shared || self.current == TangentKind::Frozen { self.frozen.as_mut() } else { self.exact.as_mut() }
+        if shared || self.current != TangentKind::Exact { self.frozen.as_mut() } else { self.exact.as_mut() }
     }
 
     /// Whether solves use this tangent.

@@ -185,6 +185,10 @@ impl ConjugateGradients {
         self.multigrid_allowed &= allowed;
     }
 
+    pub(super) fn multigrid_is_allowed(&self) -> bool {
+        self.multigrid_allowed
+    }
+
     fn system(&mut self) -> &mut PartitionedSystem {
         self.system.get_or_insert_with(|| PartitionedSystem::new(&self.pattern, &self.workers))
     }

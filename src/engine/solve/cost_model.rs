@@ -21,6 +21,8 @@ const EASIER: f64 = 0.65;
 /// [-] Iterations of an average solve over those of the trial where a matrix needs multigrid. There all right-hand
 /// sides take about as many.
 const MULTIGRID_TRIAL: f64 = 1.7;
+/// [-] Iterations of a solve with an exact tangent over those of one with a reused matrix, of which less is asked.
+const EXACT: f64 = 1.5;
 /// [-] Without multigrid the first matrix gets CG even if the trial predicts this many times the affordable iterations.
 /// CG costs little to set up and real solves soon show if it is dearer; the cost of an unneeded factor is lost.
 const DOUBT: f64 = 1.3;
@@ -169,6 +171,8 @@ pub struct AutoSolver {
     factored: bool,
     /// whether CG has given up a solve with it
     given_up: bool,
+    /// whether the last matrix is known to be definite, so that what looks otherwise in a solve is rounding
+    definite: bool,
     /// the largest diagonal entry of every node, to find the median
     diagonal: Vec<f64>,
     prediction: Option<Prediction>,
@@ -197,6 +201,7 @@ impl AutoSolver {
             iterates: false,
             factored: false,
             given_up: false,
+            definite: false,
             diagonal: Vec::new(),
             prediction: None,
             accuracy: Accuracy::of_reused(),
@@ -215,11 +220,11 @@ impl AutoSolver {
     }
 
     /// [-] Work of a useful iteration by Cholesky, and the iterations of CG in an average solve that are as much work.
-    fn allowed(&self, elimination: &Elimination, with_multigrid: bool) -> [f64; 2] {
-        let cholesky_work = COSTS.cholesky(&self.pattern, elimination).with_use(self.expected);
+    fn allowed(&self, elimination: &Elimination, with_multigrid: bool, expected: ExpectedUse) -> [f64; 2] {
+        let cholesky_work = COSTS.cholesky(&self.pattern, elimination).with_use(expected);
         let [none, one] = [0.0, 1.0].map(|iterations| COSTS.cg(&self.pattern, iterations, with_multigrid));
         let one = one.iteration - none.iteration;
-        let allowed = Cost::iteration_for(none.setup, self.expected, cholesky_work) - none.iteration;
+        let allowed = Cost::iteration_for(none.setup, expected, cholesky_work) - none.iteration;
         [cholesky_work, allowed / one]
     }
 
@@ -254,23 +259,28 @@ impl AutoSolver {
     }
 
     /// Compares Cholesky with CG, which is set up unless it is known to be dearer: by the iterations of earlier solves
-    /// or, without any, by a trial that runs as long as CG may be cheaper.
+    /// or, without any, by a trial that runs as long as CG may be cheaper. Solves take `harder` [-] times as many.
     ///
     /// # Errors
     /// An indefinite W, or as [`LinearSolver::factor`].
-    fn compare(&mut self, values: &[f64]) -> Result<Option<Prediction>, LinearError> {
+    fn compare(
+        &mut self,
+        values: &[f64],
+        expected: ExpectedUse,
+        harder: f64,
+    ) -> Result<Option<Prediction>, LinearError> {
         let counted = |solver: &Self, with_multigrid| {
-            solver.elimination.as_ref().map(|e| (solver.allowed(e, with_multigrid), e.nonzeros, e.operations))
+            solver.elimination.as_ref().map(|e| (solver.allowed(e, with_multigrid, expected), e.nonzeros, e.operations))
         };
-        let found = counted(self, self.expected.multigrid);
-        let seen = Some(self.expected.cg_iterations).filter(|seen| *seen > 0.0);
+        let found = counted(self, expected.multigrid);
+        let seen = Some(harder * expected.cg_iterations).filter(|seen| *seen > 0.0);
         let far_apart = found.is_some() && self.stiffnesses_far_apart(values);
         let dearer = far_apart || seen.zip(found).is_some_and(|(seen, ([_, allowed], ..))| seen > allowed);
         if !dearer && self.cg.factor(values)? == Inertia::Indefinite {
             return Err(LinearError::Indefinite { iterations: 0 });
         }
         // Now it is known whether multigrid is needed.
-        let with_multigrid = if dearer { self.expected.multigrid } else { self.cg.with_multigrid() };
+        let with_multigrid = if dearer { expected.multigrid } else { self.cg.with_multigrid() };
         let counted = counted(self, with_multigrid);
         let Some(([cholesky_work, mut allowed], factor_nonzeros, factor_operations)) = counted else {
             return Ok(None);
@@ -280,7 +290,8 @@ impl AutoSolver {
             Some(seen) => (seen, !dearer),
             None if far_apart => (allowed, false),
             None => {
-                let (twice, doubt) = if with_multigrid { (MULTIGRID_TRIAL * cost, 1.0) } else { (2.0 * EASIER, DOUBT) };
+                let (each, doubt) = if with_multigrid { (MULTIGRID_TRIAL * cost, 1.0) } else { (2.0 * EASIER, DOUBT) };
+                let twice = harder * each;
                 allowed *= doubt;
                 match self.cg.trial_solve((allowed / twice).clamp(0.0, f64::from(u32::MAX)) as u32) {
                     Ok(iterations) => (twice * f64::from(iterations), true),
@@ -292,7 +303,7 @@ impl AutoSolver {
                 }
             }
         };
-        let cg_work = self.cg_cost_of(iterations).with_use(self.expected);
+        let cg_work = self.cg_cost_of(iterations).with_use(expected);
         let shown = iterations.min(if cg_converged { f64::INFINITY } else { allowed.max(0.0) });
         let cg_iterations = (shown / cost).round() as u32;
         Ok(Some(Prediction {
@@ -318,10 +329,25 @@ impl LinearSolver for AutoSolver {
         self.direct()?.factor_definite(values)
     }
 
+    fn factor_once(&mut self, values: &[f64], definite: bool, expected: ExpectedUse) -> Result<Inertia, LinearError> {
+        if !self.cg.multigrid_is_allowed() {
+            return self.factor_definite(values);
+        }
+        (self.iterates, self.factored, self.given_up, self.definite) = (false, false, false, definite);
+        self.cg.set_expected_use(expected);
+        let once = ExpectedUse { reuse: f64::INFINITY, left: 1.0, ..expected };
+        match self.compare(values, once, EXACT) {
+            Err(LinearError::Indefinite { .. }) if !definite => return Ok(Inertia::Indefinite),
+            Err(error @ LinearError::Interrupted(_)) => return Err(error),
+            found => self.iterates = found.is_ok_and(|found| found.is_some_and(|p| p.cg_converged)),
+        }
+        if self.iterates { Ok(Inertia::Unknown) } else { self.factor_definite(values) }
+    }
+
     fn choose(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         let before = (self.iterates, self.prediction.is_some());
-        (self.iterates, self.factored, self.given_up) = (false, false, false);
-        match self.compare(values) {
+        (self.iterates, self.factored, self.given_up, self.definite) = (false, false, false, false);
+        match self.compare(values, self.expected, 1.0) {
             Err(LinearError::Indefinite { .. }) => return Ok(Inertia::Indefinite),
             found => self.prediction = found?,
         }
@@ -354,6 +380,7 @@ impl LinearSolver for AutoSolver {
                 match self.cg.solve_within(most, values, b) {
                     // This right-hand side is harder than that of the trial.
                     Err(LinearError::Stalled { .. }) => self.given_up = true,
+                    Err(LinearError::Indefinite { .. }) if self.definite => self.given_up = true,
                     solved => return solved,
                 }
             }

@@ -220,6 +220,17 @@ pub trait LinearSolver: Send {
         self.factor(values)
     }
 
+    /// The same for a W that one right-hand side is solved for. Where that is less counted work, by the use `expected`
+    /// that reused matrices have, it is left to conjugate gradients: that W is indefinite then shows only in the solve.
+    /// What looks so in a W that is known to be `definite` is rounding, and it is factorised.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::factor`].
+    fn factor_once(&mut self, values: &[f64], definite: bool, expected: ExpectedUse) -> Result<Inertia, LinearError> {
+        let _ = (definite, expected);
+        self.factor_definite(values)
+    }
+
     /// The same for a W that is reused over many solves, each with relative residual [`REUSED_RELATIVE`].
     ///
     /// # Errors

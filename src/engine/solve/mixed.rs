@@ -115,11 +115,7 @@ impl Iteration<'_> {
             self.newton.spent = spent + made;
             let before = norm(&self.newton.r);
             self.problem.set_accuracy(Accuracy::to(forcing.next(before, self.criteria.tolerance)));
-            let linearised = self.problem.mixed().map(|springs| self.tensions.linearise(springs)).transpose()?;
-            if linearised != Some(true) {
-                return Ok(None);
-            }
-            let shares = self.direction()?;
+            let Some(shares) = self.linear_step()? else { return Ok(None) };
             self.newton.keep_apart(self.problem, z);
             left = match self.step(z, shares, left) {
                 Some(left) => left,
@@ -158,6 +154,23 @@ impl Iteration<'_> {
         left.forces <= self.criteria.tolerance
             && left.lengths <= LOADED * length
             && left.product <= LOADED * self.criteria.scales.residual * root * mean
+    }
+
+    /// The direction with as much of the tensions below 0 in the matrix as keeps it positive definite; `None` if it
+    /// never is.
+    fn linear_step(&mut self) -> Result<Option<Shares>, LinearError> {
+        self.tensions.begin_iteration();
+        loop {
+            let linearised = self.problem.mixed().map(|springs| self.tensions.linearise(springs)).transpose()?;
+            if linearised != Some(true) {
+                return Ok(None);
+            }
+            match self.direction() {
+                // Without a factorisation only the solve shows it.
+                Err(LinearError::Indefinite { .. }) => {}
+                found => return found.map(Some),
+            }
+        }
     }
 
     /// The changes of all unknowns; of positions in `newton.dz`.

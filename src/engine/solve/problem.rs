@@ -53,6 +53,12 @@ pub trait NonlinearProblem {
         false
     }
 
+    /// Sets what use a matrix that is solved with once may expect of conjugate gradients; without it such a matrix is
+    /// factorised.
+    fn set_expected_use(&mut self, expected: Option<ExpectedUse>) {
+        let _ = expected;
+    }
+
     /// Factorises the tangent dF/dz at the last evaluated residual. An indefinite exact tangent of a conservative
     /// problem need not be factorised: it gives no direction.
     ///

@@ -24,8 +24,12 @@ pub(in crate::solve) struct Tensions {
     sides: Option<Sides>,
     /// whether there are one-sided springs
     any_one_sided: bool,
-    /// [-] share of tensions below 0 that the matrix has, where that is positive definite
+    /// [-] share of tensions below 0 that the matrix of the next iteration has, where that is positive definite
     share: f64,
+    /// [-] the largest that this iteration tries
+    most: f64,
+    /// how many of them it has tried
+    tried: usize,
     /// which springs act both ways although they are taken as one-sided
     both_ways: Vec<bool>,
     at: Vec<SpringState>,
@@ -165,11 +169,16 @@ impl Tensions {
         (springs + self.sheets.errors_squared()).sqrt()
     }
 
-    /// Factorises the matrix at the last evaluated residual, with as much of the tensions below 0 as keeps it positive
-    /// definite; `false` if it never is.
+    pub(super) fn begin_iteration(&mut self) {
+        (self.most, self.tried) = (self.share, 0);
+    }
+
+    /// Factorises the matrix at the last evaluated residual with less of the tensions below 0 than before in this
+    /// iteration, but as much as keeps it positive definite; `false` if it never is.
     pub(super) fn linearise(&mut self, springs: &mut dyn MixedSprings) -> Result<bool, LinearError> {
-        let most = self.share;
-        for share in [most, 0.5 * most, 0.0] {
+        let most = self.most;
+        while let Some(&share) = [most, 0.5 * most, 0.0].get(self.tried) {
+            self.tried += 1;
             self.set_tangents(share);
             let sheets = self.sheets.set_tangents(share);
             let form = MixedForm { springs: &self.tangents, sheets, convex: share < 1.0, symmetric: false };
