@@ -38,6 +38,10 @@ const TRIAL: f64 = 0.0316;
 const LARGE: usize = 2_000;
 /// Iterations of a trial above which it does.
 const EASY: u32 = 20;
+/// [-] Iterations of a trial on square nets of 2,400 to 250,000 nodes, the lesser of two: this over the root of the
+/// share that inertia has in W (the median of W's diagonal), and this times the root of the number of nodes.
+const TRIAL_OF_INERTIA: f64 = 0.5;
+const TRIAL_OF_NODES: f64 = 0.2;
 /// [-] Time of an iteration with multigrid over that of one without.
 const MULTIGRID_COST: f64 = 3.8;
 /// Iterations after which M is checked for being nearly singular.
@@ -196,12 +200,27 @@ impl ConjugateGradients {
     /// Sets up the incomplete factorisation. Returns whether W may be positive definite; `None` if W needs multigrid.
     fn preconditioned_alone(&mut self, values: &[f64]) -> Option<bool> {
         // Of this matrix only: a dropped attempt must leave no trace.
-        if std::mem::take(&mut self.needs_multigrid) && self.multigrid_allowed {
+        let needs_multigrid = std::mem::take(&mut self.needs_multigrid);
+        if self.multigrid_allowed && (needs_multigrid || self.is_plainly_stiff(values)) {
             return None;
         }
         let served = self.system().set_values(values, RELAXATION) && self.relaxation_serves();
         let made = served || self.system().set_values(values, 0.0);
         (!made || !self.multigrid_allowed || self.trial_solve(EASY).is_ok()).then_some(made)
+    }
+
+    /// Whether a trial without multigrid would take far more than [`EASY`] iterations, as found for square nets.
+    fn is_plainly_stiff(&self, values: &[f64]) -> bool {
+        let (n, many) = (self.pattern.n(), 2.0 * f64::from(EASY));
+        if TRIAL_OF_NODES * (self.pattern.position.len() as f64).sqrt() < many {
+            return false;
+        }
+        // Springs resist no translation.
+        let mut shares = vec![0.0; n];
+        self.pattern.multiply(values, &vec![1.0; n], &mut shares);
+        shares.iter_mut().zip(&self.pattern.col_ptr).for_each(|(share, first)| *share /= values[*first as usize]);
+        let (_, median, _) = shares.select_nth_unstable_by(n / 2, f64::total_cmp);
+        TRIAL_OF_INERTIA / median.max(0.0).sqrt() > many
     }
 
     fn grid(&mut self) -> Option<&mut Multigrid> {
