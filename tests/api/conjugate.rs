@@ -195,16 +195,17 @@ fn a_solve_that_does_not_converge_ends_with_its_numbers() {
 /// W of a sheet at rest, `side` springs along an edge, with unit springs and m of a node's mass; every `nth` spring is
 /// `stiffer` times as stiff.
 fn at_rest(side: u32, m: f64, springs: (usize, f64)) -> (Arc<Pattern>, Vec<f64>) {
-    of_unit_springs(square(side, m), springs)
+    of_unit_springs(square(side, m), springs, 1.0)
 }
 
-/// W of springs at rest, each of 1 N/m, every `nth` of them `stiffer` times as stiff.
-fn of_unit_springs(mut spec: NetworkSpec, (nth, stiffer): (usize, f64)) -> (Arc<Pattern>, Vec<f64>) {
+/// W of springs of 1 N/m, every `nth` of them `stiffer` times as stiff, all `scale` times as long as at rest.
+fn of_unit_springs(mut spec: NetworkSpec, (nth, stiffer): (usize, f64), scale: f64) -> (Arc<Pattern>, Vec<f64>) {
     let mut springs = spring_group(&spec, Slack::None);
     springs.stiffness = (0..springs.edges.len()).map(|i| if i % nth == 0 { stiffer } else { 1.0 }).collect();
     spec.springs = vec![springs];
     let scene = build_network(spec, Threads::one()).expect("the fixture is sound");
-    let (mut assembler, state) = (scene.assembler().expect("small"), scene.initial_state());
+    let (mut assembler, mut state) = (scene.assembler().expect("small"), scene.initial_state());
+    state.x.iter_mut().for_each(|x| *x *= scale);
     scene.assemble(state.as_ref(), Weights { m: 1.0, c: 0.0, k: 1.0 }, &mut assembler);
     (assembler.pattern.clone(), assembler.values().to_vec())
 }
@@ -252,7 +253,7 @@ fn wrinkled(side: u32, m: f64, amplitude: f64, patch: Option<f64>) -> (Arc<Patte
         let wave = (0.6 * i).sin() * (0.42 * j + 1.0).cos() + 0.5 * (1.02 * (i + j)).sin();
         x[2] = share * amplitude / side * wave;
     }
-    of_unit_springs(spec, (1, 1.0))
+    of_unit_springs(spec, (1, 1.0), 1.0)
 }
 
 /// In waves, low motions are no translations: fill on the diagonal would make M nearly singular, and its residual tell
@@ -451,30 +452,28 @@ fn no_solve_costs_more_than_a_factor() {
     assert!(difference(&left, &b) < 1e-3, "{}", difference(&left, &b));
 }
 
-/// A large matrix that is solved with once is left to conjugate gradients; where these find it indefinite, so says the
-/// solve, or a factor if it is known to be definite.
+/// A large matrix that is solved with once is left to conjugate gradients. Where the solve finds it indefinite, it says
+/// so, or a factor does if the matrix was said to be definite.
 #[test]
-fn a_large_matrix_that_is_solved_with_once_is_not_factorised() {
-    let scene = sheet(64);
-    for (scale, indefinite) in [(1.001, false), (0.9, true)] {
-        let (pattern, values) = compressed(&scene, scale);
+fn a_large_matrix_that_is_solved_with_once_may_be_left_to_gradients() {
+    // Compressed springs take 0.67 from the diagonal of W, and more from motions of short waves.
+    for (scale, m, indefinite) in [(1.0, 0.1, false), (0.9, 0.8, true)] {
+        let (pattern, values) = of_unit_springs(square(64, m), (1, 1.0), scale);
         let b = random_vector(pattern.n(), 3);
         for definite in [false, true] {
             let mut solver = reusing_solver_for(pattern.clone(), LinearChoice::Auto, &ALONE).expect("symmetric");
             solver.set_accuracy(Accuracy::to(1e-8));
             let expected = ExpectedUse { cg_iterations: 4.0, ..ExpectedUse::default() };
-            let made = solver.factor_once(&values, definite, expected).expect("finite");
+            assert_eq!(solver.factor_once(&values, definite, expected), Ok(Inertia::Unknown), "scale {scale}");
+            assert_eq!(solver.work().factorizations, 0);
             let mut x = b.clone();
-            let outcome = match made {
-                Inertia::Indefinite => Err(LinearError::Indefinite { iterations: 0 }),
-                _ => solver.solve(&values, &mut x),
-            };
+            let outcome = solver.solve(&values, &mut x);
             let factors = solver.work().factorizations;
             if indefinite {
                 assert!(matches!(outcome, Err(LinearError::Indefinite { .. })), "{outcome:?}");
-                assert_eq!((factors, x == b), (u64::from(definite), true), "scale {scale}, definite: {definite}");
+                assert_eq!((factors, x == b), (u64::from(definite), true), "definite: {definite}");
             } else {
-                assert_eq!((made, outcome, factors), (Inertia::Unknown, Ok(()), 0), "scale {scale}");
+                assert_eq!((outcome, factors), (Ok(()), 0));
                 let mut left = vec![0.0; x.len()];
                 pattern.multiply(&values, &x, &mut left);
                 assert!(difference(&left, &b) < 1e-6, "{}", difference(&left, &b));
@@ -546,8 +545,9 @@ fn multigrid_on_a_large_stiff_net() {
     let full = run(&changed(&case, &[("solver.newton.strategy", "full"), ("solver.newton.relative", "1e-11")]));
     let auto = run(&changed(&case, &[("solver.linear", "auto"), ("time.end", "0.016")]));
     let (c, linear) = (auto.outcome.counters, auto.outcome.linear.expect("an implicit run"));
-    let (told, seen) = (linear.prediction.map(|p| f64::from(p.cg_iterations)), c.cg_iterations / c.linear_solves);
-    let well_told = linear.name == "cg" && told.is_some_and(|told| (told / seen as f64 - 1.0).abs() < 0.5);
+    let seen = c.cg_iterations as f64 / c.linear_solves as f64;
+    let told = linear.prediction.map(|p| f64::from(p.cg_iterations));
+    let well_told = linear.name == "cg" && told.is_some_and(|told| (told / seen - 1.0).abs() < 0.5);
     // Here a factor is as much work, so that either may be taken.
     let alike = linear.prediction.is_some_and(|p| (p.cg_work / p.cholesky_work - 1.0).abs() < 0.1);
     assert!(well_told || alike, "{linear:?} {c:?}");

@@ -79,6 +79,19 @@ impl Pattern {
         self.product::<false>(values, p, y);
     }
 
+    /// The sums of the rows of W `[n]` for `values` [nonzeros].
+    pub fn row_sums(&self, values: &[f64], sums: &mut [f64]) {
+        sums.fill(0.0);
+        for j in 0..self.n() {
+            for (&i, value) in self.column(j).iter().zip(&values[self.col_ptr[j] as usize..]) {
+                sums[i as usize] += value;
+                if self.symmetric && i as usize != j {
+                    sums[j] += value;
+                }
+            }
+        }
+    }
+
     /// y = W^T p.
     pub fn multiply_transposed(&self, values: &[f64], p: &[f64], y: &mut [f64]) {
         self.product::<true>(values, p, y);

@@ -176,6 +176,8 @@ pub struct MixedForm<'a> {
     pub sheets: &'a [Vector3<f64>],
     /// whether other forces leave out the part that makes K indefinite
     pub convex: bool,
+    /// whether springs and membranes do, too, so that W is positive definite
+    pub definite: bool,
     /// whether other forces are in their symmetric form
     pub symmetric: bool,
 }

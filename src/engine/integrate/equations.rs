@@ -277,8 +277,8 @@ impl NonlinearProblem for Equations<'_> {
         self.linear.tangents.symmetric()
     }
 
-    fn set_expected_use(&mut self, expected: Option<ExpectedUse>) {
-        self.linear.tangents.set_expected_use(expected);
+    fn leave_to_gradients(&mut self, expected: Option<ExpectedUse>) {
+        self.linear.tangents.leave_to_gradients(expected);
     }
 
     fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError> {

@@ -138,7 +138,8 @@ impl FactorCache {
     pub(super) fn discard(&mut self, same_room: bool) {
         if same_room {
             self.state = CacheState::Replaced;
-            self.attempted = CachedFactor::default();
+            // What was learnt from it holds for steps of its size.
+            self.attempted = CachedFactor { weights: self.attempted.weights, ..CachedFactor::default() };
         }
     }
 

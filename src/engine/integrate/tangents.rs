@@ -42,18 +42,18 @@ impl Factor {
     }
 
     /// Factorises the assembled matrix; an indefinite one only if it need not be `symmetric` and definite. With an
-    /// expected use it may be left to conjugate gradients.
+    /// expected use it may be left to conjugate gradients ([`LinearSolver::factor_once`]).
     fn factorise(
         &mut self,
         symmetric: bool,
-        (convex, expected): (bool, Option<ExpectedUse>),
+        (definite, expected): (bool, Option<ExpectedUse>),
         counters: &mut Counters,
     ) -> Result<Inertia, LinearError> {
         interrupt::check()?;
         let (values, before) = (self.assembler.values(), self.linear.work());
         let made = match expected {
             _ if !symmetric => self.linear.factor(values),
-            Some(expected) => self.linear.factor_once(values, convex, expected),
+            Some(expected) => self.linear.factor_once(values, definite, expected),
             None => self.linear.factor_definite(values),
         };
         counters.tangent_assemblies += 1;
@@ -113,12 +113,12 @@ fn count(counters: &mut Counters, before: SolverWork, after: SolverWork) {
     counters.cg_iterations += after.iterations - before.iterations;
 }
 
-/// One of the two tangents.
+/// Which tangent solves use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum TangentKind {
     Exact,
     Frozen,
-    /// that of the mixed iteration, in the memory of the reused one
+    /// that of the mixed iteration where W is not symmetric: in the memory of the reused one
     Mixed,
 }
 
@@ -207,8 +207,10 @@ pub(crate) struct Tangents {
     frozen: Option<Factor>,
     /// the factor that solves use
     current: TangentKind,
-    /// expected use of a matrix that is solved with once
+    /// iterations of reused matrices, if those that are solved with once may be left to conjugate gradients
     expected: Option<ExpectedUse>,
+    /// accuracy of solves
+    accuracy: Accuracy,
     /// degree of freedom of every unknown
     pub dof: Arc<[u32]>,
 }
@@ -248,6 +250,7 @@ impl Tangents {
             frozen,
             current: TangentKind::Exact,
             expected: None,
+            accuracy: Accuracy::of_reused(),
             dof,
         })
     }
@@ -272,6 +275,7 @@ impl Tangents {
         if let Some(exact) = &mut self.exact {
             *exact = Factor::new(system.assembler().map_err(failed)?, self.choice, system.workers())?;
         }
+        self.set_accuracy(self.accuracy);
         Ok(())
     }
 
@@ -290,9 +294,17 @@ impl Tangents {
         self.symmetric
     }
 
-    /// Sets what use a matrix that is solved with once may expect of conjugate gradients; without it it is factorised.
-    pub(super) fn set_expected_use(&mut self, expected: Option<ExpectedUse>) {
+    /// See [`crate::solve::newton::NonlinearProblem::leave_to_gradients`].
+    pub(super) fn leave_to_gradients(&mut self, expected: Option<ExpectedUse>) {
         self.expected = expected;
+    }
+
+    /// Records a matrix or a solve after which there are more factorisations than `before`. Where a factor was needed
+    /// once, the next matrix needs one, too.
+    fn learn(&mut self, before: u64, counters: &Counters) {
+        let multigrid = self.in_use().is_some_and(|factor| factor.linear.with_multigrid());
+        self.expected = self.expected.filter(|_| counters.factorizations == before);
+        self.expected.iter_mut().for_each(|expected| expected.multigrid |= multigrid);
     }
 
     /// Makes further solves use this tangent.
@@ -330,8 +342,10 @@ impl Tangents {
         }
         // Its rank-one parts need exact solves.
         let expected = self.expected.filter(|_| system.rank_ones() == 0);
+        let before = counters.factorizations;
         let inertia = factor.factorise(symmetric, (curvature == Curvature::Convex, expected), counters)?;
         self.rank_ones.find((system, system.rank_ones()), (at, w), &self.dof, factor, counters)?;
+        self.learn(before, counters);
         Ok(inertia)
     }
 
@@ -357,8 +371,10 @@ impl Tangents {
             false => (&mut self.rank_ones, system.rank_ones()),
         };
         let expected = self.expected.filter(|_| number == 0);
-        let inertia = factor.factorise(reused || self.symmetric, (form.convex, expected), counters)?;
+        let before = counters.factorizations;
+        let inertia = factor.factorise(reused || self.symmetric, (form.definite, expected), counters)?;
         parts.find((system, number), (at, w), &self.dof, factor, counters)?;
+        self.learn(before, counters);
         Ok(inertia)
     }
 
@@ -424,10 +440,7 @@ impl Tangents {
         interrupt::check()?;
         let before = counters.factorizations;
         let solved = factor.solve(b, counters);
-        if counters.factorizations > before {
-            // Conjugate gradients were given up: they would be for the next matrix, too.
-            self.expected = None;
-        }
+        self.learn(before, counters);
         let parts = if self.current == TangentKind::Exact { &self.rank_ones } else { &self.kept_parts };
         parts.correct(b);
         solved
@@ -446,6 +459,7 @@ impl Tangents {
 
     /// Sets the accuracy of further solves.
     pub(crate) fn set_accuracy(&mut self, accuracy: Accuracy) {
+        self.accuracy = accuracy;
         for factor in self.frozen.iter_mut().chain(&mut self.exact) {
             factor.linear.set_accuracy(accuracy);
         }

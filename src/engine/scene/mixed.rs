@@ -48,7 +48,7 @@ impl MixedSystem for Network {
     }
 
     fn assemble_mixed(&self, at: StateRef<'_>, w: Weights, form: MixedForm<'_>, assembler: &mut Assembler) {
-        let MixedForm { springs, sheets, convex, symmetric } = form;
+        let MixedForm { springs, sheets, convex, symmetric, .. } = form;
         let form = TangentForm { convex, symmetric };
         let near = assembler.near.clone();
         let mut sink = assembler.sink(|dof| w.m * self.built.mass[dof / 3]);

@@ -38,9 +38,10 @@ const TRIAL: f64 = 0.0316;
 const LARGE: usize = 2_000;
 /// Iterations of a trial above which it does.
 const EASY: u32 = 20;
-/// [-] Iterations of a trial on square nets of 2,400 to 250,000 nodes, the lesser of two: this over the root of the
-/// share that inertia has in W (the median of W's diagonal), and this times the root of the number of nodes.
+/// [-] Iterations of a trial times the root of the share of inertia in W, on square nets so soft that these are fewer
+/// than by [`TRIAL_OF_NODES`].
 const TRIAL_OF_INERTIA: f64 = 0.5;
+/// [-] Iterations of a trial over the root of the number of nodes, on stiffer ones.
 const TRIAL_OF_NODES: f64 = 0.2;
 /// [-] Time of an iteration with multigrid over that of one without.
 const MULTIGRID_COST: f64 = 3.8;
@@ -75,6 +76,8 @@ pub struct ConjugateGradients {
     refined: Option<[Vec<f64>; 2]>,
     /// maximum iterations of a solve
     most: u32,
+    /// [-] share of inertia in W, by unknown
+    shares: Vec<f64>,
     /// iterations of a trial with this matrix, once it was made
     tried: Option<u32>,
     /// iterations of the current solve
@@ -133,6 +136,7 @@ impl ConjugateGradients {
             accuracy,
             refined,
             most,
+            shares: Vec::new(),
             tried: None,
             iterations,
             total_iterations,
@@ -189,6 +193,11 @@ impl ConjugateGradients {
         self.multigrid_allowed &= allowed;
     }
 
+    /// As [`LinearSolver::cg_cost`].
+    pub(super) fn cost(with_multigrid: bool) -> f64 {
+        if with_multigrid { MULTIGRID_COST } else { 1.0 }
+    }
+
     pub(super) fn multigrid_is_allowed(&self) -> bool {
         self.multigrid_allowed
     }
@@ -209,17 +218,18 @@ impl ConjugateGradients {
         (!made || !self.multigrid_allowed || self.trial_solve(EASY).is_ok()).then_some(made)
     }
 
-    /// Whether a trial without multigrid would take far more than [`EASY`] iterations, as found for square nets.
-    fn is_plainly_stiff(&self, values: &[f64]) -> bool {
-        let (n, many) = (self.pattern.n(), 2.0 * f64::from(EASY));
+    /// Whether a trial without multigrid would take far more than [`EASY`] iterations, by the lesser of both estimates.
+    /// The share of inertia is the median of row sums over diagonal entries, as springs resist no translation.
+    fn is_plainly_stiff(&mut self, values: &[f64]) -> bool {
+        let many = 2.0 * f64::from(EASY);
         if TRIAL_OF_NODES * (self.pattern.position.len() as f64).sqrt() < many {
             return false;
         }
-        // Springs resist no translation.
-        let mut shares = vec![0.0; n];
-        self.pattern.multiply(values, &vec![1.0; n], &mut shares);
-        shares.iter_mut().zip(&self.pattern.col_ptr).for_each(|(share, first)| *share /= values[*first as usize]);
-        let (_, median, _) = shares.select_nth_unstable_by(n / 2, f64::total_cmp);
+        let ConjugateGradients { pattern, shares, .. } = self;
+        shares.resize(pattern.n(), 0.0);
+        pattern.row_sums(values, shares);
+        shares.iter_mut().zip(&pattern.col_ptr).for_each(|(share, first)| *share /= values[*first as usize]);
+        let (_, median, _) = shares.select_nth_unstable_by(pattern.n() / 2, f64::total_cmp);
         TRIAL_OF_INERTIA / median.max(0.0).sqrt() > many
     }
 
@@ -407,7 +417,7 @@ impl LinearSolver for ConjugateGradients {
     }
 
     fn cg_cost(&self) -> f64 {
-        if self.with_multigrid { MULTIGRID_COST } else { 1.0 }
+        Self::cost(self.with_multigrid)
     }
 
     fn work(&self) -> SolverWork {

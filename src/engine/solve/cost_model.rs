@@ -1,4 +1,5 @@
-//! Chooses between Cholesky and conjugate gradients (CG) for a W that is reused over many solves, by counted work.
+//! Chooses between Cholesky and conjugate gradients (CG) by counted work, for a W that is reused over many solves or a
+//! large one that is solved with once.
 //!
 //! The cost of Cholesky is counted on the elimination tree of the nodes, without a symbolic factorisation. The cost of
 //! CG is the number of iterations that solves with earlier matrices have taken. For the first matrix a trial solves
@@ -21,8 +22,9 @@ const EASIER: f64 = 0.65;
 /// [-] Iterations of an average solve over those of the trial where a matrix needs multigrid. There all right-hand
 /// sides take about as many.
 const MULTIGRID_TRIAL: f64 = 1.7;
-/// [-] Iterations of a solve with an exact tangent over those of one with a reused matrix, of which less is asked.
-const EXACT: f64 = 1.5;
+/// [-] Iterations of a solve with a matrix that is used once over those of one with a reused matrix. Newton's iteration
+/// asks the first to leave 1e-3 of its right-hand side, as of a reused one, and later ones to leave less.
+const ONCE: f64 = 1.5;
 /// [-] Without multigrid the first matrix gets CG even if the trial predicts this many times the affordable iterations.
 /// CG costs little to set up and real solves soon show if it is dearer; the cost of an unneeded factor is lost.
 const DOUBT: f64 = 1.3;
@@ -50,9 +52,9 @@ pub(super) struct CostModel {
     assembly: f64,
     /// an entry of W in an iteration of CG (1.0 to 1.5 ns)
     cg_iteration: f64,
-    /// an entry of W in setting up CG
+    /// an entry of W in setting up CG without multigrid
     cg_setup: f64,
-    /// the same of multigrid, besides
+    /// the same with multigrid (18 to 25 ns)
     multigrid_setup: f64,
     /// an unknown in a Newton iteration outside the solve, compared with CG: force pass and vector operations
     newton: f64,
@@ -73,7 +75,7 @@ pub(super) const COSTS: CostModel = CostModel {
     assembly: 50.0,
     cg_iteration: 7.5,
     cg_setup: 97.5,
-    multigrid_setup: 350.0,
+    multigrid_setup: 150.0,
     newton: 250.0,
     newton_on_factor: 350.0,
     much_memory: 10.0,
@@ -104,8 +106,8 @@ impl CostModel {
     fn cg(&self, pattern: &Pattern, iterations: f64, with_multigrid: bool) -> Cost {
         let (n, entries) = (pattern.n() as f64, pattern.nonzeros() as f64);
         let iteration = self.cg_iteration * entries * (iterations + 1.0) + self.newton * n;
-        let multigrid = if with_multigrid { self.multigrid_setup } else { 0.0 };
-        Cost { iteration, setup: (self.cg_setup + multigrid + self.assembly) * entries }
+        let setup = if with_multigrid { self.multigrid_setup } else { self.cg_setup };
+        Cost { iteration, setup: (setup + self.assembly) * entries }
     }
 }
 
@@ -259,7 +261,8 @@ impl AutoSolver {
     }
 
     /// Compares Cholesky with CG, which is set up unless it is known to be dearer: by the iterations of earlier solves
-    /// or, without any, by a trial that runs as long as CG may be cheaper. Solves take `harder` [-] times as many.
+    /// or, without any, by a trial that runs as long as CG may be cheaper. Solves take `harder` [-] times as many
+    /// iterations as with a reused matrix.
     ///
     /// # Errors
     /// An indefinite W, or as [`LinearSolver::factor`].
@@ -285,17 +288,19 @@ impl AutoSolver {
         let Some(([cholesky_work, mut allowed], factor_nonzeros, factor_operations)) = counted else {
             return Ok(None);
         };
-        let cost = self.cg.cg_cost();
+        let cost = ConjugateGradients::cost(with_multigrid);
         let (iterations, cg_converged) = match seen {
             Some(seen) => (seen, !dearer),
             None if far_apart => (allowed, false),
             None => {
-                let (each, doubt) = if with_multigrid { (MULTIGRID_TRIAL * cost, 1.0) } else { (2.0 * EASIER, DOUBT) };
-                let twice = harder * each;
-                allowed *= doubt;
-                match self.cg.trial_solve((allowed / twice).clamp(0.0, f64::from(u32::MAX)) as u32) {
-                    Ok(iterations) => (twice * f64::from(iterations), true),
-                    Err(LinearError::Stalled { iterations, .. }) => (twice * (f64::from(iterations) + 1.0), false),
+                // A trial asks for half the digits.
+                let of_solve = if with_multigrid { MULTIGRID_TRIAL * cost } else { 2.0 * EASIER };
+                let each = harder * of_solve;
+                let others_follow = expected.left > 1.0;
+                allowed *= if !with_multigrid && others_follow { DOUBT } else { 1.0 };
+                match self.cg.trial_solve((allowed / each).clamp(0.0, f64::from(u32::MAX)) as u32) {
+                    Ok(iterations) => (each * f64::from(iterations), true),
+                    Err(LinearError::Stalled { iterations, .. }) => (each * (f64::from(iterations) + 1.0), false),
                     Err(other) => {
                         self.cg.indefinite += u64::from(matches!(other, LinearError::Indefinite { .. }));
                         return Err(other);
@@ -303,7 +308,7 @@ impl AutoSolver {
                 }
             }
         };
-        let cg_work = self.cg_cost_of(iterations).with_use(expected);
+        let cg_work = COSTS.cg(&self.pattern, iterations, with_multigrid).with_use(expected);
         let shown = iterations.min(if cg_converged { f64::INFINITY } else { allowed.max(0.0) });
         let cg_iterations = (shown / cost).round() as u32;
         Ok(Some(Prediction {
@@ -330,13 +335,14 @@ impl LinearSolver for AutoSolver {
     }
 
     fn factor_once(&mut self, values: &[f64], definite: bool, expected: ExpectedUse) -> Result<Inertia, LinearError> {
-        if !self.cg.multigrid_is_allowed() {
+        // Small factors take little, and where rounding is all that is left, rounding also looks like an indefinite W.
+        if !self.cg.multigrid_is_allowed() || self.accuracy.checked {
             return self.factor_definite(values);
         }
         (self.iterates, self.factored, self.given_up, self.definite) = (false, false, false, definite);
         self.cg.set_expected_use(expected);
         let once = ExpectedUse { reuse: f64::INFINITY, left: 1.0, ..expected };
-        match self.compare(values, once, EXACT) {
+        match self.compare(values, once, ONCE) {
             Err(LinearError::Indefinite { .. }) if !definite => return Ok(Inertia::Indefinite),
             Err(error @ LinearError::Interrupted(_)) => return Err(error),
             found => self.iterates = found.is_ok_and(|found| found.is_some_and(|p| p.cg_converged)),
@@ -379,7 +385,7 @@ impl LinearSolver for AutoSolver {
                 self.cg.set_accuracy(self.accuracy);
                 match self.cg.solve_within(most, values, b) {
                     // This right-hand side is harder than that of the trial.
-                    Err(LinearError::Stalled { .. }) => self.given_up = true,
+                    Err(LinearError::Stalled { .. } | LinearError::Singular { .. }) => self.given_up = true,
                     Err(LinearError::Indefinite { .. }) if self.definite => self.given_up = true,
                     solved => return solved,
                 }

@@ -15,8 +15,9 @@ use std::sync::Arc;
 #[cfg_attr(feature = "schema", schemars(rename = "Linear"))]
 #[serde(rename_all = "kebab-case")]
 pub enum LinearChoice {
-    /// Where a matrix is kept over many steps: Cholesky or conjugate gradients, whichever is less counted work.
-    /// Otherwise Cholesky for a symmetric tangent, and LU for any other.
+    /// Where matrices are kept over many steps: Cholesky or conjugate gradients, whichever is less counted work; in
+    /// scenes of 2,000 nodes and more also for symmetric matrices that are used once. Otherwise Cholesky for a
+    /// symmetric tangent, and LU for any other.
     #[default]
     Auto,
     /// Sparse Cholesky. If the tangent is not symmetric, its symmetric part is used, and LU where that does not
@@ -220,9 +221,9 @@ pub trait LinearSolver: Send {
         self.factor(values)
     }
 
-    /// The same for a W that one right-hand side is solved for. Where that is less counted work, by the use `expected`
-    /// that reused matrices have, it is left to conjugate gradients: that W is indefinite then shows only in the solve.
-    /// What looks so in a W that is known to be `definite` is rounding, and it is factorised.
+    /// As [`LinearSolver::factor_definite`], for one solve. W may be left to conjugate gradients if that is less
+    /// counted work; `expected` has the iterations that reused matrices take. An indefinite W may then show only in the
+    /// solve. If W is known to be `definite`, such a finding is rounding, and W is factorised.
     ///
     /// # Errors
     /// As [`LinearSolver::factor`].
@@ -250,7 +251,7 @@ pub trait LinearSolver: Send {
     }
 
     /// Replaces `b` `[n]` by W^-1 b; `values` are those of the last factorisation. An error of conjugate gradients
-    /// leaves `b` unchanged.
+    /// leaves `b` unchanged, unless it is a solution that is not finite.
     ///
     /// # Errors
     /// A solution that is not finite, or wrong beyond repair: W is singular to working precision. Conjugate gradients:

@@ -264,7 +264,7 @@ impl Newton {
         if let Some(report) = self.mixed(problem, z, criteria, frozen)? {
             return Ok(report);
         }
-        problem.set_expected_use(Some(frozen.expected));
+        problem.leave_to_gradients(Some(frozen.expected));
         self.exact(problem, z, criteria)
     }
 
@@ -276,7 +276,7 @@ impl Newton {
         criteria: ConvergenceCriteria,
         frozen: &mut FactorHistory,
     ) -> Result<NewtonReport, NewtonFailure> {
-        problem.set_expected_use(Some(frozen.expected));
+        problem.leave_to_gradients(Some(frozen.expected));
         let failure = match self.exact(problem, z, criteria) {
             // Without springs the iterate stays where it is: it may be of use.
             Err(failure @ (NewtonFailure::MaxIterations { .. } | NewtonFailure::Stuck { .. }))
@@ -306,7 +306,7 @@ impl Newton {
         let rests = frozen.interior.takes_step();
         for sides in [Sides::AsTheyAre, Sides::Interior].into_iter().skip(usize::from(rests)) {
             // Matrices of interior points have springs of all stiffnesses.
-            problem.set_expected_use((sides == Sides::AsTheyAre).then_some(frozen.expected));
+            problem.leave_to_gradients((sides == Sides::AsTheyAre).then_some(frozen.expected));
             match mixed::solve(self, problem, z, (criteria, sides)) {
                 Ok(Some(report)) => {
                     match sides {

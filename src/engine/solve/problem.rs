@@ -53,9 +53,9 @@ pub trait NonlinearProblem {
         false
     }
 
-    /// Sets what use a matrix that is solved with once may expect of conjugate gradients; without it such a matrix is
-    /// factorised.
-    fn set_expected_use(&mut self, expected: Option<ExpectedUse>) {
+    /// Lets matrices that are solved with once be left to conjugate gradients, where that is less counted work;
+    /// `expected` has the iterations of reused ones. `None`: all are factorised.
+    fn leave_to_gradients(&mut self, expected: Option<ExpectedUse>) {
         let _ = expected;
     }
 

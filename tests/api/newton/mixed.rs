@@ -141,7 +141,7 @@ fn the_matrix_of_the_mixed_iteration_agrees_with_differences() {
     let tangent = |i: usize| SpringTangent { tension: 30.0 * wave(i, 0.3), stiffness: 1e3 * wave(i, 0.9).abs() };
     let tangents: Vec<SpringTangent> = (0..mixed.springs()).map(tangent).collect();
     let mut assembler = system.assembler().expect("small");
-    let form = MixedForm { springs: &tangents, sheets: &[], convex: false, symmetric: true };
+    let form = MixedForm { springs: &tangents, sheets: &[], convex: false, definite: false, symmetric: true };
     mixed.assemble_mixed(state.as_ref(), Weights { m: 0.0, c: 0.0, k: 1.0 }, form, &mut assembler);
 
     let dof = assembler.pattern.dof.clone();
@@ -229,7 +229,7 @@ fn the_matrix_with_stresses_agrees_with_differences() {
     let given = |i: usize| sheets_at(&state)[0].stiffness.column(0) * 0.1 * wave(i, 0.3);
     let stresses: Vec<_> = (0..mixed.sheets()).map(given).collect();
     let mut assembler = system.assembler().expect("small");
-    let form = MixedForm { springs: &[], sheets: &stresses, convex: false, symmetric: true };
+    let form = MixedForm { springs: &[], sheets: &stresses, convex: false, definite: false, symmetric: true };
     mixed.assemble_mixed(state.as_ref(), Weights { m: 0.0, c: 0.0, k: 1.0 }, form, &mut assembler);
 
     let dof = assembler.pattern.dof.clone();

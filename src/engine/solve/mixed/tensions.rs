@@ -181,7 +181,8 @@ impl Tensions {
             self.tried += 1;
             self.set_tangents(share);
             let sheets = self.sheets.set_tangents(share);
-            let form = MixedForm { springs: &self.tangents, sheets, convex: share < 1.0, symmetric: false };
+            let (convex, definite) = (share < 1.0, share == 0.0);
+            let form = MixedForm { springs: &self.tangents, sheets, convex, definite, symmetric: false };
             match springs.linearise(form) {
                 Ok(Inertia::Indefinite) | Err(LinearError::Indefinite { .. }) => {}
                 made => {
