@@ -15,9 +15,9 @@ use std::sync::Arc;
 #[cfg_attr(feature = "schema", schemars(rename = "Linear"))]
 #[serde(rename_all = "kebab-case")]
 pub enum LinearChoice {
-    /// Where matrices are kept over many steps: Cholesky or conjugate gradients, whichever is less counted work; in
-    /// scenes of 2,000 nodes and more also for symmetric matrices that are used once. Otherwise Cholesky for a
-    /// symmetric tangent, and LU for any other.
+    /// Unless the strategy is `full`: Cholesky or conjugate gradients, whichever is less counted work, for matrices that
+    /// are kept over many steps, and in scenes of 2,000 nodes and more for symmetric ones that are solved with once.
+    /// Otherwise Cholesky for a symmetric tangent, and LU for any other.
     #[default]
     Auto,
     /// Sparse Cholesky. If the tangent is not symmetric, its symmetric part is used, and LU where that does not
@@ -26,7 +26,7 @@ pub enum LinearChoice {
     /// Sparse LU.
     Lu,
     /// Conjugate gradients, preconditioned by an incomplete factorisation of which only the pivots are stored: little
-    /// memory, for small steps and large meshes. Stiff nets of some thousand nodes and more get multigrid. If the
+    /// memory, for small steps and large meshes. Stiff nets of 2,000 nodes and more get multigrid. If the
     /// tangent is not symmetric, its symmetric part is used; the strategy must then not be `full`.
     Cg,
 }
@@ -232,7 +232,8 @@ pub trait LinearSolver: Send {
         self.factor_definite(values)
     }
 
-    /// The same for a W that is reused over many solves, each with relative residual [`REUSED_RELATIVE`].
+    /// As [`LinearSolver::factor_definite`], for a W that is reused over many solves, each with relative residual
+    /// [`REUSED_RELATIVE`].
     ///
     /// # Errors
     /// As [`LinearSolver::factor`].

@@ -19,8 +19,8 @@ pub(super) use convergence::{Convergence, ConvergenceCriteria, RoundingCheck, Ro
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
-    /// As `quasi` where, by counted work, a factorisation costs as much as many iterations with an old factor;
-    /// otherwise, and where `quasi` fails, as `full`.
+    /// As `quasi` where, by counted work, a factorisation costs about as much as an iteration with an old factor, or
+    /// more: everywhere but on very small scenes. Otherwise, and where `quasi` fails, as `full`.
     #[default]
     Auto,
     /// In every iteration.
@@ -63,7 +63,7 @@ impl Default for NewtonSpec {
 /// A converged iteration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NewtonReport {
-    /// iterations (factorisations) made
+    /// iterations made
     pub iterations: u32,
     /// [-] final residual over its scale
     pub residual: f64,
