@@ -223,6 +223,7 @@ fn solution((pattern, values): &(Arc<Pattern>, Vec<f64>), relative: f64) -> (Vec
 
 /// The preconditioner is a factorisation but for its fill, of which a chain has none, and a shift of a hundredth:
 /// iterations stay few however long it is. Pivots that were blocks of W (symmetric Gauss-Seidel) took 37, 210 and 244.
+/// The longest chain gets multigrid, and takes 51 iterations without.
 #[test]
 fn a_long_chain_takes_few_iterations() {
     let found = [100, 1000, 10_000].map(|n| {
@@ -230,7 +231,7 @@ fn a_long_chain_takes_few_iterations() {
             (0..n).flat_map(|j| [2.0001, -1.0].into_iter().take(if j + 1 < n { 2 } else { 1 })).collect();
         solution(&(Arc::new(chain(n)), values), 1e-3).2
     });
-    assert_eq!(found, [10, 45, 51]);
+    assert_eq!(found, [10, 45, 3]);
 }
 
 /// On sheets the fill comes to the diagonal, and smooth motions meet it as they meet W; the widest is eliminated in two

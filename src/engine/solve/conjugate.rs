@@ -37,7 +37,7 @@ const TRIAL: f64 = 0.0316;
 /// Nodes from which multigrid may save time.
 const LARGE: usize = 2_000;
 /// Iterations of a trial above which it does.
-const EASY: u32 = 20;
+const EASY: u32 = 16;
 /// [-] Iterations of a trial times the root of the share of inertia in W, on square nets so soft that these are fewer
 /// than by [`TRIAL_OF_NODES`].
 const TRIAL_OF_INERTIA: f64 = 0.5;

@@ -15,9 +15,9 @@ use std::sync::Arc;
 #[cfg_attr(feature = "schema", schemars(rename = "Linear"))]
 #[serde(rename_all = "kebab-case")]
 pub enum LinearChoice {
-    /// Unless the strategy is `full`: Cholesky or conjugate gradients, whichever is less counted work, for matrices that
-    /// are kept over many steps, and in scenes of 2,000 nodes and more for symmetric ones that are solved with once.
-    /// Otherwise Cholesky for a symmetric tangent, and LU for any other.
+    /// Unless the strategy is `full`: Cholesky or conjugate gradients, whichever is less counted work, for matrices
+    /// that are kept over many steps, and in scenes of 2,000 nodes and more for symmetric ones that are solved with
+    /// once. Otherwise Cholesky for a symmetric tangent, and LU for any other.
     #[default]
     Auto,
     /// Sparse Cholesky. If the tangent is not symmetric, its symmetric part is used, and LU where that does not
