@@ -2,9 +2,9 @@
 //! a square net of stiff springs that is loaded in its plane and across it.
 //!
 //! ```text
-//! cargo bench -p canopy-fem-benches --bench growth -- --most 100000            # a minute; a million nodes (the default) take a quarter of an hour and 8 GB
+//! cargo bench -p canopy-fem-benches --bench growth -- --most 100000            # below a minute; a million nodes are the default
 //! cargo bench -p canopy-fem-benches --bench growth -- --most 10000 --full 10000   # true Newton too, up to so many nodes (default 10,000)
-//! cargo bench -p canopy-fem-benches --bench growth -- --scene square --full 0     # the square net; a minute for each 100,000 nodes
+//! cargo bench -p canopy-fem-benches --bench growth -- --scene square --full 0     # the square net; a minute
 //! cargo bench -p canopy-fem-benches --bench growth -- --svg growth.svg            # the curves too
 //! ```
 //!

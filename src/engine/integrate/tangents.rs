@@ -299,8 +299,8 @@ impl Tangents {
         self.expected = expected;
     }
 
-    /// Records a matrix or a solve after which there are more factorisations than `before`. Where a factor was needed
-    /// once, the next matrix needs one, too.
+    /// After a matrix or a solve: if it was factorised (there were `before` factorisations), so are further matrices of
+    /// this iteration. Otherwise, if it needed multigrid, these are not tried without.
     fn learn(&mut self, before: u64, counters: &Counters) {
         let multigrid = self.in_use().is_some_and(|factor| factor.linear.with_multigrid());
         self.expected = self.expected.filter(|_| counters.factorizations == before);
