@@ -82,14 +82,7 @@ impl Pattern {
     /// The sums of the rows of W `[n]` for `values` [nonzeros].
     pub fn row_sums(&self, values: &[f64], sums: &mut [f64]) {
         sums.fill(0.0);
-        for j in 0..self.n() {
-            for (&i, value) in self.column(j).iter().zip(&values[self.col_ptr[j] as usize..]) {
-                sums[i as usize] += value;
-                if self.symmetric && i as usize != j {
-                    sums[j] += value;
-                }
-            }
-        }
+        self.each_entry(values, |row, _, value| sums[row] += value);
     }
 
     /// y = W^T p.
@@ -99,13 +92,20 @@ impl Pattern {
 
     fn product<const TRANSPOSED: bool>(&self, values: &[f64], p: &[f64], y: &mut [f64]) {
         y.fill(0.0);
+        self.each_entry(values, |i, j, value| {
+            let [row, column] = if TRANSPOSED { [j, i] } else { [i, j] };
+            y[row] += value * p[column];
+        });
+    }
+
+    /// Calls `each` with row, column and value of every entry, of both triangles of a symmetric W.
+    fn each_entry(&self, values: &[f64], mut each: impl FnMut(usize, usize, f64)) {
         for j in 0..self.n() {
             let first = self.col_ptr[j] as usize;
-            for (&i, value) in self.column(j).iter().zip(&values[first..]) {
-                let [row, column] = if TRANSPOSED { [j, i as usize] } else { [i as usize, j] };
-                y[row] += value * p[column];
-                if self.symmetric && row != column {
-                    y[column] += value * p[row];
+            for (&i, &value) in self.column(j).iter().zip(&values[first..]) {
+                each(i as usize, j, value);
+                if self.symmetric && i as usize != j {
+                    each(j, i as usize, value);
                 }
             }
         }
