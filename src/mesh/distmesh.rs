@@ -5,9 +5,9 @@
 //! starts from an even spiral with the exact number of nodes. The relaxed mesh is then polished ([`super::polish`]).
 //!
 //! The interior nodes of a large mesh (more nodes than [`MANY`](super::layout::MANY)) are numbered along Hilbert's
-//! curve. It is relaxed for [`LARGE_ITERATIONS`] only, and triangulated once; after that, edges are flipped. Full
-//! convergence would need a number of iterations that grows with the number of nodes, and would hardly change the
-//! angles.
+//! curve. It starts from a relaxed mesh of a quarter of its nodes ([`super::coarse`]), takes few iterations, and is
+//! triangulated once; after that, edges are flipped. Full convergence would need a number of iterations that grows with
+//! the number of nodes, and would hardly change the angles.
 
 use super::delaunay::{sorted, triangulate};
 use super::flips::Flips;
@@ -31,12 +31,15 @@ const RETRIANGULATE: f64 = 0.1;
 /// [-] movement in a step, over the wanted edge length, below which the mesh has converged (`dptol`)
 const REST: f64 = 1e-3;
 /// [-] least distance of interior nodes to the boundary, over the wanted edge length
-const CLEARANCE: f64 = 0.4;
-/// most iterations of an attempt
+pub(super) const CLEARANCE: f64 = 0.4;
+/// most iterations to rest
 const ITERATIONS: usize = 2000;
-/// iterations of a large mesh; the mean smallest angle of a triangle is then 54.6 degrees with 100,000 nodes (55.5 at
-/// rest) and 52 with a million, the smallest of all 36 and 34
-const LARGE_ITERATIONS: usize = 100;
+/// Iterations of a large mesh from a spiral: the mean smallest angle of a triangle is then 54.6 degrees with 100,000
+/// nodes (55.5 at rest) and 52 with a million.
+const FROM_SPIRAL: usize = 100;
+/// Iterations of a large mesh from a coarser one: the mean smallest angle is then 54.6 degrees with 100,000 nodes and
+/// 54.9 with a million.
+const AFTER_COARSER: usize = 10;
 /// attempts, each with different pseudo-random numbers
 const ATTEMPTS: u64 = 5;
 /// [deg] smallest angle above which no further attempt is made
@@ -53,12 +56,11 @@ pub(super) fn generate(request: &GradedRequest, seed: u64) -> Result<Mesh, MeshE
     let mut best: Option<(f64, Layout, Vec<[u32; 3]>)> = None;
     let mut failure = None;
     for attempt in 0..ATTEMPTS {
-        let mut start = plan.start(SplitMix64::new(seed, attempt));
-        match relax(&plan, &mut start).and_then(|flips| polish(&plan, &mut start, flips)) {
-            Ok(triangles) => {
-                let angle = quality::smallest_angle(&start.points, &triangles).degrees;
+        match relaxed(&plan, SplitMix64::new(seed, attempt), false) {
+            Ok((layout, triangles)) => {
+                let angle = quality::smallest_angle(&layout.points, &triangles).degrees;
                 if best.as_ref().is_none_or(|b| angle > b.0) {
-                    best = Some((angle, start, triangles));
+                    best = Some((angle, layout, triangles));
                 }
                 if angle >= GOOD_ANGLE {
                     break;
@@ -69,10 +71,40 @@ pub(super) fn generate(request: &GradedRequest, seed: u64) -> Result<Mesh, MeshE
         }
     }
     match (best, failure) {
-        (Some((angle, start, triangles)), _) => finish(angle, &start, triangles),
+        (Some((angle, layout, triangles)), _) => finish(angle, &layout, triangles),
         (None, Some(error)) => Err(error),
         (None, None) => Err(MeshError::Triangulation { found: 0, expected: plan.triangles }),
     }
+}
+
+/// A relaxed and polished layout with its triangles: from a coarser one where that can be made, else from a spiral. It
+/// must come to rest unless it is large, or another one starts from it.
+fn relaxed(plan: &MeshPlan, random: SplitMix64, is_start: bool) -> Result<(Layout, Vec<[u32; 3]>), MeshError> {
+    let from_coarser = plan.coarser().map(|coarser| {
+        let (coarse, triangles) = relaxed(&coarser, random.clone(), true)?;
+        settled(plan, plan.start_from(&coarse, &triangles), Iterations::Most(AFTER_COARSER))
+    });
+    match from_coarser {
+        Some(found @ (Ok(_) | Err(MeshError::Interrupted(_)))) => found,
+        _ if plan.is_large() || is_start => settled(plan, plan.start(random), Iterations::Most(FROM_SPIRAL)),
+        _ => settled(plan, plan.start(random), Iterations::ToRest),
+    }
+}
+
+/// How long a mesh is relaxed.
+#[derive(Clone, Copy)]
+enum Iterations {
+    /// until it has converged; fails if it does not
+    ToRest,
+    /// for that many iterations at most
+    Most(usize),
+}
+
+/// Relaxes and polishes a layout.
+fn settled(plan: &MeshPlan, mut layout: Layout, iterations: Iterations) -> Result<(Layout, Vec<[u32; 3]>), MeshError> {
+    let flips = relax(plan, &mut layout, iterations)?;
+    let triangles = polish(plan, &mut layout, flips)?;
+    Ok((layout, triangles))
 }
 
 /// Turns points into a mesh, or refuses bad angles.
@@ -107,9 +139,9 @@ pub(super) fn follow_plan(plan: &MeshPlan, start: &Layout, flips: &mut Flips) ->
     triangulate_plan(plan, start)
 }
 
-/// Moves the nodes until the springs are in equilibrium (Persson & Strang 2004, section 3, steps 3 to 8); returns the
-/// triangulation so far.
-fn relax(plan: &MeshPlan, start: &mut Layout) -> Result<Flips, MeshError> {
+/// Moves the nodes until the springs are in equilibrium (Persson & Strang 2004, section 3, steps 3 to 8), or for the
+/// given iterations; returns the triangulation so far.
+fn relax(plan: &MeshPlan, start: &mut Layout, iterations: Iterations) -> Result<Flips, MeshError> {
     if plan.free == 0 && plan.seam_nodes == 0 {
         return Ok(Flips::default());
     }
@@ -122,7 +154,8 @@ fn relax(plan: &MeshPlan, start: &mut Layout) -> Result<Flips, MeshError> {
     let mut movement = f64::INFINITY;
     let mut flips = Flips::default();
 
-    for iteration in 0..ITERATIONS {
+    let most = if let Iterations::Most(most) = iterations { most } else { ITERATIONS };
+    for _ in 0..most {
         interrupt::check()?;
         wanted_lengths(&plan.size, &start.points, &mut size);
         if moved_far(&size, &start.points, &last) {
@@ -134,11 +167,14 @@ fn relax(plan: &MeshPlan, start: &mut Layout) -> Result<Flips, MeshError> {
         }
         bars.forces(&size, &start.points, &mut forces);
         movement = bars.step(plan, start, &size, &forces, &mut momentum);
-        if movement < REST || plan.is_large() && iteration >= LARGE_ITERATIONS {
+        if movement < REST {
             return Ok(flips);
         }
     }
-    Err(MeshError::NotRelaxed { iterations: ITERATIONS, movement, tolerance: REST })
+    match iterations {
+        Iterations::Most(_) => Ok(flips),
+        Iterations::ToRest => Err(MeshError::NotRelaxed { iterations: most, movement, tolerance: REST }),
+    }
 }
 
 /// Writes the wanted edge length [m] at every point.
@@ -284,7 +320,7 @@ fn add_forces(ends: &[[u32; 2]], size: &[f64], points: &[Vector2<f64>], forces: 
 
 /// The place nearest to `to`, on its ray if it has one, at least `depth` [m] from boundary, hub and seams.
 #[inline(never)]
-fn kept_clear(plan: &MeshPlan, freedom: Freedom, to: Vector2<f64>, depth: f64) -> Vector2<f64> {
+pub(super) fn kept_clear(plan: &MeshPlan, freedom: Freedom, to: Vector2<f64>, depth: f64) -> Vector2<f64> {
     match freedom {
         Freedom::Ray(direction) => {
             // Kept away from the centre, which on a disc is the common end of the seams.

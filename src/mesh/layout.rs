@@ -88,17 +88,17 @@ impl GradedRequest {
         let size = self.size(boundary, grading);
         let loops = self.split(boundary);
         let hub = self.hub(&size);
-        let along = integral([hub.max(self.ring.inner), self.ring.outer], |r| 1.0 / size.at(r));
-        let between = (along.round() as usize).max(1) - 1;
-        let seam_nodes = if self.seams == 0 { 0 } else { between + usize::from(hub > 0.0) };
-        let centre = usize::from(self.seams > 0 && !self.ring.has_hole());
-        let on_seams = self.seams.saturating_mul(seam_nodes).saturating_add(centre);
+        let (seams, [seam_nodes, free, triangles]) = (self.seams, [0; 3]);
+        let mut plan = MeshPlan { size, loops, seams, hub, seam_nodes, free, triangles };
+        plan.seam_nodes = plan.count_seam_nodes();
+        let on_seams = plan.on_seams();
         if boundary != self.boundary_nodes.unwrap_or(boundary) || boundary.saturating_add(on_seams) > self.nodes {
             let (nodes, boundary_nodes) = (self.nodes, self.boundary_nodes.unwrap_or(boundary));
             return Err(MeshError::NoInterior { nodes, boundary_nodes, seam_nodes: on_seams });
         }
-        let free = self.nodes - boundary - on_seams;
-        Ok(MeshPlan { size, loops, seams: self.seams, hub, seam_nodes, free, triangles: self.triangles(boundary) })
+        plan.free = self.nodes - boundary - on_seams;
+        plan.triangles = plan.count_triangles();
+        Ok(plan)
     }
 
     /// Radius at which the seams of a disc are one edge length apart; 0 where they leave room for other nodes at the
@@ -111,9 +111,9 @@ impl GradedRequest {
         if radius + 0.5 * size.at(radius) < self.ring.outer { radius } else { 0.0 }
     }
 
-    /// F = 2V - B for an annulus, 2V - B - 2 for a disc, by Euler's formula.
+    /// Triangles with that many nodes on the loops.
     fn triangles(&self, boundary: usize) -> usize {
-        (2 * self.nodes).saturating_sub(boundary + if self.ring.has_hole() { 0 } else { 2 })
+        self.ring.count_triangles(self.nodes, boundary)
     }
 
     /// Every seam ends at a node of each loop, and a loop needs three nodes.
@@ -196,6 +196,34 @@ impl GradedRequest {
 }
 
 impl MeshPlan {
+    /// Nodes on the loops.
+    pub(super) fn boundary(&self) -> usize {
+        self.loops[0] + self.loops[1]
+    }
+
+    /// Nodes on seams that are not on loops, the centre among them.
+    fn on_seams(&self) -> usize {
+        let centre = usize::from(self.seams > 0 && !self.size.ring.has_hole());
+        self.seams.saturating_mul(self.seam_nodes).saturating_add(centre)
+    }
+
+    /// Wanted edges along a radius from the inner loop, the hub or the centre to the outer loop.
+    pub(super) fn edges_across(&self) -> f64 {
+        let Ring { inner, outer } = self.size.ring;
+        integral([self.hub.max(inner), outer], |r| 1.0 / self.size.at(r))
+    }
+
+    /// Nodes on each seam by the wanted edge lengths along it.
+    pub(super) fn count_seam_nodes(&self) -> usize {
+        let between = (self.edges_across().round() as usize).max(1) - 1;
+        if self.seams == 0 { 0 } else { between + usize::from(self.hub > 0.0) }
+    }
+
+    pub(super) fn count_triangles(&self) -> usize {
+        let boundary = self.boundary();
+        self.size.ring.count_triangles(boundary + self.on_seams() + self.free, boundary)
+    }
+
     /// Whether it has many nodes.
     pub(crate) fn is_large(&self) -> bool {
         self.free > MANY
@@ -208,7 +236,12 @@ impl MeshPlan {
     }
 
     /// Lays out the nodes: inner loop, outer loop, centre, seams, interior.
-    pub(crate) fn start(&self, mut random: SplitMix64) -> Layout {
+    pub(crate) fn start(&self, random: SplitMix64) -> Layout {
+        self.with_interior(self.spiral(random))
+    }
+
+    /// The same with a given interior.
+    pub(super) fn with_interior(&self, mut interior: Vec<Vector2<f64>>) -> Layout {
         let mut start = Layout { points: Vec::new(), freedom: Vec::new(), constraints: Vec::new(), loop_edges: 0 };
         let ring = self.size.ring;
         let firsts = [0, self.loops[0]];
@@ -216,7 +249,12 @@ impl MeshPlan {
         self.add_loop(ring.outer, self.loops[1], &mut start);
         start.loop_edges = start.constraints.len();
         self.add_seams(firsts, &mut start);
-        self.add_interior(&mut random, &mut start);
+        if self.is_large() {
+            // In other orders consecutive nodes are far apart, so every later pass over the mesh would miss the cache.
+            interior.sort_by_cached_key(|&p| hilbert::place(p, ring.outer));
+        }
+        start.freedom.resize(start.points.len() + interior.len(), Freedom::Free);
+        start.points.extend(interior);
         start
     }
 
@@ -268,7 +306,7 @@ impl MeshPlan {
     ///
     /// They choose nodes at random and drop some. Here a spiral that turns by the golden angle (Vogel 1979), with radii
     /// from the integral of the density, gives the exact number, and is so even that few iterations are needed.
-    fn add_interior(&self, random: &mut SplitMix64, start: &mut Layout) {
+    fn spiral(&self, mut random: SplitMix64) -> Vec<Vector2<f64>> {
         let Ring { inner, outer } = self.size.ring;
         let base = self.hub.max(inner);
         let low = if base > 0.0 { base + HALF_ROW * self.size.at(base) } else { 0.0 };
@@ -278,18 +316,12 @@ impl MeshPlan {
         let table = RadialTable::new(range, |r| r / self.size.at(r).powi(2));
         let golden = PI * (3.0 - 5.0_f64.sqrt());
         let phase = PI * random.signed();
-        for i in 0..self.free {
+        let node = |i: usize| {
             let radius = table.radius_at((i as f64 + 0.5) / self.free as f64);
             let jitter = Vector2::new(random.signed(), random.signed()) * 0.1 * self.size.at(radius);
-            let angle = phase + golden * i as f64;
-            start.points.push(radius * on_unit_circle(angle) + jitter);
-            start.freedom.push(Freedom::Free);
-        }
-        if self.is_large() {
-            // Consecutive nodes of the spiral are far apart, so every later pass over the mesh would miss the cache.
-            let first = start.points.len() - self.free;
-            start.points[first..].sort_by_cached_key(|&p| hilbert::place(p, outer));
-        }
+            radius * on_unit_circle(phase + golden * i as f64) + jitter
+        };
+        (0..self.free).map(node).collect()
     }
 }
 

@@ -15,6 +15,7 @@ pub mod box_tree;
 pub mod canopy;
 pub mod chain;
 mod check;
+mod coarse;
 pub mod components;
 pub mod crossing;
 mod delaunay;

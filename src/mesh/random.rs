@@ -1,4 +1,4 @@
-//! Pseudo-random numbers that never change between versions, so that a seed keeps its mesh and results keep their bits.
+//! Pseudo-random numbers that never change between versions, so that they change neither meshes nor results.
 
 /// SplitMix64 (Steele, Lea & Flood 2014, "Fast splittable pseudorandom number generators", figure 1).
 #[derive(Clone, Debug)]

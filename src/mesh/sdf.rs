@@ -19,6 +19,12 @@ impl Ring {
         self.inner > 0.0
     }
 
+    /// Triangles of any triangulation of that many nodes, `boundary` of them on the loops: F = 2V - B with a hole,
+    /// 2V - B - 2 without one, by Euler's formula.
+    pub(crate) fn count_triangles(&self, nodes: usize, boundary: usize) -> usize {
+        (2 * nodes).saturating_sub(boundary + if self.has_hole() { 0 } else { 2 })
+    }
+
     /// [m] signed distance to the boundary, negative inside (Persson & Strang 2004, section 2.1: the intersection of
     /// a circle and the outside of another is the larger of both distances).
     #[inline]

@@ -21,7 +21,7 @@ pub enum Phase {
     Mesh,
     /// adjacency, boundary loops, lengths and areas
     Topology,
-    /// renumbering the nodes
+    /// renumbering the nodes, and how far the scene may reach
     Numbering,
     /// force terms and masses in the new numbering
     Scene,

@@ -115,7 +115,7 @@ fn the_ordering_is_a_permutation_that_keeps_nodes_together_and_saves_fill() {
     for side in [12, 60] {
         let scene = sheet(side);
         let pattern = scene.assembler().expect("small").pattern;
-        let elimination = fill_reducing(&pattern).expect("ordered");
+        let elimination = fill_reducing(&pattern, &ALONE).expect("ordered");
         let order = &elimination.order;
         let mut sorted = order.new_to_old.clone();
         sorted.sort_unstable();

@@ -14,6 +14,7 @@ use super::vectors::{add, dot, norm};
 use crate::assembly::{Assembler, Pattern};
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
+use crate::model::workers::ALONE;
 use crate::scene::Scene;
 use crate::solve::{Cholesky, LinearError, LinearSolver};
 use faer::{Mat, Side};
@@ -114,7 +115,7 @@ impl Pencil {
     /// # Errors
     /// When the analysis of the pattern runs out of memory or index range.
     pub(crate) fn solver(&self) -> Result<Cholesky, LinearError> {
-        Cholesky::new(self.pattern.clone())
+        Cholesky::new(self.pattern.clone(), &ALONE)
     }
 
     /// Factorises K + s M.

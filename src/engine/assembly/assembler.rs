@@ -5,6 +5,7 @@ use super::record::Recorder;
 use crate::contact::near::Candidate;
 use crate::force::TangentSink;
 use crate::mesh::adjacency::row_starts;
+use crate::model::workers::Workers;
 use nalgebra::Matrix3;
 use std::sync::Arc;
 
@@ -68,25 +69,34 @@ pub struct Nodes<'a> {
 }
 
 impl Assembler {
-    /// Builds pattern and slots from the emitted elements. Every free degree of freedom gets a diagonal entry (its
-    /// mass).
+    /// Builds pattern and slots from the emitted elements, on up to two threads of `workers`. Every free degree of
+    /// freedom gets a diagonal entry (its mass).
     ///
     /// # Errors
     /// When W would have more entries than 32 bits can number.
-    pub fn new(nodes: Nodes<'_>, recorder: &Recorder, symmetric: bool) -> Result<Self, PatternError> {
+    pub fn new(
+        nodes: Nodes<'_>,
+        recorder: &Recorder,
+        symmetric: bool,
+        workers: &Workers,
+    ) -> Result<Self, PatternError> {
         let pairs = distinct_pairs(nodes, recorder, symmetric);
         let unknown = number_unknowns(nodes.fixed);
         let nonzeros: usize = pairs.iter().map(|&p| block_entries(p, &unknown, symmetric)).sum();
         if nonzeros >= u32::MAX as usize {
             return Err(PatternError::TooLarge { nonzeros });
         }
-        let pattern = build_pattern(nodes, &pairs, &unknown, symmetric);
-        let mut blocks = Vec::with_capacity(pairs.len() + 1);
-        blocks.push(BlockSlots::default());
-        for column in pairs.chunk_by(|a, b| a.0 == b.0) {
-            add_slots(&pattern, column, &unknown, &mut blocks);
-        }
-        let emitted = blocks_of(recorder, &pairs, nodes.fixed.len(), symmetric);
+        let lay_out = || {
+            let pattern = build_pattern(nodes, &pairs, &unknown, symmetric);
+            let mut blocks = Vec::with_capacity(pairs.len() + 1);
+            blocks.push(BlockSlots::default());
+            for column in pairs.chunk_by(|a, b| a.0 == b.0) {
+                add_slots(&pattern, column, &unknown, &mut blocks);
+            }
+            (pattern, blocks)
+        };
+        let number = || blocks_of(recorder, &pairs, nodes.fixed.len(), symmetric);
+        let ((pattern, blocks), emitted) = workers.join(lay_out, number);
         let diagonal = (0..pattern.n() as u32).filter_map(|i| pattern.slot(i, i)).collect();
         let values = vec![0.0; pattern.nonzeros()];
         Ok(Assembler { pattern: Arc::new(pattern), values, blocks, emitted, diagonal, near: Arc::default() })

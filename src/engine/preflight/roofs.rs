@@ -175,6 +175,9 @@ pub struct InsideOut {
 /// Finds sheets with coefficients whose right-hand normals look down, or, where they are closed, inwards. Sheets that
 /// stand upright have neither.
 pub fn inside_out(spec: &NetworkSpec) -> Option<InsideOut> {
+    if spec.surface_pressures.is_empty() {
+        return None;
+    }
     let displaced = |node: u32| spec.displacement.get(node as usize).map_or(Vector3::zeros(), |u| Vector3::from(*u));
     let place = |node: u32| spec.mesh.point(node) + displaced(node);
     let sheets = Sheets::new(spec);

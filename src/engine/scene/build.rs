@@ -14,6 +14,7 @@ use super::events::Phases;
 use super::network::{Built, Network};
 use super::numbering::Numbering;
 use super::point_canopy::ShownCanopy;
+use super::reach::reach;
 use super::triggers::{self, Triggers};
 use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::air::{Air, AirData};
@@ -66,7 +67,8 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let triangle_edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
     let links = spec.mesh.edges.iter().chain(bars.iter().flat_map(|bars| &bars.pairs)).copied();
     let links = links.chain(spec.mesh.triangles.iter().flat_map(triangle_edges));
-    let numbering = timed(Phase::Numbering, || Numbering::reverse_cuthill_mckee(spec.mesh.nodes.len(), links));
+    let number = || Numbering::reverse_cuthill_mckee(spec.mesh.nodes.len(), links);
+    let (numbering, reach) = timed(Phase::Numbering, || threads.workers().join(number, || reach(&spec)));
     let at = |i: usize| numbering.user[i] as usize;
     let n = spec.mesh.nodes.len();
     let reference: Vec<Vector3<f64>> = (0..n).map(|i| Vector3::from(spec.mesh.nodes[at(i)])).collect();
@@ -120,6 +122,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         velocity,
         gravity: spec.gravity.map_or(Vector3::zeros(), Vector3::from),
         membranes,
+        reach,
         ..Built::default()
     };
     Ok(Network::new(built, acting, may_touch, spec.mesh, threads))

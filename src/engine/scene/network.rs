@@ -8,7 +8,6 @@ use super::contact::Touching;
 use super::events::Phases;
 use super::external::ExternalForces;
 use super::numbering::Numbering;
-use super::reach::reach;
 use super::triggers::Triggers;
 use crate::contact::bodies::Contacts;
 use crate::force::schedule::step_block::StepBlockResults;
@@ -92,9 +91,9 @@ impl Network {
     pub(super) fn new(built: Built, acting: Acting, may_touch: Option<Contacts>, mesh: Mesh, threads: Threads) -> Self {
         let fixed = built.phases.after(0).fixed.as_flattened();
         let fixed_dofs: Vec<u32> = (0..).zip(fixed).filter(|&(_, &f)| f).map(|(i, _)| i).collect();
-        let (reach, shared_edges) = (reach(&mesh, &acting.springs), shares_edges(&acting.springs));
+        let shared_edges = shares_edges(&acting.springs);
         let mut network = Network {
-            built: Arc::new(Built { fixed_dofs, reach, shared_edges, ..built }),
+            built: Arc::new(Built { fixed_dofs, shared_edges, ..built }),
             acting,
             external: None,
             contact: None,

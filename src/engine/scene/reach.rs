@@ -1,8 +1,9 @@
 //! How far a scene may reach: along paths of its springs and sheets at their rest lengths, however it is packed.
 
-use super::acting::SpringBatch;
+use crate::force::law::series::scalar;
 use crate::mesh::Mesh;
 use crate::mesh::adjacency::Adjacency;
+use crate::model::spec::NetworkSpec;
 
 /// [-] Share of its longest path that a scene may be wide at least: paths along a square net are twice as long as the
 /// distance of their ends.
@@ -10,11 +11,12 @@ const STRAIGHT: f64 = 0.5;
 
 /// [m] Half the extent that the longest path allows. A part is searched from the node of it that is farthest from
 /// another, as two searches find the longest path of a line or a tree.
-pub(super) fn reach(mesh: &Mesh, springs: &[SpringBatch]) -> f64 {
+pub(super) fn reach(spec: &NetworkSpec) -> f64 {
+    let mesh = &spec.mesh;
     let mut lengths: Vec<f64> = mesh.edges.iter().map(|&ends| distance(mesh, ends)).collect();
-    for batch in springs {
-        let most = batch.data.rest_scale.as_ref().map_or(1.0, |table| table.largest());
-        for (rest, &edge) in batch.given.iter().zip(batch.edges.iter()) {
+    for group in &spec.springs {
+        let most = group.rest_scale.as_ref().map_or(1.0, |series| scalar(series).largest());
+        for (rest, &edge) in group.rest_length.iter().zip(&group.edges) {
             lengths.get_mut(edge as usize).into_iter().for_each(|length| *length = most * rest);
         }
     }

@@ -23,7 +23,7 @@ impl Network {
         let near = self.contact.as_ref().map(|contact| contact.last_near()).unwrap_or_default();
         self.contact.iter().for_each(|contact| contact.record(&near, &mut recorder));
         let nodes = Nodes { position: bytemuck::cast_slice(&self.built.start), fixed: &self.phase().fixed };
-        let mut assembler = Assembler::new(nodes, &recorder, symmetric)?;
+        let mut assembler = Assembler::new(nodes, &recorder, symmetric, self.threads.workers())?;
         assembler.near = near;
         Ok(assembler)
     }

@@ -15,7 +15,7 @@ use super::ordering::{Permutation, fill_reducing};
 use crate::assembly::Pattern;
 use crate::interrupt;
 use crate::mesh::random::pseudo_random;
-use crate::model::workers::ALONE;
+use crate::model::workers::{ALONE, Workers};
 use crate::startup::{Phase, timed};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
@@ -92,12 +92,12 @@ fn column(b: &mut [f64]) -> MatMut<'_, f64> {
 }
 
 impl Cholesky {
-    /// Orders and analyses a symmetric pattern.
+    /// Orders a symmetric pattern, on the threads of `workers`, and analyses it.
     ///
     /// # Errors
     /// When the analysis runs out of memory or index range.
-    pub fn new(pattern: Arc<Pattern>) -> Result<Self, LinearError> {
-        let order = timed(Phase::Ordering, || fill_reducing(&pattern)).map(|elimination| elimination.order);
+    pub fn new(pattern: Arc<Pattern>, workers: &Workers) -> Result<Self, LinearError> {
+        let order = timed(Phase::Ordering, || fill_reducing(&pattern, workers)).map(|elimination| elimination.order);
         interrupt::check()?;
         Self::ordered(pattern, order.as_ref())
     }

@@ -191,7 +191,7 @@ impl AutoSolver {
     /// If the pattern is not symmetric or the analysis fails.
     pub fn new(pattern: Arc<Pattern>, workers: &Workers) -> Result<Self, LinearError> {
         let mut cg = ConjugateGradients::new(pattern.clone(), workers)?;
-        let elimination = timed(Phase::Ordering, || fill_reducing(&pattern));
+        let elimination = timed(Phase::Ordering, || fill_reducing(&pattern, workers));
         // Where a factor takes less than multigrid, it is never better.
         let dear = |e: &Elimination| COSTS.cholesky(&pattern, e).setup > COSTS.cg(&pattern, 0.0, true).setup;
         cg.allow_multigrid(elimination.as_ref().is_none_or(dear));

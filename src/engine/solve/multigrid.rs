@@ -23,7 +23,7 @@ use super::linear::{Accuracy, Inertia, LinearError, LinearSolver};
 use crate::assembly::Pattern;
 use crate::mesh::adjacency::Adjacency;
 use crate::mesh::random::pseudo_random;
-use crate::model::workers::Workers;
+use crate::model::workers::{ALONE, Workers};
 use block_rows::{SECTION, each_section, sections, sections_mut};
 use multiversion::multiversion;
 use nalgebra::Vector3;
@@ -106,10 +106,14 @@ impl Multigrid {
             let n = lower.rows();
             let pairs = (0..n as u32).flat_map(|g| lower.row(g).iter().map(move |&h| (g, h)));
             let around = Adjacency::new(n, pairs.clone().map(|(g, h)| (h, g)).chain(pairs.filter(|(g, h)| g != h)));
-            let up = Prolongation::new(&around, aggregates(&around));
-            let coarse = up.coarse(&around);
+            let grouped = || {
+                let up = Prolongation::new(&around, aggregates(&around));
+                let coarse = up.coarse(&around);
+                (up, coarse)
+            };
+            let ((up, coarse), smoother) = workers.join(grouped, || Smoother::new(&lower));
             position = up.middles(&position);
-            levels.push(Level::new(matrix.take(), Smoother::new(&lower), up));
+            levels.push(Level::new(matrix.take(), smoother, up));
             let count = coarse.rows();
             if count <= COARSEST || REDUCTION * count > n {
                 break Coarsest::new(CoarseNumbers::new(coarse), position)?;
@@ -336,7 +340,7 @@ impl Coarsest {
         let count = position.len();
         let pattern = Arc::new(coarsest_pattern(&matrix.rows, position));
         let values = vec![0.0; pattern.nonzeros()];
-        let mut solver = Cholesky::new(pattern)?;
+        let mut solver = Cholesky::new(pattern, &ALONE)?;
         solver.set_accuracy(Accuracy::of_reused());
         let zeros = || vec![f32x4::ZERO; count];
         Ok(Coarsest { matrix, solver, values, b: vec![0.0; 3 * count], r: zeros(), z: zeros() })

@@ -8,9 +8,11 @@
 
 use crate::assembly::Pattern;
 use crate::mesh::adjacency::Adjacency;
+use crate::model::workers::{ALONE, Workers};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Nodes up to which minimum degree is as good as dissection and faster.
 const AMD_LIMIT: usize = 2000;
@@ -22,6 +24,8 @@ const LEAF: usize = 24;
 const DENSE: f64 = 10.0;
 /// [-] neighbours up to which no node is dense
 const FEW: usize = 64;
+/// Nodes of a part from which on its halves are worth a thread each.
+const LARGE_PART: usize = 8192;
 /// The separator in the other half is taken if it is smaller by this factor.
 const MUCH_SMALLER: usize = 2;
 const NONE: u32 = u32::MAX;
@@ -46,11 +50,12 @@ pub struct Elimination {
     pub operations: f64,
 }
 
-/// Orders the unknowns of a pattern. `None` if the library reports a failure; the caller then uses the library's
-/// default.
-pub fn fill_reducing(pattern: &Pattern) -> Option<Elimination> {
+/// Orders the unknowns of a pattern, the same on any number of threads. `None` if the library reports a failure; the
+/// caller then uses the library's default.
+pub fn fill_reducing(pattern: &Pattern, workers: &Workers) -> Option<Elimination> {
     let graph = Graph::new(pattern);
-    let order = if graph.len() <= AMD_LIMIT { graph.minimum_degree()? } else { graph.dissect(&pattern.position) };
+    let order =
+        if graph.len() <= AMD_LIMIT { graph.minimum_degree()? } else { graph.dissect(&pattern.position, workers) };
     let (order, [nonzeros, operations]) = graph.postorder(&order);
     let mut new_to_old = Vec::with_capacity(pattern.n());
     for node in order {
@@ -97,34 +102,34 @@ impl Graph {
         Some(order)
     }
 
-    fn dissect(&self, position: &[[f64; 3]]) -> Vec<u32> {
+    fn dissect(&self, position: &[[f64; 3]], workers: &Workers) -> Vec<u32> {
         let most = (DENSE * (self.len() as f64).sqrt()).max(FEW as f64) as usize;
         let (mut nodes, dense): (Vec<u32>, Vec<u32>) =
             (0..self.len() as u32).partition(|&g| self.neighbours(g).len() <= most);
-        let mut marks = Marks { of: vec![0; self.len()], last: 0 };
-        // Parts still to be divided, as ranges of `nodes`; a part's separator goes to its end.
-        let mut open: Vec<std::ops::Range<usize>> = std::iter::once(0..nodes.len()).collect();
-        while let Some(range) = open.pop() {
-            let part = &mut nodes[range.clone()];
-            if part.len() <= LEAF {
-                continue;
-            }
-            let [left, right, separator] = self.cut(halve(part, position), &mut marks);
-            let reordered = left.iter().chain(&right).chain(&separator);
-            for (slot, &g) in part.iter_mut().zip(reordered) {
-                *slot = g;
-            }
-            let cut = range.start + left.len();
-            open.push(range.start..cut);
-            open.push(cut..cut + right.len());
-        }
+        let marks = Marks { of: (0..self.len()).map(|_| AtomicU32::new(0)).collect(), last: AtomicU32::new(0) };
+        self.divide(&mut nodes, position, &marks, workers);
         nodes.extend(dense);
         nodes
     }
 
+    /// Orders a part: its halves, each divided further, then their separator.
+    fn divide(&self, part: &mut [u32], position: &[[f64; 3]], marks: &Marks, workers: &Workers) {
+        if part.len() <= LEAF {
+            return;
+        }
+        let [left, right, separator] = self.cut(halve(part, position), marks);
+        let reordered = left.iter().chain(&right).chain(&separator);
+        part.iter_mut().zip(reordered).for_each(|(slot, &g)| *slot = g);
+        let workers = if part.len() < LARGE_PART { &ALONE } else { workers };
+        let (first, rest) = part.split_at_mut(left.len());
+        let halves = [first, &mut rest[..right.len()]];
+        let [first, second] = halves.map(|half| move || self.divide(half, position, marks, workers));
+        workers.join(first, second);
+    }
+
     /// Two halves and their separator: the nodes of the first part that touch the second, or the other way round if
     /// those are far fewer.
-    fn cut(&self, [first, second]: [&[u32]; 2], marks: &mut Marks) -> [Vec<u32>; 3] {
+    fn cut(&self, [first, second]: [&[u32]; 2], marks: &Marks) -> [Vec<u32>; 3] {
         let (left, separator) = self.apart(first, second, marks);
         // No separator can be smaller by that factor.
         if separator.len() <= MUCH_SMALLER {
@@ -139,12 +144,9 @@ impl Graph {
     }
 
     /// The nodes of a part that do not touch the other part, and those that do.
-    fn apart(&self, part: &[u32], other: &[u32], marks: &mut Marks) -> (Vec<u32>, Vec<u32>) {
-        marks.last += 1;
-        for &g in other {
-            marks.of[g as usize] = marks.last;
-        }
-        part.iter().partition(|&&g| !self.neighbours(g).iter().any(|&o| marks.of[o as usize] == marks.last))
+    fn apart(&self, part: &[u32], other: &[u32], marks: &Marks) -> (Vec<u32>, Vec<u32>) {
+        let mark = marks.mark(other);
+        part.iter().partition(|&&g| !self.neighbours(g).iter().any(|&o| marks.of(o) == mark))
     }
 
     /// Entries of L and operations of the factorisation, 3x3 for every node: a row of L is the part of the elimination
@@ -208,10 +210,23 @@ impl Graph {
     }
 }
 
-/// Marks the nodes of a part: those whose mark is `last`.
+/// The mark of every node; threads divide parts that have no nodes in common.
 struct Marks {
-    of: Vec<u32>,
-    last: u32,
+    of: Vec<AtomicU32>,
+    last: AtomicU32,
+}
+
+impl Marks {
+    /// Marks nodes with a mark that no other node has.
+    fn mark(&self, nodes: &[u32]) -> u32 {
+        let mark = 1 + self.last.fetch_add(1, Ordering::Relaxed);
+        nodes.iter().for_each(|&g| self.of[g as usize].store(mark, Ordering::Relaxed));
+        mark
+    }
+
+    fn of(&self, node: u32) -> u32 {
+        self.of[node as usize].load(Ordering::Relaxed)
+    }
 }
 
 /// Divides nodes into two halves across their longest extent; on a tie the lower numbers come first.

@@ -20,14 +20,15 @@ pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, fau
         faults.add_value(&at.key("initial").key("velocity"), value, ALLOWED, None);
     }
     let length = |edge: u32| geometry.start_length(edge, &spec.displacement).unwrap_or_default();
-    let springs = spec.springs.iter().flat_map(|g| {
-        let scale = g.rest_scale_at_start();
-        let values = g.edges.iter().zip(g.stiffness.of(g.edges.len()).zip(&g.rest_length));
-        values.map(move |(&edge, (k, &rest))| (edge, k, scale * rest))
-    });
-    let springs: Vec<_> = springs.collect();
-    let elastic = springs.iter().map(|&(edge, k, rest)| 0.5 * k * (length(edge) - rest).powi(2));
-    if let Some(&(edge, k, rest)) = first_overflow(elastic).and_then(|i| springs.get(i)) {
+    let springs = || {
+        spec.springs.iter().flat_map(|g| {
+            let scale = g.rest_scale_at_start();
+            let values = g.edges.iter().zip(g.stiffness.of(g.edges.len()).zip(&g.rest_length));
+            values.map(move |(&edge, (k, &rest))| (edge, k, scale * rest))
+        })
+    };
+    let elastic = springs().map(|(edge, k, rest)| 0.5 * k * (length(edge) - rest).powi(2));
+    if let Some((edge, k, rest)) = first_overflow(elastic).and_then(|i| springs().nth(i)) {
         let value = format!(
             "the spring on edge {edge} with {} N/m, {} m long at rest, starts with a length of {} m",
             figures(k, 4),

@@ -43,9 +43,10 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
-    fn new(source: &MeshSource, imported: Imported) -> Result<Self, MeshError> {
+    /// Of a mesh that its source has made, which has checked it.
+    fn new(source: &MeshSource, imported: Imported) -> Self {
         let Imported { mesh, notes, .. } = imported;
-        let topology = Topology::new(&mesh)?;
+        let topology = Topology::of_checked(&mesh);
         let at = |node: u32| mesh.nodes.get(node as usize).map_or(Vector3::repeat(f64::NAN), |p| Vector3::from(*p));
         let length: Vec<f64> = mesh.edges.iter().map(|&[a, b]| (at(a) - at(b)).norm()).collect();
         let mut unstretched: Vec<f64> = match &mesh.cut {
@@ -62,7 +63,7 @@ impl Geometry {
         let doubts = doubts(source, &mesh, &topology);
         let y_is_up =
             matches!(source, MeshSource::File(file) if file.axes == Axes::Auto) && canopy_along_y(&mesh, &topology);
-        Ok(Self { source: source.clone(), notes, doubts, y_is_up, mesh, topology, length, unstretched, area })
+        Self { source: source.clone(), notes, doubts, y_is_up, mesh, topology, length, unstretched, area }
     }
 
     /// Warnings about the mesh for a scene with this gravity [m/s^2].
@@ -156,9 +157,9 @@ pub(super) fn geometry(
     if faults.count() > before || !faults.readable(at) {
         return None;
     }
-    let made = timed(Phase::Mesh, || source.build_with_notes(base));
-    match made.and_then(|imported| timed(Phase::Topology, || Geometry::new(source, imported))) {
-        Ok(geometry) => {
+    match timed(Phase::Mesh, || source.build_with_notes(base)) {
+        Ok(imported) => {
+            let geometry = timed(Phase::Topology, || Geometry::new(source, imported));
             tell_notes(at, &geometry, faults);
             // Lines whose length no node shows make no mesh large.
             let unseen = |(key, _): &(&str, f64)| [REEFING, INNER].contains(key);
