@@ -7,7 +7,7 @@ use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
 use canopy_fem::model::system::{System, Weights};
-use canopy_fem::model::workers::ALONE;
+use canopy_fem::model::workers::{ALONE, Workers};
 use canopy_fem::scene::{Network, build_network};
 use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, fill_reducing, solver_for};
 use std::sync::Arc;
@@ -107,6 +107,15 @@ fn a_tangent_that_is_not_symmetric_takes_lu_and_refuses_cholesky() {
     assert!(residual < 1e-12, "{residual}");
     let refused = solver_for(w.pattern, LinearChoice::Cholesky, &ALONE).err();
     assert_eq!(refused, Some(LinearError::NotSymmetric));
+}
+
+/// Dissection of parts side by side finds the same order.
+#[test]
+fn the_ordering_does_not_depend_on_threads() {
+    let pattern = sheet(150).assembler().expect("small").pattern;
+    let [one, two, three] =
+        [1, 2, 3].map(|threads| fill_reducing(&pattern, &Workers::new(threads).expect("threads")).expect("ordered"));
+    assert!(one == two && one == three);
 }
 
 #[test]

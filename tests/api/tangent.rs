@@ -6,7 +6,7 @@ mod means;
 mod scenes;
 mod tiles;
 
-use crate::common::Random;
+use crate::common::{Random, spring_group, square};
 use canopy_fem::assembly::{Assembler, TangentSystem};
 use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::abilities::Events;
@@ -119,6 +119,46 @@ fn tangents_before_and_after_events() {
     assert_eq!([0, 4, 8].map(|i| products[i].0), [23, 23, 25], "two directions become free");
     assert!((0..4).all(|seed| products[seed].1 != products[4 + seed].1), "the cut changes the tangent");
     scene.pass_events(0);
+}
+
+/// What is prepared for many products gives those of the elements, with one element or another that is not stored, and
+/// with sections of elements that have nodes in common: then with the same bits on any number of threads.
+#[test]
+fn prepared_products_are_those_of_the_elements() {
+    let weights = [[1.0, 0.0], [0.0, 1.0], [1.7, 0.3]].map(|[k, c]| Weights { m: 0.0, c, k });
+    let check = |name: &str, scene: &Network, sample: &Sample| {
+        let products = scene.tangent_products(sample.at())?;
+        let p: Vec<f64> = (0..scene.n_dof()).map(|i| (0.7 * i as f64).sin()).collect();
+        let [mut y, mut expected] = [0; 2].map(|_| vec![0.0; scene.n_dof()]);
+        let mut bits = Vec::new();
+        // Twice, as sums are kept from product to product.
+        for w in weights.into_iter().chain(weights) {
+            products.times(w, &p, &mut y);
+            scene.tangent_times(sample.at(), w, &p, &mut expected);
+            let largest = expected.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+            assert!(y.iter().all(|y| y.is_finite()), "{name}, {w:?}");
+            let off = y.iter().zip(&expected).fold(0.0, |most: f64, (y, e)| most.max((y - e).abs()));
+            assert!(off <= 1e-12 * largest, "{name}, {w:?}: off by {off} of {largest}");
+            bits.extend(y.iter().map(|y| y.to_bits()));
+        }
+        Some(bits)
+    };
+    let mut prepared = 0;
+    for (name, spec) in scenes().into_iter().chain(uneven_scenes()) {
+        let scene = build(spec);
+        prepared += usize::from(check(name, &scene, &Sample::new(&scene, 3)).is_some());
+    }
+    assert!(prepared > 10, "{prepared} scenes have springs alone or among others");
+    let mut spec = square(120, 1e-3);
+    spec.fixed[0] = [true; 3];
+    let mut springs = spring_group(&spec, Slack::TensionOnly);
+    springs.dashpot = Some(DashpotSpec { kind: DashpotKind::Relative, coefficient: 1e-3.into(), from_step: false });
+    spec.springs = vec![springs];
+    let bits = [1, 2, 3].map(|threads| {
+        let scene = build_network(spec.clone(), Threads::new(threads).expect("threads")).expect("sound");
+        check("a net", &scene, &Sample::new(&scene, 3)).expect("springs")
+    });
+    assert!(bits[0] == bits[1] && bits[0] == bits[2], "threads change bits");
 }
 
 fn compare(name: &str, scene: &Network, sample: &Sample, seed: u64) -> usize {

@@ -1,5 +1,5 @@
 //! A scene linearised about a state, in coordinates q = M^1/2 x that make the mass the identity: products with K and C,
-//! matrix-free or by rows.
+//! by rows or by elements.
 
 use super::rates::Rates;
 use super::vectors::dot;
@@ -10,7 +10,7 @@ use crate::model::quad::{self, Pass, Quad, VectorUnit};
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
 use crate::model::system::Weights;
-use crate::scene::Scene;
+use crate::scene::{Scene, TangentProducts};
 use std::sync::Arc;
 
 /// K alone.
@@ -26,9 +26,10 @@ pub(super) struct Linearised<'a> {
     pub at: StateRef<'a>,
     /// [1/sqrt(kg)] diagonal of M^-1/2, 0 at fixed degrees of freedom `[n_dof]`
     pub root: Vec<f64>,
-    /// K and C as matrices if that is cheaper than passes over the elements: with air and dashpots, not with springs
-    /// alone
+    /// K and C as matrices if that is cheaper than products by elements: with air and dashpots, not with springs alone
     pub matrices: Option<Arc<Matrices>>,
+    /// products by elements, if there are no matrices and they can be prepared
+    products: Option<Box<dyn TangentProducts + 'a>>,
     /// checked between products of an iteration
     pub stop: Stop<'a>,
 }
@@ -38,7 +39,8 @@ impl<'a> Linearised<'a> {
         let root: Vec<f64> = scene.inverse_mass().iter().map(|m| m.sqrt()).collect();
         let worth = (scene.velocity_dependent() || !scene.symmetric()) && root.len() <= MOST_ASSEMBLED;
         let matrices = if worth && !stop.asked() { Matrices::of(scene, at).map(Arc::new) } else { None };
-        Linearised { scene, at, root, matrices, stop }
+        let products = if matrices.is_none() && !stop.asked() { scene.tangent_products(at) } else { None };
+        Linearised { scene, at, root, matrices, products, stop }
     }
 
     /// A fixed start vector with a part of every mode, rich in high ones; 0 at fixed degrees of freedom.
@@ -51,9 +53,10 @@ impl<'a> Linearised<'a> {
         for ((p, q), r) in p.iter_mut().zip(q).zip(&self.root) {
             *p = r * q;
         }
-        match &self.matrices {
-            Some(matrices) => matrices.times([w.k, w.c], [p, p], y),
-            None => self.scene.tangent_times(self.at, w, p, y),
+        match (&self.matrices, &self.products) {
+            (Some(matrices), _) => matrices.times([w.k, w.c], [p, p], y),
+            (None, Some(products)) => products.times(w, p, y),
+            (None, None) => self.scene.tangent_times(self.at, w, p, y),
         }
         for (y, r) in y.iter_mut().zip(&self.root) {
             *y *= r;

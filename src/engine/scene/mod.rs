@@ -41,6 +41,7 @@ mod point_canopy;
 mod product;
 mod reach;
 mod stiff_part;
+mod stored_tangents;
 mod suspect;
 mod tangent;
 mod triggers;
@@ -52,6 +53,7 @@ pub use check_values::BuildError;
 pub use external::{ExternalForces, ExternalKind, ForceDerivative, NodalForce, PairsChange};
 pub use network::Network;
 pub use pendulum::Pendulum;
+pub use stored_tangents::TangentProducts;
 
 use crate::assembly::{SceneInterfaces, TangentSystem};
 use crate::force::law::series::Scale;
@@ -161,6 +163,13 @@ pub trait Scene: TangentSystem + Observables {
 
     /// y = (c C + k K) p at a state, matrix-free, all `[n_dof]`; zero at fixed degrees of freedom.
     fn tangent_times(&self, at: StateRef<'_>, w: crate::model::system::Weights, p: &[f64], y: &mut [f64]);
+
+    /// The same products at one state, prepared for many of them, until an event passes; `None` where that gains
+    /// nothing. It may use all threads of the scene.
+    fn tangent_products<'a>(&'a self, at: StateRef<'a>) -> Option<Box<dyn TangentProducts + 'a>> {
+        let _ = at;
+        None
+    }
 
     /// Upper bound on the largest eigenvalue of M^-1 (c C + k K) at a state, from one pass over the elements, and the
     /// degree of freedom where it is reached. Proved for symmetric scenes and weights of at least 0; else a measure

@@ -11,8 +11,12 @@ impl Network {
     /// y = A p, or A^T p where `TRANSPOSED`, with A = c C + k K at a state; held degrees of freedom included.
     pub(super) fn product<const TRANSPOSED: bool>(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {
         y.fill(0.0);
-        let mut product = Product::<TRANSPOSED> { p: by_node(p), y: bytemuck::cast_slice_mut(y) };
-        self.emit_tangents(at, w, TangentForm::EXACT, &mut product);
+        self.emit_tangents(at, w, TangentForm::EXACT, &mut Product::<TRANSPOSED>::new(p, y));
+        self.add_rank_ones::<TRANSPOSED>(at, w, p, y);
+    }
+
+    /// Adds the rank-one parts of the same product.
+    pub(super) fn add_rank_ones<const TRANSPOSED: bool>(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {
         let (mut u, mut g) = (Vec::new(), Vec::new());
         for which in 0..self.rank_ones() {
             u.resize(p.len(), 0.0);
@@ -26,12 +30,16 @@ impl Network {
 }
 
 /// Multiplies emitted blocks by a vector instead of storing them: y += A p or A^T p.
-struct Product<'a, const TRANSPOSED: bool> {
+pub(super) struct Product<'a, const TRANSPOSED: bool> {
     p: &'a [Vector3<f64>],
     y: &'a mut [Vector3<f64>],
 }
 
-impl<const TRANSPOSED: bool> Product<'_, TRANSPOSED> {
+impl<'a, const TRANSPOSED: bool> Product<'a, TRANSPOSED> {
+    pub(super) fn new(p: &'a [f64], y: &'a mut [f64]) -> Self {
+        Product { p: by_node(p), y: bytemuck::cast_slice_mut(y) }
+    }
+
     fn times(block: &Matrix3<f64>, p: Vector3<f64>) -> Vector3<f64> {
         if TRANSPOSED { block.tr_mul(&p) } else { block * p }
     }

@@ -4,6 +4,7 @@ use super::adjoint::Adjoint;
 use super::arrangement::TermPart;
 use super::contact::CONTACT;
 use super::network::{Network, by_node, node_state};
+use super::stored_tangents::{StoredTangents, TangentProducts};
 use super::{BoundBuffer, Controls, Scene, Suspect};
 use crate::assembly::SceneInterfaces;
 use crate::model::abilities::Events;
@@ -120,15 +121,21 @@ impl Scene for Network {
 
     fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {
         self.product::<false>(at, w, p, y);
-        for (y, &fixed) in y.iter_mut().zip(self.phase().fixed.as_flattened()) {
-            if fixed {
-                *y = 0.0;
-            }
-        }
+        self.hold(y);
+    }
+
+    fn tangent_products<'a>(&'a self, at: StateRef<'a>) -> Option<Box<dyn TangentProducts + 'a>> {
+        Some(Box::new(StoredTangents::of(self, at)?))
     }
 }
 
 impl Network {
+    /// Sets what belongs to held degrees of freedom to 0.
+    pub(super) fn hold(&self, y: &mut [f64]) {
+        let fixed = y.iter_mut().zip(self.phase().fixed.as_flattened()).filter(|(_, fixed)| **fixed);
+        fixed.for_each(|(y, _)| *y = 0.0);
+    }
+
     fn most_strained_at(&self, node: u32, at: StateRef<'_>) -> Option<u32> {
         let mut worst: Option<(f64, u32)> = None;
         for batch in self.carrying() {

@@ -107,7 +107,7 @@ impl Multigrid {
             let pairs = (0..n as u32).flat_map(|g| lower.row(g).iter().map(move |&h| (g, h)));
             let around = Adjacency::new(n, pairs.clone().map(|(g, h)| (h, g)).chain(pairs.filter(|(g, h)| g != h)));
             let grouped = || {
-                let up = Prolongation::new(&around, aggregates(&around));
+                let up = Prolongation::new(&around, aggregates(&around), workers);
                 let coarse = up.coarse(&around);
                 (up, coarse)
             };

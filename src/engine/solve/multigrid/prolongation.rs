@@ -74,7 +74,7 @@ pub(super) struct Prolongation {
 
 impl Prolongation {
     /// Zeros. `around` as for [`aggregates`].
-    pub(super) fn new(around: &Adjacency, (aggregate, count): (Vec<u32>, usize)) -> Self {
+    pub(super) fn new(around: &Adjacency, (aggregate, count): (Vec<u32>, usize), workers: &Workers) -> Self {
         let (mut start, mut met) = (vec![0], Vec::new());
         let mut of_node = Vec::new();
         for i in 0..around.rows() as u32 {
@@ -86,7 +86,7 @@ impl Prolongation {
             start.push(met.len() as u32);
         }
         let rows = Adjacency { start, items: met };
-        let (members, reaching) = (Columns::new(&rows, count), reaching(around, &rows, count));
+        let (members, reaching) = workers.join(|| Columns::new(&rows, count), || reaching(around, &rows, count));
         Prolongation { aggregate, rows: BlockRows::new(rows), members, reaching }
     }
 

@@ -43,7 +43,7 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
-    /// Of a mesh that its source has made, which has checked it.
+    /// Of a mesh that has passed [`Mesh::check`].
     fn new(source: &MeshSource, imported: Imported) -> Self {
         let Imported { mesh, notes, .. } = imported;
         let topology = Topology::of_checked(&mesh);
