@@ -4,6 +4,7 @@
 use super::acting::SpringBatch;
 use super::network::{Network, by_node};
 use super::numbering::Numbering;
+use crate::mesh::adjacency::Adjacency;
 use crate::model::abilities::{SpringPlace, Springs};
 use crate::model::spec::{Condition, EventSpec, NetworkSpec, Trigger, Watched};
 use crate::model::state::StateRef;
@@ -47,23 +48,50 @@ impl Triggers {
                 });
             }
         }
+        // Events may be as many as springs.
+        let watches_springs = events.iter().any(|event| matches!(event.of, Watched::Springs { .. }));
+        let placed = watches_springs.then(|| PlacedSprings::new(spec.mesh.edges.len(), springs));
         let seen = |event: &EventSpec| match &event.of {
             Watched::Nodes(nodes) => {
                 let internal = nodes.iter().map(|&(node, share)| (numbering.internal[node as usize], share));
                 Seen::Nodes(internal.collect())
             }
             Watched::Springs { edges, group } => {
-                let batches = springs.iter().zip(0_u32..);
-                let of_group = batches.filter(|(batch, _)| group.is_none_or(|group| batch.group as usize == group));
-                let places = of_group.flat_map(|(springs, batch)| {
-                    let chosen = springs.edges.iter().zip(0_u32..).filter(|(edge, _)| edges.contains(edge));
-                    chosen.map(move |(_, number)| SpringPlace { batch, number })
-                });
-                Seen::Springs(places.collect())
+                let of_group = |place: &SpringPlace| {
+                    group.is_none_or(|group| springs[place.batch as usize].group as usize == group)
+                };
+                let found = placed.iter().flat_map(|placed| placed.on(edges));
+                Seen::Springs(found.filter(of_group).collect())
             }
         };
         let watched = events.iter().map(seen).collect();
         Triggers { events, watched }
+    }
+}
+
+/// The places of springs by their edges.
+struct PlacedSprings {
+    places: Vec<SpringPlace>,
+    /// those of every edge, by their numbers in `places`
+    on_edge: Adjacency,
+}
+
+impl PlacedSprings {
+    fn new(edges: usize, springs: &[SpringBatch]) -> Self {
+        let all = || {
+            (0_u32..).zip(springs).flat_map(|(batch, springs)| (0_u32..).zip(&*springs.edges).map(move |s| (batch, s)))
+        };
+        let places = all().map(|(batch, (number, _))| SpringPlace { batch, number }).collect();
+        let on_edge = Adjacency::new(edges, (0..).zip(all()).map(|(place, (_, (_, &edge)))| (edge, place)));
+        PlacedSprings { places, on_edge }
+    }
+
+    /// Springs on some edges, in the order of batches.
+    fn on(&self, edges: &[u32]) -> Vec<SpringPlace> {
+        let mut found: Vec<u32> = edges.iter().flat_map(|&edge| self.on_edge.row(edge)).copied().collect();
+        found.sort_unstable();
+        found.dedup();
+        found.into_iter().map(|place| self.places[place as usize]).collect()
     }
 }
 

@@ -25,7 +25,7 @@ use crate::drive::Snapshot;
 use crate::process::Cost;
 
 /// Number of the file format.
-pub const FORMAT: u32 = 23;
+pub const FORMAT: u32 = 24;
 /// As in PNG: a byte above 127 and both kinds of line end reveal a transfer as text.
 const MAGIC: [u8; 8] = *b"\x89CNPY\r\n\x1a";
 /// Length of the header: magic, format, length.
