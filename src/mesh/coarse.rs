@@ -5,7 +5,7 @@
 //! the start. A. Brandt's nested iteration (Mathematics of Computation 31, 1977), for meshes.
 
 use super::distmesh::{CLEARANCE, kept_clear};
-use super::layout::{Freedom, Layout, MeshPlan};
+use super::layout::{Freedom, Layout, MeshPlan, ROUND_ENOUGH};
 use super::sdf::SizeFunction;
 use super::topology::unique_edges;
 use nalgebra::Vector2;
@@ -14,15 +14,21 @@ use nalgebra::Vector2;
 /// and many iterations mend that less well than a start without it.
 const LEAST_ACROSS: f64 = 16.0;
 
+/// Edges between two seams on a loop of a coarse mesh: with fewer there is too little room between them.
+const LEAST_BETWEEN: usize = 2;
+
 impl MeshPlan {
     /// The plan with edges twice as long whose mesh with halved edges has the free nodes of this one, or up to three
-    /// fewer. `None` for a mesh that is not large, a thin ring, and where there would be no room for free nodes.
+    /// fewer. `None` for a mesh that is not large, a thin ring, and where loops or the room between seams are too
+    /// small.
     pub(super) fn coarser(&self) -> Option<MeshPlan> {
         if !self.is_large() {
             return None;
         }
-        let least = self.seams.max(3);
-        let loops = self.loops.map(|nodes| if nodes == 0 { 0 } else { nodes.div_ceil(2).max(least) });
+        let loops = self.loops.map(|nodes| nodes.div_ceil(2));
+        if loops.iter().any(|&nodes| (1..ROUND_ENOUGH.max(LEAST_BETWEEN * self.seams)).contains(&nodes)) {
+            return None;
+        }
         let [at_inner, at_outer] = [2.0 * self.size.at_inner, 2.0 * self.size.at_outer];
         let size = SizeFunction { at_inner, at_outer, ..self.size };
         let mut coarser = MeshPlan { size, loops, hub: 2.0 * self.hub, free: 0, ..*self };
@@ -80,7 +86,7 @@ mod tests {
             (0.1, 40_000, 0, None),
             (0.1, 40_001, 0, Some(901)),
             (0.3, 60_002, 13, None),
-            (0.05, 40_000, 60, None),
+            (0.3, 40_000, 28, None),
             (0.0, 30_000, 0, None),
             (0.0, 50_003, 5, None),
             (0.0, 40_000, 16, Some(801)),
@@ -98,12 +104,12 @@ mod tests {
         }
     }
 
-    /// Small meshes and thin rings start from nothing.
+    /// Small meshes, thin rings, tiny holes and meshes of many seams start from nothing.
     #[test]
     fn some_meshes_have_no_coarser_one() {
-        for (inner, nodes) in [(0.1, 15_000), (0.97, 40_000)] {
+        for (inner, nodes, seams) in [(0.1, 15_000, 0), (0.97, 40_000, 0), (0.001, 40_000, 0), (0.1, 40_000, 60)] {
             let ring = Ring { inner, outer: 1.0 };
-            let request = GradedRequest { ring, nodes, boundary_nodes: None, seams: 0, grading: None };
+            let request = GradedRequest { ring, nodes, boundary_nodes: None, seams, grading: None };
             assert_eq!(request.plan().expect("fits").coarser(), None);
         }
     }

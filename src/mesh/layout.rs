@@ -14,7 +14,7 @@ const DEFAULT_GRADING: f64 = 1.5;
 /// [-] height of an equilateral triangle over its edge, halved: depth of the cell of a boundary node
 const HALF_ROW: f64 = 0.433;
 /// [-] least number of nodes on the smaller loop, for a circle of acceptable shape
-const ROUND_ENOUGH: usize = 8;
+pub(super) const ROUND_ENOUGH: usize = 8;
 
 /// Number of nodes above which a mesh counts as large and is made with less work per node.
 pub(super) const MANY: usize = 20_000;

@@ -56,7 +56,7 @@ pub struct Startup {
     pub mesh: f64,
     /// [s] adjacency, boundary loops, lengths and areas
     pub topology: f64,
-    /// [s] renumbering the nodes
+    /// [s] renumbering the nodes, and how far the scene may reach
     pub numbering: f64,
     /// [s] force terms and masses
     pub scene: f64,

@@ -4,7 +4,7 @@
 use super::arnoldi::{Krylov, most_moving_dof};
 use super::lanczos::Ritz;
 use super::limit::{critical_step, stable};
-use super::operators::{DAMPING, Linearised, Matrices, STIFFNESS};
+use super::operators::{DAMPING, Linearised, MOST_ASSEMBLED, Matrices, STIFFNESS};
 use super::rates::Rates;
 use super::vectors::{MIN_ARNOLDI, SHAPES, affordable, dot};
 use crate::integrate::registry::MethodChoice;
@@ -20,6 +20,8 @@ const PRODUCTS: [usize; 3] = [32, 56, 80];
 const SETTLED_AFTER: usize = 24;
 /// A mode is resolved by every scheme if it changes by less than this share in a step.
 const RESOLVED: f64 = 0.1;
+/// Numbers that are stored of a spring for products with K, and with C.
+const STORED_OF_SPRING: usize = 7;
 /// Share of the growth that must come from the scene; a scheme changes it a little.
 const OWN: f64 = 0.5;
 
@@ -156,7 +158,13 @@ pub fn search_numbers(n: usize, damped: bool) -> usize {
     let shapes = n * affordable(n, SHAPES).min(SETTLED_AFTER);
     // Eigenvectors of L have a position and a velocity part.
     let modes = 2 * n * affordable(2 * n, [MIN_ARNOLDI, PRODUCTS[2]]);
-    if damped { shapes.max(modes) } else { shapes }
+    // A net has about as many springs as degrees of freedom.
+    let stored = STORED_OF_SPRING * n;
+    match damped {
+        false => shapes + stored,
+        true if n <= MOST_ASSEMBLED => shapes.max(modes),
+        true => shapes.max(modes) + 2 * stored,
+    }
 }
 
 /// Quotients of a vector of the step map in the linearised scene. A vector y moves as exp(s t) with s^2 + c s + k = 0,

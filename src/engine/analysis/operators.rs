@@ -18,7 +18,7 @@ pub(super) const STIFFNESS: Weights = Weights { m: 0.0, c: 0.0, k: 1.0 };
 /// C alone.
 pub(super) const DAMPING: Weights = Weights { m: 0.0, c: 1.0, k: 0.0 };
 /// Degrees of freedom above which the matrices would take more memory than a run with an explicit method.
-const MOST_ASSEMBLED: usize = 400_000;
+pub(super) const MOST_ASSEMBLED: usize = 400_000;
 
 /// The operator M^-1/2 (c C + k K) M^-1/2 at a state.
 pub(super) struct Linearised<'a> {

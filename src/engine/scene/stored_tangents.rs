@@ -13,6 +13,8 @@ use std::sync::{Mutex, PoisonError};
 
 /// Elements of a section.
 const SECTION: usize = 16_384;
+/// Elements a node that are stored: a net of triangles has three springs a node. Bending has ten times as many.
+const MOST_A_NODE: usize = 8;
 
 /// Products with K and C at a state, again and again.
 pub trait TangentProducts {
@@ -88,7 +90,8 @@ impl TangentProducts for StoredTangents<'_> {
 
 impl<'a> Stored<'a> {
     fn of(network: &'a Network, at: StateRef<'a>, w: Weights) -> Self {
-        let (mut edges, mut others) = (Edges::default(), Vec::new());
+        let most = MOST_A_NODE * network.built.mass.len();
+        let (mut edges, mut others) = (Edges { found: Vec::new(), most, others: false }, Vec::new());
         for term in network.force_terms() {
             let before = edges.found.len();
             edges.others = false;
@@ -148,10 +151,11 @@ impl Section {
 }
 
 /// Stores two-node elements with symmetric blocks.
-#[derive(Default)]
 struct Edges {
     found: Vec<Edge>,
-    /// whether there is any other element
+    /// how many may be stored
+    most: usize,
+    /// whether there was any other element
     others: bool,
 }
 
@@ -161,8 +165,9 @@ impl TangentSink for Edges {
     }
 
     fn edge(&mut self, nodes: [u32; 2], b: Matrix3<f64>) {
-        self.others |= b != b.transpose();
-        if !self.others && b != Matrix3::zeros() {
+        let stored = b != Matrix3::zeros();
+        self.others |= b != b.transpose() || stored && self.found.len() >= self.most;
+        if stored && !self.others {
             let block = [b[(0, 0)], b[(0, 1)], b[(0, 2)], b[(1, 1)], b[(1, 2)], b[(2, 2)]];
             self.found.push(Edge { nodes, block });
         }
