@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use std::cell::OnceCell;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Largest number of pieces.
 const PIECES: usize = 64;
@@ -97,11 +97,27 @@ impl Workers {
     }
 
     /// The results of two pieces of work, side by side if there is more than one thread.
-    pub fn join<A: Send, B: Send>(&self, one: impl FnOnce() -> A + Send, other: impl FnOnce() -> B + Send) -> (A, B) {
-        match self.pool() {
-            None => (one(), other()),
-            Some(pool) => pool.install(|| rayon::join(one, other)),
-        }
+    pub fn join<A: Send, B: Send>(
+        &self,
+        mut one: impl FnMut() -> A + Send,
+        mut other: impl FnMut() -> B + Send,
+    ) -> (A, B) {
+        let (mut a, mut b) = (None, None);
+        side_by_side(self.pool(), &mut || a = Some(one()), &mut || b = Some(other()));
+        // Both have run.
+        (a.unwrap_or_else(one), b.unwrap_or_else(other))
+    }
+
+    /// Does the work on all sections, each on any thread.
+    pub fn each_section<T: Send>(
+        &self,
+        mut sections: impl ExactSizeIterator<Item = T> + Send,
+        work: impl Fn(T) + Sync,
+    ) {
+        let Some(pool) = self.pool().filter(|_| sections.len() > 1) else { return sections.for_each(work) };
+        let left = Mutex::new(&mut sections);
+        let next = || left.lock().ok().and_then(|mut left| left.next());
+        on_all_threads(pool, &|| std::iter::from_fn(next).for_each(&work));
     }
 
     /// The results of `part` for each piece of `0..n`, combined in their order.
@@ -135,6 +151,23 @@ impl Workers {
     pub fn all_finite(&self, values: &[f64]) -> bool {
         self.sum(values.len(), |r| times_zero(&values[r])) == 0.0
     }
+}
+
+/// Not generic: one copy of what shares out work serves all calls.
+fn side_by_side(pool: Option<&ThreadPool>, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+    match pool {
+        None => {
+            one();
+            other();
+        }
+        Some(pool) => {
+            pool.install(|| rayon::join(one, other));
+        }
+    }
+}
+
+fn on_all_threads(pool: &ThreadPool, work: &(dyn Fn() + Sync)) {
+    pool.scope(|scope| (0..pool.current_num_threads()).for_each(|_| scope.spawn(|_| work())));
 }
 
 /// The product of a value and zero is zero only if the value is finite.

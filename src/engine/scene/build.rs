@@ -67,7 +67,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let triangle_edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
     let links = spec.mesh.edges.iter().chain(bars.iter().flat_map(|bars| &bars.pairs)).copied();
     let links = links.chain(spec.mesh.triangles.iter().flat_map(triangle_edges));
-    let number = || Numbering::reverse_cuthill_mckee(spec.mesh.nodes.len(), links);
+    let number = || Numbering::reverse_cuthill_mckee(spec.mesh.nodes.len(), links.clone());
     let (numbering, reach) = timed(Phase::Numbering, || threads.workers().join(number, || reach(&spec)));
     let at = |i: usize| numbering.user[i] as usize;
     let n = spec.mesh.nodes.len();

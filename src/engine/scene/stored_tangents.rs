@@ -7,7 +7,6 @@ use crate::force::{ForceTerm, TangentForm, TangentSink};
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use nalgebra::{Matrix3, Vector3};
-use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -113,10 +112,7 @@ impl<'a> Stored<'a> {
     fn add(&self, network: &Network, factor: f64, p: &[Vector3<f64>], y: &mut [Vector3<f64>]) {
         let Stored { elements, sections, .. } = self;
         let multiply = |(elements, section): (&[Edge], &Section)| section.multiply(elements, factor, p);
-        match network.threads.workers().pool().filter(|_| sections.len() > 1) {
-            None => elements.chunks(SECTION).zip(sections).for_each(multiply),
-            Some(pool) => pool.install(|| elements.par_chunks(SECTION).zip(sections).for_each(multiply)),
-        }
+        network.threads.workers().each_section(elements.chunks(SECTION).zip(sections), multiply);
         for Section { nodes, sums } in sections {
             let sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
             y[nodes.clone()].iter_mut().zip(sums.iter()).for_each(|(y, sum)| *y += sum);

@@ -24,7 +24,7 @@ use crate::assembly::Pattern;
 use crate::mesh::adjacency::Adjacency;
 use crate::mesh::random::pseudo_random;
 use crate::model::workers::{ALONE, Workers};
-use block_rows::{SECTION, each_section, sections, sections_mut};
+use block_rows::{SECTION, sections, sections_mut};
 use multiversion::multiversion;
 use nalgebra::Vector3;
 use numbers::{CoarseNumbers, FineNumbers, Numbers, lower_blocks};
@@ -188,7 +188,7 @@ impl Multigrid {
 
     fn set_residual(&mut self, b: impl Fn(usize) -> f32 + Send + Sync) -> Result<f64, LinearError> {
         let Multigrid { pattern, workers, levels, .. } = self;
-        each_section(workers, sections_mut(&mut levels[0].r).enumerate(), |(section, r)| {
+        workers.each_section(sections_mut(&mut levels[0].r).enumerate(), |(section, r)| {
             for (r, unknowns) in r.iter_mut().zip(pattern.node_start[section * SECTION..].windows(2)) {
                 let mut v = Vector3::zeros();
                 (unknowns[0]..unknowns[1]).for_each(|u| v[(pattern.dof[u as usize] % 3) as usize] = b(u as usize));
@@ -208,7 +208,7 @@ impl Multigrid {
     /// x <- 0, p <- 0
     pub(super) fn begin(&mut self) {
         for v in [&mut self.x, &mut self.p, &mut self.q] {
-            each_section(&self.workers, sections_mut(v), |v| v.fill(f32x4::ZERO));
+            self.workers.each_section(sections_mut(v), |v| v.fill(f32x4::ZERO));
         }
         self.squares = 0.0;
     }
@@ -218,7 +218,7 @@ impl Multigrid {
         let Multigrid { levels, workers, p, q, along, square, squares, .. } = self;
         let (level, b) = (&levels[0], f64::from(beta));
         let vectors = sections_mut(p).zip(sections_mut(q)).zip(along.iter_mut()).enumerate();
-        each_section(workers, vectors, |(section, ((p, q), along))| {
+        workers.each_section(vectors, |(section, ((p, q), along))| {
             *along = direction(level, section * SECTION, [p, q], beta)
         });
         // p and z are conjugate in B^-1.
@@ -233,7 +233,7 @@ impl Multigrid {
     pub(super) fn advance(&mut self, alpha: f32) -> Result<f64, LinearError> {
         let Multigrid { levels, workers, x, p, q, .. } = self;
         let vectors = sections_mut(x).zip(sections_mut(&mut levels[0].r)).zip(sections(p).zip(sections(q)));
-        each_section(workers, vectors, |((x, r), (p, q))| {
+        workers.each_section(vectors, |((x, r), (p, q))| {
             for ((x, r), (p, q)) in x.iter_mut().zip(r).zip(p.iter().zip(q)) {
                 *x += *p * alpha;
                 *r -= *q * alpha;
@@ -268,7 +268,7 @@ impl Level {
     fn leave(&mut self, workers: &Workers) {
         let Level { smoother, r, x, z, first, .. } = self;
         let vectors = sections_mut(r).zip(sections_mut(first)).zip(sections(z)).enumerate();
-        each_section(workers, vectors, |(section, ((r, first), z))| {
+        workers.each_section(vectors, |(section, ((r, first), z))| {
             first.copy_from_slice(z);
             r.iter_mut().zip(section * SECTION..).for_each(|(r, i)| *r -= smoother.product(i, *r, x));
         });
@@ -277,7 +277,7 @@ impl Level {
     /// z <- z + first
     fn join(&mut self, workers: &Workers) {
         let vectors = sections_mut(&mut self.z).zip(sections(&self.first));
-        each_section(workers, vectors, |(z, first)| z.iter_mut().zip(first).for_each(|(z, first)| *z += *first));
+        workers.each_section(vectors, |(z, first)| z.iter_mut().zip(first).for_each(|(z, first)| *z += *first));
     }
 }
 

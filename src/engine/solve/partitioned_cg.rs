@@ -142,10 +142,11 @@ impl PartitionedSystem {
         let node = pattern.node_of_unknown();
         // A single subdomain needs no threads.
         let workers = if subdomains[1].own.is_empty() { Workers::default() } else { workers.clone() };
-        let part = |subdomain| SubdomainSystem::new(NodeBlocks::new(Arc::clone(pattern), subdomain, &node));
-        let [first, second, separator] = subdomains;
-        let separator = part(separator);
-        let (first, second) = workers.join(|| part(first), || part(second));
+        let part = |number: usize| {
+            SubdomainSystem::new(NodeBlocks::new(Arc::clone(pattern), subdomains[number].clone(), &node))
+        };
+        let separator = part(2);
+        let (first, second) = workers.join(|| part(0), || part(1));
         let scale = vec![0.0; pattern.n()];
         PartitionedSystem { halves: [first, second], separator, scale, workers }
     }

@@ -2,32 +2,12 @@
 
 use super::super::bsr::{columns, times};
 use crate::mesh::adjacency::Adjacency;
-use crate::model::workers::Workers;
 use nalgebra::Matrix3;
-use rayon::ThreadPool;
 use std::ops::Range;
-use std::sync::Mutex;
 use wide::f32x4;
 
 /// Rows of a section.
 pub(super) const SECTION: usize = 16_384;
-
-/// Does the work on all sections, on the threads of `workers`.
-pub(super) fn each_section<T: Send>(
-    workers: &Workers,
-    mut sections: impl ExactSizeIterator<Item = T> + Send,
-    work: impl Fn(T) + Sync,
-) {
-    let Some(pool) = workers.pool().filter(|_| sections.len() > 1) else { return sections.for_each(work) };
-    let left = Mutex::new(&mut sections);
-    let next = || left.lock().ok().and_then(|mut left| left.next());
-    on_all_threads(pool, &|| std::iter::from_fn(next).for_each(&work));
-}
-
-/// Not generic: one copy of what shares out work serves all loops.
-fn on_all_threads(pool: &ThreadPool, work: &(dyn Fn() + Sync)) {
-    pool.scope(|scope| (0..pool.current_num_threads()).for_each(|_| scope.spawn(|_| work())));
-}
 
 /// The sections of a vector.
 pub(super) fn sections<T>(v: &[T]) -> std::slice::Chunks<'_, T> {

@@ -5,7 +5,7 @@
 //! ```
 //! with the matrix of the coarse level P^T A P.
 
-use super::block_rows::{BlockRows, Columns, SECTION, each_section, sections_mut};
+use super::block_rows::{BlockRows, Columns, SECTION, sections_mut};
 use super::numbers::{COLUMNS, CoarseNumbers, Numbers};
 use super::smoother::Smoother;
 use crate::mesh::adjacency::Adjacency;
@@ -129,7 +129,7 @@ impl Prolongation {
     /// Sets P from A and D^-1 of every node.
     pub(super) fn set(&mut self, workers: &Workers, smoother: &Smoother) {
         let Prolongation { aggregate, rows, .. } = self;
-        each_section(workers, rows.sections_mut().enumerate(), |(section, mut rows)| {
+        workers.each_section(rows.sections_mut().enumerate(), |(section, mut rows)| {
             rows.clear();
             smoother.each_block(section, |i, j, block| rows.add(i, aggregate[j], block));
             for (i, &own) in aggregate.iter().enumerate().skip(section * SECTION).take(SECTION) {
@@ -155,7 +155,7 @@ impl Prolongation {
         coarse: &mut CoarseNumbers,
     ) {
         let block = |place| self.rows.block(place).cast::<f64>();
-        each_section(workers, coarse.sections_mut().enumerate(), |(section, mut coarse)| {
+        workers.each_section(coarse.sections_mut().enumerate(), |(section, mut coarse)| {
             coarse.clear();
             // A column of P^T H.
             let mut column: Vec<(u32, Matrix3<f64>)> = Vec::new();
@@ -182,12 +182,12 @@ impl Prolongation {
     /// coarse <- P^T v
     pub(super) fn restrict(&self, workers: &Workers, v: &[f32x4], coarse: &mut [f32x4]) {
         let vectors = sections_mut(coarse).enumerate();
-        each_section(workers, vectors, |(section, coarse)| restrict(self, section * SECTION, coarse, v));
+        workers.each_section(vectors, |(section, coarse)| restrict(self, section * SECTION, coarse, v));
     }
 
     /// x <- x + P e
     pub(super) fn correct(&self, workers: &Workers, e: &[f32x4], x: &mut [f32x4]) {
-        each_section(workers, sections_mut(x).enumerate(), |(section, x)| correct(&self.rows, section * SECTION, x, e));
+        workers.each_section(sections_mut(x).enumerate(), |(section, x)| correct(&self.rows, section * SECTION, x, e));
     }
 }
 

@@ -10,7 +10,7 @@
 //! once to take from the nodes before it and to give to them.
 
 use super::super::bsr::{columns, times};
-use super::block_rows::{BlockRows, Columns, SECTION, each_section, sections, sections_mut};
+use super::block_rows::{BlockRows, Columns, SECTION, sections, sections_mut};
 use super::numbers::Numbers;
 use crate::mesh::adjacency::Adjacency;
 use crate::model::workers::Workers;
@@ -55,7 +55,7 @@ impl Smoother {
         let well = AtomicBool::new(true);
         let (inverse, _) = inverse.as_chunks_mut::<9>();
         let rows = below.sections_mut().zip(behind.sections_mut()).zip(sections_mut(inverse)).enumerate();
-        each_section(workers, rows, |(section, ((mut below, mut behind), inverse))| {
+        workers.each_section(rows, |(section, ((mut below, mut behind), inverse))| {
             let first = section * SECTION;
             for (g, inverse) in (first..).zip(inverse) {
                 matrix.column(g as u32, |h, block| {
@@ -114,18 +114,17 @@ impl Smoother {
     /// Sweeps forwards: overwrites x and left.
     pub(super) fn forward(&self, workers: &Workers, r: &[f32x4], x: &mut [f32x4], left: &mut [f32x4]) {
         let vectors = sections(r).zip(sections_mut(x)).zip(sections_mut(left)).enumerate();
-        each_section(workers, vectors, |(section, ((r, x), left))| forward(self, section * SECTION, [x, left], r));
+        workers.each_section(vectors, |(section, ((r, x), left))| forward(self, section * SECTION, [x, left], r));
         self.between(workers, x, |sum, given| *sum -= given, left);
     }
 
     /// Sweeps backwards: x becomes x - z. Returns r . z.
     pub(super) fn backward(&self, workers: &Workers, r: &[f32x4], [x, z]: [&mut [f32x4]; 2], sums: &mut [f64]) -> f64 {
-        each_section(workers, sections_mut(z), |z| z.fill(f32x4::ZERO));
+        workers.each_section(sections_mut(z), |z| z.fill(f32x4::ZERO));
         self.between(workers, x, |sum, given| *sum = given, z);
         let vectors = sections(r).zip(sections_mut(x)).zip(sections_mut(z)).zip(sums.iter_mut()).enumerate();
-        each_section(workers, vectors, |(section, (((r, x), z), sum))| {
-            *sum = backward(self, section * SECTION, [x, z], r)
-        });
+        workers
+            .each_section(vectors, |(section, (((r, x), z), sum))| *sum = backward(self, section * SECTION, [x, z], r));
         sums.iter().sum()
     }
 
@@ -146,7 +145,7 @@ impl Smoother {
         if self.behind.is_empty() {
             return;
         }
-        each_section(workers, sections_mut(out).enumerate(), |(section, out)| {
+        workers.each_section(sections_mut(out).enumerate(), |(section, out)| {
             for (out, i) in out.iter_mut().zip(section * SECTION..) {
                 if !(self.behind.columns(i).is_empty() && self.before.rows(i).is_empty()) {
                     take(out, self.beyond(i, x));
