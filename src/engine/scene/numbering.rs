@@ -21,7 +21,7 @@ impl Numbering {
         let mut seen = vec![false; n];
         let mut probe = (vec![false; n], Vec::new());
         let mut by_degree: Vec<u32> = (0..n as u32).collect();
-        by_degree.sort_by_key(|&i| graph.degree(i));
+        by_degree.sort_unstable_by_key(|&i| (graph.degree(i), i));
         for start in by_degree {
             if !seen[start as usize] {
                 let start = graph.far_end(start, &mut probe);

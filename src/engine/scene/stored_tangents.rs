@@ -31,9 +31,8 @@ pub(super) struct StoredTangents<'a> {
 
 /// K or C.
 struct Stored<'a> {
-    /// by their smaller nodes
     elements: Vec<Edge>,
-    /// of the elements, in their order
+    /// of the elements, in their order, which mostly is that of nodes: then sections have few nodes in common
     sections: Vec<Section>,
     /// the terms that have other elements
     others: Vec<&'a dyn ForceTerm>,
@@ -102,8 +101,6 @@ impl<'a> Stored<'a> {
         }
         let mut elements = edges.found;
         elements.shrink_to_fit();
-        // Then a section has few nodes, and few in common with others.
-        elements.sort_by_key(|edge| edge.nodes[0].min(edge.nodes[1]));
         let sections = elements.chunks(SECTION).map(Section::of).collect();
         Stored { elements, sections, others }
     }
