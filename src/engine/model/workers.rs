@@ -103,9 +103,9 @@ impl Workers {
         mut other: impl FnMut() -> B + Send,
     ) -> (A, B) {
         let (mut a, mut b) = (None, None);
-        side_by_side(self.pool(), &mut || a = Some(one()), &mut || b = Some(other()));
+        side_by_side(self.pool(), &mut || a = Some(run(&mut one)), &mut || b = Some(run(&mut other)));
         // Both have run.
-        (a.unwrap_or_else(one), b.unwrap_or_else(other))
+        (a.unwrap_or_else(|| run(&mut one)), b.unwrap_or_else(|| run(&mut other)))
     }
 
     /// Does the work on all sections, each on any thread.
@@ -151,6 +151,12 @@ impl Workers {
     pub fn all_finite(&self, values: &[f64]) -> bool {
         self.sum(values.len(), |r| times_zero(&values[r])) == 0.0
     }
+}
+
+/// Not inlined: one copy of the work is enough.
+#[inline(never)]
+fn run<T>(work: &mut impl FnMut() -> T) -> T {
+    work()
 }
 
 /// Not generic: one copy of what shares out work serves all calls.
