@@ -7,7 +7,7 @@
 use super::distmesh::{CLEARANCE, kept_clear};
 use super::layout::{Freedom, Layout, MeshPlan, ROUND_ENOUGH};
 use super::sdf::SizeFunction;
-use super::topology::unique_edges;
+use super::sides::{edge_keys, unique_edges};
 use nalgebra::Vector2;
 
 /// Edges from loop to loop of a coarse mesh. In a thinner one the rows that halving makes do not fit between the loops,
@@ -38,23 +38,20 @@ impl MeshPlan {
         coarser.seam_nodes = coarser.count_seam_nodes();
         // Each further node adds three edges.
         coarser.free = self.free.checked_sub(coarser.free_when_halved())? / 4;
-        coarser.triangles = coarser.count_triangles();
         (coarser.free > 0).then_some(coarser)
     }
 
     /// Free nodes, and edges off loops and seams, whose middles become free nodes.
     fn free_when_halved(&self) -> usize {
         // A triangle has three edges, an edge off the loops has two triangles.
-        let off_loops = (3 * self.count_triangles() - self.boundary()) / 2;
+        let off_loops = (3 * self.triangles() - self.boundary()) / 2;
         self.free + off_loops - self.seams * (self.seam_nodes + 1)
     }
 
     /// The layout of [`MeshPlan::start`] with an interior from a mesh of the plan [`MeshPlan::coarser`].
     pub(super) fn start_from(&self, coarse: &Layout, triangles: &[[u32; 3]]) -> Layout {
         let at = |node: u32| coarse.points[node as usize];
-        let mut kept: Vec<[u32; 2]> =
-            coarse.constraints.iter().map(|&[a, b]| [a.min(b) as u32, a.max(b) as u32]).collect();
-        kept.sort_unstable();
+        let kept = edge_keys(&coarse.constraints);
         let free = coarse.points.iter().zip(&coarse.freedom).filter(|(_, f)| **f == Freedom::Free).map(|(p, _)| *p);
         let edges = unique_edges(triangles);
         let halved = edges.iter().filter(|edge| kept.binary_search(edge).is_err()).map(|&[a, b]| 0.5 * (at(a) + at(b)));
@@ -100,7 +97,7 @@ mod tests {
             let triangles = triangulate_plan(&coarser, &coarse).expect("a mesh of the coarse plan");
             let start = plan.start_from(&coarse, &triangles);
             assert_eq!(start.points.len(), nodes);
-            assert_eq!(triangulate_plan(&plan, &start).map(|found| found.len()).ok(), Some(plan.triangles));
+            assert_eq!(triangulate_plan(&plan, &start).map(|found| found.len()).ok(), Some(plan.triangles()));
         }
     }
 

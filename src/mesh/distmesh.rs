@@ -75,7 +75,7 @@ pub(super) fn generate(request: &GradedRequest, seed: u64) -> Result<Mesh, MeshE
     match (best, failure) {
         (Some((angle, layout, triangles)), _) => finish(angle, &layout, triangles),
         (None, Some(error)) => Err(error),
-        (None, None) => Err(MeshError::Triangulation { found: 0, expected: plan.triangles }),
+        (None, None) => Err(MeshError::Triangulation { found: 0, expected: plan.triangles() }),
     }
 }
 
@@ -127,10 +127,10 @@ fn finish(angle: f64, start: &Layout, triangles: Vec<[u32; 3]>) -> Result<Mesh, 
 /// Triangulates and checks the count, which is right only if all constraints are edges and no triangle is outside.
 pub(super) fn triangulate_plan(plan: &MeshPlan, start: &Layout) -> Result<Vec<[u32; 3]>, MeshError> {
     let triangles = triangulate(&start.points, &start.constraints, plan.loops[0]).unwrap_or_default();
-    if triangles.len() == plan.triangles {
+    if triangles.len() == plan.triangles() {
         Ok(triangles)
     } else {
-        Err(MeshError::Triangulation { found: triangles.len(), expected: plan.triangles })
+        Err(MeshError::Triangulation { found: triangles.len(), expected: plan.triangles() })
     }
 }
 

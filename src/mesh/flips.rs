@@ -1,6 +1,6 @@
 //! A triangulation that follows moving nodes by edge flips (Lawson 1977), far cheaper than a new triangulation.
 
-use super::sides::sides_of;
+use super::sides::{edge_keys, sides_of};
 use super::tuples::in_order;
 use nalgebra::Vector2;
 
@@ -23,9 +23,7 @@ pub(super) struct Flips {
 impl Flips {
     /// Takes over a triangulation; `constraints` are edges that must stay.
     pub(crate) fn new(triangles: Vec<[u32; 3]>, constraints: &[[usize; 2]]) -> Self {
-        let key = |a: u32, b: u32| [a.min(b), a.max(b)];
-        let mut fixed: Vec<[u32; 2]> = constraints.iter().map(|&[a, b]| key(a as u32, b as u32)).collect();
-        fixed.sort_unstable();
+        let fixed = edge_keys(constraints);
         let mut beyond = vec![[NONE; 3]; triangles.len()];
         let mut kept = vec![[false; 3]; triangles.len()];
         let mut before = ([NONE; 2], 0);

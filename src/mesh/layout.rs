@@ -55,8 +55,6 @@ pub(super) struct MeshPlan {
     pub seam_nodes: usize,
     /// nodes off loops and seams
     pub free: usize,
-    /// triangles that any triangulation of these nodes has
-    pub triangles: usize,
 }
 
 /// The initial mesh of the relaxation.
@@ -88,8 +86,7 @@ impl GradedRequest {
         let size = self.size(boundary, grading);
         let loops = self.split(boundary);
         let hub = self.hub(&size);
-        let (seams, [seam_nodes, free, triangles]) = (self.seams, [0; 3]);
-        let mut plan = MeshPlan { size, loops, seams, hub, seam_nodes, free, triangles };
+        let mut plan = MeshPlan { size, loops, seams: self.seams, hub, seam_nodes: 0, free: 0 };
         plan.seam_nodes = plan.count_seam_nodes();
         let on_seams = plan.on_seams();
         if boundary != self.boundary_nodes.unwrap_or(boundary) || boundary.saturating_add(on_seams) > self.nodes {
@@ -97,7 +94,6 @@ impl GradedRequest {
             return Err(MeshError::NoInterior { nodes, boundary_nodes, seam_nodes: on_seams });
         }
         plan.free = self.nodes - boundary - on_seams;
-        plan.triangles = plan.count_triangles();
         Ok(plan)
     }
 
@@ -219,7 +215,8 @@ impl MeshPlan {
         if self.seams == 0 { 0 } else { between + usize::from(self.hub > 0.0) }
     }
 
-    pub(super) fn count_triangles(&self) -> usize {
+    /// Triangles that any triangulation of these nodes has.
+    pub(super) fn triangles(&self) -> usize {
         let boundary = self.boundary();
         self.size.ring.count_triangles(boundary + self.on_seams() + self.free, boundary)
     }

@@ -109,6 +109,13 @@ pub(super) fn unique_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     edges
 }
 
+/// The keys of some edges, ascending.
+pub(super) fn edge_keys(edges: &[[usize; 2]]) -> Vec<[u32; 2]> {
+    let mut keys: Vec<[u32; 2]> = edges.iter().map(|&[a, b]| edge_key(a as u32, b as u32)).collect();
+    keys.sort_unstable();
+    keys
+}
+
 fn edge_key(a: u32, b: u32) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }

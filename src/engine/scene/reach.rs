@@ -1,9 +1,8 @@
 //! How far a scene may reach: along paths of its springs and sheets at their rest lengths, however it is packed.
 
-use crate::force::law::series::scalar;
 use crate::mesh::Mesh;
 use crate::mesh::adjacency::Adjacency;
-use crate::model::spec::NetworkSpec;
+use crate::model::spec::{NetworkSpec, Series};
 
 /// [-] Share of its longest path that a scene may be wide at least: paths along a square net are twice as long as the
 /// distance of their ends.
@@ -15,7 +14,8 @@ pub(super) fn reach(spec: &NetworkSpec) -> f64 {
     let mesh = &spec.mesh;
     let mut lengths: Vec<f64> = mesh.edges.iter().map(|&ends| distance(mesh, ends)).collect();
     for group in &spec.springs {
-        let most = group.rest_scale.as_ref().map_or(1.0, |series| scalar(series).largest());
+        let largest = |scale: &Series<f64>| scale.value.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let most = group.rest_scale.as_ref().map_or(1.0, largest);
         for (rest, &edge) in group.rest_length.iter().zip(&group.edges) {
             lengths.get_mut(edge as usize).into_iter().for_each(|length| *length = most * rest);
         }

@@ -69,7 +69,9 @@ impl TangentProducts for StoredTangents<'_> {
     fn times(&self, w: Weights, p: &[f64], y: &mut [f64]) {
         let StoredTangents { network, at, stiffness, damping } = self;
         y.fill(0.0);
-        network.emit_beside_terms(*at, w, TangentForm::EXACT, &mut Product::<false>::new(p, y));
+        let mut product = Product::<false>::new(p, y);
+        network.emit_law_tangents(*at, w, TangentForm::EXACT, &mut product);
+        network.emit_contact(*at, w, TangentForm::EXACT, &mut product);
         network.add_rank_ones::<false>(*at, w, p, y);
         let alone = |c, k| Weights { m: 0.0, c, k };
         for (factor, stored, w) in [(w.k, stiffness, alone(0.0, w.k)), (w.c, damping, alone(w.c, 0.0))] {

@@ -43,19 +43,7 @@ impl Network {
 
     /// Tangents of everything that acts.
     pub(super) fn emit_tangents(&self, at: StateRef<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
-        self.acting.terms.iter().for_each(|term| term.tangent(node_state(at), w, form, sink));
-        self.emit_beside_terms(at, w, form, sink);
-    }
-
-    /// Those of the program's laws and of contact.
-    pub(super) fn emit_beside_terms(
-        &self,
-        at: StateRef<'_>,
-        w: Weights,
-        form: TangentForm,
-        sink: &mut dyn TangentSink,
-    ) {
-        self.emit_law_tangents(at, w, form, sink);
+        self.emit_terms(at, w, form, sink);
         self.emit_contact(at, w, form, sink);
     }
 

@@ -47,11 +47,6 @@ impl<const N: usize> Table<N> {
         rows.min_by(|a, b| a.1[0].total_cmp(&b.1[0])).map(|(t, _)| *t)
     }
 
-    /// The largest first value of a row.
-    pub fn largest(&self) -> f64 {
-        self.given.value.iter().fold(f64::NEG_INFINITY, |most, value| most.max(value[0]))
-    }
-
     /// The value at time `t` [s].
     pub fn at(&self, t: f64) -> [f64; N] {
         let replaced = self.replaced.read().unwrap_or_else(PoisonError::into_inner);
