@@ -61,8 +61,10 @@ impl Landing {
 /// Where a run stands in the events of its scene.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EventWatch {
-    /// numbers of those whose conditions are not met yet
+    /// numbers of those whose conditions are not met yet, but for springs that break
     waiting: Vec<usize>,
+    /// numbers of those of springs that can still break: there may be thousands
+    unbroken: Vec<usize>,
     /// [s] times that are known, at which steps end, with the number of the event
     armed: Vec<(f64, usize)>,
     /// the same of those that are only told
@@ -102,6 +104,7 @@ impl EventWatch {
                 watch.unmet.push((event, named[event].name.clone()));
             }
             match &named[event].trigger {
+                Trigger::When(_) if named[event].breaks() => watch.unbroken.push(event),
                 Trigger::When(_) => watch.waiting.push(event),
                 Trigger::At(t) => watch.armed.push((*t, event)),
                 Trigger::Told(t) => watch.told.push((*t, event)),
@@ -140,7 +143,7 @@ impl EventWatch {
 
     /// Whether events can happen at a state that is not known before: such a run makes its steps one by one.
     pub(super) fn waits(&self) -> bool {
-        !self.waiting.is_empty()
+        !self.waiting.is_empty() || !self.unbroken.is_empty()
     }
 
     /// Says whether the step that was attempted was made to end at an event that waits.
@@ -150,7 +153,7 @@ impl EventWatch {
 
     /// Whether nothing is left that steps must end at.
     pub(super) fn is_idle(&self) -> bool {
-        self.waiting.is_empty() && self.armed.is_empty()
+        !self.waits() && self.armed.is_empty()
     }
 
     /// Whether the run is at its end.
@@ -189,7 +192,13 @@ impl EventWatch {
     /// How far the next of the events that wait is from happening; infinite without any.
     pub(super) fn margin(&self, scene: &dyn Scene, at: StateRef<'_>) -> f64 {
         let Some(events) = scene.events() else { return f64::INFINITY };
-        self.waiting.iter().map(|event| events.margin(*event, at)).fold(f64::INFINITY, f64::min)
+        let of_others = self.waiting.iter().map(|event| events.margin(*event, at)).fold(f64::INFINITY, f64::min);
+        of_others.min(self.next_break(events, at))
+    }
+
+    /// [N] How far the next spring is from breaking; infinite where none can.
+    fn next_break(&self, events: &dyn Events, at: StateRef<'_>) -> f64 {
+        if self.unbroken.is_empty() { f64::INFINITY } else { events.next_break(at) }
     }
 
     /// Lets all happen that is due at an accepted state, one after the other, as one may follow another at once. Times
@@ -208,12 +217,19 @@ impl EventWatch {
         loop {
             let by_time = self.armed.partition_point(due);
             let mut happening: Vec<usize> = self.armed.drain(..by_time).map(|(_, event)| event).collect();
-            happening.extend(self.waiting.extract_if(.., |event| events.margin(*event, at) <= 0.0));
+            let margin = |event: usize| events.margin(event, at);
+            happening.extend(self.waiting.extract_if(.., |event| margin(*event) <= 0.0));
+            if self.next_break(events, at) <= 0.0 {
+                happening.extend(self.unbroken.extract_if(.., |event| margin(*event) <= 0.0));
+            }
             if std::mem::take(&mut self.found) && happening.is_empty() {
                 // An iteration that was made again, to the same place, may end a rounding error before the event.
-                let margin = |place: &usize| events.margin(self.waiting[*place], at);
-                let next = (0..self.waiting.len()).min_by(|a, b| margin(a).total_cmp(&margin(b)));
-                happening.extend(next.map(|place| self.waiting.remove(place)));
+                let all = self.waiting.iter().chain(&self.unbroken).copied();
+                let next = all.min_by(|a, b| margin(*a).total_cmp(&margin(*b)));
+                for list in [&mut self.waiting, &mut self.unbroken] {
+                    list.retain(|event| Some(*event) != next);
+                }
+                happening.extend(next);
             }
             if happening.is_empty() {
                 return acted;

@@ -3,6 +3,7 @@
 pub(in crate::force) mod bar_batch;
 pub mod batch;
 pub mod coefficient;
+pub mod cut;
 pub(in crate::force) mod differences;
 pub mod element_block;
 pub mod faces;

@@ -265,6 +265,12 @@ pub trait Events {
         f64::INFINITY
     }
 
+    /// [N] How far the next of the springs that break is from it, of those that have not; infinite without any.
+    fn next_break(&self, at: StateRef<'_>) -> f64 {
+        let _ = at;
+        f64::INFINITY
+    }
+
     /// [m, m/s] Place and velocity of what one of these looks at.
     fn place_of(&self, event: usize, at: StateRef<'_>) -> [[f64; 3]; 2] {
         let _ = (event, at);

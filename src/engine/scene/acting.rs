@@ -3,14 +3,18 @@
 
 use super::air_pressure::AirPressure;
 use super::apparent::ApparentMass;
+use super::network::{by_node, node_state};
 use super::point_canopy::ShownCanopy;
 use super::{Load, ScaledLoad};
+use crate::force::law::damped_springs::axial_force;
 use crate::force::law::gas::GasData;
 use crate::force::law::series::{LoadFactor, SampledTable};
 use crate::force::law::spring::{Coefficient, Cut, SpringData};
 use crate::force::law::stages::{EventTimes, Stages};
 use crate::force::law::stream::Stream;
 use crate::force::{Copies, ForceTerm};
+use crate::model::state::StateRef;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// What acts on the nodes, with values that change in a run.
@@ -111,6 +115,15 @@ impl Acting {
     }
 }
 
+/// When a spring breaks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Break {
+    /// the number of its event
+    pub event: usize,
+    /// [N] its strength
+    pub tension: f64,
+}
+
 /// Springs of one rule, as the terms hold them, with their way back to the user's edges.
 #[derive(Clone, Debug)]
 pub(super) struct SpringBatch {
@@ -120,6 +133,8 @@ pub(super) struct SpringBatch {
     pub cut_at: Option<f64>,
     /// the event at which they are cut, if there is one
     pub cut_by: Option<usize>,
+    /// when each of them breaks; empty where none can
+    pub breaks: Arc<[Break]>,
     /// arrays shared with the terms
     pub data: SpringData,
     /// [m] rest lengths as given; those in `data` are a program's factors times these
@@ -132,7 +147,7 @@ pub(super) struct SpringBatch {
     pub axial: bool,
     /// whether the dashpots are relative with c = k h, which Kang's filter contains
     pub in_filter: bool,
-    /// whether they are cut, shared with the terms
+    /// which of them carry nothing, shared with the terms
     pub cut: Cut,
 }
 
@@ -140,5 +155,51 @@ impl SpringBatch {
     /// The same springs in another run.
     fn for_run(&self, copies: &mut Copies) -> Self {
         SpringBatch { data: self.data.for_run(copies), cut: self.cut.for_run(copies), ..self.clone() }
+    }
+
+    /// [N] Tension of a spring with its dashpot; 0 where it is cut or has broken.
+    pub(super) fn tension(&self, at: StateRef<'_>, i: usize) -> f64 {
+        if self.cut.is(i) {
+            return 0.0;
+        }
+        let elastic = self.data.tension(self.data.at(at.t, by_node(at.x)), i);
+        if self.axial { elastic + axial_force(&self.data, node_state(at), i, self.dashpot.at(i)) } else { elastic }
+    }
+
+    /// [N] How far the next of its springs is from breaking; infinite where none can.
+    pub(super) fn next_break(&self, at: StateRef<'_>) -> f64 {
+        let whole = self.breaks.iter().enumerate().filter(|(i, _)| !self.cut.is(*i));
+        whole.map(|(i, limit)| limit.tension - self.tension(at, i)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// What is left of it where some have broken.
+    pub(super) fn left(&self) -> Cow<'_, SpringBatch> {
+        if !self.cut.some_broken() {
+            return Cow::Borrowed(self);
+        }
+        let whole: Vec<usize> = (0..self.edges.len()).filter(|&i| !self.cut.is(i)).collect();
+        Cow::Owned(self.part(&whole, |node| node))
+    }
+
+    /// Some of its springs, which break no more, between nodes with other numbers.
+    pub(super) fn part(&self, kept: &[usize], place: impl Fn(u32) -> u32) -> SpringBatch {
+        let pick = |values: &Coefficient| -> Coefficient {
+            Coefficient::from_values(&kept.iter().map(|&i| values.at(i)).collect::<Vec<_>>())
+        };
+        let lengths = |values: &[f64]| kept.iter().map(|&i| values[i]).collect();
+        SpringBatch {
+            data: SpringData {
+                nodes: kept.iter().map(|&i| self.data.nodes[i].map(&place)).collect(),
+                rest_length: lengths(&self.data.rest_length),
+                stiffness: pick(&self.data.stiffness),
+                ..self.data.clone()
+            },
+            given: lengths(&self.given),
+            edges: kept.iter().map(|&i| self.edges[i]).collect(),
+            dashpot: pick(&self.dashpot),
+            breaks: Arc::default(),
+            cut: self.cut.of_all(),
+            ..self.clone()
+        }
     }
 }

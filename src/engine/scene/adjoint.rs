@@ -79,11 +79,11 @@ impl Adjoint for Network {
         for batch in &self.acting.springs {
             let (own, others) = rest.split_at_mut(batch.edges.len());
             rest = others;
-            if batch.cut.get() {
-                own.fill(0.0);
-                continue;
-            }
             for (i, tension) in own.iter_mut().enumerate() {
+                if batch.cut.is(i) {
+                    *tension = 0.0;
+                    continue;
+                }
                 let axial = batch.axial.then(|| batch.dashpot.at(i));
                 *tension = scaled_tension(&batch.data, node_state(at), (i, axial), factors);
             }

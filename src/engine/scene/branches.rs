@@ -117,13 +117,13 @@ impl ElongationCubic {
     }
 }
 
-/// Springs of a batch that can go slack, with their stiffnesses [N/m], in a step between two times [s].
+/// Springs of a batch that carry force and can go slack, with their stiffnesses [N/m], in a step between two times [s].
 fn lines(batch: &SpringBatch, times: [f64; 2]) -> impl Iterator<Item = (OneSidedSpring, f64)> {
     let law = Clamp::of(batch.data.slack);
     let nodes = law.map_or(&[][..], |_| &batch.data.nodes[..]);
     let threshold = law.map_or(0.0, |law| law.threshold());
     let scales = times.map(|t| batch.data.rest_scale_at(t));
-    nodes.iter().enumerate().map(move |(i, &nodes)| {
+    nodes.iter().enumerate().filter(|(i, _)| !batch.cut.is(*i)).map(move |(i, &nodes)| {
         let k = batch.data.stiffness.at(i);
         let lag = if batch.axial && k > 0.0 { batch.dashpot.at(i) / k } else { 0.0 };
         (OneSidedSpring { nodes, limit: scales.map(|s| s * batch.data.rest_length[i] + threshold), lag }, k)
@@ -141,7 +141,7 @@ impl Network {
         let h = step[1].t - step[0].t;
         let ends = step.map(node_state);
         let mut largest: Option<(f64, ElongationCubic, f64)> = None;
-        for (line, k) in self.carrying().flat_map(|batch| lines(batch, step.map(|at| at.t))) {
+        for (line, k) in self.acting.springs.iter().flat_map(|batch| lines(batch, step.map(|at| at.t))) {
             let gap = line.gap(h, ends);
             if gap.keeps_its_sign() {
                 continue;

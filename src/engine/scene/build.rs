@@ -1,7 +1,7 @@
 //! From a plain specification to force terms in internal numbering.
 
 use super::Load;
-use super::acting::{Acting, Added, SpringBatch};
+use super::acting::{Acting, Added, Break, SpringBatch};
 use super::air_pressure::{AirLaw, AirPressure};
 use super::apparent::{ApparentMass, Volume};
 use super::build_bending::AtRest;
@@ -186,23 +186,15 @@ impl Builder<'_> {
         // Events of springs that break follow those of the specification.
         let mut next_event = self.spec.events.len();
         for (group, number) in groups.zip(0_u32..) {
-            let rest_scale = group.rest_scale.as_ref().map(scalar);
-            if group.breaks.is_empty() {
-                let all = 0..group.edges.len();
-                self.springs_of(group, self.spring_batch(group, number, all.collect()), rest_scale);
-                continue;
-            }
-            for spring in 0..group.edges.len() {
-                let batch = SpringBatch { cut_by: Some(next_event), ..self.spring_batch(group, number, vec![spring]) };
-                self.springs_of(group, batch, rest_scale.clone());
-                next_event += 1;
-            }
+            let mut batch = self.spring_batch(group, number, next_event);
+            next_event += group.breaks.len();
+            batch.data.rest_scale = group.rest_scale.as_ref().map(scalar);
+            self.springs_of(group, batch);
         }
     }
 
     /// Adds springs of a group as a term.
-    fn springs_of(&mut self, group: &SpringGroup, mut batch: SpringBatch, rest_scale: Option<Arc<Table<1>>>) {
-        batch.data.rest_scale = rest_scale;
+    fn springs_of(&mut self, group: &SpringGroup, batch: SpringBatch) {
         let coefficient = batch.dashpot.clone();
         let dashpots = group.dashpot.as_ref().map(|dashpot| Dashpots { kind: dashpot.kind, coefficient });
         let springs = DampedSprings::new(batch.data.clone(), dashpots).cut_with(batch.cut.clone());
@@ -219,12 +211,13 @@ impl Builder<'_> {
         self.acting.add(Added::term(LawBars::new(BarData { nodes, rest_length, law: bars.law.clone() })));
     }
 
-    /// Springs of the group with this number, by their places in it.
-    fn spring_batch(&self, group: &SpringGroup, number: u32, members: Vec<usize>) -> SpringBatch {
+    /// Springs of the group with this number; where they break, the events of their breaks follow each other from
+    /// `first_event` on.
+    fn spring_batch(&self, group: &SpringGroup, number: u32, first_event: usize) -> SpringBatch {
         let nodes = |i: usize| self.spec.mesh.edges[group.edges[i] as usize].map(|n| self.node(n));
-        let ends: Vec<[u32; 2]> = members.iter().map(|&i| nodes(i)).map(|[a, b]| [a.min(b), a.max(b)]).collect();
-        let mut order = Vec::with_capacity(members.len());
-        in_order(ends.iter().copied(), |_, place| order.push(members[place as usize]));
+        let ends: Vec<[u32; 2]> = (0..group.edges.len()).map(nodes).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+        let mut order = Vec::with_capacity(ends.len());
+        in_order(ends.iter().copied(), |_, place| order.push(place as usize));
         let data = SpringData {
             nodes: order.iter().map(|&i| nodes(i)).collect(),
             rest_length: order.iter().map(|&i| group.rest_length[i]).collect(),
@@ -242,9 +235,12 @@ impl Builder<'_> {
         };
         let axial = group.dashpot.as_ref().is_some_and(|d| d.kind == DashpotKind::Axial);
         let given = data.rest_length.clone();
-        let (edges, cut) = (order.iter().map(|&i| group.edges[i]).collect(), Cut::default());
+        let edges = order.iter().map(|&i| group.edges[i]).collect();
+        let limit = |&i: &usize| Some(Break { event: first_event + i, tension: *group.breaks.get(i)? });
+        let breaks: Arc<[Break]> = order.iter().filter_map(limit).collect();
+        let cut = Cut::of_breaking(breaks.len());
         let (group, cut_at, cut_by) = (number, group.cut, group.cut_by);
-        SpringBatch { group, cut_at, cut_by, data, given, edges, dashpot, axial, in_filter, cut }
+        SpringBatch { group, cut_at, cut_by, breaks, data, given, edges, dashpot, axial, in_filter, cut }
     }
 
     fn gravity(&mut self, mass: &[f64], start: &Arc<[Vector3<f64>]>) {

@@ -1,8 +1,8 @@
-//! Events: supports that are released, supports whose velocity changes ([`super::motion`]), and springs that are cut.
-//! Supports and springs stay what they are through a phase, which may hold several changes of velocity.
+//! Events: supports that are released, supports whose velocity changes ([`super::motion`]), and springs that are cut or
+//! break. Supports stay what they are through a phase, which may hold several changes of velocity, and so do springs
+//! but for those that break, of which there may be thousands.
 
 use super::acting::SpringBatch;
-use super::graph::Graph;
 use super::motion::{Moved, Support};
 use super::network::Network;
 use super::numbering::Numbering;
@@ -10,6 +10,7 @@ use crate::model::abilities::Events;
 use crate::model::spec::{EventSpec, MotionSpec, NetworkSpec, ReleaseSpec, ascending};
 use crate::model::state::{State, StateRef};
 use crate::model::system::System;
+use std::borrow::Cow;
 use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
 
@@ -68,8 +69,6 @@ pub(super) struct Phase {
     cut: Vec<bool>,
     /// supports that move at some time, and hold their nodes now
     pub moved: Moved,
-    /// made when a scheme first asks for it
-    pub graph: OnceLock<Graph>,
 }
 
 impl Default for Phases {
@@ -115,7 +114,6 @@ impl Phases {
             fixed,
             released: Vec::new(),
             cut: Vec::new(),
-            graph: OnceLock::new(),
         };
         let (phase, all, begun) = (vec![0], vec![phase], vec![0.0]);
         Phases { times: Vec::new(), phase, all, begun, source: None, later: OnceLock::new() }
@@ -200,8 +198,7 @@ impl Source {
             |(at, by): &(Option<f64>, Option<usize>)| at.is_some_and(|t| t <= begun) || by.is_some_and(happened);
         let cut = if any_cut { self.cuts.iter().map(is_cut).collect() } else { Vec::new() };
         let moved = Moved::new(&self.supports, &fixed, first.map_or(&fixed, |first| &first.fixed));
-        let (released, graph) = (released.unwrap_or_default(), OnceLock::new());
-        Phase { fixed, inverse_mass, released, cut, moved, graph }
+        Phase { fixed, inverse_mass, released: released.unwrap_or_default(), cut, moved }
     }
 }
 
@@ -231,21 +228,26 @@ impl Network {
     }
 
     /// Springs that carry force now.
-    pub(super) fn carrying(&self) -> impl Iterator<Item = &SpringBatch> + Clone {
-        self.acting.springs.iter().filter(|batch| !batch.cut.get())
+    pub(super) fn carrying(&self) -> impl Iterator<Item = Cow<'_, SpringBatch>> {
+        self.acting.springs.iter().filter(|batch| !batch.cut.all()).map(|batch| batch.left())
     }
 
-    /// Begins the phase after `passed` events. Returns whether it is another than before.
+    /// Begins the phase after `passed` events, and breaks the springs whose events have happened. Returns whether
+    /// springs or supports are others than before.
     pub(super) fn begin_phase(&self, passed: usize) -> bool {
         let before = self.phase_number();
         self.passed.store(passed, Ordering::Relaxed);
         let happened = |event: usize| self.acting.event_times.of(event)[0].is_finite();
         self.later.store(self.built.phases.number_of(self.passed(), &happened), Ordering::Relaxed);
-        let cut = &self.phase().cut;
+        let (cut, mut other) = (&self.phase().cut, before != self.phase_number());
         for (i, batch) in self.acting.springs.iter().enumerate() {
-            batch.cut.set(cut.get(i).copied().unwrap_or(false));
+            batch.cut.set_all(cut.get(i).copied().unwrap_or(false));
+            other |= batch.cut.set_broken(batch.breaks.iter().map(|of| happened(of.event)));
         }
-        before != self.phase_number()
+        if other {
+            self.graph.forget();
+        }
+        other
     }
 }
 
@@ -291,6 +293,10 @@ impl Events for Network {
 
     fn margin(&self, event: usize, at: StateRef<'_>) -> f64 {
         self.margin_of(event, at)
+    }
+
+    fn next_break(&self, at: StateRef<'_>) -> f64 {
+        self.acting.springs.iter().map(|batch| batch.next_break(at)).fold(f64::INFINITY, f64::min)
     }
 
     fn place_of(&self, event: usize, at: StateRef<'_>) -> [[f64; 3]; 2] {

@@ -11,6 +11,7 @@ use crate::model::links::{NoLinks, SpringLinks};
 use crate::model::state::StateRef;
 use crate::model::system::{SpringGraph, StepFilter, Viscosity};
 use std::ops::Range;
+use std::sync::{Arc, PoisonError, RwLock};
 
 /// Every node's neighbours along springs.
 #[derive(Debug)]
@@ -20,6 +21,27 @@ pub(super) struct Graph {
     /// by the coefficients c = k h of dashpots that the filter contains, where it does not contain all that is
     /// dissipative
     step_dashpots: Neighbours,
+}
+
+/// The graph of the springs that carry force, made when a scheme first asks for it.
+#[derive(Debug, Default)]
+pub(super) struct KnownGraph(RwLock<Option<Arc<Graph>>>);
+
+impl Clone for KnownGraph {
+    fn clone(&self) -> Self {
+        KnownGraph(RwLock::new(self.known()))
+    }
+}
+
+impl KnownGraph {
+    fn known(&self) -> Option<Arc<Graph>> {
+        self.0.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Springs are others now.
+    pub(super) fn forget(&self) {
+        *self.0.write().unwrap_or_else(PoisonError::into_inner) = None;
+    }
 }
 
 impl Graph {
@@ -43,8 +65,14 @@ fn seconds(springs: &[SpringBatch]) -> Option<f64> {
 }
 
 impl Network {
-    fn graph(&self) -> &Graph {
-        self.phase().graph.get_or_init(|| Graph::new(self.built.mass.len(), self.carrying(), self.viscosity()))
+    fn graph(&self) -> Arc<Graph> {
+        self.graph.known().unwrap_or_else(|| {
+            let carrying: Vec<_> = self.carrying().collect();
+            let springs = carrying.iter().map(|batch| &**batch);
+            let made = Arc::new(Graph::new(self.built.mass.len(), springs, self.viscosity()));
+            *self.graph.0.write().unwrap_or_else(PoisonError::into_inner) = Some(made.clone());
+            made
+        })
     }
 }
 
@@ -86,7 +114,8 @@ impl SpringGraph for Network {
 
     fn step_filter(&self) -> Option<Box<dyn StepFilter>> {
         // A dashpot that was asked for acts along its spring, slack or not.
-        let members = self.carrying().map(|batch| (&batch.data, !batch.in_filter));
+        let carrying: Vec<_> = self.carrying().collect();
+        let members = carrying.iter().map(|batch| (&batch.data, !batch.in_filter));
         OneSided::new(self.built.mass.len(), members).map(|filter| Box::new(filter) as Box<dyn StepFilter>)
     }
 }

@@ -7,6 +7,7 @@ use super::build_surface::MembraneBatch;
 use super::contact::Touching;
 use super::events::Phases;
 use super::external::ExternalForces;
+use super::graph::KnownGraph;
 use super::numbering::Numbering;
 use super::triggers::Triggers;
 use crate::contact::bodies::Contacts;
@@ -44,6 +45,7 @@ pub struct Network {
     pub(super) passed: AtomicUsize,
     /// which of the phases that events began it is in, counted from 1; 0 for none of them
     pub(super) later: AtomicUsize,
+    pub(super) graph: KnownGraph,
     pub(super) sweep: Sweep,
     pub(super) threads: Threads,
     /// the user's mesh, for pictures
@@ -100,6 +102,7 @@ impl Network {
             arrangement: Arrangement::default(),
             passed: AtomicUsize::new(0),
             later: AtomicUsize::new(0),
+            graph: KnownGraph::default(),
             sweep: Sweep::new(0, &mut []),
             threads,
             mesh: Arc::new(mesh),
@@ -120,6 +123,7 @@ impl Network {
             arrangement: self.arrangement.clone(),
             passed: AtomicUsize::new(self.passed()),
             later: AtomicUsize::new(self.later.load(Ordering::Relaxed)),
+            graph: self.graph.clone(),
             sweep: self.sweep.again(),
             threads: self.threads.again(),
             mesh: self.mesh.clone(),

@@ -73,8 +73,9 @@ impl Observables for Network {
     fn edge_tension(&self, at: StateRef<'_>, tension: &mut [f64], strain: &mut [f64]) {
         tension.fill(f64::NAN);
         strain.fill(f64::NAN);
-        for &edge in self.acting.springs.iter().filter(|batch| batch.cut.get()).flat_map(|batch| batch.edges.iter()) {
-            tension[edge as usize] = 0.0;
+        for batch in self.acting.springs.iter().filter(|batch| batch.cut.some()) {
+            let cut = batch.edges.iter().enumerate().filter(|(i, _)| batch.cut.is(*i));
+            cut.for_each(|(_, &edge)| tension[edge as usize] = 0.0);
         }
         if self.built.shared_edges {
             return self.edge_sums(at, tension, strain);
@@ -123,7 +124,7 @@ impl Springs for Network {
     }
 
     fn whole_edges(&self) -> Vec<u32> {
-        self.carrying().flat_map(|batch| batch.edges.iter().copied()).collect()
+        self.carrying().flat_map(|batch| batch.edges.to_vec()).collect()
     }
 
     fn springs_on(&self, edges: &[u32], rule: Option<usize>) -> Vec<SpringPlace> {
@@ -141,13 +142,7 @@ impl Springs for Network {
     }
 
     fn spring_tension(&self, at: StateRef<'_>, SpringPlace { batch, number }: SpringPlace) -> f64 {
-        let Some(batch) = self.acting.springs.get(batch as usize) else { return f64::NAN };
-        if batch.cut.get() {
-            return 0.0;
-        }
-        let (data, i) = (&batch.data, number as usize);
-        let elastic = data.tension(data.at(at.t, by_node(at.x)), i);
-        if batch.axial { elastic + axial_force(data, node_state(at), i, batch.dashpot.at(i)) } else { elastic }
+        self.acting.springs.get(batch as usize).map_or(f64::NAN, |batch| batch.tension(at, number as usize))
     }
 
     fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]) {

@@ -12,7 +12,7 @@ use super::network::{Built, Network, node_state};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
-use crate::force::law::spring::{Coefficient, SpringData};
+use crate::force::law::spring::Coefficient;
 use crate::force::{TangentSink, outer};
 use crate::format_number::counted;
 use crate::mesh::Mesh;
@@ -29,7 +29,8 @@ impl StiffSprings for Network {
     fn stiff_part(&self, ratio: f64) -> Option<StiffPart> {
         let is_short = self.short_nodes(ratio);
         let is_stiff = |nodes: &[u32; 2]| nodes.iter().any(|&node| is_short(node));
-        let all = self.carrying().flat_map(|batch| batch.data.nodes.iter());
+        let carrying: Vec<_> = self.carrying().collect();
+        let all = carrying.iter().flat_map(|batch| batch.data.nodes.iter());
         let mut nodes: Vec<u32> = all.filter(|nodes| is_stiff(nodes)).flatten().copied().collect();
         nodes.sort_unstable();
         nodes.dedup();
@@ -37,7 +38,11 @@ impl StiffSprings for Network {
             return None;
         }
         let place = |node: u32| nodes.partition_point(|&before| before < node) as u32;
-        let springs: Vec<SpringBatch> = self.carrying().filter_map(|batch| part_of(batch, is_stiff, place)).collect();
+        let stiff = |batch: &SpringBatch| -> Vec<usize> {
+            (0..batch.edges.len()).filter(|&i| is_stiff(&batch.data.nodes[i])).collect()
+        };
+        let parts = carrying.iter().map(|batch| batch.part(&stiff(batch), place));
+        let springs: Vec<SpringBatch> = parts.filter(|batch| !batch.edges.is_empty()).collect();
         let count: usize = springs.iter().map(|batch| batch.data.nodes.len()).sum();
         let share = count as f64 / self.acting.terms.iter().map(|term| term.elements()).sum::<usize>() as f64;
         let dofs = nodes.iter().flat_map(|&node| 3 * node..3 * node + 3).collect();
@@ -118,7 +123,7 @@ impl Network {
         let by_node = |block: &dyn Fn(&SpringBatch, usize) -> Matrix3<f64>| {
             largest_by_node(fixed, |sink| {
                 for batch in self.carrying() {
-                    batch.data.nodes.iter().enumerate().for_each(|(i, &nodes)| sink.edge(nodes, block(batch, i)));
+                    batch.data.nodes.iter().enumerate().for_each(|(i, &nodes)| sink.edge(nodes, block(&batch, i)));
                 }
             })
         };
@@ -175,28 +180,4 @@ fn springs_of(batch: &SpringBatch) -> DampedSprings {
     let coefficient = batch.dashpot.clone();
     let dashpots = (!matches!(coefficient, Coefficient::Uniform(0.0))).then_some(Dashpots { kind, coefficient });
     DampedSprings::new(batch.data.clone(), dashpots).cut_with(batch.cut.clone())
-}
-
-/// The springs of a batch that `keep` names, between nodes with other numbers.
-fn part_of(batch: &SpringBatch, keep: impl Fn(&[u32; 2]) -> bool, place: impl Fn(u32) -> u32) -> Option<SpringBatch> {
-    let kept: Vec<usize> = (0..batch.data.nodes.len()).filter(|&i| keep(&batch.data.nodes[i])).collect();
-    let pick = |values: &Coefficient| -> Coefficient {
-        Coefficient::from_values(&kept.iter().map(|&i| values.at(i)).collect::<Vec<_>>())
-    };
-    let lengths = |values: &[f64]| kept.iter().map(|&i| values[i]).collect();
-    if kept.is_empty() {
-        return None;
-    }
-    Some(SpringBatch {
-        data: SpringData {
-            nodes: kept.iter().map(|&i| batch.data.nodes[i].map(&place)).collect(),
-            rest_length: lengths(&batch.data.rest_length),
-            stiffness: pick(&batch.data.stiffness),
-            ..batch.data.clone()
-        },
-        given: lengths(&batch.given),
-        edges: kept.iter().map(|&i| batch.edges[i]).collect(),
-        dashpot: pick(&batch.dashpot),
-        ..batch.clone()
-    })
 }

@@ -176,7 +176,7 @@ impl TangentSystem for Network {
     }
 
     fn turns_over(&self, from: &[f64], to: &[f64]) -> bool {
-        self.carrying().any(|batch| batch.data.turns_over(by_node(from), by_node(to)))
+        self.acting.springs.iter().any(|batch| batch.data.turns_over(&batch.cut, [from, to].map(by_node)))
     }
 
     fn nodal_stiffness(&self) -> Vec<f64> {

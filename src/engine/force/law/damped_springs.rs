@@ -8,7 +8,7 @@
 
 mod mixed;
 
-use crate::force::kernel::bar_batch::BarBatch;
+use crate::force::kernel::bar_batch::{BarBatch, Bars};
 use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, Records};
 use crate::force::kernel::differences::Differences;
 use crate::force::kernel::element_block::ElementBlock;
@@ -64,7 +64,7 @@ impl DampedSprings {
         DampedSprings { springs, dashpots, cut: Cut::default(), batch: Arc::default(), differences: Arc::default() }
     }
 
-    /// The same springs, which carry nothing while they are cut.
+    /// The same springs, which carry nothing while they are cut or broken.
     #[must_use]
     pub fn cut_with(self, cut: Cut) -> Self {
         DampedSprings { cut, ..self }
@@ -83,13 +83,14 @@ impl DampedSprings {
         elastic_block: impl Fn(usize, (Stretch, Tension)) -> Matrix3<f64>,
     ) {
         let springs = &self.springs;
-        if self.cut.get() {
-            // The pattern of the matrix stays.
-            return springs.nodes.iter().for_each(|&nodes| sink.edge(nodes, Matrix3::zeros()));
-        }
         let (as_taut, clamp) = (self.cut.slack_is_taut(), Clamp::or_none(springs.slack));
         let springs_at = springs.at(at.t, at.x);
         for (i, &nodes) in springs.nodes.iter().enumerate() {
+            if self.cut.is(i) {
+                // The pattern of the matrix stays.
+                sink.edge(nodes, Matrix3::zeros());
+                continue;
+            }
             let mut stretch = springs.stretch(springs_at, i);
             let taut = if as_taut { clamp.taut(stretch.elongation) } else { stretch.elongation };
             let went_taut = taut != stretch.elongation;
@@ -119,9 +120,9 @@ impl DampedSprings {
         block: &ElementBlock<'_>,
         [elastic, damping]: [Option<&mut Records>; 2],
     ) -> [f64; 3] {
-        let Some(bars) = self.batch.bars(block.number) else { return [0.0; 3] };
+        let Some(bars) = self.batch.bars(block.number, &self.cut) else { return [0.0; 3] };
         let power = match (damping, self.kind()) {
-            (Some(f), Some(DashpotKind::Relative)) => self.differences.add(block.number, block.v, f),
+            (Some(f), Some(DashpotKind::Relative)) => self.relative_force(bars, block, f),
             (damping @ Some(_), Some(DashpotKind::Axial)) => {
                 bars.axial_force(&Reeled::<L, false, true>(law, s), block, [None, damping])[1]
             }
@@ -134,6 +135,14 @@ impl DampedSprings {
         [energy, power, pull]
     }
 
+    /// Adds the forces of relative dashpots; returns their power [W].
+    fn relative_force(&self, bars: Bars<'_>, block: &ElementBlock<'_>, f: &mut Records) -> f64 {
+        match bars.some_broken() {
+            true => bars.differences(block.v, f),
+            false => self.differences.add(block.number, block.v, f),
+        }
+    }
+
     /// Adds the forces of both parts, or of one of them.
     fn axial_force<L: TensionLaw>(
         &self,
@@ -141,7 +150,7 @@ impl DampedSprings {
         block: &ElementBlock<'_>,
         [elastic, damping]: [Option<&mut Records>; 2],
     ) -> [f64; 2] {
-        let Some(bars) = self.batch.bars(block.number) else { return [0.0; 2] };
+        let Some(bars) = self.batch.bars(block.number, &self.cut) else { return [0.0; 2] };
         match (elastic.is_some(), damping, self.kind()) {
             (true, damping @ Some(_), Some(DashpotKind::Axial)) => {
                 bars.axial_force(&BarLaw::<L, true, true>(law), block, [elastic, damping])
@@ -151,7 +160,7 @@ impl DampedSprings {
             }
             (_, damping, kind) => {
                 let damping = damping.filter(|_| kind == Some(DashpotKind::Relative));
-                let power = damping.map_or(0.0, |f| self.differences.add(block.number, block.v, f));
+                let power = damping.map_or(0.0, |f| self.relative_force(bars, block, f));
                 let energy = match elastic {
                     Some(_) => bars.axial_force(&BarLaw::<L, true, false>(law), block, [elastic, None])[0],
                     None => 0.0,
@@ -234,9 +243,6 @@ impl BlockForces for DampedSprings {
     }
 
     fn add(&self, block: &ElementBlock<'_>, sums: [Option<&mut Records>; 2]) -> [Tally; 2] {
-        if self.cut.get() {
-            return [Tally::default(); 2];
-        }
         if let Some(table) = &self.springs.rest_scale {
             let s = table.at(block.t)[0];
             let [energy, power, pull] =
@@ -249,10 +255,18 @@ impl BlockForces for DampedSprings {
     }
 
     fn largest_stretch(&self, block: &ElementBlock<'_>) -> f64 {
-        let Some(bars) = self.batch.bars(block.number).filter(|_| !self.cut.get()) else { return f64::NEG_INFINITY };
+        let Some(bars) = self.batch.bars(block.number, &self.cut) else { return f64::NEG_INFINITY };
         let rest_length = self.batch.each_number(block.number, 1);
-        let rest_scale = self.springs.rest_scale_at(block.t);
-        largest(SpringLengths { ends: bars.ends, rest_length, rest_scale, at: InLocalBuffer(block.x) })
+        let (rest_scale, at) = (self.springs.rest_scale_at(block.t), InLocalBuffer(block.x));
+        let of = |places: Range<usize>| {
+            let (ends, rest_length) = (&bars.ends[places.clone()], &rest_length[places]);
+            largest(SpringLengths { ends, rest_length, rest_scale, at })
+        };
+        if !bars.some_broken() {
+            return of(0..bars.ends.len());
+        }
+        let whole = (0..bars.ends.len()).filter(|&place| !bars.is_broken(place));
+        whole.fold(f64::NEG_INFINITY, |most, place| most.max(of(place..place + 1)))
     }
 }
 
@@ -373,7 +387,7 @@ impl ForceTerm for DampedSprings {
     }
 
     fn add_stiffness(&self, nodes: &mut [f64]) {
-        for (i, pair) in self.springs.nodes.iter().enumerate().filter(|_| !self.cut.get()) {
+        for (i, pair) in self.springs.nodes.iter().enumerate().filter(|(i, _)| !self.cut.is(*i)) {
             for &node in pair {
                 nodes[node as usize] += self.springs.stiffness.at(i);
             }
@@ -393,7 +407,7 @@ impl DampedSprings {
     /// Adds their mean forces. Returns dE/ds, negative [J], where rest lengths are times a factor.
     fn add_means(&self, law: &impl TensionLaw, step: MeanStep<'_>, f: &mut [Vector3<f64>]) -> f64 {
         let (springs, at, mut reeled) = (&self.springs, self.springs.at(step.at.t, step.at.x), 0.0);
-        for (i, &nodes) in springs.nodes.iter().enumerate() {
+        for (i, &nodes) in springs.nodes.iter().enumerate().filter(|(i, _)| !self.cut.is(*i)) {
             let mean = self.mean_bar(law, (step, at), i);
             mean.add(nodes, f);
             if springs.rest_scale.is_some() {
@@ -408,10 +422,7 @@ impl DampedSprings {
 
 impl MeanForce for DampedSprings {
     fn add_mean(&self, step: MeanStep<'_>, f: &mut [Vector3<f64>]) -> Tally {
-        let power = match self.cut.get() {
-            true => 0.0,
-            false => with_law!(&self.springs.curve, self.springs.slack, law => self.add_means(&law, step, f)),
-        };
+        let power = with_law!(&self.springs.curve, self.springs.slack, law => self.add_means(&law, step, f));
         Tally { energy: 0.0, power }
     }
 

@@ -87,7 +87,7 @@ pub struct RayleighData {
     pub coefficient: Coefficient,
     /// unit vector of every spring on the mesh as given
     pub direction: Arc<[Vector3<f64>]>,
-    /// whether the springs are cut
+    /// which springs are cut or broken
     pub cut: Cut,
 }
 
@@ -99,10 +99,10 @@ impl Kernel<2> for RayleighData {
     }
 
     fn add(&self, block: Elements<'_, 2>, f: &mut Records) -> Tally {
-        if self.cut.get() {
-            return Tally::default();
-        }
         let power = block.each([1.0, -1.0], f, |i, [a, b]| {
+            if self.cut.is(i) {
+                return (Vector3::zeros(), 0.0);
+            }
             let n = self.direction[i];
             let rate = n.dot(&(vector(block.v, b) - vector(block.v, a)));
             let c = self.coefficient.at(i);
@@ -129,7 +129,7 @@ impl ForceTerm for RayleighStiffness {
     fn tangent(&self, _at: NodeState<'_>, w: Weights, _: TangentForm, sink: &mut dyn TangentSink) {
         let data = self.kernel();
         for (i, (&nodes, &n)) in data.nodes.iter().zip(data.direction.iter()).enumerate() {
-            let c = if data.cut.get() { 0.0 } else { w.c * data.coefficient.at(i) };
+            let c = if data.cut.is(i) { 0.0 } else { w.c * data.coefficient.at(i) };
             sink.edge(nodes, outer(n, n) * c);
         }
     }

@@ -12,6 +12,7 @@
 //! 0.
 
 pub use crate::force::kernel::coefficient::Coefficient;
+pub use crate::force::kernel::cut::Cut;
 use crate::force::law::curve::{Bar, CurveKind};
 use crate::force::law::series::Table;
 use crate::force::law::slack::tension;
@@ -21,53 +22,6 @@ use crate::model::spec::Slack;
 use multiversion::multiversion;
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Whether springs are cut: they then carry no force, and neither do their dashpots; and whether tangents take those
-/// that are slack as just taut. Shared by all that acts along them.
-#[derive(Clone, Debug, Default)]
-pub struct Cut(Arc<Flags>);
-
-#[derive(Debug, Default)]
-struct Flags {
-    cut: AtomicBool,
-    slack_is_taut: AtomicBool,
-}
-
-impl Clone for Flags {
-    fn clone(&self) -> Self {
-        let copy = |flag: &AtomicBool| AtomicBool::new(flag.load(Ordering::Relaxed));
-        Flags { cut: copy(&self.cut), slack_is_taut: copy(&self.slack_is_taut) }
-    }
-}
-
-impl Cut {
-    /// Whether they are cut.
-    pub fn get(&self) -> bool {
-        self.0.cut.load(Ordering::Relaxed)
-    }
-
-    /// Cuts them, or makes them whole again.
-    pub fn set(&self, cut: bool) {
-        self.0.cut.store(cut, Ordering::Relaxed);
-    }
-
-    /// Whether tangents are those with slack springs at the elongation at which they go taut, with their dashpots.
-    pub fn slack_is_taut(&self) -> bool {
-        self.0.slack_is_taut.load(Ordering::Relaxed)
-    }
-
-    /// Makes tangents those with all springs taut, or those at the state again.
-    pub fn set_slack_is_taut(&self, taut: bool) {
-        self.0.slack_is_taut.store(taut, Ordering::Relaxed);
-    }
-
-    /// That of another run, at first the same.
-    #[must_use]
-    pub(crate) fn for_run(&self, copies: &mut Copies) -> Self {
-        Cut(copies.of(&self.0))
-    }
-}
 
 /// Plain arrays of a batch of springs.
 #[derive(Clone, Debug)]
@@ -154,9 +108,13 @@ impl SpringData {
         })
     }
 
-    /// Whether some spring has turned by more than 90 degrees from positions `from` to `to` [m], both `[n_nodes]`.
-    pub fn turns_over(&self, from: &[Vector3<f64>], to: &[Vector3<f64>]) -> bool {
-        turns_over(self, from, to)
+    /// Whether some spring that carries force has turned by more than 90 degrees from positions `from` to `to` [m],
+    /// both `[n_nodes]`.
+    pub fn turns_over(&self, cut: &Cut, [from, to]: [&[Vector3<f64>]; 2]) -> bool {
+        if !cut.some() {
+            return self.nodes.chunks(64).any(|chunk| turns_over(chunk, from, to));
+        }
+        self.nodes.iter().enumerate().any(|(i, &nodes)| !cut.is(i) && turns_over(&[nodes], from, to))
     }
 
     /// [-] Strain (l - l0)/l0 of spring `i`; 0 without a rest length.
@@ -167,11 +125,9 @@ impl SpringData {
 
 /// Without roots and divisions: a fraction of a force pass.
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn turns_over(data: &SpringData, from: &[Vector3<f64>], to: &[Vector3<f64>]) -> bool {
+fn turns_over(springs: &[[u32; 2]], from: &[Vector3<f64>], to: &[Vector3<f64>]) -> bool {
     let along = |x: &[Vector3<f64>], [a, b]: [u32; 2]| x[b as usize] - x[a as usize];
-    data.nodes.chunks(64).any(|chunk| {
-        chunk.iter().fold(false, |turned, &nodes| turned | (along(from, nodes).dot(&along(to, nodes)) <= 0.0))
-    })
+    springs.iter().fold(false, |turned, &nodes| turned | (along(from, nodes).dot(&along(to, nodes)) <= 0.0))
 }
 
 /// Direction, length and elongation of a spring.

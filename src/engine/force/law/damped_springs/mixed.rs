@@ -69,20 +69,20 @@ impl SpringTerm for DampedSprings {
 
     fn measure(&self, at: NodeState<'_>, cv: f64, out: &mut [SpringState]) {
         let springs_at = self.springs.at(at.t, at.x);
-        if self.cut.get() {
-            let idle = self.springs.nodes.iter().map(|&nodes| SpringState::idle(nodes));
-            return out.iter_mut().zip(idle).for_each(|(out, idle)| *out = idle);
-        }
         with_law!(&self.springs.curve, self.springs.slack, law => {
-            out.iter_mut().enumerate().for_each(|(i, out)| *out = self.state(&law, (springs_at, at), i, cv));
+            out.iter_mut().enumerate().for_each(|(i, out)| {
+                *out = match self.cut.is(i) {
+                    true => SpringState::idle(self.springs.nodes[i]),
+                    false => self.state(&law, (springs_at, at), i, cv),
+                };
+            });
         });
     }
 
     fn mixed_tangent(&self, at: NodeState<'_>, w: Weights, tangents: &[SpringTangent], sink: &mut dyn TangentSink) {
         let springs_at = self.springs.at(at.t, at.x);
-        let cut = self.cut.get();
         for ((i, &nodes), tangent) in self.springs.nodes.iter().enumerate().zip(tangents) {
-            if cut {
+            if self.cut.is(i) {
                 sink.edge(nodes, Matrix3::zeros());
                 continue;
             }
