@@ -227,6 +227,59 @@ fn a_cascade_of_springs_that_break() {
     }
 }
 
+/// [m] What springs of one rule, side by side, are longer than their rest lengths before the weight pulls.
+const STRETCHED: [f64; 6] = [0.004, 0.012, 0.0, 0.02, 0.008, 0.016];
+
+/// The same with one rule: the springs that are stretched most break first, each at the strength of all.
+#[test]
+fn springs_of_one_rule_break_one_by_one() {
+    let ([stiffness, weight], strength) = (TORN, 24.0);
+    let anchors = STRETCHED.iter().enumerate().map(|(i, _)| json!([0, 0, i + 1]));
+    let nodes: Vec<Value> = std::iter::once(json!([0, 0, 0])).chain(anchors).collect();
+    let edges: Vec<[usize; 2]> = (1..nodes.len()).map(|i| [0, i]).collect();
+    let held: Vec<usize> = (1..nodes.len()).collect();
+    let rest: Vec<f64> = STRETCHED.iter().enumerate().map(|(i, more)| 1.0 + i as f64 - more).collect();
+    let case = |time: &Value| {
+        json!({
+            "name": "one-rule",
+            "system": {"network": {
+                "mesh": {"explicit": {"nodes": nodes, "springs": edges}},
+                "mass": {"points": [{"on": {"ids": [0]}, "mass": weight}]},
+                "springs": [{"on": "all", "stiffness": stiffness, "rest_length": rest, "strength": strength,
+                             "breaks": true}],
+                "supports": [{"on": {"ids": held}, "fix": "xyz"}, {"on": {"ids": [0]}, "fix": "xy"}],
+                "gravity": [0, 0, -G]
+            }},
+            "time": time
+        })
+    };
+    let mut order: Vec<usize> = (0..STRETCHED.len()).collect();
+    order.sort_by(|a, b| STRETCHED[*b].total_cmp(&STRETCHED[*a]));
+    // The weight moves harmonically between two breaks.
+    let ([mut t, mut u, mut v], mut expected) = ([0.0; 3], Vec::new());
+    for (broken, &spring) in order.iter().enumerate() {
+        let left = &order[broken..];
+        let w = (left.len() as f64 * stiffness / weight).sqrt();
+        let middle = (weight * G / stiffness - left.iter().map(|i| STRETCHED[*i]).sum::<f64>()) / left.len() as f64;
+        let breaks_at = strength / stiffness - STRETCHED[spring];
+        let (out, amplitude) = (breaks_at - middle, (u - middle).hypot(v / w));
+        t += ((out / amplitude).asin() - (u - middle).atan2(v / w)) / w;
+        (u, v) = (breaks_at, w * (amplitude * amplitude - out * out).sqrt());
+        expected.push((format!("edge {spring}"), t));
+    }
+    for (time, within) in [(adaptive("dop853", 1e-12, 1.0), 1e-10), (fixed("velocity-verlet", 1e-3, 1.0), 1e-4)] {
+        let ended = run(&case_of(&case(&time), &[]));
+        let fired = &ended.outcome.fired;
+        assert_eq!(fired.len(), expected.len(), "{time}");
+        for (found, (name, t)) in fired.iter().zip(&expected) {
+            assert!((found.t - t).abs() < within && found.name.ends_with(name), "{time}: {found:?}, not {name} {t}");
+        }
+        let energy = STRETCHED.len() as f64 * 0.5 * strength * strength / stiffness;
+        let ledger = ended.outcome.ledger;
+        assert!((ledger.dissipated - energy).abs() < within * energy, "{time}: {}", ledger.dissipated);
+    }
+}
+
 /// A weight on a line of which one part breaks, a part is cut by an event and the rest is released after it: every
 /// method finds the same, in fixed steps and in adaptive ones.
 fn chain(time: &Value) -> Value {

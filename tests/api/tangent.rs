@@ -5,6 +5,7 @@
 mod means;
 mod scenes;
 mod tiles;
+mod torn;
 
 use crate::common::{Random, spring_group, square};
 use canopy_fem::assembly::{Assembler, TangentSystem};

@@ -114,6 +114,9 @@ fn numbers_at(places: &[[Option<u32>; STARS]], values: &[f64]) -> impl Iterator<
     places.iter().map(|places| places.map(|place| place.map_or(0.0, |element| values[element as usize])))
 }
 
+/// Adds the elastic and the damping forces of elements to sums.
+type AddForces<'a> = dyn FnMut(Bars<'_>, [Option<&mut Records>; 2]) -> [f64; 2] + 'a;
+
 impl Bars<'_> {
     /// Whether some of them have broken.
     pub(crate) fn some_broken(&self) -> bool {
@@ -126,10 +129,31 @@ impl Bars<'_> {
         self,
         law: &L,
         block: &ElementBlock<'_>,
-        mut sums: [Option<&mut Records>; 2],
+        sums: [Option<&mut Records>; 2],
     ) -> [f64; 2] {
+        self.whole(sums, &mut |Bars { ends, numbers, in_stars, .. }, mut sums| {
+            let (stars, others) = ends.as_chunks::<STARS>().0.split_at(in_stars);
+            let (x, v) = (block.x, block.v);
+            let full: &[Group<STAR>] = stars.as_chunks().0;
+            let single: &[Group<1>] = others.as_chunks().0;
+            let of_stars = quad::run(Stars {
+                law,
+                groups: full,
+                numbers,
+                x,
+                v,
+                sums: sums.each_mut().map(|sum| sum.as_deref_mut()),
+            });
+            let numbers = numbers.map(|column| column.after(in_stars));
+            let of_others = quad::run(Stars { law, groups: single, numbers, x, v, sums });
+            [of_stars[0] + of_others[0], of_stars[1] + of_others[1]]
+        })
+    }
+
+    /// Calls `add`, which adds forces to sums, with those that have not broken; returns the sums of what it returns.
+    fn whole(self, mut sums: [Option<&mut Records>; 2], add: &mut AddForces<'_>) -> [f64; 2] {
         if self.broken.is_none() {
-            return self.axial_force_of_all(law, block, sums);
+            return add(self, sums);
         }
         let (quads, mut total) = (self.ends.len() / STARS, [0.0; 2]);
         for first in (0..quads).step_by(AT_ONCE) {
@@ -137,13 +161,12 @@ impl Bars<'_> {
             let (mut ends, mut numbers) = ([[[0; 2]; STARS]; AT_ONCE], [[[0.0; STARS]; AT_ONCE]; 3]);
             for (i, ends) in ends[..count].iter_mut().enumerate() {
                 let of_quad;
-                (*ends, of_quad) = self.whole(first + i);
+                (*ends, of_quad) = self.quad(first + i);
                 numbers.iter_mut().zip(of_quad).for_each(|(to, numbers)| to[i] = numbers);
             }
             let numbers = numbers.each_ref().map(|column| Column::each(&column[..count]));
-            let whole = Bars { ends: ends[..count].as_flattened(), numbers, in_stars: 0, broken: None };
-            let sums = sums.each_mut().map(|sum| sum.as_deref_mut());
-            let added = whole.axial_force_of_all(law, block, sums);
+            let copied = Bars { ends: ends[..count].as_flattened(), numbers, in_stars: 0, broken: None };
+            let added = add(copied, sums.each_mut().map(|sum| sum.as_deref_mut()));
             total.iter_mut().zip(added).for_each(|(total, one)| *total += one);
         }
         total
@@ -151,7 +174,7 @@ impl Bars<'_> {
 
     /// Four elements with their numbers. Those that have broken act between a node and itself, as those do that fill
     /// groups up.
-    fn whole(&self, quad: usize) -> ([[u16; 2]; STARS], [[f64; STARS]; 3]) {
+    fn quad(&self, quad: usize) -> ([[u16; 2]; STARS], [[f64; STARS]; 3]) {
         let mut ends = self.ends.as_chunks().0[quad];
         let mut numbers = self.numbers.map(|column| column.group::<1>(quad)[0]);
         for (q, [a, b]) in ends.iter_mut().enumerate() {
@@ -173,7 +196,7 @@ impl Bars<'_> {
     /// Returns the power of these forces [W].
     pub(crate) fn differences(&self, v: &Records, f: &mut Records) -> f64 {
         let mut power = 0.0;
-        for (ends, [_, _, c]) in (0..self.ends.len() / STARS).map(|quad| self.whole(quad)) {
+        for (ends, [_, _, c]) in (0..self.ends.len() / STARS).map(|quad| self.quad(quad)) {
             for ([a, b], c) in ends.into_iter().zip(c) {
                 let (of_a, of_b) = (record(v, a), record(v, b));
                 let u: [f64; 3] = std::array::from_fn(|i| of_b[i] - of_a[i]);
@@ -186,23 +209,5 @@ impl Bars<'_> {
             }
         }
         power
-    }
-
-    fn axial_force_of_all<L: AxialLaw>(
-        self,
-        law: &L,
-        block: &ElementBlock<'_>,
-        mut sums: [Option<&mut Records>; 2],
-    ) -> [f64; 2] {
-        let Bars { ends, numbers, in_stars, .. } = self;
-        let (stars, others) = ends.as_chunks::<STARS>().0.split_at(in_stars);
-        let (x, v) = (block.x, block.v);
-        let full: &[Group<STAR>] = stars.as_chunks().0;
-        let single: &[Group<1>] = others.as_chunks().0;
-        let of_stars =
-            quad::run(Stars { law, groups: full, numbers, x, v, sums: sums.each_mut().map(|sum| sum.as_deref_mut()) });
-        let numbers = numbers.map(|column| column.after(in_stars));
-        let of_others = quad::run(Stars { law, groups: single, numbers, x, v, sums });
-        [of_stars[0] + of_others[0], of_stars[1] + of_others[1]]
     }
 }

@@ -88,11 +88,13 @@ impl SpringData {
     }
 
     /// [N] elastic tension of spring `i`.
+    #[inline]
     pub fn tension(&self, at: SpringsAt<'_>, i: usize) -> f64 {
         tension(&self.curve, self.slack, self.bar(at, i), self.elongation(at, i)).force
     }
 
     /// [m] Elongation of spring `i`, without its direction.
+    #[inline]
     fn elongation(&self, at: SpringsAt<'_>, i: usize) -> f64 {
         let [a, b] = self.nodes[i];
         (at.x[b as usize] - at.x[a as usize]).norm() - self.rest_length_at(at, i)
