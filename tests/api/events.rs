@@ -6,12 +6,15 @@ use std::sync::atomic::AtomicBool;
 use canopy_fem::drive::event::Fired;
 use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer, Point, Resumable, UpcomingStep, Wants};
 use canopy_fem::drive::{self, RunSpec, Snapshot, Status};
+use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::integrate::registry::{Family, methods};
+use canopy_fem::model::spec::{Condition, EventSpec, Trigger, Watched};
 use canopy_fem::model::state::State;
+use canopy_fem::scene::build_network;
 use canopy_fem::simulation::{bind, build_scene};
 use serde_json::{Value, json};
 
-use crate::common::run::{Run, case_of, run, run_with};
+use crate::common::run::{Run, case_of, network, run, run_with};
 
 mod cuts;
 mod wind;
@@ -224,6 +227,33 @@ fn a_cascade_of_springs_that_break() {
         let [t, v] = expected[3];
         let speed = -ended.velocities[0][2];
         assert!((speed - v - G * (1.0 - t)).abs() < 100.0 * within, "{time}: {speed}");
+    }
+}
+
+/// An event of a program's own that looks at springs of one group is no break: it happens at its tension, before those.
+#[test]
+fn an_event_on_springs_of_a_group_is_no_break() {
+    let case = case_of(&tearing(&fixed("rk4", 1e-3, 1.0)), &[]);
+    let (mut spec, limit) = (network(&case), 0.5 * STRENGTHS[0]);
+    spec.events.push(EventSpec {
+        name: "pulled".to_owned(),
+        what: "a spring is pulled".to_owned(),
+        stage: None,
+        trigger: Trigger::When(Condition::TensionAbove(limit)),
+        of: Watched::Springs { edges: vec![3], group: Some(3) },
+        ends_run: false,
+    });
+    let scene = build_network(spec, Threads::one()).expect("the case is good");
+    let mut stepper = bind(case.problem(), &scene).expect("the method fits");
+    let run_spec: RunSpec = case.problem().run_spec();
+    let outcome = drive::run(&scene, &mut stepper, &run_spec, &mut [], &AtomicBool::new(false)).expect("it runs");
+    let [stiffness, weight] = TORN;
+    let rest = weight * G / (4.0 * stiffness);
+    let pulled = ((1.0 - limit / stiffness / rest).acos()) / (4.0 * stiffness / weight).sqrt();
+    let expected = std::iter::once(pulled).chain(breaks().into_iter().map(|[t, _]| t));
+    assert_eq!(outcome.fired.len(), 5, "{:?}", outcome.fired);
+    for ((number, found), expected) in outcome.fired.iter().enumerate().zip(expected) {
+        assert!(found.event == number && (found.t - expected).abs() < 1e-8, "{found:?}, not {number} at {expected} s");
     }
 }
 

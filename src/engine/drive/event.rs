@@ -63,8 +63,8 @@ impl Landing {
 pub(super) struct EventWatch {
     /// numbers of those whose conditions are not met yet, but for springs that break
     waiting: Vec<usize>,
-    /// numbers of those of springs that can still break: there may be thousands
-    unbroken: Vec<usize>,
+    /// numbers of those of springs that can still break
+    waiting_breaks: Vec<usize>,
     /// [s] times that are known, at which steps end, with the number of the event
     armed: Vec<(f64, usize)>,
     /// the same of those that are only told
@@ -97,14 +97,14 @@ impl EventWatch {
         fired.retain(|one| one.event < named.len());
         let mut watch = EventWatch { fired, ends_runs, ..EventWatch::default() };
         watch.ended = ends_runs && watch.fired.iter().any(|one| named.get(one.event).is_some_and(|of| of.ends_run));
-        let left = |event: &usize| !watch.fired.iter().any(|one| one.event == *event);
-        let left: Vec<usize> = (0..named.len()).filter(left).collect();
-        for event in left {
-            if named[event].acts() && !named[event].breaks() {
+        let (mut left, breaks) = (vec![true; named.len()], events.breaks());
+        watch.fired.iter().for_each(|one| left[one.event] = false);
+        for event in (0..named.len()).filter(|event| left[*event]) {
+            if named[event].acts() && !breaks.contains(&event) {
                 watch.unmet.push((event, named[event].name.clone()));
             }
             match &named[event].trigger {
-                Trigger::When(_) if named[event].breaks() => watch.unbroken.push(event),
+                Trigger::When(_) if breaks.contains(&event) => watch.waiting_breaks.push(event),
                 Trigger::When(_) => watch.waiting.push(event),
                 Trigger::At(t) => watch.armed.push((*t, event)),
                 Trigger::Told(t) => watch.told.push((*t, event)),
@@ -143,7 +143,7 @@ impl EventWatch {
 
     /// Whether events can happen at a state that is not known before: such a run makes its steps one by one.
     pub(super) fn waits(&self) -> bool {
-        !self.waiting.is_empty() || !self.unbroken.is_empty()
+        !self.waiting.is_empty() || !self.waiting_breaks.is_empty()
     }
 
     /// Says whether the step that was attempted was made to end at an event that waits.
@@ -193,12 +193,12 @@ impl EventWatch {
     pub(super) fn margin(&self, scene: &dyn Scene, at: StateRef<'_>) -> f64 {
         let Some(events) = scene.events() else { return f64::INFINITY };
         let of_others = self.waiting.iter().map(|event| events.margin(*event, at)).fold(f64::INFINITY, f64::min);
-        of_others.min(self.next_break(events, at))
+        of_others.min(self.break_margin(events, at))
     }
 
     /// [N] How far the next spring is from breaking; infinite where none can.
-    fn next_break(&self, events: &dyn Events, at: StateRef<'_>) -> f64 {
-        if self.unbroken.is_empty() { f64::INFINITY } else { events.next_break(at) }
+    fn break_margin(&self, events: &dyn Events, at: StateRef<'_>) -> f64 {
+        if self.waiting_breaks.is_empty() { f64::INFINITY } else { events.break_margin(at) }
     }
 
     /// Lets all happen that is due at an accepted state, one after the other, as one may follow another at once. Times
@@ -219,14 +219,14 @@ impl EventWatch {
             let mut happening: Vec<usize> = self.armed.drain(..by_time).map(|(_, event)| event).collect();
             let margin = |event: usize| events.margin(event, at);
             happening.extend(self.waiting.extract_if(.., |event| margin(*event) <= 0.0));
-            if self.next_break(events, at) <= 0.0 {
-                happening.extend(self.unbroken.extract_if(.., |event| margin(*event) <= 0.0));
+            if self.break_margin(events, at) <= 0.0 {
+                happening.extend(self.waiting_breaks.extract_if(.., |event| margin(*event) <= 0.0));
             }
             if std::mem::take(&mut self.found) && happening.is_empty() {
                 // An iteration that was made again, to the same place, may end a rounding error before the event.
-                let all = self.waiting.iter().chain(&self.unbroken).copied();
+                let all = self.waiting.iter().chain(&self.waiting_breaks).copied();
                 let next = all.min_by(|a, b| margin(*a).total_cmp(&margin(*b)));
-                for list in [&mut self.waiting, &mut self.unbroken] {
+                for list in [&mut self.waiting, &mut self.waiting_breaks] {
                     list.retain(|event| Some(*event) != next);
                 }
                 happening.extend(next);
@@ -256,7 +256,9 @@ impl EventWatch {
         self.unmet.retain(|(of, _)| *of != event);
         let (name, what, told, stage) = (name.clone(), what.clone(), !of.acts(), of.stage.clone());
         self.fired.push(Fired { event, t: at.t, name, what, place, velocity, air_speed, told, stage, landing });
-        for (number, of) in named.iter().enumerate() {
+        // Nothing follows a break.
+        let followers = if events.breaks().contains(&event) { 0 } else { named.len() };
+        for (number, of) in named[..followers].iter().enumerate() {
             if let Trigger::After { event: other, delay } = of.trigger
                 && other == event
             {

@@ -18,9 +18,9 @@ impl LostPayload {
     /// Of these nodes, after a run in which this happened. `None` where springs or cloth still join one of them to a
     /// triangle of a canopy, and where they were parted by something else than springs that break.
     pub fn find(scene: &dyn Scene, payload: &[u32], fired: &[Fired]) -> Option<Self> {
-        let (named, whole) = (scene.events()?.named(), scene.springs()?.whole_edges());
-        let breaks: Vec<&Fired> =
-            fired.iter().filter(|one| named.get(one.event).is_some_and(|event| event.breaks())).collect();
+        let (events, whole) = (scene.events()?, scene.springs()?.whole_edges());
+        let named = events.named();
+        let breaks: Vec<&Fired> = fired.iter().filter(|one| events.breaks().contains(&one.event)).collect();
         let (edges, triangles) = (scene.edges(), scene.triangles());
         let ends = |edge: &u32| edges.get(*edge as usize).copied();
         let sides = || triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c]]);

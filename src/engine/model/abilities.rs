@@ -4,6 +4,7 @@ use super::gauge::{CANOPY_QUANTITIES, GAS_QUANTITIES};
 use super::point::Point;
 use super::spec::EventSpec;
 use super::state::{State, StateRef};
+use std::ops::Range;
 
 /// One of the springs of a scene: its batch and its number within the batch, in the scene's order. A batch is a rule of
 /// the case that has springs, or, where springs break, one of its springs.
@@ -265,8 +266,13 @@ pub trait Events {
         f64::INFINITY
     }
 
-    /// [N] How far the next of the springs that break is from it, of those that have not; infinite without any.
-    fn next_break(&self, at: StateRef<'_>) -> f64 {
+    /// Which of them are that a spring breaks: there may be thousands.
+    fn breaks(&self) -> Range<usize> {
+        0..0
+    }
+
+    /// [N] The least margin of these, of springs that have not broken; infinite without any.
+    fn break_margin(&self, at: StateRef<'_>) -> f64 {
         let _ = at;
         f64::INFINITY
     }

@@ -9,7 +9,7 @@ use super::{Load, ScaledLoad};
 use crate::force::law::damped_springs::axial_force;
 use crate::force::law::gas::GasData;
 use crate::force::law::series::{LoadFactor, SampledTable};
-use crate::force::law::spring::{Coefficient, Cut, SpringData};
+use crate::force::law::spring::{Coefficient, Cut, SpringData, SpringsAt};
 use crate::force::law::stages::{EventTimes, Stages};
 use crate::force::law::stream::Stream;
 use crate::force::{Copies, ForceTerm};
@@ -159,17 +159,20 @@ impl SpringBatch {
 
     /// [N] Tension of a spring with its dashpot; 0 where it is cut or has broken.
     pub(super) fn tension(&self, at: StateRef<'_>, i: usize) -> f64 {
-        if self.cut.is(i) {
-            return 0.0;
-        }
-        let elastic = self.data.tension(self.data.at(at.t, by_node(at.x)), i);
-        if self.axial { elastic + axial_force(&self.data, node_state(at), i, self.dashpot.at(i)) } else { elastic }
+        if self.cut.is_cut(i) { 0.0 } else { self.tension_of_whole(self.data.at(at.t, by_node(at.x)), at, i) }
     }
 
     /// [N] How far the next of its springs is from breaking; infinite where none can.
-    pub(super) fn next_break(&self, at: StateRef<'_>) -> f64 {
-        let whole = self.breaks.iter().enumerate().filter(|(i, _)| !self.cut.is(*i));
-        whole.map(|(i, limit)| limit.tension - self.tension(at, i)).fold(f64::INFINITY, f64::min)
+    pub(super) fn break_margin(&self, at: StateRef<'_>) -> f64 {
+        let springs = self.data.at(at.t, by_node(at.x));
+        let whole = self.breaks.iter().enumerate().filter(|(i, _)| !self.cut.is_cut(*i));
+        let margins = whole.map(|(i, limit)| limit.tension - self.tension_of_whole(springs, at, i));
+        margins.fold(f64::INFINITY, f64::min)
+    }
+
+    fn tension_of_whole(&self, springs: SpringsAt<'_>, at: StateRef<'_>, i: usize) -> f64 {
+        let elastic = self.data.tension(springs, i);
+        if self.axial { elastic + axial_force(&self.data, node_state(at), i, self.dashpot.at(i)) } else { elastic }
     }
 
     /// What is left of it where some have broken.
@@ -177,7 +180,7 @@ impl SpringBatch {
         if !self.cut.some_broken() {
             return Cow::Borrowed(self);
         }
-        let whole: Vec<usize> = (0..self.edges.len()).filter(|&i| !self.cut.is(i)).collect();
+        let whole: Vec<usize> = (0..self.edges.len()).filter(|&i| !self.cut.is_cut(i)).collect();
         Cow::Owned(self.part(&whole, |node| node))
     }
 

@@ -80,7 +80,7 @@ impl Adjoint for Network {
             let (own, others) = rest.split_at_mut(batch.edges.len());
             rest = others;
             for (i, tension) in own.iter_mut().enumerate() {
-                if batch.cut.is(i) {
+                if batch.cut.is_cut(i) {
                     *tension = 0.0;
                     continue;
                 }

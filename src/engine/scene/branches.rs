@@ -123,7 +123,7 @@ fn lines(batch: &SpringBatch, times: [f64; 2]) -> impl Iterator<Item = (OneSided
     let nodes = law.map_or(&[][..], |_| &batch.data.nodes[..]);
     let threshold = law.map_or(0.0, |law| law.threshold());
     let scales = times.map(|t| batch.data.rest_scale_at(t));
-    nodes.iter().enumerate().filter(|(i, _)| !batch.cut.is(*i)).map(move |(i, &nodes)| {
+    nodes.iter().enumerate().filter(|(i, _)| !batch.cut.is_cut(*i)).map(move |(i, &nodes)| {
         let k = batch.data.stiffness.at(i);
         let lag = if batch.axial && k > 0.0 { batch.dashpot.at(i) / k } else { 0.0 };
         (OneSidedSpring { nodes, limit: scales.map(|s| s * batch.data.rest_length[i] + threshold), lag }, k)

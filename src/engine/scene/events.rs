@@ -11,6 +11,7 @@ use crate::model::spec::{EventSpec, MotionSpec, NetworkSpec, ReleaseSpec, ascend
 use crate::model::state::{State, StateRef};
 use crate::model::system::System;
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
 
@@ -239,15 +240,15 @@ impl Network {
         self.passed.store(passed, Ordering::Relaxed);
         let happened = |event: usize| self.acting.event_times.of(event)[0].is_finite();
         self.later.store(self.built.phases.number_of(self.passed(), &happened), Ordering::Relaxed);
-        let (cut, mut other) = (&self.phase().cut, before != self.phase_number());
+        let (cut, mut others) = (&self.phase().cut, false);
         for (i, batch) in self.acting.springs.iter().enumerate() {
-            batch.cut.set_all(cut.get(i).copied().unwrap_or(false));
-            other |= batch.cut.set_broken(batch.breaks.iter().map(|of| happened(of.event)));
+            others |= batch.cut.set_all(cut.get(i).copied().unwrap_or(false));
+            others |= batch.cut.set_broken(batch.breaks.iter().map(|of| happened(of.event)));
         }
-        if other {
+        if others {
             self.graph.forget();
         }
-        other
+        others || before != self.phase_number()
     }
 }
 
@@ -295,8 +296,12 @@ impl Events for Network {
         self.margin_of(event, at)
     }
 
-    fn next_break(&self, at: StateRef<'_>) -> f64 {
-        self.acting.springs.iter().map(|batch| batch.next_break(at)).fold(f64::INFINITY, f64::min)
+    fn breaks(&self) -> Range<usize> {
+        self.built.triggers.breaks.clone()
+    }
+
+    fn break_margin(&self, at: StateRef<'_>) -> f64 {
+        self.acting.springs.iter().map(|batch| batch.break_margin(at)).fold(f64::INFINITY, f64::min)
     }
 
     fn place_of(&self, event: usize, at: StateRef<'_>) -> [[f64; 3]; 2] {

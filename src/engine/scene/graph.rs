@@ -23,7 +23,7 @@ pub(super) struct Graph {
     step_dashpots: Neighbours,
 }
 
-/// The graph of the springs that carry force, made when a scheme first asks for it.
+/// The graph of the springs that carry force where some do not, made when a scheme first asks for it.
 #[derive(Debug, Default)]
 pub(super) struct KnownGraph(RwLock<Option<Arc<Graph>>>);
 
@@ -66,10 +66,16 @@ fn seconds(springs: &[SpringBatch]) -> Option<f64> {
 
 impl Network {
     fn graph(&self) -> Arc<Graph> {
-        self.graph.known().unwrap_or_else(|| {
+        let make = || {
             let carrying: Vec<_> = self.carrying().collect();
             let springs = carrying.iter().map(|batch| &**batch);
-            let made = Arc::new(Graph::new(self.built.mass.len(), springs, self.viscosity()));
+            Arc::new(Graph::new(self.built.mass.len(), springs, self.viscosity()))
+        };
+        if !self.acting.springs.iter().any(|batch| batch.cut.some()) {
+            return self.built.graph.get_or_init(make).clone();
+        }
+        self.graph.known().unwrap_or_else(|| {
+            let made = make();
             *self.graph.0.write().unwrap_or_else(PoisonError::into_inner) = Some(made.clone());
             made
         })

@@ -23,7 +23,7 @@ impl Network {
 /// Spring `i` of a batch whose rest lengths are `s` times those given.
 fn link(batch: &SpringBatch, i: usize, s: f64) -> Link {
     let (data, nodes) = (&batch.data, batch.data.nodes[i]);
-    if batch.cut.is(i) {
+    if batch.cut.is_cut(i) {
         return Link { nodes, ..Link::NONE };
     }
     let (k, clamp, c) = (data.stiffness.at(i), Clamp::or_none(data.slack), batch.dashpot.at(i));

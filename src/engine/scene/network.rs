@@ -7,7 +7,7 @@ use super::build_surface::MembraneBatch;
 use super::contact::Touching;
 use super::events::Phases;
 use super::external::ExternalForces;
-use super::graph::KnownGraph;
+use super::graph::{Graph, KnownGraph};
 use super::numbering::Numbering;
 use super::triggers::Triggers;
 use crate::contact::bodies::Contacts;
@@ -28,8 +28,8 @@ use crate::model::step_block::{self, StepSummary};
 use crate::model::system::{KickDriftBlock, StepBlocks, StepMean, StiffSprings, System, TermInfo};
 use crate::model::workers::Workers;
 use nalgebra::Vector3;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 
 /// A scene of springs, masses and what acts on them, in a run. Another run has a copy of its own, by
 /// [`Scene::for_run`](super::Scene::for_run).
@@ -45,6 +45,7 @@ pub struct Network {
     pub(super) passed: AtomicUsize,
     /// which of the phases that events began it is in, counted from 1; 0 for none of them
     pub(super) later: AtomicUsize,
+    /// that of its springs, once some are cut or have broken
     pub(super) graph: KnownGraph,
     pub(super) sweep: Sweep,
     pub(super) threads: Threads,
@@ -76,6 +77,8 @@ pub(super) struct Built {
     pub fixed_dofs: Vec<u32>,
     /// [m] half of what rest lengths let it extend to
     pub reach: f64,
+    /// the graph of all springs
+    pub graph: OnceLock<Arc<Graph>>,
     /// whether some edge has several springs
     pub shared_edges: bool,
 }

@@ -74,7 +74,7 @@ impl Observables for Network {
         tension.fill(f64::NAN);
         strain.fill(f64::NAN);
         for batch in self.acting.springs.iter().filter(|batch| batch.cut.some()) {
-            let cut = batch.edges.iter().enumerate().filter(|(i, _)| batch.cut.is(*i));
+            let cut = batch.edges.iter().enumerate().filter(|(i, _)| batch.cut.is_cut(*i));
             cut.for_each(|(_, &edge)| tension[edge as usize] = 0.0);
         }
         if self.built.shared_edges {

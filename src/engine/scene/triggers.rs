@@ -9,11 +9,14 @@ use crate::model::abilities::{SpringPlace, Springs};
 use crate::model::spec::{Condition, EventSpec, NetworkSpec, Trigger, Watched};
 use crate::model::state::StateRef;
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// The events of a scene besides those of its phases.
 #[derive(Debug, Default)]
 pub(super) struct Triggers {
     pub events: Vec<EventSpec>,
+    /// which of them are that a spring breaks
+    pub breaks: Range<usize>,
     /// what each of them looks at
     watched: Vec<Seen>,
 }
@@ -31,7 +34,7 @@ pub(super) fn count(spec: &NetworkSpec) -> usize {
 }
 
 impl Triggers {
-    /// Those of a specification, in which springs that break have a batch each.
+    /// Those of a specification; the events of springs that break come last, group after group.
     pub(super) fn new(spec: &NetworkSpec, numbering: &Numbering, springs: &[SpringBatch]) -> Self {
         let mut events = spec.events.clone();
         let groups = spec.springs.iter().filter(|group| !group.edges.is_empty()).enumerate();
@@ -65,7 +68,7 @@ impl Triggers {
             }
         };
         let watched = events.iter().map(seen).collect();
-        Triggers { events, watched }
+        Triggers { breaks: spec.events.len()..events.len(), events, watched }
     }
 }
 

@@ -1,7 +1,6 @@
 //! Springs that are cut one after another by a table.
 
 use super::*;
-use crate::common::run::network;
 use canopy_fem::case::Case;
 use canopy_fem::simulation::Simulation;
 use std::path::PathBuf;

@@ -158,8 +158,8 @@ fn broken_springs_are_as_if_they_had_never_been() {
     assert!(compared > 60, "{compared}");
 }
 
-/// A net of several blocks, so that springs are in stars: a spring that can break is no force of its own, and any number
-/// of threads gives the same bits.
+/// A net of several blocks, so that springs are in stars: a spring that can break is no force of its own, and any
+/// number of threads gives the same bits.
 #[test]
 fn a_torn_net_has_the_terms_of_a_whole_one() {
     let mut spec = square(70, 1e-3);

@@ -131,7 +131,7 @@ impl Bars<'_> {
         block: &ElementBlock<'_>,
         sums: [Option<&mut Records>; 2],
     ) -> [f64; 2] {
-        self.whole(sums, &mut |Bars { ends, numbers, in_stars, .. }, mut sums| {
+        self.without_broken(sums, &mut |Bars { ends, numbers, in_stars, .. }, mut sums| {
             let (stars, others) = ends.as_chunks::<STARS>().0.split_at(in_stars);
             let (x, v) = (block.x, block.v);
             let full: &[Group<STAR>] = stars.as_chunks().0;
@@ -151,7 +151,7 @@ impl Bars<'_> {
     }
 
     /// Calls `add`, which adds forces to sums, with those that have not broken; returns the sums of what it returns.
-    fn whole(self, mut sums: [Option<&mut Records>; 2], add: &mut AddForces<'_>) -> [f64; 2] {
+    fn without_broken(self, mut sums: [Option<&mut Records>; 2], add: &mut AddForces<'_>) -> [f64; 2] {
         if self.broken.is_none() {
             return add(self, sums);
         }
@@ -189,7 +189,7 @@ impl Bars<'_> {
     /// Whether the element at a place has broken.
     pub(crate) fn is_broken(&self, place: usize) -> bool {
         let Some((elements, cut)) = self.broken else { return false };
-        elements.as_flattened()[place].is_some_and(|element| cut.is(element as usize))
+        elements.as_flattened()[place].is_some_and(|element| cut.is_cut(element as usize))
     }
 
     /// Adds c (v_b - v_a) to the sums at a, the opposite at b, for those that have not broken; c is the third number.

@@ -18,8 +18,6 @@ pub struct Cut {
 struct Flags {
     all: AtomicBool,
     some_broken: AtomicBool,
-    /// whether one of these holds
-    some: AtomicBool,
     slack_is_taut: AtomicBool,
     /// a bit for every spring that can break
     broken: Vec<AtomicU64>,
@@ -31,7 +29,6 @@ impl Clone for Flags {
         Flags {
             all: copy(&self.all),
             some_broken: copy(&self.some_broken),
-            some: copy(&self.some),
             slack_is_taut: copy(&self.slack_is_taut),
             broken: self.broken.iter().map(|bits| AtomicU64::new(bits.load(Ordering::Relaxed))).collect(),
         }
@@ -59,13 +56,13 @@ impl Cut {
         self.flags.all.load(Ordering::Relaxed)
     }
 
-    /// Cuts all, or makes them whole again.
-    pub fn set_all(&self, cut: bool) {
-        self.flags.all.store(cut, Ordering::Relaxed);
-        self.flags.some.store(cut || self.flags.some_broken.load(Ordering::Relaxed), Ordering::Relaxed);
+    /// Cuts all, or makes them whole again. Returns whether that is other than before.
+    pub fn set_all(&self, cut: bool) -> bool {
+        self.flags.all.swap(cut, Ordering::Relaxed) != cut
     }
 
     /// Whether some are cut or have broken.
+    #[inline]
     pub fn some(&self) -> bool {
         self.all() || self.some_broken()
     }
@@ -84,8 +81,8 @@ impl Cut {
 
     /// Whether a spring is cut or has broken.
     #[inline]
-    pub fn is(&self, spring: usize) -> bool {
-        self.flags.some.load(Ordering::Relaxed) && self.is_one_of_some(spring)
+    pub fn is_cut(&self, spring: usize) -> bool {
+        self.some() && self.is_one_of_some(spring)
     }
 
     #[inline(never)]
@@ -103,7 +100,6 @@ impl Cut {
             some |= new != 0;
         }
         self.flags.some_broken.store(some, Ordering::Relaxed);
-        self.set_all(self.all());
         other
     }
 

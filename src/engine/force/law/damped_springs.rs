@@ -86,7 +86,7 @@ impl DampedSprings {
         let (as_taut, clamp) = (self.cut.slack_is_taut(), Clamp::or_none(springs.slack));
         let springs_at = springs.at(at.t, at.x);
         for (i, &nodes) in springs.nodes.iter().enumerate() {
-            if self.cut.is(i) {
+            if self.cut.is_cut(i) {
                 // The pattern of the matrix stays.
                 sink.edge(nodes, Matrix3::zeros());
                 continue;
@@ -387,7 +387,7 @@ impl ForceTerm for DampedSprings {
     }
 
     fn add_stiffness(&self, nodes: &mut [f64]) {
-        for (i, pair) in self.springs.nodes.iter().enumerate().filter(|(i, _)| !self.cut.is(*i)) {
+        for (i, pair) in self.springs.nodes.iter().enumerate().filter(|(i, _)| !self.cut.is_cut(*i)) {
             for &node in pair {
                 nodes[node as usize] += self.springs.stiffness.at(i);
             }
@@ -407,7 +407,7 @@ impl DampedSprings {
     /// Adds their mean forces. Returns dE/ds, negative [J], where rest lengths are times a factor.
     fn add_means(&self, law: &impl TensionLaw, step: MeanStep<'_>, f: &mut [Vector3<f64>]) -> f64 {
         let (springs, at, mut reeled) = (&self.springs, self.springs.at(step.at.t, step.at.x), 0.0);
-        for (i, &nodes) in springs.nodes.iter().enumerate().filter(|(i, _)| !self.cut.is(*i)) {
+        for (i, &nodes) in springs.nodes.iter().enumerate().filter(|(i, _)| !self.cut.is_cut(*i)) {
             let mean = self.mean_bar(law, (step, at), i);
             mean.add(nodes, f);
             if springs.rest_scale.is_some() {

@@ -100,7 +100,7 @@ impl Kernel<2> for RayleighData {
 
     fn add(&self, block: Elements<'_, 2>, f: &mut Records) -> Tally {
         let power = block.each([1.0, -1.0], f, |i, [a, b]| {
-            if self.cut.is(i) {
+            if self.cut.is_cut(i) {
                 return (Vector3::zeros(), 0.0);
             }
             let n = self.direction[i];
@@ -129,7 +129,7 @@ impl ForceTerm for RayleighStiffness {
     fn tangent(&self, _at: NodeState<'_>, w: Weights, _: TangentForm, sink: &mut dyn TangentSink) {
         let data = self.kernel();
         for (i, (&nodes, &n)) in data.nodes.iter().zip(data.direction.iter()).enumerate() {
-            let c = if data.cut.is(i) { 0.0 } else { w.c * data.coefficient.at(i) };
+            let c = if data.cut.is_cut(i) { 0.0 } else { w.c * data.coefficient.at(i) };
             sink.edge(nodes, outer(n, n) * c);
         }
     }

@@ -116,7 +116,7 @@ impl SpringData {
         if !cut.some() {
             return self.nodes.chunks(64).any(|chunk| turns_over(chunk, from, to));
         }
-        self.nodes.iter().enumerate().any(|(i, &nodes)| !cut.is(i) && turns_over(&[nodes], from, to))
+        self.nodes.iter().enumerate().any(|(i, &nodes)| !cut.is_cut(i) && turns_over(&[nodes], from, to))
     }
 
     /// [-] Strain (l - l0)/l0 of spring `i`; 0 without a rest length.

@@ -119,9 +119,4 @@ impl EventSpec {
             Watched::Nodes(_) => &[],
         }
     }
-
-    /// Whether it is that a spring breaks.
-    pub fn breaks(&self) -> bool {
-        matches!(self.of, Watched::Springs { group: Some(_), .. })
-    }
 }

@@ -65,8 +65,7 @@ pub struct SpringRule {
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub strength: Option<f64>,
     /// Whether each spring breaks when its tension, with that of its dashpot, reaches its `strength`; no if not given.
-    /// The energy that it holds counts as dissipated. Each such spring is a force of its own, which takes time where
-    /// there are hundreds of them.
+    /// The energy that it holds counts as dissipated. Steps end at each break.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub breaks: bool,
     /// When the spring is slack; not given: it acts in tension and in compression.

@@ -71,7 +71,7 @@ impl SpringTerm for DampedSprings {
         let springs_at = self.springs.at(at.t, at.x);
         with_law!(&self.springs.curve, self.springs.slack, law => {
             out.iter_mut().enumerate().for_each(|(i, out)| {
-                *out = match self.cut.is(i) {
+                *out = match self.cut.is_cut(i) {
                     true => SpringState::idle(self.springs.nodes[i]),
                     false => self.state(&law, (springs_at, at), i, cv),
                 };
@@ -82,7 +82,7 @@ impl SpringTerm for DampedSprings {
     fn mixed_tangent(&self, at: NodeState<'_>, w: Weights, tangents: &[SpringTangent], sink: &mut dyn TangentSink) {
         let springs_at = self.springs.at(at.t, at.x);
         for ((i, &nodes), tangent) in self.springs.nodes.iter().enumerate().zip(tangents) {
-            if self.cut.is(i) {
+            if self.cut.is_cut(i) {
                 sink.edge(nodes, Matrix3::zeros());
                 continue;
             }
