@@ -75,6 +75,8 @@ pub(super) struct EventWatch {
     unmet: Vec<(usize, String)>,
     /// whether the present step was made to end at one of those that wait
     found: bool,
+    /// whether it was seen that none of them is due at its end
+    none_due: bool,
     /// whether the run ends at events that say so
     ends_runs: bool,
     /// whether one of these has happened
@@ -148,7 +150,12 @@ impl EventWatch {
 
     /// Says whether the step that was attempted was made to end at an event that waits.
     pub(super) fn ends_step(&mut self, found: bool) {
-        self.found = found;
+        (self.found, self.none_due) = (found, false);
+    }
+
+    /// Says that no event that waits is due at the end of the step that was attempted.
+    pub(super) fn none_is_due(&mut self) {
+        self.none_due = true;
     }
 
     /// Whether nothing is left that steps must end at.
@@ -218,9 +225,11 @@ impl EventWatch {
             let by_time = self.armed.partition_point(due);
             let mut happening: Vec<usize> = self.armed.drain(..by_time).map(|(_, event)| event).collect();
             let margin = |event: usize| events.margin(event, at);
-            happening.extend(self.waiting.extract_if(.., |event| margin(*event) <= 0.0));
-            if self.break_margin(events, at) <= 0.0 {
-                happening.extend(self.waiting_breaks.extract_if(.., |event| margin(*event) <= 0.0));
+            if !std::mem::take(&mut self.none_due) {
+                happening.extend(self.waiting.extract_if(.., |event| margin(*event) <= 0.0));
+                if self.break_margin(events, at) <= 0.0 {
+                    happening.extend(self.waiting_breaks.extract_if(.., |event| margin(*event) <= 0.0));
+                }
             }
             if std::mem::take(&mut self.found) && happening.is_empty() {
                 // An iteration that was made again, to the same place, may end a rounding error before the event.

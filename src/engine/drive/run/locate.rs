@@ -98,7 +98,10 @@ impl Run<'_> {
         let least = 2.0 * self.state.policy.slack(tick.t);
         let search = self.search(&self.state.to, least);
         self.state.events.ends_step(search.is_some());
-        let Some(mut search) = search else { return Ok(whole) };
+        let Some(mut search) = search else {
+            self.state.events.none_is_due();
+            return Ok(whole);
+        };
         let from = self.state.from.state.t;
         let (mut report, mut made) = (whole, tick.h);
         let mut attempt = |run: &mut Self, h: f64| {
