@@ -7,6 +7,7 @@
 //! rounding of coordinates, as where the parts of a folded start lie on each other.
 
 use super::box_tree::{Bounds, BoxTree};
+use super::over_plane::{Boundary, lies_over_a_plane};
 use super::sides::{Sides, sides_of};
 use super::tuples::in_order;
 use nalgebra::Vector3;
@@ -39,12 +40,15 @@ pub struct Crossing {
 }
 
 /// Finds crossings of some triangles with each other, again and again as nodes move. The first search takes O(n log n),
-/// any other as long as there are boxes that overlap; cloth in a plane across an axis takes none.
+/// any other as long as there are boxes that overlap; cloth over a plane, or in one across an axis, takes a look at each
+/// triangle.
 #[derive(Clone, Debug)]
 pub struct CrossingFinder {
     triangles: Vec<[u32; 3]>,
     /// made by the first search that needs it
     tree: Option<BoxTree>,
+    /// made for the first cloth that may lie over a plane
+    boundary: Option<Boundary>,
     /// made when the first crossing is marked
     sides: Option<Sides>,
     /// the sides of every triangle that are looked at with it: bit k is that from corner k to the next, and every side
@@ -62,6 +66,7 @@ impl CrossingFinder {
         can_meet(triangles).then(|| CrossingFinder {
             triangles: triangles.to_vec(),
             tree: None,
+            boundary: None,
             sides: None,
             own: Vec::new(),
             found: Vec::new(),
@@ -81,6 +86,9 @@ impl CrossingFinder {
         self.found.clear();
         self.complete = true;
         let Self { triangles, found, .. } = self;
+        if lies_over_a_plane(triangles, positions, &mut self.boundary) {
+            return &self.found;
+        }
         let bounds = |triangle: u32| around(positions, &triangles[triangle as usize]);
         let tree = match &mut self.tree {
             Some(tree) => {
@@ -374,6 +382,70 @@ mod tests {
         ] {
             let (crossings, flags) = placed(map);
             assert!(crossings.is_empty() && flags == vec![0; both.len()], "{what}: {crossings:?}");
+        }
+    }
+
+    /// A strip that winds one and a half times around an axis: all its triangles have one orientation from above, and it
+    /// covers the plane twice in places. Where its end rises through its beginning it crosses, and that is found.
+    #[test]
+    fn a_strip_that_covers_a_plane_twice_is_searched() {
+        let n = 24;
+        let at = |k: u32, rise: f64| {
+            let (i, j) = (f64::from(k / (n + 1)), f64::from(k % (n + 1)));
+            let (angle, r) = (3.1 * std::f64::consts::PI * j / f64::from(n), 100.0 * (10.0 + i));
+            // Inner nodes rise, outer ones sink, so that the second turn passes through the first.
+            [(r * angle.cos()).round(), (r * angle.sin()).round(), (rise * j * (0.6 - i / f64::from(n))).round()]
+        };
+        let triangles = sheet(n);
+        for (rise, crosses) in [(100.0, true), (0.0, false)] {
+            let nodes: Vec<[f64; 3]> = (0..(n + 1) * (n + 1)).map(|k| at(k, rise)).collect();
+            let whole: Vec<[i128; 3]> = nodes.iter().map(|x| x.map(|x| x as i128)).collect();
+            let mut finder = CrossingFinder::new(&triangles).expect("a sheet");
+            let found: Vec<_> = finder.find(&nodes).iter().map(|one| (one.triangle, one.edge)).collect();
+            let right = all_with_all(&whole, &triangles);
+            assert_eq!(right.is_empty(), !crosses);
+            assert!(found.into_iter().eq(right), "rise {rise}");
+        }
+    }
+
+    /// Cloth over a plane is not searched: steep hills, a hole, one orientation or the other, turned in space; a sheet
+    /// that hangs over its own edge is, and two sheets above each other.
+    #[test]
+    fn cloth_over_a_plane_takes_no_tree() {
+        let n = 20;
+        let hole =
+            |t: &[u32; 3]| t.iter().all(|k| (8..12).contains(&(k / (n + 1))) && (8..12).contains(&(k % (n + 1))));
+        let whole = sheet(n);
+        let with_hole: Vec<[u32; 3]> = whole.iter().copied().filter(|t| !hole(t)).collect();
+        let turned: Vec<[u32; 3]> = with_hole.iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let second = whole.iter().map(|t| t.map(|k| k + (n + 1) * (n + 1)));
+        let two: Vec<[u32; 3]> = whole.iter().copied().chain(second).collect();
+        let hills = |k: u32| {
+            let (x, y) = (f64::from(k / (n + 1)), f64::from(k % (n + 1)));
+            [x, y, 30.0 * (0.7 * x).sin() * (0.5 * y + 1.0).cos()]
+        };
+        let aside = |[x, y, z]: [f64; 3]| [z, x, y];
+        let over_edge = |k: u32| {
+            let [x, y, _] = hills(k);
+            [6.0 * (0.2 * x).sin(), y, 6.0 * (0.2 * x).cos()]
+        };
+        let twice = |k: u32| {
+            let [x, y, z] = hills(k % ((n + 1) * (n + 1)));
+            [x, y, z + f64::from(k / ((n + 1) * (n + 1)))]
+        };
+        let nodes = |count: u32, place: &dyn Fn(u32) -> [f64; 3]| (0..count).map(place).collect::<Vec<_>>();
+        let one = (n + 1) * (n + 1);
+        for (what, triangles, positions, searched) in [
+            ("hills", &whole, nodes(one, &hills), false),
+            ("a hole", &with_hole, nodes(one, &hills), false),
+            ("turned around", &turned, nodes(one, &hills), false),
+            ("over another plane", &with_hole, nodes(one, &|k| aside(hills(k))), false),
+            ("over an edge", &whole, nodes(one, &over_edge), true),
+            ("two sheets", &two, nodes(2 * one, &twice), true),
+        ] {
+            let mut finder = CrossingFinder::new(triangles).expect("a sheet");
+            assert!(finder.find(&positions).is_empty() && finder.is_complete(), "{what}");
+            assert_eq!(finder.tree.is_some(), searched, "{what}");
         }
     }
 

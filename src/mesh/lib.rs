@@ -38,6 +38,7 @@ pub mod look;
 mod loops;
 mod named_parts;
 mod orient;
+mod over_plane;
 pub mod parachute;
 mod polish;
 pub mod process;
