@@ -40,8 +40,8 @@ pub struct Crossing {
 }
 
 /// Finds crossings of some triangles with each other, again and again as nodes move. The first search takes O(n log n),
-/// any other as long as there are boxes that overlap; cloth over a plane, or in one across an axis, takes a look at each
-/// triangle.
+/// any other as long as there are boxes that overlap; cloth over a plane, or in one across an axis, takes a look at
+/// each triangle.
 #[derive(Clone, Debug)]
 pub struct CrossingFinder {
     triangles: Vec<[u32; 3]>,
@@ -385,8 +385,8 @@ mod tests {
         }
     }
 
-    /// A strip that winds one and a half times around an axis: all its triangles have one orientation from above, and it
-    /// covers the plane twice in places. Where its end rises through its beginning it crosses, and that is found.
+    /// A strip that winds one and a half times around an axis: all its triangles have one orientation from above, and
+    /// it covers the plane twice in places. Where its end rises through its beginning it crosses, and that is found.
     #[test]
     fn a_strip_that_covers_a_plane_twice_is_searched() {
         let n = 24;
