@@ -1,26 +1,28 @@
 //! Cloth that lies over a plane, and so cannot pass through itself.
 //!
 //! A surface whose triangles all have the same orientation in a plane covers a point of it as often as its boundary
-//! winds around that point. If the loops of the boundary neither cross nor touch there, and one alone is an outer one,
-//! that is once at most (after Volino and Magnenat-Thalmann 1994, "Efficient self-collision detection on smoothly
-//! discretized surface animations using geometrical shape regularity"). Signs come from exact predicates (Shewchuk
-//! 1997), so what is said to lie over a plane does.
+//! winds around that point: the sides between triangles cancel. If the loops of the boundary neither cross nor touch
+//! there, each of them winds around what it encloses, an outer one once, a hole once the other way. With a single outer
+//! one that is once at most (for one loop: Volino and Magnenat-Thalmann 1994, "Efficient self-collision detection on
+//! smoothly discretized surface animations using geometrical shape regularity"). Where triangles lie and whether loops
+//! meet is told by exact signs (Shewchuk 1997); where the area of a loop is unclear, the cloth is not said to lie over
+//! a plane.
 
 use super::box_tree::{Bounds, BoxTree};
 use super::sides::sides_of;
 use super::tuples::in_order;
 use robust::{Coord, orient2d};
 
-/// [-] Share of its extent by which boxes around the boundary are larger, and of its square below which a loop has no
-/// orientation.
+/// [-] Share of the boundary's extent by which boxes around its sides are larger, as flat boxes overlap nothing; and
+/// share of the square of the extent that twice the area of a hole must have.
 const NEAR: f64 = 1e-9;
-/// [-] Pairs of boxes that may be compared, for each side of the boundary.
+/// [-] Pairs of boxes that may be compared, for each side of the boundary and a thousand more.
 const LOOKS: u64 = 1000;
 
-/// The sides that are of one triangle alone, in the direction in which it has them, loop after loop.
+/// The sides that are left where those in opposite directions cancel, in the direction in which a triangle has them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Boundary {
-    /// none where two of them begin at a node, as where neighbours have not the same orientation
+    /// empty where two of them begin at one node, as where neighbours have not the same orientation, and without any
     loops: Vec<Vec<u32>>,
 }
 
@@ -63,6 +65,9 @@ pub(super) fn lies_over_a_plane(
     positions: &[[f64; 3]],
     boundary: &mut Option<Boundary>,
 ) -> bool {
+    if boundary.as_ref().is_some_and(|boundary| boundary.loops.is_empty()) {
+        return false;
+    }
     let plane = Plane::of(triangles, positions);
     let at = |node: u32| positions[node as usize];
     triangles.iter().all(|corners| plane.area(corners.map(at)) > 0.0)
@@ -95,8 +100,10 @@ impl Boundary {
     /// Whether its loops neither cross nor touch in a plane, and one alone is an outer one.
     fn winds_once(&self, plane: Plane, positions: &[[f64; 3]]) -> bool {
         let at = |node: u32| plane.point(positions[node as usize]);
-        let flat = |node: u32| [at(node).x, at(node).y, 0.0];
         let sides: Vec<[u32; 2]> = self.loops.iter().flat_map(|nodes| sides_of_loop(nodes)).collect();
+        // Far from the origin the margin of boxes would be lost in rounding; what meets still does.
+        let Some(origin) = sides.first().map(|side| at(side[0])) else { return false };
+        let flat = |node: u32| [at(node).x - origin.x, at(node).y - origin.y, 0.0];
         let around = |side: &[u32; 2]| Bounds::of(&side.map(flat));
         let extent = sides.iter().map(around).fold(Bounds::EMPTY, Bounds::joined).extent();
         let outer = |nodes: &&Vec<u32>| {
@@ -105,7 +112,8 @@ impl Boundary {
                 let [a, b] = side.map(|node| [at(node).x - start.x, at(node).y - start.y]);
                 a[0] * b[1] - a[1] * b[0]
             });
-            plane.side * twice.sum::<f64>() > -NEAR * extent * extent
+            let is_hole = plane.side * twice.sum::<f64>() < -NEAR * extent * extent;
+            !is_hole
         };
         if self.loops.iter().filter(outer).count() != 1 {
             return false;
