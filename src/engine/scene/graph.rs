@@ -27,18 +27,12 @@ pub(super) struct Graph {
 #[derive(Debug, Default)]
 pub(super) struct KnownGraph(RwLock<Option<Arc<Graph>>>);
 
-impl Clone for KnownGraph {
-    fn clone(&self) -> Self {
-        KnownGraph(RwLock::new(self.known()))
-    }
-}
-
 impl KnownGraph {
     fn known(&self) -> Option<Arc<Graph>> {
         self.0.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Springs are others now.
+    /// Says that springs are others now.
     pub(super) fn forget(&self) {
         *self.0.write().unwrap_or_else(PoisonError::into_inner) = None;
     }

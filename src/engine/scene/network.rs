@@ -126,7 +126,7 @@ impl Network {
             arrangement: self.arrangement.clone(),
             passed: AtomicUsize::new(self.passed()),
             later: AtomicUsize::new(self.later.load(Ordering::Relaxed)),
-            graph: self.graph.clone(),
+            graph: KnownGraph::default(),
             sweep: self.sweep.again(),
             threads: self.threads.again(),
             mesh: self.mesh.clone(),
