@@ -159,6 +159,22 @@ fn text_that_is_no_json_is_status_2() {
     assert!(ended.stderr.contains("sail.json:3"), "{}", ended.stderr);
 }
 
+/// A folder with results is refused before the scene is built: a solver that does not suit it is not looked at.
+#[test]
+fn a_folder_with_results_is_refused_first() {
+    let bench = Bench::new();
+    for command in ["solve", "static"] {
+        let case = "sail.json";
+        assert_eq!(bench.run(&[command, case, "--quiet", "--out", command]).code, Some(0));
+        let unsuitable =
+            ["--set", "solver.linear=lu", "--set", "solver.newton.strategy=quasi", "--set", "time.method=newmark"];
+        for (folder, why) in [(command, "already holds results"), ("other", "keep a symmetric one")] {
+            let ended = bench.run(&[&[command, case, "--out", folder], &unsuitable[..]].concat());
+            assert!(ended.code == Some(2) && ended.stderr.contains(why), "{command}: {}", ended.stderr);
+        }
+    }
+}
+
 /// A strategy that keeps a factor is not run as another one because the solver that was asked for keeps none.
 #[test]
 fn a_solver_that_keeps_nothing_is_refused_where_something_is_to_be_kept() {

@@ -137,6 +137,17 @@ fn beside_a_step_near_the_limit_goes_one_of_half_of_it() {
     assert!(within.code == Some(3) && within.stderr.contains("no run was within"), "{}", within.stderr);
 }
 
+/// A folder with results is refused before runs are made to find a step: here none would be within the accuracy.
+#[test]
+fn results_are_refused_before_a_step_is_looked_for() {
+    let bench = Bench::new();
+    let case = oscillator(&bench, "velocity-verlet", 0.2);
+    assert_eq!(bench.run(&["solve", case, "--quiet", "--out", "out"]).code, Some(0));
+    let within = ["--within", "1e-9", "--quantity", "bob.x.last"];
+    let ended = bench.run(&[&["solve", case, "--quiet", "--out", "out"], &within[..]].concat());
+    assert!(ended.code == Some(2) && ended.stderr.contains("already holds results"), "{}", ended.stderr);
+}
+
 /// The errors of a run do not change it: frames and history are byte-equal.
 #[test]
 fn a_run_is_the_same_with_its_errors() {

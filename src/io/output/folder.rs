@@ -91,10 +91,8 @@ impl ResultFolder {
         fs::create_dir_all(dir).map_err(|e| system(dir, e))?;
         let folder = Self::locked(dir, name)?;
         let earlier = folder.earlier()?;
-        if let Some(found) = earlier.first().filter(|_| !force) {
-            let found = found.strip_prefix(dir).unwrap_or(found).display().to_string();
-            let resumable = earlier.iter().any(|path| path.ends_with(CHECKPOINT));
-            return Err(FolderError::HoldsResults { folder: dir.display().to_string(), found, resumable });
+        if !force {
+            folder.refuse(&earlier)?;
         }
         for path in &earlier {
             fs::remove_file(path).map_err(|e| system(path, e))?;
@@ -102,6 +100,27 @@ impl ResultFolder {
         // Fails, as it should, if there are other files in it.
         let _ = fs::remove_dir(dir.join(FRAMES));
         Ok(folder)
+    }
+
+    /// Whether [`ResultFolder::prepare`] would take this folder now without `force`. Changes nothing, so that a program
+    /// is told before it does other work.
+    ///
+    /// # Errors
+    /// When there are results, something else has the name of a result, or another run uses the folder.
+    pub fn check(dir: &Path, name: &str) -> Result<(), FolderError> {
+        refuse_file(dir)?;
+        if !dir.is_dir() {
+            return Ok(());
+        }
+        let folder = Self::locked(dir, name)?;
+        folder.refuse(&folder.earlier()?)
+    }
+
+    fn refuse(&self, earlier: &[PathBuf]) -> Result<(), FolderError> {
+        let Some(found) = earlier.first() else { return Ok(()) };
+        let found = found.strip_prefix(&self.dir).unwrap_or(found).display().to_string();
+        let resumable = earlier.iter().any(|path| path.ends_with(CHECKPOINT));
+        Err(FolderError::HoldsResults { folder: self.dir.display().to_string(), found, resumable })
     }
 
     /// The folder of an earlier run, to continue it: locked, and nothing is changed.

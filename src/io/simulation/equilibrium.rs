@@ -99,9 +99,12 @@ pub fn record_static_watched(
     let stopwatch = startup::stopwatch(Cost::default());
     let problem = case.problem();
     let case_digest = Fingerprint::of(problem)?.digest();
+    let replace = how.earlier == EarlierResults::Replace;
+    if !replace {
+        ResultFolder::check(how.out, &problem.name)?;
+    }
     let scene = build_scene(problem.system.clone().with_real_masses(), how.threads)?;
     check_solver(problem, &*scene, case.source())?;
-    let replace = how.earlier == EarlierResults::Replace;
     let folder = ResultFolder::prepare(how.out, &problem.name, replace)?;
     let spec = RecorderSpec::of(problem, folder.dir());
     // What `initial.keep` of a further run takes up.

@@ -190,6 +190,9 @@ fn whole(
     let (mut problem, source) = case.split();
     let told = Told::of(&problem, watch);
     let case = Fingerprint::of(&problem)?;
+    if let Some(how) = asked.files.filter(|how| how.earlier == EarlierResults::Keep) {
+        ResultFolder::check(how.out, &problem.name)?;
+    }
     let resumed = asked.files.filter(|how| how.earlier == EarlierResults::Resume);
     let earlier = resumed.map(|how| reopen(&problem, how.out, &case)).transpose()?;
     let (groups, system) = (problem.group_totals(), problem.take_system());

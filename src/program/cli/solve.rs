@@ -13,7 +13,7 @@ use crate::drive::Status;
 use crate::drive::observer::Observer;
 use crate::interrupt::heeding;
 use crate::output::csv::write_fault;
-use crate::output::folder::SUMMARY;
+use crate::output::folder::{ResultFolder, SUMMARY};
 use crate::output::sanitize::file_stem;
 use crate::output::summary::Summary;
 use crate::plot::PlotError;
@@ -55,6 +55,9 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
         keep_going: args.keep_going,
         matrices: args.dump_matrices.as_deref(),
     };
+    if settings.earlier == EarlierResults::Keep {
+        ResultFolder::check(&out, &name)?;
+    }
     let (accounted, within) = account.without(|| {
         let accounted = (args.verify || args.within.is_some()).then(|| Accounted::of(&case, args)).transpose()?;
         let within = accounted.as_ref().map(|accounted| accounted.within(args, stop_on_interrupt())).transpose()?;
