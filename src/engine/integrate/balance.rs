@@ -95,10 +95,9 @@ pub(super) fn rounding(
     sizes: Sizes<'_>,
     floor: &mut [f64],
 ) {
-    workers.each(floor, |r, floor| {
+    workers.set(floor, |r, floor| {
         let sizes = Sizes { stiffness: &sizes.stiffness[r.clone()], a: &sizes.a[r.clone()], ..sizes };
         rounding_some(map, n.of(r.clone()), forces.of(r), sizes, floor);
-        0.0
     });
 }
 
@@ -115,16 +114,21 @@ fn rounding_some(map: StageMap, n: Start<'_>, forces: Forces<'_>, sizes: Sizes<'
 }
 
 /// a + s (a - a_b) [m/s^2]: linear extrapolation from the accelerations a_b before the last step.
-#[multiversion(targets("x86_64+avx+avx2"))]
-pub(super) fn go_on(s: f64, before: &[f64], a: &[f64], out: &mut [f64]) {
-    for ((out, before), a) in out.iter_mut().zip(before).zip(a) {
-        *out = a + s * (a - before);
-    }
+pub(super) fn go_on(workers: &Workers, s: f64, before: &[f64], a: &[f64], out: &mut [f64]) {
+    workers.set(out, |r, out| {
+        for ((out, before), a) in out.iter_mut().zip(&before[r.clone()]).zip(&a[r]) {
+            *out = a + s * (a - before);
+        }
+    });
 }
 
 /// Whether the accelerations `a` are nearer to the expected ones than to those at the start, in the mean square.
+pub(super) fn is_nearer_to_expected(workers: &Workers, expected: &[f64], a_n: &[f64], a: &[f64]) -> bool {
+    workers.sum(a.len(), |r| gained(&expected[r.clone()], &a_n[r.clone()], &a[r])) > 0.0
+}
+
 #[multiversion(targets("x86_64+avx+avx2"))]
-pub(super) fn is_nearer_to_expected(expected: &[f64], a_n: &[f64], a: &[f64]) -> bool {
+fn gained(expected: &[f64], a_n: &[f64], a: &[f64]) -> f64 {
     let (mut gained, mut last) = (Lanes::default(), 0.0);
     let ((expected, others), (a_n, starts), (a, ends)) =
         (expected.as_chunks::<LANES>(), a_n.as_chunks::<LANES>(), a.as_chunks::<LANES>());
@@ -138,5 +142,5 @@ pub(super) fn is_nearer_to_expected(expected: &[f64], a_n: &[f64], a: &[f64]) ->
     for ((expected, a_n), a) in others.iter().zip(starts).zip(ends) {
         last += (a - a_n).powi(2) - (a - expected).powi(2);
     }
-    gained.total() + last > 0.0
+    gained.total() + last
 }

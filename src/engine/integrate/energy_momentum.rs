@@ -26,7 +26,7 @@
 use super::backward_euler::BackwardEuler;
 use super::forward::left_to_engine;
 use super::implicit::{Implicit, SolverSpec};
-use super::updates::{Product, add_product, power};
+use super::updates::{Product, add_product, add_scaled, power};
 use super::{CarriedState, Counters, Integrator, LawChange, StageWork, StepError, StepInput, StepReport};
 use crate::assembly::{MeanSystem, TangentSystem};
 use crate::model::point::Point;
@@ -73,12 +73,11 @@ impl Integrator<dyn TangentSystem> for EnergyMomentum {
         let Point { state, forces } = &self.middle;
         to.state.t = t_next;
         // Positions by the expression of the mean forces, so that their work is exact.
-        for ((to, x), v) in to.state.x.iter_mut().zip(&state.x).zip(&state.v) {
-            *to = x + half * v;
-        }
+        let workers = system.workers();
+        workers.set(&mut to.state.x, |r, to| add_scaled(to, &state.x[r.clone()], half, &state.v[r]));
         // Velocities by the forces, so that momentum does not depend on how far Newton's iteration went.
         let kick = Product { inverse_mass: system.inverse_mass(), f: &forces.total };
-        add_product(&mut to.state.v, &from.state.v, h, kick);
+        workers.set(&mut to.state.v, |r, to| add_product(to, &from.state.v[r.clone()], h, kick.of(r)));
         let mut work = StageWork::default();
         work.add(h, power(system, [from.state.t, t_next], forces));
         Ok(StepReport { work: Some(work), forces_at_end: false, ..report })

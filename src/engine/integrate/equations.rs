@@ -16,7 +16,6 @@ use crate::model::point::Point;
 use crate::model::spring_state::{SheetState, SpringState};
 use crate::model::system::Weights;
 use crate::solve::newton::{Curvature, MixedSprings, NonlinearProblem, Scales};
-use crate::solve::norms::norm;
 use crate::solve::{Accuracy, ExpectedUse, Inertia, LinearError};
 
 /// F(z) = 0 of one step. The unknown z is the displacement of the free degrees of freedom [m].
@@ -127,17 +126,16 @@ const LONG_STEP: f64 = 4.0;
 
 impl Equations<'_> {
     pub(super) fn fill(&self, z: &mut [f64]) {
-        let (StepStart { from, a, expected, h, .. }, map) = (&self.start, self.map);
-        let v = &from.state.v;
-        for (&dof, z) in self.linear.tangents.dof.iter().zip(z) {
-            let i = dof as usize;
-            *z = match self.guess {
-                Guess::Trend => (expected[i] - map.av * v[i] - map.aa * a[i]) / map.ca,
-                Guess::ConstantAcceleration => h * (v[i] + 0.5 * h * a[i]),
-                Guess::ConstantVelocity => h * v[i],
-                Guess::Rest => 0.0,
-            };
-        }
+        let (&StepStart { from, a, expected, h, .. }, map, guess) = (&self.start, self.map, self.guess);
+        let (v, dof) = (&from.state.v, &*self.linear.tangents.dof);
+        let of = |i: usize| match guess {
+            Guess::Trend => (expected[i] - map.av * v[i] - map.aa * a[i]) / map.ca,
+            Guess::ConstantAcceleration => h * (v[i] + 0.5 * h * a[i]),
+            Guess::ConstantVelocity => h * v[i],
+            Guess::Rest => 0.0,
+        };
+        let workers = self.system.workers();
+        workers.set(z, |range, z| z.iter_mut().zip(&dof[range]).for_each(|(z, &dof)| *z = of(dof as usize)));
     }
 
     /// Writes the first guess, where nothing passes through anything else.
@@ -172,7 +170,10 @@ impl Equations<'_> {
 
     /// Whether forces [N] differ from those at the step's start by more than a share of their size.
     fn is_far(&self, forces: &[f64]) -> bool {
-        let change: f64 = forces.iter().zip(&self.start.from.forces.total).map(|(a, b)| (a - b).powi(2)).sum();
+        let before = &self.start.from.forces.total;
+        let change = self.system.workers().sum(forces.len(), |range| {
+            forces[range.clone()].iter().zip(&before[range]).map(|(a, b)| (a - b).powi(2)).sum()
+        });
         change.is_nan() || change.sqrt() > FORCE_CHANGE * self.start.force_scale
     }
 
@@ -207,10 +208,12 @@ impl Equations<'_> {
         let halfway = &mut self.workspace.halfway;
         let (n, to, half) = (&self.start.from.state, &self.to.state, &mut halfway.state);
         half.t = to.t;
-        for (half, (a, b)) in half.x.iter_mut().zip(n.x.iter().zip(&to.x)) {
-            *half = 0.5 * (a + b);
-        }
-        half.v.copy_from_slice(&to.v);
+        self.system.workers().both(&mut half.x, &mut half.v, |r, x, v| {
+            for (x, (a, b)) in x.iter_mut().zip(n.x[r.clone()].iter().zip(&to.x[r.clone()])) {
+                *x = 0.5 * (a + b);
+            }
+            v.copy_from_slice(&to.v[r]);
+        });
         self.counters.evaluate(self.system, halfway.state.as_ref(), &mut halfway.forces);
     }
 }
@@ -220,14 +223,19 @@ impl NonlinearProblem for Equations<'_> {
         let (map, from, dofs) = (self.map, self.start.from, self.dofs);
         let Workspace { a_next, residual, floor: floors, .. } = &mut *self.workspace;
         let dof = &*self.linear.tangents.dof;
-        residual.fill(0.0);
-        for (&dof, z) in dof.iter().zip(z) {
-            residual[dof as usize] = *z;
-        }
+        let workers = self.system.workers();
+        workers.set(residual, |range, residual| {
+            residual.fill(0.0);
+            // Degrees of freedom ascend with the unknowns.
+            let [first, last] = [range.start, range.end].map(|end| dof.partition_point(|&dof| (dof as usize) < end));
+            for (&dof, z) in dof[first..last].iter().zip(&z[first..last]) {
+                residual[dof as usize - range.start] = *z;
+            }
+        });
         for &dof in self.system.moved() {
             residual[dof as usize] = self.start.h * from.state.v[dof as usize];
         }
-        let (workers, start) = (self.system.workers(), Start { x: &from.state.x, v: &from.state.v, a: self.start.a });
+        let start = Start { x: &from.state.x, v: &from.state.v, a: self.start.a };
         displace(workers, map, residual, start, &mut self.to.state.x, &mut self.to.state.v);
         for &dof in self.system.moved() {
             self.to.state.v[dof as usize] = from.state.v[dof as usize];
@@ -407,18 +415,19 @@ pub(super) fn scales(
     map: StageMap,
     product: &mut [f64],
 ) -> Scales {
+    let workers = system.workers();
     system.mass_times(a, product);
-    let mut residual = system.force_scale(&from.forces).max(norm(product));
+    let mut residual = system.force_scale(&from.forces).max(workers.norm(product));
     if residual == 0.0 {
         // No force acts at the start.
         residual = stopping_force(system, from, map, product);
     }
-    let increment = norm(&from.state.v) / map.cv.abs().max(f64::MIN_POSITIVE);
-    Scales { residual, increment, increment_floor: 4.0 * f64::EPSILON * norm(&from.state.x) }
+    let increment = workers.norm(&from.state.v) / map.cv.abs().max(f64::MIN_POSITIVE);
+    Scales { residual, increment, increment_floor: 4.0 * f64::EPSILON * workers.norm(&from.state.x) }
 }
 
 /// [N] The force that would stop the motion within the step; `product` `[n_dof]` is overwritten.
 fn stopping_force(system: &dyn TangentSystem, from: &Point, map: StageMap, product: &mut [f64]) -> f64 {
     system.mass_times(&from.state.v, product);
-    norm(product) * (map.ca / map.cv).abs()
+    system.workers().norm(product) * (map.ca / map.cv).abs()
 }

@@ -24,8 +24,10 @@ use super::updates::{acceleration, accumulate};
 use super::{CarriedState, Counters, Integrator, LawChange, StepError, StepInput, StepReport, Trend};
 use crate::assembly::TangentSystem;
 use crate::model::point::Point;
+use crate::model::workers::Workers;
 use crate::solve::newton::{Newton, NewtonFailure, NewtonSpec};
 use crate::solve::{Accuracy, LinearChoice, LinearError, LinearStats};
+use std::ops::Range;
 
 /// [-] Relative residual of a solve for a filtered error, of which only the size matters.
 const FILTER_RELATIVE: f64 = 1e-3;
@@ -82,6 +84,7 @@ pub(super) struct StageAttempt<'a> {
 
 /// Buffers of the steps, allocated at the start of a run.
 struct Solver {
+    workers: Workers,
     newton: Newton,
     linear: LinearState,
     dofs: DofData,
@@ -159,7 +162,8 @@ impl<M: ImplicitScheme> Implicit<M> {
         let zero = || vec![0.0; n];
         self.a = at.forces.total.iter().zip(system.inverse_mass()).map(|(f, m)| m * f).collect();
         self.solver = Some(Solver {
-            newton: Newton::new(self.spec.newton, unknowns),
+            workers: system.workers().clone(),
+            newton: Newton::new(self.spec.newton, unknowns, system.workers()),
             linear: LinearState { tangents, cache: FactorCache::new(n), mass_weight: None },
             dofs: DofData::of(system),
             workspace: Workspace::new(at, system.touches().is_some()),
@@ -188,8 +192,11 @@ impl<M: ImplicitScheme> Implicit<M> {
         let own = self.scheme.map(h);
         let bridge = self.anew && own.lag() != 0.0;
         let map = if bridge { StageMap::newmark(TRAPEZOIDAL, h) } else { own };
-        to.state.copy_from(from.state.as_ref());
         to.state.t = t_next;
+        s.workers.both(&mut to.state.x, &mut to.state.v, |r, x, v| {
+            x.copy_from_slice(&from.state.x[r.clone()]);
+            v.copy_from_slice(&from.state.v[r]);
+        });
         if self.relative {
             let [a, before] = &mut s.kept;
             acceleration(system, a, &from.forces.total);
@@ -204,8 +211,8 @@ impl<M: ImplicitScheme> Implicit<M> {
         let lag = LaggedAcceleration { h, made_with: self.made_with, a };
         let guess = match stage {
             None => {
-                lag.carry_over(map, from, system.inverse_mass(), &mut s.a);
-                first_guess((before.as_slice(), self.trend.straight), lag, &mut s.expected)
+                lag.carry_over(map, from, system, &mut s.a);
+                first_guess(&s.workers, (before.as_slice(), self.trend.straight), lag, &mut s.expected)
             }
             Some(StageAttempt { acceleration, .. }) => {
                 s.expected.copy_from_slice(acceleration);
@@ -217,7 +224,9 @@ impl<M: ImplicitScheme> Implicit<M> {
         self.attempted = h;
         s.linear.mass_weight = None;
         let scales = scales(system, from, &s.a, map, &mut s.workspace.residual);
-        let largest = from.state.x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let x = &from.state.x;
+        let most = |range: Range<usize>| x[range].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let largest = s.workers.fold(x.len(), 0.0, most, f64::max);
         let start =
             StepStart { largest, from, a: &s.a, expected: &s.expected, h, end: self.end, force_scale: scales.residual };
         let (dofs, workspace, linear) = (&s.dofs, &mut s.workspace, &mut s.linear);
@@ -268,9 +277,10 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
     fn accept(&mut self) {
         if let Some(s) = &mut self.solver {
             // The first step has no predecessor to compare with.
-            let straight = self.made_with == 0.0 || is_nearer_to_expected(&s.expected, &s.a, &s.workspace.a_next);
+            let straight =
+                self.made_with == 0.0 || is_nearer_to_expected(&s.workers, &s.expected, &s.a, &s.workspace.a_next);
             self.trend.straight = straight && s.guessed_well;
-            self.trend.before.copy_from_slice(if self.relative { &s.kept[0] } else { &self.a });
+            s.workers.copy(&mut self.trend.before, if self.relative { &s.kept[0] } else { &self.a });
             std::mem::swap(&mut self.a, &mut s.workspace.a_next);
             s.linear.cache.accept();
             // As in a run that goes on from a checkpoint.
@@ -413,9 +423,14 @@ fn lag_behind(lag: f64, a_n: &[f64], (f, inverse_mass): (&[f64], &[f64]), a: &mu
 
 /// The first guess of a step, from the accelerations [m/s^2] before the last step and whether they changed linearly
 /// there; `expected` [m/s^2] becomes the accelerations for a linear change `[n_dof]`.
-fn first_guess((before, straight): (&[f64], bool), lag: LaggedAcceleration<'_>, expected: &mut [f64]) -> Guess {
+fn first_guess(
+    workers: &Workers,
+    (before, straight): (&[f64], bool),
+    lag: LaggedAcceleration<'_>,
+    expected: &mut [f64],
+) -> Guess {
     if lag.made_with > 0.0 {
-        go_on(lag.h / lag.made_with, before, lag.a, expected);
+        go_on(workers, lag.h / lag.made_with, before, lag.a, expected);
     }
     if lag.made_with > 0.0 && straight { Guess::Trend } else { Guess::ConstantAcceleration }
 }
@@ -433,16 +448,18 @@ impl LaggedAcceleration<'_> {
     /// acceleration that lags behind the state by a share of the step. The difference a - M^-1 f is proportional to the
     /// step that produced it, and is scaled to the next step's size. Otherwise every change of the step would make an
     /// error of order h in a.
-    fn carry_over(&self, map: StageMap, from: &Point, inverse_mass: &[f64], out: &mut [f64]) {
+    fn carry_over(&self, map: StageMap, from: &Point, system: &dyn TangentSystem, out: &mut [f64]) {
         let &LaggedAcceleration { h, made_with, a } = self;
         if made_with == 0.0 || made_with == h || map.am == 0.0 && map.af == 0.0 {
-            out.copy_from_slice(a);
-            return;
+            return system.workers().copy(out, a);
         }
         let ratio = h / made_with;
-        for (((out, a), f), m) in out.iter_mut().zip(a).zip(&from.forces.total).zip(inverse_mass) {
-            let now = m * f;
-            *out = now + ratio * (a - now);
-        }
+        let (f, inverse_mass) = (&from.forces.total, system.inverse_mass());
+        system.workers().set(out, |r, out| {
+            for ((out, a), (f, m)) in out.iter_mut().zip(&a[r.clone()]).zip(f[r.clone()].iter().zip(&inverse_mass[r])) {
+                let now = m * f;
+                *out = now + ratio * (a - now);
+            }
+        });
     }
 }

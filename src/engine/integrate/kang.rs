@@ -121,10 +121,9 @@ impl Kang {
     /// All dissipative forces except those of dashpots in F, if both exist.
     fn find_outer_dissipative(&mut self, system: &dyn SpringGraph, from: &Point) {
         if self.viscosity == Viscosity::Some {
-            system.workers().each(&mut self.outer_dissipative, |r, out| {
+            system.workers().set(&mut self.outer_dissipative, |r, out| {
                 system.step_dashpots(&from.state.v, r.clone(), out);
                 out.iter_mut().zip(&from.forces.dissipative[r]).for_each(|(out, all)| *out = all - *out);
-                0.0
             });
         }
     }

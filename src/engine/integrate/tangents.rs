@@ -12,7 +12,6 @@ use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use crate::model::workers::Workers;
 use crate::solve::newton::{Curvature, Strategy};
-use crate::solve::norms::dot;
 use crate::solve::{
     Accuracy, ExpectedUse, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, SolverWork,
     reusing_solver_for, solver_for,
@@ -131,6 +130,7 @@ struct RankOnes {
     used: usize,
     /// u and g by degree of freedom
     dofs: [Vec<f64>; 2],
+    workers: Workers,
 }
 
 /// One of them.
@@ -143,9 +143,9 @@ struct RankOnePart {
 }
 
 impl RankOnePart {
-    fn correct(&self, y: &mut [f64]) {
-        let share = dot(&self.g, y) / self.divisor;
-        y.iter_mut().zip(&self.z).for_each(|(y, z)| *y -= share * z);
+    fn correct(&self, workers: &Workers, y: &mut [f64]) {
+        let share = workers.dot(&self.g, y) / self.divisor;
+        workers.add(y, -share, &self.z);
     }
 }
 
@@ -161,6 +161,7 @@ impl RankOnes {
     ) -> Result<(), LinearError> {
         self.parts.resize(count, RankOnePart::default());
         self.used = 0;
+        self.workers = system.workers().clone();
         for which in 0..count {
             let [u, g] = &mut self.dofs;
             u.resize(system.n_dof(), 0.0);
@@ -177,8 +178,8 @@ impl RankOnes {
             }
             picked(u, &mut part.z);
             factor.solve(&mut part.z, counters)?;
-            before.iter().for_each(|earlier| earlier.correct(&mut part.z));
-            part.divisor = 1.0 + dot(&part.g, &part.z);
+            before.iter().for_each(|earlier| earlier.correct(&self.workers, &mut part.z));
+            part.divisor = 1.0 + self.workers.dot(&part.g, &part.z);
             if part.divisor == 0.0 || !part.divisor.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
             }
@@ -188,7 +189,7 @@ impl RankOnes {
     }
 
     fn correct(&self, y: &mut [f64]) {
-        self.parts.iter().take(self.used).for_each(|part| part.correct(y));
+        self.parts.iter().take(self.used).for_each(|part| part.correct(&self.workers, y));
     }
 }
 

@@ -103,9 +103,12 @@ pub(super) fn add_product(out: &mut [f64], v: &[f64], h: f64, p: Product<'_>) {
 
 /// out = M^-1 f
 pub(super) fn acceleration<S: System + ?Sized>(system: &S, out: &mut [f64], f: &[f64]) {
-    for ((out, f), inverse_mass) in out.iter_mut().zip(f).zip(system.inverse_mass()) {
-        *out = inverse_mass * f;
-    }
+    let inverse_mass = system.inverse_mass();
+    system.workers().set(out, |r, out| {
+        for ((out, f), inverse_mass) in out.iter_mut().zip(&f[r.clone()]).zip(&inverse_mass[r]) {
+            *out = inverse_mass * f;
+        }
+    });
 }
 
 /// out += h M^-1 f

@@ -69,6 +69,11 @@ impl Workers {
 
     /// Calls `work` for pieces of `out` with their ranges; returns the sum of its results.
     pub fn each(&self, out: &mut [f64], work: impl Fn(Range<usize>, &mut [f64]) -> f64 + Sync) -> f64 {
+        self.each_piece(out, &work)
+    }
+
+    /// Not generic: one copy of what shares out pieces serves all loops.
+    fn each_piece(&self, out: &mut [f64], work: &(dyn Fn(Range<usize>, &mut [f64]) -> f64 + Sync)) -> f64 {
         let size = piece(out.len());
         if out.len() <= size {
             return work(0..out.len(), out);
@@ -84,8 +89,20 @@ impl Workers {
         parts.iter().sum()
     }
 
+    /// Calls `work` for pieces of `out` with their ranges.
+    pub fn set(&self, out: &mut [f64], work: impl Fn(Range<usize>, &mut [f64]) + Sync) {
+        self.each(out, |range, out| {
+            work(range, out);
+            0.0
+        });
+    }
+
     /// The same for pieces of two vectors of one length.
     pub fn both(&self, a: &mut [f64], b: &mut [f64], work: impl Fn(Range<usize>, &mut [f64], &mut [f64]) + Sync) {
+        self.both_pieces([a, b], &work);
+    }
+
+    fn both_pieces(&self, [a, b]: [&mut [f64]; 2], work: &(dyn Fn(Range<usize>, &mut [f64], &mut [f64]) + Sync)) {
         let size = piece(a.len());
         let run = |(i, (a, b)): (usize, (&mut [f64], &mut [f64]))| work(i * size..i * size + a.len(), a, b);
         match self.pool().filter(|_| a.len() > size) {
@@ -114,10 +131,12 @@ impl Workers {
         mut sections: impl ExactSizeIterator<Item = T> + Send,
         work: impl Fn(T) + Sync,
     ) {
-        let Some(pool) = self.pool().filter(|_| sections.len() > 1) else { return sections.for_each(work) };
+        let count = sections.len();
+        let Some(pool) = self.pool().filter(|_| count > 1) else { return sections.for_each(work) };
         let left = Mutex::new(&mut sections);
         let next = || left.lock().ok().and_then(|mut left| left.next());
-        on_all_threads(pool, &|| std::iter::from_fn(next).for_each(&work));
+        let threads = count.min(pool.current_num_threads());
+        on_threads_of(pool, threads, &|| std::iter::from_fn(next).for_each(&work));
     }
 
     /// The results of `part` for each piece of `0..n`, combined in their order.
@@ -144,6 +163,10 @@ impl Workers {
 
     /// Sum of the results of `part` for each piece of `0..n`.
     pub fn sum(&self, n: usize, part: impl Fn(Range<usize>) -> f64 + Sync) -> f64 {
+        self.sum_of_pieces(n, &part)
+    }
+
+    fn sum_of_pieces(&self, n: usize, part: &(dyn Fn(Range<usize>) -> f64 + Sync)) -> f64 {
         self.fold(n, 0.0, part, |a, b| a + b)
     }
 
@@ -172,8 +195,18 @@ fn side_by_side(pool: Option<&ThreadPool>, one: &mut (dyn FnMut() + Send), other
     }
 }
 
-fn on_all_threads(pool: &ThreadPool, work: &(dyn Fn() + Sync)) {
-    pool.scope(|scope| (0..pool.current_num_threads()).for_each(|_| scope.spawn(|_| work())));
+fn on_threads_of(pool: &ThreadPool, count: usize, work: &(dyn Fn() + Sync)) {
+    pool.install(|| on_threads(count, work));
+}
+
+/// Does the work so many times, on as many threads of the pool as are free. Allocates nothing.
+fn on_threads(count: usize, work: &(dyn Fn() + Sync)) {
+    match count {
+        0 | 1 => work(),
+        _ => {
+            rayon::join(|| on_threads(count / 2, work), || on_threads(count - count / 2, work));
+        }
+    }
 }
 
 /// The product of a value and zero is zero only if the value is finite.

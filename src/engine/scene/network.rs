@@ -254,11 +254,12 @@ impl System for Network {
     }
 
     fn mass_times(&self, a: &[f64], out: &mut [f64]) {
-        for ((out, a), m) in out.chunks_exact_mut(3).zip(a.chunks_exact(3)).zip(self.built.mass.iter()) {
-            for (out, a) in out.iter_mut().zip(a) {
-                *out = m * a;
+        self.threads.workers().set(out, |range, out| {
+            let masses = &self.built.mass[range.start / 3..];
+            for ((out, a), m) in out.chunks_exact_mut(3).zip(a[range].chunks_exact(3)).zip(masses) {
+                out.iter_mut().zip(a).for_each(|(out, a)| *out = m * a);
             }
-        }
+        });
     }
 
     fn kinetic_energy(&self, v: &[f64]) -> f64 {

@@ -8,6 +8,7 @@ use crate::model::forces::Forces;
 use crate::model::state::StateRef;
 use crate::model::system::{StepMean, System, Weights};
 use crate::startup::{Phase, timed};
+use std::ops::Range;
 use std::sync::Arc;
 
 impl Network {
@@ -186,15 +187,18 @@ impl TangentSystem for Network {
     }
 
     fn force_scale(&self, forces: &Forces) -> f64 {
-        let (mut internal, mut external, gravity) = (0.0, 0.0, self.gravity());
-        for (i, (total, inverse)) in by_node(&forces.total).iter().zip(by_node(&self.phase().inverse_mass)).enumerate()
-        {
-            let free = inverse.map(|inverse| f64::from(inverse > 0.0));
-            let weight = self.built.weighed[i] * gravity;
-            let load = by_node(&forces.external).get(i).map_or(weight, |e| *e + weight).component_mul(&free);
-            external += load.norm_squared();
-            internal += (*total - load).norm_squared();
-        }
+        let (total, inverse_mass) = (by_node(&forces.total), by_node(&self.phase().inverse_mass));
+        let (gravity, other) = (self.gravity(), by_node(&forces.external));
+        let parts = |nodes: Range<usize>| {
+            nodes.fold([0.0; 2], |[internal, external], i| {
+                let free = inverse_mass[i].map(|inverse| f64::from(inverse > 0.0));
+                let weight = self.built.weighed[i] * gravity;
+                let load = other.get(i).map_or(weight, |e| *e + weight).component_mul(&free);
+                [internal + (total[i] - load).norm_squared(), external + load.norm_squared()]
+            })
+        };
+        let both = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a + c, b + d];
+        let [internal, external] = self.threads.workers().fold(total.len(), [0.0; 2], parts, both);
         f64::max(internal, external).sqrt()
     }
 }

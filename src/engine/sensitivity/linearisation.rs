@@ -3,8 +3,8 @@
 use crate::assembly::{Assembler, PatternError};
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
+use crate::model::workers::ALONE;
 use crate::scene::Scene;
-use crate::solve::norms::dot;
 use crate::solve::{LinearChoice, LinearError, LinearSolver, solver_for};
 
 /// C, K or W: its entries on the pattern, and its parts u g^T beside them.
@@ -154,7 +154,7 @@ impl Linearisation {
         for [u, g] in self.whole.parts.clone() {
             let [mut z, g] = if self.transposed { [g, u] } else { [u, g] };
             self.solve_with_factor(&mut z)?;
-            let divisor = 1.0 + dot(&g, &z);
+            let divisor = 1.0 + ALONE.dot(&g, &z);
             if divisor == 0.0 || !divisor.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
             }
@@ -214,7 +214,7 @@ impl Linearisation {
         }
         self.assembler.pattern.multiply_transposed(&self.whole.values, y, out);
         for [u, g] in &self.whole.parts {
-            let share = dot(u, y);
+            let share = ALONE.dot(u, y);
             out.iter_mut().zip(g).for_each(|(out, g)| *out += share * g);
         }
     }
@@ -258,7 +258,7 @@ impl Linearisation {
     fn solve_with_factor(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
         self.solve_entries(b)?;
         for SolvedPart { g, z, divisor } in &self.parts {
-            let share = dot(g, b) / divisor;
+            let share = ALONE.dot(g, b) / divisor;
             b.iter_mut().zip(z).for_each(|(b, z)| *b -= share * z);
         }
         Ok(())
@@ -280,7 +280,7 @@ impl Linearisation {
 /// out += the sum of u (g . y).
 fn add_parts(parts: &[[Vec<f64>; 2]], y: &[f64], out: &mut [f64]) {
     for [u, g] in parts {
-        let share = dot(g, y);
+        let share = ALONE.dot(g, y);
         out.iter_mut().zip(u).for_each(|(out, u)| *out += share * u);
     }
 }

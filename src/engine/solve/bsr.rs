@@ -13,7 +13,7 @@
 //! register. A node always has three components; those of fixed degrees of freedom have nothing beside their diagonal,
 //! so a vector that is zero there stays zero.
 
-use super::twisted_factorization::Subdomain;
+use super::sections::Subdomain;
 use crate::assembly::Pattern;
 use crate::mesh::adjacency::Adjacency;
 use nalgebra::{Matrix3, Vector3};
@@ -99,7 +99,7 @@ pub(super) struct NodeBlocks {
     /// E^-1 of W scaled by its diagonal
     pub(super) inverse_root: Vec<Matrix3<f32>>,
     /// index among the entries of L of every stored value in the columns of the subdomain's nodes, then of its
-    /// separator's, or [`ELSEWHERE`]
+    /// separators', or [`ELSEWHERE`]
     pub(super) entry: Vec<u32>,
 }
 
@@ -126,10 +126,10 @@ impl NodeBlocks {
             let block = first + row[first..start[column + 1] as usize].binary_search(&(other as u32)).ok()?;
             Some(BLOCK * block as u32 + 3 * (pattern.dof[u as usize] % 3) + pattern.dof[r as usize] % 3)
         };
-        let columns =
-            unknowns(&pattern, &subdomain.own).chain(unknowns(&pattern, &subdomain.separator)).map(|u| u as u32);
-        let entry = columns
-            .flat_map(|u| pattern.column(u as usize).iter().map(move |&r| (u, r)))
+        let entry = all_unknowns(&pattern, &subdomain)
+            .into_iter()
+            .flatten()
+            .flat_map(|u| pattern.column(u).iter().map(move |&r| (u as u32, r)))
             .map(|(u, r)| entry_of(u, r).unwrap_or(ELSEWHERE))
             .collect();
         let below = vec![0.0; BLOCK as usize * row.len() + 1];
@@ -180,10 +180,14 @@ impl NodeBlocks {
         self.pattern.node_start[node] as usize..self.pattern.node_start[node + 1] as usize
     }
 
-    /// Unknowns of the subdomain's own nodes and of its separator.
-    pub(super) fn unknowns(&self) -> [Range<usize>; 2] {
-        [unknowns(&self.pattern, &self.subdomain.own), unknowns(&self.pattern, &self.subdomain.separator)]
+    /// Unknowns of the subdomain's own nodes and of its separators.
+    pub(super) fn unknowns(&self) -> [Range<usize>; 3] {
+        all_unknowns(&self.pattern, &self.subdomain)
     }
+}
+
+fn all_unknowns(pattern: &Pattern, Subdomain { own, beside: [before, behind], .. }: &Subdomain) -> [Range<usize>; 3] {
+    [own, before, behind].map(|nodes| unknowns(pattern, nodes))
 }
 
 fn unknowns(pattern: &Pattern, nodes: &Range<usize>) -> Range<usize> {
@@ -192,7 +196,8 @@ fn unknowns(pattern: &Pattern, nodes: &Range<usize>) -> Range<usize> {
 
 /// Calls `found(column, row)`, local indices, for every off-diagonal block of a subdomain's L.
 fn pairs(pattern: &Pattern, subdomain: &Subdomain, node: &[u32], mut found: impl FnMut(usize, usize)) {
-    for g in subdomain.own.clone().chain(subdomain.separator.clone()) {
+    let [before, behind] = subdomain.beside.clone();
+    for g in subdomain.own.clone().chain(before).chain(behind) {
         // All unknowns of a node have the same neighbours.
         let Some(first) = unknowns(pattern, &(g..g + 1)).next() else { continue };
         for &r in pattern.column(first) {

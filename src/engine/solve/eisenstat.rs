@@ -131,7 +131,7 @@ pub(super) struct Curvature {
     pub squares: f64,
 }
 
-/// Vectors of a product: p `[n_own]`; t and q also hold the separator `[n_local]`.
+/// Vectors of a product: p `[n_own]`; t and q also hold the separators beside it `[n_local]`.
 pub(super) struct Sweep<'a> {
     /// direction
     pub p: &'a mut [f32x4],

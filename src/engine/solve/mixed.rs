@@ -23,7 +23,6 @@ mod tensions;
 
 use super::forcing::Forcing;
 use super::newton::{Convergence, ConvergenceCriteria, HIDING, Newton, NewtonReport};
-use super::norms::{dot, norm};
 use super::problem::NonlinearProblem;
 use super::{Accuracy, LinearError};
 use tensions::Shares;
@@ -99,7 +98,7 @@ impl Iteration<'_> {
         let Some(springs) = self.problem.mixed() else { return Ok(None) };
         self.tensions.begin(springs, size, sides);
         let (mut forcing, spent) = (Forcing::default(), self.newton.spent);
-        self.newton.r_trial.copy_from_slice(&self.newton.r);
+        self.newton.workers.copy(&mut self.newton.r_trial, &self.newton.r);
         let mut left = self.left();
         let most = match sides {
             // Nothing would be another with interior points.
@@ -113,7 +112,7 @@ impl Iteration<'_> {
         let hidden = if sides == Sides::Loaded { f64::INFINITY } else { HIDING * self.criteria.scales.residual };
         for made in 1..=most {
             self.newton.spent = spent + made;
-            let before = norm(&self.newton.r);
+            let before = self.newton.workers.norm(&self.newton.r);
             self.problem.set_accuracy(Accuracy::to(forcing.next(before, self.criteria.tolerance)));
             let Some(shares) = self.linear_step()? else { return Ok(None) };
             self.newton.keep_apart(self.problem, z);
@@ -121,7 +120,7 @@ impl Iteration<'_> {
                 Some(left) => left,
                 None => return Ok(None),
             };
-            let residual = norm(&self.newton.r);
+            let residual = self.newton.workers.norm(&self.newton.r);
             log::debug!(
                 "mixed iteration {made}: {:.2e} N left with the tensions, {residual:.2e} N without, product {:.2e} N m",
                 left.forces,
@@ -185,13 +184,13 @@ impl Iteration<'_> {
     /// One solve for the present products.
     fn solve(&mut self) -> Result<Shares, LinearError> {
         self.tensions.set_pull();
-        let Newton { r, dz, .. } = &mut *self.newton;
-        dz.copy_from_slice(r);
+        let Newton { r, dz, workers, .. } = &mut *self.newton;
+        workers.copy(dz, r);
         if let Some(springs) = self.problem.mixed() {
             self.tensions.add_pull(springs, dz, false);
         }
         self.problem.solve(dz)?;
-        dz.iter_mut().for_each(|dz| *dz = -*dz);
+        workers.negate(dz);
         let springs = self.problem.mixed();
         Ok(springs.map_or(Shares { x: 1.0, t: 1.0 }, |springs| self.tensions.follow(springs, dz)))
     }
@@ -219,10 +218,10 @@ impl Iteration<'_> {
     fn left(&mut self) -> Left {
         let Some(springs) = self.problem.mixed() else { return Left { forces: 0.0, lengths: 0.0, product: 0.0 } };
         self.tensions.measure(springs);
-        let forces = &mut self.newton.correction;
-        forces.copy_from_slice(&self.newton.r_trial);
+        let Newton { correction: forces, r_trial, workers, .. } = &mut *self.newton;
+        workers.copy(forces, r_trial);
         self.tensions.add_pull(springs, forces, true);
         let product = self.tensions.mean_product().unwrap_or(0.0);
-        Left { forces: dot(forces, forces).sqrt(), lengths: self.tensions.errors(), product }
+        Left { forces: workers.norm(forces), lengths: self.tensions.errors(), product }
     }
 }

@@ -20,7 +20,7 @@ mod problem;
 pub mod quasi_newton;
 mod relaxed_ic0;
 mod search;
-mod twisted_factorization;
+mod sections;
 
 pub use cholesky::Cholesky;
 pub use conjugate::ConjugateGradients;

@@ -245,12 +245,11 @@ impl Multigrid {
     /// b <- s x
     pub(super) fn finish(&self, s: f64, b: &mut [f64]) {
         let Multigrid { pattern, node, workers, x, scale, .. } = self;
-        workers.each(b, |unknowns, b| {
+        workers.set(b, |unknowns, b| {
             for (b, u) in b.iter_mut().zip(unknowns) {
                 let x = x[node[u] as usize].to_array();
                 *b = f64::from(x[(pattern.dof[u] % 3) as usize]) * s * scale;
             }
-            0.0
         });
     }
 }

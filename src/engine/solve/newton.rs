@@ -9,9 +9,9 @@ mod exact;
 use super::LinearError;
 pub use super::failure::NewtonFailure;
 use super::mixed::{self, Sides, Tensions};
-use super::norms::{excess, norm};
 pub use super::problem::{Curvature, MixedSprings, NonlinearProblem, Scales};
 use super::quasi_newton::{self, FactorHistory, SecantPairs};
+use crate::model::workers::Workers;
 pub(super) use convergence::{Convergence, ConvergenceCriteria, RoundingCheck, RoundingVerdict};
 
 /// When the tangent is computed again.
@@ -102,6 +102,7 @@ pub(super) enum Step {
 #[derive(Clone, Debug)]
 pub struct Newton {
     spec: NewtonSpec,
+    pub(super) workers: Workers,
     pub(super) r: Vec<f64>,
     pub(super) floor: Vec<f64>,
     pub(super) dz: Vec<f64>,
@@ -120,18 +121,19 @@ pub struct Newton {
 }
 
 impl Newton {
-    /// Buffers for `n` unknowns.
-    pub fn new(spec: NewtonSpec, n: usize) -> Self {
+    /// Buffers for `n` unknowns; loops over them run on `workers`.
+    pub fn new(spec: NewtonSpec, n: usize, workers: &Workers) -> Self {
         let zero = || vec![0.0; n];
         let pairs = match spec.strategy {
             Strategy::Full => SecantPairs::default(),
-            Strategy::Modified => SecantPairs::new(n, 0),
-            Strategy::Auto | Strategy::Quasi => SecantPairs::for_unknowns(n),
+            Strategy::Modified => SecantPairs::new(n, 0, workers),
+            Strategy::Auto | Strategy::Quasi => SecantPairs::for_unknowns(n, workers),
         };
         let (r, r_trial, floor, dz, trial, correction, guess) =
             (zero(), zero(), zero(), zero(), zero(), zero(), zero());
-        let tensions = Tensions::default();
-        Newton { spec, r, r_trial, floor, dz, trial, correction, pairs, tensions, guess, spent: 0, kept_apart: false }
+        let (workers, tensions) = (workers.clone(), Tensions::default());
+        let (spent, kept_apart) = (0, false);
+        Newton { spec, workers, r, r_trial, floor, dz, trial, correction, pairs, tensions, guess, spent, kept_apart }
     }
 
     /// Whether the balance of forces is far from the start `z` `[n]` across springs: there is no linear step to it, or
@@ -175,8 +177,8 @@ impl Newton {
         while problem.replace_far_guess(z) {
             problem.residual(z, &mut self.r, &mut self.floor);
         }
-        let residual = norm(&self.r);
-        let (rounding, forces) = (norm(&self.floor), scales.residual);
+        let residual = self.workers.norm(&self.r);
+        let (rounding, forces) = (self.workers.norm(&self.floor), scales.residual);
         if !residual.is_finite() || !rounding.is_finite() {
             return Err(NewtonFailure::NotFinite { worst: self.worst() });
         }
@@ -186,12 +188,12 @@ impl Newton {
             return Ok(NewtonReport { iterations: 0, residual: criteria.over_scale(residual) });
         }
         self.spent = 0;
-        self.guess.copy_from_slice(z);
+        self.workers.copy(&mut self.guess, z);
         let hides = |what: f64, share: f64, forces: f64, problem: &mut dyn NonlinearProblem| {
             what > share * forces && what > share * problem.stopping_force()
         };
         let iterations = match self.iterate(problem, z, criteria, frozen) {
-            Ok(report) if hides(norm(&self.r), HIDDEN, forces.max(residual), problem) => report.iterations,
+            Ok(report) if hides(self.workers.norm(&self.r), HIDDEN, forces.max(residual), problem) => report.iterations,
             Err(failure @ NewtonFailure::Linear { error: LinearError::Interrupted(_), .. }) => return Err(failure),
             // A failed linear solve says nothing about rounding.
             Err(failure @ NewtonFailure::Linear { .. }) if !rounding_only || !self.is_trusted(residual, criteria) => {
@@ -202,7 +204,7 @@ impl Newton {
                 if self.is_trusted(residual, criteria) || !hides(rounding, HIDING, forces, problem) {
                     // Accept the first guess.
                     self.return_to_guess(problem, z);
-                    return Ok(NewtonReport { iterations, residual: criteria.over_scale(norm(&self.r)) });
+                    return Ok(NewtonReport { iterations, residual: criteria.over_scale(self.workers.norm(&self.r)) });
                 }
                 iterations
             }
@@ -328,13 +330,13 @@ impl Newton {
     }
 
     fn return_to_guess(&mut self, problem: &mut dyn NonlinearProblem, z: &mut [f64]) {
-        z.copy_from_slice(&self.guess);
+        self.workers.copy(z, &self.guess);
         problem.residual(z, &mut self.r, &mut self.floor);
     }
 
     /// [N] norm of the residual beyond rounding.
     fn excess(&self) -> f64 {
-        excess(&self.r, &self.floor)
+        self.workers.excess(&self.r, &self.floor)
     }
 
     fn worst(&self) -> usize {

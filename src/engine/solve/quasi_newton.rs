@@ -15,7 +15,6 @@ mod secant_pairs;
 use super::newton::{
     Convergence, ConvergenceCriteria, Newton, NewtonReport, NonlinearProblem, RoundingCheck, RoundingVerdict, Step,
 };
-use super::norms::{dot, norm};
 use super::{ExpectedUse, LinearError, forcing, search};
 pub(super) use secant_pairs::SecantPairs;
 
@@ -206,7 +205,7 @@ impl Iteration<'_> {
             MOST_FACTORS
         };
         let mut fresh = self.frozen.fresh == 0;
-        let (mut residual, mut factors) = (norm(&self.newton.r), 0);
+        let (mut residual, mut factors) = (self.newton.workers.norm(&self.newton.r), 0);
         let mut rate_seen = ConvergenceRate::new(residual);
         let mut settling = None;
         for iterations in 1..=self.newton.most_iterations() {
@@ -233,7 +232,7 @@ impl Iteration<'_> {
                 }
             };
             let before = residual;
-            residual = norm(&self.newton.r);
+            residual = self.newton.workers.norm(&self.newton.r);
             rate_seen.record_residual(residual);
             match self.newton.convergence(z, self.criteria, lambda * residual / before) {
                 Convergence::Converged => {
@@ -315,11 +314,11 @@ impl Iteration<'_> {
 
     /// The next correction if the residual is rounding, and a line search along it if it is not small.
     fn correct_at_rounding(&mut self, z: &mut [f64], settling: &mut RoundingCheck) -> Result<Step, LinearError> {
-        let Newton { r, dz, .. } = &mut *self.newton;
-        self.problem.set_accuracy(forcing::settling(norm(r), self.criteria.tolerance));
-        dz.copy_from_slice(r);
+        let Newton { r, dz, workers, .. } = &mut *self.newton;
+        self.problem.set_accuracy(forcing::settling(workers.norm(r), self.criteria.tolerance));
+        workers.copy(dz, r);
         self.problem.solve(dz)?;
-        dz.iter_mut().for_each(|dz| *dz = -*dz);
+        workers.negate(dz);
         self.newton.keep_apart(self.problem, z);
         Ok(match self.newton.settled(z, self.criteria, settling) {
             RoundingVerdict::Yes => Step::NotNeeded,
@@ -330,10 +329,10 @@ impl Iteration<'_> {
 
     /// One direction and the line search along it.
     fn step(&mut self, z: &mut [f64]) -> Result<Step, LinearError> {
-        let Newton { r, dz, .. } = &mut *self.newton;
-        self.problem.set_accuracy(forcing::reused(norm(r), self.criteria.tolerance));
-        self.pairs.before.copy_from_slice(r);
-        dz.copy_from_slice(r);
+        let Newton { r, dz, workers, .. } = &mut *self.newton;
+        self.problem.set_accuracy(forcing::reused(workers.norm(r), self.criteria.tolerance));
+        workers.copy(&mut self.pairs.before, r);
+        workers.copy(dz, r);
         let before = self.problem.cg_iterations();
         self.pairs.apply(dz, |b| self.problem.solve(b))?;
         let iterations = self.problem.cg_iterations() - before;
@@ -343,7 +342,7 @@ impl Iteration<'_> {
             self.frozen.cg_iterations = self.frozen.cg_iterations.saturating_add(cost);
             self.frozen.multigrid = self.problem.with_multigrid();
         }
-        dz.iter_mut().for_each(|dz| *dz = -*dz);
+        workers.negate(dz);
         self.newton.keep_apart(self.problem, z);
         let Some(lambda) = self.search(z) else { return Ok(Step::Stuck) };
         self.pairs.push(lambda, &self.newton.dz, &self.newton.r);
@@ -353,7 +352,7 @@ impl Iteration<'_> {
     /// The share of the direction that descends, if any. Without a potential the slope is that of the symmetric part,
     /// which still serves; the norm of the residual need not fall.
     fn search(&mut self, z: &mut [f64]) -> Option<f64> {
-        if dot(&self.newton.r, &self.newton.dz) >= 0.0 {
+        if self.newton.workers.dot(&self.newton.r, &self.newton.dz) >= 0.0 {
             return None;
         }
         search::downhill(self.newton, self.problem, z, self.criteria.tolerance)

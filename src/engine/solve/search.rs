@@ -1,7 +1,6 @@
 //! Line searches along Newton's direction.
 
 use super::newton::{Newton, NonlinearProblem};
-use super::norms::{dot, excess, norm};
 
 /// Trials after which a search gives up.
 const MAX_TRIALS: u32 = 13;
@@ -26,11 +25,11 @@ pub(super) fn smaller_residual(
     z: &mut [f64],
     tolerance: f64,
 ) -> Option<f64> {
-    let before = norm(&newton.r);
+    let before = newton.workers.norm(&newton.r);
     let mut lambda = 1.0;
     for _ in 0..MAX_TRIALS {
         let landed = newton.evaluate_at(problem, z, lambda, tolerance);
-        let residual = norm(&newton.r_trial);
+        let residual = newton.workers.norm(&newton.r_trial);
         if residual <= (1.0 - ARMIJO * lambda) * before
             || landed
             || newton.correction_shrinks(problem, lambda, residual)
@@ -52,14 +51,18 @@ pub(super) fn downhill(
     z: &mut [f64],
     tolerance: f64,
 ) -> Option<f64> {
-    let slope = dot(&newton.r, &newton.dz);
+    let slope = newton.workers.dot(&newton.r, &newton.dz);
     let mut low = (0.0, slope);
     let mut high: Option<(f64, f64)> = None;
     let mut lambda = 1.0;
     for trial in 0..MAX_TRIALS {
         let landed = newton.evaluate_at(problem, z, lambda, tolerance);
         // The slope may be finite although forces overflow, if the direction does not act on them.
-        let here = if norm(&newton.r_trial).is_finite() { dot(&newton.r_trial, &newton.dz) } else { f64::INFINITY };
+        let here = if newton.workers.norm(&newton.r_trial).is_finite() {
+            newton.workers.dot(&newton.r_trial, &newton.dz)
+        } else {
+            f64::INFINITY
+        };
         let left = if trial == 0 { FULL_SLOPE } else { SLOPE } * slope.abs();
         // Beyond the direction itself something may touch.
         let ends = newton.kept_apart && trial == 0 && here < 0.0;
@@ -99,29 +102,35 @@ impl Newton {
         lambda: f64,
         tolerance: f64,
     ) -> bool {
-        for ((trial, z), dz) in self.trial.iter_mut().zip(z).zip(&self.dz) {
-            *trial = z + lambda * dz;
-        }
+        let dz = &self.dz;
+        self.workers.set(&mut self.trial, |range, trial| {
+            for ((trial, z), dz) in trial.iter_mut().zip(&z[range.clone()]).zip(&dz[range]) {
+                *trial = z + lambda * dz;
+            }
+        });
         problem.residual(&self.trial, &mut self.r_trial, &mut self.floor);
-        norm(&self.r_trial).is_finite() && excess(&self.r_trial, &self.floor) <= tolerance
+        self.workers.norm(&self.r_trial).is_finite() && self.workers.excess(&self.r_trial, &self.floor) <= tolerance
     }
 
     /// Shortens the direction of nodes that would touch others. If the rest leads uphill, that of all nodes alike.
     pub(super) fn keep_apart(&mut self, problem: &mut dyn NonlinearProblem, z: &[f64]) {
-        self.correction.copy_from_slice(&self.dz);
+        self.workers.copy(&mut self.correction, &self.dz);
         let Some(least) = problem.keep_apart(z, &mut self.dz) else {
             self.kept_apart = false;
             return;
         };
         self.kept_apart = true;
-        if least < 1.0 && dot(&self.r, &self.dz) >= 0.0 && dot(&self.r, &self.correction) < 0.0 {
+        if least < 1.0
+            && self.workers.dot(&self.r, &self.dz) >= 0.0
+            && self.workers.dot(&self.r, &self.correction) < 0.0
+        {
             self.dz.iter_mut().zip(&self.correction).for_each(|(dz, whole)| *dz = least * whole);
         }
     }
 
     /// Accepts the last trial point.
     pub(super) fn accept_trial(&mut self, z: &mut [f64]) {
-        z.copy_from_slice(&self.trial);
+        self.workers.copy(z, &self.trial);
         std::mem::swap(&mut self.r, &mut self.r_trial);
     }
 
@@ -133,10 +142,8 @@ impl Newton {
         if !residual.is_finite() {
             return false;
         }
-        for (correction, r) in self.correction.iter_mut().zip(&self.r_trial) {
-            *correction = -r;
-        }
+        self.workers.copy_negative(&mut self.correction, &self.r_trial);
         let solved = problem.solve(&mut self.correction).is_ok();
-        solved && norm(&self.correction) <= (1.0 - NATURAL * lambda) * norm(&self.dz)
+        solved && self.workers.norm(&self.correction) <= (1.0 - NATURAL * lambda) * self.workers.norm(&self.dz)
     }
 }

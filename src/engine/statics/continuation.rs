@@ -12,7 +12,6 @@ use crate::model::spring_state::SpringState;
 use crate::model::stop::Stop;
 use crate::scene::Scene;
 use crate::solve::newton::{Newton, NewtonFailure, NewtonReport, NewtonSpec, NonlinearProblem, Scales, Strategy};
-use crate::solve::norms::norm;
 use crate::solve::quasi_newton::FactorHistory;
 
 /// [-] A solve leaves this share of the residual that it began with: the next one continues anyway.
@@ -89,7 +88,7 @@ impl<'a> Continuation<'a> {
             start: at.clone(),
             trial: at.clone(),
             tangents,
-            newton: Newton::new(newton, unknowns),
+            newton: Newton::new(newton, unknowns, scene.workers()),
             z: vec![0.0; unknowns],
             all: vec![0.0; at.state.x.len()],
             at,
@@ -250,7 +249,7 @@ impl<'a> Continuation<'a> {
         Scales {
             residual,
             increment: self.dofs.size * (self.z.len().max(1) as f64).sqrt(),
-            increment_floor: 4.0 * f64::EPSILON * norm(&self.at.state.x),
+            increment_floor: 4.0 * f64::EPSILON * self.scene.workers().norm(&self.at.state.x),
         }
     }
 

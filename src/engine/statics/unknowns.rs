@@ -3,7 +3,6 @@
 use super::Residual;
 use crate::model::point::Point;
 use crate::scene::Scene;
-use crate::solve::norms::{excess, norm};
 
 /// Data of the degrees of freedom.
 pub(super) struct Dofs {
@@ -45,10 +44,12 @@ impl Dofs {
         let largest = largest(&at.state.x);
         let floor: Vec<f64> = total.iter().enumerate().map(|(dof, f)| self.floor(dof, largest, *f)).collect();
         let size = |dof: usize| if total[dof].is_finite() { total[dof].abs() } else { f64::INFINITY };
+        let workers = scene.workers();
+        let reactions = workers.norm(&at.forces.reactions);
         Residual {
-            force: norm(total),
-            scale: scene.force_scale(&at.forces).max(norm(&at.forces.reactions)).max(norm(&tensions)),
-            excess: excess(total, &floor),
+            force: workers.norm(total),
+            scale: scene.force_scale(&at.forces).max(reactions).max(workers.norm(&tensions)),
+            excess: workers.excess(total, &floor),
             worst: (0..total.len()).max_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap_or(0),
         }
     }

@@ -106,7 +106,8 @@ impl ResultFolder {
     /// is told before it does other work.
     ///
     /// # Errors
-    /// When there are results, something else has the name of a result, or another run uses the folder.
+    /// When there are results, when something else has the name of a result, another run uses the folder, or the system
+    /// fails.
     pub fn check(dir: &Path, name: &str) -> Result<(), FolderError> {
         refuse_file(dir)?;
         if !dir.is_dir() {

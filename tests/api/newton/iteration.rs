@@ -1,5 +1,6 @@
 //! Newton's iteration itself, on equations of one or two unknowns.
 
+use canopy_fem::model::workers::ALONE;
 use canopy_fem::solve::newton::{Curvature, Newton, NewtonFailure, NewtonSpec, NonlinearProblem, Scales};
 use canopy_fem::solve::quasi_newton::FactorHistory;
 use canopy_fem::solve::{ExpectedUse, Inertia, LinearError};
@@ -34,7 +35,7 @@ const SCALES: Scales = Scales { residual: 1.0, increment: 1.0, increment_floor: 
 fn the_line_search_converges_where_plain_newton_diverges() {
     let mut problem = Atan { z: 0.0, slope: 0.0, evaluations: vec![] };
     let mut z = [5.0];
-    let report = Newton::new(NewtonSpec::default(), 1)
+    let report = Newton::new(NewtonSpec::default(), 1, &ALONE)
         .solve(&mut problem, &mut z, SCALES, &mut FactorHistory::default())
         .unwrap();
     assert!(z[0].abs() < 1e-8, "{z:?} after {report:?}");
@@ -45,7 +46,9 @@ fn the_line_search_converges_where_plain_newton_diverges() {
 fn convergence_is_quadratic_or_better_near_the_solution() {
     let mut problem = Atan { z: 0.0, slope: 0.0, evaluations: vec![] };
     let mut z = [0.05];
-    Newton::new(NewtonSpec::default(), 1).solve(&mut problem, &mut z, SCALES, &mut FactorHistory::default()).unwrap();
+    Newton::new(NewtonSpec::default(), 1, &ALONE)
+        .solve(&mut problem, &mut z, SCALES, &mut FactorHistory::default())
+        .unwrap();
     for pair in problem.evaluations.windows(2) {
         assert!(pair[1] <= 2.0 * pair[0] * pair[0], "{:?}", problem.evaluations);
     }
@@ -73,7 +76,7 @@ impl NonlinearProblem for Wall {
 /// A search does not step to where the norm of the forces overflows, so that a report has numbers.
 #[test]
 fn the_search_stays_where_forces_are_numbers() {
-    let failure = Newton::new(NewtonSpec::default(), 2)
+    let failure = Newton::new(NewtonSpec::default(), 2, &ALONE)
         .solve(&mut Wall, &mut [0.0; 2], SCALES, &mut FactorHistory::default())
         .unwrap_err();
     let (NewtonFailure::Stuck { residual, .. } | NewtonFailure::MaxIterations { residual, .. }) = failure else {
@@ -116,7 +119,7 @@ impl NonlinearProblem for Keeping {
 #[test]
 fn a_solver_that_fails_on_the_kept_matrix_leaves_the_step_to_the_exact_one() {
     let mut z = [0.0];
-    let mut newton = Newton::new(NewtonSpec::default(), 1);
+    let mut newton = Newton::new(NewtonSpec::default(), 1, &ALONE);
     let report = newton.solve(&mut Keeping::default(), &mut z, SCALES, &mut FactorHistory::default()).unwrap();
     assert_eq!((z, report.iterations), ([1.0], 2));
     let mut neither = Keeping { exact_fails: true, ..Keeping::default() };
@@ -130,8 +133,9 @@ fn a_solver_that_fails_on_the_kept_matrix_leaves_the_step_to_the_exact_one() {
 fn an_iteration_limit_is_a_refusal_with_its_numbers() {
     let spec = NewtonSpec { max_iterations: 2, ..Default::default() };
     let mut problem = Atan { z: 0.0, slope: 0.0, evaluations: vec![] };
-    let failure =
-        Newton::new(spec, 1).solve(&mut problem, &mut [5.0], SCALES, &mut FactorHistory::default()).unwrap_err();
+    let failure = Newton::new(spec, 1, &ALONE)
+        .solve(&mut problem, &mut [5.0], SCALES, &mut FactorHistory::default())
+        .unwrap_err();
     let NewtonFailure::MaxIterations { iterations: 2, residual, tolerance, worst: 0 } = failure else {
         panic!("{failure:?}")
     };

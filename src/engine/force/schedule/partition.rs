@@ -176,9 +176,8 @@ impl Partition {
         halo: Halo<'_>,
         (first, out): (usize, &mut [Vector3<f64>]),
     ) {
-        workers.each(cast_slice_mut(out), |dofs, out| {
+        workers.set(cast_slice_mut(out), |dofs, out| {
             self.add_halo(blocks.clone(), halo, (first + dofs.start / 3, cast_slice_mut(out)));
-            0.0
         });
     }
 

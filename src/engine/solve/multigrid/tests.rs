@@ -1,5 +1,5 @@
-use super::super::norms::{dot, norm};
 use super::*;
+use crate::model::workers::ALONE;
 use nalgebra::Matrix3;
 use std::collections::BTreeMap;
 
@@ -76,8 +76,8 @@ fn iterations_are_few_and_b_is_symmetric() -> Result<(), LinearError> {
             Ok::<_, LinearError>(z)
         };
         let (smoothed, other) = (preconditioned(&b)?, preconditioned(&rough)?);
-        let sizes = (dot(&b, &smoothed) * dot(&rough, &other)).sqrt();
-        let (one, other) = (dot(&rough, &smoothed), dot(&b, &other));
+        let sizes = (ALONE.dot(&b, &smoothed) * ALONE.dot(&rough, &other)).sqrt();
+        let (one, other) = (ALONE.dot(&rough, &smoothed), ALONE.dot(&b, &other));
         assert!((one - other).abs() < 5e-8 * sizes, "{one:e} and {other:e}, of {sizes:e}");
 
         let [s, first] = grid.set_right_hand_side(&b)?;
@@ -100,7 +100,7 @@ fn iterations_are_few_and_b_is_symmetric() -> Result<(), LinearError> {
         let mut left = vec![0.0; b.len()];
         pattern.multiply(&values, &x, &mut left);
         left.iter_mut().zip(&b).for_each(|(left, b)| *left -= b);
-        assert!(norm(&left) < 0.01 * norm(&b), "{:e} of {:e}", norm(&left), norm(&b));
+        assert!(ALONE.norm(&left) < 0.01 * ALONE.norm(&b), "{:e} of {:e}", ALONE.norm(&left), ALONE.norm(&b));
         solutions.push(x);
     }
     assert!(solutions[0] == solutions[1] && solutions[0] == solutions[2]);

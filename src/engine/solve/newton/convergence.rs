@@ -1,7 +1,6 @@
 //! When Newton's iteration has converged, and what corrections show where the residual is rounding.
 
 use super::{Newton, Scales};
-use crate::solve::norms::norm;
 
 /// [-] A residual of pure rounding is accepted up to this share of the step's forces. Above it, the residual alone says
 /// nothing about soft springs beside stiff ones: the next correction must be small as well.
@@ -65,13 +64,13 @@ impl Newton {
     /// Whether residual and increment at `z` `[n]` are small. `next` [-] predicts the next increment over the last: the
     /// accepted share of the direction times the reduction of the residual.
     pub(in crate::solve) fn convergence(&self, z: &[f64], criteria: ConvergenceCriteria, next: f64) -> Convergence {
-        let next_increment = next * norm(&self.dz);
+        let next_increment = next * self.workers.norm(&self.dz);
         let excess = self.excess();
         let small =
             excess <= criteria.tolerance && (next_increment <= self.increment_tolerance(z, criteria) || excess == 0.0);
         match small {
             false => Convergence::NotConverged,
-            true if self.is_trusted(norm(&self.r), criteria) => Convergence::Converged,
+            true if self.is_trusted(self.workers.norm(&self.r), criteria) => Convergence::Converged,
             true => Convergence::Rounding,
         }
     }
@@ -83,7 +82,7 @@ impl Newton {
 
     /// [m] Tolerance on the increment at `z`.
     pub(super) fn increment_tolerance(&self, z: &[f64], criteria: ConvergenceCriteria) -> f64 {
-        (self.spec.relative * criteria.scales.increment.max(norm(z))).max(criteria.scales.increment_floor)
+        (self.spec.relative * criteria.scales.increment.max(self.workers.norm(z))).max(criteria.scales.increment_floor)
     }
 
     /// Checks `z` by the correction in `self.dz`.
@@ -93,13 +92,13 @@ impl Newton {
         criteria: ConvergenceCriteria,
         settling: &mut RoundingCheck,
     ) -> RoundingVerdict {
-        let increment = norm(&self.dz);
+        let increment = self.workers.norm(&self.dz);
         let shrinks = increment <= SHRINKS * std::mem::replace(&mut settling.last, increment);
         if increment <= self.increment_tolerance(z, criteria) {
             RoundingVerdict::Yes
         } else if shrinks {
             RoundingVerdict::NotYet
-        } else if increment <= SETTLED * criteria.scales.increment.max(norm(z)) {
+        } else if increment <= SETTLED * criteria.scales.increment.max(self.workers.norm(z)) {
             RoundingVerdict::Yes
         } else {
             RoundingVerdict::Never

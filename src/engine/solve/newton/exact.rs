@@ -10,7 +10,6 @@ use super::{
     RoundingVerdict, Step,
 };
 use crate::solve::forcing::{self, Forcing};
-use crate::solve::norms::{dot, norm};
 use crate::solve::{Accuracy, Inertia, LinearError, search};
 
 /// A step that is shortened below this share of Newton's makes little progress: the residual's norm is a poor merit
@@ -44,7 +43,7 @@ impl Newton {
     ) -> Result<NewtonReport, NewtonFailure> {
         let ConvergenceCriteria { tolerance, .. } = criteria;
         let (mut caution, mut forcing) = (ConvexPhase::default(), Forcing::default());
-        let mut residual = norm(&self.r);
+        let mut residual = self.workers.norm(&self.r);
         let (mut convergence, mut settling) = (Convergence::NotConverged, RoundingCheck::default());
         for made in 1..=self.spec.max_iterations {
             let (before, iterations) = (residual, self.spent + made);
@@ -65,11 +64,11 @@ impl Newton {
                 Step::NotNeeded => return Ok(NewtonReport { iterations, residual: criteria.over_scale(residual) }),
                 Step::Stuck => return Err(NewtonFailure::Stuck { iterations, residual: before, tolerance, worst }),
                 Step::Hidden => {
-                    let (rounding, forces) = (norm(&self.floor), criteria.scales.residual);
+                    let (rounding, forces) = (self.workers.norm(&self.floor), criteria.scales.residual);
                     return Err(NewtonFailure::Hidden { iterations, rounding, forces, worst });
                 }
             };
-            residual = norm(&self.r);
+            residual = self.workers.norm(&self.r);
             convergence = self.convergence(z, criteria, lambda * (residual / before));
             if convergence == Convergence::Converged {
                 return Ok(NewtonReport { iterations, residual: criteria.over_scale(residual) });
@@ -157,13 +156,11 @@ impl Newton {
         if problem.linearise(curvature)? == Inertia::Indefinite && problem.conservative() {
             return Ok(false);
         }
-        for (dz, r) in self.dz.iter_mut().zip(&self.r) {
-            *dz = -r;
-        }
+        self.workers.copy_negative(&mut self.dz, &self.r);
         match problem.solve(&mut self.dz) {
             Err(LinearError::Indefinite { .. }) if problem.conservative() => return Ok(false),
             solved => solved?,
         }
-        Ok(dot(&self.r, &self.dz) < 0.0)
+        Ok(self.workers.dot(&self.r, &self.dz) < 0.0)
     }
 }

@@ -1,7 +1,7 @@
 //! L-BFGS: a frozen factor, corrected by the last steps.
 
+use crate::model::workers::Workers;
 use crate::solve::LinearError;
-use crate::solve::norms::{dot, norm};
 
 /// Secant pairs kept.
 const PAIRS: usize = 8;
@@ -22,10 +22,11 @@ pub(in crate::solve) struct SecantPairs {
     held: usize,
     /// residual before a step `[n]`
     pub(super) before: Vec<f64>,
+    workers: Workers,
 }
 
 impl SecantPairs {
-    pub(in crate::solve) fn new(n: usize, pairs: usize) -> Self {
+    pub(in crate::solve) fn new(n: usize, pairs: usize, workers: &Workers) -> Self {
         // Each from the system as it is: vectors that a run never fills take no memory.
         let vectors = |count: usize| (0..count).map(|_| vec![0.0; n]).collect();
         SecantPairs {
@@ -36,12 +37,13 @@ impl SecantPairs {
             next: 0,
             held: 0,
             before: vec![0.0; n],
+            workers: workers.clone(),
         }
     }
 
     /// For `n` unknowns.
-    pub(in crate::solve) fn for_unknowns(n: usize) -> Self {
-        Self::new(n, PAIRS)
+    pub(in crate::solve) fn for_unknowns(n: usize, workers: &Workers) -> Self {
+        Self::new(n, PAIRS, workers)
     }
 
     pub(super) fn clear(&mut self) {
@@ -56,13 +58,14 @@ impl SecantPairs {
         }
         let i = self.next % room;
         let (s, y) = (&mut self.s[i], &mut self.y[i]);
-        for ((s, y), ((dz, after), before)) in
-            s.iter_mut().zip(y.iter_mut()).zip(dz.iter().zip(after).zip(&self.before))
-        {
-            (*s, *y) = (lambda * dz, after - before);
-        }
-        let curvature = dot(s, y);
-        if curvature > CURVED * norm(s) * norm(y) {
+        self.workers.both(s, y, |range, s, y| {
+            let from = dz[range.clone()].iter().zip(&after[range.clone()]).zip(&self.before[range]);
+            for ((s, y), ((dz, after), before)) in s.iter_mut().zip(y).zip(from) {
+                (*s, *y) = (lambda * dz, after - before);
+            }
+        });
+        let curvature = self.workers.dot(s, y);
+        if curvature > CURVED * self.workers.norm(s) * self.workers.norm(y) {
             self.rho[i] = 1.0 / curvature;
             self.next += 1;
             self.held = (self.held + 1).min(room);
@@ -85,18 +88,14 @@ impl SecantPairs {
         solve: impl FnOnce(&mut [f64]) -> Result<(), LinearError>,
     ) -> Result<(), LinearError> {
         for i in self.newest_first() {
-            let share = self.rho[i] * dot(&self.s[i], g);
+            let share = self.rho[i] * self.workers.dot(&self.s[i], g);
             self.share[i] = share;
-            for (g, y) in g.iter_mut().zip(&self.y[i]) {
-                *g -= share * y;
-            }
+            self.workers.add(g, -share, &self.y[i]);
         }
         solve(g)?;
         for i in self.newest_first().rev() {
-            let share = self.share[i] - self.rho[i] * dot(&self.y[i], g);
-            for (g, s) in g.iter_mut().zip(&self.s[i]) {
-                *g += share * s;
-            }
+            let share = self.share[i] - self.rho[i] * self.workers.dot(&self.y[i], g);
+            self.workers.add(g, share, &self.s[i]);
         }
         Ok(())
     }
@@ -105,12 +104,13 @@ impl SecantPairs {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::workers::ALONE;
 
     /// A pair with y . s <= 0 is not used, and neither is the pair that it has overwritten: H y = s holds for every
     /// pair in use.
     #[test]
     fn a_pair_that_bends_the_wrong_way_is_not_used() {
-        let mut pairs = SecantPairs::new(3, 2);
+        let mut pairs = SecantPairs::new(3, 2, &ALONE);
         let steps = [
             ([1.0, 0.0, 0.0], [2.0, 0.0, 0.0]),
             ([0.0, 1.0, 0.0], [0.0, 4.0, 0.0]),

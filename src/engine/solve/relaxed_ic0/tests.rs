@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::assembly::Pattern;
-use crate::model::workers::Workers;
+use crate::model::workers::{ALONE, Workers};
 use crate::solve::bsr::unpacked;
 use crate::solve::partitioned_cg::{PartitionedSystem, SubdomainSystem};
-use crate::solve::twisted_factorization::subdomains;
+use crate::solve::sections::Cut;
 use std::ops::Range;
 use std::sync::Arc;
 use wide::f32x4;
@@ -21,8 +21,8 @@ fn free(g: usize) -> &'static [u32] {
 
 const NODES: usize = 12;
 
-/// Nodes with three neighbours ahead each, as in a net of triangles.
-fn pattern() -> Pattern {
+/// Nodes with three neighbours ahead each, as in a net of triangles so many nodes across.
+fn pattern(width: usize) -> Pattern {
     let (mut dof, mut node_start) = (Vec::new(), vec![0]);
     for g in 0..NODES {
         dof.extend(free(g).iter().map(|direction| 3 * g as u32 + direction));
@@ -32,7 +32,7 @@ fn pattern() -> Pattern {
     for g in 0..NODES {
         for u in node_start[g]..node_start[g + 1] {
             row_idx.extend(u..node_start[g + 1]);
-            for other in [g + 1, g + 4, g + 5].into_iter().filter(|&other| other < NODES) {
+            for other in [g + 1, g + width, g + width + 1].into_iter().filter(|&other| other < NODES) {
                 row_idx.extend(node_start[other]..node_start[other + 1]);
             }
             col_ptr.push(row_idx.len() as u32);
@@ -66,23 +66,26 @@ fn values(pattern: &Pattern, seed: u64) -> Vec<f64> {
     values
 }
 
-/// Without a cut, and with one whose halves have nodes that are partly held.
-const SEPARATORS: [Range<usize>; 2] = [NODES..NODES, 4..9];
+/// The width of a net and the separators that cut it: none, an empty one, one between two sections with nodes that are
+/// partly held, and two with a section between them.
+#[expect(clippy::single_range_in_vec_init, reason = "one separator")]
+const CUTS: [(usize, &[Range<usize>]); 4] = [(4, &[]), (4, &[NODES..NODES]), (4, &[4..9]), (2, &[1..4, 7..10])];
 
-fn system(separator: &Range<usize>) -> PartitionedSystem {
-    PartitionedSystem::of_subdomains(&Arc::new(pattern()), subdomains(NODES, separator.clone()), &Workers::default())
+fn system((width, separators): (usize, &[Range<usize>]), workers: &Workers) -> PartitionedSystem {
+    let pattern = Arc::new(pattern(width));
+    let node = pattern.node_of_unknown();
+    PartitionedSystem::of_cut(&pattern, Cut::at(NODES, separators), &node, workers)
 }
 
-fn all(system: &PartitionedSystem) -> [&SubdomainSystem; 3] {
-    let [first, second] = &system.halves;
-    [first, second, &system.separator]
+fn all(system: &PartitionedSystem) -> impl Iterator<Item = &SubdomainSystem> {
+    system.sections.iter().chain(&system.separators)
 }
 
 /// Nodes in the order of their elimination.
 fn order(system: &PartitionedSystem) -> Vec<usize> {
     let nodes =
         |part: &SubdomainSystem| (0..part.blocks.nodes()).map(|g| part.blocks.subdomain.node(g)).collect::<Vec<_>>();
-    all(system).into_iter().flat_map(nodes).collect()
+    all(system).flat_map(nodes).collect()
 }
 
 /// What a subdomain holds of each of its nodes, by node.
@@ -109,8 +112,8 @@ fn below(system: &PartitionedSystem) -> Vec<(usize, usize, Matrix3<f64>)> {
 /// E (I + J) E^T and E L E^T are the blocks of W, entry by entry, whatever the pivots.
 #[test]
 fn the_blocks_are_those_of_w() {
-    for separator in SEPARATORS {
-        let (mut system, pattern) = (system(&separator), pattern());
+    for cut in CUTS {
+        let (mut system, pattern) = (system(cut, &ALONE), pattern(cut.0));
         let mut lost = 0;
         for seed in 1..20 {
             let values = values(&pattern, seed);
@@ -129,7 +132,7 @@ fn the_blocks_are_those_of_w() {
                 let off = root[row] * block * root[column].transpose() - w[row][column];
                 assert!(
                     most(off) < 1e-6 * (1.0 + most(root[row]) * most(root[column])),
-                    "seed {seed}, {separator:?}: block {row}, {column} is {off} off"
+                    "seed {seed}, {cut:?}: block {row}, {column} is {off} off"
                 );
             }
         }
@@ -143,7 +146,7 @@ fn most(m: Matrix3<f64>) -> f64 {
 
 /// W scaled by its diagonal, block by block, with the identity in idle places; and Y^-1, 0 in idle places.
 fn scaled(system: &PartitionedSystem, values: &[f64]) -> (Vec<Vec<Matrix3<f64>>>, Vec<Matrix3<f64>>) {
-    let pattern = &system.separator.blocks.pattern;
+    let pattern = &system.sections[0].blocks.pattern;
     let place = |u: usize| (pattern.dof[u] as usize / 3, pattern.dof[u] as usize % 3);
     let (mut w, mut scale) = (vec![vec![Matrix3::zeros(); NODES]; NODES], vec![Matrix3::zeros(); NODES]);
     for (g, row) in w.iter_mut().enumerate() {
@@ -164,8 +167,8 @@ fn scaled(system: &PartitionedSystem, values: &[f64]) -> (Vec<Vec<Matrix3<f64>>>
 /// The pivots are those of the equation above, in the order of elimination.
 #[test]
 fn the_pivots_are_those_of_the_equation() {
-    for separator in SEPARATORS {
-        let (mut system, pattern) = (system(&separator), pattern());
+    for cut in CUTS {
+        let (mut system, pattern) = (system(cut, &ALONE), pattern(cut.0));
         let order = order(&system);
         let mut filled = 0;
         for seed in 1..20 {
@@ -192,7 +195,7 @@ fn the_pivots_are_those_of_the_equation() {
                 filled += u32::from(pivot != bare);
                 let root = found[g].cast::<f64>().try_inverse().unwrap_or_default();
                 let off = most(root * root.transpose() - pivot);
-                assert!(off < 1e-6 * (1.0 + most(fill)), "seed {seed}, {separator:?}, node {g}: {off:e} off");
+                assert!(off < 1e-6 * (1.0 + most(fill)), "seed {seed}, {cut:?}, node {g}: {off:e} off");
                 inverse[g] = pivot.try_inverse().unwrap_or_default();
             }
         }
@@ -214,8 +217,8 @@ fn pivots_keep_enough() {
 /// Eisenstat's product is the one of its three factors, and the solution's way in and out those of both of its solves.
 #[test]
 fn the_operations_are_those_of_their_factors() {
-    for separator in SEPARATORS {
-        let (mut system, pattern) = (system(&separator), pattern());
+    for cut in CUTS {
+        let (mut system, pattern) = (system(cut, &ALONE), pattern(cut.0));
         assert!(system.set_values(&values(&pattern, 1), RELAXATION));
         let mut order = order(&system);
         let below = below(&system);
@@ -242,7 +245,7 @@ fn the_operations_are_those_of_their_factors() {
         let near = |what: &str, found: &[f32x4], expected: &[Vector3<f64>]| {
             for (g, (found, expected)) in found.iter().zip(expected).enumerate() {
                 let off = (unpacked(*found).cast::<f64>() - *expected).norm();
-                assert!(off < 1e-5 * (1.0 + expected.norm()), "{what}, {separator:?}, node {g}: {off:e} off");
+                assert!(off < 1e-5 * (1.0 + expected.norm()), "{what}, {cut:?}, node {g}: {off:e} off");
             }
         };
         near("r", &by_node(&system, |part| &part.r), &r);
@@ -282,7 +285,7 @@ fn the_operations_are_those_of_their_factors() {
             let own = (root[g].cast::<f64>().transpose() * x[g])[pattern.dof[u] as usize % 3] * system.scale[u] * s;
             assert!(
                 (found - own).abs() < 1e-5 * x[g].norm() * system.scale[u] * s + 1e-12,
-                "{separator:?}: {found} at {u}, not {own}"
+                "{cut:?}: {found} at {u}, not {own}"
             );
         }
         order.sort_unstable();
@@ -290,14 +293,37 @@ fn the_operations_are_those_of_their_factors() {
     }
 }
 
+/// All operations give the same bits on any number of threads.
+#[test]
+fn threads_change_no_bits() -> Result<(), rayon::ThreadPoolBuildError> {
+    let workers = [Workers::new(1)?, Workers::new(2)?, Workers::new(3)?];
+    for cut in CUTS {
+        let pattern = pattern(cut.0);
+        let found = workers.each_ref().map(|workers| {
+            let mut system = system(cut, workers);
+            assert!(system.set_values(&values(&pattern, 1), RELAXATION));
+            let mut x: Vec<f64> = (0..pattern.n()).map(|u| (u as f64).cos()).collect();
+            let [scale, square] = system.set_right_hand_side(&x);
+            system.begin();
+            let curvature = system.product(0.0);
+            let left = system.advance((square / curvature.along) as f32);
+            system.finish(scale, &mut x);
+            x.extend([scale, square, curvature.along, curvature.squares, left]);
+            x.into_iter().map(f64::to_bits).collect::<Vec<_>>()
+        });
+        assert!(found[0] == found[1] && found[0] == found[2], "{cut:?}");
+    }
+    Ok(())
+}
+
 /// A W that single precision cannot hold is told, and leaves nothing behind for the next one.
 #[test]
 fn overflow_is_told_and_forgotten() {
-    let pattern = pattern();
-    let good = values(&pattern, 1);
-    for separator in SEPARATORS {
+    for cut in CUTS {
+        let pattern = pattern(cut.0);
+        let good = values(&pattern, 1);
         for u in 0..pattern.n() {
-            let mut system = system(&separator);
+            let mut system = system(cut, &ALONE);
             let mut bad = good.clone();
             bad[pattern.col_ptr[u] as usize] = 1e-90;
             assert!(!system.set_values(&bad, RELAXATION) && system.set_values(&good, RELAXATION), "unknown {u}");
