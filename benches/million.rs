@@ -40,11 +40,10 @@ struct Triad(Vec<f64>, Vec<f64>, Vec<f64>);
 impl Triad {
     fn run(&mut self, workers: &Workers) {
         let Triad(a, b, c) = self;
-        workers.each(a, |r, a| {
+        workers.set(a, |r, a| {
             for ((a, b), c) in a.iter_mut().zip(&b[r.clone()]).zip(&c[r]) {
                 *a = b + 3.0 * c;
             }
-            0.0
         });
         black_box(a);
     }

@@ -258,6 +258,12 @@ fn main() {
         assert_eq!(heap_blocks(&large, method), 0, "blocks of steps of {method}");
         assert_eq!(heap_blocks(&sheet(20), method), 0, "blocks of steps of {method} in the local buffers of one block");
     }
+    // Conjugate gradients in two sections, one for each thread. The least of several runs, as above.
+    let sections = sheet_for(70, two(), false);
+    for strategy in [Strategy::Full, Strategy::Auto] {
+        let shared_blocks = || blocks(&sections, "newmark", 5, (strategy, LinearChoice::Cg));
+        assert_eq!((0..5).map(|_| shared_blocks()).min(), Some(0), "conjugate gradients on two threads, {strategy:?}");
+    }
     for law in [false, true] {
         assert_eq!(
             external_blocks(10, law),

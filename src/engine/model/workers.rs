@@ -1,6 +1,6 @@
 //! Loops over all degrees of freedom on several threads, with the same bits for every number of them.
 //!
-//! A loop is divided into pieces whose size depends on its length only. The results of the pieces are added in their
+//! A loop is divided into chunks whose size depends on its length only. The results of the chunks are added in their
 //! order, on one thread too, so the bits agree.
 
 use super::lanes::{LANES, Lanes};
@@ -11,10 +11,10 @@ use std::cell::OnceCell;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
-/// Largest number of pieces.
-const PIECES: usize = 64;
-/// Least number of entries of a piece: enough to outweigh its hand-over. A multiple of every block size of the loops.
-const PIECE: usize = 3 * 2048;
+/// Largest number of chunks.
+const CHUNKS: usize = 64;
+/// Least number of entries of a chunk: enough to outweigh its hand-over. A multiple of every block size of the loops.
+const CHUNK: usize = 3 * 2048;
 
 /// The threads that loops over a scene's nodes may use.
 #[derive(Clone, Debug, Default)]
@@ -24,6 +24,9 @@ thread_local! {
     /// A pool that includes this thread, which saves handing work over and waking it afterwards.
     static OWN: OnceCell<Arc<ThreadPool>> = const { OnceCell::new() };
 }
+
+/// Work on chunks of two vectors with their range.
+type OnBoth<'a> = &'a (dyn Fn(Range<usize>, &mut [f64], &mut [f64]) + Sync);
 
 /// The calling thread only.
 pub static ALONE: Workers = Workers(None);
@@ -67,43 +70,28 @@ impl Workers {
         self.0.as_deref()
     }
 
-    /// Calls `work` for pieces of `out` with their ranges; returns the sum of its results.
-    pub fn each(&self, out: &mut [f64], work: impl Fn(Range<usize>, &mut [f64]) -> f64 + Sync) -> f64 {
-        self.each_piece(out, &work)
-    }
-
-    /// Not generic: one copy of what shares out pieces serves all loops.
-    fn each_piece(&self, out: &mut [f64], work: &(dyn Fn(Range<usize>, &mut [f64]) -> f64 + Sync)) -> f64 {
-        let size = piece(out.len());
-        if out.len() <= size {
-            return work(0..out.len(), out);
-        }
-        let mut parts = [0.0; PIECES];
-        let run = |(i, (out, part)): (usize, (&mut [f64], &mut f64))| {
-            *part = work(i * size..i * size + out.len(), out);
-        };
-        match self.pool() {
-            None => out.chunks_mut(size).zip(&mut parts).enumerate().for_each(run),
-            Some(pool) => pool.install(|| out.par_chunks_mut(size).zip(&mut parts).enumerate().for_each(run)),
-        }
-        parts.iter().sum()
-    }
-
-    /// Calls `work` for pieces of `out` with their ranges.
+    /// Calls `work` for chunks of `out` with their ranges.
     pub fn set(&self, out: &mut [f64], work: impl Fn(Range<usize>, &mut [f64]) + Sync) {
-        self.each(out, |range, out| {
-            work(range, out);
-            0.0
-        });
+        self.set_chunks(out, &work);
     }
 
-    /// The same for pieces of two vectors of one length.
+    /// Not generic: one copy of what shares out chunks serves all loops.
+    fn set_chunks(&self, out: &mut [f64], work: &(dyn Fn(Range<usize>, &mut [f64]) + Sync)) {
+        let size = chunk(out.len());
+        let run = |(i, out): (usize, &mut [f64])| work(i * size..i * size + out.len(), out);
+        match self.pool().filter(|_| out.len() > size) {
+            None => out.chunks_mut(size).enumerate().for_each(run),
+            Some(pool) => pool.install(|| out.par_chunks_mut(size).enumerate().for_each(run)),
+        }
+    }
+
+    /// The same for chunks of two vectors of one length.
     pub fn both(&self, a: &mut [f64], b: &mut [f64], work: impl Fn(Range<usize>, &mut [f64], &mut [f64]) + Sync) {
-        self.both_pieces([a, b], &work);
+        self.both_chunks(a, b, &work);
     }
 
-    fn both_pieces(&self, [a, b]: [&mut [f64]; 2], work: &(dyn Fn(Range<usize>, &mut [f64], &mut [f64]) + Sync)) {
-        let size = piece(a.len());
+    fn both_chunks(&self, a: &mut [f64], b: &mut [f64], work: OnBoth<'_>) {
+        let size = chunk(a.len());
         let run = |(i, (a, b)): (usize, (&mut [f64], &mut [f64]))| work(i * size..i * size + a.len(), a, b);
         match self.pool().filter(|_| a.len() > size) {
             None => a.chunks_mut(size).zip(b.chunks_mut(size)).enumerate().for_each(run),
@@ -139,7 +127,7 @@ impl Workers {
         on_threads_of(pool, threads, &|| std::iter::from_fn(next).for_each(&work));
     }
 
-    /// The results of `part` for each piece of `0..n`, combined in their order.
+    /// The results of `part` for each chunk of `0..n`, combined in their order.
     pub fn fold<T: Copy + Send + Sync>(
         &self,
         n: usize,
@@ -147,12 +135,12 @@ impl Workers {
         part: impl Fn(Range<usize>) -> T + Sync,
         join: impl Fn(T, T) -> T,
     ) -> T {
-        let size = piece(n);
+        let size = chunk(n);
         if n <= size {
             return part(0..n);
         }
-        let count = n.div_ceil(size).min(PIECES);
-        let mut parts = [none; PIECES];
+        let count = n.div_ceil(size).min(CHUNKS);
+        let mut parts = [none; CHUNKS];
         let run = |(i, out): (usize, &mut T)| *out = part(i * size..((i + 1) * size).min(n));
         match self.pool() {
             None => parts[..count].iter_mut().enumerate().for_each(run),
@@ -161,12 +149,12 @@ impl Workers {
         parts[..count].iter().fold(none, |a, b| join(a, *b))
     }
 
-    /// Sum of the results of `part` for each piece of `0..n`.
+    /// Sum of the results of `part` for each chunk of `0..n`.
     pub fn sum(&self, n: usize, part: impl Fn(Range<usize>) -> f64 + Sync) -> f64 {
-        self.sum_of_pieces(n, &part)
+        self.sum_of_chunks(n, &part)
     }
 
-    fn sum_of_pieces(&self, n: usize, part: &(dyn Fn(Range<usize>) -> f64 + Sync)) -> f64 {
+    fn sum_of_chunks(&self, n: usize, part: &(dyn Fn(Range<usize>) -> f64 + Sync)) -> f64 {
         self.fold(n, 0.0, part, |a, b| a + b)
     }
 
@@ -220,8 +208,8 @@ fn times_zero(values: &[f64]) -> f64 {
     sum.total() + last.iter().map(|value| 0.0 * value).sum::<f64>()
 }
 
-fn piece(n: usize) -> usize {
-    n.div_ceil(PIECES).next_multiple_of(PIECE).max(PIECE)
+fn chunk(n: usize) -> usize {
+    n.div_ceil(CHUNKS).next_multiple_of(CHUNK).max(CHUNK)
 }
 
 #[cfg(test)]
@@ -241,7 +229,7 @@ mod tests {
     #[test]
     fn one_value_that_is_not_finite_is_found_wherever_it_is() {
         let workers = Workers::new(2).expect("threads");
-        for n in [1, 8, 9, PIECE + 3] {
+        for n in [1, 8, 9, CHUNK + 3] {
             let mut values = vec![-1e308; n];
             assert!(workers.all_finite(&values));
             for at in [0, n / 2, n - 1] {
@@ -256,18 +244,15 @@ mod tests {
     }
 
     #[test]
-    fn pieces_cover_everything_once_and_sums_do_not_depend_on_threads() {
-        for n in [0, 1, PIECE, PIECE + 1, 200_001, PIECES * PIECE + 7] {
+    fn chunks_cover_everything_once_and_sums_do_not_depend_on_threads() {
+        for n in [0, 1, CHUNK, CHUNK + 1, 200_001, CHUNKS * CHUNK + 7] {
             let values: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
             let results = [1, 2, 3].map(|threads| {
                 let workers = Workers::new(threads).expect("threads");
                 let mut out = vec![0.0; n];
-                let sum = workers.each(&mut out, |range, out| {
-                    out.iter_mut().zip(&values[range]).for_each(|(out, v)| *out += v);
-                    out.iter().sum()
-                });
+                workers.set(&mut out, |range, out| out.iter_mut().zip(&values[range]).for_each(|(out, v)| *out += v));
                 assert_eq!(out, values);
-                assert_eq!(sum.to_bits(), workers.sum(n, |range| values[range].iter().sum()).to_bits());
+                let sum: f64 = workers.sum(n, |range| values[range].iter().sum());
                 let (mut a, mut b) = (out.clone(), out);
                 workers.both(&mut a, &mut b, |range, a, b| {
                     for ((a, b), v) in a.iter_mut().zip(b).zip(&values[range]) {

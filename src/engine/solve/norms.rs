@@ -1,4 +1,4 @@
-//! Operations on vectors `[n]` on all threads. Sums are made in fixed lanes and pieces, so their bits do not depend on
+//! Operations on vectors `[n]` on all threads. Sums are made in fixed lanes and chunks, so their bits do not depend on
 //! the number of threads.
 
 use crate::model::lanes::{LANES, Lanes};

@@ -140,7 +140,7 @@ fn separator(reach: &[usize], middle: usize) -> Range<usize> {
 mod tests {
     use super::*;
 
-    /// A subdomain of a net, `width` nodes across, each with its neighbours ahead.
+    /// A net, `width` nodes across, each with its neighbours ahead.
     fn net(nodes: usize, width: usize) -> Pattern {
         let ahead = |g: usize| [0, 1, width, width + 1].map(|d| g + d).into_iter().filter(move |&r| r < nodes);
         let rows = |g| ahead(g).map(|r| r as u32);
@@ -162,7 +162,7 @@ mod tests {
         Cut::new(pattern, &pattern.node_of_unknown())
     }
 
-    /// Sections of one size are not coupled, every node is in one subdomain, and separators are as wide as the net.
+    /// Sections have about one size and are not coupled, every node is in one subdomain, and separators are as wide as the net.
     #[test]
     fn separators_part_sections() {
         for (nodes, width, sections) in [(5000, 70, 2), (262_200, 200, 8)] {
