@@ -162,7 +162,8 @@ mod tests {
         Cut::new(pattern, &pattern.node_of_unknown())
     }
 
-    /// Sections have about one size and are not coupled, every node is in one subdomain, and separators are as wide as the net.
+    /// Sections have about one size and are not coupled, every node is in one subdomain, and separators are as wide as
+    /// the net.
     #[test]
     fn separators_part_sections() {
         for (nodes, width, sections) in [(5000, 70, 2), (262_200, 200, 8)] {
