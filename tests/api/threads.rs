@@ -113,7 +113,7 @@ fn one_two_and_three_threads_give_the_same_bits() {
 fn adaptive_steps_are_the_same_for_every_number_of_threads() {
     let tolerance = ("time.tolerance", r#"{"relative": 1e-3, "absolute": 1e-5}"#);
     for method in ["velocity-verlet", "rk4", "generalized-alpha"] {
-        // More nodes than are summed in one piece.
+        // More nodes than are summed in one chunk.
         let sets = [
             ("system.network.mesh.annulus.nodes", "9000"),
             ("system.network.mesh.annulus.boundary_nodes", "450"),

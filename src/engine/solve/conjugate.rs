@@ -47,8 +47,9 @@ const MULTIGRID_COST: f64 = 3.8;
 /// Iterations after which M is checked for being nearly singular.
 const PROBE: u32 = 3;
 /// [-] Largest p . W p / p . p of a range of nodes with which fill in the pivots helps: it is 0.8 to 3.2 on nets with
-/// few waves, largest at separators. Where M is nearly singular it is 4.5 to 1e8: nets with waves some springs long, or
-/// six nodes of such waves in a flat net. Motions that hardly matter then dominate the residual.
+/// few waves, largest at separators and where the elimination of a section begins. Where M is nearly singular it is 4.5
+/// to 1e8: nets with waves some springs long, or six nodes of such waves in a flat net. Motions that hardly matter then
+/// dominate the residual.
 const LARGEST: f64 = 4.0;
 /// Iterations up to which a solve continues to the tighter of its two tolerances: then one Newton iteration is enough.
 const FEW: u32 = 2;

@@ -18,8 +18,8 @@ use std::ops::Range;
 use std::sync::Arc;
 use wide::f32x4;
 
-/// Nodes in each range that [`PartitionedSystem::runs_within`] checks, or up to twice as many: an error at a few nodes
-/// would not show in a sum over the scene, and fewer nodes are no average.
+/// Least number of nodes in a range that [`PartitionedSystem::runs_within`] checks: an error at a few nodes would not
+/// show in a sum over the scene, and fewer nodes are no average.
 const RUN: usize = 256;
 
 /// A subdomain of W with its part of all vectors; t and q also hold the separators beside it.
@@ -329,14 +329,13 @@ impl PartitionedSystem {
         self.sum(|found| found.square)
     }
 
-    /// Whether p . q <= most * p . p in every range of [`RUN`] nodes or more. A smaller subdomain is one range.
+    /// Whether p . q <= most * p . p in every range of nodes.
     pub(super) fn runs_within(&self, most: f64) -> bool {
-        let mut runs = self.all().flat_map(|part| {
-            let nodes = part.p.len();
-            let size = nodes.div_ceil((nodes / RUN).max(1)).max(1);
-            part.p.chunks(size).zip(part.q.chunks(size))
-        });
-        runs.all(|(p, q)| product(p, q) <= most * squared(p))
+        let within = |part: &SubdomainSystem, range: Range<usize>| {
+            let p = &part.p[range.clone()];
+            product(p, &part.q[range]) <= most * squared(p)
+        };
+        self.all().all(|part| runs(part.blocks.nodes()).all(|range| within(part, range)))
     }
 }
 
@@ -345,10 +344,34 @@ fn beside(separators: &[SubdomainSystem], section: usize) -> Separators<'_> {
     Separators([section.checked_sub(1), Some(section)].map(|i| i.and_then(|i| separators.get(i))))
 }
 
+/// Ranges of nearly one length, of [`RUN`] nodes or more each. Fewer nodes are one range.
+fn runs(nodes: usize) -> impl Iterator<Item = Range<usize>> {
+    let count = (nodes / RUN).max(1);
+    (0..count).map(move |i| i * nodes / count..(i + 1) * nodes / count)
+}
+
 fn product(a: &[f32x4], b: &[f32x4]) -> f64 {
     a.iter().zip(b).map(|(a, b)| f64::from(unpacked(*a).dot(&unpacked(*b)))).sum()
 }
 
 fn squared(v: &[f32x4]) -> f64 {
     v.iter().fold(Vector3::zeros(), |sum, v| sum + unpacked(*v * *v).cast::<f64>()).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One after another, none too short for an average, and none twice as long.
+    #[test]
+    fn runs_cover_all_nodes() {
+        for nodes in [0, 1, 255, 256, 257, 511, 512, 769, 45_150, 65_793] {
+            let ends = runs(nodes).fold(0, |end, run| {
+                assert_eq!(run.start, end);
+                assert!(run.len() == nodes || (RUN..2 * RUN).contains(&run.len()), "{run:?} of {nodes}");
+                run.end
+            });
+            assert_eq!(ends, nodes);
+        }
+    }
 }
