@@ -520,19 +520,24 @@ fn the_work_of_conjugate_gradients() {
 }
 
 /// Nets of 4,096 nodes or more are eliminated in two sections, and those of 262,144 or more in eight, which threads
-/// share: the bits and the work do not depend on their number. Both have fill in their pivots, and take 41 and 72
-/// iterations without.
+/// share: the bits and the work do not depend on their number. Both nets have fill in their pivots, and take 41
+/// and 72 iterations without.
 #[test]
 fn sections_of_a_net_give_the_same_bits_on_any_number_of_threads() {
-    for (side, iterations) in [(300, 29), (520, 52)] {
+    let net = |side: u32| {
         let net = serde_json::json!({"name": "net", "system": {"network": {
             "mesh": {"rectangle": {"width": 1.0, "height": 1.0, "columns": side, "rows": side}},
             "mass": {"areal_density": 2.0}, "springs": [{"on": "all", "stiffness": 1000.0}],
             "supports": [{"on": "boundary", "fix": "xyz"}], "gravity": [3, 2, -9]}},
             "time": {"end": 1e-3, "step": 1e-3, "method": "newmark"}, "solver": {"linear": "cg"}, "output": {}});
-        let case = case_of(&net, &[]);
+        case_of(&net, &[])
+    };
+    let annulus = asset("big/annulus-10k", &[("time.end", "4e-3"), ("output", "{}"), ("solver.linear", "cg")]);
+    for (case, exact) in [(annulus, None), (net(300), Some(29)), (net(520), Some(52))] {
         let [one, two, three] = [1, 2, 3].map(|threads| run_with(&case, threads));
-        assert_eq!(one.outcome.counters.cg_iterations, iterations, "{side}: {:?}", one.outcome.counters);
+        let counters = one.outcome.counters;
+        assert!(counters.cg_iterations > 20, "{counters:?}");
+        assert!(exact.is_none_or(|exact| counters.cg_iterations == exact), "{counters:?}");
         for other in [two, three] {
             assert!(one.state == other.state && one.outcome.counters == other.outcome.counters);
         }

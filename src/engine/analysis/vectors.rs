@@ -2,7 +2,7 @@
 
 use crate::model::quad::{self, Pass, Quad, VectorUnit};
 
-/// a.b in eight lanes. The order of the sum differs from `solve::norms`, and the bits of limits depend on it.
+/// a.b in eight lanes. The order of the sum differs from `solve::vectors`, and the bits of limits depend on it.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, a_rest) = a.as_chunks::<8>();
     let (b, b_rest) = b.as_chunks::<8>();

@@ -193,10 +193,8 @@ impl<M: ImplicitScheme> Implicit<M> {
         let bridge = self.anew && own.lag() != 0.0;
         let map = if bridge { StageMap::newmark(TRAPEZOIDAL, h) } else { own };
         to.state.t = t_next;
-        s.workers.both(&mut to.state.x, &mut to.state.v, |r, x, v| {
-            x.copy_from_slice(&from.state.x[r.clone()]);
-            v.copy_from_slice(&from.state.v[r]);
-        });
+        s.workers.copy(&mut to.state.x, &from.state.x);
+        s.workers.copy(&mut to.state.v, &from.state.v);
         if self.relative {
             let [a, before] = &mut s.kept;
             acceleration(system, a, &from.forces.total);

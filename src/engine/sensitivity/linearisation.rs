@@ -214,8 +214,7 @@ impl Linearisation {
         }
         self.assembler.pattern.multiply_transposed(&self.whole.values, y, out);
         for [u, g] in &self.whole.parts {
-            let share = ALONE.dot(u, y);
-            out.iter_mut().zip(g).for_each(|(out, g)| *out += share * g);
+            ALONE.add(out, ALONE.dot(u, y), g);
         }
     }
 
@@ -258,8 +257,7 @@ impl Linearisation {
     fn solve_with_factor(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
         self.solve_entries(b)?;
         for SolvedPart { g, z, divisor } in &self.parts {
-            let share = ALONE.dot(g, b) / divisor;
-            b.iter_mut().zip(z).for_each(|(b, z)| *b -= share * z);
+            ALONE.add(b, -ALONE.dot(g, b) / divisor, z);
         }
         Ok(())
     }
@@ -280,7 +278,6 @@ impl Linearisation {
 /// out += the sum of u (g . y).
 fn add_parts(parts: &[[Vec<f64>; 2]], y: &[f64], out: &mut [f64]) {
     for [u, g] in parts {
-        let share = ALONE.dot(g, y);
-        out.iter_mut().zip(u).for_each(|(out, u)| *out += share * u);
+        ALONE.add(out, ALONE.dot(g, y), u);
     }
 }

@@ -13,7 +13,6 @@ mod mixed;
 mod mixed_precision;
 mod multigrid;
 pub mod newton;
-pub(crate) mod norms;
 mod ordering;
 mod partitioned_cg;
 mod problem;
@@ -21,6 +20,7 @@ pub mod quasi_newton;
 mod relaxed_ic0;
 mod search;
 mod sections;
+mod vectors;
 
 pub use cholesky::Cholesky;
 pub use conjugate::ConjugateGradients;
